@@ -1,0 +1,267 @@
+#include "cycle/touch_cycle.h"
+
+#include "hal_clock.h"
+#include "input/ticks.h"
+
+#define POSITION_MAX_COUNTS 0x0FFFFFFF /* sums of a few positions cannot overflow */
+
+/* However the cycle ends, the edges up to here are answered for. */
+static void end(touch_cycle_t *cycle, touch_state_t state, touch_error_t error)
+{
+    cycle->result.error = error;
+    cycle->state = state;
+    latch_disarm(cycle->latch);
+    cycle->seen_unarmed = latch_counters(cycle->latch).unarmed;
+}
+
+static void ask(touch_cycle_t *cycle, touch_request_kind_t kind, int32_t target_counts,
+                double feed_mm_min)
+{
+    cycle->request = (touch_request_t){kind, target_counts, feed_mm_min};
+    cycle->has_request = true;
+}
+
+static void begin_motion(touch_cycle_t *cycle, touch_state_t state, uint32_t now_ticks)
+{
+    cycle->state = state;
+    cycle->is_at_rest = false;
+    cycle->since_ticks = now_ticks;
+}
+
+static void approach(touch_cycle_t *cycle, touch_state_t state, double feed_mm_min,
+                     uint32_t now_ticks)
+{
+    const touch_config_t *config = &cycle->config;
+    int32_t               travel = config->approach_counts + cycle->sense * config->overtravel_counts;
+
+    latch_arm(cycle->latch, &cycle->latch_config);
+    ask(cycle, TOUCH_MOVE, cycle->start_counts + travel, feed_mm_min);
+    begin_motion(cycle, state, now_ticks);
+}
+
+static void retreat(touch_cycle_t *cycle, touch_state_t state, int32_t target_counts,
+                    uint32_t now_ticks)
+{
+    cycle->is_released = false;
+    ask(cycle, TOUCH_MOVE, target_counts, cycle->config.feed_mm_min);
+    begin_motion(cycle, state, now_ticks);
+}
+
+static bool is_position(int32_t counts)
+{
+    return counts >= -POSITION_MAX_COUNTS && counts <= POSITION_MAX_COUNTS;
+}
+
+static bool is_distance(int32_t counts)
+{
+    return counts > 0 && is_position(counts);
+}
+
+static bool is_sound(const touch_config_t *config, int32_t start_counts)
+{
+    bool first = is_position(start_counts) && is_position(config->approach_counts) &&
+                 config->approach_counts != 0 && is_distance(config->overtravel_counts) &&
+                 config->feed_mm_min > 0.0;
+    bool second = is_distance(config->back_off_counts) && config->measure_feed_mm_min > 0.0;
+    return first && (second || !config->two_touches);
+}
+
+static void take_config(touch_cycle_t *cycle, const touch_config_t *config)
+{
+    uint32_t tick_ps = hal_clock_tick_ps();
+
+    cycle->config = *config;
+    cycle->sense = config->approach_counts > 0 ? 1 : -1;
+    cycle->timeout_ticks =
+        config->timeout_us == 0u ? TICKS_NEVER : ticks_from_us(config->timeout_us, tick_ps);
+    cycle->settle_ticks = ticks_from_us(config->settle_us, tick_ps);
+    cycle->latch_config = (latch_config_t){
+        .repeated = false,
+        .confirm_ticks = ticks_from_us(config->confirm_us, tick_ps),
+        .holdoff_ticks = ticks_from_us(config->holdoff_us, tick_ps),
+    };
+}
+
+/* Edges between two cycles mean that something was hit on the way: told once, at the next start. */
+static touch_error_t check_start(const touch_cycle_t *cycle, const touch_input_t *input)
+{
+    if (!is_sound(&cycle->config, input->position_counts)) {
+        return TOUCH_ERR_CONFIG;
+    }
+    if (latch_counters(cycle->latch).unarmed != cycle->seen_unarmed) {
+        return TOUCH_ERR_UNARMED_TOUCH;
+    }
+    return latch_level(cycle->latch) ? TOUCH_ERR_DEFLECTED_AT_START : TOUCH_OK;
+}
+
+touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touch_config_t *config,
+                                const touch_input_t *input)
+{
+    cycle->latch = latch;
+    cycle->result = (touch_result_t){.error = TOUCH_OK};
+    cycle->has_request = false;
+    cycle->has_latch = false;
+    take_config(cycle, config);
+
+    touch_error_t error = check_start(cycle, input);
+    if (error != TOUCH_OK) {
+        end(cycle, TOUCH_FAILED, error);
+        return error;
+    }
+    cycle->start_ticks = input->now_ticks;
+    cycle->start_counts = input->position_counts;
+    approach(cycle, TOUCH_APPROACHING, config->feed_mm_min, input->now_ticks);
+    return TOUCH_OK;
+}
+
+static void poll_touch(touch_cycle_t *cycle, const touch_input_t *input)
+{
+    bool is_measuring = cycle->state == TOUCH_MEASURING || !cycle->config.two_touches;
+    bool is_over = !input->is_moving && !latch_is_confirming(cycle->latch);
+
+    if (is_over) { /* first shut the door, then look who is in */
+        latch_disarm(cycle->latch);
+    }
+    if (latch_take(cycle->latch, &cycle->result.latch)) {
+        cycle->has_latch = is_measuring;
+        ask(cycle, TOUCH_STOP, 0, 0.0);
+        begin_motion(cycle, is_measuring ? TOUCH_MEASURED : TOUCH_STOPPING, input->now_ticks);
+    } else if (is_over) {
+        end(cycle, TOUCH_FAILED, TOUCH_ERR_NO_TOUCH);
+    }
+}
+
+static void poll_stop(touch_cycle_t *cycle, const touch_input_t *input)
+{
+    int32_t latched = cycle->result.latch.position_counts;
+    if (input->is_moving) {
+        return;
+    }
+    int32_t overtravel = cycle->sense * (input->position_counts - latched);
+    if (cycle->state == TOUCH_STOPPING) {
+        cycle->result.fast_overtravel_counts = overtravel;
+        retreat(cycle, TOUCH_BACKING_OFF, latched - cycle->sense * cycle->config.back_off_counts,
+                input->now_ticks);
+    } else {
+        cycle->result.overtravel_counts = overtravel;
+        retreat(cycle, TOUCH_RETURNING, cycle->start_counts, input->now_ticks);
+    }
+}
+
+static void end_retreat(touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    if (cycle->state == TOUCH_BACKING_OFF) {
+        approach(cycle, TOUCH_MEASURING, cycle->config.measure_feed_mm_min, now_ticks);
+    } else {
+        cycle->result.duration_ticks = ticks_elapsed(now_ticks, cycle->start_ticks);
+        end(cycle, TOUCH_DONE, TOUCH_OK);
+    }
+}
+
+/* A release bounces like a touch does: deflected again counts only after the hold-off. */
+static bool is_touched_again(touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    bool is_deflected = latch_level(cycle->latch);
+    if (!is_deflected && !cycle->is_released) {
+        cycle->is_released = true;
+        cycle->released_ticks = now_ticks;
+    }
+    return is_deflected && cycle->is_released &&
+           ticks_left(now_ticks, cycle->released_ticks, cycle->latch_config.holdoff_ticks) == 0u;
+}
+
+static void poll_retreat(touch_cycle_t *cycle, const touch_input_t *input)
+{
+    if (is_touched_again(cycle, input->now_ticks)) {
+        ask(cycle, TOUCH_STOP, 0, 0.0);
+        end(cycle, TOUCH_FAILED, TOUCH_ERR_DEFLECTED_IN_RETREAT);
+        return;
+    }
+    if (input->is_moving) {
+        return;
+    }
+    if (!cycle->is_at_rest) {
+        cycle->is_at_rest = true;
+        cycle->since_ticks = input->now_ticks;
+    }
+    if (!latch_level(cycle->latch)) {
+        end_retreat(cycle, input->now_ticks);
+    } else if (ticks_left(input->now_ticks, cycle->since_ticks, cycle->settle_ticks) == 0u) {
+        end(cycle, TOUCH_FAILED, TOUCH_ERR_STUCK_DEFLECTED);
+    }
+}
+
+/* Ticks until the present motion, or the wait for a release after it, has lasted too long. */
+static uint32_t limit_left(const touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    uint32_t limit = cycle->is_at_rest ? cycle->settle_ticks : cycle->timeout_ticks;
+    return limit == TICKS_NEVER ? TICKS_NEVER : ticks_left(now_ticks, cycle->since_ticks, limit);
+}
+
+static bool is_running(const touch_cycle_t *cycle)
+{
+    return cycle->state != TOUCH_IDLE && cycle->state != TOUCH_DONE && cycle->state != TOUCH_FAILED;
+}
+
+touch_state_t touch_cycle_poll(touch_cycle_t *cycle, const touch_input_t *input)
+{
+    switch (cycle->state) {
+    case TOUCH_APPROACHING:
+    case TOUCH_MEASURING:
+        poll_touch(cycle, input);
+        break;
+    case TOUCH_STOPPING:
+    case TOUCH_MEASURED:
+        poll_stop(cycle, input);
+        break;
+    case TOUCH_BACKING_OFF:
+    case TOUCH_RETURNING:
+        poll_retreat(cycle, input);
+        break;
+    case TOUCH_IDLE:
+    case TOUCH_DONE:
+    case TOUCH_FAILED:
+    default:
+        break;
+    }
+    if (is_running(cycle) && input->is_moving && limit_left(cycle, input->now_ticks) == 0u) {
+        ask(cycle, TOUCH_STOP, 0, 0.0);
+        end(cycle, TOUCH_FAILED, TOUCH_ERR_TIMEOUT);
+    }
+    return cycle->state;
+}
+
+bool touch_cycle_take_request(touch_cycle_t *cycle, touch_request_t *request)
+{
+    bool taken = cycle->has_request;
+    if (taken) {
+        *request = cycle->request;
+        cycle->has_request = false;
+    }
+    return taken;
+}
+
+bool touch_cycle_take_latch(touch_cycle_t *cycle, latch_record_t *record)
+{
+    bool taken = cycle->has_latch;
+    if (taken) {
+        *record = cycle->result.latch;
+        cycle->has_latch = false;
+    }
+    return taken;
+}
+
+const touch_result_t *touch_cycle_result(const touch_cycle_t *cycle)
+{
+    return &cycle->result;
+}
+
+uint32_t touch_cycle_idle_ticks(const touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    if (!is_running(cycle)) {
+        return TICKS_NEVER;
+    }
+    uint32_t wait = limit_left(cycle, now_ticks);
+    uint32_t confirm = latch_idle_ticks(cycle->latch, now_ticks);
+    return confirm < wait ? confirm : wait;
+}

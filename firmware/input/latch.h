@@ -1,0 +1,86 @@
+/*
+ * One latching input: keeps the first edge of a touch, then confirms or rejects it.
+ *
+ * The first edge is what counts. Its time and position are kept at once; debouncing afterwards only
+ * decides whether it was a touch, and never moves it. The skip input feeds it from the edge
+ * interrupt, the PLC task from its scan.
+ */
+#ifndef INPUT_LATCH_H
+#define INPUT_LATCH_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "report/latch_record.h"
+
+typedef enum {
+    LATCH_DISARMED,   /* edges are counted as unarmed */
+    LATCH_ARMED,      /* waits for the first edge */
+    LATCH_CONFIRMING, /* an edge is kept; the level decides what it was */
+    LATCH_HOLDING     /* confirmed; further edges are bounces until the hold-off is over */
+} latch_phase_t;
+
+/* Durations are at most TICKS_MAX_DURATION (input/ticks.h). */
+typedef struct {
+    bool     repeated;      /* after a touch: true arms again, false disarms */
+    uint32_t confirm_ticks; /* the level rests this long to confirm or reject; 0 confirms at once */
+    uint32_t holdoff_ticks; /* from the first edge on; edges within it belong to the touch */
+} latch_config_t;
+
+/* Events since latch_init(). Each count wraps at 2^16. */
+typedef struct {
+    uint16_t bounces;  /* further edges of a touch */
+    uint16_t glitches; /* edges that were rejected */
+    uint16_t overruns; /* confirmed latches that were lost: the one before had not been taken */
+    uint16_t unarmed;  /* edges that came in while disarmed */
+} latch_counters_t;
+
+/* Owned by the caller; the fields are for this module. Interrupt and task share it under hal_critical. */
+typedef struct {
+    latch_config_t   config;
+    latch_counters_t counters;
+    latch_record_t   kept;          /* the first edge of the present touch */
+    latch_record_t   ready;         /* a confirmed touch, while has_ready */
+    uint32_t         changed_ticks; /* when the level was last seen to change */
+    latch_phase_t    phase;
+    bool             level; /* deflected, as last seen */
+    bool             has_ready;
+} latch_t;
+
+/*
+ * Before first use. channel: 0 … LATCH_CHANNEL_MAX; flags: LATCH_FLAG_PLC or 0, copied into every
+ * record. Task, edges not yet delivered.
+ */
+void latch_init(latch_t *latch, uint8_t channel, uint8_t flags);
+
+/* Wait for the next edge; a record that nobody took is dropped. Task. */
+void latch_arm(latch_t *latch, const latch_config_t *config);
+
+/* Latch nothing more; a confirmed record can still be taken. Task. */
+void latch_disarm(latch_t *latch);
+
+/* An edge into the deflected state, with the clock and the position at that instant. ISR or scan. */
+void latch_on_edge(latch_t *latch, uint32_t ticks, int32_t position_counts);
+
+/*
+ * Tell the level at `now_ticks`; confirms, rejects and ends the hold-off. Task or scan. Has to be
+ * called at least every 2^31 ticks, or an old time looks new.
+ */
+void latch_poll(latch_t *latch, uint32_t now_ticks, bool level);
+
+/* Take the confirmed record. False if there is none. Task. */
+bool latch_take(latch_t *latch, latch_record_t *record);
+
+/* How long polling can be left out while no edge comes: TICKS_NEVER unless an edge waits to be confirmed. Task. */
+uint32_t latch_idle_ticks(const latch_t *latch, uint32_t now_ticks);
+
+/* Level as last polled or latched: true is deflected. Task. */
+bool latch_level(const latch_t *latch);
+
+/* True while an edge waits to be confirmed. Task. */
+bool latch_is_confirming(const latch_t *latch);
+
+/* A consistent copy of the counters. Task. */
+latch_counters_t latch_counters(const latch_t *latch);
+
+#endif

@@ -1,0 +1,25 @@
+/* What is known of one latched touch: the record that travels from the input to the recorder. */
+#ifndef REPORT_LATCH_RECORD_H
+#define REPORT_LATCH_RECORD_H
+
+#include <stdint.h>
+
+/* Sequence numbers count the records a controller reports, modulo 2^15: a gap is one lost on the way. */
+#define LATCH_SEQUENCE_MASK 0x7FFFu
+
+/* Channels 0 to 7: the channel travels in three bits. */
+#define LATCH_CHANNEL_MAX 7u
+
+#define LATCH_FLAG_PLC     0x01u /* latched by the PLC task; otherwise by the skip input */
+#define LATCH_FLAG_BOUNCED 0x02u /* the contact opened and closed again before it was confirmed */
+#define LATCH_FLAG_OVERRUN 0x04u /* at least one earlier latch was lost because nobody took it */
+
+typedef struct {
+    uint32_t ticks;           /* hal_clock ticks of the first edge, or of the scan that saw it; wraps */
+    int32_t  position_counts; /* axis position at that instant */
+    uint16_t sequence;        /* 0 … LATCH_SEQUENCE_MASK; given when it is reported */
+    uint8_t  channel;         /* 0 … LATCH_CHANNEL_MAX */
+    uint8_t  flags;           /* LATCH_FLAG_* */
+} latch_record_t;
+
+#endif
