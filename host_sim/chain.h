@@ -1,0 +1,73 @@
+/*
+ * The parameters of a simulated rig. The names, units and meaning are those of a campaign's
+ * nominal.toml; Python reads this header, so it holds plain declarations only.
+ */
+#ifndef SIM_CHAIN_H
+#define SIM_CHAIN_H
+
+#include <stdint.h>
+
+/* The nominal chain: what the engineer believes of the rig. */
+typedef struct {
+    double  pretravel_um;
+    double  lobe_um;
+    double  lobe_phase_deg;
+    double  repeatability_um;
+    double  delay_us;
+    double  filter_us;
+    double  skip_latency_us;
+    double  skip_jitter_us;
+    double  tick_us;
+    double  scan_us;
+    double  resolution_um;
+    double  accel_mm_s2;
+    double  report_latency_us;
+    double  report_jitter_us;
+    double  reference_jitter_us;
+    int32_t is_machine; /* 1: a probe touches a surface; 0: edges injected on a bench */
+} sim_chain_t;
+
+/* How the controller is set up: the firmware's cycle and the motion behind it. */
+typedef struct {
+    double  overtravel_mm;     /* how far past the nominal surface the probe may be driven */
+    double  back_off_mm;       /* two touches: from the first latch back */
+    double  fast_feed_mm_min;  /* two touches: of the first touch, back-off and return */
+    double  reaction_us;       /* stop request to the start of the deceleration: task, motion queue */
+    double  confirm_us;        /* debounce: the level rests this long to confirm a touch */
+    double  holdoff_us;        /* bounces within this time belong to the touch */
+    double  settle_us;         /* the release may come this long after the end of a retreat */
+    int32_t two_touches;       /* 0 or 1 */
+    int32_t image_delay_scans; /* PLC: age of the input image */
+    int32_t every_scan;        /* 1: execute also the scans in which nothing can happen */
+} sim_controller_t;
+
+enum { SIM_PATH_SKIP = 0, SIM_PATH_PLC = 1 };
+
+/* The conditions of one touch: a row of a campaign. */
+typedef struct {
+    double   time_s;      /* start of the measuring move */
+    double   feed_mm_min; /* of the measuring touch */
+    double   approach_mm; /* from the start of the move to the nominal surface */
+    double   alpha_deg;
+    double   beta_deg;
+    double   pulse_us; /* the contact opens again after this long; 0: when the axis retreats */
+    uint64_t touch;    /* serial number; with seed and replicate it picks the random numbers */
+    int32_t  path;     /* SIM_PATH_* */
+} sim_touch_t;
+
+enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };
+
+/* What came of one touch. What was not recorded is NaN. */
+typedef struct {
+    double  edge_us;       /* the reference instrument's; bench only */
+    double  latch_us;      /* the firmware's time stamp, device clock */
+    double  report_us;     /* arrival of the report */
+    double  deviation_um;  /* latched minus nominal position along the approach */
+    double  overtravel_um; /* latch to standstill, measuring touch */
+    double  cycle_s;       /* the whole cycle, back at the start */
+    double  true_edge_us;  /* when the contact really closed at the connector */
+    int32_t status;        /* SIM_STATUS_* */
+    int32_t error;         /* touch_error_t of the firmware's cycle */
+} sim_outcome_t;
+
+#endif

@@ -1,0 +1,18 @@
+/*
+ * Probe stage: where along the approach the probe triggers. On a bench there is no probe: the contact
+ * closes at the nominal surface (step 2 of the nominal chain).
+ */
+#ifndef SIM_PROBE_H
+#define SIM_PROBE_H
+
+#include "chain.h"
+#include "random.h"
+
+/*
+ * Pretravel in µm of one approach in the direction of `touch`, never below 0:
+ * w = pretravel + lobe·cos β·cos 3(α − phase) + N(0, repeatability). 0 on a bench.
+ */
+double sim_probe_pretravel_um(const sim_chain_t *chain, const sim_touch_t *touch,
+                              sim_random_t *random);
+
+#endif

@@ -1,0 +1,197 @@
+#include "programs/batch.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "cycle/touch_cycle.h"
+#include "input/plc_task.h"
+#include "programs/rig.h"
+
+/* A controller is switched on anew for every block, so that blocks can be played on any thread. */
+#define BLOCK_TOUCHES 4096u
+
+#define LENGTH_MAX_MM    10000.0
+#define FEED_MAX_MM_MIN  1.0e6
+#define DURATION_MAX_US  1.0e9
+#define TICK_MIN_US      1.0e-3
+#define TICK_MAX_US      1.0e3
+
+typedef struct {
+    const sim_chain_t      *chain;
+    const sim_controller_t *controller;
+    const sim_touch_t      *touches;
+    sim_outcome_t          *outcomes;
+    uint64_t                n;
+    uint64_t                seed;
+    uint64_t                first_replicate;
+    uint64_t                blocks; /* of one replicate */
+    uint64_t                work;   /* blocks of all replicates */
+    atomic_uint_fast64_t    taken;
+    atomic_int              result;
+} job_t;
+
+/* False for a NaN as well. */
+static bool is_within(double value, double low, double high)
+{
+    return value >= low && value <= high;
+}
+
+static bool is_duration(double us)
+{
+    return is_within(us, 0.0, DURATION_MAX_US);
+}
+
+static bool is_chain(const sim_chain_t *chain)
+{
+    bool probe = is_within(chain->pretravel_um, 0.0, LENGTH_MAX_MM) &&
+                 is_within(chain->lobe_um, -LENGTH_MAX_MM, LENGTH_MAX_MM) &&
+                 isfinite(chain->lobe_phase_deg) &&
+                 is_within(chain->repeatability_um, 0.0, LENGTH_MAX_MM) &&
+                 is_duration(chain->delay_us);
+    bool input = is_duration(chain->filter_us) && is_duration(chain->skip_latency_us) &&
+                 is_duration(chain->skip_jitter_us) &&
+                 is_within(chain->tick_us, TICK_MIN_US, TICK_MAX_US) &&
+                 is_within(chain->scan_us, PLC_PERIOD_MIN_US, PLC_PERIOD_MAX_US);
+    bool axis = is_within(chain->resolution_um, 1.0e-4, 1.0e4) &&
+                is_within(chain->accel_mm_s2, 1.0e-3, 1.0e6);
+    bool report = is_duration(chain->report_latency_us) && is_duration(chain->report_jitter_us) &&
+                  is_duration(chain->reference_jitter_us);
+    return probe && input && axis && report;
+}
+
+static bool is_controller(const sim_controller_t *controller)
+{
+    bool motion = is_within(controller->overtravel_mm, 0.0, LENGTH_MAX_MM) &&
+                  is_duration(controller->reaction_us);
+    bool two = !controller->two_touches ||
+               (is_within(controller->back_off_mm, 0.0, LENGTH_MAX_MM) &&
+                is_within(controller->fast_feed_mm_min, 0.0, FEED_MAX_MM_MIN));
+    return motion && two && is_duration(controller->confirm_us) &&
+           is_duration(controller->holdoff_us) && is_duration(controller->settle_us) &&
+           is_within(controller->image_delay_scans, 0.0, PLC_IMAGE_DELAY_MAX);
+}
+
+static bool is_touch(const sim_touch_t *touch)
+{
+    return is_within(touch->time_s, 0.0, (double)SIM_NS_MAX / SIM_NS_PER_S) &&
+           is_within(touch->feed_mm_min, 1.0e-3, FEED_MAX_MM_MIN) &&
+           is_within(touch->approach_mm, 1.0e-6, LENGTH_MAX_MM) && isfinite(touch->alpha_deg) &&
+           isfinite(touch->beta_deg) && is_duration(touch->pulse_us) &&
+           (touch->path == SIM_PATH_SKIP || touch->path == SIM_PATH_PLC);
+}
+
+static bool are_touches(const sim_touch_t *touches, uint64_t n)
+{
+    for (uint64_t i = 0; i < n; ++i) {
+        if (!is_touch(&touches[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static int play_block(const job_t *job, rig_t *rig, uint64_t number)
+{
+    uint64_t       replicate = number / job->blocks;
+    uint64_t       begin = number % job->blocks * BLOCK_TOUCHES;
+    uint64_t       end = begin + BLOCK_TOUCHES < job->n ? begin + BLOCK_TOUCHES : job->n;
+    sim_outcome_t *outcomes = job->outcomes + replicate * job->n;
+
+    rig_boot(rig, job->chain, job->controller, job->seed, job->first_replicate + replicate,
+             sim_touch_start(&job->touches[begin]));
+    for (uint64_t i = begin; i < end; ++i) {
+        if (rig_play(rig, &job->touches[i], &outcomes[i]) != 0) {
+            return SIM_PLAY_ERR_START;
+        }
+    }
+    return SIM_PLAY_OK;
+}
+
+static void *play_blocks(void *argument)
+{
+    job_t *job = argument;
+    rig_t  rig;
+    for (;;) {
+        uint64_t number = atomic_fetch_add(&job->taken, 1u);
+        if (number >= job->work || atomic_load(&job->result) != SIM_PLAY_OK) {
+            return NULL;
+        }
+        int result = play_block(job, &rig, number);
+        if (result != SIM_PLAY_OK) {
+            atomic_store(&job->result, result);
+        }
+    }
+}
+
+/* The calling thread works too, so a helper that cannot be started costs time and nothing else. */
+static int play_on_threads(job_t *job, uint32_t threads)
+{
+    uint32_t   helpers = threads - 1u;
+    uint32_t   started = 0u;
+    pthread_t *thread = calloc(helpers + 1u, sizeof *thread);
+    if (thread == NULL) {
+        return SIM_PLAY_ERR_MEMORY;
+    }
+    while (started < helpers && pthread_create(&thread[started], NULL, play_blocks, job) == 0) {
+        ++started;
+    }
+    (void)play_blocks(job);
+    while (started > 0u) {
+        --started;
+        (void)pthread_join(thread[started], NULL);
+    }
+    free(thread);
+    return atomic_load(&job->result);
+}
+
+int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
+             const sim_touch_t *touches, uint64_t n, uint64_t seed, uint64_t first_replicate,
+             uint64_t replicates, uint32_t threads, sim_outcome_t *outcomes)
+{
+    if (!is_chain(chain)) {
+        return SIM_PLAY_ERR_CHAIN;
+    }
+    if (!is_controller(controller)) {
+        return SIM_PLAY_ERR_CONTROL;
+    }
+    if (!are_touches(touches, n)) {
+        return SIM_PLAY_ERR_TOUCH;
+    }
+    uint64_t blocks = (n + BLOCK_TOUCHES - 1u) / BLOCK_TOUCHES;
+    job_t    job = {
+           .chain = chain,
+           .controller = controller,
+           .touches = touches,
+           .outcomes = outcomes,
+           .n = n,
+           .seed = seed,
+           .first_replicate = first_replicate,
+           .blocks = blocks,
+           .work = blocks * replicates,
+    };
+    uint64_t useful = job.work < threads ? job.work : threads;
+    return useful == 0u ? SIM_PLAY_OK : play_on_threads(&job, (uint32_t)useful);
+}
+
+const char *sim_play_error(int code)
+{
+    switch (code) {
+    case SIM_PLAY_OK:
+        return "no error";
+    case SIM_PLAY_ERR_CHAIN:
+        return "a value of the nominal chain is not finite or out of range";
+    case SIM_PLAY_ERR_CONTROL:
+        return "a setting of the controller is not finite or out of range";
+    case SIM_PLAY_ERR_TOUCH:
+        return "a condition of a touch is not finite or out of range";
+    case SIM_PLAY_ERR_START:
+        return "the firmware refused to start the input path";
+    case SIM_PLAY_ERR_MEMORY:
+        return "out of memory";
+    default:
+        return "unknown error";
+    }
+}

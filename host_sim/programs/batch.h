@@ -1,0 +1,37 @@
+/*
+ * The simulation as a shared library: plays whole campaigns through the firmware, on several threads.
+ * Python reads this header too: no more of the preprocessor than what can be left out.
+ */
+#ifndef PROGRAMS_BATCH_H
+#define PROGRAMS_BATCH_H
+
+#include <stdint.h>
+
+#include "chain.h"
+
+#pragma GCC visibility push(default)
+
+enum {
+    SIM_PLAY_OK = 0,
+    SIM_PLAY_ERR_CHAIN = -1,   /* a value of the chain is not finite or out of range */
+    SIM_PLAY_ERR_CONTROL = -2, /* the same of the controller */
+    SIM_PLAY_ERR_TOUCH = -3,   /* the same of a touch */
+    SIM_PLAY_ERR_START = -4,   /* the firmware refused to start the input */
+    SIM_PLAY_ERR_MEMORY = -5
+};
+
+/*
+ * Play `touches` (n, in any order) `replicates` times and write outcomes[replicate][touch].
+ * The result depends on the arguments only, not on `threads` (≥ 1); replicates are numbered from
+ * `first_replicate`, below 2^32. Returns SIM_PLAY_OK or a negative code; then nothing is to be read.
+ */
+int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
+             const sim_touch_t *touches, uint64_t n, uint64_t seed, uint64_t first_replicate,
+             uint64_t replicates, uint32_t threads, sim_outcome_t *outcomes);
+
+/* A sentence for a code of sim_play(). */
+const char *sim_play_error(int code);
+
+#pragma GCC visibility pop
+
+#endif

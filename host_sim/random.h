@@ -1,0 +1,26 @@
+/*
+ * Random numbers that depend only on (seed, replicate, touch): the same on any number of threads and
+ * in any order of touches. Philox 4x32-10 of Random123, a counter-based generator.
+ */
+#ifndef SIM_RANDOM_H
+#define SIM_RANDOM_H
+
+#include <stdint.h>
+
+typedef struct {
+    uint32_t key[2];
+    uint32_t counter[4];
+    uint32_t words[4]; /* the block drawn last */
+    uint32_t used;     /* of those words */
+} sim_random_t;
+
+/* Begin the stream of one touch; UINT64_MAX as `touch` is the stream of the whole campaign. */
+void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, uint64_t touch);
+
+/* Uniform in [0, width). */
+double sim_random_uniform(sim_random_t *random, double width);
+
+/* Normal with mean 0. */
+double sim_random_normal(sim_random_t *random, double sigma);
+
+#endif

@@ -1,0 +1,30 @@
+/*
+ * Scan stage: when the PLC's scans begin. They run at phase + k·period all the time; scans in which
+ * nothing can happen are left out and only counted.
+ */
+#ifndef SIM_SCAN_H
+#define SIM_SCAN_H
+
+#include "sim_time.h"
+
+typedef struct {
+    sim_ns_t phase;  /* of scan 0, 0 … period − 1 */
+    sim_ns_t period;
+    int64_t  last;   /* number of the last scan that was executed */
+    int64_t  next;   /* number of the next one to execute */
+    sim_ns_t next_at; /* when, or SIM_NEVER */
+} sim_scan_t;
+
+/* Scans run at `phase` + k·`period`, and none is wanted yet. */
+void sim_scan_init(sim_scan_t *scan, sim_ns_t phase, sim_ns_t period, sim_ns_t now);
+
+/* The task stops, and when it runs again, the scans before `now` are past, executed or not. */
+void sim_scan_restart(sim_scan_t *scan, sim_ns_t now);
+
+/* Execute next the first scan at or after `time`; SIM_NEVER stops the task. */
+void sim_scan_await(sim_scan_t *scan, sim_ns_t time);
+
+/* The next scan is executed: returns how many were left out before it. */
+int64_t sim_scan_execute(sim_scan_t *scan);
+
+#endif

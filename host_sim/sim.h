@@ -1,0 +1,86 @@
+/*
+ * The simulated rig: one more port of the firmware, on virtual time. Event driven: time jumps to the
+ * next thing that happens. The stages of the chain are modules of their own (axis, probe, line,
+ * scan, bus); this one joins them and is what the HAL of port.c reads.
+ *
+ * Stimulus → pin → interrupt or scan: sim_advance() carries that out and tells the wiring what
+ * happened; the wiring then runs the firmware's task.
+ */
+#ifndef SIM_SIM_H
+#define SIM_SIM_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "axis.h"
+#include "bus.h"
+#include "chain.h"
+#include "line.h"
+#include "random.h"
+#include "scan.h"
+#include "sim_time.h"
+
+typedef enum {
+    SIM_EVENT_NONE,  /* nothing is left to happen */
+    SIM_EVENT_LEVEL, /* the pin changed */
+    SIM_EVENT_EDGE,  /* the edge interrupt ran */
+    SIM_EVENT_SCAN,  /* a PLC scan is due */
+    SIM_EVENT_AXIS,  /* the axis came to rest */
+    SIM_EVENT_WAKE,  /* the time set by sim_wake_after() is over */
+    SIM_EVENT_FRAME  /* frames arrived at the recorder */
+} sim_event_t;
+
+typedef struct {
+    const sim_chain_t *chain;
+    const sim_touch_t *touch; /* the present one */
+    sim_ns_t           now;
+    sim_ns_t           axis_at; /* standstill, SIM_NEVER while at rest */
+    sim_ns_t           edge_at; /* edge interrupt, SIM_NEVER when none is due */
+    sim_ns_t           wake_at;
+    sim_ns_t           delay;         /* mechanical trigger to contact */
+    sim_ns_t           closed_at;     /* when the contact first closed in this approach */
+    double             pretravel_um;  /* of the present approach */
+    uint64_t           seed;
+    uint64_t           replicate;
+    double             counts_per_um;
+    sim_ns_t           ticks_time; /* the last time turned into ticks, and the ticks it is */
+    uint64_t           ticks;
+    uint32_t           tick_ps;
+    bool               is_edge_armed;
+    sim_random_t       random;
+    sim_axis_t         axis;
+    sim_line_t         line;
+    sim_scan_t         scan;
+    sim_bus_t          bus;
+} sim_t;
+
+/* Switch the rig on at `now`. `chain` has to outlive it. */
+void sim_boot(sim_t *sim, const sim_chain_t *chain, uint64_t seed, uint64_t replicate, sim_ns_t now);
+
+/* The time at which a touch begins. */
+sim_ns_t sim_touch_start(const sim_touch_t *touch);
+
+/* Jump to the start of a touch: axis at rest at the stand-off, contact open. `touch` has to outlive it. */
+void sim_begin_touch(sim_t *sim, const sim_touch_t *touch);
+
+/* Jump to the next event, let it happen, and tell what it was. */
+sim_event_t sim_advance(sim_t *sim);
+
+/* Begin a motion to `target_um` past the nominal surface. */
+void sim_move(sim_t *sim, double target_um, double feed_mm_min);
+
+/* Decelerate after `reaction`. */
+void sim_stop(sim_t *sim, sim_ns_t reaction);
+
+bool sim_is_moving(const sim_t *sim);
+
+/* A time at which `ticks` more of the device clock are over; SIM_NEVER for UINT32_MAX. */
+sim_ns_t sim_time_after(const sim_t *sim, uint32_t ticks);
+
+/* Wake the task at that time. */
+void sim_wake_after(sim_t *sim, uint32_t ticks);
+
+/* Device clock without the wrap. */
+uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time);
+
+#endif
