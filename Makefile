@@ -1,0 +1,463 @@
+# skiplatch: set-up, build, tests and checks. `make help` lists what there is to call.
+#
+# Everything lands in build/ and .venv/. What is called by hand runs in order; the compiling and the
+# checking behind it run in a second make (the INNER one), on all processors.
+#
+# A C test says at its top what it is made of:
+#
+#   /* LINK: firmware/input/latch.c tests/support/edges.c */   sources, * allowed; without this line
+#                                                              a contract or scenario test gets all
+#   /* MOCK: hal/include/hal_edge.h */                         headers CMock makes mock_….h of
+#   /* CFLAGS: -DLATCH_STEP=hook */                            for the test and what it links
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.SECONDARY:
+.SECONDEXPANSION:
+MAKEFLAGS += --no-builtin-rules --no-builtin-variables --no-print-directory
+ifndef INNER
+.NOTPARALLEL:
+endif
+
+# make V=1 shows the commands themselves.
+SAY := $(if $(V),@:,@echo)
+Q   := $(if $(V),,@)
+
+# ---- variants: one tree of objects for each way to compile ---------------------------------------
+
+# host      what setup, test and demo use          avr, arm  firmware and ports, compiled only
+# sanitize  address and undefined-behaviour checks gcc, clang  everything, compiled only
+# coverage  counts what the tests reach            fuzz      libFuzzer
+VARIANT ?= host
+OUT     := build/$(VARIANT)
+
+CC.host     := gcc
+CC.gcc      := gcc
+CC.sanitize := gcc
+CC.coverage := gcc
+CC.clang    := clang
+CC.fuzz     := clang
+CC.avr      := avr-gcc
+CC.arm      := arm-none-eabi-gcc
+CC          := $(CC.$(VARIANT))
+
+SANITIZERS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+# Nobody looks at errno or at floating-point traps after a sum.
+FLAGS.host     := -O3 -g -fno-math-errno -fno-trapping-math
+FLAGS.gcc      := -O2
+FLAGS.clang    := -O1
+FLAGS.sanitize := -O1 -g $(SANITIZERS)
+FLAGS.coverage := -O0 -g --coverage -fprofile-update=atomic
+FLAGS.fuzz     := -O1 -g $(SANITIZERS) -fsanitize=fuzzer-no-link
+FLAGS.avr      := -Os -mmcu=atmega328p
+FLAGS.arm      := -Os -mcpu=cortex-m3 -mthumb
+CROSS          := $(filter avr arm,$(VARIANT))
+
+# Contracted multiply-adds would make figures depend on the processor.
+FLAGS := $(FLAGS.$(VARIANT)) $(if $(CROSS),,-fPIC -fvisibility=hidden -pthread -ffp-contract=off)
+
+WARNINGS := -Wall -Wextra -Wpedantic -Werror -Wcast-align -Wcast-qual -Wconversion -Wfloat-equal \
+            -Wformat=2 -Wmissing-prototypes -Wpointer-arith -Wshadow -Wsign-conversion \
+            -Wstrict-prototypes -Wundef -Wvla -Wwrite-strings
+# What clang and the old compiler for the AVR do not know.
+ifneq ($(filter host gcc arm,$(VARIANT)),)
+WARNINGS += -Wduplicated-branches -Wduplicated-cond -Wlogical-op -Wnull-dereference
+endif
+# Instrumented code draws warnings that the plain one does not deserve.
+ifneq ($(filter sanitize coverage fuzz,$(VARIANT)),)
+WARNINGS := -w
+endif
+
+CMOCK := /usr/share/cmock
+UNITY := $(CMOCK)/vendor/unity
+
+INCLUDES        := -Ifirmware -Ihal/include -Ihost_sim
+CFLAGS.firmware := -std=c99 $(WARNINGS) -Wdouble-promotion $(INCLUDES)
+CFLAGS.hal      := $(CFLAGS.firmware)
+CFLAGS.host_sim := -std=c11 -D_GNU_SOURCE $(WARNINGS) $(INCLUDES)
+# Unity compares floating-point numbers and calls test functions that have no prototype.
+CFLAGS.tests    := -std=c11 -D_GNU_SOURCE $(WARNINGS) -Wno-missing-prototypes -Wno-float-equal \
+                   $(INCLUDES) -Itests -Itests/support -Ibuild/mocks \
+                   -DUNITY_INCLUDE_DOUBLE -isystem $(UNITY)/src -isystem $(CMOCK)/src
+# Optimizing the library as a whole makes it faster by a third; tests link the plain code beside it.
+ifeq ($(VARIANT),host)
+CFLAGS.firmware += -flto -ffat-lto-objects
+CFLAGS.host_sim += -flto -ffat-lto-objects
+LTO             := -flto=auto
+endif
+# What CMock and Unity wrote is not ours to mend.
+CFLAGS.foreign  := -std=c11 -w $(INCLUDES) -Itests/support -Ibuild/mocks \
+                   -DUNITY_INCLUDE_DOUBLE -I$(UNITY)/src -I$(CMOCK)/src
+
+# $(call cflags_of,path/in/the/tree.c): the flags of the room the file stands in.
+cflags_of = $(FLAGS) $(CFLAGS.$(firstword $(subst /, ,$1)))
+
+# ---- sources -------------------------------------------------------------------------------------
+
+FIRMWARE := $(wildcard firmware/*/*.c)
+SIM      := $(wildcard host_sim/*.c host_sim/effects/*.c)
+MAIN     := $(wildcard host_sim/programs/main.c)
+PROGRAMS := $(filter-out $(MAIN),$(wildcard host_sim/programs/*.c))
+TEMPLATE := $(wildcard hal/ports/template/*.c)
+PORTS.avr := $(wildcard hal/ports/atmega328p/*.c)
+PORTS.arm := $(wildcard hal/ports/cortex_m3/*.c)
+
+TESTS.unit     := $(wildcard tests/unit/test_*.c)
+TESTS.contract := $(wildcard tests/contract/test_*.c)
+TESTS.scenario := $(wildcard tests/scenario/test_*.c)
+TESTS          := $(TESTS.unit) $(TESTS.contract) $(TESTS.scenario)
+FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
+FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
+PERF           := $(wildcard tests/perf/*.c)
+
+C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE)
+C_HEADERS := $(wildcard firmware/*/*.h hal/include/*.h hal/ports/*/*.h host_sim/*.h host_sim/*/*.h)
+C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.c tests/*/*.[ch]))
+PYTHON_FOLDERS := scripts $(wildcard tests)
+PYTHON_FILES   := $(wildcard scripts/skiplatch) \
+                  $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py)
+SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh) .ci/run
+
+object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)
+
+# ---- set-up --------------------------------------------------------------------------------------
+
+STAMPS      := build/stamps
+VENV_PYTHON := .venv/bin/python
+VENV        := .venv/skiplatch.key
+
+$(STAMPS)/system-%: scripts/setup_system.sh
+	@scripts/setup_system.sh $*
+	@mkdir -p $(@D) && touch $@
+
+$(STAMPS)/cmock: scripts/setup_cmock.sh
+	@scripts/setup_cmock.sh
+	@mkdir -p $(@D) && touch $@
+
+# A check that needs an absent cross compiler is counted as skipped.
+$(STAMPS)/system-cross: scripts/setup_system.sh
+	@scripts/setup_system.sh cross || echo 'SKIPPED: no cross compilers to be had here'
+	@mkdir -p $(@D) && touch $@
+
+$(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.toml \
+         | $(STAMPS)/system-build
+	@scripts/setup_python.sh
+
+.PHONY: setup-build setup-test setup-lint
+setup-build: $(STAMPS)/system-build $(VENV)
+setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock
+setup-lint: setup-test $(STAMPS)/system-lint $(STAMPS)/system-cross
+
+# ---- what is called by hand ----------------------------------------------------------------------
+
+# On all processors, unless the caller has said how many with -j.
+JOBS        = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc))
+INNER_MAKE  = $(MAKE) INNER=yes --keep-going $(JOBS)
+RESULTS    ?= $(if $(filter host,$(VARIANT)),build,$(OUT))/results
+
+C_SUITES    := unit contract scenario
+TEST_SUITES := $(C_SUITES) template fuzz-regression python
+
+# Every result first becomes an empty file: what does not build or run is then counted as failed.
+define run_suites
+	@rm -rf $(addprefix $(RESULTS)/,$1) && mkdir -p $(addprefix $(RESULTS)/,$1)
+	@touch $(RESULTS)/.declared $(foreach suite,$1,$(RESULTS.$(suite)))
+	-@$(INNER_MAKE) $(addprefix run-,$1)
+	@$(VENV_PYTHON) scripts/count_tests.py $(RESULTS) $1
+endef
+
+.PHONY: help
+help: ## list the targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile
+
+.PHONY: setup
+setup: setup-build ## install what is missing, make .venv and the simulator's library
+	@$(INNER_MAKE) library program
+
+.PHONY: demo
+demo: setup ## set up and run a small campaign into build/demo
+	@.venv/bin/skiplatch demo --out build/demo
+
+.PHONY: test
+test: setup setup-test ## set up and run every test
+	$(call run_suites,$(TEST_SUITES))
+
+.PHONY: $(TEST_SUITES)
+$(TEST_SUITES): setup setup-test # one suite alone, e.g. make unit
+	$(call run_suites,$@)
+
+.PHONY: lint
+lint: setup-lint ## set up and run every static check
+	@$(INNER_MAKE) generated
+	$(call run_suites,lint)
+
+.PHONY: c-tests
+c-tests:
+	$(call run_suites,$(C_SUITES))
+
+.PHONY: sanitize
+sanitize: setup-test ## run the C tests under address and undefined-behaviour sanitizers
+	@$(MAKE) VARIANT=sanitize c-tests
+
+COVERAGE         := $(VENV_PYTHON) -m coverage
+COVERAGE_OPTIONS := --rcfile=scripts/pyproject.toml --data-file=build/coverage/python
+.PHONY: coverage
+coverage: setup setup-test ## run all tests and report what they reach, in build/coverage/report
+	@rm -rf build/coverage/report && mkdir -p build/coverage/report/c
+	@find build/coverage -name '*.gcda' -delete
+	@$(INNER_MAKE) VARIANT=coverage library
+	-@$(MAKE) VARIANT=coverage c-tests
+	@.venv/bin/gcovr --root . --object-directory build/coverage \
+	    --filter firmware/ --filter host_sim/ --print-summary \
+	    --txt build/coverage/report/c.txt --html-details build/coverage/report/c/index.html
+	-@$(COVERAGE) run $(COVERAGE_OPTIONS) -m pytest $(PYTEST_OPTIONS) --quiet tests/python
+	@$(COVERAGE) report $(COVERAGE_OPTIONS) | tee build/coverage/report/python.txt
+
+.PHONY: bench
+bench: setup ## measure speed
+	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so)
+	@$(VENV_PYTHON) tests/perf/bench.py
+
+SECONDS ?= 60
+.PHONY: fuzz
+fuzz: setup setup-lint ## run every fuzz target for SECONDS=60 from its seeds
+	@$(MAKE) VARIANT=fuzz INNER=yes $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))
+
+.PHONY: format
+format: setup-build ## lay out C and Python files as lint wants them
+	@$(if $(C_FILES),.venv/bin/clang-format -i $(C_FILES))
+	@.venv/bin/ruff check --quiet --config scripts/pyproject.toml --select I --fix $(PYTHON_FOLDERS)
+	@.venv/bin/ruff format --config scripts/pyproject.toml $(PYTHON_FOLDERS)
+
+.PHONY: totals
+totals:
+	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) lint
+
+.PHONY: clean
+clean: ## remove what was built
+	rm -rf build
+
+.PHONY: distclean
+distclean: clean ## remove .venv as well
+	rm -rf .venv scripts/*.egg-info
+
+# ---- compiling -----------------------------------------------------------------------------------
+
+.PHONY: library program objects generated FORCE
+library: $(OUT)/libskiplatch_sim.so
+	@:
+program: $(if $(MAIN),$(OUT)/skiplatch-sim)
+	@:
+objects: $(call object_of,$(FIRMWARE) $(TEMPLATE) $(PORTS.$(VARIANT)))
+ifndef CROSS
+objects: $(call object_of,$(SIM) $(PROGRAMS) $(MAIN) $(TESTS) $(FUZZ) $(PERF)) \
+         $(C_HEADERS:%=$(OUT)/headers/%.ok)
+endif
+
+$(OUT)/obj/%.o: %.c Makefile
+	@mkdir -p $(@D)
+	$(SAY) '$(CC) $<'
+	$(Q)$(CC) $(call cflags_of,$<) $(TEST_CFLAGS) -MMD -MP -c $< -o $@
+
+$(OUT)/foreign/%.o: build/%.c Makefile
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) $(CFLAGS.foreign) -MMD -MP -c $< -o $@
+
+$(OUT)/foreign/unity.o: $(UNITY)/src/unity.c Makefile
+$(OUT)/foreign/cmock.o: $(CMOCK)/src/cmock.c Makefile
+$(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o:
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) $(CFLAGS.foreign) -c $< -o $@
+
+# A header has to compile on its own.
+$(OUT)/headers/%.ok: % Makefile
+	@mkdir -p $(@D)
+	@echo '#include "$<"' >$@.c && echo 'typedef int not_empty_t;' >>$@.c
+	$(Q)$(CC) $(call cflags_of,$<) -I. -fsyntax-only -MMD -MP -MT $@ -MF $@.d $@.c && touch $@
+
+$(OUT)/libskiplatch_sim.so: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS))
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) $(LTO) -shared -Wl,-z,defs $^ -lm -o $@
+
+$(OUT)/libskiplatch_sim.a: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS))
+	@rm -f $@
+	@ar rcs $@ $^
+
+$(OUT)/skiplatch-sim: $(call object_of,$(MAIN)) $(OUT)/libskiplatch_sim.a
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) $(LTO) $^ -lm -o $@
+
+$(OUT)/template: $(call object_of,$(TEMPLATE) $(FIRMWARE))
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ -lm -o $@
+
+build/perf/libfloor.so: $(call object_of,$(PERF)) $(OUT)/libskiplatch_sim.a
+	@mkdir -p $(@D)
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) $(LTO) -shared $^ -lm -o $@
+
+# ---- C tests -------------------------------------------------------------------------------------
+
+# LINK.tests/unit/test_x, MOCK.… and CFLAGS.… of every test, read from the comments at its top.
+build/tests.mk: $(TESTS) $(FUZZ) scripts/read_test_comments.awk
+	@mkdir -p $(@D)
+	@awk -f scripts/read_test_comments.awk $(TESTS) $(FUZZ) /dev/null >$@
+include build/tests.mk
+
+# $(call parts_of,tests/unit/test_x): what a test links.
+sources_of = $(foreach pattern,$(LINK.$1),$(or $(wildcard $(pattern)),$(pattern)))
+folder_of  = $(OUT)/$(if $(CFLAGS.$1),private/$1,obj)
+whole_sim  = $(if $(filter tests/unit/%,$1),,$(OUT)/libskiplatch_sim.a)
+parts_of   = $(if $(LINK.$1),$(patsubst %.c,$(folder_of)/%.o,$(sources_of)),$(whole_sim))
+mocks_of   = $(patsubst %.h,build/mocks/mock_%.h,$(notdir $(MOCK.$1)))
+
+MOCKED  := $(sort $(foreach test,$(TESTS:.c=),$(MOCK.$(test))))
+# A mock includes the header it was made of without the folder.
+CFLAGS.tests   += $(addprefix -I,$(sort $(dir $(MOCKED))))
+CFLAGS.foreign += $(addprefix -I,$(sort $(dir $(MOCKED))))
+RUNNERS := $(TESTS:%.c=build/runners/%.c)
+generated: $(RUNNERS) $(patsubst %.h,build/mocks/mock_%.c,$(notdir $(MOCKED)))
+	@:
+
+build/runners/%.c: %.c
+	@mkdir -p $(@D)
+	@ruby -W0 $(UNITY)/auto/generate_test_runner.rb --use_param_tests=1 $< $@
+
+define mock_rules
+build/mocks/mock_$(notdir $(1:.h=)).c build/mocks/mock_$(notdir $1) &: $1 tests/support/cmock.yml
+	@mkdir -p $$(@D)
+	@ruby -W0 $(CMOCK)/lib/cmock.rb -otests/support/cmock.yml --mock_path=build/mocks $1
+endef
+$(foreach header,$(MOCKED),$(eval $(call mock_rules,$(header))))
+
+# $1: the test without its ending
+define test_rules
+$(OUT)/obj/$1.o: private TEST_CFLAGS := $(CFLAGS.$1)
+$(OUT)/obj/$1.o: | $(mocks_of)
+$(OUT)/$1: $(OUT)/obj/$1.o $(OUT)/foreign/runners/$1.o $(mocks_of:build/%.h=$(OUT)/foreign/%.o) \
+           $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of)
+	@mkdir -p $$(@D)
+	$(Q)$(CC) $(FLAGS) -fno-lto $$^ -lm -o $$@
+$(OUT)/foreign/runners/$1.o: | $(mocks_of)
+$(if $(CFLAGS.$1),$(call private_rules,$1))
+endef
+
+# The sources a test compiles for itself, with its own flags.
+define private_rules
+$(OUT)/private/$1/%.o: %.c Makefile $1.c
+	@mkdir -p $$(@D)
+	$(SAY) '$(CC) $$<, for $1'
+	$(Q)$(CC) $$(call cflags_of,$$<) $(CFLAGS.$1) -MMD -MP -c $$< -o $$@
+endef
+$(foreach test,$(TESTS:.c=),$(eval $(call test_rules,$(test))))
+
+# ---- suites --------------------------------------------------------------------------------------
+
+RESULTS.unit            := $(TESTS.unit:tests/%.c=$(RESULTS)/%.log)
+RESULTS.contract        := $(TESTS.contract:tests/%.c=$(RESULTS)/%.log)
+RESULTS.scenario        := $(TESTS.scenario:tests/%.c=$(RESULTS)/%.log)
+RESULTS.template        := $(RESULTS)/template/template.check
+RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
+RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
+LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tidy cppcheck \
+        dependencies firmware isr-objects ruff-check ruff-format mypy shellcheck
+RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
+
+.PHONY: $(addprefix run-,$(TEST_SUITES) lint)
+$(addprefix run-,$(C_SUITES) template python lint): run-%: $$(RESULTS.$$*)
+	@:
+
+check = @scripts/run_check.sh $@ $(basename $(@F))
+skip  = sh -c 'echo "$1"; exit 77'
+# $(call with_tool,avr-gcc,command): the command, or a loud skip where the tool is absent.
+with_tool = $(if $(shell command -v $1),$2,$(call skip,no $1 here))
+
+TEST_TIMEOUT_S := 300
+$(RESULTS)/%.log: $(OUT)/tests/% FORCE
+	@timeout $(TEST_TIMEOUT_S) $< >$@ 2>&1; echo "exit status $$?" >>$@
+	@printf '%-40s %s\n' '$*' "$$(grep -E '^[0-9]+ Tests ' $@ || tail -n 1 $@)"
+
+$(RESULTS)/template/template.check: $(if $(TEMPLATE),$(OUT)/template) FORCE
+	$(check) $(if $(TEMPLATE),true,$(call skip,no template port))
+
+PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
+$(RESULTS)/python/pytest.xml: library program FORCE
+	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --quiet --junitxml=$@ tests/python || true
+
+run-fuzz-regression:
+	@$(if $(FUZZ),$(MAKE) VARIANT=sanitize RESULTS=$(RESULTS) run-replay)
+
+.PHONY: run-replay
+run-replay: $(RESULTS.fuzz-regression)
+$(RESULTS)/fuzz-regression/%.check: $(OUT)/replay/% FORCE
+	$(check) $< $(wildcard tests/fuzz/corpus/$(*:fuzz_%=%)/*)
+
+# ---- fuzzing -------------------------------------------------------------------------------------
+
+# A fuzz target links like a test. libFuzzer brings main(), or fuzz_replay.c, which runs the seeds.
+define fuzz_rules
+$(OUT)/replay/$(notdir $1): $(call object_of,$1.c tests/support/fuzz_replay.c) $(parts_of)
+$(OUT)/fuzz/$(notdir $1): $(call object_of,$1.c) $(parts_of)
+$(if $(CFLAGS.$1),$(call private_rules,$1))
+endef
+$(foreach target,$(FUZZ:.c=),$(eval $(call fuzz_rules,$(target))))
+
+$(OUT)/replay/%:
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) $^ -lm -o $@
+
+$(OUT)/fuzz/fuzz_%:
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) -fsanitize=fuzzer $^ -lm -o $@
+
+.PHONY: $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))
+$(FUZZ:tests/fuzz/%.c=fuzz/%): fuzz/fuzz_%: $(OUT)/fuzz/fuzz_%
+	@mkdir -p $(OUT)/corpus/$* $(OUT)/findings
+	$< -max_total_time=$(SECONDS) -print_final_stats=1 -artifact_prefix=$(OUT)/findings/$*- \
+	    $(OUT)/corpus/$* $(wildcard tests/fuzz/corpus/$*)
+
+$(FUZZ_PYTHON:tests/fuzz/%.py=fuzz/%): fuzz/%: tests/fuzz/%.py
+	$(VENV_PYTHON) $< $(SECONDS)
+
+# ---- static checks -------------------------------------------------------------------------------
+
+$(RESULTS)/lint/compile-gcc.check: FORCE
+	$(check) $(MAKE) VARIANT=gcc objects
+$(RESULTS)/lint/compile-clang.check: FORCE
+	$(check) $(MAKE) VARIANT=clang objects
+$(RESULTS)/lint/compile-avr.check: FORCE
+	$(check) $(call with_tool,avr-gcc,$(MAKE) VARIANT=avr objects)
+$(RESULTS)/lint/compile-arm.check: FORCE
+	$(check) $(call with_tool,arm-none-eabi-gcc,$(MAKE) VARIANT=arm objects)
+
+$(RESULTS)/lint/clang-format.check: FORCE
+	$(check) .venv/bin/clang-format --dry-run -Werror $(or $(C_FILES),--version)
+$(RESULTS)/lint/clang-tidy.check: FORCE
+	$(check) $(MAKE) VARIANT=clang tidy
+$(RESULTS)/lint/cppcheck.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/lint_cppcheck.py build/cppcheck
+$(RESULTS)/lint/dependencies.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/lint_dependencies.py
+$(RESULTS)/lint/firmware.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/lint_firmware.py
+$(RESULTS)/lint/isr-objects.check: $(RESULTS)/lint/compile-avr.check
+	$(check) $(call with_tool,avr-nm,$(VENV_PYTHON) scripts/lint_isr_objects.py build/avr/obj)
+
+$(RESULTS)/lint/ruff-check.check: FORCE
+	$(check) .venv/bin/ruff check --config scripts/pyproject.toml $(PYTHON_FOLDERS)
+$(RESULTS)/lint/ruff-format.check: FORCE
+	$(check) .venv/bin/ruff format --check --diff --config scripts/pyproject.toml $(PYTHON_FOLDERS)
+$(RESULTS)/lint/mypy.check: FORCE
+	$(check) .venv/bin/mypy --config-file scripts/pyproject.toml --cache-dir build/mypy_cache \
+	    $(PYTHON_FILES)
+$(RESULTS)/lint/shellcheck.check: FORCE
+	$(check) shellcheck $(SHELL_FILES)
+
+.PHONY: tidy
+tidy: $(C_SOURCES:%=$(OUT)/tidy/%.ok)
+$(OUT)/tidy/%.ok: % .clang-tidy Makefile $(C_HEADERS)
+	@mkdir -p $(@D)
+	@.venv/bin/clang-tidy --quiet $< -- $(filter-out -Werror,$(call cflags_of,$<))
+	@touch $@
+
+-include $(shell find $(OUT) -name '*.d' 2>/dev/null)
