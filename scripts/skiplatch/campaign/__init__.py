@@ -1,0 +1,65 @@
+"""Campaigns: what a bench or a machine recorded, format ``skiplatch-campaign/1``.
+
+A campaign is a folder with ``nominal.toml`` (what the engineer believes of the rig) and
+``touches.csv`` (one row a touch).
+"""
+
+from skiplatch.campaign.column_kinds import NOT_RECORDED
+from skiplatch.campaign.columns import COLUMNS, CONDITIONS, Axis, InputPath, Status
+from skiplatch.campaign.folder import (
+    NOMINAL_FILE,
+    TOUCHES_FILE,
+    Campaign,
+    read_campaign,
+    write_campaign,
+)
+from skiplatch.campaign.nominal import (
+    FORMAT,
+    KEYS,
+    AxisNominal,
+    BenchNominal,
+    InputNominal,
+    Kind,
+    Nominal,
+    PlcNominal,
+    ProbeNominal,
+    ReportNominal,
+    SkipNominal,
+)
+from skiplatch.campaign.nominal_toml import format_nominal, read_nominal, write_nominal
+from skiplatch.campaign.reading import read_conditions, read_touches
+from skiplatch.campaign.touches import Touches
+from skiplatch.campaign.writing import format_touches, write_touches
+
+__all__ = [
+    "COLUMNS",
+    "CONDITIONS",
+    "FORMAT",
+    "KEYS",
+    "NOMINAL_FILE",
+    "NOT_RECORDED",
+    "TOUCHES_FILE",
+    "Axis",
+    "AxisNominal",
+    "BenchNominal",
+    "Campaign",
+    "InputNominal",
+    "InputPath",
+    "Kind",
+    "Nominal",
+    "PlcNominal",
+    "ProbeNominal",
+    "ReportNominal",
+    "SkipNominal",
+    "Status",
+    "Touches",
+    "format_nominal",
+    "format_touches",
+    "read_campaign",
+    "read_conditions",
+    "read_nominal",
+    "read_touches",
+    "write_campaign",
+    "write_nominal",
+    "write_touches",
+]

@@ -1,0 +1,65 @@
+"""A campaign: a folder of two files."""
+
+import os
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from skiplatch.campaign.nominal import Kind, Nominal
+from skiplatch.campaign.nominal_toml import format_nominal, read_nominal
+from skiplatch.campaign.reading import read_touches
+from skiplatch.campaign.touches import Touches
+from skiplatch.campaign.writing import format_touches
+from skiplatch.errors import CampaignWarning, InputError
+from skiplatch.files import atomic_write_folder
+
+NOMINAL_FILE = "nominal.toml"
+TOUCHES_FILE = "touches.csv"
+
+
+@dataclass(frozen=True, eq=False)
+class Campaign:
+    """What a rig is believed to be and what was recorded of it.
+
+    Attributes:
+        nominal: What the engineer believes of the rig.
+        touches: The recorded touches.
+        path: The folder, as it was named.
+    """
+
+    nominal: Nominal
+    touches: Touches
+    path: Path
+
+
+def read_campaign(path: str | os.PathLike[str]) -> Campaign:
+    """Read a campaign folder.
+
+    Raises:
+        InputError: The folder or one of its two files cannot be read or is wrong.
+    """
+    folder = Path(path)
+    if not folder.is_dir():
+        reason = "not a folder" if folder.exists() else "no such folder"
+        raise InputError(path, None, None, reason)
+    nominal = read_nominal(folder / NOMINAL_FILE)
+    touches = read_touches(folder / TOUCHES_FILE)
+    if nominal.kind is Kind.MACHINE and not np.isnan(touches.edge_us).all():
+        message = "recorded on a machine, though only a bench knows the true edge time"
+        warning = CampaignWarning(folder / TOUCHES_FILE, None, "edge_us", message)
+        warnings.warn(warning, stacklevel=2)
+    return Campaign(nominal, touches, folder)
+
+
+def write_campaign(path: str | os.PathLike[str], nominal: Nominal, touches: Touches) -> None:
+    """Write a campaign folder, all of it or nothing.
+
+    Raises:
+        InputError: Something other than an empty folder stands there already, or the folder
+            cannot be written.
+        ValueError: Some value is none that the format admits.
+    """
+    texts = {NOMINAL_FILE: format_nominal(nominal), TOUCHES_FILE: format_touches(touches)}
+    atomic_write_folder(path, texts)

@@ -1,0 +1,47 @@
+"""Where the keys of a TOML text stand; tomllib does not tell."""
+
+import re
+from dataclasses import dataclass
+
+KeyPath = tuple[str, ...]
+
+_PART = r"""(?:[A-Za-z0-9_-]+|"[^"\n]*"|'[^'\n]*')"""
+_PATH = rf"{_PART}(?:[ \t]*\.[ \t]*{_PART})*"
+_HEADER = re.compile(rf"[ \t]*\[\[?[ \t]*(?P<path>{_PATH})[ \t]*\]")
+_ENTRY = re.compile(rf"[ \t]*(?P<path>{_PATH})[ \t]*=[ \t]*")
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """A place in a text: the line, the column of the key and that of its value, all from 1."""
+
+    line: int
+    key_column: int
+    value_column: int | None = None
+
+
+def key_positions(text: str) -> dict[KeyPath, Position]:
+    """Find the first place of each section and of each key of a section in valid TOML.
+
+    Keys inside of inline tables or written with escapes are not found, and a multi-line string
+    may feign some.
+    """
+    positions: dict[KeyPath, Position] = {}
+    section: KeyPath = ()
+    for number, line in enumerate(text.split("\n"), 1):
+        if match := _HEADER.match(line):
+            section = _parts(match["path"])
+            position = Position(number, match.start("path") + 1)
+            path = section
+        elif match := _ENTRY.match(line):
+            position = Position(number, match.start("path") + 1, match.end() + 1)
+            path = section + _parts(match["path"])
+        else:
+            continue
+        for depth in range(1, min(len(path), 2) + 1):
+            positions.setdefault(path[:depth], position)
+    return positions
+
+
+def _parts(path: str) -> KeyPath:
+    return tuple(part.strip("\"'") for part in re.findall(_PART, path))

@@ -1,0 +1,70 @@
+"""What is wrong with the user's input, told in one line."""
+
+import os
+from collections.abc import Iterable
+from difflib import get_close_matches
+from typing import Self
+
+SHOWN_CHARACTERS = 40
+
+
+class _Located:
+    """A message on a place in a file, in one line: ``path:line:column: message``.
+
+    Attributes:
+        path: The file or folder, as the user named it.
+        line: Line number from 1, or None when it is not known.
+        column: Character position from 1, or the name of a CSV column, or None.
+        message: What is wrong there.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        line: int | None,
+        column: int | str | None,
+        message: str,
+    ) -> None:
+        self.path = path
+        self.line = line
+        self.column = column
+        self.message = message
+
+    def __reduce__(self) -> tuple[type[Self], tuple[object, ...]]:
+        return type(self), (self.path, self.line, self.column, self.message)
+
+    def __str__(self) -> str:
+        place = os.fspath(self.path)
+        if self.line is not None:
+            place += f":{self.line}"
+        if isinstance(self.column, str):
+            place += f": {self.column}"
+        elif self.column is not None:
+            place += f":{self.column}"
+        return one_line(f"{place}: {self.message}")
+
+
+class InputError(_Located, Exception):
+    """The input is wrong and cannot be used."""
+
+
+class CampaignWarning(_Located, UserWarning):
+    """The campaign can be used, but something in it is ignored; given by ``warnings.warn``."""
+
+
+def one_line(text: str) -> str:
+    """Write every unprintable character, line ends among them, as an escape."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def quoted(text: str) -> str:
+    """Quote a piece of the input for a message, shortened when it is long."""
+    if len(text) > SHOWN_CHARACTERS:
+        text = text[: SHOWN_CHARACTERS - 1] + "…"
+    return f'"{text}"'
+
+
+def hint(name: str, known: Iterable[str]) -> str:
+    """Propose the known name that an unknown one may be a slip of, or give nothing."""
+    close = get_close_matches(name[:SHOWN_CHARACTERS], known, n=1, cutoff=0.75)
+    return f"; did you mean {quoted(close[0])}?" if close else ""

@@ -1,0 +1,106 @@
+"""Reading within limits, and writing so that nothing is ever seen half-written."""
+
+import os
+import secrets
+import shutil
+import stat
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+
+from skiplatch.errors import InputError
+
+
+def atomic_write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write UTF-8 text as it stands; see `atomic_write_bytes`."""
+    atomic_write_bytes(path, text.encode())
+
+
+def atomic_write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+    """Replace the file by one holding the data, or leave it as it was.
+
+    What is not a file (a terminal, a pipe, /dev/null) is written to directly.
+
+    Raises:
+        InputError: The file cannot be written.
+    """
+    with failures_named(path, "write"):
+        target = Path(os.path.realpath(path))
+        if target.exists() and not target.is_file():
+            target.write_bytes(data)
+        else:
+            _replace(target, data)
+
+
+def atomic_write_folder(path: str | os.PathLike[str], texts: Mapping[str, str]) -> None:
+    """Make a folder of UTF-8 files, by name, or leave nothing.
+
+    The folders above it are made where they are missing.
+
+    Raises:
+        InputError: Something other than an empty folder stands there already, or the folder
+            cannot be written.
+    """
+    refuse_occupied(path)
+    with failures_named(path, "write"):
+        target = Path(os.path.realpath(path))
+        if not target.parent.exists():
+            target.parent.mkdir(parents=True, exist_ok=True)
+        temporary = _temporary_sibling(target)
+        try:
+            temporary.mkdir()
+            for name, text in texts.items():
+                _write_synced(temporary / name, text.encode())
+            temporary.replace(target)
+        except BaseException:
+            shutil.rmtree(temporary, ignore_errors=True)
+            raise
+
+
+def refuse_occupied(path: str | os.PathLike[str]) -> None:
+    """Raise InputError unless nothing or an empty folder stands there; for early warning."""
+    with failures_named(path, "write"):
+        target = Path(path)
+        if target.exists() and not (target.is_dir() and not any(target.iterdir())):
+            raise InputError(path, None, None, "exists already and is not an empty folder")
+
+
+@contextmanager
+def failures_named(path: str | os.PathLike[str], doing: str) -> Iterator[None]:
+    """Turn an OSError into an InputError such as ``path: cannot read: Permission denied``."""
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or str(error)
+        raise InputError(path, None, None, f"cannot {doing}: {reason}") from error
+
+
+def refuse_special_or_large(path: Path, max_bytes: int) -> None:
+    """Raise InputError for what is no regular file or holds more bytes than can be meant."""
+    status = path.stat()
+    if not stat.S_ISREG(status.st_mode):
+        raise InputError(path, None, None, "not a regular file")
+    if status.st_size > max_bytes:
+        message = f"larger than {max_bytes} bytes, which is the most that is read"
+        raise InputError(path, None, None, message)
+
+
+def _replace(target: Path, data: bytes) -> None:
+    temporary = _temporary_sibling(target)
+    try:
+        _write_synced(temporary, data)
+        temporary.replace(target)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def _write_synced(path: Path, data: bytes) -> None:
+    with path.open("xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _temporary_sibling(target: Path) -> Path:
+    return target.with_name(f".skiplatch-{secrets.token_hex(8)}.tmp")
