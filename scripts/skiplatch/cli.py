@@ -1,0 +1,81 @@
+"""The command line: ``skiplatch COMMAND``."""
+
+import sys
+import warnings
+from importlib import import_module
+from typing import TextIO
+
+import click
+
+from skiplatch.errors import CampaignWarning, InputError
+from skiplatch.simulator import SimulationError
+
+BAD_INPUT = 2
+
+# Name of each command and what it does; its module is imported only when it is called.
+COMMANDS = {
+    "latch": "How well each input path latches a touch: the error distributions.",
+    "simulate": "Play conditions through the nominal simulation and write a campaign.",
+    "compare": "Hold a recorded campaign against the nominal simulation.",
+    "plan": "Find the best probing strategy for a wanted uncertainty.",
+    "demo": "Show all of it on simulated and recorded data, with pictures.",
+}
+
+
+class _LazyGroup(click.Group):
+    """A group whose commands live in ``skiplatch.commands``, one module each."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"skiplatch.commands.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+
+@click.group(
+    cls=_LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+@click.version_option(package_name="skiplatch")
+def group() -> None:
+    """Latch touch-probe triggers, and find out why a simulation of them is wrong.
+
+    Example: skiplatch compare scripts/samples/bench_isr_latency
+    """
+
+
+def _show_warning(
+    message: Warning | str,
+    category: type[Warning],
+    filename: str,
+    lineno: int,
+    file: TextIO | None = None,
+    line: str | None = None,
+) -> None:
+    """Show what the user can mend in one line, and everything else as Python does."""
+    if issubclass(category, CampaignWarning):
+        text = f"warning: {message}\n"
+    else:
+        text = warnings.formatwarning(message, category, filename, lineno, line)
+    click.echo(text, err=True, nl=False, file=file)
+
+
+def main() -> None:
+    """Run the command line; bad input is one line on stderr and exit status 2."""
+    warnings.showwarning = _show_warning
+    try:
+        group(prog_name="skiplatch")
+    except (InputError, SimulationError) as error:
+        click.echo(f"skiplatch: {error}", err=True)
+        sys.exit(BAD_INPUT)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,153 @@
+"""A comparison in words, tables and JSON."""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from skiplatch.comparison.model import CellGap, Comparison, Missed
+from skiplatch.comparison.observables import OBSERVABLES, Observable
+from skiplatch.statistics import Interval
+from skiplatch.tables import number, table
+
+MM_MIN_TO_UM_US = 1e3 / 60e6
+
+DIGITS = 3
+LEGEND = """\
+± after a difference is half of its 95 % interval. Spread is the standard deviation about the
+simulated mean of the same touch. Distance is how far a touch has to be moved, on average, to turn
+one distribution into the other (Wasserstein). Floor is the distance that 5 % of the simulation's
+own replicates exceed. p is corrected for the number of cells."""
+INVISIBLE = 1e-6  # µm or µs: the rounding of the computer
+
+
+def as_text(comparison: Comparison) -> str:
+    """Everything, for the terminal."""
+    if not comparison.gaps:
+        return "No path and feed with enough recorded outcomes: nothing to compare."
+    parts = [_table(comparison, observable) for observable in OBSERVABLES]
+    parts.append(LEGEND)
+    parts.append("\n".join(_missed_line(missed) for missed in comparison.missed))
+    parts.append(_verdict(comparison))
+    return "\n\n".join(part for part in parts if part)
+
+
+def _header(observable: Observable) -> tuple[str, ...]:
+    return (
+        "path",
+        "mm/min",
+        "n",
+        "recorded",
+        "simulated",
+        f"mean, {observable.unit}",
+        f"mean, {_other_unit(observable)}",
+        f"spread, {observable.unit}",
+        "distance",
+        "floor",
+        "p",
+        "",
+    )
+
+
+def _table(comparison: Comparison, observable: Observable) -> str:
+    rows = [_row(gap, comparison.alpha) for gap in comparison.gaps if gap.observable is observable]
+    if not rows:
+        return ""
+    title = f"{observable.title} in {observable.unit}: mean ± spread; recorded minus simulated"
+    return f"{title}\n{table(_header(observable), rows)}"
+
+
+def _row(gap: CellGap, alpha: float) -> tuple[str, ...]:
+    return (
+        gap.path.name.lower(),
+        f"{gap.feed_mm_min:g}",
+        str(gap.touches),
+        f"{_number(gap.recorded_mean)} ± {_number(gap.recorded_spread)}",
+        f"{_number(gap.simulated_mean)} ± {_number(gap.simulated_spread)}",
+        _interval(gap.mean_difference),
+        _signed(_in_other_unit(gap)),
+        _interval(gap.spread_difference),
+        _number(gap.distance),
+        _number(gap.noise_floor),
+        f"{gap.p_value:.3f}",
+        "differs" if gap.p_value <= alpha else "",
+    )
+
+
+def _number(value: float) -> str:
+    return number(value, DIGITS) if abs(value) > INVISIBLE else "0"
+
+
+def _signed(value: float) -> str:
+    sign = "+" if value > INVISIBLE else "−" if value < -INVISIBLE else ""
+    return sign + _number(abs(value))
+
+
+def _interval(interval: Interval) -> str:
+    """Give the value and half the width of its interval."""
+    return f"{_signed(interval.value)} ± {_number((interval.high - interval.low) / 2.0)}"
+
+
+def _other_unit(observable: Observable) -> str:
+    return "µs" if observable.unit == "µm" else "µm"
+
+
+def _in_other_unit(gap: CellGap) -> float:
+    """Give the difference of the means as a time, where it is a length, and the other way round."""
+    speed_um_us = gap.feed_mm_min * MM_MIN_TO_UM_US
+    difference = gap.mean_difference.value
+    return difference / speed_um_us if gap.observable.unit == "µm" else difference * speed_um_us
+
+
+def _missed_line(missed: Missed) -> str:
+    share = missed.share
+    return (
+        f"{missed.path.name.lower()}: {missed.missed} of {missed.touches} touches missed "
+        f"({100 * share.low:.2f} … {100 * share.high:.2f} %), none in the simulation"
+    )
+
+
+def _verdict(comparison: Comparison) -> str:
+    tested = f"{len(comparison.gaps)} cells, {comparison.replicates} replicates of the simulation"
+    rate = f"false-alarm rate {comparison.alpha:.1%} over all cells together"
+    differing = comparison.differing
+    if not differing:
+        return f"Distributions agree within the noise floor ({tested}; {rate})."
+    worst = max(
+        differing, key=lambda gap: gap.distance / gap.noise_floor if gap.noise_floor else np.inf
+    )
+    return (
+        f"Distributions differ in {len(differing)} of {tested}; {rate}.\n"
+        f"Farthest beyond the noise: {worst.observable.title}, {worst.path.name.lower()} path, "
+        f"{worst.feed_mm_min:g} mm/min: distance {number(worst.distance, 3)} "
+        f"{worst.observable.unit}, noise floor {number(worst.noise_floor, 3)} "
+        f"{worst.observable.unit}."
+    )
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """Everything, in plain types."""
+    return {
+        "format": "skiplatch-comparison/1",
+        "agrees": comparison.agrees,
+        "alpha": comparison.alpha,
+        "replicates": comparison.replicates,
+        "cells": [_cell_json(gap, comparison.alpha) for gap in comparison.gaps],
+        "missed": [_missed_json(missed) for missed in comparison.missed],
+    }
+
+
+def _cell_json(gap: CellGap, alpha: float) -> dict[str, Any]:
+    values = asdict(gap) | {
+        "observable": gap.observable.name,
+        "unit": gap.observable.unit,
+        "path": gap.path.name.lower(),
+        "differs": gap.p_value <= alpha,
+    }
+    values["mean_difference_at_feed"] = _in_other_unit(gap)
+    values["mean_difference_at_feed_unit"] = _other_unit(gap.observable)
+    return values
+
+
+def _missed_json(missed: Missed) -> dict[str, Any]:
+    return asdict(missed) | {"path": missed.path.name.lower()}

@@ -1,0 +1,32 @@
+"""The nominal motion: when and how fast the axis meets the nominal surface."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign import Nominal, Touches
+
+FloatArray = NDArray[np.float64]
+
+S_PER_MIN = 60.0
+US_PER_S = 1e6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Contact:
+    """The expected contact of n touches with the nominal surface; arrays of shape (n,)."""
+
+    time_us: FloatArray
+    """Master clock."""
+    speed_mm_s: FloatArray
+    """From the contact on: the feed, or what a move shorter than the ramp has reached."""
+
+
+def expected_contact(nominal: Nominal, touches: Touches) -> Contact:
+    """Step 1 of the nominal chain: start from rest, accelerate to the feed, meet the surface."""
+    accel_mm_s2 = nominal.axis.accel_mm_s2
+    reachable_mm_s = np.sqrt(2.0 * accel_mm_s2 * touches.approach_mm)
+    speed_mm_s = np.minimum(touches.feed_mm_min / S_PER_MIN, reachable_mm_s)
+    travel_s = touches.approach_mm / speed_mm_s + speed_mm_s / (2.0 * accel_mm_s2)
+    return Contact((touches.time_s + travel_s) * US_PER_S, speed_mm_s)

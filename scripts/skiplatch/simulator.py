@@ -1,0 +1,219 @@
+"""The C simulation with the real firmware in it: the one place where Python reaches C.
+
+The shared library is built by ``make setup``. Its structures are read from the C headers
+themselves, so that their fields stand in one place.
+"""
+
+import os
+import re
+from dataclasses import asdict, dataclass, fields
+from functools import cache
+from pathlib import Path
+from typing import Any, Self
+
+import cffi
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign import InputPath, Kind, Nominal, Status, Touches
+from skiplatch.campaign.nominal import KEYS
+
+ROOT = Path(__file__).parents[2]
+LIBRARY = ROOT / "build" / "host" / "libskiplatch_sim.so"
+HEADERS = (ROOT / "host_sim" / "chain.h", ROOT / "host_sim" / "programs" / "batch.h")
+
+FloatArray = NDArray[np.float64]
+CData = Any
+"""What cffi hands out has no static type."""
+
+UM_PER_MM = 1000.0
+S_PER_MIN = 60.0
+US_PER_S = 1e6
+
+
+class SimulationError(Exception):
+    """The simulation refused what it was given, or is not built."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Controller:
+    """How the firmware's cycle and the motion behind it are set up; see ``host_sim/chain.h``."""
+
+    overtravel_mm: float
+    """How far past the nominal surface the probe may be driven in search of it."""
+    back_off_mm: float = 0.25
+    fast_feed_mm_min: float = 3000.0
+    reaction_us: float = 0.0
+    """Stop request to the start of the deceleration: task, motion queue."""
+    confirm_us: float = 0.0
+    holdoff_us: float = 10_000.0
+    settle_us: float = 1e6
+    two_touches: bool = False
+    image_delay_scans: int = 0
+    every_scan: bool = False
+
+    @classmethod
+    def for_campaign(cls, nominal: Nominal, touches: Touches) -> Self:
+        """One touch at the programmed feed, with room for the latest latch and the stop."""
+        speed_mm_s = float(np.max(touches.feed_mm_min)) / S_PER_MIN
+        delay_us = (
+            nominal.probe.delay_us
+            + nominal.input.filter_us
+            + nominal.plc.scan_us
+            + nominal.skip.latency_us
+            + nominal.skip.jitter_us
+        )
+        pretravel_um = nominal.probe.pretravel_um + abs(nominal.probe.lobe_um)
+        scatter_um = 10.0 * nominal.probe.repeatability_um
+        stop_mm = speed_mm_s**2 / (2.0 * nominal.axis.accel_mm_s2)
+        latch_mm = speed_mm_s * delay_us / US_PER_S + (pretravel_um + scatter_um) / UM_PER_MM
+        return cls(overtravel_mm=1.0 + latch_mm + stop_mm)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcomes:
+    """What came of playing n touches r times; every array has the shape (r, n).
+
+    Where there was no such outcome a time or a length is NaN.
+    """
+
+    edge_us: FloatArray
+    """What the reference instrument saw; bench only."""
+    latch_us: FloatArray
+    """The firmware's own time stamp of the latch."""
+    report_us: FloatArray
+    deviation_um: FloatArray
+    overtravel_um: FloatArray
+    """Latch to standstill."""
+    cycle_s: FloatArray
+    """The whole cycle, until the axis is back at the start."""
+    true_edge_us: FloatArray
+    """When the contact really closed at the connector."""
+    status: NDArray[np.int32]
+    """Codes of `Status`."""
+    error: NDArray[np.int32]
+    """Why the firmware's cycle failed: codes of ``touch_error_t``, 0 for none."""
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Latched; shape (r, n)."""
+        return np.asarray(self.status == Status.OK)
+
+
+@dataclass(frozen=True, slots=True)
+class _Binding:
+    """The library and the layout of its structures in numpy's terms."""
+
+    ffi: CData
+    library: CData
+    touch: np.dtype[np.void]
+    outcome: np.dtype[np.void]
+
+
+def _declarations(header: Path) -> str:
+    """Give what cffi understands of a header: no comments, nothing of the preprocessor."""
+    text = re.sub(r"/\*.*?\*/", "", header.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return "\n".join(line for line in text.splitlines() if not line.startswith("#"))
+
+
+def _layout(ffi: CData, name: str) -> np.dtype[np.void]:
+    """Give the numpy type of an array of structures, aligned as the compiler does it."""
+    codes = {"double": "f8", "int32_t": "i4", "uint64_t": "u8"}
+    members = ffi.typeof(name).fields
+    layout = np.dtype([(member, codes[f.type.cname]) for member, f in members], align=True)
+    if layout.itemsize != ffi.sizeof(name):
+        raise SimulationError(f"{name}: numpy lays it out differently from the C compiler")
+    return layout
+
+
+@cache
+def _binding() -> _Binding:
+    if not LIBRARY.exists():
+        raise SimulationError(f"{LIBRARY}: not built; run 'make setup'")
+    ffi: CData = cffi.FFI()
+    for header in HEADERS:
+        ffi.cdef(_declarations(header))
+    return _Binding(
+        ffi=ffi,
+        library=ffi.dlopen(os.fspath(LIBRARY)),
+        touch=_layout(ffi, "sim_touch_t"),
+        outcome=_layout(ffi, "sim_outcome_t"),
+    )
+
+
+def _chain(binding: _Binding, nominal: Nominal) -> CData:
+    """Fill sim_chain_t: a field is named after its key, or after section and key."""
+    chain = binding.ffi.new("sim_chain_t *")
+    names = {name for name, _ in binding.ffi.typeof("sim_chain_t").fields}
+    for section, key in KEYS:
+        long_name = f"{section}_{key}"
+        value = getattr(getattr(nominal, section), key)
+        setattr(chain, long_name if long_name in names else key, value)
+    chain.is_machine = nominal.kind == Kind.MACHINE
+    return chain
+
+
+def _controller(binding: _Binding, controller: Controller) -> CData:
+    return binding.ffi.new("sim_controller_t *", asdict(controller))
+
+
+def _touches(binding: _Binding, touches: Touches, pulse_us: float) -> NDArray[np.void]:
+    rows = np.zeros(len(touches), dtype=binding.touch)
+    for name in ("time_s", "feed_mm_min", "approach_mm", "touch"):
+        rows[name] = getattr(touches, name)
+    for name in ("alpha_deg", "beta_deg"):
+        rows[name] = np.nan_to_num(getattr(touches, name))  # a direction that was not recorded
+    rows["path"] = np.where(
+        touches.path == InputPath.PLC, binding.library.SIM_PATH_PLC, binding.library.SIM_PATH_SKIP
+    )
+    rows["pulse_us"] = pulse_us
+    return rows
+
+
+def play(
+    nominal: Nominal,
+    controller: Controller,
+    touches: Touches,
+    *,
+    seed: int,
+    replicates: int = 1,
+    first_replicate: int = 0,
+    jobs: int = 1,
+    pulse_us: float = 0.0,
+) -> Outcomes:
+    """Play the conditions of n touches through the firmware, `replicates` times.
+
+    The result depends on everything but `jobs`, the number of threads. A replicate is a rig
+    switched on anew: its scan phase and all its noise are its own.
+
+    Args:
+        nominal: The rig.
+        controller: The set-up of its controller.
+        touches: The conditions; outcomes in it are not looked at.
+        seed: Picks the random numbers, together with the number of the replicate and of the touch.
+        replicates: How often to play.
+        first_replicate: Number of the first replicate.
+        jobs: Threads to play on.
+        pulse_us: Contact opens again after this time; 0 means when the axis retreats.
+
+    Raises:
+        SimulationError: A value is out of range, or the library is not built.
+    """
+    binding = _binding()
+    rows = _touches(binding, touches, pulse_us)
+    raw = np.empty((replicates, len(touches)), dtype=binding.outcome)
+    ffi = binding.ffi
+    code = binding.library.sim_play(
+        _chain(binding, nominal),
+        _controller(binding, controller),
+        ffi.from_buffer("sim_touch_t[]", rows),
+        len(touches),
+        seed,
+        first_replicate,
+        replicates,
+        jobs,
+        ffi.from_buffer("sim_outcome_t[]", raw, require_writable=True),
+    )
+    if code != binding.library.SIM_PLAY_OK:
+        raise SimulationError(ffi.string(binding.library.sim_play_error(code)).decode())
+    return Outcomes(*(np.ascontiguousarray(raw[field.name]) for field in fields(Outcomes)))

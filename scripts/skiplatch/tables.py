@@ -1,0 +1,49 @@
+"""Tables of plain text, and numbers as they stand in them."""
+
+import math
+from collections.abc import Sequence
+
+from skiplatch.statistics import Interval
+
+GAP = "  "
+FINEST = 6  # decimals
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Lay out rows under a header: the first column to the left, the others to the right."""
+    lines = [header, *rows]
+    widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
+    return "\n".join(_line(line, widths) for line in lines)
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Give a number with so many significant digits, never as a power of ten."""
+    if value == 0.0:
+        return "0"
+    decimals = digits - 1 - math.floor(math.log10(abs(value)))
+    return f"{round(value, decimals):,.{max(decimals, 0)}f}".replace(",", " ")
+
+
+def share(value: float) -> str:
+    """Give a share in per cent."""
+    return f"{number(100.0 * value, 3)} %"
+
+
+def with_interval(figure: Interval) -> tuple[str, str]:
+    """Give the number, and its interval, with two digits of the interval's width."""
+    decimals = _decimals(figure.high - figure.low)
+    return f"{figure.value:.{decimals}f}", f"{figure.low:.{decimals}f} … {figure.high:.{decimals}f}"
+
+
+def _decimals(width: float) -> int:
+    if width <= 0.0:
+        return FINEST
+    return min(max(1 - math.floor(math.log10(width)), 0), FINEST)
+
+
+def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
+    first, *others = (
+        cell.ljust(width) if i == 0 else cell.rjust(width)
+        for i, (cell, width) in enumerate(zip(cells, widths, strict=True))
+    )
+    return GAP.join([first, *others]).rstrip()

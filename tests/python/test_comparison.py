@@ -1,0 +1,165 @@
+"""A recorded campaign beside the nominal simulation.
+
+False-alarm rates of the statistical tests stand with them; seeds are fixed, so that a test that
+passes once passes always.
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from skiplatch.campaign import Campaign, InputPath, Status, Touches, read_campaign
+from skiplatch.comparison import Comparison, as_json, as_text, compare
+from skiplatch.comparison.gap import adjusted_p_values, distance_to, quantiles_of
+from skiplatch.simulator import Controller, play
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+DATA = Path(__file__).parent / "data"
+
+
+def simulated(campaign: Campaign, seed: int) -> Campaign:
+    """The nominal simulation in place of what was recorded."""
+    touches = campaign.touches
+    controller = Controller.for_campaign(campaign.nominal, touches)
+    outcomes = play(campaign.nominal, controller, touches, seed=seed)
+    played = replace(
+        touches,
+        edge_us=outcomes.edge_us[0],
+        latch_us=outcomes.latch_us[0],
+        report_us=outcomes.report_us[0],
+        deviation_um=outcomes.deviation_um[0],
+    )
+    return replace(campaign, touches=played)
+
+
+def with_touches(campaign: Campaign, **columns: np.ndarray) -> Campaign:
+    return replace(campaign, touches=replace(campaign.touches, **columns))
+
+
+def changed(comparison: Comparison) -> set[tuple[str, str]]:
+    return {(gap.observable.name, gap.path.name) for gap in comparison.differing}
+
+
+@pytest.mark.parametrize("folder", [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"])
+def test_recorded_campaigns_without_a_gap_agree(folder: Path) -> None:
+    comparison = compare(read_campaign(folder), seed=1)
+
+    assert comparison.agrees
+    assert "agree within the noise floor" in as_text(comparison)
+
+
+def test_a_longer_interrupt_latency_shows_on_the_skip_path_alone() -> None:
+    comparison = compare(read_campaign(SAMPLES / "bench_isr_latency"), seed=1)
+
+    assert changed(comparison) == {("deviation_um", "SKIP"), ("latch_after_edge_us", "SKIP")}
+    for gap in comparison.differing:
+        if gap.observable.unit == "µs":
+            assert gap.mean_difference.low < 41.7 < gap.mean_difference.high
+            assert gap.distance == pytest.approx(gap.mean_difference.value, rel=0.01)
+
+
+def test_false_alarms_are_as_rare_as_stated() -> None:
+    """60 campaigns with no gap at a rate of 10 %: more than 14 alarms come once in 1,000 runs."""
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    alpha, runs = 0.1, 60
+
+    alarms = sum(
+        bool(compare(simulated(campaign, seed=1000 + i), seed=i, alpha=alpha).differing)
+        for i in range(runs)
+    )
+
+    assert stats.binom.sf(alarms - 1, runs, alpha) > 1e-3
+
+
+def test_a_small_shift_of_every_touch_is_found_and_measured() -> None:
+    campaign = simulated(read_campaign(SAMPLES / "machine_no_gap"), seed=5)
+    on_skip = campaign.touches.path == InputPath.SKIP
+    shift_um = np.where(on_skip, 0.5, 0.0)
+    shifted = with_touches(campaign, deviation_um=campaign.touches.deviation_um + shift_um)
+
+    comparison = compare(shifted, seed=2)
+
+    assert changed(comparison) == {("deviation_um", "SKIP")}
+    for gap in comparison.differing:
+        assert gap.mean_difference.low < 0.5 < gap.mean_difference.high
+
+
+def test_intervals_of_the_mean_hold_zero_as_often_as_stated() -> None:
+    """40 campaigns × 10 cells at 95 %: fewer than 90 % would come once in 10,000 runs."""
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    gaps = [
+        gap for i in range(40) for gap in compare(simulated(campaign, seed=2000 + i), seed=i).gaps
+    ]
+
+    held = [gap.mean_difference.low <= 0.0 <= gap.mean_difference.high for gap in gaps]
+
+    assert np.mean(held) > 0.90
+
+
+def test_missed_touches_are_a_difference() -> None:
+    campaign = simulated(read_campaign(SAMPLES / "machine_no_gap"), seed=5)
+    touches = campaign.touches
+    gone = np.arange(len(touches)) % 20 == 0
+    empty = {
+        name: np.where(gone, np.nan, getattr(touches, name))
+        for name in ("latch_us", "report_us", "deviation_um")
+    }
+    status = np.where(gone, Status.MISSED, Status.OK).astype(np.int8)
+
+    comparison = compare(with_touches(campaign, status=status, **empty), seed=1)
+
+    assert not comparison.agrees
+    assert sum(missed.missed for missed in comparison.missed) == gone.sum()
+    assert "touches missed" in as_text(comparison)
+
+
+def test_the_order_of_rows_and_the_number_of_threads_do_not_matter() -> None:
+    campaign = read_campaign(SAMPLES / "bench_isr_latency")
+    order = np.random.default_rng(1).permutation(len(campaign.touches))
+    shuffled = replace(campaign, touches=campaign.touches.select(order))
+
+    one = as_json(compare(campaign, seed=3, jobs=1))
+    two = as_json(compare(shuffled, seed=3, jobs=2))
+
+    assert one == two
+
+
+def test_a_campaign_with_no_outcomes_has_nothing_to_compare() -> None:
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    bare = Touches.from_columns(
+        **{
+            name: getattr(campaign.touches, name)
+            for name in ("touch", "time_s", "path", "feed_mm_min", "approach_mm")
+        }
+    )
+
+    comparison = compare(replace(campaign, touches=bare), seed=1)
+
+    assert not comparison.agrees
+    assert "nothing to compare" in as_text(comparison)
+
+
+def test_distance_is_the_mean_way_a_touch_has_to_be_moved() -> None:
+    rng = np.random.default_rng(1)
+    reference = rng.normal(size=(400, 50))
+
+    shifted = distance_to(quantiles_of(reference), quantiles_of(reference) + 3.0)
+
+    assert shifted == pytest.approx(3.0)
+    sample = rng.normal(2.0, 1.0, size=50)
+    expected = stats.wasserstein_distance(sample, reference.ravel())
+    assert distance_to(quantiles_of(reference), sample) == pytest.approx(expected, rel=0.02)
+
+
+def test_adjusted_p_values_hold_the_family_wise_rate() -> None:
+    """1,000 families of 30 cells at 5 %: off by 2.5 points once in 3,000 runs."""
+    rng = np.random.default_rng(7)
+    families = rng.gamma(2.0, size=(1000, 30))
+    replicates = rng.gamma(2.0, size=(999, 30))
+
+    alarms = [adjusted_p_values(family, replicates).min() <= 0.05 for family in families]
+
+    assert np.mean(alarms) == pytest.approx(0.05, abs=0.025)
