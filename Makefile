@@ -441,7 +441,7 @@ $(RESULTS)/lint/dependencies.check: FORCE
 $(RESULTS)/lint/firmware.check: FORCE
 	$(check) $(VENV_PYTHON) scripts/lint_firmware.py
 $(RESULTS)/lint/isr-objects.check: $(RESULTS)/lint/compile-avr.check
-	$(check) $(call with_tool,avr-nm,$(VENV_PYTHON) scripts/lint_isr_objects.py build/avr/obj)
+	$(check) $(call with_tool,avr-gcc,$(VENV_PYTHON) scripts/lint_isr_objects.py build/avr/obj)
 
 $(RESULTS)/lint/ruff-check.check: FORCE
 	$(check) .venv/bin/ruff check --config scripts/pyproject.toml $(PYTHON_FOLDERS)

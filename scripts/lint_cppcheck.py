@@ -19,7 +19,6 @@ MISRA = {
     "13.5": "an effect on the right of && or || happens only sometimes",
     "15.1": "no goto: the reader would have to search for the label",
     "16.3": "falling through a case is hardly ever meant",
-    "17.2": "no recursion: the stack of a small chip has to be bounded",
     "17.7": "an error code must not get lost; cast to void what is not needed",
     "18.8": "no array of variable length: the stack has to be bounded",
     "21.3": "no heap",

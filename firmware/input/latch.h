@@ -64,7 +64,7 @@ void latch_on_edge(latch_t *latch, uint32_t ticks, int32_t position_counts);
 
 /*
  * Tell the level at `now_ticks`; confirms, rejects and ends the hold-off. Task or scan. Has to be
- * called at least every 2^31 ticks, or an old time looks new.
+ * called at least every 2^30 ticks, or an old time looks new.
  */
 void latch_poll(latch_t *latch, uint32_t now_ticks, bool level);
 

@@ -30,7 +30,7 @@ int plc_task_start(plc_task_t *task, const plc_task_config_t *config)
 /* The level in the image that the task works on. */
 static bool image_level(const plc_task_t *task)
 {
-    return (task->image >> task->image_delay_scans & 1u) != 0u;
+    return ((uint32_t)task->image >> task->image_delay_scans & 1u) != 0u;
 }
 
 static void count_overrun(plc_task_t *task, uint32_t now_ticks)

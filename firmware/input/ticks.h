@@ -1,6 +1,6 @@
 /*
- * Arithmetic on a clock that wraps. A reading means something only beside another one less than
- * 2^31 ticks away, so differences are taken at 32 bits and nothing is ever compared directly.
+ * Arithmetic on a clock that wraps: differences are taken at 32 bits and nothing is ever compared
+ * directly. A time has to be looked at within 2^30 ticks after its end, lest it look new again.
  */
 #ifndef INPUT_TICKS_H
 #define INPUT_TICKS_H
@@ -9,7 +9,8 @@
 #include <stdint.h>
 
 #define TICKS_NEVER        UINT32_MAX  /* as a duration: no time is set */
-#define TICKS_MAX_DURATION 0x7FFFFFFFu /* anything longer could not be told from the past */
+#define TICKS_MAX_DURATION 0x7FFFFFFFu /* longer ones are cut to this */
+#define TICKS_BEFORE       0xC0000000u /* an elapsed time this long is a reading from before */
 
 /* Ticks from `since` to `now`, right across the wrap. */
 static inline uint32_t ticks_elapsed(uint32_t now, uint32_t since)
@@ -24,7 +25,7 @@ static inline uint32_t ticks_elapsed(uint32_t now, uint32_t since)
 static inline uint32_t ticks_left(uint32_t now, uint32_t since, uint32_t duration)
 {
     uint32_t elapsed = ticks_elapsed(now, since);
-    if (elapsed > TICKS_MAX_DURATION) {
+    if (elapsed >= TICKS_BEFORE) {
         return duration;
     }
     return elapsed < duration ? duration - elapsed : 0u;

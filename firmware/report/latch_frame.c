@@ -95,7 +95,7 @@ static latch_frame_result_t take_first(latch_decoder_t *decoder, const uint8_t *
 
 static latch_frame_result_t take_stray_second(latch_decoder_t *decoder, const uint8_t *frame)
 {
-    if (decoder->any_record && frame[0] == (uint8_t)(decoder->last_sequence << 1 | 1u)) {
+    if (decoder->any_record && frame[0] == (uint8_t)((uint32_t)decoder->last_sequence << 1 | 1u)) {
         count(&decoder->repeated_frames, 1u);
         return LATCH_FRAME_REPEATED;
     }
