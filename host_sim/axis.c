@@ -84,6 +84,18 @@ double sim_axis_position_um(const sim_axis_t *axis, sim_ns_t now)
     return axis->from_um + axis->sense * way_at(axis, (double)(now - axis->start));
 }
 
+double sim_axis_speed_um_us(const sim_axis_t *axis, sim_ns_t now)
+{
+    double time = (double)(now - axis->start);
+    double speed = axis->speed;
+    if (time < axis->accel_end) {
+        speed = axis->accel * time;
+    } else if (time >= axis->decel_start) {
+        speed = fmax(0.0, axis->accel * (axis->decel_end - time));
+    }
+    return axis->sense * speed * SIM_NS_PER_US;
+}
+
 /* Rounded up, so that the axis is at rest by then. */
 sim_ns_t sim_axis_standstill(const sim_axis_t *axis)
 {

@@ -38,6 +38,9 @@ void sim_axis_stop(sim_axis_t *axis, sim_ns_t reaction, sim_ns_t now);
 
 double sim_axis_position_um(const sim_axis_t *axis, sim_ns_t now);
 
+/* Speed along the approach in µm/µs. */
+double sim_axis_speed_um_us(const sim_axis_t *axis, sim_ns_t now);
+
 /* When the axis comes, or came, to rest. */
 sim_ns_t sim_axis_standstill(const sim_axis_t *axis);
 

@@ -51,11 +51,21 @@ typedef struct {
     double   alpha_deg;
     double   beta_deg;
     double   pulse_us; /* the contact opens again after this long; 0: when the axis retreats */
+    double   sign;     /* 1 or -1: the sense in which the axis moves */
+    double   position_mm; /* axis coordinate of the nominal surface */
+    double   rotary_deg;
+    double   temp_c;
     uint64_t touch;    /* serial number; with seed and replicate it picks the random numbers */
     int32_t  path;     /* SIM_PATH_* */
 } sim_touch_t;
 
 enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };
+
+/* One effect that is switched on: a row of effects/table.c, and its parameters in that order. */
+typedef struct {
+    double  parameters[6];
+    int32_t effect;
+} sim_setting_t;
 
 /* What came of one touch. What was not recorded is NaN. */
 typedef struct {

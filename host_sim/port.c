@@ -36,7 +36,8 @@ int hal_edge_arm(const hal_edge_config_t *config)
         return HAL_ERR_CONFIG;
     }
     /* On top of the filter that the rig has in front of the pin. */
-    bound->line.filter = sim_ns_from_us(bound->chain->filter_us + config->glitch_filter_us);
+    bound->filter_us = bound->chain->filter_us + config->glitch_filter_us;
+    bound->line.filter = sim_ns_from_us(sim_change(bound, SIM_FILTER, bound->filter_us));
     bound->is_edge_armed = true;
     bound->edge_at = SIM_NEVER;
     return HAL_OK;
@@ -55,12 +56,22 @@ bool hal_edge_level(uint8_t channel)
     return channel < CHANNELS && bound->line.pin;
 }
 
+/* The time of which the position is read. */
+static sim_ns_t position_time(void)
+{
+    if (!sim_effects_reach(&bound->effects, SIM_POSITION_TIME)) {
+        return bound->now;
+    }
+    return sim_ns_from_us(sim_change(bound, SIM_POSITION_TIME, sim_us_from_ns(bound->now)));
+}
+
 int32_t hal_axis_position_counts(uint8_t axis)
 {
     if (axis >= AXES) {
         return 0;
     }
-    double position_um = sim_axis_position_um(&bound->axis, bound->now);
+    double position_um = sim_axis_position_um(&bound->axis, position_time());
+    position_um = sim_change(bound, SIM_POSITION, position_um);
     return (int32_t)lrint(position_um * bound->counts_per_um);
 }
 
@@ -72,7 +83,8 @@ int hal_bus_send(const uint8_t frame[HAL_BUS_FRAME_BYTES])
     }
     if (sim_bus_begins_burst(&bound->bus, bound->now)) {
         double jitter_us = sim_random_uniform(&bound->random, bound->chain->report_jitter_us);
-        travel = sim_ns_from_us(bound->chain->report_latency_us + jitter_us);
+        double travel_us = bound->chain->report_latency_us + jitter_us;
+        travel = sim_ns_from_us(sim_change(bound, SIM_REPORT, travel_us));
     }
     sim_bus_send(&bound->bus, frame, travel, bound->now);
     return HAL_OK;

@@ -2,8 +2,9 @@
 
 #include <math.h>
 
-#define RAD_PER_DEG (3.14159265358979323846 / 180.0)
-#define LOBES       3.0
+#include "angle.h"
+
+#define LOBES 3.0
 
 double sim_probe_pretravel_um(const sim_chain_t *chain, const sim_touch_t *touch,
                               sim_random_t *random)

@@ -4,16 +4,19 @@
 
 #include <Random123/philox.h>
 
-#define TWO_POW_32 4294967296.0
-#define PI         3.14159265358979323846
-#define BLOCK      4u
+#include "angle.h"
 
-void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, uint64_t touch)
+#define TWO_POW_32 4294967296.0
+#define BLOCK      4u
+#define LANE_SHIFT 24u /* so many blocks a lane, to the power of two */
+
+void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, uint64_t touch,
+                      uint32_t lane)
 {
     /* The seed fills the key; replicate and touch pick a counter of their own. */
     random->key[0] = (uint32_t)seed;
     random->key[1] = (uint32_t)(seed >> 32);
-    random->counter[0] = 0u;
+    random->counter[0] = lane << LANE_SHIFT;
     random->counter[1] = (uint32_t)replicate;
     random->counter[2] = (uint32_t)touch;
     random->counter[3] = (uint32_t)(touch >> 32);

@@ -14,8 +14,12 @@ typedef struct {
     uint32_t used;     /* of those words */
 } sim_random_t;
 
-/* Begin the stream of one touch; UINT64_MAX as `touch` is the stream of the whole campaign. */
-void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, uint64_t touch);
+/*
+ * Begin the stream of one touch; UINT64_MAX as `touch` is the stream of the whole campaign. Lanes, 0 to
+ * 255, are independent of one another: the nominal chain has lane 0.
+ */
+void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, uint64_t touch,
+                      uint32_t lane);
 
 /* Uniform in [0, width). */
 double sim_random_uniform(sim_random_t *random, double width);

@@ -1,5 +1,9 @@
 #include "scan.h"
 
+#include <stddef.h>
+
+#define LATE_SCANS 100 /* how far back a late scan is felt */
+
 /* Number of the first scan at or after `time`. */
 static int64_t number_at(const sim_scan_t *scan, sim_ns_t time)
 {
@@ -18,6 +22,27 @@ void sim_scan_restart(sim_scan_t *scan, sim_ns_t now)
     scan->next_at = SIM_NEVER;
 }
 
+/* A scan that was due before `time` may begin after it, or hold up the ones behind it. */
+static void await_late(sim_scan_t *scan, sim_ns_t time)
+{
+    int64_t  newest = scan->next;
+    sim_ns_t begin = 0;
+    for (int64_t number = newest > LATE_SCANS ? newest - LATE_SCANS : 0; number <= newest; ++number) {
+        sim_ns_t due = scan->phase + number * scan->period + scan->late(scan->context, number);
+        begin = due > begin ? due : begin;
+        if (number > scan->last && begin >= time) {
+            scan->next = number;
+            break;
+        }
+    }
+    scan->next_at = begin;
+}
+
+void sim_scan_shift(sim_scan_t *scan, sim_ns_t by)
+{
+    scan->phase += by;
+}
+
 void sim_scan_await(sim_scan_t *scan, sim_ns_t time)
 {
     if (time == SIM_NEVER) {
@@ -27,6 +52,9 @@ void sim_scan_await(sim_scan_t *scan, sim_ns_t time)
     int64_t number = number_at(scan, time);
     scan->next = number > scan->last ? number : scan->last + 1;
     scan->next_at = scan->phase + scan->next * scan->period;
+    if (scan->late != NULL) {
+        await_late(scan, time);
+    }
 }
 
 int64_t sim_scan_execute(sim_scan_t *scan)

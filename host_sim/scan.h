@@ -7,12 +7,17 @@
 
 #include "sim_time.h"
 
+/* By how much scan `number` begins late, ≥ 0; scans do not overtake. */
+typedef sim_ns_t sim_scan_late_t(void *context, int64_t number);
+
 typedef struct {
     sim_ns_t phase;  /* of scan 0, 0 … period − 1 */
     sim_ns_t period;
     int64_t  last;   /* number of the last scan that was executed */
     int64_t  next;   /* number of the next one to execute */
     sim_ns_t next_at; /* when, or SIM_NEVER */
+    sim_scan_late_t *late; /* NULL: never late */
+    void            *context;
 } sim_scan_t;
 
 /* Scans run at `phase` + k·`period`, and none is wanted yet. */
@@ -20,6 +25,9 @@ void sim_scan_init(sim_scan_t *scan, sim_ns_t phase, sim_ns_t period, sim_ns_t n
 
 /* The task stops, and when it runs again, the scans before `now` are past, executed or not. */
 void sim_scan_restart(sim_scan_t *scan, sim_ns_t now);
+
+/* Move all scans by `by`, less than a period. */
+void sim_scan_shift(sim_scan_t *scan, sim_ns_t by);
 
 /* Execute next the first scan at or after `time`; SIM_NEVER stops the task. */
 void sim_scan_await(sim_scan_t *scan, sim_ns_t time);

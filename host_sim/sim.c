@@ -5,9 +5,43 @@
 
 #define UM_PER_MM 1000.0
 
-void sim_boot(sim_t *sim, const sim_chain_t *chain, uint64_t seed, uint64_t replicate, sim_ns_t now)
+double sim_change(sim_t *sim, sim_quantity_t quantity, double value)
 {
-    sim_ns_t period = sim_ns_from_us(chain->scan_us);
+    if (!sim_effects_reach(&sim->effects, quantity)) {
+        return value;
+    }
+    sim_effect_call_t scene = {
+        .chain = sim->chain,
+        .touch = sim->touch,
+        .now_us = sim_us_from_ns(sim->now),
+        .speed_um_us = sim_axis_speed_um_us(&sim->axis, sim->now),
+    };
+    return sim_effects_change(&sim->effects, &scene, quantity, value);
+}
+
+static sim_ns_t scan_lateness(void *context, int64_t number)
+{
+    sim_t *sim = context;
+    sim_effects_begin_scan(&sim->effects, (uint64_t)number);
+    return sim_ns_from_us(sim_change(sim, SIM_SCAN_START, 0.0));
+}
+
+static void boot_scan(sim_t *sim)
+{
+    double   period_us = sim_change(sim, SIM_SCAN_PERIOD, sim->chain->scan_us);
+    sim_ns_t period = sim_ns_from_us(fmax(period_us, 1.0));
+    sim_ns_t phase = (sim_ns_t)sim_random_uniform(&sim->random, (double)period);
+
+    sim_scan_init(&sim->scan, phase, period, sim->now);
+    if (sim_effects_reach(&sim->effects, SIM_SCAN_START)) {
+        sim->scan.late = scan_lateness;
+        sim->scan.context = sim;
+    }
+}
+
+void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *settings, uint32_t count,
+              uint64_t seed, uint64_t replicate, sim_ns_t now)
+{
 
     *sim = (sim_t){
         .chain = chain,
@@ -15,18 +49,18 @@ void sim_boot(sim_t *sim, const sim_chain_t *chain, uint64_t seed, uint64_t repl
         .axis_at = SIM_NEVER,
         .edge_at = SIM_NEVER,
         .wake_at = SIM_NEVER,
-        .delay = sim_ns_from_us(chain->delay_us),
+        .filter_us = chain->filter_us,
         .seed = seed,
         .replicate = replicate,
         .counts_per_um = 1.0 / chain->resolution_um,
         .ticks_time = 0,
         .tick_ps = (uint32_t)llrint(chain->tick_us * SIM_NS_PER_US * SIM_PS_PER_NS),
     };
-    sim_random_begin(&sim->random, seed, replicate, UINT64_MAX);
-    sim_ns_t phase = (sim_ns_t)sim_random_uniform(&sim->random, (double)period);
-    sim_scan_init(&sim->scan, phase, period, now);
+    sim_effects_boot(&sim->effects, settings, count, seed, replicate);
+    sim_random_begin(&sim->random, seed, replicate, UINT64_MAX, 0u);
     sim_axis_place(&sim->axis, chain->accel_mm_s2, 0.0, now);
-    sim_line_reset(&sim->line, sim_ns_from_us(chain->filter_us));
+    sim_line_reset(&sim->line, 0);
+    boot_scan(sim);
     sim_bus_reset(&sim->bus);
 }
 
@@ -42,9 +76,17 @@ void sim_begin_touch(sim_t *sim, const sim_touch_t *touch)
     sim->axis_at = SIM_NEVER;
     sim->edge_at = SIM_NEVER;
     sim->wake_at = SIM_NEVER;
-    sim_random_begin(&sim->random, sim->seed, sim->replicate, touch->touch);
-    sim_axis_place(&sim->axis, sim->chain->accel_mm_s2, -touch->approach_mm * UM_PER_MM, sim->now);
-    sim_line_reset(&sim->line, sim->line.filter);
+    sim_random_begin(&sim->random, sim->seed, sim->replicate, touch->touch, 0u);
+    sim_effects_begin_touch(&sim->effects, touch->touch);
+
+    double accel_mm_s2 = sim_change(sim, SIM_ACCEL, sim->chain->accel_mm_s2);
+    double delay_us = sim->chain->delay_us;
+    if (sim->chain->is_machine) {
+        delay_us = sim_change(sim, SIM_PROBE_DELAY, delay_us);
+    }
+    sim->delay = sim_ns_from_us(delay_us);
+    sim_axis_place(&sim->axis, accel_mm_s2, -touch->approach_mm * UM_PER_MM, sim->now);
+    sim_line_reset(&sim->line, sim_ns_from_us(sim_change(sim, SIM_FILTER, sim->filter_us)));
     sim_bus_reset(&sim->bus);
 }
 
@@ -53,6 +95,9 @@ uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time)
 {
     if (time != sim->ticks_time) {
         sim->ticks_time = time;
+        if (sim_effects_reach(&sim->effects, SIM_CLOCK)) {
+            time = sim_ns_from_us(sim_change(sim, SIM_CLOCK, sim_us_from_ns(time)));
+        }
         sim->ticks = (uint64_t)time * SIM_PS_PER_NS / sim->tick_ps;
     }
     return sim->ticks;
@@ -77,43 +122,75 @@ bool sim_is_moving(const sim_t *sim)
     return sim->axis_at != SIM_NEVER;
 }
 
-/* When the contact closes or opens because the present motion passes the trigger point. */
-static sim_ns_t trigger_time(const sim_t *sim)
+/* When the contact opens because the present motion passes the trigger point. */
+static sim_ns_t opening_time(const sim_t *sim)
 {
     sim_ns_t crossing = sim_axis_crossing(&sim->axis, sim->pretravel_um);
     return crossing == SIM_NEVER ? SIM_NEVER : crossing + sim->delay;
+}
+
+/* When it closes: the probe triggers, and the link carries that to the connector. */
+static sim_ns_t closing_time(sim_t *sim)
+{
+    sim->triggered_at = sim_axis_crossing(&sim->axis, sim->pretravel_um);
+    if (sim->triggered_at == SIM_NEVER) {
+        return SIM_NEVER;
+    }
+    sim_ns_t sent = sim->triggered_at + sim->delay;
+    if (!sim->chain->is_machine || !sim_effects_reach(&sim->effects, SIM_LINK)) {
+        return sent;
+    }
+    return sim_ns_from_us(sim_change(sim, SIM_LINK, sim_us_from_ns(sent)));
+}
+
+/* Pretravel of a new approach; effects may take it below 0 no more than the probe does. */
+static double draw_pretravel_um(sim_t *sim)
+{
+    double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->random);
+    return sim->chain->is_machine ? fmax(0.0, sim_change(sim, SIM_PRETRAVEL, pretravel_um)) : 0.0;
 }
 
 void sim_move(sim_t *sim, double target_um, double feed_mm_min)
 {
     bool is_approach = target_um > 0.0;
 
-    sim_axis_move(&sim->axis, target_um, feed_mm_min, sim->now);
+    sim_axis_move(&sim->axis, target_um, sim_change(sim, SIM_FEED, feed_mm_min), sim->now);
     sim->axis_at = sim_axis_standstill(&sim->axis);
     if (is_approach) {
         sim->closed_at = SIM_NEVER;
-        sim->pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->random);
+        sim->pretravel_um = draw_pretravel_um(sim);
     }
     if (is_approach != sim->line.contact) { /* else the motion leaves the contact as it is */
-        sim_line_plan(&sim->line, trigger_time(sim));
+        sim_line_plan(&sim->line, is_approach ? closing_time(sim) : opening_time(sim));
     }
 }
 
 void sim_stop(sim_t *sim, sim_ns_t reaction)
 {
     bool is_before_trigger = !sim->line.contact && sim->line.contact_at != SIM_NEVER &&
-                             sim->line.contact_at - sim->delay > sim->now;
+                             sim->triggered_at > sim->now;
 
     sim_axis_stop(&sim->axis, reaction, sim->now);
     sim->axis_at = sim_axis_standstill(&sim->axis);
     if (is_before_trigger) {
-        sim_line_plan(&sim->line, trigger_time(sim));
+        sim_line_plan(&sim->line, closing_time(sim));
     }
 }
 
 static sim_ns_t earliest(sim_ns_t a, sim_ns_t b)
 {
     return a < b ? a : b;
+}
+
+/* A contact that has to come to rest first, or never does. */
+static void delay_pin(sim_t *sim)
+{
+    double rest_us = sim_change(sim, SIM_CONTACT, 0.0);
+    if (isinf(rest_us)) {
+        sim->line.pin_at = SIM_NEVER;
+    } else {
+        sim->line.pin_at += sim_ns_from_us(rest_us);
+    }
 }
 
 static void change_contact(sim_t *sim)
@@ -123,9 +200,19 @@ static void change_contact(sim_t *sim)
         return;
     }
     sim->closed_at = earliest(sim->closed_at, sim->now);
+    delay_pin(sim);
     if (sim->touch->pulse_us > 0.0) {
         sim_line_plan(&sim->line, sim->now + sim_ns_from_us(sim->touch->pulse_us));
     }
+}
+
+/* Let the pin change at another point of the scan. */
+static void shift_scans(sim_t *sim)
+{
+    double period = (double)sim->scan.period;
+    double phase = fmod((double)(sim->now - sim->scan.phase), period) / period;
+    double wanted = sim_change(sim, SIM_SCAN_PHASE, phase);
+    sim_scan_shift(&sim->scan, (sim_ns_t)((phase - wanted) * period));
 }
 
 /* Latch stage: an edge on the armed pin calls the interrupt after latency + U(0, jitter) (step 4). */
@@ -134,14 +221,28 @@ static void change_pin(sim_t *sim)
     sim_line_toggle_pin(&sim->line);
     if (sim->line.pin && sim->is_edge_armed && sim->edge_at == SIM_NEVER) {
         double jitter_us = sim_random_uniform(&sim->random, sim->chain->skip_jitter_us);
-        sim->edge_at = sim->now + sim_ns_from_us(sim->chain->skip_latency_us + jitter_us);
+        double latency_us = sim->chain->skip_latency_us + jitter_us;
+        sim->edge_at = sim->now + sim_ns_from_us(sim_change(sim, SIM_INTERRUPT, latency_us));
     }
+    if (sim->line.pin && sim_effects_reach(&sim->effects, SIM_SCAN_PHASE)) {
+        shift_scans(sim);
+    }
+}
+
+static uint32_t captured_ticks(sim_t *sim)
+{
+    uint64_t ticks = sim_clock_ticks(sim, sim->now);
+    if (sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
+        double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
+        ticks = (uint64_t)(sim_change(sim, SIM_CAPTURE, (double)ticks / ticks_per_us) * ticks_per_us);
+    }
+    return (uint32_t)ticks;
 }
 
 static sim_event_t run_edge_interrupt(sim_t *sim)
 {
     sim->edge_at = SIM_NEVER;
-    hal_edge_on_latch(0u, (uint32_t)sim_clock_ticks(sim, sim->now));
+    hal_edge_on_latch(0u, captured_ticks(sim));
     return SIM_EVENT_EDGE;
 }
 

@@ -15,6 +15,7 @@
 #include "axis.h"
 #include "bus.h"
 #include "chain.h"
+#include "effects/active.h"
 #include "line.h"
 #include "random.h"
 #include "scan.h"
@@ -38,10 +39,12 @@ typedef struct {
     sim_ns_t           edge_at; /* edge interrupt, SIM_NEVER when none is due */
     sim_ns_t           wake_at;
     sim_ns_t           delay;         /* mechanical trigger to contact */
+    sim_ns_t           triggered_at;  /* when the probe triggers in this approach */
     sim_ns_t           closed_at;     /* when the contact first closed in this approach */
     double             pretravel_um;  /* of the present approach */
     uint64_t           seed;
     uint64_t           replicate;
+    double             filter_us; /* the filter of the set-up */
     double             counts_per_um;
     sim_ns_t           ticks_time; /* the last time turned into ticks, and the ticks it is */
     uint64_t           ticks;
@@ -52,10 +55,18 @@ typedef struct {
     sim_line_t         line;
     sim_scan_t         scan;
     sim_bus_t          bus;
+    sim_effects_t      effects;
 } sim_t;
 
-/* Switch the rig on at `now`. `chain` has to outlive it. */
-void sim_boot(sim_t *sim, const sim_chain_t *chain, uint64_t seed, uint64_t replicate, sim_ns_t now);
+/*
+ * Switch the rig on at `now`, with effects as for sim_effects_boot(). `chain` and `settings` have to
+ * outlive it, and `sim` has to stay where it is.
+ */
+void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *settings, uint32_t count,
+              uint64_t seed, uint64_t replicate, sim_ns_t now);
+
+/* What the effects make of a quantity of the chain. */
+double sim_change(sim_t *sim, sim_quantity_t quantity, double value);
 
 /* The time at which a touch begins. */
 sim_ns_t sim_touch_start(const sim_touch_t *touch);

@@ -7,11 +7,14 @@
 #include <stdlib.h>
 
 #include "cycle/touch_cycle.h"
+#include "effects/table.h"
 #include "input/plc_task.h"
 #include "programs/rig.h"
 
 /* A controller is switched on anew for every block, so that blocks can be played on any thread. */
 #define BLOCK_TOUCHES 4096u
+
+#define PARAMETERS (sizeof((sim_setting_t *)0)->parameters / sizeof(double))
 
 #define LENGTH_MAX_MM    10000.0
 #define FEED_MAX_MM_MIN  1.0e6
@@ -22,9 +25,12 @@
 typedef struct {
     const sim_chain_t      *chain;
     const sim_controller_t *controller;
+    const sim_setting_t    *settings;
     const sim_touch_t      *touches;
     sim_outcome_t          *outcomes;
     uint64_t                n;
+    uint32_t                settings_count;
+    uint64_t                block; /* touches */
     uint64_t                seed;
     uint64_t                first_replicate;
     uint64_t                blocks; /* of one replicate */
@@ -79,7 +85,8 @@ static bool is_touch(const sim_touch_t *touch)
     return is_within(touch->time_s, 0.0, (double)SIM_NS_MAX / SIM_NS_PER_S) &&
            is_within(touch->feed_mm_min, 1.0e-3, FEED_MAX_MM_MIN) &&
            is_within(touch->approach_mm, 1.0e-6, LENGTH_MAX_MM) && isfinite(touch->alpha_deg) &&
-           isfinite(touch->beta_deg) && is_duration(touch->pulse_us) &&
+           isfinite(touch->beta_deg) && isfinite(touch->sign) && isfinite(touch->position_mm) &&
+           isfinite(touch->rotary_deg) && isfinite(touch->temp_c) && is_duration(touch->pulse_us) &&
            (touch->path == SIM_PATH_SKIP || touch->path == SIM_PATH_PLC);
 }
 
@@ -93,15 +100,44 @@ static bool are_touches(const sim_touch_t *touches, uint64_t n)
     return true;
 }
 
+/* Below the range is as bad as above; the order keeps several effects on one quantity defined. */
+static bool is_setting(const sim_setting_t *setting)
+{
+    const sim_effect_t *effect = sim_effect_at((uint32_t)setting->effect);
+    if (effect == NULL) {
+        return false;
+    }
+    const sim_parameter_t *parameter = effect->about.parameters;
+    for (uint32_t i = 0; i < PARAMETERS && parameter[i].name != NULL; ++i) {
+        if (!is_within(setting->parameters[i], parameter[i].low, parameter[i].high)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool are_settings(const sim_setting_t *settings, uint32_t count)
+{
+    if (count > SIM_EFFECTS_MAX) {
+        return false;
+    }
+    for (uint32_t i = 0; i < count; ++i) {
+        if (!is_setting(&settings[i]) || (i > 0u && settings[i].effect < settings[i - 1u].effect)) {
+            return false;
+        }
+    }
+    return true;
+}
+
 static int play_block(const job_t *job, rig_t *rig, uint64_t number)
 {
     uint64_t       replicate = number / job->blocks;
-    uint64_t       begin = number % job->blocks * BLOCK_TOUCHES;
-    uint64_t       end = begin + BLOCK_TOUCHES < job->n ? begin + BLOCK_TOUCHES : job->n;
+    uint64_t       begin = number % job->blocks * job->block;
+    uint64_t       end = begin + job->block < job->n ? begin + job->block : job->n;
     sim_outcome_t *outcomes = job->outcomes + replicate * job->n;
 
-    rig_boot(rig, job->chain, job->controller, job->seed, job->first_replicate + replicate,
-             sim_touch_start(&job->touches[begin]));
+    rig_boot(rig, job->chain, job->controller, job->settings, job->settings_count, job->seed,
+             job->first_replicate + replicate, sim_touch_start(&job->touches[begin]));
     for (uint64_t i = begin; i < end; ++i) {
         if (rig_play(rig, &job->touches[i], &outcomes[i]) != 0) {
             return SIM_PLAY_ERR_START;
@@ -148,8 +184,9 @@ static int play_on_threads(job_t *job, uint32_t threads)
 }
 
 int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
-             const sim_touch_t *touches, uint64_t n, uint64_t seed, uint64_t first_replicate,
-             uint64_t replicates, uint32_t threads, sim_outcome_t *outcomes)
+             const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
+             uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
+             uint32_t threads, sim_outcome_t *outcomes)
 {
     if (!is_chain(chain)) {
         return SIM_PLAY_ERR_CHAIN;
@@ -160,12 +197,20 @@ int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
     if (!are_touches(touches, n)) {
         return SIM_PLAY_ERR_TOUCH;
     }
-    uint64_t blocks = (n + BLOCK_TOUCHES - 1u) / BLOCK_TOUCHES;
+    if (!are_settings(settings, settings_count)) {
+        return SIM_PLAY_ERR_EFFECT;
+    }
+    /* An effect may remember the touch before, so its replicates are not cut up. */
+    uint64_t block = settings_count == 0u ? BLOCK_TOUCHES : n;
+    uint64_t blocks = block == 0u ? 0u : (n + block - 1u) / block;
     job_t    job = {
            .chain = chain,
            .controller = controller,
            .touches = touches,
            .outcomes = outcomes,
+           .settings = settings,
+           .settings_count = settings_count,
+           .block = block,
            .n = n,
            .seed = seed,
            .first_replicate = first_replicate,
@@ -174,6 +219,12 @@ int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
     };
     uint64_t useful = job.work < threads ? job.work : threads;
     return useful == 0u ? SIM_PLAY_OK : play_on_threads(&job, (uint32_t)useful);
+}
+
+const sim_description_t *sim_effect_describe(uint32_t index)
+{
+    const sim_effect_t *effect = sim_effect_at(index);
+    return effect == NULL ? NULL : &effect->about;
 }
 
 const char *sim_play_error(int code)
@@ -189,6 +240,8 @@ const char *sim_play_error(int code)
         return "a condition of a touch is not finite or out of range";
     case SIM_PLAY_ERR_START:
         return "the firmware refused to start the input path";
+    case SIM_PLAY_ERR_EFFECT:
+        return "an effect is unknown, or one of its parameters is out of range";
     case SIM_PLAY_ERR_MEMORY:
         return "out of memory";
     default:

@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 #include "chain.h"
+#include "effects/description.h"
 
 #pragma GCC visibility push(default)
 
@@ -17,17 +18,24 @@ enum {
     SIM_PLAY_ERR_CONTROL = -2, /* the same of the controller */
     SIM_PLAY_ERR_TOUCH = -3,   /* the same of a touch */
     SIM_PLAY_ERR_START = -4,   /* the firmware refused to start the input */
-    SIM_PLAY_ERR_MEMORY = -5
+    SIM_PLAY_ERR_MEMORY = -5,
+    SIM_PLAY_ERR_EFFECT = -6   /* an effect that is not in the table, too many, or a bad parameter */
 };
 
 /*
- * Play `touches` (n, in any order) `replicates` times and write outcomes[replicate][touch].
+ * Play `touches` (n) `replicates` times, with the effects of `settings` switched on (in the order of the
+ * table), and write outcomes[replicate][touch]. Touches may come in any order, unless an effect
+ * remembers the touch before: then in that of time.
  * The result depends on the arguments only, not on `threads` (≥ 1); replicates are numbered from
  * `first_replicate`, below 2^32. Returns SIM_PLAY_OK or a negative code; then nothing is to be read.
  */
 int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
-             const sim_touch_t *touches, uint64_t n, uint64_t seed, uint64_t first_replicate,
-             uint64_t replicates, uint32_t threads, sim_outcome_t *outcomes);
+             const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
+             uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
+             uint32_t threads, sim_outcome_t *outcomes);
+
+/* Row `index` of the table of effects, or NULL past the end. */
+const sim_description_t *sim_effect_describe(uint32_t index);
 
 /* A sentence for a code of sim_play(). */
 const char *sim_play_error(int code);

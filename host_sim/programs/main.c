@@ -105,7 +105,7 @@ static bool apply_option(options_t *options, int name, const char *text)
 static void fill_touches(const options_t *options, sim_touch_t *touches, uint64_t n)
 {
     sim_random_t random;
-    sim_random_begin(&random, (uint64_t)options->seed, UINT32_MAX, UINT64_MAX);
+    sim_random_begin(&random, (uint64_t)options->seed, UINT32_MAX, UINT64_MAX, 0u);
     for (uint64_t i = 0; i < n; ++i) {
         touches[i] = (sim_touch_t){
             .time_s = TOUCH_GAP_S * (double)i + sim_random_uniform(&random, TOUCH_GAP_S / 4.0),
@@ -138,7 +138,7 @@ static int run(const options_t *options)
 
     if (touches != NULL && outcomes != NULL) {
         fill_touches(options, touches, n);
-        result = sim_play(&options->chain, &controller, touches, n, (uint64_t)options->seed, 0u, 1u,
+        result = sim_play(&options->chain, &controller, NULL, 0u, touches, n, (uint64_t)options->seed, 0u, 1u,
                           1u, outcomes);
     }
     if (result == SIM_PLAY_OK) {

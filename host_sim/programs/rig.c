@@ -29,10 +29,11 @@ static void bind(rig_t *rig)
 }
 
 void rig_boot(rig_t *rig, const sim_chain_t *chain, const sim_controller_t *controller,
-              uint64_t seed, uint64_t replicate, sim_ns_t now)
+              const sim_setting_t *settings, uint32_t count, uint64_t seed, uint64_t replicate,
+              sim_ns_t now)
 {
     *rig = (rig_t){.controller = controller, .path = NO_PATH};
-    sim_boot(&rig->sim, chain, seed, replicate, now);
+    sim_boot(&rig->sim, chain, settings, count, seed, replicate, now);
     bind(rig);
 }
 
@@ -58,10 +59,12 @@ static int start_path(rig_t *rig, int path)
         skip_input_config_t config = {.edge = {.channel = CHANNEL}, .axis = AXIS};
         result = skip_input_start(&rig->skip, &config);
     } else {
+        double delay_scans =
+            sim_change(&rig->sim, SIM_IMAGE_DELAY, rig->controller->image_delay_scans);
         plc_task_config_t config = {
             .channel = CHANNEL,
             .axis = AXIS,
-            .image_delay_scans = (uint8_t)rig->controller->image_delay_scans,
+            .image_delay_scans = (uint8_t)lrint(fmin(delay_scans, UINT8_MAX)),
             .period_us = (uint16_t)fmin(rig->sim.chain->scan_us + 0.5, UINT16_MAX),
         };
         result = plc_task_start(&rig->plc, &config);

@@ -25,9 +25,10 @@ typedef struct {
     sim_ns_t                done_at;   /* end of the last whole cycle */
 } rig_t;
 
-/* Switch on at `now`. `chain` and `controller` have to outlive the rig. */
+/* Switch on at `now`; see sim_boot(). `controller` has to outlive the rig, which has to stay in place. */
 void rig_boot(rig_t *rig, const sim_chain_t *chain, const sim_controller_t *controller,
-              uint64_t seed, uint64_t replicate, sim_ns_t now);
+              const sim_setting_t *settings, uint32_t count, uint64_t seed, uint64_t replicate,
+              sim_ns_t now);
 
 /*
  * Play one touch from the start of its measuring move to the end of the cycle. A touch that begins

@@ -6,6 +6,7 @@ themselves, so that their fields stand in one place.
 
 import os
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -20,11 +21,25 @@ from skiplatch.campaign.nominal import KEYS
 
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "build" / "host" / "libskiplatch_sim.so"
-HEADERS = (ROOT / "host_sim" / "chain.h", ROOT / "host_sim" / "programs" / "batch.h")
+HEADERS = (
+    ROOT / "host_sim" / "chain.h",
+    ROOT / "host_sim" / "effects" / "description.h",
+    ROOT / "host_sim" / "programs" / "batch.h",
+)
 
 FloatArray = NDArray[np.float64]
 CData = Any
 """What cffi hands out has no static type."""
+
+# What stands in the simulation for a condition that was not recorded.
+NOT_RECORDED_IS = {
+    "alpha_deg": 0.0,
+    "beta_deg": 0.0,
+    "sign": 1.0,
+    "position_mm": 0.0,
+    "rotary_deg": 0.0,
+    "temp_c": 20.0,
+}
 
 UM_PER_MM = 1000.0
 S_PER_MIN = 60.0
@@ -101,6 +116,38 @@ class Outcomes:
 
 
 @dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of an effect; `low` and `high` are the range that makes sense."""
+
+    name: str
+    unit: str
+    meaning: str
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class EffectDescription:
+    """A row of the simulator's table of effects, ``host_sim/effects/table.c``."""
+
+    index: int
+    id: str
+    stage: str
+    paths: str
+    """``both``, ``skip`` or ``plc``."""
+    physics: str
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """An effect switched on; parameters that are not given are 0, or the nearest admitted value."""
+
+    id: str
+    parameters: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class _Binding:
     """The library and the layout of its structures in numpy's terms."""
 
@@ -153,6 +200,44 @@ def _chain(binding: _Binding, nominal: Nominal) -> CData:
     return chain
 
 
+@cache
+def effects() -> Mapping[str, EffectDescription]:
+    """Give the table of all effects by id, in the order of the chain."""
+    binding = _binding()
+    rows: dict[str, EffectDescription] = {}
+    while row := binding.library.sim_effect_describe(len(rows)):
+        described = _description(binding, len(rows), row)
+        rows[described.id] = described
+    return rows
+
+
+def _description(binding: _Binding, index: int, row: CData) -> EffectDescription:
+    def text(value: CData) -> str:
+        return str(binding.ffi.string(value).decode())
+
+    parameters = tuple(
+        Parameter(text(p.name), text(p.unit), text(p.meaning), p.low, p.high)
+        for p in row.parameters
+        if p.name
+    )
+    return EffectDescription(
+        index, text(row.id), text(row.stage), text(row.paths), text(row.physics), parameters
+    )
+
+
+def _settings(binding: _Binding, switched_on: Sequence[Effect]) -> CData:
+    """Fill an array of sim_setting_t, in the order of the table."""
+    table = effects()
+    settings = binding.ffi.new("sim_setting_t[]", len(switched_on))
+    ordered = sorted(switched_on, key=lambda effect: table[effect.id].index)
+    for setting, effect in zip(settings, ordered, strict=True):
+        setting.effect = table[effect.id].index
+        for i, parameter in enumerate(table[effect.id].parameters):
+            default = min(max(0.0, parameter.low), parameter.high)
+            setting.parameters[i] = effect.parameters.get(parameter.name, default)
+    return settings
+
+
 def _controller(binding: _Binding, controller: Controller) -> CData:
     return binding.ffi.new("sim_controller_t *", asdict(controller))
 
@@ -161,8 +246,8 @@ def _touches(binding: _Binding, touches: Touches, pulse_us: float) -> NDArray[np
     rows = np.zeros(len(touches), dtype=binding.touch)
     for name in ("time_s", "feed_mm_min", "approach_mm", "touch"):
         rows[name] = getattr(touches, name)
-    for name in ("alpha_deg", "beta_deg"):
-        rows[name] = np.nan_to_num(getattr(touches, name))  # a direction that was not recorded
+    for name, value in NOT_RECORDED_IS.items():
+        rows[name] = np.nan_to_num(getattr(touches, name), nan=value)
     rows["path"] = np.where(
         touches.path == InputPath.PLC, binding.library.SIM_PATH_PLC, binding.library.SIM_PATH_SKIP
     )
@@ -180,6 +265,7 @@ def play(
     first_replicate: int = 0,
     jobs: int = 1,
     pulse_us: float = 0.0,
+    switched_on: Sequence[Effect] = (),
 ) -> Outcomes:
     """Play the conditions of n touches through the firmware, `replicates` times.
 
@@ -195,17 +281,21 @@ def play(
         first_replicate: Number of the first replicate.
         jobs: Threads to play on.
         pulse_us: Contact opens again after this time; 0 means when the axis retreats.
+        switched_on: Effects that the nominal chain knows nothing of.
 
     Raises:
         SimulationError: A value is out of range, or the library is not built.
     """
     binding = _binding()
-    rows = _touches(binding, touches, pulse_us)
+    order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
+    rows = _touches(binding, touches, pulse_us)[order]
     raw = np.empty((replicates, len(touches)), dtype=binding.outcome)
     ffi = binding.ffi
     code = binding.library.sim_play(
         _chain(binding, nominal),
         _controller(binding, controller),
+        _settings(binding, switched_on),
+        len(switched_on),
         ffi.from_buffer("sim_touch_t[]", rows),
         len(touches),
         seed,
@@ -216,4 +306,5 @@ def play(
     )
     if code != binding.library.SIM_PLAY_OK:
         raise SimulationError(ffi.string(binding.library.sim_play_error(code)).decode())
-    return Outcomes(*(np.ascontiguousarray(raw[field.name]) for field in fields(Outcomes)))
+    back = np.argsort(order)
+    return Outcomes(*(np.ascontiguousarray(raw[field.name][:, back]) for field in fields(Outcomes)))

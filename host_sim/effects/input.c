@@ -1,0 +1,23 @@
+/* Effects between the connector and the pin. */
+#include <math.h>
+
+#include "effects/effect.h"
+
+double effect_input_filter(const sim_effect_call_t *call, double filter_us)
+{
+    return fmax(0.0, filter_us + call->parameters[0]);
+}
+
+/* The contact opens again and again until it rests, which begins late by an exponential time. */
+double effect_contact_bounce(const sim_effect_call_t *call, double rest_us)
+{
+    if (sim_random_uniform(call->random, 1.0) >= call->parameters[0]) {
+        return rest_us;
+    }
+    return rest_us - call->parameters[1] * log1p(-sim_random_uniform(call->random, 1.0));
+}
+
+double effect_lost_trigger(const sim_effect_call_t *call, double rest_us)
+{
+    return sim_random_uniform(call->random, 1.0) < call->parameters[0] ? INFINITY : rest_us;
+}

@@ -1,0 +1,21 @@
+/* Effects of the optical or radio link between probe and receiver. */
+#include <math.h>
+
+#include "effects/effect.h"
+
+double effect_link_slotting(const sim_effect_call_t *call, double sent_us)
+{
+    double slot_us = call->parameters[0];
+    double first_us = call->rig * slot_us;
+    return first_us + ceil((sent_us - first_us) / slot_us) * slot_us;
+}
+
+/* Every attempt fails with the same probability: the number of retries is geometric. */
+double effect_link_retry(const sim_effect_call_t *call, double sent_us)
+{
+    double arrival_us = sent_us;
+    while (sim_random_uniform(call->random, 1.0) < call->parameters[0]) {
+        arrival_us += call->parameters[1];
+    }
+    return arrival_us;
+}

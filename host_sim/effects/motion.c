@@ -1,0 +1,12 @@
+/* Effects on the motion of the axis. */
+#include "effects/effect.h"
+
+double effect_feed_error(const sim_effect_call_t *call, double feed_mm_min)
+{
+    return feed_mm_min * (1.0 + call->parameters[0] / 100.0);
+}
+
+double effect_unfinished_acceleration(const sim_effect_call_t *call, double accel_mm_s2)
+{
+    return accel_mm_s2 * call->parameters[0];
+}

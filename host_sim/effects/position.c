@@ -1,0 +1,90 @@
+/*
+ * Effects on the position that is latched. An error of the axis counts in its own sense: along the
+ * approach it takes the sign of the motion.
+ */
+#include <math.h>
+
+#include "angle.h"
+#include "effects/effect.h"
+
+#define CALIBRATION_C 20.0
+#define UM_PER_MM     1000.0
+#define PPM           1.0e-6
+
+/* Axis coordinate in mm of a position in µm past the nominal surface. */
+static double coordinate_mm(const sim_effect_call_t *call, double position_um)
+{
+    return call->touch->position_mm + call->touch->sign * position_um / UM_PER_MM;
+}
+
+double effect_servo_hold(const sim_effect_call_t *call, double time_us)
+{
+    double period_us = call->parameters[0];
+    double first_us = call->rig * period_us;
+    return first_us + floor((time_us - first_us) / period_us) * period_us;
+}
+
+/* The commanded position is ahead of the real one by the way of the lag. */
+double effect_following_error(const sim_effect_call_t *call, double position_um)
+{
+    return position_um + call->speed_um_us * call->parameters[0];
+}
+
+/* Calibrated in the positive sense; the other one reads high by the play. */
+double effect_backlash(const sim_effect_call_t *call, double position_um)
+{
+    return call->touch->sign < 0.0 ? position_um - call->parameters[0] : position_um;
+}
+
+double effect_transmission_error(const sim_effect_call_t *call, double position_um)
+{
+    double turn = coordinate_mm(call, position_um) / call->parameters[1];
+    double first = sin(2.0 * PI * turn + call->parameters[2] * RAD_PER_DEG);
+    double second = sin(4.0 * PI * turn + call->parameters[4] * RAD_PER_DEG);
+    double error_um = call->parameters[0] * first + call->parameters[3] * second;
+    return position_um + call->touch->sign * error_um;
+}
+
+double effect_scale_error(const sim_effect_call_t *call, double position_um)
+{
+    double error_um = coordinate_mm(call, position_um) * UM_PER_MM * call->parameters[0] * PPM;
+    return position_um + call->touch->sign * error_um;
+}
+
+double effect_encoder_quantisation(const sim_effect_call_t *call, double position_um)
+{
+    return rint(position_um / call->parameters[0]) * call->parameters[0];
+}
+
+/* State: whether there is a history, its time in s, and the lagged temperature. */
+double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
+{
+    double *has_history = &call->state[0];
+    double *last_s = &call->state[1];
+    double *lagged_c = &call->state[2];
+    double  now_s = call->touch->time_s;
+    double  lag_s = call->parameters[1];
+
+    if (*has_history == 0.0 || lag_s <= 0.0) {
+        *lagged_c = call->touch->temp_c;
+    } else {
+        *lagged_c += (call->touch->temp_c - *lagged_c) * -expm1(-(now_s - *last_s) / lag_s);
+    }
+    *has_history = 1.0;
+    *last_s = now_s;
+    double error_um = call->parameters[0] * (*lagged_c - CALIBRATION_C);
+    return position_um + call->touch->sign * error_um;
+}
+
+/* The centre lies at c instead of 0: a table turned by θ carries the workpiece to c − R(θ)·c. */
+double effect_rotary_pivot(const sim_effect_call_t *call, double position_um)
+{
+    double turn = call->touch->rotary_deg * RAD_PER_DEG;
+    double direction = call->touch->alpha_deg * RAD_PER_DEG;
+    double x_um = call->parameters[0];
+    double y_um = call->parameters[1];
+    double shift_x_um = x_um - (cos(turn) * x_um - sin(turn) * y_um);
+    double shift_y_um = y_um - (sin(turn) * x_um + cos(turn) * y_um);
+    double along_um = cos(direction) * shift_x_um + sin(direction) * shift_y_um;
+    return position_um + along_um * cos(call->touch->beta_deg * RAD_PER_DEG);
+}

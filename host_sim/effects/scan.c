@@ -1,0 +1,34 @@
+/* Effects on the PLC's scans. */
+#include <math.h>
+#include <stdbool.h>
+
+#include "effects/effect.h"
+
+double effect_scan_period(const sim_effect_call_t *call, double period_us)
+{
+    return period_us + call->parameters[0];
+}
+
+double effect_scan_jitter(const sim_effect_call_t *call, double late_us)
+{
+    return late_us + sim_random_uniform(call->random, call->parameters[0]);
+}
+
+double effect_scan_overrun(const sim_effect_call_t *call, double late_us)
+{
+    bool is_overrun = sim_random_uniform(call->random, 1.0) < call->parameters[0];
+    return is_overrun ? late_us + call->parameters[1] : late_us;
+}
+
+double effect_input_image_delay(const sim_effect_call_t *call, double scans)
+{
+    return scans + call->parameters[0];
+}
+
+/* The controller starts its motions on a scan, so that the edge falls about one point of the next. */
+double effect_scan_phase_lock(const sim_effect_call_t *call, double phase)
+{
+    double locked = call->parameters[0] + sim_random_normal(call->random, call->parameters[1]);
+    (void)phase; /* where it would have been */
+    return locked - floor(locked);
+}
