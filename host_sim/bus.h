@@ -1,6 +1,7 @@
 /*
  * Report stage: frames on their way from the controller to the recorder. Frames sent at one instant
- * travel as one burst: latency + U(0, jitter) (step 6 of the nominal chain). Bursts do not overtake.
+ * travel as one burst: latency + U(0, jitter) (step 6 of the nominal chain). Bursts do not
+ * overtake.
  */
 #ifndef SIM_BUS_H
 #define SIM_BUS_H
@@ -16,7 +17,7 @@
 typedef struct {
     uint8_t  frames[SIM_BUS_FRAMES][HAL_BUS_FRAME_BYTES];
     sim_ns_t arrivals[SIM_BUS_FRAMES];
-    uint32_t sent;  /* frames, since the start */
+    uint32_t sent; /* frames, since the start */
     uint32_t taken;
     sim_ns_t burst_sent;    /* when the newest burst left */
     sim_ns_t burst_arrival; /* and when it arrives */

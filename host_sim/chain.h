@@ -29,14 +29,14 @@ typedef struct {
 
 /* How the controller is set up: the firmware's cycle and the motion behind it. */
 typedef struct {
-    double  overtravel_mm;     /* how far past the nominal surface the probe may be driven */
-    double  back_off_mm;       /* two touches: from the first latch back */
-    double  fast_feed_mm_min;  /* two touches: of the first touch, back-off and return */
-    double  reaction_us;       /* stop request to the start of the deceleration: task, motion queue */
-    double  confirm_us;        /* debounce: the level rests this long to confirm a touch */
-    double  holdoff_us;        /* bounces within this time belong to the touch */
-    double  settle_us;         /* the release may come this long after the end of a retreat */
-    int32_t two_touches;       /* 0 or 1 */
+    double  overtravel_mm;    /* how far past the nominal surface the probe may be driven */
+    double  back_off_mm;      /* two touches: from the first latch back */
+    double  fast_feed_mm_min; /* two touches: of the first touch, back-off and return */
+    double  reaction_us; /* stop request to the start of the deceleration: task, motion queue */
+    double  confirm_us;  /* debounce: the level rests this long to confirm a touch */
+    double  holdoff_us;  /* bounces within this time belong to the touch */
+    double  settle_us;   /* the release may come this long after the end of a retreat */
+    int32_t two_touches; /* 0 or 1 */
     int32_t image_delay_scans; /* PLC: age of the input image */
     int32_t every_scan;        /* 1: execute also the scans in which nothing can happen */
 } sim_controller_t;
@@ -50,13 +50,13 @@ typedef struct {
     double   approach_mm; /* from the start of the move to the nominal surface */
     double   alpha_deg;
     double   beta_deg;
-    double   pulse_us; /* the contact opens again after this long; 0: when the axis retreats */
-    double   sign;     /* 1 or -1: the sense in which the axis moves */
+    double   pulse_us;    /* the contact opens again after this long; 0: when the axis retreats */
+    double   sign;        /* 1 or -1: the sense in which the axis moves */
     double   position_mm; /* axis coordinate of the nominal surface */
     double   rotary_deg;
     double   temp_c;
-    uint64_t touch;    /* serial number; with seed and replicate it picks the random numbers */
-    int32_t  path;     /* SIM_PATH_* */
+    uint64_t touch; /* serial number; with seed and replicate it picks the random numbers */
+    int32_t  path;  /* SIM_PATH_* */
 } sim_touch_t;
 
 enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };

@@ -1,7 +1,7 @@
 /*
- * Input stage: the trigger line from the contact at the connector to the pin behind the input filter.
- * The pin follows the contact once that has rested for the filter's time (step 3 of the nominal
- * chain); a pulse shorter than the filter never reaches it.
+ * Input stage: the trigger line from the contact at the connector to the pin behind the input
+ * filter. The pin follows the contact once that has rested for the filter's time (step 3 of the
+ * nominal chain); a pulse shorter than the filter never reaches it.
  */
 #ifndef SIM_LINE_H
 #define SIM_LINE_H

@@ -1,4 +1,7 @@
-/* The HAL of the simulated rig: the functions of hal/include, reading the rig that this thread plays. */
+/*
+ * The HAL of the simulated rig: the functions of hal/include, reading the rig that this thread
+ * plays.
+ */
 #ifndef SIM_PORT_H
 #define SIM_PORT_H
 

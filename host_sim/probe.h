@@ -1,6 +1,6 @@
 /*
- * Probe stage: where along the approach the probe triggers. On a bench there is no probe: the contact
- * closes at the nominal surface (step 2 of the nominal chain).
+ * Probe stage: where along the approach the probe triggers. On a bench there is no probe: the
+ * contact closes at the nominal surface (step 2 of the nominal chain).
  */
 #ifndef SIM_PROBE_H
 #define SIM_PROBE_H

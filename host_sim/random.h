@@ -1,6 +1,6 @@
 /*
- * Random numbers that depend only on (seed, replicate, touch): the same on any number of threads and
- * in any order of touches. Philox 4x32-10 of Random123, a counter-based generator.
+ * Random numbers that depend only on (seed, replicate, touch): the same on any number of threads
+ * and in any order of touches. Philox 4x32-10 of Random123, a counter-based generator.
  */
 #ifndef SIM_RANDOM_H
 #define SIM_RANDOM_H
@@ -15,8 +15,8 @@ typedef struct {
 } sim_random_t;
 
 /*
- * Begin the stream of one touch; UINT64_MAX as `touch` is the stream of the whole campaign. Lanes, 0 to
- * 255, are independent of one another: the nominal chain has lane 0.
+ * Begin the stream of one touch; UINT64_MAX as `touch` is the stream of the whole campaign. Lanes,
+ * 0 to 255, are independent of one another: the nominal chain has lane 0.
  */
 void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, uint64_t touch,
                       uint32_t lane);

@@ -27,7 +27,8 @@ static void await_late(sim_scan_t *scan, sim_ns_t time)
 {
     int64_t  newest = scan->next;
     sim_ns_t begin = 0;
-    for (int64_t number = newest > LATE_SCANS ? newest - LATE_SCANS : 0; number <= newest; ++number) {
+    for (int64_t number = newest > LATE_SCANS ? newest - LATE_SCANS : 0; number <= newest;
+         ++number) {
         sim_ns_t due = scan->phase + number * scan->period + scan->late(scan->context, number);
         begin = due > begin ? due : begin;
         if (number > scan->last && begin >= time) {

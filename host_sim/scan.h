@@ -11,12 +11,12 @@
 typedef sim_ns_t sim_scan_late_t(void *context, int64_t number);
 
 typedef struct {
-    sim_ns_t phase;  /* of scan 0, 0 … period − 1 */
-    sim_ns_t period;
-    int64_t  last;   /* number of the last scan that was executed */
-    int64_t  next;   /* number of the next one to execute */
-    sim_ns_t next_at; /* when, or SIM_NEVER */
-    sim_scan_late_t *late; /* NULL: never late */
+    sim_ns_t         phase; /* of scan 0, 0 … period − 1 */
+    sim_ns_t         period;
+    int64_t          last;    /* number of the last scan that was executed */
+    int64_t          next;    /* number of the next one to execute */
+    sim_ns_t         next_at; /* when, or SIM_NEVER */
+    sim_scan_late_t *late;    /* NULL: never late */
     void            *context;
 } sim_scan_t;
 

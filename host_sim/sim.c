@@ -167,8 +167,8 @@ void sim_move(sim_t *sim, double target_um, double feed_mm_min)
 
 void sim_stop(sim_t *sim, sim_ns_t reaction)
 {
-    bool is_before_trigger = !sim->line.contact && sim->line.contact_at != SIM_NEVER &&
-                             sim->triggered_at > sim->now;
+    bool is_before_trigger =
+        !sim->line.contact && sim->line.contact_at != SIM_NEVER && sim->triggered_at > sim->now;
 
     sim_axis_stop(&sim->axis, reaction, sim->now);
     sim->axis_at = sim_axis_standstill(&sim->axis);
@@ -215,7 +215,10 @@ static void shift_scans(sim_t *sim)
     sim_scan_shift(&sim->scan, (sim_ns_t)((phase - wanted) * period));
 }
 
-/* Latch stage: an edge on the armed pin calls the interrupt after latency + U(0, jitter) (step 4). */
+/*
+ * Latch stage: an edge on the armed pin calls the interrupt after latency + U(0, jitter) (step
+ * 4).
+ */
 static void change_pin(sim_t *sim)
 {
     sim_line_toggle_pin(&sim->line);
@@ -234,7 +237,8 @@ static uint32_t captured_ticks(sim_t *sim)
     uint64_t ticks = sim_clock_ticks(sim, sim->now);
     if (sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
         double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
-        ticks = (uint64_t)(sim_change(sim, SIM_CAPTURE, (double)ticks / ticks_per_us) * ticks_per_us);
+        ticks =
+            (uint64_t)(sim_change(sim, SIM_CAPTURE, (double)ticks / ticks_per_us) * ticks_per_us);
     }
     return (uint32_t)ticks;
 }
@@ -246,7 +250,10 @@ static sim_event_t run_edge_interrupt(sim_t *sim)
     return SIM_EVENT_EDGE;
 }
 
-/* What happens at one instant happens in the order of the chain: contact, pin, interrupt, scan, the rest. */
+/*
+ * What happens at one instant happens in the order of the chain: contact, pin, interrupt, scan,
+ * the rest.
+ */
 sim_event_t sim_advance(sim_t *sim)
 {
     for (;;) {

@@ -1,6 +1,6 @@
 /*
- * The simulated rig: one more port of the firmware, on virtual time. Event driven: time jumps to the
- * next thing that happens. The stages of the chain are modules of their own (axis, probe, line,
+ * The simulated rig: one more port of the firmware, on virtual time. Event driven: time jumps to
+ * the next thing that happens. The stages of the chain are modules of their own (axis, probe, line,
  * scan, bus); this one joins them and is what the HAL of port.c reads.
  *
  * Stimulus → pin → interrupt or scan: sim_advance() carries that out and tells the wiring what
@@ -38,10 +38,10 @@ typedef struct {
     sim_ns_t           axis_at; /* standstill, SIM_NEVER while at rest */
     sim_ns_t           edge_at; /* edge interrupt, SIM_NEVER when none is due */
     sim_ns_t           wake_at;
-    sim_ns_t           delay;         /* mechanical trigger to contact */
-    sim_ns_t           triggered_at;  /* when the probe triggers in this approach */
-    sim_ns_t           closed_at;     /* when the contact first closed in this approach */
-    double             pretravel_um;  /* of the present approach */
+    sim_ns_t           delay;        /* mechanical trigger to contact */
+    sim_ns_t           triggered_at; /* when the probe triggers in this approach */
+    sim_ns_t           closed_at;    /* when the contact first closed in this approach */
+    double             pretravel_um; /* of the present approach */
     uint64_t           seed;
     uint64_t           replicate;
     double             filter_us; /* the filter of the set-up */
@@ -59,8 +59,8 @@ typedef struct {
 } sim_t;
 
 /*
- * Switch the rig on at `now`, with effects as for sim_effects_boot(). `chain` and `settings` have to
- * outlive it, and `sim` has to stay where it is.
+ * Switch the rig on at `now`, with effects as for sim_effects_boot(). `chain` and `settings` have
+ * to outlive it, and `sim` has to stay where it is.
  */
 void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *settings, uint32_t count,
               uint64_t seed, uint64_t replicate, sim_ns_t now);
@@ -71,7 +71,10 @@ double sim_change(sim_t *sim, sim_quantity_t quantity, double value);
 /* The time at which a touch begins. */
 sim_ns_t sim_touch_start(const sim_touch_t *touch);
 
-/* Jump to the start of a touch: axis at rest at the stand-off, contact open. `touch` has to outlive it. */
+/*
+ * Jump to the start of a touch: axis at rest at the stand-off, contact open. `touch` has to
+ * outlive it.
+ */
 void sim_begin_touch(sim_t *sim, const sim_touch_t *touch);
 
 /* Jump to the next event, let it happen, and tell what it was. */

@@ -32,7 +32,7 @@ static void approach(touch_cycle_t *cycle, touch_state_t state, double feed_mm_m
                      uint32_t now_ticks)
 {
     const touch_config_t *config = &cycle->config;
-    int32_t               travel = config->approach_counts + cycle->sense * config->overtravel_counts;
+    int32_t travel = config->approach_counts + cycle->sense * config->overtravel_counts;
 
     latch_arm(cycle->latch, &cycle->latch_config);
     ask(cycle, TOUCH_MOVE, cycle->start_counts + travel, feed_mm_min);

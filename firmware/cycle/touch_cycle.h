@@ -4,8 +4,9 @@
  * whichever input `latch` belongs to.
  *
  * One measurement: touch_cycle_start(), then poll, carry out requests and hand on latched records
- * until touch_cycle_poll() returns TOUCH_DONE or TOUCH_FAILED. Overtravel, what the axis goes on after
- * the latch (reaction, deceleration, whatever is left in a motion queue), is reported apart from it.
+ * until touch_cycle_poll() returns TOUCH_DONE or TOUCH_FAILED. Overtravel, what the axis goes on
+ * after the latch (reaction, deceleration, whatever is left in a motion queue), is reported apart
+ * from it.
  */
 #ifndef CYCLE_TOUCH_CYCLE_H
 #define CYCLE_TOUCH_CYCLE_H
@@ -30,11 +31,11 @@ typedef enum {
 
 typedef enum {
     TOUCH_OK,
-    TOUCH_ERR_CONFIG,               /* a value is out of its range; nothing moves */
-    TOUCH_ERR_DEFLECTED_AT_START,   /* already deflected; nothing moves */
-    TOUCH_ERR_UNARMED_TOUCH,        /* touched since the last cycle, while not armed; nothing moves */
-    TOUCH_ERR_NO_TOUCH,             /* no touch within the travel */
-    TOUCH_ERR_DEFLECTED_IN_RETREAT, /* released, then touched again while backing off or returning */
+    TOUCH_ERR_CONFIG,             /* a value is out of its range; nothing moves */
+    TOUCH_ERR_DEFLECTED_AT_START, /* already deflected; nothing moves */
+    TOUCH_ERR_UNARMED_TOUCH,      /* touched since the last cycle, while not armed; nothing moves */
+    TOUCH_ERR_NO_TOUCH,           /* no touch within the travel */
+    TOUCH_ERR_DEFLECTED_IN_RETREAT, /* released, then touched again on the way back */
     TOUCH_ERR_STUCK_DEFLECTED,      /* not released within settle_us after the retreat */
     TOUCH_ERR_TIMEOUT               /* a motion took longer than timeout_us */
 } touch_error_t;
@@ -91,17 +92,17 @@ typedef struct {
     uint32_t        since_ticks; /* of the present motion; once it is over, of the standstill */
     uint32_t        released_ticks;
     int32_t         start_counts;
-    int32_t         sense;          /* 1 or -1 */
-    uint16_t        seen_unarmed;   /* count of unarmed edges already answered for */
+    int32_t         sense;        /* 1 or -1 */
+    uint16_t        seen_unarmed; /* count of unarmed edges already answered for */
     bool            has_request;
-    bool            has_latch;      /* the measuring latch waits for touch_cycle_take_latch() */
-    bool            is_released;    /* in this retreat */
-    bool            is_at_rest;     /* the retreat is over, waiting for the release */
+    bool            has_latch;   /* the measuring latch waits for touch_cycle_take_latch() */
+    bool            is_released; /* in this retreat */
+    bool            is_at_rest;  /* the retreat is over, waiting for the release */
 } touch_cycle_t;
 
 /*
- * Begin a cycle on an input that is started and polled by the caller. Task. Returns TOUCH_OK, or the
- * error that also stands in the result; nothing moves then.
+ * Begin a cycle on an input that is started and polled by the caller. Task. Returns TOUCH_OK, or
+ * the error that also stands in the result; nothing moves then.
  */
 touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touch_config_t *config,
                                 const touch_input_t *input);
@@ -118,7 +119,10 @@ bool touch_cycle_take_latch(touch_cycle_t *cycle, latch_record_t *record);
 /* Whole only once the state is TOUCH_DONE or TOUCH_FAILED. Task. */
 const touch_result_t *touch_cycle_result(const touch_cycle_t *cycle);
 
-/* How long polling can be left out while input and axis stay as they are; TICKS_NEVER when not running. Task. */
+/*
+ * How long polling can be left out while input and axis stay as they are; TICKS_NEVER when not
+ * running. Task.
+ */
 uint32_t touch_cycle_idle_ticks(const touch_cycle_t *cycle, uint32_t now_ticks);
 
 #endif

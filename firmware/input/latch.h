@@ -35,7 +35,10 @@ typedef struct {
     uint16_t unarmed;  /* edges that came in while disarmed */
 } latch_counters_t;
 
-/* Owned by the caller; the fields are for this module. Interrupt and task share it under hal_critical. */
+/*
+ * Owned by the caller; the fields are for this module. Interrupt and task share it under
+ * hal_critical.
+ */
 typedef struct {
     latch_config_t   config;
     latch_counters_t counters;
@@ -59,7 +62,10 @@ void latch_arm(latch_t *latch, const latch_config_t *config);
 /* Latch nothing more; a confirmed record can still be taken. Task. */
 void latch_disarm(latch_t *latch);
 
-/* An edge into the deflected state, with the clock and the position at that instant. ISR or scan. */
+/*
+ * An edge into the deflected state, with the clock and the position at that instant. ISR or
+ * scan.
+ */
 void latch_on_edge(latch_t *latch, uint32_t ticks, int32_t position_counts);
 
 /*
@@ -71,7 +77,10 @@ void latch_poll(latch_t *latch, uint32_t now_ticks, bool level);
 /* Take the confirmed record. False if there is none. Task. */
 bool latch_take(latch_t *latch, latch_record_t *record);
 
-/* How long polling can be left out while no edge comes: TICKS_NEVER unless an edge waits to be confirmed. Task. */
+/*
+ * How long polling can be left out while no edge comes: TICKS_NEVER unless an edge waits to be
+ * confirmed. Task.
+ */
 uint32_t latch_idle_ticks(const latch_t *latch, uint32_t now_ticks);
 
 /* Level as last polled or latched: true is deflected. Task. */

@@ -10,18 +10,21 @@
 
 #include "input/latch.h"
 
-#define PLC_PERIOD_MIN_US       100u
-#define PLC_PERIOD_MAX_US       20000u
-#define PLC_IMAGE_DELAY_MAX     7u /* scans */
+#define PLC_PERIOD_MIN_US   100u
+#define PLC_PERIOD_MAX_US   20000u
+#define PLC_IMAGE_DELAY_MAX 7u /* scans */
 
 typedef struct {
     uint8_t  channel;           /* trigger line, 0 … LATCH_CHANNEL_MAX */
     uint8_t  axis;              /* whose position is recorded */
-    uint8_t  image_delay_scans; /* age of the input image the task works on, 0 … PLC_IMAGE_DELAY_MAX */
+    uint8_t  image_delay_scans; /* age of the input image, 0 … PLC_IMAGE_DELAY_MAX */
     uint16_t period_us;         /* PLC_PERIOD_MIN_US … PLC_PERIOD_MAX_US */
 } plc_task_config_t;
 
-/* Owned by the caller. `latch` is public: arm it and take records from it with the latch_ functions. */
+/*
+ * Owned by the caller. `latch` is public: arm it and take records from it with the latch_
+ * functions.
+ */
 typedef struct {
     latch_t  latch;
     uint32_t period_ticks;
@@ -37,7 +40,10 @@ typedef struct {
 /* Before the first scan. Task. Returns HAL_OK, HAL_ERR_CHANNEL or HAL_ERR_CONFIG. */
 int plc_task_start(plc_task_t *task, const plc_task_config_t *config);
 
-/* One scan: read the input image, record an edge, judge the latch. Called every period, task or timer interrupt. */
+/*
+ * One scan: read the input image, record an edge, judge the latch. Called every period, task or
+ * timer interrupt.
+ */
 void plc_task_scan(plc_task_t *task);
 
 /*

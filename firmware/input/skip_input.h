@@ -11,18 +11,24 @@
 #include "input/latch.h"
 
 typedef struct {
-    hal_edge_config_t edge;           /* line, polarity, glitch filter */
-    uint8_t           axis;           /* whose position is latched */
+    hal_edge_config_t edge; /* line, polarity, glitch filter */
+    uint8_t           axis; /* whose position is latched */
 } skip_input_config_t;
 
-/* Owned by the caller. `latch` is public: arm it and take records from it with the latch_ functions. */
+/*
+ * Owned by the caller. `latch` is public: arm it and take records from it with the latch_
+ * functions.
+ */
 typedef struct {
     latch_t latch;
     uint8_t channel;
     uint8_t axis;
 } skip_input_t;
 
-/* Watch the line, disarmed. Task. Returns HAL_OK or the error of hal_edge_arm(), or HAL_ERR_CHANNEL. */
+/*
+ * Watch the line, disarmed. Task. Returns HAL_OK or the error of hal_edge_arm(), or
+ * HAL_ERR_CHANNEL.
+ */
 int skip_input_start(skip_input_t *input, const skip_input_config_t *config);
 
 /* Watch the line no longer. Task. */

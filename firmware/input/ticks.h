@@ -31,7 +31,10 @@ static inline uint32_t ticks_left(uint32_t now, uint32_t since, uint32_t duratio
     return elapsed < duration ? duration - elapsed : 0u;
 }
 
-/* Ticks in `us` microseconds, rounded up, TICKS_MAX_DURATION at most. `tick_ps` is at least 1. Task. */
+/*
+ * Ticks in `us` microseconds, rounded up, TICKS_MAX_DURATION at most. `tick_ps` is at least 1.
+ * Task.
+ */
 static inline uint32_t ticks_from_us(uint32_t us, uint32_t tick_ps)
 {
     uint64_t ticks = ((uint64_t)us * 1000000u + tick_ps - 1u) / tick_ps;

@@ -1,6 +1,9 @@
 #include "report/crc16.h"
 
-/* Eight steps of the shift register at once: every shift is a constant, so an 8-bit chip needs no loop. */
+/*
+ * Eight steps of the shift register at once: every shift is a constant, so an 8-bit chip needs
+ * no loop.
+ */
 static uint16_t update_byte(uint16_t crc, uint8_t byte)
 {
     uint8_t top = (uint8_t)((crc >> 8) ^ byte);

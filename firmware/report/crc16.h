@@ -1,4 +1,7 @@
-/* CRC-16 with the CCITT polynomial 0x1021, most significant bit first, no table (RAM is dear on an AVR). */
+/*
+ * CRC-16 with the CCITT polynomial 0x1021, most significant bit first, no table (RAM is dear on
+ * an AVR).
+ */
 #ifndef REPORT_CRC16_H
 #define REPORT_CRC16_H
 

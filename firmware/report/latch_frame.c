@@ -46,13 +46,14 @@ static void count(uint16_t *counter, uint16_t by)
 }
 
 void latch_frame_encode(const latch_record_t *record,
-                        uint8_t frames[LATCH_FRAMES_PER_RECORD][LATCH_FRAME_BYTES])
+                        uint8_t               frames[LATCH_FRAMES_PER_RECORD][LATCH_FRAME_BYTES])
 {
-    uint16_t sequence = record->sequence & LATCH_SEQUENCE_MASK;
+    uint32_t sequence = record->sequence & LATCH_SEQUENCE_MASK;
+    uint32_t flags = record->flags & FLAGS_MASK;
+    uint32_t channel = record->channel & LATCH_CHANNEL_MAX;
 
     frames[0][0] = (uint8_t)(sequence << 1);
-    frames[0][1] = (uint8_t)((record->flags & FLAGS_MASK) |
-                             (record->channel & LATCH_CHANNEL_MAX) << CHANNEL_SHIFT);
+    frames[0][1] = (uint8_t)(flags | channel << CHANNEL_SHIFT);
     put_u32(&frames[0][2], record->ticks);
     uint16_t crc = put_crc(frames[0], CRC16_START);
 
@@ -103,7 +104,10 @@ static latch_frame_result_t take_stray_second(latch_decoder_t *decoder, const ui
     return LATCH_FRAME_UNPAIRED;
 }
 
-/* The conversion to a signed number by way of the two's complement, without relying on the compiler. */
+/*
+ * The conversion to a signed number by way of the two's complement, without relying on the
+ * compiler.
+ */
 static int32_t to_signed(uint32_t bits)
 {
     return bits <= (uint32_t)INT32_MAX ? (int32_t)bits : -(int32_t)(UINT32_MAX - bits) - 1;

@@ -6,7 +6,8 @@
  *   second    2·s + 1   s >> 7          position_counts      crc of the record to its end
  *
  * s is the sequence number; byte 0 therefore counts frames modulo 256. Numbers are little-endian.
- * The CRC runs on from the first frame into the second, so two halves of different records never fit.
+ * The CRC runs on from the first frame into the second, so two halves of different records never
+ * fit.
  */
 #ifndef REPORT_LATCH_FRAME_H
 #define REPORT_LATCH_FRAME_H
@@ -41,9 +42,12 @@ typedef struct {
 
 /* Write `record` as frames. Sequence and channel are cut to their ranges. Any context. */
 void latch_frame_encode(const latch_record_t *record,
-                        uint8_t frames[LATCH_FRAMES_PER_RECORD][LATCH_FRAME_BYTES]);
+                        uint8_t               frames[LATCH_FRAMES_PER_RECORD][LATCH_FRAME_BYTES]);
 
-/* True if `frame` would be taken as a half of a record: its CRC is right where it stands. Any context. */
+/*
+ * True if `frame` would be taken as a half of a record: its CRC is right where it stands. Any
+ * context.
+ */
 bool latch_frame_is_good(const latch_decoder_t *decoder, const uint8_t frame[LATCH_FRAME_BYTES]);
 
 /*

@@ -4,7 +4,10 @@
 
 #include <stdint.h>
 
-/* Sequence numbers count the records a controller reports, modulo 2^15: a gap is one lost on the way. */
+/*
+ * Sequence numbers count the records a controller reports, modulo 2^15: a gap is one lost on the
+ * way.
+ */
 #define LATCH_SEQUENCE_MASK 0x7FFFu
 
 /* Channels 0 to 7: the channel travels in three bits. */
@@ -15,7 +18,7 @@
 #define LATCH_FLAG_OVERRUN 0x04u /* at least one earlier latch was lost because nobody took it */
 
 typedef struct {
-    uint32_t ticks;           /* hal_clock ticks of the first edge, or of the scan that saw it; wraps */
+    uint32_t ticks; /* hal_clock ticks of the first edge, or of the scan that saw it; wraps */
     int32_t  position_counts; /* axis position at that instant */
     uint16_t sequence;        /* 0 … LATCH_SEQUENCE_MASK; given when it is reported */
     uint8_t  channel;         /* 0 … LATCH_CHANNEL_MAX */

@@ -14,7 +14,10 @@ typedef struct {
     uint8_t  pending;  /* frames still to be sent, the last ones of `frames` */
 } latch_report_t;
 
-/* Number `record` and begin to send it. False, and nothing happens, while the one before is still on its way out. Task. */
+/*
+ * Number `record` and begin to send it. False, and nothing happens, while the one before is
+ * still on its way out. Task.
+ */
 bool latch_report_begin(latch_report_t *report, const latch_record_t *record);
 
 /* Hand on what the bus takes now. True once nothing is pending. Task. */

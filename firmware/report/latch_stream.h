@@ -1,4 +1,7 @@
-/* Finds latch frames in a stream of bytes, as a UART delivers them, and finds them again after a fault. */
+/*
+ * Finds latch frames in a stream of bytes, as a UART delivers them, and finds them again after a
+ * fault.
+ */
 #ifndef REPORT_LATCH_STREAM_H
 #define REPORT_LATCH_STREAM_H
 

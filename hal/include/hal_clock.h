@@ -10,7 +10,10 @@
 /* The counter now. Any context. Never runs backwards but for the wrap. */
 uint32_t hal_clock_now_ticks(void);
 
-/* Length of one tick in picoseconds, 1 to 1e9 (1 ms); constant while the program runs. Any context. */
+/*
+ * Length of one tick in picoseconds, 1 to 1e9 (1 ms); constant while the program runs. Any
+ * context.
+ */
 uint32_t hal_clock_tick_ps(void);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * A stretch of code that no interrupt of the firmware may cut in two. Keep it to a few instructions.
- * Both calls are barriers to the compiler: nothing moves across them.
+ * A stretch of code that no interrupt of the firmware may cut in two. Keep it to a few
+ * instructions. Both calls are barriers to the compiler: nothing moves across them.
  */
 #ifndef HAL_CRITICAL_H
 #define HAL_CRITICAL_H

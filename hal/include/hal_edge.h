@@ -24,7 +24,10 @@ int hal_edge_arm(const hal_edge_config_t *config);
 /* Stop watching: no event is delivered after the return. Task. An unknown channel is ignored. */
 void hal_edge_disarm(uint8_t channel);
 
-/* Level behind filter and polarity: true while deflected. Any context. An unknown channel reads false. */
+/*
+ * Level behind filter and polarity: true while deflected. Any context. An unknown channel reads
+ * false.
+ */
 bool hal_edge_level(uint8_t channel);
 
 #endif

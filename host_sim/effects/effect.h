@@ -1,7 +1,7 @@
 /*
- * What an effect is. An effect changes one quantity of the chain: it is handed the value that the chain
- * has so far and returns the value it makes of it. Add one: write the function in the file of its
- * stage (or in a file of its own), declare it below, and give it a row in table.c.
+ * What an effect is. An effect changes one quantity of the chain: it is handed the value that the
+ * chain has so far and returns the value it makes of it. Add one: write the function in the file of
+ * its stage (or in a file of its own), declare it below, and give it a row in table.c.
  */
 #ifndef EFFECTS_EFFECT_H
 #define EFFECTS_EFFECT_H

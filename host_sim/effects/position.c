@@ -65,7 +65,7 @@ double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
     double  now_s = call->touch->time_s;
     double  lag_s = call->parameters[1];
 
-    if (*has_history == 0.0 || lag_s <= 0.0) {
+    if (*has_history < 1.0 || lag_s <= 0.0) {
         *lagged_c = call->touch->temp_c;
     } else {
         *lagged_c += (call->touch->temp_c - *lagged_c) * -expm1(-(now_s - *last_s) / lag_s);

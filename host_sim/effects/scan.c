@@ -25,7 +25,10 @@ double effect_input_image_delay(const sim_effect_call_t *call, double scans)
     return scans + call->parameters[0];
 }
 
-/* The controller starts its motions on a scan, so that the edge falls about one point of the next. */
+/*
+ * The controller starts its motions on a scan, so that the edge falls about one point of the
+ * next.
+ */
 double effect_scan_phase_lock(const sim_effect_call_t *call, double phase)
 {
     double locked = call->parameters[0] + sim_random_normal(call->random, call->parameters[1]);

@@ -16,11 +16,11 @@
 
 #define PARAMETERS (sizeof((sim_setting_t *)0)->parameters / sizeof(double))
 
-#define LENGTH_MAX_MM    10000.0
-#define FEED_MAX_MM_MIN  1.0e6
-#define DURATION_MAX_US  1.0e9
-#define TICK_MIN_US      1.0e-3
-#define TICK_MAX_US      1.0e3
+#define LENGTH_MAX_MM   10000.0
+#define FEED_MAX_MM_MIN 1.0e6
+#define DURATION_MAX_US 1.0e9
+#define TICK_MIN_US     1.0e-3
+#define TICK_MAX_US     1.0e3
 
 typedef struct {
     const sim_chain_t      *chain;
@@ -72,9 +72,9 @@ static bool is_controller(const sim_controller_t *controller)
 {
     bool motion = is_within(controller->overtravel_mm, 0.0, LENGTH_MAX_MM) &&
                   is_duration(controller->reaction_us);
-    bool two = !controller->two_touches ||
-               (is_within(controller->back_off_mm, 0.0, LENGTH_MAX_MM) &&
-                is_within(controller->fast_feed_mm_min, 0.0, FEED_MAX_MM_MIN));
+    bool two =
+        !controller->two_touches || (is_within(controller->back_off_mm, 0.0, LENGTH_MAX_MM) &&
+                                     is_within(controller->fast_feed_mm_min, 0.0, FEED_MAX_MM_MIN));
     return motion && two && is_duration(controller->confirm_us) &&
            is_duration(controller->holdoff_us) && is_duration(controller->settle_us) &&
            is_within(controller->image_delay_scans, 0.0, PLC_IMAGE_DELAY_MAX);
@@ -204,18 +204,18 @@ int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
     uint64_t block = settings_count == 0u ? BLOCK_TOUCHES : n;
     uint64_t blocks = block == 0u ? 0u : (n + block - 1u) / block;
     job_t    job = {
-           .chain = chain,
-           .controller = controller,
-           .touches = touches,
-           .outcomes = outcomes,
-           .settings = settings,
-           .settings_count = settings_count,
-           .block = block,
-           .n = n,
-           .seed = seed,
-           .first_replicate = first_replicate,
-           .blocks = blocks,
-           .work = blocks * replicates,
+        .chain = chain,
+        .controller = controller,
+        .touches = touches,
+        .outcomes = outcomes,
+        .settings = settings,
+        .settings_count = settings_count,
+        .block = block,
+        .n = n,
+        .seed = seed,
+        .first_replicate = first_replicate,
+        .blocks = blocks,
+        .work = blocks * replicates,
     };
     uint64_t useful = job.work < threads ? job.work : threads;
     return useful == 0u ? SIM_PLAY_OK : play_on_threads(&job, (uint32_t)useful);

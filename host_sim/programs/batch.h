@@ -1,6 +1,6 @@
 /*
- * The simulation as a shared library: plays whole campaigns through the firmware, on several threads.
- * Python reads this header too: no more of the preprocessor than what can be left out.
+ * The simulation as a shared library: plays whole campaigns through the firmware, on several
+ * threads. Python reads this header too: no more of the preprocessor than what can be left out.
  */
 #ifndef PROGRAMS_BATCH_H
 #define PROGRAMS_BATCH_H
@@ -19,15 +19,15 @@ enum {
     SIM_PLAY_ERR_TOUCH = -3,   /* the same of a touch */
     SIM_PLAY_ERR_START = -4,   /* the firmware refused to start the input */
     SIM_PLAY_ERR_MEMORY = -5,
-    SIM_PLAY_ERR_EFFECT = -6   /* an effect that is not in the table, too many, or a bad parameter */
+    SIM_PLAY_ERR_EFFECT = -6 /* an effect that is not in the table, too many, or a bad parameter */
 };
 
 /*
- * Play `touches` (n) `replicates` times, with the effects of `settings` switched on (in the order of the
- * table), and write outcomes[replicate][touch]. Touches may come in any order, unless an effect
- * remembers the touch before: then in that of time.
- * The result depends on the arguments only, not on `threads` (≥ 1); replicates are numbered from
- * `first_replicate`, below 2^32. Returns SIM_PLAY_OK or a negative code; then nothing is to be read.
+ * Play `touches` (n) `replicates` times, with the effects of `settings` switched on (in the order
+ * of the table), and write outcomes[replicate][touch]. Touches may come in any order, unless an
+ * effect remembers the touch before: then in that of time. The result depends on the arguments
+ * only, not on `threads` (≥ 1); replicates are numbered from `first_replicate`, below 2^32. Returns
+ * SIM_PLAY_OK or a negative code; then nothing is to be read.
  */
 int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
              const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,

@@ -1,6 +1,6 @@
 /*
- * skiplatch-sim: the simulation without Python. Plays touches at random instants against the firmware
- * and prints them as CSV, a row a touch.
+ * skiplatch-sim: the simulation without Python. Plays touches at random instants against the
+ * firmware and prints them as CSV, a row a touch.
  */
 #include <errno.h>
 #include <getopt.h>
@@ -13,10 +13,10 @@
 #include "programs/batch.h"
 #include "random.h"
 
-#define EXIT_USAGE   2
-#define TOUCHES_MAX  10000000u
-#define TOUCH_GAP_S  0.8 /* from one touch to the next */
-#define APPROACH_MM  5.0
+#define EXIT_USAGE    2
+#define TOUCHES_MAX   10000000u
+#define TOUCH_GAP_S   0.8 /* from one touch to the next */
+#define APPROACH_MM   5.0
 #define OVERTRAVEL_MM 20.0
 
 typedef struct {
@@ -47,19 +47,20 @@ static const options_t DEFAULTS = {
 
 static void print_usage(FILE *stream)
 {
-    fputs("usage: skiplatch-sim [options]\n"
-          "Play touches at random instants through the firmware; print one CSV row a touch.\n\n"
-          "  --path skip|plc    input path (skip)\n"
-          "  --touches N        how many (10)\n"
-          "  --feed MM_MIN      measuring feed in mm/min (3000)\n"
-          "  --scan US          PLC scan period in us, 100 to 20000 (4000)\n"
-          "  --latency US       skip input: edge to latch in us (2)\n"
-          "  --jitter US        skip input: uniform addition to it in us (0.5)\n"
-          "  --tick US          tick of the device clock in us (0.25)\n"
-          "  --seed N           random seed (1)\n"
-          "  --help             this text\n\n"
-          "example: skiplatch-sim --path plc --scan 4000 --feed 3000 --touches 1000 > touches.csv\n",
-          stream);
+    fputs(
+        "usage: skiplatch-sim [options]\n"
+        "Play touches at random instants through the firmware; print one CSV row a touch.\n\n"
+        "  --path skip|plc    input path (skip)\n"
+        "  --touches N        how many (10)\n"
+        "  --feed MM_MIN      measuring feed in mm/min (3000)\n"
+        "  --scan US          PLC scan period in us, 100 to 20000 (4000)\n"
+        "  --latency US       skip input: edge to latch in us (2)\n"
+        "  --jitter US        skip input: uniform addition to it in us (0.5)\n"
+        "  --tick US          tick of the device clock in us (0.25)\n"
+        "  --seed N           random seed (1)\n"
+        "  --help             this text\n\n"
+        "example: skiplatch-sim --path plc --scan 4000 --feed 3000 --touches 1000 > touches.csv\n",
+        stream);
 }
 
 static bool parse_number(const char *text, double *value)
@@ -138,8 +139,8 @@ static int run(const options_t *options)
 
     if (touches != NULL && outcomes != NULL) {
         fill_touches(options, touches, n);
-        result = sim_play(&options->chain, &controller, NULL, 0u, touches, n, (uint64_t)options->seed, 0u, 1u,
-                          1u, outcomes);
+        result = sim_play(&options->chain, &controller, NULL, 0u, touches, n,
+                          (uint64_t)options->seed, 0u, 1u, 1u, outcomes);
     }
     if (result == SIM_PLAY_OK) {
         print_outcomes(outcomes, n);

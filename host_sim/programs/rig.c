@@ -9,10 +9,10 @@
 #include "input/ticks.h"
 #include "port.h"
 
-#define NO_PATH    (-1)
-#define CHANNEL    0u
-#define AXIS       0u
-#define UM_PER_MM  1000.0
+#define NO_PATH   (-1)
+#define CHANNEL   0u
+#define AXIS      0u
+#define UM_PER_MM 1000.0
 
 static _Thread_local rig_t *bound;
 
@@ -147,7 +147,10 @@ static void run_cycle(rig_t *rig, uint32_t now_ticks)
     send_latch(rig);
 }
 
-/* The task of the skip input; it sleeps until something happens, or until time alone makes it act. */
+/*
+ * The task of the skip input; it sleeps until something happens, or until time alone makes it
+ * act.
+ */
 static void run_task(rig_t *rig)
 {
     uint32_t now_ticks = hal_clock_now_ticks();
@@ -173,7 +176,8 @@ static void run_scan(rig_t *rig)
     int64_t  left_out = sim_scan_execute(&rig->sim.scan);
     if (left_out > 0) {
         sim_ns_t last = rig->sim.now - rig->sim.scan.period;
-        plc_task_skip_idle(&rig->plc, (uint32_t)left_out, (uint32_t)sim_clock_ticks(&rig->sim, last));
+        plc_task_skip_idle(&rig->plc, (uint32_t)left_out,
+                           (uint32_t)sim_clock_ticks(&rig->sim, last));
     }
     plc_task_scan(&rig->plc);
     run_cycle(rig, now_ticks);

@@ -20,12 +20,15 @@ typedef struct {
     plc_task_t              plc;
     touch_cycle_t           cycle;
     latch_report_t          report;
-    latch_decoder_t         decoder;   /* the recorder's */
-    int                     path;      /* SIM_PATH_* that runs, or -1 */
-    sim_ns_t                done_at;   /* end of the last whole cycle */
+    latch_decoder_t         decoder; /* the recorder's */
+    int                     path;    /* SIM_PATH_* that runs, or -1 */
+    sim_ns_t                done_at; /* end of the last whole cycle */
 } rig_t;
 
-/* Switch on at `now`; see sim_boot(). `controller` has to outlive the rig, which has to stay in place. */
+/*
+ * Switch on at `now`; see sim_boot(). `controller` has to outlive the rig, which has to stay in
+ * place.
+ */
 void rig_boot(rig_t *rig, const sim_chain_t *chain, const sim_controller_t *controller,
               const sim_setting_t *settings, uint32_t count, uint64_t seed, uint64_t replicate,
               sim_ns_t now);

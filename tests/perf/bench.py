@@ -89,7 +89,17 @@ class Rows:
     def play(self, n: int, jobs: int) -> None:
         library = self.binding.library
         library.sim_play(
-            self.chain, self.controller, self.touches, n, SEED, 0, 1, jobs, self.outcomes
+            self.chain,
+            self.controller,
+            self.ffi.NULL,
+            0,
+            self.touches,
+            n,
+            SEED,
+            0,
+            1,
+            jobs,
+            self.outcomes,
         )
 
     def floor(self, library: simulator.CData) -> None:

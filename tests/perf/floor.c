@@ -5,8 +5,8 @@
 #include "probe.h"
 #include "random.h"
 
-#define UM_PER_MM 1000.0
-#define US_PER_S  1.0e6
+#define UM_PER_MM  1000.0
+#define US_PER_S   1.0e6
 #define US_PER_MIN 60.0e6
 
 /* Steps 1 to 3 of the nominal chain: from the start of the move to the pin. */
@@ -34,12 +34,12 @@ void floor_play(const sim_chain_t *chain, const sim_touch_t *touches, uint64_t n
                 sim_outcome_t *outcomes)
 {
     sim_random_t random;
-    sim_random_begin(&random, seed, 0u, UINT64_MAX);
+    sim_random_begin(&random, seed, 0u, UINT64_MAX, 0u);
     double phase = sim_random_uniform(&random, chain->scan_us);
     for (uint64_t i = 0; i < n; ++i) {
         double contact;
         double speed;
-        sim_random_begin(&random, seed, 0u, touches[i].touch);
+        sim_random_begin(&random, seed, 0u, touches[i].touch, 0u);
         double pin = pin_us(chain, &touches[i], &random, &contact, &speed);
         double latch = latch_us(chain, touches[i].path, pin, phase, &random);
         double report_jitter = sim_random_uniform(&random, chain->report_jitter_us);

@@ -8,7 +8,10 @@
 
 #pragma GCC visibility push(default)
 
-/* Draw the numbers that the simulation draws and do its arithmetic, for one replicate of n touches. */
+/*
+ * Draw the numbers that the simulation draws and do its arithmetic, for one replicate of n
+ * touches.
+ */
 void floor_play(const sim_chain_t *chain, const sim_touch_t *touches, uint64_t n, uint64_t seed,
                 sim_outcome_t *outcomes);
 

@@ -8,6 +8,7 @@ plays, without the firmware: approach, touch, stop, return, and the report on it
 import math
 import random
 from collections.abc import Generator
+from typing import cast
 
 import simpy
 
@@ -84,9 +85,9 @@ class Rig:
     def recorder_process(self) -> Process:
         """The other end of the bus."""
         while True:
-            latch_us, deviation_um = yield self.arrived.get()  # type: ignore[misc]
-            self.latch_us.append(latch_us)
-            self.deviation_um.append(deviation_um)
+            frame = cast(tuple[float, float], (yield self.arrived.get()))
+            self.latch_us.append(frame[0])
+            self.deviation_um.append(frame[1])
             self.report_us.append(self.env.now)
 
     def cycle_process(
