@@ -17,6 +17,7 @@ COMMANDS = {
     "latch": "How well each input path latches a touch: the error distributions.",
     "simulate": "Play conditions through the nominal simulation and write a campaign.",
     "compare": "Hold a recorded campaign against the nominal simulation.",
+    "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }

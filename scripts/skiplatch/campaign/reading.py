@@ -36,9 +36,10 @@ def read_touches(path: str | os.PathLike[str]) -> Touches:
 
 
 def read_conditions(path: str | os.PathLike[str]) -> Touches:
-    """Read touches that are to be played: as `read_touches`, but outcomes are ignored.
+    """Read touches that are to be played: as `read_touches`, but without outcomes.
 
-    The outcomes are empty in what is returned; a `CampaignWarning` tells where the file has any.
+    A recorded touches.csv will do: its outcomes are not even looked at, and are empty in what is
+    returned.
     """
     return _read(Path(path), CONDITIONS)
 
@@ -59,7 +60,7 @@ def _read(path: Path, wanted: Collection[str]) -> Touches:
 
 
 def _positions(path: Path, line: int, header: list[str], wanted: Collection[str]) -> dict[str, int]:
-    """Give where in a row each wanted column stands, and warn of the others."""
+    """Give where in a row each wanted column stands, and warn of unknown ones."""
     if not header:
         raise InputError(path, line, None, "expected a header row, got an empty file")
     if len(header) > MAX_COLUMNS:
@@ -71,18 +72,10 @@ def _positions(path: Path, line: int, header: list[str], wanted: Collection[str]
     if missing:
         raise InputError(path, line, None, f"missing column {', '.join(missing)}")
     for name in header:
-        if name not in wanted:
-            _warn_of_ignored(path, line, name)
+        if name not in COLUMNS:
+            message = f"unknown column {quoted(name)} is ignored{hint(name, COLUMNS)}"
+            warnings.warn(CampaignWarning(path, line, None, message), stacklevel=4)
     return {name: header.index(name) for name in wanted if name in header}
-
-
-def _warn_of_ignored(path: Path, line: int, name: str) -> None:
-    message = (
-        f"outcome column {quoted(name)} is ignored"
-        if name in COLUMNS
-        else f"unknown column {quoted(name)} is ignored{hint(name, COLUMNS)}"
-    )
-    warnings.warn(CampaignWarning(path, line, None, message), stacklevel=2)
 
 
 def _chunks(path: Path, rows: Iterator[Row]) -> Iterator[list[Row]]:

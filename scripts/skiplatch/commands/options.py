@@ -8,7 +8,9 @@ from typing import Any
 
 import click
 
+from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
+from skiplatch.simulator import Effect, effects
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
@@ -41,6 +43,42 @@ json_option: Decorator = click.option(
     type=click.Path(path_type=Path, dir_okay=False),
     help="Also write the result as JSON to this file.",
 )
+
+
+class EffectType(click.ParamType[Effect]):
+    """An effect of the table with its parameters: ``backlash:backlash_um=3.5``."""
+
+    name = "effect"
+
+    def convert(
+        self, value: str | Effect, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Effect:
+        """See `click.ParamType.convert`."""
+        if isinstance(value, Effect):
+            return value
+        effect_id, _, rest = value.partition(":")
+        if effect_id not in effects():
+            self.fail(f"{quoted(effect_id)} is no effect{hint(effect_id, effects())}", param, ctx)
+        pairs = [pair.partition("=") for pair in rest.split(",") if pair]
+        try:
+            return Effect(effect_id, dict(_parameter(effect_id, n, text) for n, _, text in pairs))
+        except ValueError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
+    known = {parameter.name: parameter for parameter in effects()[effect_id].parameters}
+    if name not in known:
+        raise ValueError(f"{effect_id} has no parameter {quoted(name)}{hint(name, known)}")
+    low, high = known[name].low, known[name].high
+    expected = f"{name}: expected a number from {low:g} to {high:g}, got {quoted(text)}"
+    try:
+        value = float(text)
+    except ValueError:
+        raise ValueError(expected) from None
+    if not low <= value <= high:
+        raise ValueError(expected)
+    return name, value
 
 
 def write_json(path: Path | None, result: Mapping[str, Any]) -> None:

@@ -7,8 +7,14 @@ import click
 import numpy as np
 
 from skiplatch.campaign import Status, Touches, read_conditions, read_nominal, write_campaign
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
-from skiplatch.simulator import Controller, Outcomes, play
+from skiplatch.commands.options import (
+    EffectType,
+    jobs_option,
+    json_option,
+    seed_option,
+    write_json,
+)
+from skiplatch.simulator import Controller, Effect, Outcomes, play
 
 EPILOG = """\b
 Example:
@@ -46,6 +52,14 @@ def _as_recorded(conditions: Touches, outcomes: Outcomes) -> Touches:
     required=True,
     help="Folder of the campaign; must not hold anything yet.",
 )
+@click.option(
+    "--effect",
+    "switched_on",
+    type=EffectType(),
+    multiple=True,
+    metavar="ID[:NAME=VALUE,…]",
+    help="Switch an effect on; may be given several times. See 'skiplatch effects'.",
+)
 @seed_option
 @jobs_option
 @json_option
@@ -53,15 +67,22 @@ def command(
     nominal_path: Path,
     conditions_path: Path,
     out: Path,
+    switched_on: tuple[Effect, ...],
     seed: int,
     jobs: int,
     json_path: Path | None,
 ) -> None:
-    """Play conditions through the nominal simulation, firmware and all, and write a campaign."""
+    """Play conditions through the simulation, firmware and all, and write a campaign.
+
+    What is played is the nominal chain, and the effects that are switched on.
+    """
     nominal = read_nominal(nominal_path)
     conditions = read_conditions(conditions_path)
     controller = Controller.for_campaign(nominal, conditions)
-    touches = _as_recorded(conditions, play(nominal, controller, conditions, seed=seed, jobs=jobs))
+    outcomes = play(
+        nominal, controller, conditions, seed=seed, jobs=jobs, switched_on=switched_on
+    )
+    touches = _as_recorded(conditions, outcomes)
     write_campaign(out, nominal, touches)
     missed = int(touches.missed.sum())
     click.echo(f"{out}: {len(touches)} touches, {missed} missed")
