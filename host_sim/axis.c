@@ -66,6 +66,9 @@ static double way_at(const sim_axis_t *axis, double time)
 {
     double whole = axis->to_brake_um + axis->ramp_um;
 
+    if (time < 0.0) { /* a servo may hold what it read before the motion */
+        return 0.0;
+    }
     if (time < axis->accel_end) {
         return 0.5 * axis->accel * time * time;
     }
@@ -89,7 +92,7 @@ double sim_axis_speed_um_us(const sim_axis_t *axis, sim_ns_t now)
     double time = (double)(now - axis->start);
     double speed = axis->speed;
     if (time < axis->accel_end) {
-        speed = axis->accel * time;
+        speed = fmax(0.0, axis->accel * time);
     } else if (time >= axis->decel_start) {
         speed = fmax(0.0, axis->accel * (axis->decel_end - time));
     }

@@ -36,8 +36,9 @@ int hal_edge_arm(const hal_edge_config_t *config)
         return HAL_ERR_CONFIG;
     }
     /* On top of the filter that the rig has in front of the pin. */
-    bound->filter_us = bound->chain->filter_us + config->glitch_filter_us;
-    bound->line.filter = sim_ns_from_us(sim_change(bound, SIM_FILTER, bound->filter_us));
+    double filter_us = bound->chain->filter_us + config->glitch_filter_us;
+    bound->line.filter += sim_ns_from_us(filter_us - bound->filter_us);
+    bound->filter_us = filter_us;
     bound->is_edge_armed = true;
     bound->edge_at = SIM_NEVER;
     return HAL_OK;

@@ -80,11 +80,10 @@ void sim_begin_touch(sim_t *sim, const sim_touch_t *touch)
     sim_effects_begin_touch(&sim->effects, touch->touch);
 
     double accel_mm_s2 = sim_change(sim, SIM_ACCEL, sim->chain->accel_mm_s2);
-    double delay_us = sim->chain->delay_us;
+    sim->delay = 0; /* there is no probe on a bench */
     if (sim->chain->is_machine) {
-        delay_us = sim_change(sim, SIM_PROBE_DELAY, delay_us);
+        sim->delay = sim_ns_from_us(sim_change(sim, SIM_PROBE_DELAY, sim->chain->delay_us));
     }
-    sim->delay = sim_ns_from_us(delay_us);
     sim_axis_place(&sim->axis, accel_mm_s2, -touch->approach_mm * UM_PER_MM, sim->now);
     sim_line_reset(&sim->line, sim_ns_from_us(sim_change(sim, SIM_FILTER, sim->filter_us)));
     sim_bus_reset(&sim->bus);
@@ -115,6 +114,16 @@ sim_ns_t sim_time_after(const sim_t *sim, uint32_t ticks)
 void sim_wake_after(sim_t *sim, uint32_t ticks)
 {
     sim->wake_at = sim_time_after(sim, ticks);
+}
+
+static sim_ns_t earliest(sim_ns_t a, sim_ns_t b)
+{
+    return a < b ? a : b;
+}
+
+static sim_ns_t latest(sim_ns_t a, sim_ns_t b)
+{
+    return a > b ? a : b;
 }
 
 bool sim_is_moving(const sim_t *sim)
@@ -171,22 +180,18 @@ void sim_stop(sim_t *sim, sim_ns_t reaction)
         !sim->line.contact && sim->line.contact_at != SIM_NEVER && sim->triggered_at > sim->now;
 
     sim_axis_stop(&sim->axis, reaction, sim->now);
-    sim->axis_at = sim_axis_standstill(&sim->axis);
+    sim->axis_at =
+        latest(sim_axis_standstill(&sim->axis), sim->now); /* it may be at rest already */
     if (is_before_trigger) {
         sim_line_plan(&sim->line, closing_time(sim));
     }
-}
-
-static sim_ns_t earliest(sim_ns_t a, sim_ns_t b)
-{
-    return a < b ? a : b;
 }
 
 /* A contact that has to come to rest first, or never does. */
 static void delay_pin(sim_t *sim)
 {
     double rest_us = sim_change(sim, SIM_CONTACT, 0.0);
-    if (isinf(rest_us)) {
+    if (isinf(rest_us) || sim->line.pin_at == SIM_NEVER) {
         sim->line.pin_at = SIM_NEVER;
     } else {
         sim->line.pin_at += sim_ns_from_us(rest_us);
@@ -237,8 +242,8 @@ static uint32_t captured_ticks(sim_t *sim)
     uint64_t ticks = sim_clock_ticks(sim, sim->now);
     if (sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
         double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
-        ticks =
-            (uint64_t)(sim_change(sim, SIM_CAPTURE, (double)ticks / ticks_per_us) * ticks_per_us);
+        double stamp_us = sim_change(sim, SIM_CAPTURE, (double)ticks / ticks_per_us);
+        ticks = (uint64_t)llrint(stamp_us * ticks_per_us);
     }
     return (uint32_t)ticks;
 }

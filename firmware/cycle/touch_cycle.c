@@ -39,12 +39,31 @@ static void approach(touch_cycle_t *cycle, touch_state_t state, double feed_mm_m
     begin_motion(cycle, state, now_ticks);
 }
 
+static uint32_t holdoff_left(const touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    return ticks_left(now_ticks, cycle->released_ticks, cycle->latch_config.holdoff_ticks);
+}
+
+/* A release bounces like a touch does: the level counts again once the hold-off is over. */
+static void watch_release(touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    if (!latch_level(cycle->latch) && !cycle->is_released) {
+        cycle->is_released = true;
+        cycle->released_ticks = now_ticks;
+    }
+    if (cycle->is_released && holdoff_left(cycle, now_ticks) == 0u) {
+        cycle->has_bounced = true;
+    }
+}
+
 static void retreat(touch_cycle_t *cycle, touch_state_t state, int32_t target_counts,
                     uint32_t now_ticks)
 {
     cycle->is_released = false;
+    cycle->has_bounced = false;
     ask(cycle, TOUCH_MOVE, target_counts, cycle->config.feed_mm_min);
     begin_motion(cycle, state, now_ticks);
+    watch_release(cycle, now_ticks);
 }
 
 static bool is_position(int32_t counts)
@@ -114,23 +133,6 @@ touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touc
     return TOUCH_OK;
 }
 
-static void poll_touch(touch_cycle_t *cycle, const touch_input_t *input)
-{
-    bool is_measuring = cycle->state == TOUCH_MEASURING || !cycle->config.two_touches;
-    bool is_over = !input->is_moving && !latch_is_confirming(cycle->latch);
-
-    if (is_over) { /* first shut the door, then look who is in */
-        latch_disarm(cycle->latch);
-    }
-    if (latch_take(cycle->latch, &cycle->result.latch)) {
-        cycle->has_latch = is_measuring;
-        ask(cycle, TOUCH_STOP, 0, 0.0);
-        begin_motion(cycle, is_measuring ? TOUCH_MEASURED : TOUCH_STOPPING, input->now_ticks);
-    } else if (is_over) {
-        end(cycle, TOUCH_FAILED, TOUCH_ERR_NO_TOUCH);
-    }
-}
-
 static void poll_stop(touch_cycle_t *cycle, const touch_input_t *input)
 {
     int32_t latched = cycle->result.latch.position_counts;
@@ -148,6 +150,24 @@ static void poll_stop(touch_cycle_t *cycle, const touch_input_t *input)
     }
 }
 
+static void poll_touch(touch_cycle_t *cycle, const touch_input_t *input)
+{
+    bool is_measuring = cycle->state == TOUCH_MEASURING || !cycle->config.two_touches;
+    bool is_over = !input->is_moving && !latch_is_confirming(cycle->latch);
+
+    if (is_over) { /* first shut the door, then look who is in */
+        latch_disarm(cycle->latch);
+    }
+    if (latch_take(cycle->latch, &cycle->result.latch)) {
+        cycle->has_latch = is_measuring;
+        ask(cycle, TOUCH_STOP, 0, 0.0);
+        begin_motion(cycle, is_measuring ? TOUCH_MEASURED : TOUCH_STOPPING, input->now_ticks);
+        cycle->is_at_rest = !input->is_moving; /* confirmed at the end of the travel */
+    } else if (is_over) {
+        end(cycle, TOUCH_FAILED, TOUCH_ERR_NO_TOUCH);
+    }
+}
+
 static void end_retreat(touch_cycle_t *cycle, uint32_t now_ticks)
 {
     if (cycle->state == TOUCH_BACKING_OFF) {
@@ -158,21 +178,10 @@ static void end_retreat(touch_cycle_t *cycle, uint32_t now_ticks)
     }
 }
 
-/* A release bounces like a touch does: deflected again counts only after the hold-off. */
-static bool is_touched_again(touch_cycle_t *cycle, uint32_t now_ticks)
-{
-    bool is_deflected = latch_level(cycle->latch);
-    if (!is_deflected && !cycle->is_released) {
-        cycle->is_released = true;
-        cycle->released_ticks = now_ticks;
-    }
-    return is_deflected && cycle->is_released &&
-           ticks_left(now_ticks, cycle->released_ticks, cycle->latch_config.holdoff_ticks) == 0u;
-}
-
 static void poll_retreat(touch_cycle_t *cycle, const touch_input_t *input)
 {
-    if (is_touched_again(cycle, input->now_ticks)) {
+    watch_release(cycle, input->now_ticks);
+    if (cycle->has_bounced && latch_level(cycle->latch)) {
         ask(cycle, TOUCH_STOP, 0, 0.0);
         end(cycle, TOUCH_FAILED, TOUCH_ERR_DEFLECTED_IN_RETREAT);
         return;
@@ -184,9 +193,10 @@ static void poll_retreat(touch_cycle_t *cycle, const touch_input_t *input)
         cycle->is_at_rest = true;
         cycle->since_ticks = input->now_ticks;
     }
-    if (!latch_level(cycle->latch)) {
+    if (cycle->has_bounced) {
         end_retreat(cycle, input->now_ticks);
-    } else if (ticks_left(input->now_ticks, cycle->since_ticks, cycle->settle_ticks) == 0u) {
+    } else if (!cycle->is_released &&
+               ticks_left(input->now_ticks, cycle->since_ticks, cycle->settle_ticks) == 0u) {
         end(cycle, TOUCH_FAILED, TOUCH_ERR_STUCK_DEFLECTED);
     }
 }
@@ -196,6 +206,21 @@ static uint32_t limit_left(const touch_cycle_t *cycle, uint32_t now_ticks)
 {
     uint32_t limit = cycle->is_at_rest ? cycle->settle_ticks : cycle->timeout_ticks;
     return limit == TICKS_NEVER ? TICKS_NEVER : ticks_left(now_ticks, cycle->since_ticks, limit);
+}
+
+static bool is_stopping(const touch_cycle_t *cycle)
+{
+    return cycle->state == TOUCH_STOPPING || cycle->state == TOUCH_MEASURED;
+}
+
+static bool is_retreating(const touch_cycle_t *cycle)
+{
+    return cycle->state == TOUCH_BACKING_OFF || cycle->state == TOUCH_RETURNING;
+}
+
+static uint32_t sooner(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
 }
 
 static bool is_running(const touch_cycle_t *cycle)
@@ -261,7 +286,12 @@ uint32_t touch_cycle_idle_ticks(const touch_cycle_t *cycle, uint32_t now_ticks)
     if (!is_running(cycle)) {
         return TICKS_NEVER;
     }
+    if (is_stopping(cycle) && cycle->is_at_rest) {
+        return 0u;
+    }
     uint32_t wait = limit_left(cycle, now_ticks);
-    uint32_t confirm = latch_idle_ticks(cycle->latch, now_ticks);
-    return confirm < wait ? confirm : wait;
+    if (is_retreating(cycle) && cycle->is_released && !cycle->has_bounced) {
+        wait = sooner(wait, holdoff_left(cycle, now_ticks));
+    }
+    return sooner(wait, latch_idle_ticks(cycle->latch, now_ticks));
 }

@@ -97,7 +97,8 @@ typedef struct {
     bool            has_request;
     bool            has_latch;   /* the measuring latch waits for touch_cycle_take_latch() */
     bool            is_released; /* in this retreat */
-    bool            is_at_rest;  /* the retreat is over, waiting for the release */
+    bool            has_bounced; /* the hold-off after that release is over */
+    bool            is_at_rest;  /* the axis stands, and the cycle waits for the release */
 } touch_cycle_t;
 
 /*

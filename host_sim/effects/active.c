@@ -2,15 +2,17 @@
 
 #include "effects/table.h"
 
-/* Lane 0 of the random numbers is the nominal chain's; every effect has two of its own. */
-static uint32_t touch_lane(uint32_t index)
-{
-    return 1u + 2u * index;
-}
+#define LANES 256u
 
-static uint32_t scan_lane(uint32_t index)
+/*
+ * Lane 0 of the random numbers is the nominal chain's, and every row of the table has one of its
+ * own: what an effect draws does not depend on which others are switched on. The same effect once
+ * more takes a lane from the far end.
+ */
+static uint32_t lane_of(const sim_setting_t *settings, uint32_t i)
 {
-    return 2u + 2u * index;
+    bool is_repeated = i > 0u && settings[i].effect == settings[i - 1u].effect;
+    return is_repeated ? LANES - i : 1u + (uint32_t)settings[i].effect;
 }
 
 void sim_effects_boot(sim_effects_t *effects, const sim_setting_t *settings, uint32_t count,
@@ -21,26 +23,31 @@ void sim_effects_boot(sim_effects_t *effects, const sim_setting_t *settings, uin
         sim_active_t *active = &effects->active[i];
         active->effect = sim_effect_at((uint32_t)settings[i].effect);
         active->parameters = settings[i].parameters;
+        active->lane = lane_of(settings, i);
         effects->quantities |= 1u << active->effect->quantity;
-        sim_random_begin(&active->random, seed, replicate, UINT64_MAX, touch_lane(i));
+        sim_random_begin(&active->random, seed, replicate, UINT64_MAX, active->lane);
         active->rig = sim_random_uniform(&active->random, 1.0);
     }
+}
+
+static void begin(const sim_effects_t *effects, sim_active_t *active, uint64_t number)
+{
+    sim_random_begin(&active->random, effects->seed, effects->replicate, number, active->lane);
 }
 
 void sim_effects_begin_touch(sim_effects_t *effects, uint64_t touch)
 {
     for (uint32_t i = 0; i < effects->count; ++i) {
-        sim_random_begin(&effects->active[i].random, effects->seed, effects->replicate, touch,
-                         touch_lane(i));
+        begin(effects, &effects->active[i], touch);
     }
 }
 
+/* An effect changes one quantity: what draws by scan never draws by touch, so one lane does. */
 void sim_effects_begin_scan(sim_effects_t *effects, uint64_t scan)
 {
     for (uint32_t i = 0; i < effects->count; ++i) {
         if (effects->active[i].effect->quantity == SIM_SCAN_START) {
-            sim_random_begin(&effects->active[i].random, effects->seed, effects->replicate, scan,
-                             scan_lane(i));
+            begin(effects, &effects->active[i], scan);
         }
     }
 }

@@ -14,6 +14,7 @@ typedef struct {
     const double       *parameters;
     double              state[SIM_STATES];
     double              rig;
+    uint32_t            lane; /* of its random numbers */
     sim_random_t        random;
 } sim_active_t;
 

@@ -4,7 +4,8 @@
 
 #include "effects/effect.h"
 
-#define PPM 1.0e-6
+#define PPM      1.0e-6
+#define ROUNDING 1.0e-3 /* nominal ticks */
 
 double effect_isr_latency(const sim_effect_call_t *call, double latency_us)
 {
@@ -20,9 +21,12 @@ double effect_isr_blocking(const sim_effect_call_t *call, double latency_us)
                      : latency_us;
 }
 
+/* This and the chain round down: a stamp on a tick must not fall short of it by its last bits. */
 double effect_timer_quantisation(const sim_effect_call_t *call, double stamp_us)
 {
-    return floor(stamp_us / call->parameters[0]) * call->parameters[0];
+    double tick_us = call->parameters[0];
+    double slack_us = ROUNDING * call->chain->tick_us;
+    return floor((stamp_us + slack_us) / tick_us) * tick_us + slack_us;
 }
 
 double effect_timer_drift(const sim_effect_call_t *call, double master_us)

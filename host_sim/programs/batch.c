@@ -241,7 +241,7 @@ const char *sim_play_error(int code)
     case SIM_PLAY_ERR_START:
         return "the firmware refused to start the input path";
     case SIM_PLAY_ERR_EFFECT:
-        return "an effect is unknown, or one of its parameters is out of range";
+        return "an effect is unknown, one too many, or one of its parameters is out of range";
     case SIM_PLAY_ERR_MEMORY:
         return "out of memory";
     default:
