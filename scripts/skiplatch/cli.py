@@ -17,6 +17,8 @@ COMMANDS = {
     "latch": "How well each input path latches a touch: the error distributions.",
     "simulate": "Play conditions through the nominal simulation and write a campaign.",
     "compare": "Hold a recorded campaign against the nominal simulation.",
+    "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
+    "predict": "Play conditions with the effects that a diagnosis found.",
     "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",

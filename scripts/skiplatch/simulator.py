@@ -41,6 +41,9 @@ NOT_RECORDED_IS = {
     "temp_c": 20.0,
 }
 
+ROOM_MM = 10.0
+"""For latches that come later than the nominal chain lets expect."""
+
 UM_PER_MM = 1000.0
 S_PER_MIN = 60.0
 US_PER_S = 1e6
@@ -82,7 +85,8 @@ class Controller:
         scatter_um = 10.0 * nominal.probe.repeatability_um
         stop_mm = speed_mm_s**2 / (2.0 * nominal.axis.accel_mm_s2)
         latch_mm = speed_mm_s * delay_us / US_PER_S + (pretravel_um + scatter_um) / UM_PER_MM
-        return cls(overtravel_mm=1.0 + latch_mm + stop_mm)
+        slow_start_mm = float(np.max(touches.approach_mm))  # an effect may make the stop as long
+        return cls(overtravel_mm=ROOM_MM + latch_mm + stop_mm + slow_start_mm)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -225,9 +229,19 @@ def _description(binding: _Binding, index: int, row: CData) -> EffectDescription
     )
 
 
+def _refuse_unknown(effect: Effect) -> None:
+    if effect.id not in effects():
+        raise SimulationError(f"{effect.id}: no such effect")
+    known = {parameter.name for parameter in effects()[effect.id].parameters}
+    for name in effect.parameters.keys() - known:
+        raise SimulationError(f"{effect.id}: no parameter {name}")
+
+
 def _settings(binding: _Binding, switched_on: Sequence[Effect]) -> CData:
     """Fill an array of sim_setting_t, in the order of the table."""
     table = effects()
+    for effect in switched_on:
+        _refuse_unknown(effect)
     settings = binding.ffi.new("sim_setting_t[]", len(switched_on))
     ordered = sorted(switched_on, key=lambda effect: table[effect.id].index)
     for setting, effect in zip(settings, ordered, strict=True):

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Self
 
 from scipy import stats
 
@@ -16,9 +17,9 @@ class Interval:
     low: float
     high: float
 
-    def scaled(self, factor: float) -> "Interval":
+    def scaled(self, factor: float) -> Self:
         """Give the same in another unit; `factor` > 0."""
-        return Interval(self.value * factor, self.low * factor, self.high * factor)
+        return type(self)(self.value * factor, self.low * factor, self.high * factor)
 
 
 def proportion(successes: int, trials: int, confidence: float = CONFIDENCE) -> Interval:

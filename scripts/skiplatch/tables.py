@@ -7,6 +7,8 @@ from skiplatch.statistics import Interval
 
 GAP = "  "
 FINEST = 6  # decimals
+NOTHING = "—"
+EXACT_DIGITS = 5  # of a number without an interval
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -24,21 +26,23 @@ def number(value: float, digits: int = 4) -> str:
     return f"{round(value, decimals):,.{max(decimals, 0)}f}".replace(",", " ")
 
 
-def share(value: float) -> str:
-    """Give a share in per cent."""
-    return f"{number(100.0 * value, 3)} %"
+def compact(value: float, digits: int = 4) -> str:
+    """Give a number with at most so many significant digits, and no zeros at its end."""
+    return f"{float(f'{value:.{digits}g}'):.12g}"
+
+
+def whole(value: int) -> str:
+    """Give a whole number, its digits in groups of three."""
+    return f"{value:,}".replace(",", " ")
 
 
 def with_interval(figure: Interval) -> tuple[str, str]:
     """Give the number, and its interval, with two digits of the interval's width."""
-    decimals = _decimals(figure.high - figure.low)
-    return f"{figure.value:.{decimals}f}", f"{figure.low:.{decimals}f} … {figure.high:.{decimals}f}"
-
-
-def _decimals(width: float) -> int:
+    width = figure.high - figure.low
     if width <= 0.0:
-        return FINEST
-    return min(max(1 - math.floor(math.log10(width)), 0), FINEST)
+        return number(figure.value, EXACT_DIGITS), NOTHING
+    decimals = min(max(1 - math.floor(math.log10(width)), 0), FINEST)
+    return f"{figure.value:.{decimals}f}", f"{figure.low:.{decimals}f} … {figure.high:.{decimals}f}"
 
 
 def _line(cells: Sequence[str], widths: Sequence[int]) -> str:

@@ -1,37 +1,77 @@
 """``skiplatch effects``: the table of effects."""
 
+from collections.abc import Iterable
 from dataclasses import asdict
+from itertools import groupby
 from pathlib import Path
 
 import click
 
 from skiplatch.commands.options import json_option, write_json
-from skiplatch.simulator import EffectDescription, effects
-from skiplatch.tables import table
+from skiplatch.simulator import EffectDescription, Parameter, effects
 
 EPILOG = """\b
-Example:
+Examples:
+  skiplatch effects
   skiplatch simulate --effect backlash:backlash_um=3.5 \\
       --nominal scripts/samples/machine_no_gap/nominal.toml \\
       --conditions scripts/samples/machine_no_gap/touches.csv --out build/with_backlash
 """
 
-HEADER = ("effect", "stage", "paths", "parameter", "unit", "from", "to")
+MARKDOWN_HEADER = """\
+| effect | stage | paths | what happens | parameters |
+|---|---|---|---|---|"""
 
 
-def _rows(effect: EffectDescription) -> list[tuple[str, ...]]:
-    rows = []
-    for number, parameter in enumerate(effect.parameters):
-        first = (effect.id, effect.stage, effect.paths) if number == 0 else ("", "", "")
-        limits = (f"{parameter.low:g}", f"{parameter.high:g}")
-        rows.append((*first, parameter.name, parameter.unit, *limits))
-    return rows
+def _number(value: float) -> str:
+    return f"{value:.10g}"
+
+
+def _range(parameter: Parameter) -> str:
+    """Give the range with its unit; a pure number has none."""
+    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    return f"{_number(parameter.low)} … {_number(parameter.high)}{unit}"
+
+
+def _as_text(table: Iterable[EffectDescription]) -> str:
+    """Group the effects by stage: one line an effect, and under it one line a parameter."""
+    rows = list(table)
+    name = max(len(p.name) + 2 for row in rows for p in row.parameters)
+    name = max(name, *(len(row.id) for row in rows))
+    limits = max(len(_range(p)) for row in rows for p in row.parameters)
+    lines = []
+    for stage, of_stage in groupby(rows, key=lambda row: row.stage):
+        lines.append(f"{stage}:")
+        for row in of_stage:
+            lines.append(f"  {row.id:{name}}  {row.paths:{limits}}  {row.physics}")
+            lines += [
+                f"    {p.name:{name - 2}}  {_range(p):{limits}}  {p.meaning}"
+                for p in row.parameters
+            ]
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _as_markdown(table: Iterable[EffectDescription]) -> str:
+    """Lay out one row an effect."""
+    lines = [MARKDOWN_HEADER]
+    for row in table:
+        parameters = "<br>".join(f"`{p.name}` {_range(p)}: {p.meaning}" for p in row.parameters)
+        cells = (f"`{row.id}`", row.stage, row.paths, row.physics, parameters)
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
 @click.command(epilog=EPILOG)
+@click.option("--markdown", is_flag=True, help="Print a Markdown table, as docs/GAP.md has it.")
 @json_option
-def command(json_path: Path | None) -> None:
-    """List every effect with its stage, paths, parameters and ranges, in the order of the chain."""
-    rows = [row for effect in effects().values() for row in _rows(effect)]
-    click.echo(table(HEADER, rows))
-    write_json(json_path, {"effects": [asdict(effect) for effect in effects().values()]})
+def command(markdown: bool, json_path: Path | None) -> None:  # noqa: FBT001
+    """List every effect that a simulation can be given, in the order of the chain.
+
+    Per effect: the input paths it acts on and what happens; per parameter: range, unit, meaning.
+    """
+    table = effects().values()
+    click.echo(_as_markdown(table) if markdown else _as_text(table).rstrip())
+    if not markdown:
+        click.echo("\nSwitch one on: skiplatch simulate --effect ID:NAME=VALUE,NAME=VALUE …")
+    write_json(json_path, {"effects": [asdict(effect) for effect in table]})

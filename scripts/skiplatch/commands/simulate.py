@@ -79,9 +79,7 @@ def command(
     nominal = read_nominal(nominal_path)
     conditions = read_conditions(conditions_path)
     controller = Controller.for_campaign(nominal, conditions)
-    outcomes = play(
-        nominal, controller, conditions, seed=seed, jobs=jobs, switched_on=switched_on
-    )
+    outcomes = play(nominal, controller, conditions, seed=seed, jobs=jobs, switched_on=switched_on)
     touches = _as_recorded(conditions, outcomes)
     write_campaign(out, nominal, touches)
     missed = int(touches.missed.sum())

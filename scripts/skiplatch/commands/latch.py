@@ -1,0 +1,85 @@
+"""``skiplatch latch``: the latch errors of each input path."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from skiplatch.campaign import InputPath, Nominal
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.rig_options import rig_json, rig_options, within
+from skiplatch.figures.latch_errors import draw_latch_errors
+from skiplatch.latch import Effort, as_json, as_text, examine
+
+EPILOG = """\b
+Example:
+  skiplatch latch --scan-us 2000 --feed 1000 --pictures build/latch
+"""
+PATHS = {
+    "skip": (InputPath.SKIP,),
+    "plc": (InputPath.PLC,),
+    "both": (InputPath.SKIP, InputPath.PLC),
+}
+
+
+@click.command(epilog=EPILOG)
+@click.option(
+    "--path",
+    "paths",
+    type=click.Choice(list(PATHS)),
+    default="both",
+    show_default=True,
+    callback=lambda _ctx, _param, value: PATHS[value],
+    help="Input path.",
+)
+@click.option(
+    "--touches",
+    type=click.IntRange(100, 10**9),
+    default=10**6,
+    show_default=True,
+    help="Touches on each path; memory does not grow with them.",
+)
+@click.option(
+    "--feed",
+    "feed_mm_min",
+    type=within(1.0, 1e5),
+    default=3000.0,
+    show_default=True,
+    help="Measuring feed, mm/min.",
+)
+@rig_options
+@click.option(
+    "--pictures",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Draw the distributions into this folder.",
+)
+@seed_option
+@jobs_option
+@json_option
+def command(
+    paths: Sequence[InputPath],
+    touches: int,
+    feed_mm_min: float,
+    rig: Nominal,
+    pictures: Path | None,
+    seed: int,
+    jobs: int,
+    json_path: Path | None,
+) -> None:
+    """How much later than the edge each input path latches, and how far off: the distributions.
+
+    The skip input latches in an interrupt, the PLC task polls. Edges come at random times on a
+    bench without a probe. Bias, which calibrates out, and spread, which does not, stand apart.
+    The interval of an extreme reaches from what was seen to the limit that the rig sets.
+    """
+    effort = Effort(touches, seed, jobs)
+    results = {path: examine(rig, path, feed_mm_min, effort) for path in paths}
+    click.echo(as_text(rig, feed_mm_min, results))
+    conditions = {"touches": touches, "feed_mm_min": feed_mm_min, "seed": seed}
+    document = {"format": "skiplatch-latch/1", **conditions, "rig": rig_json(rig)}
+    write_json(json_path, {**document, "paths": as_json(results)})
+    if pictures is not None:
+        picture = pictures / "latch_errors.svg"
+        errors = {path: result.errors for path, result in results.items()}
+        draw_latch_errors(picture, errors, feed_mm_min)
+        click.echo(f"wrote {picture}")

@@ -1,0 +1,109 @@
+"""``skiplatch predict``: conditions and a diagnosis in, predictions out."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+import numpy as np
+
+from skiplatch.campaign import Touches, read_conditions, read_nominal
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.diagnosis import effects_from_json
+from skiplatch.errors import InputError
+from skiplatch.files import atomic_write_text, failures_named
+from skiplatch.simulator import Controller, Effect, Outcomes, play
+
+EPILOG = """\b
+Example:
+  skiplatch predict scripts/samples/bench_isr_latency --replicates 20 --out build/predicted.csv \\
+      --conditions scripts/samples/bench_isr_latency/touches.csv
+"""
+
+FILE = click.Path(path_type=Path, dir_okay=False)
+HEADER = "touch,replicate,edge_us,latch_us,report_us,deviation_um,status"
+
+
+def _found_effects(path: Path | None) -> list[Effect]:
+    if path is None:
+        return []
+    with failures_named(path, "read"):
+        text = path.read_text(encoding="utf-8", errors="replace")
+    try:
+        return effects_from_json(json.loads(text))
+    except json.JSONDecodeError as error:
+        raise InputError(path, error.lineno, error.colno, f"no JSON: {error.msg}") from error
+    except ValueError as error:
+        raise InputError(path, None, None, str(error)) from error
+
+
+def _cells(values: np.ndarray) -> list[str]:
+    return ["" if np.isnan(value) else f"{value:.3f}" for value in values]
+
+
+def _from_given_edges(conditions: Touches, outcomes: Outcomes) -> dict[str, np.ndarray]:
+    """Shift times to the edges that a bench is known to have had; arrays of shape (r, n)."""
+    given = np.where(np.isnan(conditions.edge_us), outcomes.edge_us, conditions.edge_us)
+    shift = np.nan_to_num(given - outcomes.edge_us)
+    return {
+        "edge_us": given,
+        "latch_us": outcomes.latch_us + shift,
+        "report_us": outcomes.report_us + shift,
+        "deviation_um": outcomes.deviation_um,
+    }
+
+
+def _lines(conditions: Touches, outcomes: Outcomes) -> Sequence[str]:
+    columns = _from_given_edges(conditions, outcomes)
+    lines = [HEADER]
+    for replicate, ok in enumerate(outcomes.ok):
+        cells = [_cells(column[replicate]) for column in columns.values()]
+        status = np.where(ok, "ok", "missed")
+        rows = zip(conditions.touch, *cells, status, strict=True)
+        lines += [f"{touch},{replicate},{','.join(rest)}" for touch, *rest in rows]
+    return lines
+
+
+@click.command(epilog=EPILOG)
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.option("--diagnosis", type=FILE, help="JSON of a diagnosis; without it, the nominal chain.")
+@click.option("--conditions", "conditions_path", type=FILE, required=True, help="Touches to play.")
+@click.option(
+    "--replicates",
+    type=click.IntRange(1, 100_000),
+    default=1,
+    show_default=True,
+    help="How often to play them.",
+)
+@click.option("--out", type=FILE, required=True, help="CSV to write.")
+@seed_option
+@jobs_option
+@json_option
+def command(
+    campaign: Path,
+    diagnosis: Path | None,
+    conditions_path: Path,
+    replicates: int,
+    out: Path,
+    seed: int,
+    jobs: int,
+    json_path: Path | None,
+) -> None:
+    """Play conditions on the rig of a CAMPAIGN, with the effects that a diagnosis found.
+
+    Where the conditions give edge_us (on a bench), times are counted from there.
+    """
+    nominal = read_nominal(campaign / "nominal.toml")
+    conditions = read_conditions(conditions_path)
+    outcomes = play(
+        nominal,
+        Controller.for_campaign(nominal, conditions),
+        conditions,
+        seed=seed,
+        replicates=replicates,
+        jobs=jobs,
+        switched_on=_found_effects(diagnosis),
+    )
+    atomic_write_text(out, "\n".join(_lines(conditions, outcomes)) + "\n")
+    click.echo(f"{out}: {len(conditions)} touches, {replicates} times")
+    write_json(json_path, {"out": str(out), "touches": len(conditions), "replicates": replicates})

@@ -1,0 +1,115 @@
+"""Options that describe a rig: single figures, or all from a campaign's nominal.toml."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from skiplatch.campaign import KEYS, Nominal, read_nominal
+from skiplatch.campaign.constraints import Range
+from skiplatch.latch.probing import DEFAULT_RIG, on_bench
+
+
+class Quantity(click.ParamType[float]):
+    """A number within a range, NaN never."""
+
+    name = "number"
+
+    def __init__(self, constraint: Range) -> None:
+        self._constraint = constraint
+
+    def convert(
+        self,
+        value: str | float,
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> float:
+        """Turn the text into a number, or end with a line that says what is expected."""
+        try:
+            converted = float(value)
+        except ValueError:
+            converted = float("nan")
+        if not self._constraint.holds(np.array(converted)):
+            self.fail(f"expected {self._constraint.words}, got {value}", param, ctx)
+        return converted
+
+
+def within(low: float, high: float) -> Quantity:
+    """Give the type of a number from `low` to `high`."""
+    return Quantity(Range(f"a number from {low:.15g} to {high:.15g}", low, high))
+
+
+@dataclass(frozen=True, slots=True)
+class RigOption:
+    """A figure of the rig: the section and key of nominal.toml, and what the simulation takes."""
+
+    section: str
+    key: str
+    low: float
+    high: float
+
+    @property
+    def default(self) -> float:
+        """The figure of the rig that is taken where none is given."""
+        return float(getattr(getattr(DEFAULT_RIG, self.section), self.key))
+
+    def add_to(self, command: Callable[..., Any], flag: str) -> Callable[..., Any]:
+        """Give the command this option."""
+        known = KEYS[self.section, self.key]
+        option = click.option(
+            flag,
+            type=within(self.low, self.high),
+            show_default=f"{self.default:g}",
+            help=f"{known.meaning[0].upper()}{known.meaning[1:]}, {known.unit}.",
+        )
+        return option(command)
+
+
+RIG_OPTIONS: dict[str, RigOption] = {
+    "--filter-us": RigOption("input", "filter_us", 0.0, 1e6),
+    "--latency-us": RigOption("skip", "latency_us", 0.0, 1e6),
+    "--jitter-us": RigOption("skip", "jitter_us", 0.0, 1e6),
+    "--tick-us": RigOption("skip", "tick_us", 1e-3, 1e3),
+    "--scan-us": RigOption("plc", "scan_us", 100.0, 20_000.0),
+    "--resolution-um": RigOption("axis", "resolution_um", 1e-4, 100.0),
+    "--accel": RigOption("axis", "accel_mm_s2", 1.0, 1e6),
+}
+
+
+def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options, and hand it what they describe as ``rig``."""
+
+    @wraps(command)
+    def with_rig(*args: Any, nominal_path: Path | None, **values: Any) -> Any:  # noqa: ANN401
+        rig = DEFAULT_RIG if nominal_path is None else on_bench(read_nominal(nominal_path))
+        for flag, option in RIG_OPTIONS.items():
+            value = values.pop(flag.removeprefix("--").replace("-", "_"))
+            if value is not None:
+                section = replace(getattr(rig, option.section), **{option.key: value})
+                rig = replace(rig, **{option.section: section})
+        return command(*args, rig=rig, **values)
+
+    described: Callable[..., Any] = _nominal_option(with_rig)
+    for flag, option in reversed(RIG_OPTIONS.items()):
+        described = option.add_to(described, flag)
+    return described
+
+
+def rig_json(rig: Nominal) -> dict[str, float]:
+    """Give the rig's figures by option, without the dashes."""
+    return {
+        option.key: float(getattr(getattr(rig, option.section), option.key))
+        for option in RIG_OPTIONS.values()
+    }
+
+
+_nominal_option = click.option(
+    "--nominal",
+    "nominal_path",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Take the rig from this nominal.toml, without its probe; the options above overrule it.",
+)

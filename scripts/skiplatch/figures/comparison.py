@@ -1,0 +1,114 @@
+"""Recorded and simulated distributions of a campaign, a picture for each observable."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from skiplatch.campaign import InputPath
+from skiplatch.comparison.model import Cell, CellGap, Comparison
+from skiplatch.comparison.observables import OBSERVABLES, Observable
+from skiplatch.figures import theme
+from skiplatch.figures.latch_errors import COLORS
+from skiplatch.latch.text import TITLES
+from skiplatch.tables import number
+
+MOST_FEEDS = 5
+BINS = 24
+ROW_IN = 1.9
+HEAD_IN = 1.1
+FEWEST_TICKS = 2
+MARGIN = 0.05  # of the range, on both sides
+LEAST_RANGE = 1e-3  # µm or µs
+
+
+def draw_comparison(comparison: Comparison, folder: Path) -> list[Path]:
+    """Draw every observable that was recorded; gives the pictures written."""
+    paths = []
+    for observable in OBSERVABLES:
+        pairs = [
+            (cell, gap)
+            for cell, gap in zip(comparison.cells, comparison.gaps, strict=True)
+            if cell.observable is observable
+        ]
+        if pairs:
+            paths.append(folder / f"compare_{observable.name}.svg")
+            _draw(paths[-1], observable, pairs, comparison.alpha)
+    return paths
+
+
+def _shown_feeds(pairs: Sequence[tuple[Cell, CellGap]]) -> list[float]:
+    """All feeds, or some of them from the slowest to the fastest where there are many."""
+    feeds = sorted({cell.feed_mm_min for cell, _ in pairs})
+    chosen = np.linspace(0, len(feeds) - 1, min(len(feeds), MOST_FEEDS)).round().astype(int)
+    return [feeds[i] for i in chosen]
+
+
+def _draw(
+    path: Path, observable: Observable, pairs: Sequence[tuple[Cell, CellGap]], alpha: float
+) -> None:
+    feeds = _shown_feeds(pairs)
+    rows = sorted({cell.path for cell, _ in pairs})
+    words = _words(observable, [gap for _, gap in pairs], alpha)
+    with theme.picture(path, words, height_in=HEAD_IN + ROW_IN * len(rows)) as figure:
+        panels = figure.subplots(len(rows), len(feeds), squeeze=False)
+        for axes in panels.flat:
+            axes.set_visible(False)
+        for cell, gap in pairs:
+            if cell.feed_mm_min in feeds:
+                axes = panels[rows.index(cell.path), feeds.index(cell.feed_mm_min)]
+                _draw_cell(axes, cell, differs=gap.p_value <= alpha)
+        for path_code, axes in zip(rows, panels[:, 0], strict=True):
+            axes.set_ylabel(f"{TITLES[path_code]}\nshare of touches")
+        figure.supxlabel(
+            f"{observable.title}, {observable.unit}: recorded filled, simulated as a line",
+            fontsize=10,
+        )
+
+
+def _draw_cell(axes: Axes, cell: Cell, *, differs: bool) -> None:
+    color, light = COLORS[InputPath(cell.path)]
+    recorded = cell.recorded + cell.expected
+    simulated = (cell.reference + cell.expected).ravel()
+    edges = _edges(recorded, simulated)
+    axes.set_visible(True)
+    axes.stairs(_shares(recorded, edges), edges, fill=True, color=light)
+    axes.stairs(_shares(recorded, edges), edges, color=color, lw=1.0)
+    axes.stairs(_shares(simulated, edges), edges, color=theme.INK, lw=1.4)
+    axes.set_title(f"{cell.feed_mm_min:g} mm/min{', differs' if differs else ''}", fontsize=9)
+    axes.locator_params(nbins=FEWEST_TICKS, axis="x")
+    axes.set_yticks([])
+    axes.tick_params(labelsize=8)
+    axes.grid(visible=False)
+
+
+def _edges(*samples: np.ndarray) -> np.ndarray:
+    low = min(float(sample.min()) for sample in samples)
+    high = max(float(sample.max()) for sample in samples)
+    margin = MARGIN * max(high - low, LEAST_RANGE)
+    return np.linspace(low - margin, high + margin, BINS + 1)
+
+
+def _shares(sample: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    counts, _ = np.histogram(sample, edges)
+    return np.asarray(counts / len(sample))
+
+
+def _words(observable: Observable, gaps: Sequence[CellGap], alpha: float) -> theme.Words:
+    differing = [gap for gap in gaps if gap.p_value <= alpha]
+    if differing:
+        paths = " and ".join(sorted({gap.path.name.lower() for gap in differing}))
+        title = f"{observable.title.capitalize()} differs from the simulation: {paths} path"
+    else:
+        title = f"{observable.title.capitalize()} agrees with the simulation"
+    return theme.Words(title, " ".join(_sentence(gap) for gap in gaps))
+
+
+def _sentence(gap: CellGap) -> str:
+    unit = gap.observable.unit
+    return (
+        f"{TITLES[gap.path]} at {gap.feed_mm_min:g} mm/min: recorded mean "
+        f"{number(gap.recorded_mean)} {unit}, simulated {number(gap.simulated_mean)} {unit}, "
+        f"distance {number(gap.distance)} {unit}, noise floor {number(gap.noise_floor)} {unit}."
+    )

@@ -1,0 +1,33 @@
+"""All there is to know of how an input path latches."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from skiplatch.campaign import InputPath, Nominal
+from skiplatch.latch.effort import Effort
+from skiplatch.latch.errors import LatchErrors, latch_errors
+from skiplatch.latch.probing import one_touch
+from skiplatch.latch.pulses import Pulses, default_widths_us, pulse_response
+
+MOST_PULSES = 100_000  # of each width
+
+
+@dataclass(frozen=True, slots=True)
+class PathResult:
+    """What was found out about one path."""
+
+    errors: LatchErrors
+    pulses: Pulses
+
+
+Results = Mapping[InputPath, PathResult]
+
+
+def examine(rig: Nominal, path: InputPath, feed_mm_min: float, effort: Effort) -> PathResult:
+    """Find out how far off a path latches and what it makes of short pulses."""
+    probing = one_touch(rig, path, feed_mm_min)
+    pulses = effort.at_most(MOST_PULSES)
+    return PathResult(
+        errors=latch_errors(probing, effort),
+        pulses=pulse_response(probing, default_widths_us(rig), pulses),
+    )

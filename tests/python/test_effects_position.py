@@ -1,0 +1,143 @@
+"""Physics of the effects on the position that is latched. Stamps are another test's business."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from effects_rig import (
+    POSITION_TOLERANCE_UM,
+    RESOLUTION_UM,
+    FloatArray,
+    Trace,
+    assert_close,
+    assert_follows,
+    mixed_touches,
+    run,
+    trace,
+)
+from skiplatch.campaign import InputPath
+from skiplatch.simulator import Effect
+
+SKIP, PLC = InputPath.SKIP, InputPath.PLC
+
+both_paths = pytest.mark.parametrize("path", list(InputPath))
+
+
+def coordinate_mm(played: Trace) -> FloatArray:
+    """Of the axis, where the nominal chain latches."""
+    way_mm = played.nominal.deviation_um[0] / 1e3
+    return np.asarray(played.touches.position_mm + played.touches.sign * way_mm)
+
+
+@both_paths
+def test_servo_hold_reads_the_position_of_the_last_update(path: InputPath) -> None:
+    period_us = 2500.0
+    phases = []
+    for seed in (1, 2, 3):
+        played = trace(path, "servo_hold", n=1000, seed=seed, period_us=period_us)
+        fast = played.speed_um_us > 0.01  # 1 nm of resolution is less than 0.1 µs
+        age_us = -(played.deviation_shift_um / played.speed_um_us)[fast]
+        read_us = played.nominal.latch_us[0, fast] - age_us
+
+        assert age_us.min() > -0.1
+        assert age_us.max() < period_us + 0.1
+        phase_us = read_us[0] % period_us
+        assert_close((read_us - phase_us + 1.0) % period_us, 1.0, 0.3)
+        phases.append(phase_us)
+        if path == SKIP:
+            assert_follows(age_us, stats.uniform(0.0, period_us))
+    assert np.ptp(phases) > 50.0
+
+
+@both_paths
+@pytest.mark.parametrize("lag_us", [-80.0, 300.0])
+def test_following_error_reads_ahead_by_the_way_of_the_lag(path: InputPath, lag_us: float) -> None:
+    played = trace(path, "following_error", lag_us=lag_us)
+
+    assert_close(played.deviation_shift_um, played.speed_um_us * lag_us, POSITION_TOLERANCE_UM)
+
+
+@both_paths
+@pytest.mark.parametrize("backlash_um", [-2.0, 3.5])
+def test_backlash_shifts_the_negative_sense_alone(path: InputPath, backlash_um: float) -> None:
+    played = trace(path, "backlash", backlash_um=backlash_um)
+    expected_um = np.where(played.touches.sign < 0.0, -backlash_um, 0.0)
+
+    assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
+
+
+def test_transmission_error_is_periodic_in_the_coordinate_with_a_harmonic() -> None:
+    played = trace(
+        SKIP,
+        "transmission_error",
+        amplitude_um=4.0,
+        period_mm=5.0,
+        phase_deg=70.0,
+        amplitude2_um=1.5,
+        phase2_deg=200.0,
+    )
+    turn_deg = 360.0 * coordinate_mm(played) / 5.0
+    first, second = np.deg2rad(turn_deg + 70.0), np.deg2rad(2.0 * turn_deg + 200.0)
+    error_um = 4.0 * np.sin(first) + 1.5 * np.sin(second)
+
+    assert_close(
+        played.deviation_shift_um, played.touches.sign * error_um, 1.1 * POSITION_TOLERANCE_UM
+    )
+
+
+@both_paths
+def test_scale_error_grows_with_the_coordinate(path: InputPath) -> None:
+    played = trace(path, "scale_error", scale_ppm=-250.0)
+    error_um = coordinate_mm(played) * 1e3 * -250e-6
+
+    assert_close(played.deviation_shift_um, played.touches.sign * error_um, POSITION_TOLERANCE_UM)
+
+
+def test_encoder_quantisation_rounds_to_the_nearest() -> None:
+    played = trace(SKIP, "encoder_quantisation", resolution_um=1.5)
+    counts = played.changed.deviation_um[0] / 1.5
+
+    assert_close(counts, np.rint(counts), 1e-9)
+    assert np.abs(played.deviation_shift_um).max() < 0.75 + RESOLUTION_UM
+    assert np.abs(played.deviation_shift_um).max() > 0.7
+
+
+def lagged_c(time_s: FloatArray, temp_c: FloatArray, lag_s: float) -> FloatArray:
+    """A first-order lag that settles on the first reading and takes each one as held before it."""
+    lagged = [float(temp_c[0])]
+    for elapsed_s, now_c in zip(np.diff(time_s), temp_c[1:], strict=True):
+        lagged.append(now_c + (lagged[-1] - now_c) * float(np.exp(-elapsed_s / lag_s)))
+    return np.array(lagged)
+
+
+@pytest.mark.parametrize("lag_s", [0.0, 60.0, 900.0])
+def test_thermal_drift_follows_the_temperature_with_its_lag(lag_s: float) -> None:
+    played = trace(SKIP, "thermal_drift", drift_um_k=2.0, lag_s=lag_s)
+    touches = played.touches
+    temp_c = lagged_c(touches.time_s, touches.temp_c, lag_s) if lag_s else touches.temp_c
+
+    expected_um = touches.sign * 2.0 * (temp_c - 20.0)
+    assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
+
+
+def test_thermal_drift_remembers_in_the_order_of_time_not_of_the_rows() -> None:
+    touches = mixed_touches(200, seed=4)
+    drift = Effect("thermal_drift", {"drift_um_k": 3.0, "lag_s": 600.0})
+    backwards = np.arange(len(touches))[::-1]
+
+    in_order, turned = run(touches, drift), run(touches.select(backwards), drift)
+
+    np.testing.assert_array_equal(in_order.deviation_um[:, backwards], turned.deviation_um)
+
+
+def test_rotary_pivot_carries_the_workpiece_round_the_wrong_centre() -> None:
+    played = trace(SKIP, "rotary_pivot", x_um=12.0, y_um=-7.0)
+    touches = played.touches
+    angle, alpha = np.deg2rad(touches.rotary_deg), np.deg2rad(touches.alpha_deg)
+    centre = 12.0 - 7.0j
+    shift = centre + np.exp(1j * angle) * (0.0 - centre)  # of the point believed to be the centre
+    along_um = (shift * np.exp(-1j * alpha)).real * np.cos(np.deg2rad(touches.beta_deg))
+
+    assert_close(played.deviation_shift_um, along_um, POSITION_TOLERANCE_UM)
+    at_rest = touches.rotary_deg == 0.0
+    np.testing.assert_array_equal(played.deviation_shift_um[at_rest], 0.0)

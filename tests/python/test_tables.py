@@ -1,0 +1,52 @@
+"""Numbers and tables as they stand on the terminal."""
+
+import pytest
+
+from skiplatch.statistics import Interval
+from skiplatch.tables import compact, number, table, whole, with_interval
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (3.14159, "3.142"),
+        (-0.000123456, "-0.0001235"),
+        (123456.0, "123 500"),
+        (1154.7, "1 155"),
+        (20.0, "20.00"),
+    ],
+)
+def test_number_has_four_significant_digits_and_no_power_of_ten(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(200.0, "200"), (0.05, "0.05"), (1.0994, "1.099"), (123456.0, "123500")]
+)
+def test_compact_number_has_no_zeros_at_its_end(value: float, text: str) -> None:
+    assert compact(value) == text
+
+
+def test_whole_number_is_grouped() -> None:
+    assert whole(1_000_000) == "1 000 000"
+
+
+@pytest.mark.parametrize(
+    ("interval", "texts"),
+    [
+        (Interval(2007.315, 2005.053, 2009.577), ("2007.3", "2005.1 … 2009.6")),
+        (Interval(0.3750171, 0.3749877, 0.3750465), ("0.375017", "0.374988 … 0.375047")),
+        (Interval(1234.5, 1000.0, 1500.0), ("1234", "1000 … 1500")),
+        (Interval(0.254, 0.254, 0.254), ("0.25400", "—")),
+        (Interval(0.0, 0.0, 1e-9), ("0.000000", "0.000000 … 0.000000")),
+    ],
+)
+def test_interval_has_two_digits_of_its_width(interval: Interval, texts: tuple[str, str]) -> None:
+    assert with_interval(interval) == texts
+
+
+def test_table_aligns_names_to_the_left_and_numbers_to_the_right() -> None:
+    rows = [("a", "1.0", ""), ("bcd", "10.0", "x")]
+
+    assert table(("", "µm", ""), rows) == "       µm\na     1.0\nbcd  10.0  x"
