@@ -1,0 +1,15 @@
+"""Where the gap between a campaign and its simulation lies, what causes it, how far it shrinks."""
+
+from skiplatch.diagnosis.diagnose import Diagnosis, Named, Place, Verdict, diagnose
+from skiplatch.diagnosis.text import as_json, as_text, effects_from_json
+
+__all__ = [
+    "Diagnosis",
+    "Named",
+    "Place",
+    "Verdict",
+    "as_json",
+    "as_text",
+    "diagnose",
+    "effects_from_json",
+]

@@ -1,0 +1,366 @@
+"""What each effect of the catalogue does to the physics, and where a search for it begins.
+
+The simulator has its own, exact form of every effect; these are the surrogates that propose. An
+effect that the simulator knows and this table does not is searched for by simulation alone.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.grid import grid_period
+from skiplatch.diagnosis.law import Extra, FloatArray
+from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.scene import LOBES, Scene
+
+Parameters = FloatArray
+Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
+
+MOST_RETRIES = 0.9
+FEWEST_STAMPS = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """One effect as a surrogate.
+
+    Attributes:
+        id: As in the table of effects.
+        names: Of the parameters, as in the table of effects.
+        change: What parameters, shape (p,), make of the physics.
+        starts: Parameters to start a search from, given what is known to differ already.
+        applies: Whether a campaign can show the effect at all.
+    """
+
+    id: str
+    names: tuple[str, ...]
+    change: Callable[[Scene, Parameters], Change]
+    starts: Starts
+    applies: Callable[[Scene], bool] = lambda _: True
+    exact: bool = False
+    """Only the starts themselves are tried."""
+
+    def __reduce__(self) -> tuple[Callable[[str], "Candidate"], tuple[str]]:
+        """Travel to another process as the id alone."""
+        return candidate, (self.id,)
+
+
+def candidate(effect_id: str) -> Candidate:
+    """Give the candidate of an id."""
+    return CANDIDATES[effect_id]
+
+
+def _both_signs(*sizes: float) -> Starts:
+    return lambda _scene, _given: [[sign * size] for size in sizes for sign in (1.0, -1.0)]
+
+
+def _fixed(*starts: Sequence[float]) -> Starts:
+    return lambda _scene, _given: starts
+
+
+def _machine(scene: Scene) -> bool:
+    return scene.is_machine
+
+
+def _share(value: float) -> float:
+    """Keep a share between 0 and 1 wherever the search goes."""
+    return float(np.clip(value, 0.0, 1.0))
+
+
+def _feed_error(scene: Scene, p: Parameters) -> Change:
+    ratio = 1.0 + p[0] / 100.0
+    accel = scene.nominal.axis.accel_mm_s2
+    touches = scene.touches
+    reachable = np.sqrt(2.0 * accel * touches.approach_mm)
+    speed = np.minimum(touches.feed_mm_min / 60.0 * ratio, reachable)
+    return _other_motion(scene, speed, accel)
+
+
+def _unfinished(scene: Scene, p: Parameters) -> Change:
+    accel = scene.nominal.axis.accel_mm_s2 * float(np.clip(p[0], 0.01, 1.0))
+    touches = scene.touches
+    speed = np.minimum(touches.feed_mm_min / 60.0, np.sqrt(2.0 * accel * touches.approach_mm))
+    return _other_motion(scene, speed, accel)
+
+
+def _other_motion(scene: Scene, speed_mm_s: FloatArray, accel_mm_s2: float) -> Change:
+    travel_s = scene.touches.approach_mm / speed_mm_s + speed_mm_s / (2.0 * accel_mm_s2)
+    contact_us = (scene.touches.time_s + travel_s) * 1e6
+    return Change(
+        contact_us=contact_us - scene.contact.time_us,
+        speed_ratio=speed_mm_s / scene.contact.speed_mm_s,
+    )
+
+
+def _lobing(scene: Scene, p: Parameters) -> Change:
+    azimuth = LOBES * (scene.alpha - np.deg2rad(p[1]))
+    return Change(pretravel_um=p[0] * scene.cos_beta * np.cos(azimuth))
+
+
+def _retry(_scene: Scene, p: Parameters) -> Change:
+    share, period = min(_share(p[0]), MOST_RETRIES), abs(p[1])
+    times = range(1, 6)
+    extras = tuple(Extra((1.0 - share) * share**k, offset=k * period) for k in times)
+    return Change(pin_extra=extras)
+
+
+def _transmission(scene: Scene, p: Parameters) -> Change:
+    turn = 2.0 * np.pi * np.nan_to_num(scene.touches.position_mm) / p[1]
+    first = p[0] * np.sin(turn + np.deg2rad(p[2]))
+    second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
+    return Change(position_um=scene.sign * (first + second))
+
+
+def _lagged(scene: Scene, lag_s: float) -> FloatArray:
+    """Temperature behind the thermometer by a first-order lag; shape (n,)."""
+    if scene.whole is not None:
+        return _lagged(scene.whole, lag_s)[scene.chosen]
+    warmth = scene.warmth
+    if lag_s <= 0.0 or len(scene) < 2:
+        return warmth
+    keep = np.exp(-np.diff(scene.touches.time_s) / lag_s)
+    lagged = np.empty_like(warmth)
+    lagged[0] = warmth[0]
+    for i in range(1, len(warmth)):
+        lagged[i] = warmth[i] + (lagged[i - 1] - warmth[i]) * keep[i - 1]
+    return lagged
+
+
+def _pivot(scene: Scene, p: Parameters) -> Change:
+    turn = np.deg2rad(np.nan_to_num(scene.touches.rotary_deg))
+    shift_x = p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])
+    shift_y = p[1] - (np.sin(turn) * p[0] + np.cos(turn) * p[1])
+    along = np.cos(scene.alpha) * shift_x + np.sin(scene.alpha) * shift_y
+    return Change(position_um=along * scene.cos_beta)
+
+
+def _scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose periods by their waits, and by the grid that the stamps keep."""
+    believed = scene.nominal.plc.scan_us
+    coarse = [[share * believed] for share in (-0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0)]
+    stream = scene.streams.get("latch_plc")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return coarse
+    waits = np.quantile(stream.residuals[stream.rows], [0.01, 0.99])
+    width = float(np.ptp(waits))
+    stamps = scene.touches.latch_us[stream.rows]
+    return [[grid_period(stamps, width) - believed], [width - believed], *coarse]
+
+
+def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
+    """Propose the coarsest grids on which nearly all values lie."""
+    steps = np.rint(values[~np.isnan(values)] / fine).astype(np.int64)
+    if not len(steps):
+        return [[2.0 * fine]]
+    on_grid = [k for k in range(2, 4097) if np.mean(steps % k == 0) > 0.98]
+    return [[k * fine] for k in (on_grid or [2])[-3:]]
+
+
+def _transmission_starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Scan the periods: at each, the best sine by least squares."""
+    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
+    if stream is None:
+        return [[1.0, 10.0, 0.0, 0.0, 0.0]]
+    rows = stream.rows & ~np.isnan(scene.touches.position_mm)
+    law = law_under(scene, stream, given).select(rows)
+    residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
+    residuals = residuals - np.median(residuals)
+    position = scene.touches.position_mm[rows]
+    weights = 1.0 / law.spread**2
+    span = float(np.ptp(position)) or 1.0
+    frequencies = np.arange(0.5 / span, 2.0, 0.2 / span)
+    waves = np.exp(-2j * np.pi * np.outer(frequencies, position))
+    limited = (
+        np.clip(residuals, *np.quantile(residuals, [0.02, 0.98])) if len(residuals) else residuals
+    )
+    power = np.abs(waves @ (weights * limited)) if len(residuals) else np.zeros(len(frequencies))
+    starts = []
+    for i in np.argsort(power)[::-1][:3]:
+        wave = waves[i].conj()
+        design = np.column_stack([wave.imag, wave.real])
+        root = np.sqrt(weights)
+        (a, b), *_ = np.linalg.lstsq(design * root[:, None], limited * root, rcond=None)
+        starts.append(
+            [
+                float(np.hypot(a, b)),
+                1.0 / float(frequencies[i]),
+                float(np.rad2deg(np.arctan2(b, a))),
+                0.0,
+                0.0,
+            ]
+        )
+    return starts
+
+
+CANDIDATES: Mapping[str, Candidate] = {
+    row.id: row
+    for row in (
+        Candidate("feed_error", ("feed_percent",), _feed_error, _both_signs(1.0, 5.0, 20.0)),
+        Candidate(
+            "unfinished_acceleration", ("accel_ratio",), _unfinished, _fixed([0.8], [0.4], [0.1])
+        ),
+        Candidate(
+            "pretravel_lobing",
+            ("amplitude_um", "azimuth_deg"),
+            _lobing,
+            _fixed(*([2.0, azimuth] for azimuth in (0.0, 30.0, 60.0, 90.0))),
+            _machine,
+        ),
+        Candidate(
+            "trigger_delay",
+            ("delay_us",),
+            lambda _, p: Change(pin_us=p[0]),
+            _both_signs(10.0, 300.0),
+            _machine,
+        ),
+        Candidate(
+            "link_slotting",
+            ("slot_us",),
+            lambda _, p: Change(pin_extra=(Extra(1.0, width=abs(p[0])),)),
+            _fixed([50.0], [500.0], [4000.0]),
+            _machine,
+        ),
+        Candidate(
+            "link_retry",
+            ("probability", "period_us"),
+            _retry,
+            _fixed(*([0.1, period] for period in (100.0, 500.0, 2000.0, 8000.0))),
+            _machine,
+        ),
+        Candidate(
+            "input_filter",
+            ("delay_us",),
+            lambda _, p: Change(pin_us=p[0]),
+            _both_signs(10.0, 300.0),
+        ),
+        Candidate(
+            "contact_bounce",
+            ("probability", "mean_us"),
+            lambda _, p: Change(pin_extra=(Extra(_share(p[0]), mean=abs(p[1])),)),
+            _fixed([0.2, 30.0], [0.2, 300.0], [0.2, 3000.0]),
+        ),
+        Candidate(
+            "lost_trigger",
+            ("probability",),
+            lambda _, p: Change(lost=_share(p[0])),
+            _fixed([0.02]),
+        ),
+        Candidate(
+            "isr_latency",
+            ("latency_us", "jitter_us"),
+            lambda _, p: Change(skip_us=p[0], skip_extra=(Extra(1.0, width=abs(p[1])),)),
+            _fixed([10.0, 1.0], [100.0, 10.0], [-2.0, 1.0]),
+        ),
+        Candidate(
+            "isr_blocking",
+            ("probability", "length_us"),
+            lambda _, p: Change(skip_extra=(Extra(_share(p[0]), width=abs(p[1])),)),
+            _fixed([0.2, 20.0], [0.2, 200.0], [0.2, 2000.0]),
+        ),
+        Candidate(
+            "timer_quantisation",
+            ("tick_us",),
+            lambda _, p: Change(coarse_us=abs(p[0])),
+            lambda scene, _given: _grids(
+                scene.touches.latch_us[~scene.plc], scene.nominal.skip.tick_us
+            ),
+            exact=True,
+        ),
+        Candidate(
+            "timer_drift",
+            ("drift_ppm",),
+            lambda scene, p: Change(stamp_us=p[0] * 1e-6 * scene.touches.latch_us),
+            _both_signs(5.0, 50.0),
+        ),
+        Candidate(
+            "scan_period", ("period_us",), lambda _, p: Change(period_us=p[0]), _scan_periods
+        ),
+        Candidate(
+            "scan_jitter",
+            ("jitter_us", "tail_us"),
+            lambda _, p: Change(
+                lattice_extra=(Extra(1.0, width=abs(p[0]), mean=max(abs(p[1]), 1e-3)),)
+            ),
+            _fixed([20.0, 5.0], [200.0, 100.0], [100.0, 500.0]),
+        ),
+        Candidate(
+            "scan_overrun",
+            ("probability", "overrun_us"),
+            lambda _, p: Change(lattice_extra=(Extra(_share(p[0]), offset=abs(p[1])),)),
+            _fixed([0.05, 500.0], [0.05, 2000.0], [0.05, 8000.0]),
+        ),
+        Candidate(
+            "input_image_delay",
+            ("scans",),
+            lambda scene, p: Change(plc_us=abs(p[0]) * scene.nominal.plc.scan_us),
+            _fixed([1.0], [2.0], [3.0], [4.0]),
+            exact=True,
+        ),
+        Candidate(
+            "scan_phase_lock",
+            ("phase", "spread"),
+            lambda _, p: Change(wait=(1.0 - p[0], max(abs(p[1]), 1e-3))),
+            _fixed([0.2, 0.1], [0.5, 0.1], [0.8, 0.1]),
+        ),
+        Candidate(
+            "servo_hold",
+            ("period_us",),
+            lambda scene, p: Change(
+                position_um=-scene.speed * abs(p[0]), position_box_um=scene.speed * abs(p[0])
+            ),
+            _fixed([50.0], [500.0], [2000.0]),
+        ),
+        Candidate(
+            "following_error",
+            ("lag_us",),
+            lambda scene, p: Change(position_um=scene.speed * p[0]),
+            _both_signs(10.0, 500.0),
+        ),
+        Candidate(
+            "backlash",
+            ("backlash_um",),
+            lambda scene, p: Change(position_um=np.where(scene.sign < 0.0, -p[0], 0.0)),
+            _both_signs(2.0),
+        ),
+        Candidate(
+            "transmission_error",
+            ("amplitude_um", "period_mm", "phase_deg", "amplitude2_um", "phase2_deg"),
+            _transmission,
+            _transmission_starts,
+        ),
+        Candidate(
+            "scale_error",
+            ("scale_ppm",),
+            lambda scene, p: Change(
+                position_um=scene.sign * p[0] * 1e-3 * np.nan_to_num(scene.touches.position_mm)
+            ),
+            _both_signs(10.0),
+        ),
+        Candidate(
+            "encoder_quantisation",
+            ("resolution_um",),
+            lambda _, p: Change(coarse_um=abs(p[0])),
+            lambda scene, _given: _grids(
+                scene.touches.deviation_um, scene.nominal.axis.resolution_um
+            ),
+            exact=True,
+        ),
+        Candidate(
+            "thermal_drift",
+            ("drift_um_k", "lag_s"),
+            lambda scene, p: Change(position_um=scene.sign * p[0] * _lagged(scene, abs(p[1]))),
+            _fixed([2.0, 0.0], [2.0, 300.0], [2.0, 3000.0], [-2.0, 300.0]),
+        ),
+        Candidate("rotary_pivot", ("x_um", "y_um"), _pivot, _fixed([5.0, 0.0], [0.0, 5.0])),
+        Candidate(
+            "report_delay",
+            ("delay_us", "queue_us"),
+            lambda _, p: Change(
+                report_us=p[0], report_extra=(Extra(1.0, mean=max(abs(p[1]), 1e-3)),)
+            ),
+            _fixed([50.0, 1.0], [50.0, 100.0], [500.0, 1000.0]),
+        ),
+    )
+}

@@ -1,0 +1,90 @@
+"""What an effect changes in the physics: a delay, a position, an extra that some touches get."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skiplatch.diagnosis.law import Extra, FloatArray
+
+Number = FloatArray | float
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The physics that differs from the nominal chain; arrays of shape (n,), or numbers."""
+
+    contact_us: Number = 0.0
+    """By how much the contact comes later."""
+    speed_ratio: Number = 1.0
+    """Real over believed speed at the contact."""
+    pretravel_um: Number = 0.0
+    pin_us: Number = 0.0
+    """Later at the pin, on both paths."""
+    skip_us: Number = 0.0
+    plc_us: Number = 0.0
+    period_us: float = 0.0
+    """Added to the scan period."""
+    wait: tuple[float, float] | None = None
+    """Where in the scan the pin changes: centre and spread, as shares of the period."""
+    stamp_us: Number = 0.0
+    """Added to the stamp alone."""
+    position_um: Number = 0.0
+    position_box_um: Number = 0.0
+    """Width of a box by which the position is scattered further, from 0 up."""
+    coarse_um: float = 0.0
+    """Resolution of the position, if coarser than believed."""
+    coarse_us: float = 0.0
+    """Tick of the skip path's stamps, if coarser than believed."""
+    report_us: Number = 0.0
+    pin_extra: tuple[Extra, ...] = ()
+    skip_extra: tuple[Extra, ...] = ()
+    lattice_extra: tuple[Extra, ...] = ()
+    """Scans that begin late."""
+    report_extra: tuple[Extra, ...] = ()
+    lost: float = 0.0
+    """Share of touches that are never seen."""
+
+    def joined(self, other: "Change") -> "Change":
+        """Give both changes together."""
+        return Change(
+            contact_us=self.contact_us + other.contact_us,
+            speed_ratio=self.speed_ratio * other.speed_ratio,
+            pretravel_um=self.pretravel_um + other.pretravel_um,
+            pin_us=self.pin_us + other.pin_us,
+            skip_us=self.skip_us + other.skip_us,
+            plc_us=self.plc_us + other.plc_us,
+            period_us=self.period_us + other.period_us,
+            wait=self.wait or other.wait,
+            stamp_us=self.stamp_us + other.stamp_us,
+            position_um=self.position_um + other.position_um,
+            position_box_um=self.position_box_um + other.position_box_um,
+            coarse_um=max(self.coarse_um, other.coarse_um),
+            coarse_us=max(self.coarse_us, other.coarse_us),
+            report_us=self.report_us + other.report_us,
+            pin_extra=_both(self.pin_extra, other.pin_extra),
+            skip_extra=_both(self.skip_extra, other.skip_extra),
+            lattice_extra=_both(self.lattice_extra, other.lattice_extra),
+            report_extra=_both(self.report_extra, other.report_extra),
+            lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
+        )
+
+
+def _both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:
+    """Give the extras of two independent causes, with the touches that get both."""
+    if not first or not second:
+        return first + second
+    rest_first = 1.0 - sum(extra.share for extra in first)
+    rest_second = 1.0 - sum(extra.share for extra in second)
+    alone = [replace(e, share=e.share * rest_second) for e in first]
+    alone += [replace(e, share=e.share * rest_first) for e in second]
+    together = [
+        Extra(
+            a.share * b.share,
+            np.asarray(a.offset) + b.offset,
+            np.hypot(a.width, b.width),
+            np.asarray(a.mean) + b.mean,
+        )
+        for a in first
+        for b in second
+    ]
+    return tuple(extra for extra in alone + together if extra.share > 0.0)

@@ -1,0 +1,224 @@
+"""The diagnosis of a campaign: where the gap lies, what causes it, how far it shrinks."""
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from contextlib import nullcontext
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.decide import Finding, Judge, find, split
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit, intervals
+from skiplatch.diagnosis.shrink import Gap, shrink
+from skiplatch.diagnosis.structure import Structure, structures
+from skiplatch.simulator import Effect, effects
+
+MOST_TOUCHES = 4_000
+"""Touches that the search looks at; a larger campaign is drawn from."""
+FEWEST_TOUCHES = 30
+MOST_LEFT = 0.35
+"""Share of the structures that may be left for a finding to count as explained."""
+
+
+class Verdict(StrEnum):
+    """What a diagnosis comes to."""
+
+    NO_GAP = "no_gap"
+    EXPLAINED = "explained"
+    PARTLY_EXPLAINED = "partly_explained"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the gap sits."""
+
+    stage: str
+    paths: str
+    observable: str
+    conditions: str
+    size: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """An effect that was found."""
+
+    effect: Effect
+    stage: str
+    intervals: Mapping[str, tuple[float, float]]
+    """Of 90 %, each with the other parameters as they are."""
+    alternatives: tuple[str, ...]
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Diagnosis:
+    """All that is said of a campaign."""
+
+    verdict: Verdict
+    where: Sequence[Place]
+    effects: Sequence[Named]
+    gap: Mapping[str, Gap]
+    left: Sequence[Structure]
+    """What no effect of the catalogue accounts for."""
+    touches: int
+    used: int
+    """Touches that the search looked at."""
+
+
+def diagnose(campaign: Campaign, *, seed: int, jobs: int = 1) -> Diagnosis:
+    """Diagnose a recorded campaign."""
+    whole = Scene.of(campaign)
+    scene = _drawn(whole, seed)
+    executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
+    with executor as pool:
+        return _diagnose(scene, len(whole), pool, seed, jobs)
+
+
+def _drawn(scene: Scene, seed: int) -> Scene:
+    """Draw touches from a large campaign, in order of time."""
+    if len(scene) <= MOST_TOUCHES:
+        return scene
+    rows = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
+    return scene.select(np.sort(rows))
+
+
+def _diagnose(scene: Scene, touches: int, pool: Executor | None, seed: int, jobs: int) -> Diagnosis:
+    parts = split(len(scene), seed)
+    finding = find(Judge(scene, parts, pool))
+    named = _named(finding, scene.select(parts.naming))
+    change = finding.model.fit.change(scene) if finding.model else Change()
+    left = structures(scene, change)
+    held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
+    return Diagnosis(
+        verdict=_verdict(named, left, scene),
+        where=_where(scene, finding, left),
+        effects=named,
+        gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs),
+        left=left,
+        touches=touches,
+        used=len(scene),
+    )
+
+
+def _verdict(named: Sequence[Named], left: Sequence[Structure], scene: Scene) -> Verdict:
+    if not named:
+        return Verdict.UNKNOWN if left else Verdict.NO_GAP
+    before = structures(scene, Change())
+    was = sum(abs(np.log(max(s.p_value, 1e-300))) for s in before)
+    remains = sum(abs(np.log(max(s.p_value, 1e-300))) for s in left)
+    return Verdict.PARTLY_EXPLAINED if remains > MOST_LEFT * was else Verdict.EXPLAINED
+
+
+def _named(finding: Finding, scene: Scene) -> list[Named]:
+    if finding.model is None:
+        return []
+    fit = finding.model.fit
+    ends = intervals(scene, fit)
+    return [
+        Named(
+            effect=effect,
+            stage=effects()[effect.id].stage,
+            intervals=_named_ends(effect, candidate.names, ends[i]),
+            alternatives=finding.alternatives[i],
+            confidence=finding.confidences[i],
+        )
+        for i, (effect, candidate) in enumerate(zip(as_effects(fit), fit.candidates, strict=True))
+    ]
+
+
+def _named_ends(
+    effect: Effect, names: Sequence[str], ends: Sequence[tuple[float, float]]
+) -> dict[str, tuple[float, float]]:
+    """Lay the intervals about the admitted values, whose signs may have been turned."""
+    return {
+        name: (effect.parameters[name] - below, effect.parameters[name] + above)
+        for name, (below, above) in zip(names, ends, strict=True)
+    }
+
+
+def as_effects(fit: Fit) -> list[Effect]:
+    """Give fitted effects as the simulator takes them."""
+    found = []
+    for candidate, values in zip(fit.candidates, fit.parameters, strict=True):
+        parameters = dict(zip(candidate.names, map(float, values), strict=True))
+        found.append(Effect(candidate.id, _admitted(candidate.id, parameters)))
+    return found
+
+
+def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
+    """Bring parameters into their ranges; a negative amplitude is half a period of phase."""
+    for amplitude, phase, half_turn in (
+        ("amplitude_um", "azimuth_deg", 60.0),
+        ("amplitude_um", "phase_deg", 180.0),
+        ("amplitude2_um", "phase2_deg", 180.0),
+    ):
+        if parameters.get(amplitude, 0.0) < 0.0 and phase in parameters:
+            parameters[amplitude] *= -1.0
+            parameters[phase] += half_turn
+    admitted = {}
+    for parameter in effects()[effect_id].parameters:
+        value = parameters[parameter.name]
+        if parameter.unit == "deg":
+            value %= parameter.high
+        elif parameter.low >= 0.0:
+            value = abs(value)
+        admitted[parameter.name] = float(np.clip(value, parameter.low, parameter.high))
+    return admitted
+
+
+def _where(scene: Scene, finding: Finding, left: Sequence[Structure]) -> list[Place]:
+    places = []
+    if finding.model:
+        change = finding.model.fit.change(scene)
+        gained = likelihood(scene, change).streams
+        base = likelihood(scene, Change()).streams
+        gains = {name: float((gained[name] - base[name]).sum()) for name in gained}
+        stages = {effects()[i].stage for i in finding.model.ids}
+        for name, gain in sorted(gains.items(), key=lambda item: -item[1]):
+            if gain > max(5.0, 0.01 * max(gains.values())):
+                places.append(_place(scene, name, stages, gain))
+    for structure in left[:3]:
+        stream = structure.stream
+        places.append(
+            Place(
+                stage=stream.stages[-1],
+                paths=_paths(stream.name),
+                observable=stream.name,
+                conditions=structure.looks_like,
+                size=structure.size,
+                unit="1",
+            )
+        )
+    return places
+
+
+def _place(scene: Scene, name: str, stages: set[str], gain: float) -> Place:
+    stream = scene.streams.get(name)
+    if stream is None:
+        share = float(scene.touches.missed.mean())
+        return Place("input", "both", "missed", "everywhere", share, "1")
+    rows = stream.rows
+    shift = (stream.residuals - stream.law.mean)[rows]
+    shared = [stage for stage in stream.stages if stage in stages]
+    return Place(
+        stage=shared[0] if shared else stream.stages[-1],
+        paths=_paths(name),
+        observable=name,
+        conditions=f"{gain:.0f} nats gained",
+        size=float(np.sqrt(np.mean(shift**2))),
+        unit=stream.unit,
+    )
+
+
+def _paths(name: str) -> str:
+    if name.endswith("skip"):
+        return "skip"
+    return "plc" if name.endswith("plc") or name == "lattice" else "both"

@@ -1,0 +1,246 @@
+"""A recorded campaign as residuals of the nominal chain, stage by stage.
+
+Each stream is what one stretch of the chain adds, as far as it was recorded: with time stamps and
+edges the stretches come apart, and the likelihood is a product over them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign import Campaign, InputPath, Kind, Nominal, Touches
+from skiplatch.diagnosis.law import FloatArray, Law
+from skiplatch.motion import Contact, expected_contact
+
+BoolArray = NDArray[np.bool_]
+
+LOBES = 3.0
+UM_US_PER_MM_S = 1e-3
+CALIBRATION_C = 20.0
+
+
+@dataclass(frozen=True, eq=False)
+class Stream:
+    """Residuals of one stretch of the chain and their nominal law; arrays of shape (n,).
+
+    A touch in which something for it was not recorded is not in `rows`.
+    """
+
+    name: str
+    unit: str
+    stages: tuple[str, ...]
+    residuals: FloatArray
+    law: Law
+    rows: BoolArray
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square distance of the residuals from their nominal mean, without the worst."""
+        off = np.abs(self.residuals - self.law.mean)[self.rows]
+        return float(np.sqrt(np.mean(off[off <= np.quantile(off, 0.95)] ** 2)))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """The touches of a campaign in order of time, and what the nominal chain says of each."""
+
+    nominal: Nominal
+    touches: Touches
+    whole: "Scene | None" = None
+    """The scene that this one is a part of, for what depends on the touches before."""
+    chosen: NDArray[np.intp] | None = None
+    """Which touches of the whole these are; shape (n,)."""
+
+    @classmethod
+    def of(cls, campaign: Campaign) -> "Scene":
+        """Take a campaign's touches in order of time."""
+        return cls(campaign.nominal, campaign.touches.in_order_of_time())
+
+    def select(self, rows: BoolArray | NDArray[np.intp]) -> "Scene":
+        """Give some of the touches."""
+        chosen = np.arange(len(self))[rows]
+        return Scene(self.nominal, self.touches.select(rows), self, chosen)
+
+    def __len__(self) -> int:
+        return len(self.touches)
+
+    @cached_property
+    def is_machine(self) -> bool:
+        """A probe touches a surface; otherwise edges are injected."""
+        return self.nominal.kind == Kind.MACHINE
+
+    @cached_property
+    def plc(self) -> BoolArray:
+        """Latched by the PLC task; shape (n,)."""
+        return np.asarray(self.touches.path == InputPath.PLC)
+
+    @cached_property
+    def contact(self) -> Contact:
+        """When and how fast the surface is expected to be met."""
+        return expected_contact(self.nominal, self.touches)
+
+    @cached_property
+    def speed(self) -> FloatArray:
+        """Speed at the contact in µm/µs; shape (n,)."""
+        return self.contact.speed_mm_s * UM_US_PER_MM_S
+
+    @cached_property
+    def alpha(self) -> FloatArray:
+        """Azimuth in radians; shape (n,)."""
+        return np.deg2rad(np.nan_to_num(self.touches.alpha_deg))
+
+    @cached_property
+    def cos_beta(self) -> FloatArray:
+        """Cosine of the elevation; shape (n,)."""
+        return np.cos(np.deg2rad(np.nan_to_num(self.touches.beta_deg)))
+
+    @cached_property
+    def sign(self) -> FloatArray:
+        """Sense of the motion, 1 where it was not recorded; shape (n,)."""
+        return np.nan_to_num(self.touches.sign, nan=1.0)
+
+    @cached_property
+    def warmth(self) -> FloatArray:
+        """Degrees above the calibration; shape (n,)."""
+        return np.nan_to_num(self.touches.temp_c, nan=CALIBRATION_C) - CALIBRATION_C
+
+    @cached_property
+    def pretravel_um(self) -> FloatArray:
+        """Calibrated pretravel in the direction of each touch; shape (n,)."""
+        probe = self.nominal.probe
+        azimuth = LOBES * (self.alpha - np.deg2rad(probe.lobe_phase_deg))
+        lobe = probe.lobe_um * self.cos_beta * np.cos(azimuth)
+        return np.asarray(np.maximum(0.0, probe.pretravel_um + lobe)) * self.is_machine
+
+    @cached_property
+    def wait_us(self) -> FloatArray:
+        """From the mechanical trigger to the earliest latch; shape (n,)."""
+        latency = np.where(self.plc, 0.0, self.nominal.skip.latency_us)
+        return self.nominal.probe.delay_us + self.nominal.input.filter_us + latency
+
+    @cached_property
+    def scatter_us(self) -> FloatArray:
+        """Width of the latch's own box: jitter of the interrupt, or period of the scan."""
+        return np.where(self.plc, self.nominal.plc.scan_us, self.nominal.skip.jitter_us)
+
+    @cached_property
+    def mechanics_us(self) -> FloatArray:
+        """Scatter of the trigger by the probe's repeatability, or of the recorded edge; 1 sigma."""
+        if self.is_machine:
+            return self.nominal.probe.repeatability_um / self.speed
+        return np.full(len(self), self.nominal.bench.reference_jitter_us)
+
+    @cached_property
+    def has_stamps(self) -> BoolArray:
+        """The latch was stamped; shape (n,)."""
+        return ~np.isnan(self.touches.latch_us)
+
+    @cached_property
+    def begin_us(self) -> FloatArray:
+        """What the latch is counted from: the recorded edge, or the expected contact."""
+        edge = self.touches.edge_us
+        return (
+            self.contact.time_us
+            if self.is_machine
+            else np.where(np.isnan(edge), self.contact.time_us, edge)
+        )
+
+    @cached_property
+    def streams(self) -> dict[str, Stream]:
+        """All streams in which something was recorded, by name."""
+        streams = (
+            self._motion(),
+            self._latch("skip", ~self.plc),
+            self._latch("plc", self.plc),
+            self._lattice(),
+            self._position(),
+            self._deviation("skip", ~self.plc),
+            self._deviation("plc", self.plc),
+            self._report(),
+        )
+        return {stream.name: stream for stream in streams if stream.rows.any()}
+
+    def _full(self, value: float | FloatArray) -> FloatArray:
+        return np.broadcast_to(np.asarray(value, dtype=float), (len(self),)).copy()
+
+    def _stream(
+        self,
+        name: str,
+        unit: str,
+        stages: tuple[str, ...],
+        residuals: FloatArray,
+        law: tuple[float | FloatArray, ...],
+        rows: BoolArray,
+    ) -> Stream:
+        known = rows & ~np.isnan(residuals)
+        offset, sigma, box_a, box_b = map(self._full, law)
+        full_law = Law(offset, sigma, box_a, box_b)
+        return Stream(name, unit, stages, np.nan_to_num(residuals), full_law, known)
+
+    def _motion(self) -> Stream:
+        residuals = self.touches.edge_us - self.contact.time_us
+        law = (0.0, self.nominal.bench.reference_jitter_us, 0.0, 0.0)
+        here = np.full(len(self), not self.is_machine)
+        return self._stream("motion", "µs", ("motion",), residuals, law, here)
+
+    def _latch(self, path: str, rows: BoolArray) -> Stream:
+        """Latch stamp after begin, less what the nominal chain needs at least."""
+        expected = self.pretravel_um / self.speed + self.wait_us
+        residuals = self.touches.latch_us - self.begin_us - expected
+        tick = self.nominal.skip.tick_us
+        law = (-tick, self.mechanics_us, self.scatter_us, tick)
+        stages = ("motion", "probe", "link", "input", "latch" if path == "skip" else "scan")
+        return self._stream(f"latch_{path}", "µs", stages, residuals, law, rows)
+
+    def _lattice(self) -> Stream:
+        """PLC stamps off the grid of scans, whose phase is taken from the stamps themselves."""
+        period, tick = self.nominal.plc.scan_us, self.nominal.skip.tick_us
+        stamps = self.touches.latch_us
+        rows = self.plc & self.has_stamps
+        turn = np.exp(2j * np.pi * stamps[rows] / period)
+        middle = np.angle(turn.mean()) / (2.0 * np.pi) * period if rows.any() else 0.0
+        residuals = (stamps - middle + period / 2.0) % period - period / 2.0
+        return self._stream(
+            "lattice", "µs", ("scan",), residuals, (-tick / 2.0, tick / 4.0, tick, 0.0), rows
+        )
+
+    def _position(self) -> Stream:
+        """Latched position less the way since the begin, by the latch's own stamp."""
+        way = self.speed * (self.touches.latch_us - self.begin_us)
+        residuals = self.touches.deviation_um - way
+        resolution, tick = self.nominal.axis.resolution_um, self.nominal.skip.tick_us
+        sigma = 0.0 if self.is_machine else self.speed * self.nominal.bench.reference_jitter_us
+        law = (-resolution / 2.0, sigma, self.speed * tick, resolution)
+        everywhere = np.full(len(self), fill_value=True)
+        return self._stream("position", "µm", ("position",), residuals, law, everywhere)
+
+    def _deviation(self, path: str, rows: BoolArray) -> Stream:
+        """Where nothing but the position was recorded: the whole chain in one number."""
+        expected = self.pretravel_um + self.speed * self.wait_us
+        residuals = self.touches.deviation_um - expected
+        resolution = self.nominal.axis.resolution_um
+        law = (
+            -resolution / 2.0,
+            self.speed * self.mechanics_us,
+            self.speed * self.scatter_us,
+            resolution,
+        )
+        stages = (
+            "motion",
+            "probe",
+            "link",
+            "input",
+            "latch" if path == "skip" else "scan",
+            "position",
+        )
+        return self._stream(
+            f"deviation_{path}", "µm", stages, residuals, law, rows & ~self.has_stamps
+        )
+
+    def _report(self) -> Stream:
+        residuals = self.touches.report_us - self.touches.latch_us - self.nominal.report.latency_us
+        law = (0.0, 0.0, self.nominal.report.jitter_us, self.nominal.skip.tick_us)
+        everywhere = np.full(len(self), fill_value=True)
+        return self._stream("report", "µs", ("report",), residuals, law, everywhere)

@@ -1,0 +1,153 @@
+"""What is left once the effects found are taken into account: does it still look like something?
+
+Residuals of a right model are independent of everything that was recorded, and as wide as they
+should be. What is not is told by where it sits and what it looks like.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import FloatArray, Law
+from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.scene import Scene, Stream
+
+ALPHA = 1e-3
+"""False-alarm rate of one diagnosis, over all looks together."""
+WINSOR = 4.0
+LEAST_CORRELATION = 0.15
+"""Correlations below explain less than 2 % of the scatter: not material."""
+LEAST_EXCESS = 1.25
+"""Scatter over what it should be that is material."""
+BEYOND_BOXES = 1.8
+"""Standard deviations that no box reaches."""
+OUTLIER = 6.0
+USUAL_OUTLIERS = 2e-3
+FEWEST = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """One thing that should not be there."""
+
+    stream: Stream
+    looks_like: str
+    size: float
+    """A correlation, a ratio of scatters or a share of touches."""
+    p_value: float
+
+
+def structures(scene: Scene, change: Change) -> list[Structure]:
+    """Look for what is left in every stream; the most significant first."""
+    found = []
+    looks = 0
+    for stream in scene.streams.values():
+        if stream.name == "lattice" or stream.rows.sum() < FEWEST:
+            continue
+        seen = _looks(scene, stream, change)
+        looks += len(seen)
+        found += seen
+    limit = ALPHA / max(looks, 1)
+    return sorted(
+        (s for s in found if s.p_value < limit and _is_material(s)), key=lambda s: s.p_value
+    )
+
+
+def _is_material(structure: Structure) -> bool:
+    if structure.looks_like == OUTLIERS:
+        return structure.size > USUAL_OUTLIERS
+    if structure.looks_like == SCATTER:
+        return structure.size > LEAST_EXCESS
+    return abs(structure.size) > LEAST_CORRELATION
+
+
+OUTLIERS = "now and then far off"
+SCATTER = "scatter differs from the believed one"
+
+
+def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
+    rows = stream.rows
+    law = law_under(scene, stream, change).select(rows)
+    plain = replace(law, extras=())
+    spread = np.sqrt(plain.spread**2 + _extra_variance(law, int(rows.sum())))
+    scores = (stream.residuals[rows] - law.mean) / spread
+    calm = np.clip(scores, -WINSOR, WINSOR)
+    n = len(calm)
+    far = int((np.abs(scores) > OUTLIER).sum())
+    found = [
+        Structure(stream, OUTLIERS, far / n, float(stats.binom.sf(far - 1, n, USUAL_OUTLIERS)))
+    ]
+    found.append(_scatter(stream, calm[np.abs(scores) <= OUTLIER]))
+    # Rounding leaves less scatter than its box where the rest stands still: that is no news.
+    excess = np.maximum(np.abs(calm) - BEYOND_BOXES, 0.0)
+    for name, values in _features(scene).items():
+        found.append(_correlation(stream, name, calm, values[rows]))
+        found.append(_correlation(stream, f"scatter with {name}", excess, values[rows]))
+    found.append(_correlation(stream, "the touch before", calm[1:], calm[:-1]))
+    return found
+
+
+def _extra_variance(law: Law, n: int) -> FloatArray:
+    """Variance that extras add, touch by touch."""
+    mean, square = np.zeros(n), np.zeros(n)
+    for e in law.extras:
+        middle = np.asarray(e.offset) + np.asarray(e.width) / 2.0 + np.asarray(e.mean)
+        inner = np.asarray(e.width) ** 2 / 12.0 + np.asarray(e.mean) ** 2
+        mean = mean + e.share * middle
+        square = square + e.share * (inner + middle**2)
+    return np.asarray(np.maximum(square - mean**2, 0.0))
+
+
+def _scatter(stream: Stream, scores: FloatArray) -> Structure:
+    """Compare the variance with 1, whatever the shape."""
+    n = len(scores)
+    if n < FEWEST:
+        return Structure(stream, SCATTER, 1.0, 1.0)
+    variance = float(np.var(scores))
+    error = np.sqrt(max(float(np.mean((scores - scores.mean()) ** 4)) - variance**2, 1e-12) / n)
+    p_value = 2.0 * float(stats.norm.sf(abs(variance - 1.0) / max(error, 0.02)))
+    return Structure(stream, SCATTER, float(np.sqrt(variance)), p_value)
+
+
+def _correlation(stream: Stream, name: str, scores: FloatArray, values: FloatArray) -> Structure:
+    if np.ptp(values) < 1e-12 or np.ptp(scores) < 1e-12:
+        return Structure(stream, name, 0.0, 1.0)
+    found = stats.pearsonr(scores, values)
+    return Structure(stream, name, float(found.statistic), float(found.pvalue))
+
+
+def _features(scene: Scene) -> Mapping[str, FloatArray]:
+    """What a residual could depend on; arrays of shape (n,)."""
+    touches = scene.touches
+    alpha = scene.alpha
+    rest = np.diff(touches.time_s, prepend=touches.time_s[0])
+    turn = np.deg2rad(np.nan_to_num(touches.rotary_deg))
+    before = np.roll(alpha, 1)
+    position = np.nan_to_num(touches.position_mm)
+    features = {
+        "sense of motion": scene.sign,
+        "feed": scene.speed,
+        "feed squared": scene.speed**2,
+        "slowness": 1.0 / scene.speed,
+        "approach": touches.approach_mm,
+        "position": position,
+        "distance from the middle": np.abs(position),
+        "temperature": scene.warmth,
+        "time": touches.time_s,
+        "time squared": (touches.time_s - touches.time_s.mean()) ** 2,
+        "rest before": rest,
+        "elevation": scene.cos_beta,
+        "rotary angle (cosine)": np.cos(turn),
+        "rotary angle (sine)": np.sin(turn),
+        "turn since the touch before": np.cos(alpha - before),
+        "sense times temperature": scene.sign * scene.warmth,
+        "sense times position": scene.sign * position,
+        "sense times time": scene.sign * touches.time_s,
+    }
+    for order in (1, 2, 3, 4, 6):
+        features[f"azimuth, order {order} (cosine)"] = np.cos(order * alpha) * scene.cos_beta
+        features[f"azimuth, order {order} (sine)"] = np.sin(order * alpha) * scene.cos_beta
+    return features

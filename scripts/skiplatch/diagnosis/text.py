@@ -1,0 +1,127 @@
+"""A diagnosis in words and in JSON."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from skiplatch.diagnosis.diagnose import Diagnosis, Named, Verdict
+from skiplatch.diagnosis.shrink import Gap
+from skiplatch.simulator import Effect, effects
+from skiplatch.tables import number, table
+
+FORMAT = "skiplatch-diagnosis/1"
+Json = Any
+
+VERDICTS = {
+    Verdict.NO_GAP: "No gap: the campaign is what the nominal simulation plays.",
+    Verdict.EXPLAINED: "The gap is explained.",
+    Verdict.PARTLY_EXPLAINED: "The gap is explained in part; something else is left.",
+    Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it.",
+}
+
+
+def as_text(diagnosis: Diagnosis) -> str:
+    """Everything, for the terminal."""
+    parts = [VERDICTS[diagnosis.verdict], *map(_effect_text, diagnosis.effects)]
+    if diagnosis.where:
+        rows = [
+            (p.observable, p.stage, p.paths, f"{number(p.size, 3)} {p.unit}", p.conditions)
+            for p in diagnosis.where
+        ]
+        parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
+    if diagnosis.effects:
+        parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
+    if diagnosis.used < diagnosis.touches:
+        parts.append(f"The search looked at {diagnosis.used} of {diagnosis.touches} touches.")
+    return "\n\n".join(parts)
+
+
+def _effect_text(named: Named) -> str:
+    described = effects()[named.effect.id]
+    lines = [f"{named.effect.id} ({named.stage} stage, {described.paths}): {described.physics}"]
+    for parameter in described.parameters:
+        value = named.effect.parameters[parameter.name]
+        low, high = named.intervals[parameter.name]
+        lines.append(
+            f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}) "
+            f"{parameter.unit}, {parameter.meaning}"
+        )
+    lines.append(f"  confidence {named.confidence:.3f}")
+    if named.alternatives:
+        lines.append(f"  cannot be told from: {', '.join(named.alternatives)}")
+    return "\n".join(lines)
+
+
+def _gap_table(gaps: Mapping[str, Gap]) -> str:
+    rows = [
+        (
+            name,
+            gap.unit,
+            number(gap.before, 3),
+            number(gap.after, 3),
+            number(gap.noise_floor, 3),
+            f"{gap.shrink.value:.0%} ({gap.shrink.low:.0%} … {gap.shrink.high:.0%})",
+        )
+        for name, gap in gaps.items()
+        if gap.before > gap.noise_floor
+    ]
+    return table(("observable", "unit", "before", "after", "noise floor", "shrunk by"), rows)
+
+
+def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
+    """Everything, in plain types."""
+    return {
+        "format": FORMAT,
+        "verdict": diagnosis.verdict.value,
+        "where": [
+            {
+                "stage": p.stage,
+                "paths": p.paths,
+                "observable": p.observable,
+                "conditions": p.conditions,
+                "size": p.size,
+                "unit": p.unit,
+            }
+            for p in diagnosis.where
+        ],
+        "effects": [
+            {
+                "id": named.effect.id,
+                "stage": named.stage,
+                "params": dict(named.effect.parameters),
+                "intervals": {name: list(ends) for name, ends in named.intervals.items()},
+                "alternatives": list(named.alternatives),
+                "confidence": named.confidence,
+            }
+            for named in diagnosis.effects
+        ],
+        "gap": {
+            name: {
+                "before": gap.before,
+                "after": gap.after,
+                "noise_floor": gap.noise_floor,
+                "unit": gap.unit,
+                "shrink": gap.shrink.value,
+                "shrink_interval": [gap.shrink.low, gap.shrink.high],
+            }
+            for name, gap in diagnosis.gap.items()
+        },
+        "touches": diagnosis.touches,
+        "touches_searched": diagnosis.used,
+    }
+
+
+def effects_from_json(document: Json) -> list[Effect]:
+    """Read back which effects a diagnosis found.
+
+    Raises:
+        ValueError: It is no diagnosis.
+    """
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise ValueError(f'expected a diagnosis of the format "{FORMAT}"')
+    try:
+        return [
+            Effect(str(entry["id"]), {str(k): float(v) for k, v in entry["params"].items()})
+            for entry in document["effects"]
+        ]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"not a whole diagnosis: {error!r}") from error

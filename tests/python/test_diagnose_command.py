@@ -1,0 +1,85 @@
+"""``skiplatch diagnose`` and ``skiplatch predict`` as the user meets them."""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from skiplatch import cli
+from skiplatch.errors import InputError
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+BENCH = SAMPLES / "bench_isr_latency"
+
+
+def run(*arguments: str) -> str:
+    result = CliRunner().invoke(cli.group, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def predict(out: Path, *options: str) -> list[dict[str, str]]:
+    run(
+        "predict",
+        str(BENCH),
+        "--conditions",
+        str(BENCH / "touches.csv"),
+        "--out",
+        str(out),
+        "--replicates",
+        "5",
+        *options,
+    )
+    return list(csv.DictReader(out.read_text().splitlines()))
+
+
+@pytest.mark.parametrize("command", ["diagnose", "predict"])
+def test_help_has_an_example(command: str) -> None:
+    assert f"Example:\n    skiplatch {command} " in run(command, "--help")
+
+
+def test_diagnosis_and_prediction_go_together(tmp_path: Path) -> None:
+    diagnosis = tmp_path / "diagnosis.json"
+    run("diagnose", str(BENCH), "--json", str(diagnosis))
+    document = json.loads(diagnosis.read_text())
+    assert document["format"] == "skiplatch-diagnosis/1"
+    assert document["verdict"] == "explained"
+    assert [effect["id"] for effect in document["effects"]] == ["isr_latency"]
+
+    def latency_us(rows: list[dict[str, str]]) -> float:
+        return float(np.min([float(r["latch_us"]) - float(r["edge_us"]) for r in rows]))
+
+    nominal = predict(tmp_path / "nominal.csv")
+    predicted = predict(tmp_path / "predicted.csv", "--diagnosis", str(diagnosis))
+
+    assert len(nominal) == len(predicted) == 5 * 400
+    assert latency_us(nominal) < 10.0
+    recorded = list(csv.DictReader((BENCH / "touches.csv").read_text().splitlines()))
+    edges = {row["touch"]: float(row["edge_us"]) for row in recorded}
+    for row in predicted:
+        assert float(row["edge_us"]) == edges[row["touch"]]
+    skip = {row["touch"] for row in recorded if row["path"] == "skip"}
+    waits = [float(r["latch_us"]) - float(r["edge_us"]) for r in predicted if r["touch"] in skip]
+    assert np.median(waits) == pytest.approx(48.7, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("{", "diagnosis.json:1:2: no JSON"),
+        ("[]", 'expected a diagnosis of the format "skiplatch-diagnosis/1"'),
+    ],
+)
+def test_a_bad_diagnosis_is_one_line(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "diagnosis.json"
+    path.write_text(text)
+
+    with pytest.raises(InputError, match=r".*") as caught:
+        predict(tmp_path / "out.csv", "--diagnosis", str(path))
+
+    assert message in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out.csv").exists()

@@ -1,0 +1,133 @@
+"""Diagnoses of campaigns whose effect is known: recorded ones, and such as the simulator plays."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skiplatch.campaign import Campaign, Status, read_campaign
+from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
+from skiplatch.simulator import Controller, Effect, play
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+DATA = Path(__file__).parent / "data"
+JOBS = 2
+
+
+def with_effects(folder: Path, *switched_on: Effect, seed: int = 11) -> Campaign:
+    """The simulation with effects in place of what was recorded, in the same columns."""
+    campaign = read_campaign(folder)
+    touches = campaign.touches
+    controller = Controller.for_campaign(campaign.nominal, touches)
+    outcomes = play(campaign.nominal, controller, touches, seed=seed, switched_on=switched_on)
+    columns = {
+        name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[0])
+        for name in ("edge_us", "latch_us", "report_us", "deviation_um")
+    }
+    status = np.where(outcomes.ok[0], Status.OK, Status.MISSED).astype(np.int8)
+    return replace(campaign, touches=replace(touches, status=status, **columns))
+
+
+def ids(diagnosis: Diagnosis) -> list[str]:
+    return [named.effect.id for named in diagnosis.effects]
+
+
+def test_a_recorded_interrupt_latency_is_named_and_the_gap_shrinks() -> None:
+    diagnosis = diagnose(read_campaign(SAMPLES / "bench_isr_latency"), seed=1, jobs=JOBS)
+
+    assert diagnosis.verdict == Verdict.EXPLAINED
+    assert ids(diagnosis) == ["isr_latency"]
+    (named,) = diagnosis.effects
+    assert named.effect.parameters["latency_us"] == pytest.approx(41.7, abs=0.1)
+    assert not named.alternatives
+    assert named.confidence > 0.99
+    assert diagnosis.where[0].stage == "latch"
+    assert diagnosis.where[0].paths == "skip"
+    gap = diagnosis.gap["latch_after_edge_us"]
+    assert gap.before == pytest.approx(41.7, abs=0.3)
+    assert gap.after < 0.3
+    assert gap.shrink.low > 0.95
+
+
+@pytest.mark.parametrize("folder", [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"])
+def test_recorded_campaigns_without_a_gap_get_no_name(folder: Path) -> None:
+    diagnosis = diagnose(read_campaign(folder), seed=1, jobs=JOBS)
+
+    assert diagnosis.verdict == Verdict.NO_GAP
+    assert not diagnosis.effects
+    assert not diagnosis.left
+    assert "No gap" in as_text(diagnosis)
+
+
+def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from() -> None:
+    folder = SAMPLES / "machine_no_gap"
+    campaign = with_effects(folder, Effect("trigger_delay", {"delay_us": 300.0}))
+
+    diagnosis = diagnose(campaign, seed=1, jobs=JOBS)
+
+    (named,) = diagnosis.effects
+    group = {named.effect.id, *named.alternatives}
+    assert {"trigger_delay", "input_filter", "following_error"} <= group
+    assert "cannot be told from" in as_text(diagnosis)
+
+
+def test_two_effects_are_both_named() -> None:
+    campaign = with_effects(
+        DATA / "bench_no_gap",
+        Effect("backlash", {"backlash_um": 1.5}),
+        Effect("report_delay", {"delay_us": 40.0}),
+    )
+
+    diagnosis = diagnose(campaign, seed=1, jobs=JOBS)
+
+    assert sorted(ids(diagnosis)) == ["backlash", "report_delay"]
+    found = {named.effect.id: named.effect.parameters for named in diagnosis.effects}
+    assert found["backlash"]["backlash_um"] == pytest.approx(1.5, abs=0.05)
+    assert found["report_delay"]["delay_us"] == pytest.approx(40.0, abs=5.0)
+
+
+def test_a_lag_behind_the_thermometer_is_measured() -> None:
+    truth = {"drift_um_k": 1.5, "lag_s": 900.0}
+    campaign = with_effects(DATA / "bench_no_gap", Effect("thermal_drift", truth))
+
+    (named,) = diagnose(campaign, seed=1, jobs=JOBS).effects
+
+    assert named.effect.id == "thermal_drift"
+    for name, value in truth.items():
+        assert named.effect.parameters[name] == pytest.approx(value, rel=0.03)
+
+
+def test_a_stranger_is_not_named() -> None:
+    campaign = with_effects(DATA / "bench_no_gap")
+    short = np.random.default_rng(3).random(len(campaign.touches)) < 0.1
+    deviation_um = campaign.touches.deviation_um - np.where(short, 30.0, 0.0)
+    stranger = replace(campaign, touches=replace(campaign.touches, deviation_um=deviation_um))
+
+    diagnosis = diagnose(stranger, seed=1, jobs=JOBS)
+
+    assert diagnosis.verdict == Verdict.UNKNOWN
+    assert not diagnosis.effects
+    assert diagnosis.left[0].stream.name == "position"
+
+
+def test_the_result_depends_on_the_seed_and_not_on_the_number_of_processes() -> None:
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+
+    one = as_json(diagnose(campaign, seed=4, jobs=1))
+    two = as_json(diagnose(campaign, seed=4, jobs=JOBS))
+
+    assert one == two
+
+
+def test_effects_come_back_from_json() -> None:
+    effect = Effect("backlash", {"backlash_um": 1.5})
+    document = {
+        "format": "skiplatch-diagnosis/1",
+        "effects": [{"id": effect.id, "params": dict(effect.parameters)}],
+    }
+
+    assert effects_from_json(document) == [effect]
+    for wrong in (None, {}, {"format": "other"}, document | {"effects": [{"id": "backlash"}]}):
+        with pytest.raises(ValueError, match=r"diagnosis"):
+            effects_from_json(wrong)

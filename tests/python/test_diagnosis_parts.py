@@ -1,0 +1,87 @@
+"""The laws, the streams and the grid that a diagnosis rests on."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.grid import grid_period
+from skiplatch.diagnosis.law import Extra, Law, box_box_gauss
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.structure import structures
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+DATA = Path(__file__).parent / "data"
+NO_GAP = [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"]
+
+
+@pytest.mark.parametrize(
+    ("sigma", "box_a", "box_b"),
+    [(1.0, 5.0, 3.0), (0.01, 5.0, 3.0), (1.0, 0.01, 3.0), (2.0, 0.1, 0.1), (0.5, 0.0, 0.0)],
+)
+def test_the_density_is_that_of_the_sum(sigma: float, box_a: float, box_b: float) -> None:
+    """A KS test of 20,000 draws; its false-alarm rate is 1e-4."""
+    rng = np.random.default_rng(1)
+    n = 20_000
+    draws = rng.normal(0.0, sigma, n) + box_a * rng.random(n) + box_b * rng.random(n)
+    grid = np.linspace(draws.min() - 1.0, draws.max() + 1.0, 40_001)
+    one = np.ones_like(grid)
+    density = box_box_gauss(grid, sigma * one, box_a * one, box_b * one)
+    cumulated = np.cumsum(density) * (grid[1] - grid[0])
+
+    assert cumulated[-1] == pytest.approx(1.0, abs=1e-3)
+    assert stats.kstest(draws, lambda x: np.interp(x, grid, cumulated)).pvalue > 1e-4
+
+
+@pytest.mark.parametrize(
+    "extra", [Extra(0.3, width=2.0), Extra(0.2, offset=1.0, mean=3.0), Extra(1.0, offset=0.5)]
+)
+def test_a_law_with_an_extra_holds_all_probability(extra: Extra) -> None:
+    one = np.ones(1)
+    law = Law(0.0 * one, 0.1 * one, one, 0.2 * one, (extra,))
+    grid = np.linspace(-200.0, 400.0, 600_001)
+    total = np.exp(law.log_density(grid, 1.0)).sum() * (grid[1] - grid[0])
+
+    assert total == pytest.approx(1.0, abs=5e-3)
+
+
+@pytest.mark.parametrize("folder", NO_GAP)
+def test_streams_of_a_campaign_without_a_gap_are_as_wide_as_believed(folder: Path) -> None:
+    """Mean and scatter of a few hundred residuals within five standard errors."""
+    scene = Scene.of(read_campaign(folder))
+    for stream in scene.streams.values():
+        law = stream.law.select(stream.rows)
+        scores = (stream.residuals[stream.rows] - law.mean) / law.spread
+        error = 1.0 / np.sqrt(len(scores))
+
+        assert abs(scores.mean()) < 5.0 * error + 0.1, stream.name
+        assert scores.std() < 1.0 + 5.0 * error, stream.name
+
+
+@pytest.mark.parametrize("folder", NO_GAP)
+def test_nothing_is_left_where_there_is_no_gap(folder: Path) -> None:
+    assert structures(Scene.of(read_campaign(folder)), Change()) == []
+
+
+def test_the_likelihood_prefers_the_truth() -> None:
+    scene = Scene.of(read_campaign(SAMPLES / "bench_isr_latency"))
+    nothing = likelihood(scene, Change()).total
+
+    assert likelihood(scene, Change(skip_us=41.7)).total > nothing + 1000.0
+    assert (
+        likelihood(scene, Change(skip_us=30.0)).total
+        < likelihood(scene, Change(skip_us=41.7)).total
+    )
+
+
+@pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])
+def test_the_period_of_a_grid_is_found_from_far_apart_stamps(period: float, jitter: float) -> None:
+    rng = np.random.default_rng(1)
+    number = np.sort(rng.integers(0, int(5e9 / period), 200))
+    stamps = 123.0 + number * period + jitter * rng.normal(size=200)
+
+    assert grid_period(np.floor(stamps), 1.06 * period) == pytest.approx(period, rel=1e-8)
