@@ -89,26 +89,34 @@ void sim_begin_touch(sim_t *sim, const sim_touch_t *touch)
     sim_bus_reset(&sim->bus);
 }
 
+/* What the device clock shows at a time of the master clock. */
+static sim_ns_t device_time(sim_t *sim, sim_ns_t time)
+{
+    if (!sim_effects_reach(&sim->effects, SIM_CLOCK)) {
+        return time;
+    }
+    return sim_ns_from_us(sim_change(sim, SIM_CLOCK, sim_us_from_ns(time)));
+}
+
 /* The firmware asks several times at one instant, and a division of 64 bits is slow. */
 uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time)
 {
     if (time != sim->ticks_time) {
         sim->ticks_time = time;
-        if (sim_effects_reach(&sim->effects, SIM_CLOCK)) {
-            time = sim_ns_from_us(sim_change(sim, SIM_CLOCK, sim_us_from_ns(time)));
-        }
-        sim->ticks = (uint64_t)time * SIM_PS_PER_NS / sim->tick_ps;
+        sim->ticks = (uint64_t)device_time(sim, time) * SIM_PS_PER_NS / sim->tick_ps;
     }
     return sim->ticks;
 }
 
-sim_ns_t sim_time_after(const sim_t *sim, uint32_t ticks)
+/* To the nanosecond at which the clock shows it: a PLC's scan falls just there now and then. */
+sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks)
 {
     if (ticks == UINT32_MAX) {
         return SIM_NEVER;
     }
-    /* A tick more than asked for, as part of the present one is over. */
-    return sim->now + (sim_ns_t)(((uint64_t)ticks + 1u) * sim->tick_ps / SIM_PS_PER_NS);
+    uint64_t due = sim_clock_ticks(sim, sim->now) + (ticks > 0u ? ticks : 1u);
+    uint64_t due_ns = (due * sim->tick_ps + SIM_PS_PER_NS - 1u) / SIM_PS_PER_NS;
+    return sim->now + (sim_ns_t)due_ns - device_time(sim, sim->now);
 }
 
 void sim_wake_after(sim_t *sim, uint32_t ticks)

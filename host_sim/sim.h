@@ -89,7 +89,7 @@ void sim_stop(sim_t *sim, sim_ns_t reaction);
 bool sim_is_moving(const sim_t *sim);
 
 /* A time at which `ticks` more of the device clock are over; SIM_NEVER for UINT32_MAX. */
-sim_ns_t sim_time_after(const sim_t *sim, uint32_t ticks);
+sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks);
 
 /* Wake the task at that time. */
 void sim_wake_after(sim_t *sim, uint32_t ticks);

@@ -204,7 +204,8 @@ static void poll_retreat(touch_cycle_t *cycle, const touch_input_t *input)
 /* Ticks until the present motion, or the wait for a release after it, has lasted too long. */
 static uint32_t limit_left(const touch_cycle_t *cycle, uint32_t now_ticks)
 {
-    uint32_t limit = cycle->is_at_rest ? cycle->settle_ticks : cycle->timeout_ticks;
+    uint32_t settle = cycle->is_released ? TICKS_NEVER : cycle->settle_ticks;
+    uint32_t limit = cycle->is_at_rest ? settle : cycle->timeout_ticks;
     return limit == TICKS_NEVER ? TICKS_NEVER : ticks_left(now_ticks, cycle->since_ticks, limit);
 }
 

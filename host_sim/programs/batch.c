@@ -233,7 +233,9 @@ const char *sim_play_error(int code)
     case SIM_PLAY_OK:
         return "no error";
     case SIM_PLAY_ERR_CHAIN:
-        return "a value of the nominal chain is not finite or out of range";
+        return "a value of the nominal chain is out of the range that can be played: the "
+               "firmware's "
+               "scans take 100 to 20000 us, a tick of the clock 0.001 to 1000 us";
     case SIM_PLAY_ERR_CONTROL:
         return "a setting of the controller is not finite or out of range";
     case SIM_PLAY_ERR_TOUCH:

@@ -131,3 +131,16 @@ def test_effects_come_back_from_json() -> None:
     for wrong in (None, {}, {"format": "other"}, document | {"effects": [{"id": "backlash"}]}):
         with pytest.raises(ValueError, match=r"diagnosis"):
             effects_from_json(wrong)
+
+
+def test_what_a_campaign_cannot_tell_is_said() -> None:
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    skip = np.flatnonzero(campaign.touches.on_skip)[:20]
+    few = replace(campaign, touches=campaign.touches.select(skip))
+
+    diagnosis = diagnose(few, seed=1)
+
+    assert diagnosis.verdict == Verdict.NO_GAP
+    text = as_text(diagnosis)
+    for words in ("Only 20 touches", "No touches on the plc path", "No time stamps"):
+        assert words in text

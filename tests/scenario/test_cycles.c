@@ -168,6 +168,32 @@ void test_every_part_of_two_touches_takes_its_time(void)
     }
 }
 
+/* From the start to the release on the way back: one touch of the simplest rig, 1 mm at 10 mm/s. */
+static double release_s(void)
+{
+    double v = touch.feed_mm_min / 60.0;
+    double ramp_mm = v * v / (2.0 * chain.accel_mm_s2);
+    double ramp_s = v / chain.accel_mm_s2;
+    double reaction_s = controller.reaction_us * 1e-6;
+    double contact_s = ramp_s + (touch.approach_mm - ramp_mm) / v;
+    double back_s = ramp_s + reaction_s; /* over the way of the reaction and one ramp */
+    return contact_s + reaction_s + ramp_s + back_s;
+}
+
+void test_a_cycle_ends_no_sooner_than_its_release_has_bounced(void)
+{
+    chain.skip_latency_us = 0.0;
+    controller.holdoff_us = 300000.0;
+    play_one_well();
+    TEST_ASSERT_DOUBLE_WITHIN(2e-6, release_s() + 0.3, outcome.cycle_s);
+
+    touch.path = SIM_PATH_PLC;
+    play_one_well();
+    /* Latch, way back, standstill, release and hold-off: each up to a scan later. */
+    double latest_s = release_s() + 0.3 + 5.0 * chain.scan_us * 1e-6;
+    TEST_ASSERT_TRUE(outcome.cycle_s >= release_s() + 0.3 && outcome.cycle_s <= latest_s);
+}
+
 /* ---- two touches ---- */
 
 void test_the_second_touch_is_measured_at_its_own_feed(void)

@@ -5,6 +5,7 @@
 
 #include "dice.h"
 #include "play.h"
+#include "programs/rig.h"
 #include "unity.h"
 
 #define TOUCHES    10000u /* more than two blocks of the library */
@@ -139,6 +140,21 @@ void test_touches_can_be_played_in_any_order(void)
 
     for (unsigned i = 0u; i < TOUCHES; ++i) {
         play_check_identical(&expected[order[i]], &outcomes[i], 1u);
+    }
+}
+
+static rig_t rigs[2];
+
+void test_two_rigs_can_be_played_in_turns(void)
+{
+    sim_outcome_t outcome;
+    for (unsigned replicate = 0u; replicate < 2u; ++replicate) {
+        rig_boot(&rigs[replicate], &chain, &TWO_TOUCHES, NULL, 0u, PLAY_SEED, replicate, 0);
+    }
+    for (unsigned i = 0u; i < 200u; ++i) {
+        unsigned replicate = i % 2u;
+        TEST_ASSERT_EQUAL_INT(0, rig_play(&rigs[replicate], &touches[i], &outcome));
+        play_check_identical(&expected[replicate * TOUCHES + i], &outcome, 1u);
     }
 }
 

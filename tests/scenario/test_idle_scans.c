@@ -74,20 +74,26 @@ static void draw_touches(dice_t *dice)
     }
 }
 
+/* One campaign in both ways. */
+static void check_alike(const sim_chain_t *chain, sim_controller_t controller)
+{
+    controller.every_scan = 0;
+    play(chain, &controller, touches, TOUCHES, lazy);
+    controller.every_scan = 1;
+    play(chain, &controller, touches, TOUCHES, busy);
+    play_check_identical(busy, lazy, TOUCHES);
+    for (unsigned i = 0u; i < TOUCHES; ++i) {
+        ++errors_seen[busy[i].error & 7];
+    }
+}
+
 static void check_rig(uint64_t seed)
 {
     dice_t           dice = dice_seed(seed);
     sim_chain_t      chain = draw_chain(&dice);
     sim_controller_t controller = draw_controller(&dice);
     draw_touches(&dice);
-    play(&chain, &controller, touches, TOUCHES, lazy);
-    controller.every_scan = 1;
-    play(&chain, &controller, touches, TOUCHES, busy);
-
-    play_check_identical(busy, lazy, TOUCHES);
-    for (unsigned i = 0u; i < TOUCHES; ++i) {
-        ++errors_seen[busy[i].error & 7];
-    }
+    check_alike(&chain, controller);
 }
 
 void test_leaving_out_idle_scans_changes_nothing(void)
@@ -97,4 +103,20 @@ void test_leaving_out_idle_scans_changes_nothing(void)
     }
     TEST_ASSERT_GREATER_THAN_UINT_MESSAGE(RIGS * TOUCHES / 4u, errors_seen[0], "hardly any touch");
     TEST_ASSERT_GREATER_THAN_UINT_MESSAGE(RIGS * TOUCHES / 50u, errors_seen[4], "hardly any miss");
+}
+
+/* Then what is due is due at a scan itself, and neither before nor after it. */
+void test_times_of_whole_scans_are_over_at_a_scan(void)
+{
+    for (uint64_t seed = 0u; seed < RIGS; ++seed) {
+        dice_t           dice = dice_seed(seed);
+        sim_chain_t      chain = draw_chain(&dice);
+        sim_controller_t controller = draw_controller(&dice);
+        chain.scan_us = 1000.0 * (1.0 + dice_below(&dice, 8u));
+        controller.confirm_us = chain.scan_us * dice_below(&dice, 4u);
+        controller.holdoff_us = chain.scan_us * dice_below(&dice, 20u);
+        controller.settle_us = chain.scan_us * dice_below(&dice, 10u);
+        draw_touches(&dice);
+        check_alike(&chain, controller);
+    }
 }

@@ -121,6 +121,21 @@ void test_a_probe_deflected_again_is_polled_when_its_hold_off_is_over(void)
     TEST_ASSERT_LESS_OR_EQUAL_UINT32(HOLDOFF - 5u, idle());
 }
 
+/* Once the probe is free, the settling time is of no account any more. */
+void test_a_free_probe_at_rest_is_polled_when_its_hold_off_is_over(void)
+{
+    touch_config_t config = ONE;
+    config.settle_us = 0u;
+    start(&config);
+    retreat();
+    bench_release(&bench);
+    (void)bench_poll(&bench);
+    bench_pass(&bench, 5u);
+    (void)bench_rest(&bench, 0);
+
+    TEST_ASSERT_EQUAL_UINT32(HOLDOFF - 5u, idle());
+}
+
 void test_a_cycle_that_is_over_needs_no_polling(void)
 {
     start(&ONE);

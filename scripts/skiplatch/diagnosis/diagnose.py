@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from skiplatch.campaign import Campaign
+from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.decide import Finding, Judge, find, split
 from skiplatch.diagnosis.likelihood import likelihood
@@ -71,6 +71,8 @@ class Diagnosis:
     touches: int
     used: int
     """Touches that the search looked at."""
+    notes: Sequence[str]
+    """What the campaign does not allow to say."""
 
 
 def diagnose(campaign: Campaign, *, seed: int, jobs: int = 1) -> Diagnosis:
@@ -105,7 +107,23 @@ def _diagnose(scene: Scene, touches: int, pool: Executor | None, seed: int, jobs
         left=left,
         touches=touches,
         used=len(scene),
+        notes=_notes(scene, touches),
     )
+
+
+def _notes(scene: Scene, touches: int) -> list[str]:
+    notes = []
+    if touches < FEWEST_TOUCHES:
+        notes.append(f"Only {touches} touches: no more than a gross gap could be seen.")
+    for path in InputPath:
+        if not (scene.touches.path == path).any():
+            name = path.name.lower()
+            notes.append(f"No touches on the {name} path: nothing can be said of it.")
+    if not scene.has_stamps.any():
+        notes.append("No time stamps: what shifts time and what shifts length look alike.")
+    if len(scene) < touches:
+        notes.append(f"The search looked at {len(scene)} of {touches} touches.")
+    return notes
 
 
 def _verdict(named: Sequence[Named], left: Sequence[Structure], scene: Scene) -> Verdict:

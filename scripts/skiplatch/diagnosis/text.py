@@ -30,8 +30,8 @@ def as_text(diagnosis: Diagnosis) -> str:
         parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
     if diagnosis.effects:
         parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
-    if diagnosis.used < diagnosis.touches:
-        parts.append(f"The search looked at {diagnosis.used} of {diagnosis.touches} touches.")
+    if diagnosis.notes:
+        parts.append("\n".join(diagnosis.notes))
     return "\n\n".join(parts)
 
 
@@ -107,6 +107,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         },
         "touches": diagnosis.touches,
         "touches_searched": diagnosis.used,
+        "notes": list(diagnosis.notes),
     }
 
 
