@@ -115,7 +115,8 @@ C_HEADERS := $(wildcard firmware/*/*.h hal/include/*.h hal/ports/*/*.h host_sim/
 C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.c tests/*/*.[ch]))
 PYTHON_FOLDERS := scripts $(wildcard tests)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
-                  $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py)
+                  $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
+                             tests/gap/*.py)
 SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh) .ci/run
 
 object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)
@@ -217,6 +218,12 @@ coverage: setup setup-test ## run all tests and report what they reach, in build
 bench: setup ## measure speed
 	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so)
 	@$(VENV_PYTHON) tests/perf/bench.py
+
+COUNT ?= 20
+SEED  ?= 1
+.PHONY: gap-check
+gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and score that
+	@$(VENV_PYTHON) -m tests.gap.check --count $(COUNT) --seed $(SEED)
 
 SECONDS ?= 60
 .PHONY: fuzz

@@ -387,6 +387,18 @@ def test_pivot_turns_with_the_table() -> None:
     assert errors(turned_table(setup, 30.0), other) != pytest.approx(errors(setup, other))
 
 
+@pytest.mark.parametrize("form", EFFECTS["rotary_pivot"].forms)
+def test_pivot_lies_in_the_plane_of_the_table(form: str) -> None:
+    setup = draw_setup(Recording.STAMPED)
+    drawn = make("rotary_pivot", form, setup)
+    level, steep = (
+        replace(setup, touches=replace(setup.touches, beta_deg=np.full(600, beta)))
+        for beta in (0.0, 60.0)
+    )
+
+    assert errors(steep, drawn) == pytest.approx(0.5 * errors(level, drawn))
+
+
 def test_pivot_zeroed_at_the_table_s_zero_errs_elsewhere_only() -> None:
     setup = draw_setup(Recording.STAMPED)
 
@@ -569,6 +581,15 @@ def test_same_seed_gives_the_same_bytes_and_another_one_others(
     assert same == contents(written)
     assert same.keys() == other.keys()
     assert all(same[name] != other[name] for name in same if name.endswith("touches.csv"))
+
+
+def test_another_seed_draws_other_campaigns_to_the_same_plan(tmp_path: Path) -> None:
+    common = ["--count", "1", "--touches", "60", "90", "--cases", "none", "--kinds", "bench"]
+    for seed in ("1", "2"):
+        main([str(tmp_path / seed), "--seed", seed, *common])
+
+    one, two = (read_campaign(tmp_path / seed / "campaigns" / "g0000") for seed in ("1", "2"))
+    assert set(one.touches.time_s).isdisjoint(two.touches.time_s)
 
 
 def test_only_the_asked_kinds_and_cases_are_made(tmp_path: Path) -> None:

@@ -1,0 +1,94 @@
+"""Writing a drawn campaign: what the diagnosis gets, and apart from it what it must not see."""
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+
+from skiplatch.campaign import COLUMNS, CONDITIONS, Status, Touches, format_nominal
+from skiplatch.campaign.touches import SerialArray
+from skiplatch.campaign.writing import format_touches
+from skiplatch.files import atomic_write_bytes, atomic_write_folder
+from tests.gap.cases import VERDICTS, Case, Drawn
+from tests.gap.chain import FloatArray
+from tests.gap.strangers import DULL, STRANGERS
+
+
+def write(out: Path, name: str, drawn: Drawn) -> None:
+    """Write OUT/campaigns/NAME and OUT/sealed/NAME."""
+    played = _all_columns(drawn)
+    kept, held_back = played.select(~drawn.held_back), played.select(drawn.held_back)
+    atomic_write_folder(
+        out / "campaigns" / name,
+        {
+            "nominal.toml": format_nominal(drawn.setup.nominal),
+            "touches.csv": format_touches(_recorded(kept, drawn.dropped)),
+            "conditions.csv": format_touches(_recorded(held_back, drawn.dropped), CONDITIONS),
+        },
+    )
+    sealed = out / "sealed" / name
+    label = json.dumps(_label(drawn), indent=1, ensure_ascii=False)
+    truth = format_touches(held_back)
+    atomic_write_folder(sealed, {"label.json": label + "\n", "truth.csv": truth})
+    for file, plays in {"oracle.npz": drawn.oracle, "nominal.npz": drawn.nominal}.items():
+        rows = {key: values[:, drawn.held_back] for key, values in plays.items()}
+        atomic_write_bytes(sealed / file, _npz({"touch": held_back.touch, **rows}))
+
+
+def _all_columns(drawn: Drawn) -> Touches:
+    outcomes = drawn.outcomes
+    conditions = {key: getattr(drawn.setup.touches, key) for key in CONDITIONS}
+    return Touches.from_columns(**{**conditions, **asdict(outcomes)})
+
+
+def _recorded(touches: Touches, dropped: frozenset[str]) -> Touches:
+    """Empty the columns that nobody recorded."""
+    columns = {key: values for key, values in touches.columns().items() if key not in dropped}
+    return Touches.from_columns(**columns)
+
+
+def _npz(arrays: Mapping[str, FloatArray | SerialArray]) -> bytes:
+    buffer = io.BytesIO()
+    np.savez_compressed(buffer, allow_pickle=False, **arrays)
+    return buffer.getvalue()
+
+
+def _label(drawn: Drawn) -> dict[str, object]:
+    case = drawn.order.case
+    known = case in {Case.SINGLE, Case.TWO}
+    notes = {**STRANGERS, **DULL}
+    return {
+        "effects": [part.id for part in drawn.parts] if known else [],
+        "verdict": VERDICTS[case],
+        "note": "" if known else "; ".join(notes[part.id].note for part in drawn.parts),
+        "case": case,
+        "recording": drawn.order.recording,
+        "parts": [
+            {
+                "id": part.id,
+                "form": part.form,
+                "parameters": part.drawn.words,
+                "size": round(part.size, 3),
+                "visible": round(part.sizes.visible, 3),
+                "missed": round(part.sizes.missed, 4),
+                "off_grid_ticks": round(part.sizes.off_grid, 3),
+                "sizes": [
+                    {
+                        "observable": size.observable,
+                        "path": size.path,
+                        "shift": round(size.shift, 3),
+                        "scatter": round(size.scatter, 3),
+                    }
+                    for size in part.sizes.sizes
+                ],
+            }
+            for part in drawn.parts
+        ],
+        "not_recorded": [key for key in COLUMNS if key in drawn.dropped],
+        "touches": len(drawn.held_back),
+        "missed": int(np.count_nonzero(drawn.outcomes.status == Status.MISSED)),
+        "scan_phase_us": drawn.setup.scan_phase_us,
+    }
