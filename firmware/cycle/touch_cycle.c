@@ -291,7 +291,9 @@ uint32_t touch_cycle_idle_ticks(const touch_cycle_t *cycle, uint32_t now_ticks)
         return 0u;
     }
     uint32_t wait = limit_left(cycle, now_ticks);
-    if (is_retreating(cycle) && cycle->is_released && !cycle->has_bounced) {
+    /* The end of the hold-off matters to an axis at rest, and to a probe deflected by then. */
+    bool is_holding = is_retreating(cycle) && cycle->is_released && !cycle->has_bounced;
+    if (is_holding && (cycle->is_at_rest || latch_level(cycle->latch))) {
         wait = sooner(wait, holdoff_left(cycle, now_ticks));
     }
     return sooner(wait, latch_idle_ticks(cycle->latch, now_ticks));
