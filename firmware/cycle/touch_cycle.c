@@ -178,6 +178,14 @@ static void end_retreat(touch_cycle_t *cycle, uint32_t now_ticks)
     }
 }
 
+/* Ticks until the present motion, or the wait for a release after it, has lasted too long. */
+static uint32_t limit_left(const touch_cycle_t *cycle, uint32_t now_ticks)
+{
+    uint32_t settle = cycle->is_released ? TICKS_NEVER : cycle->settle_ticks;
+    uint32_t limit = cycle->is_at_rest ? settle : cycle->timeout_ticks;
+    return limit == TICKS_NEVER ? TICKS_NEVER : ticks_left(now_ticks, cycle->since_ticks, limit);
+}
+
 static void poll_retreat(touch_cycle_t *cycle, const touch_input_t *input)
 {
     watch_release(cycle, input->now_ticks);
@@ -195,18 +203,9 @@ static void poll_retreat(touch_cycle_t *cycle, const touch_input_t *input)
     }
     if (cycle->has_bounced) {
         end_retreat(cycle, input->now_ticks);
-    } else if (!cycle->is_released &&
-               ticks_left(input->now_ticks, cycle->since_ticks, cycle->settle_ticks) == 0u) {
+    } else if (limit_left(cycle, input->now_ticks) == 0u) {
         end(cycle, TOUCH_FAILED, TOUCH_ERR_STUCK_DEFLECTED);
     }
-}
-
-/* Ticks until the present motion, or the wait for a release after it, has lasted too long. */
-static uint32_t limit_left(const touch_cycle_t *cycle, uint32_t now_ticks)
-{
-    uint32_t settle = cycle->is_released ? TICKS_NEVER : cycle->settle_ticks;
-    uint32_t limit = cycle->is_at_rest ? settle : cycle->timeout_ticks;
-    return limit == TICKS_NEVER ? TICKS_NEVER : ticks_left(now_ticks, cycle->since_ticks, limit);
 }
 
 static bool is_stopping(const touch_cycle_t *cycle)

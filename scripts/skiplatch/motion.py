@@ -25,8 +25,12 @@ class Contact:
 
 def expected_contact(nominal: Nominal, touches: Touches) -> Contact:
     """Step 1 of the nominal chain: start from rest, accelerate to the feed, meet the surface."""
-    accel_mm_s2 = nominal.axis.accel_mm_s2
+    return contact_at(touches, touches.feed_mm_min / S_PER_MIN, nominal.axis.accel_mm_s2)
+
+
+def contact_at(touches: Touches, wanted_mm_s: FloatArray, accel_mm_s2: float) -> Contact:
+    """Give the contact at other speeds, shape (n,), or another acceleration than the nominal."""
     reachable_mm_s = np.sqrt(2.0 * accel_mm_s2 * touches.approach_mm)
-    speed_mm_s = np.minimum(touches.feed_mm_min / S_PER_MIN, reachable_mm_s)
+    speed_mm_s = np.minimum(wanted_mm_s, reachable_mm_s)
     travel_s = touches.approach_mm / speed_mm_s + speed_mm_s / (2.0 * accel_mm_s2)
     return Contact((touches.time_s + travel_s) * US_PER_S, speed_mm_s)

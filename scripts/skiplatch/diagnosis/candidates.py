@@ -14,6 +14,7 @@ from skiplatch.diagnosis.grid import grid_period
 from skiplatch.diagnosis.law import Extra, FloatArray
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import LOBES, Scene
+from skiplatch.motion import S_PER_MIN, contact_at
 
 Parameters = FloatArray
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
@@ -71,26 +72,20 @@ def _share(value: float) -> float:
 
 def _feed_error(scene: Scene, p: Parameters) -> Change:
     ratio = 1.0 + p[0] / 100.0
-    accel = scene.nominal.axis.accel_mm_s2
-    touches = scene.touches
-    reachable = np.sqrt(2.0 * accel * touches.approach_mm)
-    speed = np.minimum(touches.feed_mm_min / 60.0 * ratio, reachable)
-    return _other_motion(scene, speed, accel)
+    return _other_motion(scene, ratio, scene.nominal.axis.accel_mm_s2)
 
 
 def _unfinished(scene: Scene, p: Parameters) -> Change:
-    accel = scene.nominal.axis.accel_mm_s2 * float(np.clip(p[0], 0.01, 1.0))
-    touches = scene.touches
-    speed = np.minimum(touches.feed_mm_min / 60.0, np.sqrt(2.0 * accel * touches.approach_mm))
-    return _other_motion(scene, speed, accel)
+    ratio = float(np.clip(p[0], 0.01, 1.0))
+    return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)
 
 
-def _other_motion(scene: Scene, speed_mm_s: FloatArray, accel_mm_s2: float) -> Change:
-    travel_s = scene.touches.approach_mm / speed_mm_s + speed_mm_s / (2.0 * accel_mm_s2)
-    contact_us = (scene.touches.time_s + travel_s) * 1e6
+def _other_motion(scene: Scene, feed_ratio: float, accel_mm_s2: float) -> Change:
+    wanted_mm_s = scene.touches.feed_mm_min / S_PER_MIN * feed_ratio
+    contact = contact_at(scene.touches, wanted_mm_s, accel_mm_s2)
     return Change(
-        contact_us=contact_us - scene.contact.time_us,
-        speed_ratio=speed_mm_s / scene.contact.speed_mm_s,
+        contact_us=contact.time_us - scene.contact.time_us,
+        speed_ratio=contact.speed_mm_s / scene.contact.speed_mm_s,
     )
 
 
