@@ -143,18 +143,28 @@ class Finding:
         model: They and their parameters, or None for no effect.
         alternatives: For each effect, the ids that would do as well.
         confidences: For each effect, that of it or one of its alternatives being right.
+        ranking: The models that were tried last, by falling score.
     """
 
     model: Scored | None
     alternatives: tuple[tuple[str, ...], ...] = ()
     confidences: tuple[float, ...] = ()
+    ranking: tuple[Scored, ...] = ()
+
+    @property
+    def rivals(self) -> tuple[Scored, ...]:
+        """The models that cannot be told from the best one, which is the first of them."""
+        if self.model is None:
+            return ()
+        others = [s for s in self.ranking if s is not self.model]
+        return (self.model, *(s for s in others if s.score > self.model.score - TIED))
 
 
 def find(judge: Judge) -> Finding:
     """Search forward for one effect, then for a second one."""
     ranked = judge.singles()
     if not judge.is_enough(ranked[0]):
-        return Finding(None)
+        return Finding(None, ranking=tuple(ranked))
     best, rivals = ranked[0], ranked
     pairs = judge.pairs(best)
     if judge.is_enough(pairs[0], before=best):
@@ -162,9 +172,9 @@ def find(judge: Judge) -> Finding:
         swapped = judge.pairs(_alone(judge, pairs[0], position=1))
         first = _group([pairs[0], *(pair for pair in swapped if pair.ids[1] != best.ids[0])], 1)
         names = (first[0], second[0])
-        return Finding(pairs[0], names, (first[1], second[1]))
+        return Finding(pairs[0], names, (first[1], second[1]), tuple(pairs))
     group, confidence = _group(rivals, position=0)
-    return Finding(best, (group,), (confidence,))
+    return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
 def _alone(judge: Judge, pair: Scored, position: int) -> Scored:

@@ -10,7 +10,7 @@ import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.decide import Finding, Judge, find, split
+from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, intervals
@@ -58,6 +58,15 @@ class Named:
     confidence: float
 
 
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A model that was tried: its effects, and how much better than no effect it does."""
+
+    effects: tuple[Effect, ...]
+    score_nats: float
+    """Gain in log-likelihood, less what so many parameters gain by chance."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """All that is said of a campaign."""
@@ -66,6 +75,10 @@ class Diagnosis:
     where: Sequence[Place]
     effects: Sequence[Named]
     gap: Mapping[str, Gap]
+    ranking: Sequence[Ranked]
+    """The models tried last, by falling score."""
+    rivals: Sequence[Ranked]
+    """What the recorded columns do not tell from the finding, which is the first; may be empty."""
     left: Sequence[Structure]
     """What no effect of the catalogue accounts for."""
     touches: int
@@ -104,11 +117,17 @@ def _diagnose(scene: Scene, touches: int, pool: Executor | None, seed: int, jobs
         where=_where(scene, finding, left),
         effects=named,
         gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs),
+        ranking=_ranked(finding.ranking),
+        rivals=_ranked(finding.rivals),
         left=left,
         touches=touches,
         used=len(scene),
         notes=_notes(scene, touches),
     )
+
+
+def _ranked(models: Sequence[Scored]) -> list[Ranked]:
+    return [Ranked(tuple(as_effects(model.fit)), model.score) for model in models]
 
 
 def _notes(scene: Scene, touches: int) -> list[str]:
