@@ -42,6 +42,7 @@ typedef struct {
 } sim_controller_t;
 
 enum { SIM_PATH_SKIP = 0, SIM_PATH_PLC = 1 };
+enum { SIM_AXIS_X = 0, SIM_AXIS_Y = 1, SIM_AXIS_Z = 2 };
 
 /* The conditions of one touch: a row of a campaign. */
 typedef struct {
@@ -57,13 +58,14 @@ typedef struct {
     double   temp_c;
     uint64_t touch; /* serial number; with seed and replicate it picks the random numbers */
     int32_t  path;  /* SIM_PATH_* */
+    int32_t  axis;  /* that mostly moves: SIM_AXIS_* */
 } sim_touch_t;
 
 enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };
 
 /* One effect that is switched on: a row of effects/table.c, and its parameters in that order. */
 typedef struct {
-    double  parameters[6];
+    double  parameters[8];
     int32_t effect;
 } sim_setting_t;
 

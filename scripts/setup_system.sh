@@ -44,20 +44,38 @@ missing_of() {
     done
 }
 
+# Refreshed once a run, however many rounds of installing there are.
+refresh() {
+    [ -z "${refreshed:-}" ] || return 0
+    as_root apt-get -qq -o DPkg::Lock::Timeout=300 update
+    refreshed=yes
+}
+
 install_missing() {
     missing=$(missing_of "$@")
     [ -n "$missing" ] || return 0
     say "installing $missing"
-    # Refreshed once a run, however many rounds of installing there are.
-    if [ -z "${refreshed:-}" ]; then
-        as_root apt-get -qq -o DPkg::Lock::Timeout=300 update
-        refreshed=yes
-    fi
+    refresh
     # The package list is meant to fall apart into words.
     # shellcheck disable=SC2086
     as_root env DEBIAN_FRONTEND=noninteractive \
         apt-get -qq --yes -o DPkg::Lock::Timeout=300 -o Dpkg::Use-Pty=0 \
         install --no-install-recommends $missing </dev/null >/dev/null
+}
+
+# to_be_had PACKAGE: whether the distribution has it; refreshes package lists only if there are none.
+to_be_had() {
+    ls /var/lib/apt/lists/*_Packages* >/dev/null 2>&1 || refresh
+    apt-cache show "$1" >/dev/null 2>&1
+}
+
+# Debian has a browser as a package, Ubuntu as a snap only, which sees no temporary files.
+install_browser() {
+    if installed chromium || to_be_had chromium; then
+        install_missing chromium
+    else
+        say "no package chromium here: the tests that open a page in a browser will be skipped"
+    fi
 }
 
 wanted=
@@ -68,4 +86,7 @@ done
 install_missing $wanted
 case " $* " in
 *" lint "*) install_missing "$(clang_runtime)" ;;
+esac
+case " $* " in
+*" test "*) install_browser ;;
 esac

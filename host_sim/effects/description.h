@@ -17,7 +17,7 @@ typedef struct {
     const char     *stage;         /* motion, probe, link, input, latch, scan, position, report */
     const char     *paths;         /* both, skip or plc */
     const char     *physics;       /* one line */
-    sim_parameter_t parameters[6]; /* ended by one without a name */
+    sim_parameter_t parameters[8]; /* ended by one without a name */
 } sim_description_t;
 
 #endif

@@ -5,12 +5,14 @@
 #include "effects/effect.h"
 
 #define PPM      1.0e-6
+#define US_PER_H 3.6e9
 #define ROUNDING 1.0e-3 /* nominal ticks */
 
 double effect_isr_latency(const sim_effect_call_t *call, double latency_us)
 {
     double jitter_us = sim_random_uniform(call->random, call->parameters[1]);
-    return fmax(0.0, latency_us + call->parameters[0] + jitter_us);
+    double tail_us = -call->parameters[2] * log1p(-sim_random_uniform(call->random, 1.0));
+    return fmax(0.0, latency_us + call->parameters[0] + jitter_us + tail_us);
 }
 
 /* An edge that falls into a masked stretch waits for the rest of it. */
@@ -26,10 +28,11 @@ double effect_timer_quantisation(const sim_effect_call_t *call, double stamp_us)
 {
     double tick_us = call->parameters[0];
     double slack_us = ROUNDING * call->chain->tick_us;
-    return floor((stamp_us + slack_us) / tick_us) * tick_us + slack_us;
+    return floor((stamp_us + slack_us) / tick_us) * tick_us + call->parameters[1] + slack_us;
 }
 
 double effect_timer_drift(const sim_effect_call_t *call, double master_us)
 {
-    return master_us * (1.0 + call->parameters[0] * PPM);
+    double ppm = call->parameters[0] + call->parameters[1] * master_us / US_PER_H;
+    return master_us * (1.0 + ppm * PPM);
 }

@@ -15,7 +15,8 @@ double effect_link_retry(const sim_effect_call_t *call, double sent_us)
 {
     double arrival_us = sent_us;
     while (sim_random_uniform(call->random, 1.0) < call->parameters[0]) {
-        arrival_us += call->parameters[1];
+        arrival_us +=
+            fmax(0.0, call->parameters[1] + sim_random_normal(call->random, call->parameters[2]));
     }
     return arrival_us;
 }

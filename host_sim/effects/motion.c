@@ -1,9 +1,14 @@
 /* Effects on the motion of the axis. */
+#include <math.h>
+
 #include "effects/effect.h"
+
+#define SLOWEST_MM_MIN 1.0
 
 double effect_feed_error(const sim_effect_call_t *call, double feed_mm_min)
 {
-    return feed_mm_min * (1.0 + call->parameters[0] / 100.0);
+    return fmax(SLOWEST_MM_MIN,
+                feed_mm_min * (1.0 + call->parameters[0] / 100.0) + call->parameters[1]);
 }
 
 double effect_unfinished_acceleration(const sim_effect_call_t *call, double accel_mm_s2)

@@ -17,23 +17,32 @@ static double coordinate_mm(const sim_effect_call_t *call, double position_um)
     return call->touch->position_mm + call->touch->sign * position_um / UM_PER_MM;
 }
 
+/* An error that differs from axis to axis, over that of X; the parameters say by how much more. */
+static double over_x(const sim_effect_call_t *call, const double more[2])
+{
+    int32_t axis = call->touch->axis;
+    return axis == SIM_AXIS_X ? 1.0 : 1.0 + more[axis == SIM_AXIS_Y ? 0 : 1];
+}
+
 double effect_servo_hold(const sim_effect_call_t *call, double time_us)
 {
     double period_us = call->parameters[0];
     double first_us = call->rig * period_us;
-    return first_us + floor((time_us - first_us) / period_us) * period_us;
+    return first_us + floor((time_us - first_us) / period_us) * period_us - call->parameters[1];
 }
 
 /* The commanded position is ahead of the real one by the way of the lag. */
 double effect_following_error(const sim_effect_call_t *call, double position_um)
 {
-    return position_um + call->speed_um_us * call->parameters[0];
+    return position_um +
+           call->speed_um_us * call->parameters[0] * over_x(call, &call->parameters[1]);
 }
 
-/* Calibrated in the positive sense; the other one reads high by the play. */
+/* What reads high is behind along an approach in the negative sense. */
 double effect_backlash(const sim_effect_call_t *call, double position_um)
 {
-    return call->touch->sign < 0.0 ? position_um - call->parameters[0] : position_um;
+    double play_um = call->touch->sign < 0.0 ? -call->parameters[0] : call->parameters[1];
+    return position_um + play_um * over_x(call, &call->parameters[2]);
 }
 
 double effect_transmission_error(const sim_effect_call_t *call, double position_um)
@@ -42,18 +51,23 @@ double effect_transmission_error(const sim_effect_call_t *call, double position_
     double first = sin(2.0 * PI * turn + call->parameters[2] * RAD_PER_DEG);
     double second = sin(4.0 * PI * turn + call->parameters[4] * RAD_PER_DEG);
     double error_um = call->parameters[0] * first + call->parameters[3] * second;
-    return position_um + call->touch->sign * error_um;
+    return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[5]);
 }
 
 double effect_scale_error(const sim_effect_call_t *call, double position_um)
 {
     double error_um = coordinate_mm(call, position_um) * UM_PER_MM * call->parameters[0] * PPM;
-    return position_um + call->touch->sign * error_um;
+    return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[1]);
 }
 
 double effect_encoder_quantisation(const sim_effect_call_t *call, double position_um)
 {
-    return rint(position_um / call->parameters[0]) * call->parameters[0];
+    double step_um = call->parameters[0];
+    if (call->parameters[1] > 0.5) {
+        double where_um = coordinate_mm(call, position_um) * UM_PER_MM;
+        return position_um + call->touch->sign * (rint(where_um / step_um) * step_um - where_um);
+    }
+    return rint(position_um / step_um) * step_um;
 }
 
 /* State: whether there is a history, its time in s, and the lagged temperature. */
@@ -65,26 +79,32 @@ double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
     double  now_s = call->touch->time_s;
     double  lag_s = call->parameters[1];
 
-    if (*has_history < 1.0 || lag_s <= 0.0) {
+    if (lag_s <= 0.0) {
         *lagged_c = call->touch->temp_c;
+    } else if (*has_history < 1.0) {
+        *lagged_c =
+            CALIBRATION_C + (1.0 - call->parameters[2]) * (call->touch->temp_c - CALIBRATION_C);
     } else {
         *lagged_c += (call->touch->temp_c - *lagged_c) * -expm1(-(now_s - *last_s) / lag_s);
     }
     *has_history = 1.0;
     *last_s = now_s;
     double error_um = call->parameters[0] * (*lagged_c - CALIBRATION_C);
-    return position_um + call->touch->sign * error_um;
+    return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[3]);
 }
 
-/* The centre lies at c instead of 0: a table turned by θ carries the workpiece to c − R(θ)·c. */
+/* The centre lies at c instead of 0: a table turned by θ carries a workpiece that was set
+ * at 0° to c − R(θ)·c, and one on the believed centre to −R(θ)·c. */
 double effect_rotary_pivot(const sim_effect_call_t *call, double position_um)
 {
-    double turn = call->touch->rotary_deg * RAD_PER_DEG;
+    double sense = call->parameters[3] > 0.5 ? -1.0 : 1.0;
+    double turn = sense * call->touch->rotary_deg * RAD_PER_DEG;
     double direction = call->touch->alpha_deg * RAD_PER_DEG;
     double x_um = call->parameters[0];
     double y_um = call->parameters[1];
-    double shift_x_um = x_um - (cos(turn) * x_um - sin(turn) * y_um);
-    double shift_y_um = y_um - (sin(turn) * x_um + cos(turn) * y_um);
+    double kept = 1.0 - call->parameters[2];
+    double shift_x_um = kept * x_um - (cos(turn) * x_um - sin(turn) * y_um);
+    double shift_y_um = kept * y_um - (sin(turn) * x_um + cos(turn) * y_um);
     double along_um = cos(direction) * shift_x_um + sin(direction) * shift_y_um;
     return position_um + along_um * cos(call->touch->beta_deg * RAD_PER_DEG);
 }

@@ -15,5 +15,6 @@ double effect_pretravel_lobing(const sim_effect_call_t *call, double pretravel_u
 
 double effect_trigger_delay(const sim_effect_call_t *call, double delay_us)
 {
-    return fmax(0.0, delay_us + call->parameters[0]);
+    double jitter_us = sim_random_uniform(call->random, call->parameters[1]);
+    return fmax(0.0, delay_us + call->parameters[0] + jitter_us);
 }

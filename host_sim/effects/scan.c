@@ -17,8 +17,9 @@ double effect_scan_jitter(const sim_effect_call_t *call, double late_us)
 
 double effect_scan_overrun(const sim_effect_call_t *call, double late_us)
 {
-    bool is_overrun = sim_random_uniform(call->random, 1.0) < call->parameters[0];
-    return is_overrun ? late_us + call->parameters[1] : late_us;
+    bool   is_overrun = sim_random_uniform(call->random, 1.0) < call->parameters[0];
+    double span_us = sim_random_uniform(call->random, call->parameters[2]);
+    return is_overrun ? late_us + call->parameters[1] + span_us : late_us;
 }
 
 double effect_input_image_delay(const sim_effect_call_t *call, double scans)
@@ -33,6 +34,8 @@ double effect_input_image_delay(const sim_effect_call_t *call, double scans)
 double effect_scan_phase_lock(const sim_effect_call_t *call, double phase)
 {
     double locked = call->parameters[0] + sim_random_normal(call->random, call->parameters[1]);
-    (void)phase; /* where it would have been */
+    if (sim_random_uniform(call->random, 1.0) < call->parameters[2]) {
+        return phase; /* where it would have been */
+    }
     return locked - floor(locked);
 }

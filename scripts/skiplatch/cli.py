@@ -19,6 +19,7 @@ COMMANDS = {
     "compare": "Hold a recorded campaign against the nominal simulation.",
     "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
     "predict": "Play conditions with the effects that a diagnosis found.",
+    "design": "Say which touches or which column would settle a diagnosis, and write them.",
     "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",

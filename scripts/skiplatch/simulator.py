@@ -265,6 +265,7 @@ def _touches(binding: _Binding, touches: Touches, pulse_us: float) -> NDArray[np
     rows["path"] = np.where(
         touches.path == InputPath.PLC, binding.library.SIM_PATH_PLC, binding.library.SIM_PATH_SKIP
     )
+    rows["axis"] = np.maximum(touches.axis, 0)  # what was not recorded counts as X
     rows["pulse_us"] = pulse_us
     return rows
 

@@ -4,13 +4,16 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import read_campaign
+from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
-from skiplatch.diagnosis import as_json, as_text, diagnose
+from skiplatch.diagnosis import Diagnosis, as_json, as_text, diagnose
+from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
+from skiplatch.files import atomic_write_text
 
 EPILOG = """\b
 Example:
   skiplatch diagnose scripts/samples/bench_isr_latency --json build/diagnosis.json
+  skiplatch diagnose scripts/samples/bench_isr_latency --html build/diagnosis.html
 """
 
 
@@ -19,15 +22,38 @@ Example:
 @seed_option
 @jobs_option
 @json_option
-def command(campaign: Path, seed: int, jobs: int, json_path: Path | None) -> None:
+@click.option(
+    "--html",
+    "html_path",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Also write the result as one page with pictures to this file.",
+)
+def command(
+    campaign: Path, seed: int, jobs: int, json_path: Path | None, html_path: Path | None
+) -> None:
     """Say where the gap of a CAMPAIGN lies, which effects cause it, and how far it shrinks.
 
     Half of the touches serve to fit, a fifth to check, and the rest to measure the shrink by
     simulation. No effect is named that gains less than 5 nats on the touches it is fitted to,
-    beyond what its parameters are worth, or less than 1 nat on others.
+    beyond what its parameters are worth, or less than 1 nat on others unless it gains 15 in all.
     """
     recorded = read_campaign(campaign)
     diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
     click.echo(f"{campaign}: {recorded.nominal.kind} campaign, {len(recorded.touches)} touches\n")
     click.echo(as_text(diagnosis))
-    write_json(json_path, as_json(diagnosis))
+    experiment = next_experiment(recorded, diagnosis, seed=seed, jobs=jobs)
+    words = experiment_text(experiment)
+    click.echo(f"\nNext experiment\n{words}")
+    write_json(json_path, {**as_json(diagnosis), "next_experiment": experiment_json(experiment)})
+    if html_path is not None:
+        page = _page(recorded, diagnosis, campaign.resolve().name, words, seed, jobs)
+        atomic_write_text(html_path, page)
+
+
+def _page(
+    recorded: Campaign, diagnosis: Diagnosis, name: str, words: str, seed: int, jobs: int
+) -> str:
+    # Drawing takes time to load, which only those pay who want a page.
+    from skiplatch.report.page import as_html  # noqa: PLC0415
+
+    return as_html(recorded, diagnosis, name=name, seed=seed, jobs=jobs, next_experiment=words)

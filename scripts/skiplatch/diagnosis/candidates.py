@@ -20,7 +20,13 @@ Parameters = FloatArray
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
 MOST_RETRIES = 0.9
+MIRRORED = 0.5
+SHORTEST_MM = 0.01
+SLOWEST_RATIO = 0.05
+US_PER_H = 3.6e9
 FEWEST_STAMPS = 16
+SHARP = 0.02
+"""Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +37,8 @@ class Candidate:
         id: As in the table of effects.
         names: Of the parameters, as in the table of effects.
         change: What parameters, shape (p,), make of the physics.
-        starts: Parameters to start a search from, given what is known to differ already.
+        starts: Parameters to start a search from, given what is known to differ already. What is
+            0 in a start stays 0.
         applies: Whether a campaign can show the effect at all.
     """
 
@@ -42,6 +49,13 @@ class Candidate:
     applies: Callable[[Scene], bool] = lambda _: True
     exact: bool = False
     """Only the starts themselves are tried."""
+    refinements: tuple[Mapping[int, float], ...] = ()
+    """Parameters, by number and with a first value, that make other forms of the effect."""
+
+    @property
+    def is_named(self) -> bool:
+        """It stands in the table of effects."""
+        return self.id in CANDIDATES
 
     def __reduce__(self) -> tuple[Callable[[str], "Candidate"], tuple[str]]:
         """Travel to another process as the id alone."""
@@ -67,11 +81,12 @@ def _machine(scene: Scene) -> bool:
 
 def _share(value: float) -> float:
     """Keep a share between 0 and 1 wherever the search goes."""
-    return float(np.clip(value, 0.0, 1.0))
+    return float(np.clip(abs(value), 0.0, 1.0))
 
 
 def _feed_error(scene: Scene, p: Parameters) -> Change:
-    ratio = 1.0 + p[0] / 100.0
+    ratio = 1.0 + p[0] / 100.0 + p[1] / scene.touches.feed_mm_min
+    ratio = np.maximum(ratio, SLOWEST_RATIO)
     return _other_motion(scene, ratio, scene.nominal.axis.accel_mm_s2)
 
 
@@ -80,7 +95,7 @@ def _unfinished(scene: Scene, p: Parameters) -> Change:
     return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)
 
 
-def _other_motion(scene: Scene, feed_ratio: float, accel_mm_s2: float) -> Change:
+def _other_motion(scene: Scene, feed_ratio: FloatArray | float, accel_mm_s2: float) -> Change:
     wanted_mm_s = scene.touches.feed_mm_min / S_PER_MIN * feed_ratio
     contact = contact_at(scene.touches, wanted_mm_s, accel_mm_s2)
     return Change(
@@ -97,36 +112,124 @@ def _lobing(scene: Scene, p: Parameters) -> Change:
 def _retry(_scene: Scene, p: Parameters) -> Change:
     share, period = min(_share(p[0]), MOST_RETRIES), abs(p[1])
     times = range(1, 6)
-    extras = tuple(Extra((1.0 - share) * share**k, offset=k * period) for k in times)
+    extras = tuple(
+        Extra((1.0 - share) * share**k, offset=k * period, sigma=np.sqrt(k) * abs(p[2]))
+        for k in times
+    )
     return Change(pin_extra=extras)
 
 
 def _transmission(scene: Scene, p: Parameters) -> Change:
-    turn = 2.0 * np.pi * np.nan_to_num(scene.touches.position_mm) / p[1]
+    position = np.nan_to_num(scene.touches.position_mm)
+    known = (scene.whole or scene).touches.position_mm
+    span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
+    period = np.clip(abs(p[1]), SHORTEST_MM, max(span, SHORTEST_MM))
+    turn = 2.0 * np.pi * position / period  # what shows less than a period is not periodic
     first = p[0] * np.sin(turn + np.deg2rad(p[2]))
     second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
-    return Change(position_um=scene.sign * (first + second))
+    return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))
 
 
-def _lagged(scene: Scene, lag_s: float) -> FloatArray:
+def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
     """Temperature behind the thermometer by a first-order lag; shape (n,)."""
     if scene.whole is not None:
-        return _lagged(scene.whole, lag_s)[scene.chosen]
+        return _lagged(scene.whole, lag_s, cold)[scene.chosen]
     warmth = scene.warmth
     if lag_s <= 0.0 or len(scene) < 2:
         return warmth
     keep = np.exp(-np.diff(scene.touches.time_s) / lag_s)
     lagged = np.empty_like(warmth)
-    lagged[0] = warmth[0]
+    lagged[0] = (1.0 - cold) * warmth[0]
     for i in range(1, len(warmth)):
         lagged[i] = warmth[i] + (lagged[i - 1] - warmth[i]) * keep[i - 1]
     return lagged
 
 
+def _delay(_scene: Scene, p: Parameters) -> Change:
+    jitter = (Extra(1.0, width=abs(p[1])),) if p[1] else ()
+    return Change(pin_us=p[0], pin_extra=jitter)
+
+
+def _delay_starts(_scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    return [[sign * size, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
+
+
+def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
+    """Refine by axes of their own; `first` is the number of y_more."""
+    return ({first: 0.1}, {first: -0.5}, {first + 1: -0.9}, {first: 0.1, first + 1: -0.9})
+
+
+def _drift(scene: Scene, p: Parameters) -> Change:
+    stamps = scene.touches.latch_us
+    return Change(stamp_us=(p[0] + p[1] * stamps / US_PER_H) * 1e-6 * stamps)
+
+
+def _drift_starts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose the slope of the skip path's stamps over time, whole and of either half."""
+    usual = [[5.0, 0.0], [-5.0, 0.0], [50.0, 0.0], [-50.0, 0.0]]
+    stream = scene.streams.get("latch_skip")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return usual
+    stamps = scene.touches.latch_us[stream.rows]
+    residuals = (stream.residuals - stream.law.mean)[stream.rows]
+    straight = float(np.median(residuals / stamps)) * 1e6
+    curve, slope = np.polyfit(stamps, residuals / stamps * 1e6, 1)
+    return [[straight, 0.0], [float(slope), float(curve) * US_PER_H], *usual]
+
+
+def _overrun(scene: Scene, p: Parameters) -> Change:
+    """The grid shows a late scan by its lateness; an edge waits for it from the scan before on."""
+    share, late, span = _share(p[0]), abs(p[1]), abs(p[2])
+    ratio = (late + span / 2.0) / scene.nominal.plc.scan_us
+    met = min(share * (1.0 + ratio), 0.9)  # the longer gap before a late scan meets more edges
+    return Change(
+        lattice_extra=(Extra(met, offset=late, width=span),),
+        scan_extra=_gaps(scene, (met, 1.0 + ratio), (share * max(0.0, 1.0 - ratio), 1.0 - ratio)),
+    )
+
+
+def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
+    """Shares of edges that fall into gaps between scans of other lengths, in periods."""
+    period = scene.nominal.plc.scan_us
+    return tuple(
+        Extra(share, width=length * period, boxless=1.0) for share, length in gaps if share > 0.0
+    )
+
+
+def _jitter(scene: Scene, p: Parameters) -> Change:
+    """Every gap between scans is longer or shorter by the difference of two latenesses."""
+    span, tail = abs(p[0]), max(abs(p[1]), 1e-3)
+    off = min(np.sqrt(span**2 / 6.0 + 2.0 * tail**2) / scene.nominal.plc.scan_us, 0.9)
+    return Change(
+        lattice_extra=(Extra(1.0, width=span, mean=tail),),
+        scan_extra=_gaps(scene, ((1.0 + off) / 3.0, 1.0 + off), ((1.0 - off) / 3.0, 1.0 - off)),
+    )
+
+
+def _ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
+    tick = scene.nominal.skip.tick_us
+    grids = _grids(scene.touches.latch_us[~scene.plc], tick)
+    return [[grid[0], 0.0] for grid in grids] + [
+        [ratio * tick, origin * ratio * tick]
+        for ratio in (3.0, 10.0, 30.0)
+        for origin in (0.5, 0.05)
+    ]
+
+
+def _resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that the deviations lie on, and steps of the coordinate, on none."""
+    fine = scene.nominal.axis.resolution_um
+    grids = [[grid[0], 0.0] for grid in _grids(scene.touches.deviation_um, fine)]
+    return grids + [[ratio * fine, 1.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
+
+
 def _pivot(scene: Scene, p: Parameters) -> Change:
-    turn = np.deg2rad(np.nan_to_num(scene.touches.rotary_deg))
-    shift_x = p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])
-    shift_y = p[1] - (np.sin(turn) * p[0] + np.cos(turn) * p[1])
+    sense = -1.0 if p[3] > MIRRORED else 1.0
+    turn = sense * np.deg2rad(np.nan_to_num(scene.touches.rotary_deg))
+    kept = 1.0 - _share(p[2])
+    shift_x = kept * p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])
+    shift_y = kept * p[1] - (np.sin(turn) * p[0] + np.cos(turn) * p[1])
     along = np.cos(scene.alpha) * shift_x + np.sin(scene.alpha) * shift_y
     return Change(position_um=along * scene.cos_beta)
 
@@ -138,10 +241,12 @@ def _scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     stream = scene.streams.get("latch_plc")
     if stream is None or stream.rows.sum() < FEWEST_STAMPS:
         return coarse
-    waits = np.quantile(stream.residuals[stream.rows], [0.01, 0.99])
-    width = float(np.ptp(waits))
+    sharp = stream.rows & (scene.mechanics_us < SHARP * believed)
+    waits = stream.residuals[sharp if sharp.sum() >= FEWEST_STAMPS else stream.rows]
+    width = float(np.ptp(np.quantile(waits, [0.01, 0.99])))
     stamps = scene.touches.latch_us[stream.rows]
-    return [[grid_period(stamps, width) - believed], [width - believed], *coarse]
+    periods = [grid_period(stamps, guess) for guess in (width, believed)]
+    return [*([period - believed] for period in periods), [width - believed], *coarse]
 
 
 def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
@@ -157,7 +262,7 @@ def _transmission_starts(scene: Scene, given: Change) -> Sequence[Sequence[float
     """Scan the periods: at each, the best sine by least squares."""
     stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
     if stream is None:
-        return [[1.0, 10.0, 0.0, 0.0, 0.0]]
+        return [[1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0]]
     rows = stream.rows & ~np.isnan(scene.touches.position_mm)
     law = law_under(scene, stream, given).select(rows)
     residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
@@ -184,6 +289,8 @@ def _transmission_starts(scene: Scene, given: Change) -> Sequence[Sequence[float
                 float(np.rad2deg(np.arctan2(b, a))),
                 0.0,
                 0.0,
+                0.0,
+                0.0,
             ]
         )
     return starts
@@ -192,7 +299,13 @@ def _transmission_starts(scene: Scene, given: Change) -> Sequence[Sequence[float
 CANDIDATES: Mapping[str, Candidate] = {
     row.id: row
     for row in (
-        Candidate("feed_error", ("feed_percent",), _feed_error, _both_signs(1.0, 5.0, 20.0)),
+        Candidate(
+            "feed_error",
+            ("feed_percent", "offset_mm_min"),
+            _feed_error,
+            _fixed(*([sign * size, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0))),
+            refinements=({1: 1.0}, {1: -1.0}),
+        ),
         Candidate(
             "unfinished_acceleration", ("accel_ratio",), _unfinished, _fixed([0.8], [0.4], [0.1])
         ),
@@ -205,10 +318,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "trigger_delay",
-            ("delay_us",),
-            lambda _, p: Change(pin_us=p[0]),
-            _both_signs(10.0, 300.0),
+            ("delay_us", "jitter_us"),
+            _delay,
+            _delay_starts,
             _machine,
+            refinements=({1: 5.0}, {1: 100.0}),
         ),
         Candidate(
             "link_slotting",
@@ -219,22 +333,24 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "link_retry",
-            ("probability", "period_us"),
+            ("probability", "period_us", "scatter_us"),
             _retry,
-            _fixed(*([0.1, period] for period in (100.0, 500.0, 2000.0, 8000.0))),
+            _fixed(*([0.1, period, 0.2 * period] for period in (100.0, 500.0, 2000.0, 8000.0))),
             _machine,
         ),
         Candidate(
             "input_filter",
-            ("delay_us",),
-            lambda _, p: Change(pin_us=p[0]),
-            _both_signs(10.0, 300.0),
+            ("delay_us", "jitter_us"),
+            _delay,
+            _delay_starts,
+            refinements=({1: 5.0}, {1: 100.0}),
         ),
         Candidate(
             "contact_bounce",
-            ("probability", "mean_us"),
-            lambda _, p: Change(pin_extra=(Extra(_share(p[0]), mean=abs(p[1])),)),
-            _fixed([0.2, 30.0], [0.2, 300.0], [0.2, 3000.0]),
+            ("probability", "mean_us", "least_us"),
+            lambda _, p: Change(pin_extra=(Extra(_share(p[0]), mean=abs(p[1]), offset=abs(p[2])),)),
+            _fixed([0.2, 30.0, 0.0], [0.2, 300.0, 0.0], [0.2, 3000.0, 0.0]),
+            refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
         ),
         Candidate(
             "lost_trigger",
@@ -244,9 +360,12 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "isr_latency",
-            ("latency_us", "jitter_us"),
-            lambda _, p: Change(skip_us=p[0], skip_extra=(Extra(1.0, width=abs(p[1])),)),
-            _fixed([10.0, 1.0], [100.0, 10.0], [-2.0, 1.0]),
+            ("latency_us", "jitter_us", "tail_us"),
+            lambda _, p: Change(
+                skip_us=p[0], skip_extra=(Extra(1.0, width=abs(p[1]), mean=abs(p[2])),)
+            ),
+            _fixed([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
+            refinements=({1: 1.0}, {1: 20.0}, {2: 1.0}, {2: 20.0}),
         ),
         Candidate(
             "isr_blocking",
@@ -256,18 +375,18 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "timer_quantisation",
-            ("tick_us",),
-            lambda _, p: Change(coarse_us=abs(p[0])),
-            lambda scene, _given: _grids(
-                scene.touches.latch_us[~scene.plc], scene.nominal.skip.tick_us
+            ("tick_us", "origin_us"),
+            lambda scene, p: Change(
+                coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, p[1]), is_on_grid=p[1] == 0.0
             ),
-            exact=True,
+            _ticks,
         ),
         Candidate(
             "timer_drift",
-            ("drift_ppm",),
-            lambda scene, p: Change(stamp_us=p[0] * 1e-6 * scene.touches.latch_us),
-            _both_signs(5.0, 50.0),
+            ("drift_ppm", "ageing_ppm_h"),
+            _drift,
+            _drift_starts,
+            refinements=({1: 1.0}, {1: -1.0}, {1: 20.0}, {1: -20.0}),
         ),
         Candidate(
             "scan_period", ("period_us",), lambda _, p: Change(period_us=p[0]), _scan_periods
@@ -275,16 +394,17 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "scan_jitter",
             ("jitter_us", "tail_us"),
-            lambda _, p: Change(
-                lattice_extra=(Extra(1.0, width=abs(p[0]), mean=max(abs(p[1]), 1e-3)),)
-            ),
+            _jitter,
             _fixed([20.0, 5.0], [200.0, 100.0], [100.0, 500.0]),
         ),
         Candidate(
             "scan_overrun",
-            ("probability", "overrun_us"),
-            lambda _, p: Change(lattice_extra=(Extra(_share(p[0]), offset=abs(p[1])),)),
-            _fixed([0.05, 500.0], [0.05, 2000.0], [0.05, 8000.0]),
+            ("probability", "overrun_us", "span_us"),
+            _overrun,
+            lambda scene, _given: [
+                [0.05, share * scene.nominal.plc.scan_us, span * scene.nominal.plc.scan_us]
+                for share, span in ((0.3, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 1.0), (1.5, 1.0))
+            ],
         ),
         Candidate(
             "input_image_delay",
@@ -295,67 +415,125 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scan_phase_lock",
-            ("phase", "spread"),
-            lambda _, p: Change(wait=(1.0 - p[0], max(abs(p[1]), 1e-3))),
-            _fixed([0.2, 0.1], [0.5, 0.1], [0.8, 0.1]),
+            ("phase", "spread", "unlocked"),
+            lambda _, p: Change(wait=(1.0 - p[0], max(abs(p[1]), 1e-3), _share(p[2]))),
+            _fixed(
+                *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
+                *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
+            ),
         ),
         Candidate(
             "servo_hold",
-            ("period_us",),
+            ("period_us", "dead_us"),
             lambda scene, p: Change(
-                position_um=-scene.speed * abs(p[0]), position_box_um=scene.speed * abs(p[0])
+                position_um=-scene.speed * (abs(p[0]) + abs(p[1])),
+                position_box_um=scene.speed * abs(p[0]),
             ),
-            _fixed([50.0], [500.0], [2000.0]),
+            _fixed([50.0, 0.0], [500.0, 0.0], [2000.0, 0.0]),
+            refinements=({1: 10.0}, {1: 200.0}),
         ),
         Candidate(
             "following_error",
-            ("lag_us",),
-            lambda scene, p: Change(position_um=scene.speed * p[0]),
-            _both_signs(10.0, 500.0),
+            ("lag_us", "y_more", "z_more"),
+            lambda scene, p: Change(position_um=scene.speed * p[0] * scene.over_x(p[1], p[2])),
+            _fixed(*([sign * us, 0.0, 0.0] for us in (10.0, 500.0) for sign in (1.0, -1.0))),
+            refinements=_per_axis(1),
         ),
         Candidate(
             "backlash",
-            ("backlash_um",),
-            lambda scene, p: Change(position_um=np.where(scene.sign < 0.0, -p[0], 0.0)),
-            _both_signs(2.0),
+            ("backlash_um", "positive_um", "y_more", "z_more"),
+            lambda scene, p: Change(
+                position_um=np.where(scene.sign < 0.0, -p[0], p[1]) * scene.over_x(p[2], p[3])
+            ),
+            _fixed(
+                *(
+                    [sign * negative, sign * positive, 0.0, 0.0]
+                    for negative, positive in ((2.0, 0.0), (0.0, 2.0), (2.0, 2.0))
+                    for sign in (1.0, -1.0)
+                )
+            ),
+            refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
         ),
         Candidate(
             "transmission_error",
-            ("amplitude_um", "period_mm", "phase_deg", "amplitude2_um", "phase2_deg"),
+            (
+                "amplitude_um",
+                "period_mm",
+                "phase_deg",
+                "amplitude2_um",
+                "phase2_deg",
+                "y_more",
+                "z_more",
+            ),
             _transmission,
             _transmission_starts,
+            refinements=(
+                *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
+                *_per_axis(5),
+            ),
         ),
         Candidate(
             "scale_error",
-            ("scale_ppm",),
+            ("scale_ppm", "y_more", "z_more"),
             lambda scene, p: Change(
-                position_um=scene.sign * p[0] * 1e-3 * np.nan_to_num(scene.touches.position_mm)
+                position_um=scene.sign
+                * (p[0] * 1e-3 * np.nan_to_num(scene.touches.position_mm))
+                * scene.over_x(p[1], p[2])
             ),
-            _both_signs(10.0),
+            _fixed([10.0, 0.0, 0.0], [-10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-100.0, 0.0, 0.0]),
+            refinements=_per_axis(1),
         ),
         Candidate(
             "encoder_quantisation",
-            ("resolution_um",),
-            lambda _, p: Change(coarse_um=abs(p[0])),
-            lambda scene, _given: _grids(
-                scene.touches.deviation_um, scene.nominal.axis.resolution_um
-            ),
-            exact=True,
+            ("resolution_um", "is_coordinate"),
+            lambda _, p: Change(coarse_um=abs(p[0]), is_on_grid=p[1] == 0.0),
+            _resolutions,
         ),
         Candidate(
             "thermal_drift",
-            ("drift_um_k", "lag_s"),
-            lambda scene, p: Change(position_um=scene.sign * p[0] * _lagged(scene, abs(p[1]))),
-            _fixed([2.0, 0.0], [2.0, 300.0], [2.0, 3000.0], [-2.0, 300.0]),
+            ("drift_um_k", "lag_s", "cold", "y_more", "z_more"),
+            lambda scene, p: Change(
+                position_um=scene.sign
+                * (p[0] * _lagged(scene, abs(p[1]), _share(p[2])))
+                * scene.over_x(p[3], p[4])
+            ),
+            _fixed(
+                *(
+                    [um, lag_s, 0.0, 0.0, 0.0]
+                    for um in (2.0, -2.0)
+                    for lag_s in (0.0, 300.0, 3000.0)
+                ),
+                [2.0, 500.0, 1.0, 0.0, 0.0],
+                [-2.0, 500.0, 1.0, 0.0, 0.0],
+            ),
+            refinements=_per_axis(3),
         ),
-        Candidate("rotary_pivot", ("x_um", "y_um"), _pivot, _fixed([5.0, 0.0], [0.0, 5.0])),
+        Candidate(
+            "rotary_pivot",
+            ("x_um", "y_um", "unset", "mirrored"),
+            _pivot,
+            _fixed(
+                *(
+                    [x, y, unset, mirrored]
+                    for x, y in ((5.0, 0.5), (0.5, -5.0), (-5.0, 0.5), (0.5, 5.0))
+                    for unset, mirrored in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
+                )
+            ),
+        ),
         Candidate(
             "report_delay",
-            ("delay_us", "queue_us"),
+            ("delay_us", "queue_us", "direct"),
             lambda _, p: Change(
-                report_us=p[0], report_extra=(Extra(1.0, mean=max(abs(p[1]), 1e-3)),)
+                report_us=p[0],
+                report_extra=(Extra(1.0 - _share(p[2]), mean=max(abs(p[1]), 1e-3)),),
             ),
-            _fixed([50.0, 1.0], [50.0, 100.0], [500.0, 1000.0]),
+            _fixed(
+                [10.0, 0.0, 0.0],
+                [100.0, 0.0, 0.0],
+                [0.0, 20.0, 0.5],
+                [0.0, 200.0, 0.5],
+                [50.0, 100.0, 0.0],
+            ),
         ),
     )
 }

@@ -24,25 +24,36 @@ class Change:
     plc_us: Number = 0.0
     period_us: float = 0.0
     """Added to the scan period."""
-    wait: tuple[float, float] | None = None
-    """Where in the scan the pin changes: centre and spread, as shares of the period."""
+    wait: tuple[float, float, float] | None = None
+    """Where in the scan the pin changes: centre and spread, as shares of the period, and the share
+    of the touches for which it is anywhere."""
     stamp_us: Number = 0.0
     """Added to the stamp alone."""
     position_um: Number = 0.0
     position_box_um: Number = 0.0
     """Width of a box by which the position is scattered further, from 0 up."""
+    position_sigma_um: Number = 0.0
+    """Standard deviation by which the position is scattered further."""
+    position_extra: tuple[Extra, ...] = ()
     coarse_um: float = 0.0
     """Resolution of the position, if coarser than believed."""
     coarse_us: float = 0.0
     """Tick of the skip path's stamps, if coarser than believed."""
+    is_on_grid: bool = True
+    """Coarse ticks are whole numbers of the believed ones and count from the same origin."""
     report_us: Number = 0.0
     pin_extra: tuple[Extra, ...] = ()
     skip_extra: tuple[Extra, ...] = ()
     lattice_extra: tuple[Extra, ...] = ()
-    """Scans that begin late."""
+    """Stamps of scans that begin late."""
+    scan_extra: tuple[Extra, ...] = ()
+    """What such scans add to the wait for one."""
     report_extra: tuple[Extra, ...] = ()
     lost: float = 0.0
     """Share of touches that are never seen."""
+    slack: float = 0.0
+    """What scatter a shift brings along, as a share of its root mean square: no real effect has
+    just the form that is fitted."""
 
     def joined(self, other: "Change") -> "Change":
         """Give both changes together."""
@@ -58,13 +69,18 @@ class Change:
             stamp_us=self.stamp_us + other.stamp_us,
             position_um=self.position_um + other.position_um,
             position_box_um=self.position_box_um + other.position_box_um,
+            position_sigma_um=np.hypot(self.position_sigma_um, other.position_sigma_um),
+            position_extra=_both(self.position_extra, other.position_extra),
             coarse_um=max(self.coarse_um, other.coarse_um),
             coarse_us=max(self.coarse_us, other.coarse_us),
+            is_on_grid=self.is_on_grid and other.is_on_grid,
             report_us=self.report_us + other.report_us,
             pin_extra=_both(self.pin_extra, other.pin_extra),
             skip_extra=_both(self.skip_extra, other.skip_extra),
             lattice_extra=_both(self.lattice_extra, other.lattice_extra),
+            scan_extra=_both(self.scan_extra, other.scan_extra),
             report_extra=_both(self.report_extra, other.report_extra),
+            slack=max(self.slack, other.slack),
             lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
         )
 
@@ -83,6 +99,8 @@ def _both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, .
             np.asarray(a.offset) + b.offset,
             np.hypot(a.width, b.width),
             np.asarray(a.mean) + b.mean,
+            np.hypot(a.sigma, b.sigma),
+            np.maximum(a.boxless, b.boxless),
         )
         for a in first
         for b in second

@@ -8,9 +8,11 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates import CANDIDATES, Candidate
 from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.generic import families
+from skiplatch.diagnosis.law import Law, extra_variance
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
 from skiplatch.diagnosis.scene import BoolArray, Scene
-from skiplatch.diagnosis.search import NOTHING, WIDENINGS, Fit, fit
+from skiplatch.diagnosis.search import NOTHING, WIDENINGS, WORTH_A_REFINEMENT, Fit, fit, polish
 
 MOST_EFFECTS = 2
 ENOUGH_FIT = 5.0
@@ -19,10 +21,28 @@ ENOUGH_CHECK = 1.0
 """Nats of gain on touches that it was not fitted to."""
 ENOUGH_A_TOUCH = 0.005
 """Nats a touch below which a gap is not material: a shift by a tenth of the rig's own spread."""
-REFINED_PAIRS = 3
+CONTENDS = 0.25
+"""Share of the best gain from which on other forms of an effect are tried."""
+REFINED_PAIRS = 2
 FINEST = (0.0,)
+COARSE = (0.1, 0.0)
+MISSING = 0.2
+"""Share of the gain that rare events may cost where the check happens to have none."""
+PLAIN = 15.0
+"""Nats of gain that need no check to be believed, only that it does not speak against."""
+RELATIVE = 0.25
+"""What variance counts for, beside the square of a shift."""
 SMALLEST_SHIFT = 0.2
 """Shift, root mean square over the rig's own spread, that is material."""
+SMALLEST_SECOND = 0.05
+"""Gain of a second effect over that of the first, whose form is never just the one fitted."""
+MOST_SWAPS = 2
+MIMICRY = 0.75
+"""Share of a family's gain that an effect has to reach to be named in its place."""
+LEFT_OVER = 1.5
+"""What a family may gain on top of an effect, as a share of the effect's own gain."""
+TEMPER = 0.5
+"""How far differences in nats are believed: no real effect has just the form that is fitted."""
 TIED = 3.0
 """Nats of difference that do not tell two effects apart."""
 
@@ -92,27 +112,53 @@ class Judge:
 
     def singles(self) -> list[Scored]:
         """Every candidate alone, by falling score."""
+        return self._ranked(self._contest(self._candidates(), NOTHING))
+
+    def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
+        """Fit all candidates plainly, and those that come near the best of them in other forms."""
         models = [
-            (self._fitting, [c], c.starts(self._fitting, NOTHING), NOTHING, WIDENINGS)
-            for c in self._candidates()
+            (self._fitting, [c], c.starts(self._fitting, given), given, WIDENINGS)
+            for c in candidates
         ]
-        return self._ranked(self._map(_fit, models))
+        fits = list(self._map(_fit, models))
+        gains = [self._gain(found, given) for found in fits]
+        least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
+        near = [i for i, gain in enumerate(gains) if gain >= least]
+        for i, found in zip(
+            near, self._map(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
+        ):
+            fits[i] = found
+        return fits
+
+    def _gain(self, found: Fit, given: Change) -> float:
+        """Gain of a model on the touches it was fitted to, over what is given."""
+        change = given.joined(found.change(self._fitting))
+        return likelihood(self._fitting, change).total - likelihood(self._fitting, given).total
+
+    def generic(self, given: Fit | None = None) -> list[Scored]:
+        """Every family that names no effect, alone or on top of a model, by falling score."""
+        change = given.change(self._fitting) if given else NOTHING
+        return self._ranked(
+            _both(given, found) if given else found
+            for family in families(self._fitting, change)
+            for found in [
+                fit(self._fitting, [family], family.starts(self._fitting, change), change, COARSE)
+            ]
+        )
 
     def pairs(self, first: Scored) -> list[Scored]:
         """The first effect with every other one: one by one on top of it, the best then jointly."""
         given = first.fit.change(self._fitting)
-        models = [
-            (self._fitting, [c], c.starts(self._fitting, given), given, WIDENINGS)
-            for c in self._candidates()
-            if c.id not in first.ids
-        ]
-        on_top = self._ranked(_both(first.fit, second) for second in self._map(_fit, models))
+        others = [c for c in self._candidates() if c.id not in first.ids]
+        on_top = self._ranked(_both(first.fit, second) for second in self._contest(others, given))
         jointly = [self._refined(pair) for pair in on_top[:REFINED_PAIRS]]
         return sorted(jointly + on_top[REFINED_PAIRS:], key=lambda scored: -scored.score)
 
     def _refined(self, pair: Scored) -> Scored:
         start = np.concatenate(pair.fit.parameters).tolist()
-        refined = fit(self._fitting, pair.fit.candidates, [start], widenings=FINEST)
+        refined = polish(
+            self._fitting, fit(self._fitting, pair.fit.candidates, [start], widenings=FINEST)
+        )
         return max(pair, self.score(refined), key=lambda scored: scored.score)
 
     def _ranked(self, fits: Iterable[Fit]) -> list[Scored]:
@@ -127,9 +173,12 @@ class Judge:
         checked = scored.checked - (before.checked if before else 0.0)
         parameters = scored.fit.size - (before.fit.size if before else 0)
         touches = int(self.parts.naming.sum())
+        if before and fitted + checked < SMALLEST_SECOND * (before.fitted + before.checked):
+            return False
+        gained = fitted + checked - worth(parameters)
         return (
             fitted - worth(parameters) > ENOUGH_FIT
-            and checked > ENOUGH_CHECK
+            and (checked > ENOUGH_CHECK or (gained > PLAIN and checked > -MISSING * fitted))
             and (fitted + checked) / touches > ENOUGH_A_TOUCH
             and is_material(self._fitting, scored.fit, len(before.ids) if before else 0)
         )
@@ -165,35 +214,78 @@ def find(judge: Judge) -> Finding:
     ranked = judge.singles()
     if not judge.is_enough(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
-    best, rivals = ranked[0], ranked
+    best = ranked[0]
     pairs = judge.pairs(best)
     if judge.is_enough(pairs[0], before=best):
-        second = _group(pairs, position=1)
-        swapped = judge.pairs(_alone(judge, pairs[0], position=1))
-        first = _group([pairs[0], *(pair for pair in swapped if pair.ids[1] != best.ids[0])], 1)
-        names = (first[0], second[0])
-        return Finding(pairs[0], names, (first[1], second[1]), tuple(pairs))
-    group, confidence = _group(rivals, position=0)
+        return _two(judge, pairs)
+    group, confidence = _group(ranked, position=0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
+
+
+def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
+    """Hold a finding against the families that name no effect.
+
+    Returns:
+        The finding, without a model if a family does clearly better than it, and the family that
+        is left over, alone or on top of the finding; empty for none.
+    """
+    generic = judge.generic()
+    plain = next((g for g in generic if judge.is_enough(g)), None)
+    if finding.model is None:
+        return finding, plain.ids[0] if plain else ""
+    score = finding.model.score
+    if plain and plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score:
+        return Finding(None, ranking=finding.ranking), plain.ids[0]
+    on_top = [g for g in judge.generic(finding.model.fit) if judge.is_enough(g, finding.model)]
+    if on_top and on_top[0].score - score > score * LEFT_OVER:
+        return Finding(None, ranking=finding.ranking), on_top[0].ids[-1]
+    return finding, on_top[0].ids[-1] if on_top else ""
+
+
+def _two(judge: Judge, pairs: list[Scored]) -> Finding:
+    """Settle two effects: each is searched for anew, given the other, until neither changes."""
+    best, other = pairs[0], pairs
+    for _ in range(MOST_SWAPS):
+        swapped = judge.pairs(_alone(judge, best, position=1))
+        if set(swapped[0].ids) == set(best.ids) or swapped[0].score <= best.score:
+            break
+        best, other = swapped[0], swapped
+    else:
+        swapped = judge.pairs(_alone(judge, best, position=1))
+    second = _group([best, *(pair for pair in other if pair is not best)], 1)
+    rest = (pair for pair in swapped if pair.ids[1] != best.ids[0])
+    first = _group([best, *rest], 1, best.ids[0])
+    return Finding(best, (first[0], second[0]), (first[1], second[1]), tuple(other))
 
 
 def _alone(judge: Judge, pair: Scored, position: int) -> Scored:
     """Give one effect of a pair with the parameters it has there."""
     model = pair.fit
-    single = Fit((model.candidates[position],), (model.parameters[position],), model.reached)
+    single = Fit(
+        (model.candidates[position],),
+        (model.parameters[position],),
+        model.reached,
+        model.slack,
+    )
     return judge.score(single)
 
 
-def _group(ranked: Sequence[Scored], position: int) -> tuple[tuple[str, ...], float]:
-    """Name the effects tied with the best of a ranking, and how sure the group is."""
-    best = ranked[0]
+def _group(ranked: Sequence[Scored], position: int, own: str = "") -> tuple[tuple[str, ...], float]:
+    """Name the effects tied with the best of a ranking, and how sure the group is.
+
+    Args:
+        ranked: The best first.
+        position: Of the effect in question in the models.
+        own: Its id in the best one, where that stands elsewhere.
+    """
+    own = own or ranked[0].ids[position]
     scores = np.array([scored.score for scored in ranked])
-    weights = np.exp(scores - scores.max())
-    tied = scores > scores.max() - TIED
+    weights = np.exp(TEMPER * np.minimum(scores - scores[0], 0.0))
+    tied = scores > scores[0] - TIED
     names = tuple(
         scored.ids[position]
         for scored, is_tied in zip(ranked[1:], tied[1:], strict=True)
-        if is_tied and scored.ids[position] != best.ids[position]
+        if is_tied and scored.ids[position] != own
     )
     return names, float(weights[tied].sum() / weights.sum())
 
@@ -202,16 +294,30 @@ def is_material(scene: Scene, model: Fit, position: int) -> bool:
     """Tell whether one effect of a model changes more than a small part of the rig's own spread."""
     change = model.candidates[position].change(scene, model.parameters[position])
     for name in affected(scene, change):
-        if name == MISSED or name == "lattice":
+        if name == MISSED:
             return True
         stream = scene.streams[name]
         law = law_under(scene, stream, change)
-        if law.extras or not np.allclose(law.spread, stream.law.spread, rtol=SMALLEST_SHIFT):
-            return True
-        shift = ((law.mean - stream.law.mean) / stream.law.spread)[stream.rows]
-        if np.sqrt(np.mean(shift**2)) > SMALLEST_SHIFT:
+        if name == "lattice":
+            if is_off_grid(scene, change, law):
+                return True
+            continue
+        shift = (law.mean - stream.law.mean) ** 2
+        scatter = np.abs(law.spread**2 - stream.law.spread**2) + extra_variance(law)
+        if not stream.rows.any():
+            continue
+        moved = ((shift + RELATIVE * scatter) / stream.law.spread**2)[stream.rows]
+        if np.sqrt(np.mean(moved)) > SMALLEST_SHIFT:
             return True
     return False
+
+
+def is_off_grid(scene: Scene, change: Change, law: Law) -> bool:
+    """Tell whether stamps lie off the believed grid by more than a tick."""
+    scatter = float(np.sqrt(max(extra_variance(law)[0], 0.0)))
+    late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[0])
+    moved = change.period_us != 0.0 or bool(np.any(np.asarray(change.stamp_us) != 0.0))
+    return moved or max(scatter, late) > scene.nominal.skip.tick_us
 
 
 def _both(first: Fit, second: Fit) -> Fit:
@@ -219,7 +325,12 @@ def _both(first: Fit, second: Fit) -> Fit:
         first.candidates + second.candidates,
         first.parameters + second.parameters,
         first.reached | second.reached,
+        max(first.slack, second.slack),
     )
+
+
+def _polish(model: tuple[Scene, Fit, Change]) -> Fit:
+    return polish(*model)
 
 
 def _fit(

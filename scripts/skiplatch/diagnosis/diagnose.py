@@ -10,7 +10,7 @@ import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split
+from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split, weigh
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, intervals
@@ -21,6 +21,8 @@ from skiplatch.simulator import Effect, effects
 MOST_TOUCHES = 4_000
 """Touches that the search looks at; a larger campaign is drawn from."""
 FEWEST_TOUCHES = 30
+FEWEST_FALSE = 2
+"""Latches without a contact that are no accident."""
 MOST_LEFT = 0.35
 """Share of the structures that may be left for a finding to count as explained."""
 
@@ -107,13 +109,14 @@ def _drawn(scene: Scene, seed: int) -> Scene:
 
 def _diagnose(scene: Scene, touches: int, pool: Executor | None, seed: int, jobs: int) -> Diagnosis:
     parts = split(len(scene), seed)
-    finding = find(Judge(scene, parts, pool))
+    judge = Judge(scene, parts, pool)
+    finding, stranger = weigh(judge, find(judge))
     named = _named(finding, scene.select(parts.naming))
     change = finding.model.fit.change(scene) if finding.model else Change()
     left = structures(scene, change)
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(
-        verdict=_verdict(named, left, scene),
+        verdict=_verdict(scene, named, left, stranger),
         where=_where(scene, finding, left),
         effects=named,
         gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs),
@@ -145,9 +148,14 @@ def _notes(scene: Scene, touches: int) -> list[str]:
     return notes
 
 
-def _verdict(named: Sequence[Named], left: Sequence[Structure], scene: Scene) -> Verdict:
+def _verdict(
+    scene: Scene, named: Sequence[Named], left: Sequence[Structure], stranger: str
+) -> Verdict:
     if not named:
-        return Verdict.UNKNOWN if left else Verdict.NO_GAP
+        is_unknown = left or stranger or scene.false.sum() >= FEWEST_FALSE
+        return Verdict.UNKNOWN if is_unknown else Verdict.NO_GAP
+    if stranger:
+        return Verdict.PARTLY_EXPLAINED
     before = structures(scene, Change())
     was = sum(abs(np.log(max(s.p_value, 1e-300))) for s in before)
     remains = sum(abs(np.log(max(s.p_value, 1e-300))) for s in left)

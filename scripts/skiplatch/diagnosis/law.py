@@ -9,12 +9,14 @@ from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import special, stats
+from scipy import special
 
 FloatArray = NDArray[np.float64]
 
 CONTAMINATION = 1e-3
 """Share of touches that may lie anywhere: no law is trusted beyond that."""
+SHORT = 0.3
+"""Mean of an exponential, over the scatter of the boxes, that leaves the boxes their shape."""
 SMALLEST = 1e-4
 """Scatter in µs or µm below which nothing is resolved, so that no density becomes infinite."""
 
@@ -28,6 +30,10 @@ class Extra:
     width: FloatArray | float = 0.0
     mean: FloatArray | float = 0.0
     """Of the exponential."""
+    sigma: FloatArray | float = 0.0
+    """Of a Gaussian."""
+    boxless: FloatArray | float = 0.0
+    """1 where the widest box of the law is not there for these touches."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +56,15 @@ class Law:
             return value[rows] if isinstance(value, np.ndarray) and value.ndim else value
 
         extras = tuple(
-            Extra(e.share, part(e.offset), part(e.width), part(e.mean)) for e in self.extras
+            Extra(
+                e.share,
+                part(e.offset),
+                part(e.width),
+                part(e.mean),
+                part(e.sigma),
+                part(e.boxless),
+            )
+            for e in self.extras
         )
         return type(self)(
             offset=np.asarray(part(self.offset)),
@@ -69,7 +83,8 @@ class Law:
         """Mean of each residual; shape (n,)."""
         mean = self.offset + (self.box_a + self.box_b) / 2.0
         for e in self.extras:
-            mean = mean + e.share * (e.offset + np.asarray(e.width) / 2.0 + e.mean)
+            gone = np.asarray(e.boxless) * self.box_a / 2.0
+            mean = mean + e.share * (e.offset + np.asarray(e.width) / 2.0 + e.mean - gone)
         return np.asarray(mean)
 
     @property
@@ -90,39 +105,62 @@ class Law:
         for extra in self.extras:
             density = density + extra.share * self._with(extra, residuals)
             rest -= extra.share
-        density = density + rest * self._plain(residuals - self.offset, self.box_a, self.box_b)
+        density = density + rest * _plain(self, residuals - self.offset)
         wide = 1.0 / (np.pi * reach * (1.0 + (residuals / reach) ** 2))  # Cauchy
         return np.asarray(np.log((1.0 - CONTAMINATION) * density + CONTAMINATION * wide))
 
-    def _plain(
-        self,
-        centred: FloatArray,
-        box_a: FloatArray,
-        box_b: FloatArray,
-        variance: FloatArray | float = 0.0,
-    ) -> FloatArray:
-        sigma = np.sqrt(self.sigma**2 + variance + SMALLEST**2)
-        return box_box_gauss(centred, sigma, box_a, box_b)
-
     def _with(self, extra: Extra, residuals: FloatArray) -> FloatArray:
         centred = residuals - self.offset - extra.offset
-        if np.any(np.asarray(extra.mean) > 0.0):
-            return self._with_exponential(extra, centred)
+        law = replace(
+            self,
+            sigma=np.hypot(self.sigma, extra.sigma),
+            box_a=self.box_a * (1.0 - np.asarray(extra.boxless)),
+        )
+        boxes_sigma = np.sqrt((law.box_a**2 + law.box_b**2) / 12.0)
+        if np.any(np.asarray(extra.mean) > SHORT * boxes_sigma):
+            return _with_exponential(law, extra, centred)
+        law = replace(law, sigma=np.hypot(law.sigma, extra.mean))
+        centred = centred - extra.mean
         boxes = np.sort(
             np.stack(
-                np.broadcast_arrays(self.box_a, self.box_b, np.asarray(extra.width), centred)[:3]
+                np.broadcast_arrays(law.box_a, law.box_b, np.asarray(extra.width), centred)[:3]
             ),
             axis=0,
         )
         # The narrowest of three boxes counts by its mean and variance.
-        return self._plain(centred - boxes[0] / 2.0, boxes[1], boxes[2], boxes[0] ** 2 / 12.0)
+        sigma = np.sqrt(law.sigma**2 + boxes[0] ** 2 / 12.0)
+        wide = replace(law, sigma=sigma, box_a=boxes[1], box_b=boxes[2])
+        return _plain(wide, centred - boxes[0] / 2.0)
 
-    def _with_exponential(self, extra: Extra, centred: FloatArray) -> FloatArray:
-        widths = (self.box_a, self.box_b, np.asarray(extra.width))
-        middle = sum(width / 2.0 for width in widths)
-        sigma = np.sqrt(self.sigma**2 + SMALLEST**2 + sum(width**2 / 12.0 for width in widths))
-        mean = np.maximum(np.asarray(extra.mean), SMALLEST)
-        return np.asarray(stats.exponnorm.pdf(centred, mean / sigma, loc=middle, scale=sigma))
+
+def _plain(law: Law, centred: FloatArray) -> FloatArray:
+    """Density of the boxes and the Gaussian alone."""
+    sigma = np.sqrt(law.sigma**2 + SMALLEST**2)
+    return box_box_gauss(centred, sigma, law.box_a, law.box_b)
+
+
+def _with_exponential(law: Law, extra: Extra, centred: FloatArray) -> FloatArray:
+    widths = (law.box_a, law.box_b, np.asarray(extra.width))
+    middle = sum(width / 2.0 for width in widths)
+    sigma = np.sqrt(law.sigma**2 + SMALLEST**2 + sum(width**2 / 12.0 for width in widths))
+    mean = np.maximum(np.asarray(extra.mean), SMALLEST)
+    x = centred - middle
+    # The exponentially modified Gaussian, by logarithms: its factors overflow.
+    logarithm = 0.5 * (sigma / mean) ** 2 - x / mean + special.log_ndtr(x / sigma - sigma / mean)
+    return np.asarray(np.exp(logarithm) / mean)
+
+
+def extra_variance(law: Law) -> FloatArray:
+    """Variance that extras add to each residual; shape (n,)."""
+    mean, square = np.zeros_like(law.offset), np.zeros_like(law.offset)
+    for e in law.extras:
+        gone = np.asarray(e.boxless) * law.box_a / 2.0
+        middle = np.asarray(e.offset) + np.asarray(e.width) / 2.0 + np.asarray(e.mean) - gone
+        inner = np.asarray(e.width) ** 2 / 12.0 + np.asarray(e.mean) ** 2
+        inner = inner + np.asarray(e.sigma) ** 2 - np.asarray(e.boxless) * law.box_a**2 / 12.0
+        mean = mean + e.share * middle
+        square = square + e.share * (inner + middle**2)
+    return np.asarray(np.maximum(square - mean**2, -(law.spread**2)))
 
 
 def box_box_gauss(

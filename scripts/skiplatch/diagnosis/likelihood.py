@@ -14,13 +14,14 @@ from skiplatch.diagnosis.scene import Scene, Stream
 
 MISSED = "missed"
 """Name of the stream of touches that were not latched."""
-NEVER_LOST = 1e-4
+NEVER_LOST = 1e-5
 """Share of touches that may be missed for reasons of their own."""
 OFF_GRID = 1e-3
 """Share of values that may lie off a coarse grid."""
 SHORTEST_PERIOD = 0.1
 """Of the believed one."""
 PHASES = 15
+NEAR = np.linspace(-1.0, 1.0, 5)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -69,7 +70,8 @@ def affected(scene: Scene, change: Change) -> frozenset[str]:
         if _differ(law_under(scene, stream, change), stream.law)
         or _grid_bonus(scene, stream, change).any()
     }
-    if change.period_us != 0.0 or np.any(np.asarray(change.stamp_us) != 0.0):
+    stamped = np.broadcast_to(np.asarray(change.stamp_us), (len(scene),))[scene.plc]
+    if change.period_us != 0.0 or np.any(stamped != 0.0):
         names |= {"lattice"} & scene.streams.keys()
     if change.lost > 0.0:
         names.add(MISSED)
@@ -92,6 +94,8 @@ def _missed(scene: Scene, change: Change) -> FloatArray:
 
 def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float) -> FloatArray:
     rows = stream.rows
+    if not rows.any():
+        return np.zeros(len(scene))
     law = law_under(scene, stream, change).select(rows)
     if widening:
         law = law.widened(widening * stream.size)
@@ -122,7 +126,12 @@ def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
         "deviation_plc": _deviation,
         "report": _report,
     }
-    return builders[stream.name](scene, stream.law, change)
+    law = builders[stream.name](scene, stream.law, change)
+    if change.slack == 0.0 or stream.name == "lattice":
+        return law
+    shift = (law.offset - stream.law.offset)[stream.rows]
+    scatter = change.slack * float(np.sqrt(np.mean(shift**2))) if len(shift) else 0.0
+    return replace(law, sigma=np.hypot(law.sigma, scatter))
 
 
 def _motion(_scene: Scene, law: Law, change: Change) -> Law:
@@ -163,11 +172,24 @@ def _scanned(scene: Scene, law: Law, change: Change, scale: FloatArray | float) 
     if change.wait is None:
         wider = _on_path(scene, 0.0, period - scene.nominal.plc.scan_us)
         return replace(law, box_a=np.maximum(law.box_a + wider * scale, 0.0))
-    centre, spread = change.wait
-    locked = _on_path(scene, 0.0, centre * period)
-    sigma = np.where(scene.plc, np.hypot(law.sigma, spread * period * scale), law.sigma)
-    box = np.where(scene.plc, 0.0, law.box_a)
-    return replace(law, offset=law.offset + locked * scale, sigma=sigma, box_a=box)
+    wider = _on_path(scene, 0.0, period - scene.nominal.plc.scan_us)
+    return replace(law, box_a=np.maximum(law.box_a + wider * scale, 0.0))
+
+
+def _locked(scene: Scene, change: Change) -> tuple[Extra, ...]:
+    """Touches whose wait for the scan is about one value, as extras that lack the scan's box."""
+    if change.wait is None:
+        return ()
+    centre, spread, unlocked = change.wait
+    period = scan_period_us(scene, change)
+    return (
+        Extra(
+            1.0 - unlocked,
+            offset=_on_path(scene, 0.0, centre * period),
+            sigma=_on_path(scene, 0.0, spread * period),
+            boxless=_on_path(scene, 0.0, 1.0),
+        ),
+    )
 
 
 def _with_extras(scene: Scene, law: Law, change: Change, scale: FloatArray | float) -> Law:
@@ -177,12 +199,20 @@ def _with_extras(scene: Scene, law: Law, change: Change, scale: FloatArray | flo
     on_plc = np.where(scene.plc, 1.0, 0.0) * scale
     both = Change(pin_extra=tuple(extras))
     both = both.joined(Change(pin_extra=tuple(_scaled(e, on_skip) for e in change.skip_extra)))
-    both = both.joined(Change(pin_extra=tuple(_scaled(e, on_plc) for e in change.lattice_extra)))
+    both = both.joined(Change(pin_extra=tuple(_scaled(e, on_plc) for e in change.scan_extra)))
+    both = both.joined(Change(pin_extra=tuple(_scaled(e, scale) for e in _locked(scene, change))))
     return replace(law, extras=both.pin_extra)
 
 
 def _scaled(extra: Extra, scale: FloatArray | float) -> Extra:
-    return Extra(extra.share, extra.offset * scale, extra.width * scale, extra.mean * scale)
+    return replace(
+        extra,
+        offset=extra.offset * scale,
+        width=extra.width * scale,
+        mean=extra.mean * scale,
+        sigma=extra.sigma * scale,
+        boxless=np.where(np.asarray(scale) > 0.0, extra.boxless, 0.0),
+    )
 
 
 def _coarser_us(scene: Scene, change: Change) -> FloatArray:
@@ -198,6 +228,20 @@ def _lattice(_scene: Scene, law: Law, change: Change) -> Law:
     return replace(law, extras=change.lattice_extra)
 
 
+def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, FloatArray]:
+    """Tabulate the logarithm of the density off the grid, over one period; fine near the peak."""
+    tick = scene.nominal.skip.tick_us
+    peak = np.linspace(-4.0 * tick, 4.0 * tick, 129)
+    rest = np.linspace(-0.5, 0.5, 257) * period
+    where = np.unique(np.concatenate([peak, rest]))
+    around = (0, 1) if law.extras else (0,)
+    one = np.ones_like(where)
+    parts = [one * part[0] for part in (law.offset, law.sigma, law.box_a, law.box_b)]
+    scalar = Law(parts[0], parts[1], parts[2], parts[3], law.extras)
+    logs = [scalar.log_density(where + k * period, period) for k in around]
+    return where, np.logaddexp.reduce(logs) + np.log(period)
+
+
 def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> FloatArray:
     """How much likelier stamps are for the grid, whose phase is chosen to fit best; shape (rows,).
 
@@ -207,21 +251,18 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
     period = scan_period_us(scene, change)
     stamps = (scene.touches.latch_us - change.stamp_us)[rows]
     turns = (stamps / period) % 1.0
-    reach = period
+    where, table = _lattice_table(scene, law, period)
 
     def values(phase: float) -> FloatArray:
         off = (turns - phase + 0.5) % 1.0 - 0.5
-        around = [
-            law.log_density((off + k) * period, reach) for k in ((0, 1) if law.extras else (0,))
-        ]
-        return np.asarray(np.logaddexp.reduce(around) + np.log(period))
+        return np.interp(off * period, where, table)
 
     phases = np.unique(turns)
     if len(phases) > PHASES:
         phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
     best = max(phases, key=lambda phase: float(values(phase).sum()))
     step = scene.nominal.skip.tick_us / period
-    near = best + step * np.array([-1.0, -0.5, 0.0, 0.5, 1.0])
+    near = best + step * NEAR
     found = values(max(near, key=lambda phase: float(values(phase).sum())))
     if change.wait is not None and found.sum() < 0.0:
         return np.zeros(len(turns))  # scans that wait for the motion need not keep a grid
@@ -245,6 +286,13 @@ def _position(scene: Scene, law: Law, change: Change) -> Law:
 
 
 def _with_position_box(law: Law, change: Change) -> Law:
+    law = replace(
+        law,
+        sigma=np.hypot(law.sigma, change.position_sigma_um),
+        extras=Change(pin_extra=law.extras)
+        .joined(Change(pin_extra=change.position_extra))
+        .pin_extra,
+    )
     if np.any(np.asarray(change.position_box_um) > 0.0):
         box = Change(pin_extra=(Extra(1.0, width=change.position_box_um),))
         return replace(law, extras=Change(pin_extra=law.extras).joined(box).pin_extra)
@@ -280,10 +328,10 @@ def _report(scene: Scene, law: Law, change: Change) -> Law:
 
 def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     """A coarse grid holds all its probability on few values: what that adds to the logarithm."""
-    if stream.name == "latch_skip" and change.coarse_us > 0.0:
+    if stream.name == "latch_skip" and change.coarse_us > 0.0 and change.is_on_grid:
         return _on_grid(scene.touches.latch_us, change.coarse_us, scene.nominal.skip.tick_us)
     is_length = stream.unit == "µm"
-    if is_length and change.coarse_um > 0.0:
+    if is_length and change.coarse_um > 0.0 and change.is_on_grid:
         resolution = scene.nominal.axis.resolution_um
         return _on_grid(scene.touches.deviation_um, change.coarse_um, resolution)
     return np.zeros(len(scene))

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.campaign import Campaign, InputPath, Kind, Nominal, Touches
+from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Nominal, Status, Touches
 from skiplatch.diagnosis.law import FloatArray, Law
 from skiplatch.motion import Contact, expected_contact
 
@@ -133,6 +133,31 @@ class Scene:
         return np.full(len(self), self.nominal.bench.reference_jitter_us)
 
     @cached_property
+    def false(self) -> BoolArray:
+        """Latched with no contact: nothing of it is an outcome of the chain; shape (n,)."""
+        return np.asarray(self.touches.status == Status.FALSE)
+
+    def over_x(self, y_more: float, z_more: float) -> FloatArray:
+        """Give what an error that differs from axis to axis is over that of X; shape (n,)."""
+        axis = self.touches.axis
+        return np.select([axis == Axis.Y, axis == Axis.Z], [1.0 + y_more, 1.0 + z_more], 1.0)
+
+    @cached_property
+    def rest_s(self) -> FloatArray:
+        """From the start of the move before to that of this one, the first like the second."""
+        if self.whole is not None:
+            return self.whole.rest_s[self.chosen]
+        steps = np.diff(self.touches.time_s)
+        return np.concatenate([steps[:1], steps]) if len(steps) else np.zeros(len(self))
+
+    @cached_property
+    def alpha_before(self) -> FloatArray:
+        """Azimuth of the touch before in radians; shape (n,)."""
+        if self.whole is not None:
+            return self.whole.alpha_before[self.chosen]
+        return np.roll(self.alpha, 1)
+
+    @cached_property
     def has_stamps(self) -> BoolArray:
         """The latch was stamped; shape (n,)."""
         return ~np.isnan(self.touches.latch_us)
@@ -174,7 +199,7 @@ class Scene:
         law: tuple[float | FloatArray, ...],
         rows: BoolArray,
     ) -> Stream:
-        known = rows & ~np.isnan(residuals)
+        known = rows & ~np.isnan(residuals) & ~self.false
         offset, sigma, box_a, box_b = map(self._full, law)
         full_law = Law(offset, sigma, box_a, box_b)
         return Stream(name, unit, stages, np.nan_to_num(residuals), full_law, known)

@@ -13,13 +13,21 @@ from skiplatch.diagnosis.likelihood import affected, likelihood
 from skiplatch.diagnosis.scene import Scene
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)
+HOPELESS_AFTER = 2
+"""Widenings after which an effect that gains nothing is not looked into further."""
+HOPELESS = 0.5
+"""Nats."""
+WORTH_A_REFINEMENT = 2.0
+"""Nats that one more parameter has to gain; it is also what it gains by chance."""
 WORST = 1e300
 NOTHING = Change()
 CONFIDENCE = 0.9
 SMALLEST_STEP = 1e-6
 MOST_DOUBLINGS = 40
 KEPT_STARTS = 2
-EVALUATIONS = 150  # a parameter
+SLACKS = (0.05, 0.15, 0.4)
+EVALUATIONS = 60  # a parameter
+COARSE_EVALUATIONS = 25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,18 +38,21 @@ class Fit:
     parameters: tuple[FloatArray, ...]
     reached: frozenset[str]
     """Names of the streams that they can reach."""
+    slack: float = 0.0
+    """Scatter that their shift brings along, as a share of it."""
 
     def change(self, scene: Scene) -> Change:
         """What they make of the physics."""
         total = Change()
         for candidate, parameters in zip(self.candidates, self.parameters, strict=True):
             total = total.joined(candidate.change(scene, parameters))
-        return total
+        return total.joined(Change(slack=self.slack))
 
     @property
     def size(self) -> int:
-        """Number of parameters."""
-        return sum(len(parameters) for parameters in self.parameters)
+        """Number of parameters that are not 0, which is what the others stay at; slack is one."""
+        free = sum(int(np.count_nonzero(parameters)) for parameters in self.parameters)
+        return free + (self.slack > 0.0)
 
 
 def _split(candidates: Sequence[Candidate], values: FloatArray) -> tuple[FloatArray, ...]:
@@ -61,6 +72,7 @@ class _Target:
     ) -> None:
         self._scene = scene
         self._given = given
+        self.slack = 0.0
         self._candidates = tuple(candidates)
         self._names = frozenset[str]()
         self._names = frozenset[str]().union(
@@ -68,10 +80,16 @@ class _Target:
         )
 
     def fit(self, values: FloatArray) -> Fit:
-        return Fit(self._candidates, _split(self._candidates, values), self._names)
+        return Fit(self._candidates, _split(self._candidates, values), self._names, self.slack)
+
+    def without(self, widening: float) -> float:
+        """Give the same for what is given alone."""
+        return self._of(self._given, widening)
 
     def __call__(self, values: FloatArray, widening: float) -> float:
-        change = self._given.joined(self.fit(values).change(self._scene))
+        return self._of(self._given.joined(self.fit(values).change(self._scene)), widening)
+
+    def _of(self, change: Change, widening: float) -> float:
         total = likelihood(self._scene, change, widening, self._names).total
         return -total if np.isfinite(total) else WORST
 
@@ -83,19 +101,29 @@ def _simplex(start: FloatArray) -> FloatArray:
 
 
 def _climb(target: _Target, start: FloatArray, widening: float) -> FloatArray:
+    """Climb from a start; what is 0 in it stays so."""
+    free = np.flatnonzero(start)
+
+    def whole(values: FloatArray) -> FloatArray:
+        point = start.copy()
+        point[free] = values
+        return point
+
+    def minus(values: FloatArray) -> float:
+        return target(whole(values), widening)
+
     found = optimize.minimize(
-        target,
-        start,
-        args=(widening,),
+        minus,
+        start[free],
         method="Nelder-Mead",
         options={
-            "initial_simplex": _simplex(start),
-            "maxfev": EVALUATIONS * len(start),
+            "initial_simplex": _simplex(start[free]),
+            "maxfev": (EVALUATIONS if widening == 0.0 else COARSE_EVALUATIONS) * len(free),
             "xatol": 1e-4,
-            "fatol": 0.02,
+            "fatol": 0.02 if widening == 0.0 else 0.2,
         },
     )
-    return np.asarray(found.x)
+    return whole(found.x)
 
 
 def fit(
@@ -108,13 +136,58 @@ def fit(
     """Fit parameters from several starts, coarse to fine, on top of what is given."""
     points = begun = [np.asarray(start, dtype=float) for start in starts]
     target = _Target(scene, candidates, points, given)
+    is_exact = all(candidate.exact for candidate in candidates)
     for stage, widening in enumerate(widenings):
         kept = KEPT_STARTS if stage == 0 else 1
         points = sorted(points, key=lambda point: target(point, widening))[:kept]
-        if not all(candidate.exact for candidate in candidates):
+        if stage == HOPELESS_AFTER and target(points[0], widening) > (
+            target.without(widening) - HOPELESS
+        ):
+            break
+        if not is_exact:
             points = [_climb(target, point, widening) for point in points]
     # A start may sit on a peak too sharp to be found by climbing.
-    return target.fit(min([*points, *begun], key=lambda point: target(point, 0.0)))
+    best = min([*points, *begun], key=lambda point: target(point, 0.0))
+    return target.fit(best)
+
+
+def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
+    """Give a fit slack, or a fit of one effect another form, where that is worth it."""
+    best = np.concatenate(found.parameters)
+    target = _Target(scene, found.candidates, [best], given)
+    best = _loosened(target, best)
+    if len(found.candidates) == 1:
+        best = _refined(target, found.candidates[0], best)
+    return target.fit(best)
+
+
+def _loosened(target: _Target, best: FloatArray) -> FloatArray:
+    """Let the effect have another form than the one fitted, if that is worth it."""
+    plain = target(best, 0.0)
+    values = []
+    for target.slack in SLACKS:
+        values.append(target(best, 0.0))
+    target.slack = SLACKS[int(np.argmin(values))]
+    found = _climb(target, best, 0.0)
+    if target(found, 0.0) < plain - WORTH_A_REFINEMENT:
+        return found
+    target.slack = 0.0
+    return best
+
+
+def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
+    """Free one more parameter at a time, as long as that is worth it."""
+    for refinement in candidate.refinements:
+        start = best.copy()
+        for index, value in refinement.items():
+            start[index] = start[index] or value
+        if np.array_equal(start, best):
+            continue
+        found = _climb(target, start, 0.0)
+        more = np.count_nonzero(found) - np.count_nonzero(best)
+        if target(found, 0.0) < target(best, 0.0) - WORTH_A_REFINEMENT * more:
+            best = found
+    return best
 
 
 def intervals(scene: Scene, found: Fit) -> list[list[tuple[float, float]]]:
@@ -125,6 +198,7 @@ def intervals(scene: Scene, found: Fit) -> list[list[tuple[float, float]]]:
     """
     values = np.concatenate(found.parameters)
     target = _Target(scene, found.candidates, [values], NOTHING)
+    target.slack = found.slack
     limit = target(values, 0.0) + float(stats.chi2.ppf(CONFIDENCE, 1)) / 2.0
     ends = [
         (_reach(target, values, i, -1.0, limit), _reach(target, values, i, 1.0, limit))

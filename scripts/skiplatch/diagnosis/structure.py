@@ -11,7 +11,7 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import FloatArray, Law
+from skiplatch.diagnosis.law import SMALLEST, FloatArray, extra_variance
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import Scene, Stream
 
@@ -72,7 +72,7 @@ def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
     rows = stream.rows
     law = law_under(scene, stream, change).select(rows)
     plain = replace(law, extras=())
-    spread = np.sqrt(plain.spread**2 + _extra_variance(law, int(rows.sum())))
+    spread = np.sqrt(np.maximum(plain.spread**2 + extra_variance(law), SMALLEST**2))
     scores = (stream.residuals[rows] - law.mean) / spread
     calm = np.clip(scores, -WINSOR, WINSOR)
     n = len(calm)
@@ -88,17 +88,6 @@ def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
         found.append(_correlation(stream, f"scatter with {name}", excess, values[rows]))
     found.append(_correlation(stream, "the touch before", calm[1:], calm[:-1]))
     return found
-
-
-def _extra_variance(law: Law, n: int) -> FloatArray:
-    """Variance that extras add, touch by touch."""
-    mean, square = np.zeros(n), np.zeros(n)
-    for e in law.extras:
-        middle = np.asarray(e.offset) + np.asarray(e.width) / 2.0 + np.asarray(e.mean)
-        inner = np.asarray(e.width) ** 2 / 12.0 + np.asarray(e.mean) ** 2
-        mean = mean + e.share * middle
-        square = square + e.share * (inner + middle**2)
-    return np.asarray(np.maximum(square - mean**2, 0.0))
 
 
 def _scatter(stream: Stream, scores: FloatArray) -> Structure:
@@ -123,9 +112,7 @@ def _features(scene: Scene) -> Mapping[str, FloatArray]:
     """What a residual could depend on; arrays of shape (n,)."""
     touches = scene.touches
     alpha = scene.alpha
-    rest = np.diff(touches.time_s, prepend=touches.time_s[0])
     turn = np.deg2rad(np.nan_to_num(touches.rotary_deg))
-    before = np.roll(alpha, 1)
     position = np.nan_to_num(touches.position_mm)
     features = {
         "sense of motion": scene.sign,
@@ -138,11 +125,11 @@ def _features(scene: Scene) -> Mapping[str, FloatArray]:
         "temperature": scene.warmth,
         "time": touches.time_s,
         "time squared": (touches.time_s - touches.time_s.mean()) ** 2,
-        "rest before": rest,
+        "rest before": scene.rest_s,
         "elevation": scene.cos_beta,
         "rotary angle (cosine)": np.cos(turn),
         "rotary angle (sine)": np.sin(turn),
-        "turn since the touch before": np.cos(alpha - before),
+        "turn since the touch before": np.cos(alpha - scene.alpha_before),
         "sense times temperature": scene.sign * scene.warmth,
         "sense times position": scene.sign * position,
         "sense times time": scene.sign * touches.time_s,

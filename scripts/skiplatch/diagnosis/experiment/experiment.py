@@ -1,0 +1,236 @@
+"""The experiment that would settle a diagnosis best, by what the simulation lets expect."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from skiplatch.campaign import Campaign, Touches
+from skiplatch.diagnosis.experiment import words
+from skiplatch.diagnosis.experiment.channels import channels, recordable, recorded
+from skiplatch.diagnosis.experiment.choice import choose
+from skiplatch.diagnosis.experiment.conditions import Conditions, spread_out, travel_s
+from skiplatch.diagnosis.experiment.evidence import Samples, exponents, log_likelihoods
+from skiplatch.diagnosis.experiment.trial import Trial
+from skiplatch.simulator import US_PER_S, Controller, Effect, Outcomes, effects, play
+
+if TYPE_CHECKING:
+    from skiplatch.diagnosis.diagnose import Diagnosis
+
+TOUCHES = 60
+MOST_RIVALS = 6
+WARMER_K = 5.0
+DRAWN = 160
+"""Touches to choose from."""
+DRAWN_REPLICATES = 64
+REPLICATES = 192
+FEWEST_REPLICATES = 32
+MOST_SCANS = 1.5e6
+"""Scans that one model may play in one go: irregular ones are played one by one."""
+WORTH_RECORDING = 2
+"""A column is recommended that saves all but one in so many touches."""
+FEW = 6
+"""So few touches are made sooner than a column is recorded."""
+
+Model = tuple[Effect, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Experiment:
+    """What to do next, and what it is expected to tell.
+
+    Attributes:
+        words: Why, for the reader.
+        record: The column to record in addition, or None.
+        touches: The touches to make, the most telling first, with no outcomes.
+        bits_per_touch: Expected information on the model in a touch alone.
+        expected_bits: The same in all touches together.
+        touches_needed: After so many the groups of `separates` are told apart with a probability
+            of 0.95; None if nothing is told apart.
+        separates: The models by group: those within one remain tied. Empty without rivals.
+    """
+
+    words: str
+    record: str | None
+    touches: Touches
+    bits_per_touch: float
+    expected_bits: float
+    touches_needed: int | None
+    separates: tuple[tuple[str, ...], ...]
+
+    @property
+    def resolves(self) -> bool:
+        """Whether it tells every model from every other."""
+        return bool(self.separates) and all(len(group) == 1 for group in self.separates)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Option:
+    """Touches made with one more column recorded, or none, or on a warmer machine."""
+
+    setting: words.Setting
+    conditions: Conditions
+    trial: Trial
+
+    @property
+    def value(self) -> tuple[int, int]:
+        """Orders options: groups told apart, then fewer touches."""
+        return self.trial.count, -(self.trial.touches_needed or 0)
+
+
+def next_experiment(
+    campaign: Campaign, diagnosis: "Diagnosis", *, seed: int, jobs: int = 1, touches: int = TOUCHES
+) -> Experiment:
+    """Say what to record or to touch next.
+
+    Args:
+        campaign: What was diagnosed.
+        diagnosis: What came of it.
+        seed: Picks the random numbers.
+        jobs: Threads to play on; the result does not depend on it.
+        touches: How many touches to recommend.
+    """
+    models = _models(diagnosis)
+    if len(models) > 1:
+        return settle(campaign, models, seed=seed, jobs=jobs, touches=touches)
+    rng = np.random.default_rng(seed)
+    plan = spread_out(campaign.touches, touches, rng).touches
+    why = words.without_rivals(str(diagnosis.verdict), words.name(models[0]) if models else "")
+    return Experiment(why, None, plan, 0.0, 0.0, None, ())
+
+
+def _models(diagnosis: "Diagnosis") -> list[Model]:
+    """Give the finding and what could be true in its place: its rivals, or the next best model."""
+    if not diagnosis.effects:
+        return []
+    finding = tuple(named.effect for named in diagnosis.effects)
+    tied = [ranked.effects for ranked in diagnosis.rivals[1:]]
+    others = tied or [ranked.effects for ranked in diagnosis.ranking]
+    by_name = {words.name(model): model for model in [*reversed(others), finding]}
+    distinct = [finding, *(m for m in others if m is by_name[words.name(m)])]
+    return distinct[: MOST_RIVALS if tied else 2]
+
+
+def settle(
+    campaign: Campaign, models: Sequence[Model], *, seed: int, jobs: int, touches: int = TOUCHES
+) -> Experiment:
+    """Find the experiment that tells two or more models apart best; see `next_experiment`."""
+    rng = np.random.default_rng(seed)
+    drawn = spread_out(campaign.touches, max(DRAWN, touches), rng).brief()
+    stage = _Stage(campaign, models, seed, jobs)
+    kept = recorded(campaign.nominal, campaign.touches)
+    missing = (name for name in recordable(campaign.nominal) if name not in kept)
+    settings = [words.AS_RECORDED, *map(words.Setting, missing)]
+    options = stage.options(settings, drawn, kept, touches)
+    if _best(options).trial.count < len(models) and not np.isnan(drawn.touches.temp_c).any():
+        warm = [words.Setting(warmer_k=WARMER_K)]
+        options += stage.options(warm, drawn.warmer(WARMER_K), kept, touches)
+    return _recommended(options, models)
+
+
+def _best(options: Sequence[_Option]) -> _Option:
+    return max(options, key=lambda option: option.value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Stage:
+    """The rig on which every model plays the same touches with the same random numbers."""
+
+    campaign: Campaign
+    models: Sequence[Model]
+    seed: int
+    jobs: int
+
+    def options(
+        self,
+        settings: Sequence[words.Setting],
+        drawn: Conditions,
+        kept: frozenset[str],
+        touches: int,
+    ) -> list[_Option]:
+        """Choose touches for each setting, and try them."""
+        seen = self.play(drawn, self.replicates(drawn, DRAWN_REPLICATES), first=0)
+        found = []
+        for setting in settings:
+            columns = kept | {setting.column} if setting.column else kept
+            told = exponents(self.samples(drawn, seen, columns))
+            pairs = told[np.triu_indices(len(self.models), k=1)]
+            plan = drawn.chosen(choose(pairs, touches))
+            found.append(_Option(setting, plan, self.tried(plan, columns)))
+            if _is_soon_settled(found[0].trial):
+                break
+        return found
+
+    def replicates(self, conditions: Conditions, wanted: int) -> int:
+        """Give how often to play, fewer times where many scans are late one by one."""
+        stages = {effects()[effect.id].stage for model in self.models for effect in model}
+        if "scan" not in stages:
+            return wanted
+        polled_s = travel_s(conditions.touches)[conditions.touches.on_plc].sum()
+        scans = polled_s * US_PER_S / self.campaign.nominal.plc.scan_us
+        return int(np.clip(MOST_SCANS / max(scans, 1.0), FEWEST_REPLICATES, wanted))
+
+    def play(self, conditions: Conditions, replicates: int, *, first: int) -> list[Outcomes]:
+        nominal, touches = self.campaign.nominal, conditions.touches
+        return [
+            play(
+                nominal,
+                Controller.for_campaign(nominal, touches),
+                touches,
+                seed=self.seed,
+                replicates=replicates,
+                first_replicate=first,
+                jobs=self.jobs,
+                switched_on=model,
+            )
+            for model in self.models
+        ]
+
+    def samples(
+        self, conditions: Conditions, played: Sequence[Outcomes], columns: frozenset[str]
+    ) -> Samples:
+        nominal, touches = self.campaign.nominal, conditions.touches
+        seen = [channels(nominal, touches, outcomes, columns) for outcomes in played]
+        return {name: np.stack([model[name] for model in seen]) for name in seen[0]}
+
+    def tried(self, plan: Conditions, columns: frozenset[str]) -> Trial:
+        """Try the plan in replicates that had no part in choosing it."""
+        replicates = self.replicates(plan, REPLICATES)
+        known, judged = (
+            self.samples(plan, self.play(plan, replicates, first=first), columns)
+            for first in (DRAWN_REPLICATES, DRAWN_REPLICATES + replicates)
+        )
+        return Trial.of(log_likelihoods(known, judged))
+
+
+def _recommended(options: Sequence[_Option], models: Sequence[Model]) -> Experiment:
+    as_recorded, best = options[0], _best(options)
+    chosen = best if _is_worth_recording(as_recorded.trial, best.trial) else as_recorded
+    names = [words.name(model) for model in models]
+    groups = [
+        tuple(name for name, group in zip(names, chosen.trial.groups, strict=True) if group == g)
+        for g in range(chosen.trial.count)
+    ]
+    tried = {option.setting: option.trial for option in options}
+    return Experiment(
+        words=words.with_rivals(groups, models, chosen.setting, tried),
+        record=chosen.setting.column,
+        touches=chosen.conditions.touches,
+        bits_per_touch=chosen.trial.bits_per_touch,
+        expected_bits=chosen.trial.bits,
+        touches_needed=chosen.trial.touches_needed,
+        separates=tuple(groups),
+    )
+
+
+def _is_soon_settled(trial: Trial) -> bool:
+    all_apart = trial.count == len(trial.groups)
+    return all_apart and trial.touches_needed is not None and trial.touches_needed <= FEW
+
+
+def _is_worth_recording(as_recorded: Trial, best: Trial) -> bool:
+    if best.count != as_recorded.count or as_recorded.touches_needed is None:
+        return best.count > as_recorded.count
+    needed = as_recorded.touches_needed
+    return needed > FEW and WORTH_RECORDING * (best.touches_needed or needed) <= needed

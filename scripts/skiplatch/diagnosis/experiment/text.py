@@ -1,0 +1,68 @@
+"""An experiment for the terminal and in JSON."""
+
+from collections import Counter
+from typing import Any
+
+from skiplatch.campaign import COLUMNS, Touches
+from skiplatch.diagnosis.experiment.conditions import rests_s
+from skiplatch.diagnosis.experiment.experiment import Experiment
+from skiplatch.tables import compact, table
+
+SHOWN = 10
+REST = "rest_s"
+VARIED = (
+    "path",
+    "axis",
+    "sign",
+    "alpha_deg",
+    "beta_deg",
+    "feed_mm_min",
+    "approach_mm",
+    "position_mm",
+    "rotary_deg",
+)
+
+
+def experiment_text(experiment: Experiment) -> str:
+    """What to do and why, with the touches that are to be made most often."""
+    distinct = _distinct(experiment.touches)
+    rows = [(*cells, str(count)) for cells, count in distinct[:SHOWN]]
+    parts = [experiment.words, table((*VARIED, REST, "touches"), rows)]
+    if len(distinct) > SHOWN:
+        parts.append(f"… and {len(distinct) - SHOWN} other conditions")
+    if experiment.separates:
+        parts.append(
+            f"Expected: {compact(experiment.expected_bits, 3)} bits in all touches, "
+            f"{compact(experiment.bits_per_touch, 2)} bits in one."
+        )
+    return "\n".join(parts)
+
+
+def experiment_json(experiment: Experiment) -> dict[str, Any]:
+    """The same in plain types; ``touches`` are distinct conditions, each with its ``count``."""
+    return {
+        "why": experiment.words,
+        "record": experiment.record,
+        "touches": [
+            {**_plain(dict(zip((*VARIED, REST), cells, strict=True))), "count": count}
+            for cells, count in _distinct(experiment.touches)
+        ],
+        "expected_bits": experiment.expected_bits,
+        "bits_per_touch": experiment.bits_per_touch,
+        "touches_needed": experiment.touches_needed,
+        "separates": [list(group) for group in experiment.separates],
+    }
+
+
+def _distinct(touches: Touches) -> list[tuple[tuple[str, ...], int]]:
+    """Give the cells of the distinct conditions, and how often each is to be made."""
+    columns = touches.columns()
+    rests = [f"{rest:.1f}" for rest in rests_s(touches)]
+    cells = zip(*(COLUMNS[name].format(columns[name]) for name in VARIED), rests, strict=True)
+    return Counter(cells).most_common()
+
+
+def _plain(cells: dict[str, str]) -> dict[str, str | float | None]:
+    """Turn cells into numbers where they are some, and into None where they are empty."""
+    texts = ("path", "axis")
+    return {k: (v if k in texts else float(v)) if v else None for k, v in cells.items()}

@@ -1,0 +1,102 @@
+"""What is said of an experiment."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from skiplatch.diagnosis.experiment.trial import SURE, Trial
+from skiplatch.simulator import Effect, effects
+
+Group = Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What is different from the campaign while the touches are made."""
+
+    column: str | None = None
+    """Recorded in addition."""
+    warmer_k: float = 0.0
+
+
+AS_RECORDED = Setting()
+
+
+def name(model: Sequence[Effect]) -> str:
+    """Name a model by its effects."""
+    return " + ".join(effect.id for effect in model)
+
+
+def without_rivals(verdict: str, finding: str) -> str:
+    """Say why the touches are spread over everything."""
+    spread = (
+        "The touches vary path, feed, direction, sense, position, rotary angle, approach and rest "
+        "independently, so that whatever the error depends on shows by itself."
+    )
+    if verdict == "no_gap":
+        return f"There is no gap to settle. To look for one once more: {_lowered(spread)}"
+    if verdict == "unknown":
+        return f"No effect of the catalogue is left to be told from another. {spread}"
+    return f"Nothing that was tried rivals {finding}. To confirm it: {_lowered(spread)}"
+
+
+def with_rivals(
+    groups: Sequence[Group],
+    models: Sequence[Sequence[Effect]],
+    chosen: Setting,
+    tried: Mapping[Setting, Trial],
+) -> str:
+    """Say what the recommended experiment tells apart, and what the others would."""
+    if len(groups) == 1:
+        return _nothing_separates(groups[0], models, [s.column for s in tried if s.column])
+    needed = tried[chosen].touches_needed
+    apart = " from ".join(" or ".join(group) for group in groups)
+    tells = f"the first {needed} are expected to tell {apart} with a probability of {SURE:g}"
+    says = [f"{_lead(chosen)} these touches: {tells}."]
+    says += [f"{_listed(group)} stay tied." for group in groups if len(group) > 1]
+    if chosen != AS_RECORDED:
+        says.append(_as_recorded(tried[AS_RECORDED]))
+    elif any(setting.column for setting in tried):
+        says.append("Recording another column would save few touches or none.")
+    return " ".join(says)
+
+
+def _lead(setting: Setting) -> str:
+    if setting.column:
+        return f"Record {setting.column} and make"
+    if setting.warmer_k:
+        return f"Let the machine warm up by {setting.warmer_k:g} K and make"
+    return "Make"
+
+
+def _as_recorded(trial: Trial) -> str:
+    if trial.touches_needed is None:
+        return "As the campaign was recorded, no touches would do."
+    groups = "" if trial.count == len(trial.groups) else f", for {trial.count} groups"
+    return f"As the campaign was recorded, it would take {trial.touches_needed}{groups}."
+
+
+def _nothing_separates(
+    group: Group, models: Sequence[Sequence[Effect]], columns: Sequence[str]
+) -> str:
+    also = f", nor does recording {' or '.join(columns)} help" if columns else ""
+    return (
+        f"{_listed(group)} cannot be separated: no touches on this rig are expected to tell them "
+        f"apart{also}. {_elsewhere(models)}"
+    )
+
+
+def _elsewhere(models: Sequence[Sequence[Effect]]) -> str:
+    """Say what lies beyond touches: a probe of the chain between the stages of the rivals."""
+    rows = (effects()[effect.id] for model in models for effect in model)
+    stages = list(dict.fromkeys(row.stage for row in sorted(rows, key=lambda row: row.index)))
+    if len(stages) == 1:
+        return f"Change one of them in the {stages[0]} stage on purpose, and see what follows."
+    return f"What would do is a signal measured between the stages {_listed(stages)}."
+
+
+def _listed(names: Group) -> str:
+    return f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _lowered(sentence: str) -> str:
+    return sentence[0].lower() + sentence[1:]

@@ -1,0 +1,174 @@
+"""What could be the matter in general: families that name no effect but have its look.
+
+An error that grows with something recorded, that comes and goes with time, or that scatters. A
+family that does clearly better than every effect of the catalogue says that none of them is it.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy import ndimage, stats
+
+from skiplatch.diagnosis.candidates import Candidate, Parameters
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import Extra, FloatArray
+from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.scene import BoolArray, Scene
+
+PREFIX = "~"
+"""Of the ids of families."""
+SCREENED = 1e-4
+"""Significance below which a feature is looked into."""
+MOST_FEATURES = 4
+WINDOW = 9
+"""Touches that a course in time is smoothed over."""
+FEWEST = 30
+WINSOR = 4.0
+RELAXATION_S = 15.0
+
+Feature = Callable[[Scene], FloatArray]
+
+FEATURES: dict[str, Feature] = {
+    "approach": lambda s: s.touches.approach_mm,
+    "sine of the elevation": lambda s: np.sin(np.deg2rad(np.nan_to_num(s.touches.beta_deg))),
+    "cosine of the azimuth": lambda s: np.cos(s.alpha) * s.cos_beta,
+    "sine of the azimuth": lambda s: np.sin(s.alpha) * s.cos_beta,
+    "twice the azimuth (cosine)": lambda s: np.cos(2.0 * s.alpha) * s.cos_beta,
+    "twice the azimuth (sine)": lambda s: np.sin(2.0 * s.alpha) * s.cos_beta,
+    "direction of the touch before (cosine)": lambda s: np.cos(s.alpha_before),
+    "direction of the touch before (sine)": lambda s: np.sin(s.alpha_before),
+    "feed squared": lambda s: s.speed**2 / np.max(s.speed) ** 2,
+    "rest": lambda s: -np.expm1(-s.rest_s / RELAXATION_S),
+    "distance from the middle": lambda s: np.abs(np.nan_to_num(s.touches.position_mm)) / 100.0,
+}
+"""By name, each of shape (n,)."""
+
+
+def families(scene: Scene, given: Change) -> list[Candidate]:
+    """Give the families worth a look on these touches, on top of what is known to differ."""
+    return [
+        *_with_features(scene, given),
+        *_in_time(scene, given),
+        _noise("noise", 0.0),
+        _noise("noise that grows with the root of the feed", 0.5),
+        _noise("noise that grows with the feed", 1.0),
+        _now_and_then(),
+        _noisy_now_and_then(),
+    ]
+
+
+def _scores(scene: Scene, name: str, given: Change) -> tuple[FloatArray, BoolArray]:
+    """Residuals of a stream over their own spread, cut at a few of it, and their rows."""
+    stream = scene.streams[name]
+    rows = stream.rows
+    law = law_under(scene, stream, given).select(rows)
+    scores = (stream.residuals[rows] - law.mean) / law.spread
+    scores = scores - np.median(scores)
+    return np.clip(scores, -WINSOR, WINSOR), rows
+
+
+def _lengths(scene: Scene) -> list[str]:
+    return [name for name in ("position", "deviation_skip") if name in scene.streams]
+
+
+def _with_features(scene: Scene, given: Change) -> list[Candidate]:
+    found: list[tuple[float, Candidate]] = []
+    for name in (*_lengths(scene), "latch_skip"):
+        if name not in scene.streams or scene.streams[name].rows.sum() < FEWEST:
+            continue
+        scores, rows = _scores(scene, name, given)
+        for label, feature in FEATURES.items():
+            values = feature(scene)[rows]
+            if np.ptp(values) < 1e-9 or np.ptp(scores) < 1e-9:
+                continue
+            p_value = float(stats.pearsonr(scores, values).pvalue)
+            if p_value < SCREENED:
+                found.append((p_value, _shifted(name, label, feature)))
+    found.sort(key=lambda item: item[0])
+    return [family for _, family in found[:MOST_FEATURES]]
+
+
+def _shifted(stream: str, label: str, feature: Feature) -> Candidate:
+    """Shift the stream by a multiple of the feature, and by as much everywhere."""
+
+    def change(scene: Scene, p: Parameters) -> Change:
+        return _shift(stream, p[0] * feature(scene) + p[1])
+
+    starts = [[sign * size, 0.01] for size in (1.0, 10.0) for sign in (1.0, -1.0)]
+    return Candidate(
+        f"{PREFIX}{stream}: {label}", ("slope", "offset"), change, lambda _s, _g: starts
+    )
+
+
+def _shift(stream: str, amount: FloatArray) -> Change:
+    if stream == "latch_skip":
+        return Change(skip_us=amount)
+    return Change(position_um=amount)
+
+
+def _in_time(scene: Scene, given: Change) -> list[Candidate]:
+    """Whatever comes and goes slowly with time, as these touches show it themselves."""
+    found = []
+    for name in (*_lengths(scene), "latch_skip"):
+        stream = scene.streams.get(name)
+        if stream is None or stream.rows.sum() < FEWEST:
+            continue
+        rows = stream.rows
+        law = law_under(scene, stream, given).select(rows)
+        residuals = stream.residuals[rows] - law.mean
+        scores, _ = _scores(scene, name, given)
+        around = ndimage.median_filter(scores, WINDOW, mode="nearest")
+        half = WINDOW // 2
+        before, after = around[: -2 * half], around[2 * half :]
+        if stats.pearsonr(before, after).pvalue > SCREENED:
+            continue
+        smooth = ndimage.median_filter(residuals, WINDOW, mode="nearest")
+        course = (scene.touches.time_s[rows], smooth)
+        kinds = ("stamp", name) if name == "latch_skip" else (name,)
+        found += [_course(kind, course) for kind in kinds]
+    return found
+
+
+def _course(kind: str, course: tuple[FloatArray, FloatArray]) -> Candidate:
+    times_s, values = course
+
+    def change(scene: Scene, p: Parameters) -> Change:
+        amount = p[0] * np.interp(scene.touches.time_s, times_s, values)
+        return Change(stamp_us=amount) if kind == "stamp" else _shift(kind, amount)
+
+    return Candidate(
+        f"{PREFIX}{kind}: comes and goes with time", ("share",), change, lambda _s, _g: [[0.9]]
+    )
+
+
+def _noise(label: str, power: float) -> Candidate:
+    def change(scene: Scene, p: Parameters) -> Change:
+        grown = (scene.speed / np.max(scene.speed)) ** power
+        return Change(position_um=p[1], position_sigma_um=abs(p[0]) * grown)
+
+    starts: Sequence[Sequence[float]] = [[0.5, 0.01], [5.0, 0.01]]
+    return Candidate(
+        f"{PREFIX}position: {label}", ("sigma", "shift"), change, lambda _s, _g: starts
+    )
+
+
+def _now_and_then() -> Candidate:
+    """Some touches are off by about the same length, or by up to that."""
+
+    def change(_scene: Scene, p: Parameters) -> Change:
+        share = float(np.clip(abs(p[0]), 0.0, 0.5))
+        return Change(position_extra=(Extra(share, offset=p[1], sigma=abs(p[2])),))
+
+    starts = [[0.1, sign * size, 0.2 * size] for size in (2.0, 20.0) for sign in (1.0, -1.0)]
+    names = ("share", "offset_um", "sigma_um")
+    return Candidate(f"{PREFIX}position: now and then off", names, change, lambda _s, _g: starts)
+
+
+def _noisy_now_and_then() -> Candidate:
+    def change(_scene: Scene, p: Parameters) -> Change:
+        share = float(np.clip(abs(p[0]), 0.0, 0.9))
+        return Change(position_extra=(Extra(share, sigma=abs(p[1])),))
+
+    starts: Sequence[Sequence[float]] = [[0.3, 1.0], [0.3, 10.0]]
+    names = ("share", "sigma_um")
+    return Candidate(f"{PREFIX}position: noisy now and then", names, change, lambda _s, _g: starts)

@@ -1,0 +1,88 @@
+"""Pictures inside a page of HTML: they take their colours from the page's own style.
+
+Of several pictures in one page each needs names of its own for the parts it refers to.
+"""
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from html import escape
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+from matplotlib.typing import RcKeyType
+
+from skiplatch.figures import theme
+
+VARIABLES = {
+    "paper": theme.PAPER,
+    "ink": theme.INK,
+    "muted": theme.MUTED,
+    "grid": theme.GRID,
+    "skip": theme.SKIP,
+    "skip-light": theme.SKIP_LIGHT,
+    "plc": theme.PLC,
+    "plc-light": theme.PLC_LIGHT,
+    "third": theme.THIRD,
+    "fourth": theme.FOURTH,
+}
+"""The page's variables of style, and the colours of the light scheme that they stand for."""
+
+WIDTH_IN = 3.7
+STYLE: dict[RcKeyType, str | float] = {
+    "font.size": 8.5,
+    "axes.labelsize": 8.5,
+    "xtick.labelsize": 8.0,
+    "ytick.labelsize": 8.0,
+    "figure.constrained_layout.h_pad": 0.04,
+    "figure.constrained_layout.w_pad": 0.04,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A picture for a page.
+
+    Attributes:
+        caption: What stands below it.
+        description: What is to be seen, for those who cannot.
+        svg: The picture itself, which carries the description.
+    """
+
+    caption: str
+    description: str
+    svg: str
+
+
+@contextmanager
+def panel(height_in: float, width_in: float = WIDTH_IN) -> Iterator[Figure]:
+    """Give a small figure in the common style to draw into."""
+    with mpl.rc_context({**theme.STYLE, **STYLE}):
+        yield Figure(figsize=(width_in, height_in))
+
+
+def drawing(figure: Figure, name: str, caption: str, description: str) -> Drawing:
+    """Make a page's picture of a figure; `name` is unique in the page."""
+    buffer = io.StringIO()
+    with mpl.rc_context({**theme.STYLE, **STYLE}):
+        nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
+        figure.savefig(buffer, format="svg", metadata=nothing)
+    return Drawing(caption, description, _inline(buffer.getvalue(), name, description))
+
+
+def _inline(svg: str, name: str, description: str) -> str:
+    """Cut the picture out of its file, and give it names and colours of the page."""
+    body = svg[svg.index("<svg") :]
+    viewbox = re.search(r'viewBox="[^"]*"', body)
+    opening = (
+        f'<svg role="img" aria-label="{escape(description)}" {viewbox[0] if viewbox else ""}'
+        ' xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink">'
+    )
+    body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+    body = re.sub(r"<svg [^>]*>", lambda _: opening, body, count=1)
+    body = re.sub(r'( id="|href="#|url\(#)', rf"\g<1>{name}-", body)
+    for variable, colour in VARIABLES.items():
+        body = body.replace(colour, f"var(--{variable})")
+    return body

@@ -1,0 +1,1 @@
+"""A diagnosis as one page of HTML that needs nothing else; see `skiplatch.report.page`."""

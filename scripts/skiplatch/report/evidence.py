@@ -1,0 +1,187 @@
+"""What the page shows of a campaign: recorded, and played with and without the effects found."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
+from skiplatch.comparison.observables import OBSERVABLES
+from skiplatch.diagnosis import Diagnosis
+from skiplatch.motion import Contact, expected_contact
+from skiplatch.report.conditions import Condition, conditions
+from skiplatch.simulator import Controller, Effect, Outcomes, effects, play
+
+FloatArray = NDArray[np.float64]
+
+MOST_TOUCHES = 4_000
+"""Touches that are played; of a larger campaign, some are drawn."""
+PLAYED_TOUCHES = 20_000
+FEWEST_REPLICATES = 4
+MOST_REPLICATES = 40
+
+TIMES = ("latch_after_edge_us", "latch_after_contact_us")
+POSITION = "deviation_um"
+TELLING = {
+    "motion": (TIMES[1], POSITION),  # an injected edge moves along with the contact
+    "position": (POSITION,),
+    "report": ("report_after_latch_us",),
+}
+"""Observables in which a stage shows most clearly; for any other stage, a latch time."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Seen:
+    """One observable of n touches, NaN where there is none."""
+
+    name: str
+    title: str
+    unit: str
+    recorded: FloatArray
+    """Shape (n,)."""
+    before: FloatArray
+    """In the nominal simulation; shape (r, n)."""
+    after: FloatArray | None
+    """In the simulation with the effects, if any was found; shape (r, n)."""
+
+    @property
+    def left_before(self) -> FloatArray:
+        """Recorded less the mean of the nominal simulation; shape (n,)."""
+        return self.recorded - _mean(self.before)
+
+    @property
+    def left_after(self) -> FloatArray | None:
+        """Recorded less the mean of the simulation with the effects; shape (n,)."""
+        return None if self.after is None else self.recorded - _mean(self.after)
+
+
+@dataclass(frozen=True, slots=True)
+class Missed:
+    """Share of the touches of one path without a latch, 0 to 1."""
+
+    path: InputPath
+    recorded: float
+    before: float
+    after: float | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """All that the figures of the page are drawn from."""
+
+    touches: Touches
+    seen: Mapping[str, Seen]
+    """Observables that were recorded, by name."""
+    telling: str
+    """The observable that shows the guilty stage most clearly."""
+    path: InputPath
+    """The path on which the effect found acts."""
+    missed: Sequence[Missed]
+    conditions: Sequence[Condition]
+
+    @property
+    def paths(self) -> list[InputPath]:
+        """Those with touches."""
+        return [path for path in InputPath if (self.touches.path == path).any()]
+
+
+def gather(campaign: Campaign, diagnosis: Diagnosis, *, seed: int, jobs: int) -> Evidence:
+    """Play a campaign with and without the effects found."""
+    touches = campaign.touches.in_order_of_time()
+    rows = _drawn(len(touches), seed)
+    shown = touches.select(rows)
+    found = [named.effect for named in diagnosis.effects]
+    before = _play(campaign.nominal, shown, (), seed, jobs)
+    after = _play(campaign.nominal, shown, found, seed, jobs) if found else None
+    seen = _seen(shown, expected_contact(campaign.nominal, shown), before, after)
+    return Evidence(
+        touches=shown,
+        seen=seen,
+        telling=_telling(diagnosis, seen),
+        path=_path(diagnosis, shown),
+        missed=_missed(shown, before, after),
+        conditions=[condition.select(rows) for condition in conditions(touches)],
+    )
+
+
+def _drawn(count: int, seed: int) -> NDArray[np.intp]:
+    if count <= MOST_TOUCHES:
+        return np.arange(count)
+    drawn = np.random.default_rng(seed).choice(count, MOST_TOUCHES, replace=False)
+    return np.sort(drawn)
+
+
+def _play(
+    nominal: Nominal, touches: Touches, switched_on: Sequence[Effect], seed: int, jobs: int
+) -> Outcomes:
+    replicates = int(np.clip(PLAYED_TOUCHES // len(touches), FEWEST_REPLICATES, MOST_REPLICATES))
+    return play(
+        nominal,
+        Controller.for_campaign(nominal, touches),
+        touches,
+        seed=seed,
+        replicates=replicates,
+        jobs=jobs,
+        switched_on=switched_on,
+    )
+
+
+def _seen(
+    touches: Touches, contact: Contact, before: Outcomes, after: Outcomes | None
+) -> dict[str, Seen]:
+    seen = {}
+    for observable in OBSERVABLES:
+        recorded = observable.values(touches, contact)
+        if np.isfinite(recorded).any():
+            seen[observable.name] = Seen(
+                observable.name,
+                observable.title,
+                observable.unit,
+                recorded,
+                observable.values(before, contact),
+                None if after is None else observable.values(after, contact),
+            )
+    return seen
+
+
+def _telling(diagnosis: Diagnosis, seen: Mapping[str, Seen]) -> str:
+    stages = [named.stage for named in diagnosis.effects] or [p.stage for p in diagnosis.where]
+    wanted = TELLING.get(stages[0], (*TIMES, POSITION)) if stages else (POSITION,)
+    return next((name for name in (*wanted, *seen) if name in seen), POSITION)
+
+
+def _path(diagnosis: Diagnosis, touches: Touches) -> InputPath:
+    """The skip path where both will do: its own scatter is the smaller one."""
+    known = effects()
+    acting = [known[named.effect.id].paths for named in diagnosis.effects]
+    acting = acting or [place.paths for place in diagnosis.where[:1]]
+    wanted = InputPath.PLC if "plc" in acting else InputPath.SKIP
+    present = touches.path[touches.path == wanted].size > 0
+    return wanted if present else InputPath(touches.path[0])
+
+
+def _missed(touches: Touches, before: Outcomes, after: Outcomes | None) -> list[Missed]:
+    shares = []
+    for path in InputPath:
+        rows = touches.path == path
+        known = rows & (touches.ok | touches.missed)
+        if known.any():
+            shares.append(
+                Missed(
+                    path,
+                    float(touches.missed[known].mean()),
+                    float(np.isnan(before.deviation_um[:, known]).mean()),
+                    None if after is None else float(np.isnan(after.deviation_um[:, known]).mean()),
+                )
+            )
+    return shares
+
+
+def _mean(values: FloatArray) -> FloatArray:
+    """Mean over the replicates in which there is a value; NaN where there is none."""
+    known = np.isfinite(values)
+    count = known.sum(axis=0)
+    total = np.where(known, values, 0.0).sum(axis=0)
+    nothing = np.full(values.shape[1], np.nan)
+    return np.asarray(np.divide(total, count, out=nothing, where=count > 0))

@@ -1,0 +1,120 @@
+"""A diagnosis as one page of HTML: no script, nothing from elsewhere, light and dark."""
+
+import numpy as np
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from skiplatch.campaign import Campaign, InputPath
+from skiplatch.diagnosis import Diagnosis
+from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
+from skiplatch.figures.inline import VARIABLES, Drawing
+from skiplatch.figures.theme import DARK
+from skiplatch.report import chain, words
+from skiplatch.report.conditions import most_telling
+from skiplatch.report.evidence import POSITION, Evidence, gather
+
+TEMPLATE = "diagnosis.html"
+MOST_FEEDS = 3
+MOST_CONDITIONS = 4
+
+
+def as_html(
+    campaign: Campaign,
+    diagnosis: Diagnosis,
+    *,
+    name: str,
+    seed: int,
+    jobs: int = 1,
+    next_experiment: str | None = None,
+) -> str:
+    """Lay out a diagnosis.
+
+    Args:
+        campaign: What was diagnosed.
+        diagnosis: What was found.
+        name: What the campaign is called.
+        seed: Picks the random numbers of the simulations shown.
+        jobs: Threads to simulate on.
+        next_experiment: What to record or to try next, a paragraph a line; None for nothing.
+    """
+    evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
+    titles = {seen.name: seen.title for seen in evidence.seen.values()}
+    gaps = {key: gap for key, gap in diagnosis.gap.items() if key in titles}
+    steps = chain.steps(diagnosis, campaign.nominal.kind)
+    return (
+        _environment()
+        .get_template(TEMPLATE)
+        .render(
+            name=name,
+            kind=campaign.nominal.kind.value,
+            touches=diagnosis.touches,
+            verdict=diagnosis.verdict.value,
+            headline=words.headline(diagnosis),
+            lead=words.lead(diagnosis, evidence.telling, titles),
+            found=[words.found(named) for named in diagnosis.effects],
+            chain=steps,
+            chain_described=chain.described(steps),
+            distributions=_distributions(evidence),
+            residuals=_residuals(evidence),
+            shrink=_shrink(diagnosis, titles),
+            gaps=words.gap_table(gaps, titles, after=bool(diagnosis.effects)),
+            missed=words.missed_table(evidence.missed),
+            ranking=words.ranking(diagnosis),
+            no_gain=words.no_gain(diagnosis),
+            where=words.where_table(diagnosis),
+            left=words.left_table(diagnosis),
+            next_experiment=(next_experiment or "").splitlines(),
+            notes=diagnosis.notes,
+            light=VARIABLES,
+            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
+        )
+    )
+
+
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("skiplatch.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def _distributions(evidence: Evidence) -> list[Drawing]:
+    """Draw the deviation and what tells most, of each path, at some feeds."""
+    shown = [key for key in evidence.seen if key in (POSITION, evidence.telling)]
+    drawn = [
+        draw_distribution(f"d{i}-{path.value}-{k}", evidence.seen[key], evidence, path, feed)
+        for i, key in enumerate(sorted(shown, key=lambda key: key != evidence.telling))
+        for path in evidence.paths
+        for k, feed in enumerate(_shown_feeds(evidence, path))
+    ]
+    return [drawing for drawing in drawn if drawing is not None]
+
+
+def _shown_feeds(evidence: Evidence, path: InputPath) -> list[float]:
+    """The slowest, the fastest, and some between."""
+    feeds = np.unique(evidence.touches.feed_mm_min[evidence.touches.path == path])
+    chosen = np.linspace(0, len(feeds) - 1, min(len(feeds), MOST_FEEDS)).round().astype(int)
+    return [float(feed) for feed in feeds[chosen]]
+
+
+def _residuals(evidence: Evidence) -> list[Drawing]:
+    """Draw the observable that tells most against the conditions that matter most."""
+    if evidence.telling not in evidence.seen:
+        return []
+    seen = evidence.seen[evidence.telling]
+    here = np.where(evidence.touches.path == evidence.path, seen.left_before, np.nan)
+    chosen = most_telling(evidence.conditions, here, MOST_CONDITIONS)
+    return [
+        draw_residuals(f"r{i}", seen, evidence, condition) for i, condition in enumerate(chosen)
+    ]
+
+
+def _shrink(diagnosis: Diagnosis, titles: dict[str, str]) -> Drawing | None:
+    gaps = {
+        key: gap
+        for key, gap in diagnosis.gap.items()
+        if key in titles and gap.before > gap.noise_floor
+    }
+    return draw_shrink("shrink", gaps, titles) if diagnosis.effects and gaps else None

@@ -1,0 +1,244 @@
+"""What the page says in words and tables."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from skiplatch.diagnosis import Diagnosis, Named, Verdict
+from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.shrink import Gap
+from skiplatch.latch.text import TITLES
+from skiplatch.report.evidence import Missed
+from skiplatch.simulator import Effect, effects
+from skiplatch.statistics import Interval
+from skiplatch.tables import NOTHING, compact, number, whole, with_interval
+
+DIGITS = 3
+LEAST = 1e-3  # µm or µs
+MOST_RANKED = 10
+LEAST_NAMED_NATS = 5.0
+"""No effect is named that gains less."""
+PER_CENT = 100.0
+PATHS = {"both": "both paths", "skip": "the skip path", "plc": "the PLC path"}
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """A table of the page: cells are text, the first of a row names it."""
+
+    header: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """An effect that was found, in words."""
+
+    id: str
+    physics: str
+    sits: str
+    confidence: str
+    alternatives: str
+    parameters: Table
+
+
+@dataclass(frozen=True, slots=True)
+class Rank:
+    """A model that was tried.
+
+    Attributes:
+        score: Nats gained over no effect.
+        percent: Length of its bar, 0 to 100.
+        said: What the diagnosis makes of it.
+    """
+
+    name: str
+    parameters: str
+    score: str
+    percent: str
+    said: str
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """Say the finding in one line."""
+    names = " and ".join(named.effect.id for named in diagnosis.effects)
+    many = len(diagnosis.effects) > 1
+    return {
+        Verdict.NO_GAP: "No gap: the simulation plays what was recorded",
+        Verdict.EXPLAINED: f"{names} {'explain' if many else 'explains'} the gap",
+        Verdict.PARTLY_EXPLAINED: f"{names} {'explain' if many else 'explains'} part of the gap",
+        Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it",
+    }[diagnosis.verdict]
+
+
+def lead(diagnosis: Diagnosis, telling: str, titles: Mapping[str, str]) -> str:
+    """Say what follows from the finding, in a sentence or two."""
+    if diagnosis.verdict == Verdict.NO_GAP:
+        return (
+            "Nothing that was recorded differs from the nominal simulation by more than chance "
+            "would make it, or by so much that it would matter."
+        )
+    if not diagnosis.where:
+        return "No single stretch of the chain tells where it sits."
+    if diagnosis.verdict == Verdict.UNKNOWN:
+        shows = _listed([place.observable for place in diagnosis.where])
+        looks = _listed([place.conditions for place in diagnosis.where])
+        return f"It shows in {shows}. What it depends on or looks like: {looks}."
+    gap = diagnosis.gap.get(telling)
+    many = len(diagnosis.effects) > 1
+    said = "Simulated along with the rest, " + _listed([n.effect.id for n in diagnosis.effects])
+    if gap is None:
+        return f"{said} {'make' if many else 'makes'} the simulation play what was recorded."
+    if gap.before <= gap.noise_floor:
+        return (
+            f"Over all paths and feeds together, what it does to {titles[telling]} is within "
+            "the noise of the touches held out; the pictures show where it stands out."
+        )
+    return (
+        f"{said} {'shrink' if many else 'shrinks'} the gap in {titles[telling]} "
+        f"by {_shrunk(gap)}, from {_size(gap.before)} to {_size(gap.after)} {gap.unit}, "
+        "on touches that served neither fitting nor naming."
+    )
+
+
+def found(named: Named) -> Found:
+    """Describe an effect that was found."""
+    described = effects()[named.effect.id]
+    rows = []
+    for parameter in described.parameters:
+        value = named.effect.parameters.get(parameter.name, 0.0)
+        low, high = named.intervals.get(parameter.name, (value, value))
+        figures = with_interval(Interval(value, low, high))
+        rows.append((parameter.name, *figures, parameter.unit, parameter.meaning))
+    return Found(
+        id=named.effect.id,
+        physics=described.physics,
+        sits=f"{named.stage} stage, {PATHS[described.paths]}",
+        confidence=f"{named.confidence:.3f}",
+        alternatives=", ".join(named.alternatives),
+        parameters=Table(("parameter", "value", "90 % interval", "unit", "meaning"), rows),
+    )
+
+
+def ranking(diagnosis: Diagnosis) -> list[Rank]:
+    """Give the models that gained anything, the best first."""
+    models = sorted(_gaining(diagnosis), key=lambda model: -model.score_nats)[:MOST_RANKED]
+    best = max((model.score_nats for model in models), default=0.0)
+    best = max(best, LEAST_NAMED_NATS)
+    rivals = {_name(model.effects) for model in diagnosis.rivals}
+    finding = {named.effect.id for named in diagnosis.effects}
+    return [_rank(model, best, rivals, finding) for model in models]
+
+
+def no_gain(diagnosis: Diagnosis) -> str:
+    """Say how many models are not in the ranking; nothing if all are."""
+    gaining = len(_gaining(diagnosis))
+    worse = max(gaining - MOST_RANKED, 0)
+    parts = [f"{whole(worse)} more gained less"] if worse else []
+    if none := len(diagnosis.ranking) - gaining:
+        parts.append(f"{whole(none)} gained nothing")
+    return f"Of the others tried, {' and '.join(parts)}." if parts else ""
+
+
+def where_table(diagnosis: Diagnosis) -> Table:
+    """Give where the gap sits."""
+    rows = [
+        (p.observable, p.stage, PATHS[p.paths], _with_unit(p.size, p.unit), p.conditions)
+        for p in diagnosis.where
+    ]
+    return Table(("stretch", "stage", "where", "size", "how"), rows)
+
+
+def left_table(diagnosis: Diagnosis) -> Table:
+    """Give what no effect accounts for."""
+    rows = [
+        (s.stream.name, s.looks_like, number(s.size, DIGITS), f"{s.p_value:.1g}")
+        for s in diagnosis.left
+    ]
+    return Table(("stretch", "looks like", "size", "p"), rows)
+
+
+def gap_table(gaps: Mapping[str, Gap], titles: Mapping[str, str], *, after: bool) -> Table:
+    """Give the gap of each observable, and what the effects make of it."""
+    if not after:
+        header = ("observable", "unit", "gap", "noise floor")
+        return Table(
+            header,
+            [(titles[n], g.unit, _size(g.before), _size(g.noise_floor)) for n, g in gaps.items()],
+        )
+    rows = [
+        (
+            titles[name],
+            gap.unit,
+            _size(gap.before),
+            _size(gap.after),
+            _size(gap.noise_floor),
+            _shrunk(gap) if gap.before > gap.noise_floor else "no gap",
+        )
+        for name, gap in gaps.items()
+    ]
+    return Table(("observable", "unit", "before", "after", "noise floor", "shrunk by"), rows)
+
+
+def missed_table(missed: Sequence[Missed]) -> Table | None:
+    """Give the share of touches without a latch; None where none was missed anywhere."""
+    if not any(m.recorded or m.before or m.after for m in missed):
+        return None
+    rows = [
+        (TITLES[m.path], *(NOTHING if s is None else f"{s:.1%}" for s in shares))
+        for m in missed
+        for shares in [(m.recorded, m.before, m.after)]
+    ]
+    return Table(("missed touches", "recorded", "nominal", "with the effects"), rows)
+
+
+def _gaining(diagnosis: Diagnosis) -> list[Ranked]:
+    return [model for model in diagnosis.ranking if model.score_nats > 0.0]
+
+
+def _rank(model: Ranked, best: float, rivals: set[str], finding: set[str]) -> Rank:
+    name = _name(model.effects)
+    if {effect.id for effect in model.effects} == finding:
+        said = "finding"
+    else:
+        said = "cannot be told from it" if name in rivals else ""
+    share = max(model.score_nats, 0.0) / best
+    parameters = "; ".join(
+        ", ".join(f"{key} {compact(value, DIGITS)}" for key, value in effect.parameters.items())
+        for effect in model.effects
+    )
+    return Rank(
+        name,
+        parameters,
+        f"{model.score_nats:,.1f}".replace(",", " "),
+        f"{PER_CENT * share:.1f}",
+        said,
+    )
+
+
+def _name(found_effects: Sequence[Effect]) -> str:
+    return " + ".join(effect.id for effect in found_effects)
+
+
+def _shrunk(gap: Gap) -> str:
+    value, low, high = map(_percent, (gap.shrink.value, gap.shrink.low, gap.shrink.high))
+    return value if value == low == high else f"{value} ({low} … {high})"
+
+
+def _percent(share: float) -> str:
+    """Give whole per cent, and 0 without a sign."""
+    return f"{round(share, 2) + 0.0:.0%}"
+
+
+def _size(value: float) -> str:
+    """Give a distance, no finer than it can matter."""
+    return number(value, DIGITS) if value >= LEAST else f"< {LEAST:g}"
+
+
+def _with_unit(size: float, unit: str) -> str:
+    return number(size, DIGITS) if unit == "1" else f"{number(size, DIGITS)} {unit}"
+
+
+def _listed(words: Sequence[str]) -> str:
+    """Join words, each once."""
+    unique = list(dict.fromkeys(words))
+    return " and ".join([", ".join(unique[:-1]), unique[-1]] if unique[1:] else unique)

@@ -1,0 +1,404 @@
+"""The page of a diagnosis: what it says, that it needs nothing else, and that browsers show it."""
+
+import re
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from browser import Browser, browser, chromium
+from skiplatch import cli
+from skiplatch.campaign import Campaign, Touches, read_campaign
+from skiplatch.commands import diagnose as command
+from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
+from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.shrink import Gap, shrink
+from skiplatch.diagnosis.structure import Structure
+from skiplatch.errors import InputError
+from skiplatch.report.conditions import conditions, most_telling
+from skiplatch.report.evidence import gather
+from skiplatch.report.page import as_html
+from skiplatch.simulator import Effect, effects
+from skiplatch.statistics import Interval
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+BENCH = SAMPLES / "bench_isr_latency"
+MOST_BYTES = 2_000_000
+VOID = {"meta", "link", "br", "wbr", "hr", "img", "input"}
+SCHEMES = {"light": "rgb(255, 255, 254)", "dark": "rgb(13, 17, 23)"}
+WIDE_PX, NARROW_PX = 1200, 360
+
+
+def effect(effect_id: str, **given: float) -> Effect:
+    """Give an effect with all of its parameters."""
+    known = effects()[effect_id].parameters
+    return Effect(effect_id, {p.name: given.get(p.name, max(0.0, p.low)) for p in known})
+
+
+LATE = effect("isr_latency", latency_us=41.7)
+FILTER = effect("input_filter", delay_us=41.7)
+
+
+def diagnosed(campaign: Campaign, verdict: Verdict, *found: Effect) -> Diagnosis:
+    """Put a diagnosis together by hand, so that the page is tested apart from the search."""
+    scene = Scene.of(campaign)
+    everything = scene.has_stamps | ~scene.has_stamps
+    intervals = {name: (value - 0.5, value + 0.5) for name, value in LATE.parameters.items()}
+    return Diagnosis(
+        verdict=verdict,
+        where=[Place("latch", "skip", "latch_skip", "everywhere", 41.7, "µs")] if found else [],
+        effects=[Named(one, "latch", intervals, ("input_filter",), 0.9) for one in found],
+        gap=shrink(scene, everything, found, seed=1, jobs=2),
+        ranking=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5), Ranked((), -2.0)],
+        rivals=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5)],
+        left=[],
+        touches=len(scene),
+        used=len(scene),
+        notes=["A note."],
+    )
+
+
+def explained() -> tuple[Campaign, Diagnosis]:
+    campaign = read_campaign(BENCH)
+    return campaign, diagnosed(campaign, Verdict.EXPLAINED, LATE)
+
+
+def no_gap() -> tuple[Campaign, Diagnosis]:
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    return campaign, replace(diagnosed(campaign, Verdict.NO_GAP), ranking=[], rivals=[], notes=[])
+
+
+def unknown() -> tuple[Campaign, Diagnosis]:
+    campaign = read_campaign(BENCH)
+    stream = Scene.of(campaign).streams["latch_skip"]
+    place = Place("latch", "skip", "latch_skip", "time squared", 0.4, "1")
+    left = [Structure(stream, "time squared", 0.4, 1e-20)]
+    return campaign, replace(diagnosed(campaign, Verdict.UNKNOWN), where=[place], left=left)
+
+
+CASES = {"explained": explained, "no_gap": no_gap, "unknown": unknown}
+
+
+@pytest.fixture(scope="module")
+def pages() -> dict[str, str]:
+    return {
+        name: as_html(campaign, diagnosis, name=name, seed=1, jobs=2)
+        for name, (campaign, diagnosis) in ((name, case()) for name, case in CASES.items())
+    }
+
+
+@pytest.fixture(params=list(CASES))
+def page(request: pytest.FixtureRequest, pages: dict[str, str]) -> str:
+    return pages[request.param]
+
+
+class Elements(HTMLParser):
+    """Every element with its attributes, in order; checks that they are nested."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str]]] = []
+        self.open: list[str] = []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        names = [name for name, _ in attrs]
+        assert len(names) == len(set(names)), (tag, names)
+        self.found.append((tag, {name: value or "" for name, value in attrs}))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        self.handle_endtag(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag not in VOID:
+            assert self.open.pop() == tag
+
+    def all(self, tag: str) -> list[dict[str, str]]:
+        return [attributes for name, attributes in self.found if name == tag]
+
+
+def prose(page: str) -> str:
+    """Give what a reader sees, without tags."""
+    body = re.sub(r"<svg.*?</svg>", "", page[page.index("<body>") :], flags=re.DOTALL)
+    return re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", body.replace("<wbr>", "")))
+
+
+def test_page_is_nested_and_every_id_is_there_once(page: str) -> None:
+    elements = Elements(page)
+    ids = [attributes["id"] for _, attributes in elements.found if "id" in attributes]
+
+    assert page.startswith("<!DOCTYPE html>")
+    assert elements.open == []
+    assert elements.all("html") == [{"lang": "en"}]
+    assert len(ids) == len(set(ids))
+    for _, attributes in elements.found:
+        for name in ("aria-labelledby", "xlink:href"):
+            if name in attributes:
+                assert attributes[name].removeprefix("#") in ids
+        for reference in re.findall(r"url\(#([^)]*)\)", " ".join(attributes.values())):
+            assert reference in ids
+
+
+def test_every_figure_has_text(page: str) -> None:
+    elements = Elements(page)
+    pictures = [a for _, a in elements.found if a.get("role") == "img"]
+
+    assert len(elements.all("svg")) >= 6
+    assert all(a.get("role") == "img" for a in elements.all("svg"))
+    assert all(len(a.get("aria-label", "")) > 60 for a in elements.all("svg"))
+    assert len(pictures) > len(elements.all("svg"))  # the chain
+    assert all(a.get("aria-label") for a in pictures)
+    labels = [a["aria-label"] for a in elements.all("svg")]
+    assert len(labels) == len(set(labels))
+
+
+def test_page_needs_nothing_from_elsewhere(page: str) -> None:
+    elements = Elements(page)
+
+    assert len(page.encode()) < MOST_BYTES
+    assert not elements.all("script")
+    assert not any(name.startswith("on") for _, a in elements.found for name in a)
+    for _, attributes in elements.found:
+        for name in ("href", "xlink:href", "src", "srcset", "data", "action"):
+            assert attributes.get(name, "#").startswith(("#", "data:"))
+    assert "@import" not in page
+    assert set(re.findall(r"url\((.)", page)) <= {"#"}
+
+
+def test_pictures_take_every_colour_from_the_page(page: str) -> None:
+    drawn = "".join(re.findall(r"<svg.*?</svg>", page, flags=re.DOTALL))
+
+    assert not re.findall(r"(?:fill|stroke): #[0-9a-f]{6}", drawn)
+    used = set(re.findall(r"var\(--([a-z-]+)\)", page))
+    for variable in used:
+        assert len(re.findall(rf"--{variable}: #", page)) == len(SCHEMES), variable
+
+
+def test_explained_gap_is_named_marked_and_measured(pages: dict[str, str]) -> None:
+    text = prose(pages["explained"])
+    stages = dict(re.findall(r'class="stage (\w*)"><b>(\w+)', pages["explained"]))
+
+    assert "isr_latency explains the gap" in text
+    assert "latency_us 41.7 41.2 … 42.2 µs" in text
+    assert "Cannot be told from input_filter" in text
+    assert stages["found"] == "latch"
+    assert stages["possible"] == "input"
+    assert re.search(r"latch − edge µs 4\d\.\d 0\.\d+ 0\.\d+ (9\d|100)%", text)
+    assert re.search(r"input_filter.{0,60}898\.5.{0,20}cannot be told from it", text)
+    assert "Of the others tried, 1 gained nothing." in text
+    assert "simulation with the effects" in text
+    assert "A note." in text
+
+
+def test_no_gap_marks_nothing(pages: dict[str, str]) -> None:
+    text = prose(pages["no_gap"])
+
+    assert "No gap" in text
+    assert not re.search(r'class="stage (found|possible|left)"', pages["no_gap"])
+    assert "with the effects" not in text
+    assert "What causes it" not in text
+    assert "Notes" not in text
+
+
+def test_unknown_says_where_it_sits_and_what_it_looks_like(pages: dict[str, str]) -> None:
+    text = prose(pages["unknown"])
+
+    assert "no effect of the catalogue explains it" in text
+    assert "It shows in latch_skip" in text
+    assert "latch_skip time squared 0.400 1e-20" in text
+    assert re.findall(r'class="stage left"><b>(\w+)', pages["unknown"]) == ["latch"]
+    assert "What causes it" not in text
+
+
+def test_next_experiment_is_a_section_only_if_there_is_one() -> None:
+    campaign, diagnosis = no_gap()
+    words = "Record edge_us.\nOr: <20 touches> at 60 mm/min."
+
+    with_words = as_html(campaign, diagnosis, name="a", seed=1, next_experiment=words)
+    without = as_html(campaign, diagnosis, name="a", seed=1)
+
+    assert "<p>Record edge_us.</p>\n<p>Or: &lt;20 touches&gt; at 60 mm/min.</p>" in with_words
+    assert "What to do next" in with_words
+    assert "What to do next" not in without
+
+
+def test_names_are_escaped() -> None:
+    campaign, diagnosis = no_gap()
+
+    page = as_html(campaign, diagnosis, name='<script>"a" & b', seed=1)
+
+    assert "<script" not in page
+    assert "&lt;script&gt;&#34;a&#34; &amp; b" in page
+
+
+def test_same_diagnosis_is_the_same_page(pages: dict[str, str]) -> None:
+    campaign, diagnosis = explained()
+
+    assert as_html(campaign, diagnosis, name="explained", seed=1) == pages["explained"]
+
+
+def test_simulation_with_the_effects_leaves_less() -> None:
+    campaign, diagnosis = explained()
+
+    evidence = gather(campaign, diagnosis, seed=1, jobs=2)
+    seen = evidence.seen[evidence.telling]
+    skip = evidence.touches.on_skip
+
+    assert evidence.telling == "latch_after_edge_us"
+    assert seen.left_after is not None
+    assert 41.0 < seen.left_before[skip].mean() < 43.0
+    assert abs(seen.left_after[skip].mean()) < 0.5
+
+
+def test_missed_touches_are_counted() -> None:
+    campaign, diagnosis = explained()
+    touches = campaign.touches
+    lost = touches.on_skip & (touches.touch % 2 == 0)
+    columns = touches.columns()
+    for name in ("edge_us", "latch_us", "report_us", "deviation_um"):
+        columns[name] = columns[name].copy()
+        columns[name][lost] = float("nan")
+    columns["status"] = touches.status.copy()
+    columns["status"][lost] = 1
+    broken = replace(campaign, touches=Touches(**columns))
+
+    text = prose(as_html(broken, diagnosis, name="a", seed=1))
+
+    share = lost.sum() / touches.on_skip.sum()
+    assert f"skip input {share:.1%} 0.0% 0.0%" in text
+
+
+def test_condition_that_matters_most_comes_first() -> None:
+    touches = read_campaign(BENCH).touches.in_order_of_time()
+
+    chosen = most_telling(conditions(touches), touches.sign + 1e-3 * touches.temp_c, 2)
+
+    assert chosen[0].title == "sense"
+    assert len(chosen) == 2
+
+
+@pytest.mark.parametrize(
+    ("share", "said"),
+    [
+        (Interval(0.984, 0.951, 0.996), "98% (95% … 100%)"),
+        (Interval(1.0, 0.999, 1.0), "100%"),
+        (Interval(-0.001, -0.3, 0.2), "0% (-30% … 20%)"),
+    ],
+)
+def test_shrink_is_told_with_its_interval(share: Interval, said: str) -> None:
+    campaign, diagnosis = explained()
+    gap = {"latch_after_edge_us": Gap("µs", 40.0, 1.0, 0.5, share)}
+
+    text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))
+
+    assert f"latch − edge µs 40.0 1.00 0.500 {said} " in text
+    assert f"shrinks the gap in latch − edge by {said}, from 40.0 to 1.00 µs" in text
+
+
+def test_gap_within_the_noise_is_not_said_to_shrink() -> None:
+    campaign, diagnosis = explained()
+    gap = {"latch_after_edge_us": Gap("µs", 0.4, 0.4, 0.5, Interval(0.0, -0.5, 0.5))}
+
+    text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))
+
+    assert "shrinks the gap" not in text
+    assert "latch − edge µs 0.400 0.400 0.500 no gap" in text
+
+
+@pytest.mark.parametrize("rows", [1, 7])
+def test_few_touches_still_make_a_page(rows: int) -> None:
+    campaign, diagnosis = explained()
+    few = replace(campaign, touches=campaign.touches.select(slice(rows)))
+
+    page = as_html(few, replace(diagnosis, gap={}), name="few", seed=1)
+
+    assert "isr_latency explains the gap" in page
+
+
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the command find what is known already."""
+    monkeypatch.setattr(command, "diagnose", lambda *_, **__: explained()[1])
+
+
+@pytest.mark.usefixtures("quick")
+def test_command_writes_the_page(tmp_path: Path) -> None:
+    path = tmp_path / "page.html"
+
+    result = CliRunner().invoke(cli.group, ["diagnose", str(BENCH), "--html", str(path)])
+
+    assert result.exit_code == 0, result.output
+    assert "bench_isr_latency · bench campaign · 400 touches" in path.read_text()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.usefixtures("quick")
+def test_page_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
+    path = tmp_path / "absent" / "page.html"
+
+    with pytest.raises(InputError, match=r"page\.html: cannot write"):
+        CliRunner().invoke(
+            cli.group, ["diagnose", str(BENCH), "--html", str(path)], catch_exceptions=False
+        )
+
+
+@pytest.fixture(scope="module")
+def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    program = chromium()
+    if program is None:
+        pytest.skip("no Chromium that sees temporary files: the page is not opened in a browser")
+    profile = tmp_path_factory.mktemp("chromium")
+    with browser(program, profile) as opened:
+        yield opened
+    shutil.rmtree(profile, ignore_errors=True)
+
+
+@pytest.mark.parametrize("scheme", list(SCHEMES))
+@pytest.mark.parametrize("width_px", [WIDE_PX, NARROW_PX])
+@pytest.mark.parametrize("case", list(CASES))
+def test_browser_shows_the_page_without_a_complaint(
+    window: Browser, pages: dict[str, str], tmp_path: Path, case: str, width_px: int, scheme: str
+) -> None:
+    path = tmp_path / f"{case}.html"
+    path.write_text(pages[case])
+    window.open(path, scheme, width_px)
+
+    assert window.evaluate("document.compatMode") == "CSS1Compat"
+    ground = window.evaluate("getComputedStyle(document.body).backgroundColor")
+    assert ground == SCHEMES[scheme]
+    patch = "getComputedStyle(document.querySelector('svg #PATCH path')).fill"
+    first = window.evaluate("document.querySelector('svg [id$=patch_1]').id")
+    assert window.evaluate(patch.replace("PATCH", first)) == ground
+    assert window.evaluate("document.documentElement.scrollWidth") <= width_px
+    assert window.picture().startswith(b"\x89PNG")
+    assert window.events_of("Runtime.exceptionThrown") == []
+    assert window.events_of("Runtime.consoleAPICalled") == []
+    assert window.events_of("Log.entryAdded") == []
+    requests = [event["request"]["url"] for event in window.events_of("Network.requestWillBeSent")]
+    assert {url for url in requests if not url.startswith("data:")} == {path.as_uri()}
+
+
+def test_screen_reader_finds_a_name_for_every_picture(
+    window: Browser, pages: dict[str, str], tmp_path: Path
+) -> None:
+    path = tmp_path / "page.html"
+    path.write_text(pages["explained"])
+    window.open(path, "light", WIDE_PX)
+
+    nodes = window.call("Accessibility.getFullAXTree")["nodes"]
+    names = [
+        node.get("name", {}).get("value", "")
+        for node in nodes
+        if node.get("role", {}).get("value") in ("img", "image") and not node["ignored"]
+    ]
+    assert len(names) >= len(Elements(pages["explained"]).all("svg"))
+    assert all(names)
