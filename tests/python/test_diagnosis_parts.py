@@ -9,8 +9,8 @@ from scipy import stats
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
-from skiplatch.diagnosis.law import Extra, Law, box_box_gauss
-from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.law import Extra, Law, box_box_gauss, extra_variance
+from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.structure import structures
 
@@ -38,7 +38,15 @@ def test_the_density_is_that_of_the_sum(sigma: float, box_a: float, box_b: float
 
 
 @pytest.mark.parametrize(
-    "extra", [Extra(0.3, width=2.0), Extra(0.2, offset=1.0, mean=3.0), Extra(1.0, offset=0.5)]
+    "extra",
+    [
+        Extra(0.3, width=2.0),
+        Extra(0.2, offset=1.0, mean=3.0),
+        Extra(1.0, offset=0.5),
+        Extra(0.5, offset=-1.0, sigma=0.7),
+        Extra(0.5, width=3.0, boxless=1.0),
+        Extra(0.9, mean=0.05),
+    ],
 )
 def test_a_law_with_an_extra_holds_all_probability(extra: Extra) -> None:
     one = np.ones(1)
@@ -76,6 +84,32 @@ def test_the_likelihood_prefers_the_truth() -> None:
         likelihood(scene, Change(skip_us=30.0)).total
         < likelihood(scene, Change(skip_us=41.7)).total
     )
+
+
+def test_moments_of_a_law_are_those_of_draws() -> None:
+    """Mean and variance of 200,000 draws, within five standard errors."""
+    rng, n = np.random.default_rng(1), 200_000
+    one = np.ones(1)
+    extra = Extra(0.4, offset=1.0, width=2.0, mean=0.5, sigma=0.3, boxless=1.0)
+    law = Law(0.2 * one, 0.1 * one, 3.0 * one, 0.5 * one, (extra,))
+    base = 0.2 + rng.normal(0.0, 0.1, n) + 0.5 * rng.random(n)
+    late = 1.0 + 2.0 * rng.random(n) + rng.exponential(0.5, n) + rng.normal(0.0, 0.3, n)
+    draws = base + np.where(rng.random(n) < 0.4, late, 3.0 * rng.random(n))
+    variance = float((law.spread**2 + extra_variance(law))[0])
+
+    assert draws.mean() == pytest.approx(law.mean[0], abs=5.0 * draws.std() / np.sqrt(n))
+    assert draws.var() == pytest.approx(variance, rel=5.0 * np.sqrt(2.0 / n))
+
+
+def test_slack_scatters_a_shift_by_a_share_of_it() -> None:
+    scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    stream = scene.streams["deviation_skip"]
+    shift = 7.0 * scene.sign
+    firm = law_under(scene, stream, Change(position_um=shift))
+    loose = law_under(scene, stream, Change(position_um=shift, slack=0.4))
+
+    np.testing.assert_allclose(np.sqrt(loose.sigma**2 - firm.sigma**2), 2.8, rtol=1e-6)
+    assert law_under(scene, stream, Change(slack=0.4)).sigma == pytest.approx(stream.law.sigma)
 
 
 @pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])

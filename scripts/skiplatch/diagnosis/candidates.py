@@ -20,6 +20,7 @@ Parameters = FloatArray
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
 MOST_RETRIES = 0.9
+MOST = 0.6
 MIRRORED = 0.5
 SHORTEST_MM = 0.01
 SLOWEST_RATIO = 0.05
@@ -82,6 +83,11 @@ def _machine(scene: Scene) -> bool:
 def _share(value: float) -> float:
     """Keep a share between 0 and 1 wherever the search goes."""
     return float(np.clip(abs(value), 0.0, 1.0))
+
+
+def _some(value: float) -> float:
+    """Keep what happens to some touches from happening to nearly all of them."""
+    return min(_share(value), MOST)
 
 
 def _feed_error(scene: Scene, p: Parameters) -> Change:
@@ -179,7 +185,7 @@ def _drift_starts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 
 def _overrun(scene: Scene, p: Parameters) -> Change:
     """The grid shows a late scan by its lateness; an edge waits for it from the scan before on."""
-    share, late, span = _share(p[0]), abs(p[1]), abs(p[2])
+    share, late, span = _some(p[0]), abs(p[1]), abs(p[2])
     ratio = (late + span / 2.0) / scene.nominal.plc.scan_us
     met = min(share * (1.0 + ratio), 0.9)  # the longer gap before a late scan meets more edges
     return Change(
@@ -261,9 +267,12 @@ def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
 def _transmission_starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Scan the periods: at each, the best sine by least squares."""
     stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
+    unknown = [[1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0]]
     if stream is None:
-        return [[1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0]]
+        return unknown
     rows = stream.rows & ~np.isnan(scene.touches.position_mm)
+    if not rows.any():
+        return unknown
     law = law_under(scene, stream, given).select(rows)
     residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
     residuals = residuals - np.median(residuals)
@@ -272,10 +281,8 @@ def _transmission_starts(scene: Scene, given: Change) -> Sequence[Sequence[float
     span = float(np.ptp(position)) or 1.0
     frequencies = np.arange(0.5 / span, 2.0, 0.2 / span)
     waves = np.exp(-2j * np.pi * np.outer(frequencies, position))
-    limited = (
-        np.clip(residuals, *np.quantile(residuals, [0.02, 0.98])) if len(residuals) else residuals
-    )
-    power = np.abs(waves @ (weights * limited)) if len(residuals) else np.zeros(len(frequencies))
+    limited = np.clip(residuals, *np.quantile(residuals, [0.02, 0.98]))
+    power = np.abs(waves @ (weights * limited))
     starts = []
     for i in np.argsort(power)[::-1][:3]:
         wave = waves[i].conj()
@@ -348,7 +355,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "contact_bounce",
             ("probability", "mean_us", "least_us"),
-            lambda _, p: Change(pin_extra=(Extra(_share(p[0]), mean=abs(p[1]), offset=abs(p[2])),)),
+            lambda _, p: Change(pin_extra=(Extra(_some(p[0]), mean=abs(p[1]), offset=abs(p[2])),)),
             _fixed([0.2, 30.0, 0.0], [0.2, 300.0, 0.0], [0.2, 3000.0, 0.0]),
             refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
         ),
@@ -370,7 +377,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "isr_blocking",
             ("probability", "length_us"),
-            lambda _, p: Change(skip_extra=(Extra(_share(p[0]), width=abs(p[1])),)),
+            lambda _, p: Change(skip_extra=(Extra(_some(p[0]), width=abs(p[1])),)),
             _fixed([0.2, 20.0], [0.2, 200.0], [0.2, 2000.0]),
         ),
         Candidate(

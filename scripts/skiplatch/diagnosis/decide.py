@@ -11,7 +11,7 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
 from skiplatch.diagnosis.law import Law, extra_variance
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import BoolArray, Scene, rounding_step
 from skiplatch.diagnosis.search import NOTHING, WIDENINGS, WORTH_A_REFINEMENT, Fit, fit, polish
 
 MOST_EFFECTS = 2
@@ -34,10 +34,10 @@ RELATIVE = 0.25
 """What variance counts for, beside the square of a shift."""
 SMALLEST_SHIFT = 0.2
 """Shift, root mean square over the rig's own spread, that is material."""
-SMALLEST_SECOND = 0.05
+SMALLEST_SECOND = 0.1
 """Gain of a second effect over that of the first, whose form is never just the one fitted."""
 MOST_SWAPS = 2
-MIMICRY = 0.75
+MIMICRY = 0.9
 """Share of a family's gain that an effect has to reach to be named in its place."""
 LEFT_OVER = 1.5
 """What a family may gain on top of an effect, as a share of the effect's own gain."""
@@ -142,7 +142,17 @@ class Judge:
             _both(given, found) if given else found
             for family in families(self._fitting, change)
             for found in [
-                fit(self._fitting, [family], family.starts(self._fitting, change), change, COARSE)
+                polish(
+                    self._fitting,
+                    fit(
+                        self._fitting,
+                        [family],
+                        family.starts(self._fitting, change),
+                        change,
+                        COARSE,
+                    ),
+                    change,
+                )
             ]
         )
 
@@ -176,9 +186,10 @@ class Judge:
         if before and fitted + checked < SMALLEST_SECOND * (before.fitted + before.checked):
             return False
         gained = fitted + checked - worth(parameters)
+        is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
+        is_plain = gained > PLAIN and checked > -MISSING * fitted
         return (
-            fitted - worth(parameters) > ENOUGH_FIT
-            and (checked > ENOUGH_CHECK or (gained > PLAIN and checked > -MISSING * fitted))
+            (is_checked or is_plain)
             and (fitted + checked) / touches > ENOUGH_A_TOUCH
             and is_material(self._fitting, scored.fit, len(before.ids) if before else 0)
         )
@@ -307,7 +318,9 @@ def is_material(scene: Scene, model: Fit, position: int) -> bool:
         if not stream.rows.any():
             continue
         moved = ((shift + RELATIVE * scatter) / stream.law.spread**2)[stream.rows]
-        if np.sqrt(np.mean(moved)) > SMALLEST_SHIFT:
+        relative = float(np.sqrt(np.mean(moved)))
+        absolute = float(np.sqrt(np.mean(moved * stream.law.spread[stream.rows] ** 2)))
+        if relative > SMALLEST_SHIFT and absolute > 0.5 * rounding_step(scene, stream):
             return True
     return False
 

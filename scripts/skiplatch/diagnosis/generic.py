@@ -5,13 +5,14 @@ family that does clearly better than every effect of the catalogue says that non
 """
 
 from collections.abc import Callable, Sequence
+from itertools import product
 
 import numpy as np
 from scipy import ndimage, stats
 
 from skiplatch.diagnosis.candidates import Candidate, Parameters
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import Extra, FloatArray
+from skiplatch.diagnosis.law import SMALLEST, Extra, FloatArray
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import BoolArray, Scene
 
@@ -28,20 +29,23 @@ RELAXATION_S = 15.0
 
 Feature = Callable[[Scene], FloatArray]
 
-FEATURES: dict[str, Feature] = {
-    "approach": lambda s: s.touches.approach_mm,
-    "sine of the elevation": lambda s: np.sin(np.deg2rad(np.nan_to_num(s.touches.beta_deg))),
-    "cosine of the azimuth": lambda s: np.cos(s.alpha) * s.cos_beta,
-    "sine of the azimuth": lambda s: np.sin(s.alpha) * s.cos_beta,
-    "twice the azimuth (cosine)": lambda s: np.cos(2.0 * s.alpha) * s.cos_beta,
-    "twice the azimuth (sine)": lambda s: np.sin(2.0 * s.alpha) * s.cos_beta,
-    "direction of the touch before (cosine)": lambda s: np.cos(s.alpha_before),
-    "direction of the touch before (sine)": lambda s: np.sin(s.alpha_before),
-    "feed squared": lambda s: s.speed**2 / np.max(s.speed) ** 2,
-    "rest": lambda s: -np.expm1(-s.rest_s / RELAXATION_S),
-    "distance from the middle": lambda s: np.abs(np.nan_to_num(s.touches.position_mm)) / 100.0,
+FEATURES: dict[str, tuple[Feature, ...]] = {
+    "approach": (lambda s: s.touches.approach_mm,),
+    "elevation": (lambda s: np.sin(np.deg2rad(np.nan_to_num(s.touches.beta_deg))),),
+    "azimuth": (lambda s: np.cos(s.alpha) * s.cos_beta, lambda s: np.sin(s.alpha) * s.cos_beta),
+    "twice the azimuth": (
+        lambda s: np.cos(2.0 * s.alpha) * s.cos_beta,
+        lambda s: np.sin(2.0 * s.alpha) * s.cos_beta,
+    ),
+    "direction of the touch before": (
+        lambda s: np.cos(s.alpha_before),
+        lambda s: np.sin(s.alpha_before),
+    ),
+    "feed squared": (lambda s: s.speed**2 / np.max(s.speed) ** 2,),
+    "rest": (lambda s: -np.expm1(-s.rest_s / RELAXATION_S),),
+    "distance from the middle": (lambda s: np.abs(np.nan_to_num(s.touches.position_mm)) / 100.0,),
 }
-"""By name, each of shape (n,)."""
+"""By name; what is periodic in an angle has two. Each of shape (n,)."""
 
 
 def families(scene: Scene, given: Change) -> list[Candidate]:
@@ -77,27 +81,33 @@ def _with_features(scene: Scene, given: Change) -> list[Candidate]:
         if name not in scene.streams or scene.streams[name].rows.sum() < FEWEST:
             continue
         scores, rows = _scores(scene, name, given)
-        for label, feature in FEATURES.items():
-            values = feature(scene)[rows]
-            if np.ptp(values) < 1e-9 or np.ptp(scores) < 1e-9:
-                continue
-            p_value = float(stats.pearsonr(scores, values).pvalue)
+        for label, features in FEATURES.items():
+            p_value = min(_significance(scores, feature(scene)[rows]) for feature in features)
             if p_value < SCREENED:
-                found.append((p_value, _shifted(name, label, feature)))
+                found.append((p_value, _shifted(name, label, features)))
     found.sort(key=lambda item: item[0])
     return [family for _, family in found[:MOST_FEATURES]]
 
 
-def _shifted(stream: str, label: str, feature: Feature) -> Candidate:
-    """Shift the stream by a multiple of the feature, and by as much everywhere."""
+def _significance(scores: FloatArray, values: FloatArray) -> float:
+    if np.ptp(values) < SMALLEST or np.ptp(scores) < SMALLEST:
+        return 1.0
+    return float(stats.pearsonr(scores, values).pvalue)
+
+
+def _shifted(stream: str, label: str, features: Sequence[Feature]) -> Candidate:
+    """Shift the stream by a multiple of each feature, and by as much everywhere."""
 
     def change(scene: Scene, p: Parameters) -> Change:
-        return _shift(stream, p[0] * feature(scene) + p[1])
+        shift = sum(
+            (slope * feature(scene) for slope, feature in zip(p, features, strict=False)), p[-1]
+        )
+        return _shift(stream, np.asarray(shift))
 
-    starts = [[sign * size, 0.01] for size in (1.0, 10.0) for sign in (1.0, -1.0)]
-    return Candidate(
-        f"{PREFIX}{stream}: {label}", ("slope", "offset"), change, lambda _s, _g: starts
-    )
+    senses = product((1.0, -1.0), repeat=len(features))
+    starts = [[*(size * sense for sense in s), 0.01] for s in senses for size in (1.0, 10.0)]
+    names = (*(f"slope_{i}" for i in range(len(features))), "offset")
+    return Candidate(f"{PREFIX}{stream}: {label}", names, change, lambda _s, _g: starts)
 
 
 def _shift(stream: str, amount: FloatArray) -> Change:

@@ -269,3 +269,10 @@ class Scene:
         law = (0.0, 0.0, self.nominal.report.jitter_us, self.nominal.skip.tick_us)
         everywhere = np.full(len(self), fill_value=True)
         return self._stream("report", "µs", ("report",), residuals, law, everywhere)
+
+
+def rounding_step(scene: Scene, stream: Stream) -> float:
+    """What the residuals of a stream are rounded to, in its unit."""
+    if stream.unit == "µs":
+        return scene.nominal.skip.tick_us
+    return scene.nominal.axis.resolution_um

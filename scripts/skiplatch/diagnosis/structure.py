@@ -13,7 +13,7 @@ from scipy import stats
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import SMALLEST, FloatArray, extra_variance
 from skiplatch.diagnosis.likelihood import law_under
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
 
 ALPHA = 1e-3
 """False-alarm rate of one diagnosis, over all looks together."""
@@ -52,8 +52,23 @@ def structures(scene: Scene, change: Change) -> list[Structure]:
         found += seen
     limit = ALPHA / max(looks, 1)
     return sorted(
-        (s for s in found if s.p_value < limit and _is_material(s)), key=lambda s: s.p_value
+        (s for s in found if s.p_value < limit and _is_material(s) and _is_resolved(scene, s)),
+        key=lambda s: s.p_value,
     )
+
+
+def _is_resolved(scene: Scene, structure: Structure) -> bool:
+    """Tell it from rounding, which need not be as random as its law has it."""
+    if structure.looks_like == OUTLIERS:
+        return True
+    stream = structure.stream
+    spread = float(np.median(stream.law.spread[stream.rows]))
+    size = (
+        np.sqrt(max(structure.size**2 - 1.0, 0.0))
+        if structure.looks_like == SCATTER
+        else abs(structure.size)
+    )
+    return bool(size * spread > 0.25 * rounding_step(scene, stream))
 
 
 def _is_material(structure: Structure) -> bool:

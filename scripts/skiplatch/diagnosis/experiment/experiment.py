@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 TOUCHES = 60
 MOST_RIVALS = 6
+CLOSE_NATS = 10.0
+"""A model so far behind the finding is no rival of it."""
 WARMER_K = 5.0
 DRAWN = 160
 """Touches to choose from."""
@@ -101,12 +103,14 @@ def next_experiment(
 
 
 def _models(diagnosis: "Diagnosis") -> list[Model]:
-    """Give the finding and what could be true in its place: its rivals, or the next best model."""
+    """Give the finding and what could be true in its place: its rivals, or a close runner-up."""
     if not diagnosis.effects:
         return []
     finding = tuple(named.effect for named in diagnosis.effects)
     tied = [ranked.effects for ranked in diagnosis.rivals[1:]]
-    others = tied or [ranked.effects for ranked in diagnosis.ranking]
+    best = max((ranked.score_nats for ranked in diagnosis.ranking), default=0.0)
+    close = [r.effects for r in diagnosis.ranking if r.score_nats > best - CLOSE_NATS]
+    others = tied or close
     by_name = {words.name(model): model for model in [*reversed(others), finding]}
     distinct = [finding, *(m for m in others if m is by_name[words.name(m)])]
     return distinct[: MOST_RIVALS if tied else 2]
