@@ -1,5 +1,7 @@
 """``make bench``: how fast the simulation is, beside a bare loop and beside SimPy, in one run.
 
+Then how fast the diagnosis is, beside pyABC; see ``diagnosis_bench``.
+
 Absolute times depend on the machine and on its mood. What counts are the ratios of things timed in
 turn, and their medians.
 """
@@ -9,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
+import diagnosis_bench
 import numpy as np
 import simpy_chain
 
@@ -142,11 +145,12 @@ def bench_path(path: InputPath, nominal: Nominal, floor: simulator.CData) -> Non
 
 
 def main() -> None:
-    """Run the benchmark of both paths."""
+    """Run the benchmark of both paths, and that of the diagnosis."""
     nominal = read_nominal(NOMINAL)
     floor = floor_library()
     for path in InputPath:
         bench_path(path, nominal, floor)
+    diagnosis_bench.bench_diagnosis()
 
 
 if __name__ == "__main__":

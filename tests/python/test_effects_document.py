@@ -17,7 +17,8 @@ from skiplatch.campaign import read_campaign
 
 ROOT = Path(__file__).parents[2]
 GAP = (ROOT / "docs" / "GAP.md").read_text(encoding="utf-8")
-WORKED, OWN_EFFECT = GAP.split("## Add an effect")
+EXPLAINED, OWN_EFFECT = GAP.split("## Add an effect")
+WORKED, _ = EXPLAINED.split("## The withheld check")  # whose commands take an hour
 
 # Not the surrounding make's, which would have its own ideas of what to build.
 ENVIRONMENT = {"PATH": "/usr/local/bin:/usr/bin:/bin", "LANG": "C.UTF-8"}

@@ -1,0 +1,97 @@
+"""The shrink on touches that were held back, beside that of an oracle that knows the truth.
+
+The score is the CRPS of the recorded touches under many plays of a simulation. A touch of the skip
+path is scored against its own plays. On the PLC path nobody who has to predict knows the phase of
+the scans, and the sealed plays have it, so there a touch is scored against the plays of all touches
+of its path and feed, in which every phase occurs.
+"""
+
+import csv
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+from scoringrules import crps_ensemble  # type: ignore[import-untyped]
+
+from tests.gap.chain import BoolArray, FloatArray
+from tests.gap.sealed import HeldBack
+from tests.gap.streams import Expected, Played, cells, residuals
+
+SCORED = ("deviation", "latch", "report")
+FEWEST_TOUCHES = 3  # of a cell
+MOST_POOLED = 1_000  # plays against which a touch of the PLC is scored
+ROUNDING = 1 / 6  # of a step: the score of what is known but for its rounding
+LEAST_GAP = 0.05  # of the score, below which the gap is too small to say how much of it is gone
+
+
+def read_predictions(path: Path, expected: Expected) -> Mapping[str, FloatArray]:
+    """Read what ``skiplatch predict`` wrote: residuals by stream, shape (replicates, n)."""
+    with path.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    n = len(expected.speed_um_us)
+
+    def column(name: str) -> FloatArray:
+        values = [float(row[name] or "nan") for row in rows]
+        return np.array(values, np.float64).reshape(-1, n)
+
+    played = Played(column("latch_us"), column("report_us"), column("deviation_um"))
+    begin = expected.contact_us if expected.machine else column("edge_us")
+    return residuals(expected, played, begin)
+
+
+def shrink_to_oracle(
+    held_back: HeldBack, diagnosed: Mapping[str, FloatArray], rng: np.random.Generator
+) -> float:
+    """Give the diagnosis's shrink over the oracle's: 1 predicts as well as the truth.
+
+    Every cell of path, feed and stream counts by its touches, in units of the oracle's score, so
+    that the wide ones of the PLC do not drown the narrow ones. NaN where even the oracle hardly
+    scores better than the unchanged chain: an effect that only loses touches, or one that moves the
+    PLC's scans by little of their period.
+    """
+    unchanged, oracle = (held_back.of(p, rng) for p in (held_back.unchanged, held_back.oracle))
+    tick = held_back.nominal.skip.tick_us
+    steps = {"deviation": held_back.nominal.axis.resolution_um, "latch": tick, "report": tick}
+    gained = possible = whole = 0.0
+    for stream in [s for s in SCORED if s in held_back.recorded]:
+        for rows in cells(held_back.touches):
+            scores = [
+                _score(held_back, stream, rows, plays[stream], rng)
+                for plays in (unchanged, diagnosed, oracle)
+            ]
+            if scores[0] is None or scores[1] is None or scores[2] is None:
+                continue
+            weight = np.count_nonzero(rows) / max(scores[2], ROUNDING * steps[stream])
+            gained += weight * (scores[0] - scores[1])
+            possible += weight * (scores[0] - scores[2])
+            whole += weight * scores[0]
+    return float(gained / possible) if possible > LEAST_GAP * whole else float("nan")
+
+
+def _score(
+    held_back: HeldBack,
+    stream: str,
+    rows: BoolArray,
+    plays: FloatArray,
+    rng: np.random.Generator,
+) -> float | None:
+    """Mean CRPS of the touches of a cell, or None if there are too few."""
+    truth = held_back.truth[stream]
+    scale = np.ones(len(truth))
+    if stream == "deviation" and held_back.expected.plc[rows].all():
+        scale = held_back.expected.speed_um_us  # a cell may have several feeds
+    rows = rows & ~np.isnan(truth) & ~np.isnan(plays).all(axis=0)
+    if np.count_nonzero(rows) < FEWEST_TOUCHES:
+        return None
+    seen, ensemble = truth[rows] / scale[rows], (plays[:, rows] / scale[rows]).T
+    ensemble = np.where(np.isnan(ensemble), np.nanmedian(ensemble, axis=1)[:, None], ensemble)
+    if held_back.expected.plc[rows].all():
+        ensemble = pooled(ensemble, rng)
+    scores = crps_ensemble(seen, ensemble, estimator="pwm", backend="numpy")
+    return float(np.mean(scores))
+
+
+def pooled(ensemble: FloatArray, rng: np.random.Generator, most: int = MOST_POOLED) -> FloatArray:
+    """Give every touch, shape (n, …), the same draw from the plays of all; shape (n, pooled)."""
+    drawn = rng.choice(ensemble.ravel(), min(most, ensemble.size), replace=False)
+    return np.broadcast_to(drawn, (len(ensemble), len(drawn)))
