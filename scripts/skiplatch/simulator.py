@@ -24,6 +24,7 @@ LIBRARY = ROOT / "build" / "host" / "libskiplatch_sim.so"
 HEADERS = (
     ROOT / "host_sim" / "chain.h",
     ROOT / "host_sim" / "effects" / "description.h",
+    ROOT / "host_sim" / "law.h",
     ROOT / "host_sim" / "programs" / "batch.h",
 )
 
@@ -159,6 +160,8 @@ class _Binding:
     library: CData
     touch: np.dtype[np.void]
     outcome: np.dtype[np.void]
+    law: np.dtype[np.void]
+    extra: np.dtype[np.void]
 
 
 def _declarations(header: Path) -> str:
@@ -189,6 +192,8 @@ def _binding() -> _Binding:
         library=ffi.dlopen(os.fspath(LIBRARY)),
         touch=_layout(ffi, "sim_touch_t"),
         outcome=_layout(ffi, "sim_outcome_t"),
+        law=_layout(ffi, "sim_law_t"),
+        extra=_layout(ffi, "sim_extra_t"),
     )
 
 
@@ -323,3 +328,43 @@ def play(
         raise SimulationError(ffi.string(binding.library.sim_play_error(code)).decode())
     back = np.argsort(order)
     return Outcomes(*(np.ascontiguousarray(raw[field.name][:, back]) for field in fields(Outcomes)))
+
+
+def log_density(
+    residuals: FloatArray, law: object, extras: Sequence[object], reach: float, resolution: float
+) -> FloatArray:
+    """Logarithm of the density of each residual under a law of sums; see ``host_sim/law.h``.
+
+    Args:
+        residuals: Shape (n,).
+        law: Has an attribute for each field of sim_law_t: arrays of shape (n,), or numbers.
+        extras: The same, each for the fields of sim_extra_t.
+        reach: Width over which a contaminated residual may lie anywhere.
+        resolution: Scatter below which nothing is resolved.
+    """
+    binding = _binding()
+    n = len(residuals)
+    laws = np.empty(n, dtype=binding.law)
+    _fill(laws, law)
+    more = np.empty((len(extras), n), dtype=binding.extra)
+    for row, extra in zip(more, extras, strict=True):
+        _fill(row, extra)
+    found = np.empty(n)
+    ffi = binding.ffi
+    binding.library.sim_law_log_density(
+        ffi.from_buffer("double[]", np.ascontiguousarray(residuals, dtype=np.float64)),
+        ffi.from_buffer("sim_law_t[]", laws),
+        n,
+        ffi.from_buffer("sim_extra_t[]", more),
+        len(extras),
+        reach,
+        resolution,
+        ffi.from_buffer("double[]", found, require_writable=True),
+    )
+    return found
+
+
+def _fill(rows: NDArray[np.void], source: object) -> None:
+    """Give structures the values of the attributes that are named like their fields."""
+    for name in rows.dtype.fields or ():
+        rows[name] = getattr(source, name)

@@ -66,6 +66,38 @@ def test_diagnosis_and_prediction_go_together(tmp_path: Path) -> None:
     assert np.median(waits) == pytest.approx(48.7, abs=0.5)
 
 
+def test_what_is_below_a_stated_size_is_no_gap(tmp_path: Path) -> None:
+    diagnosis = tmp_path / "diagnosis.json"
+    output = run("diagnose", str(BENCH), "--material-us", "60", "--json", str(diagnosis))
+
+    assert "A gap counts from 60 µs on in times" in output
+    document = json.loads(diagnosis.read_text())
+    assert document["verdict"] == "no_gap"
+    assert document["effects"] == []
+    assert document["material"] == {"fraction": 0.2, "us": 60.0, "um": None}
+
+
+def test_the_truth_of_a_simulated_campaign_is_an_oracle(tmp_path: Path) -> None:
+    diagnosis = tmp_path / "diagnosis.json"
+    truth = "isr_latency:latency_us=41.7"
+    output = run("diagnose", str(BENCH), "--truth", truth, "--json", str(diagnosis))
+
+    assert "the truth does" in output
+    gap = json.loads(diagnosis.read_text())["gap"]["latch_after_edge_us"]
+    low, high = gap["oracle_shrink_interval"]
+    assert 0.95 < low <= gap["oracle_shrink"] <= high <= 1.0
+    assert gap["shrink"] == pytest.approx(gap["oracle_shrink"], abs=0.01)
+
+
+@pytest.mark.parametrize("option", ["--material-us", "--material-um", "--material-fraction"])
+@pytest.mark.parametrize("value", ["0", "-1", "nan", "inf", "wide"])
+def test_a_bad_threshold_is_refused(option: str, value: str) -> None:
+    result = CliRunner().invoke(cli.group, ["diagnose", str(BENCH), option, value])
+
+    assert result.exit_code == 2
+    assert f'expected a number above 0, got "{value}"' in result.output
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

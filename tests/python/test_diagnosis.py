@@ -6,27 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skiplatch.campaign import Campaign, Status, read_campaign
+from played_campaigns import played
+from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
-from skiplatch.simulator import Controller, Effect, play
+from skiplatch.simulator import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"
 JOBS = 2
-
-
-def with_effects(folder: Path, *switched_on: Effect, seed: int = 11) -> Campaign:
-    """The simulation with effects in place of what was recorded, in the same columns."""
-    campaign = read_campaign(folder)
-    touches = campaign.touches
-    controller = Controller.for_campaign(campaign.nominal, touches)
-    outcomes = play(campaign.nominal, controller, touches, seed=seed, switched_on=switched_on)
-    columns = {
-        name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[0])
-        for name in ("edge_us", "latch_us", "report_us", "deviation_um")
-    }
-    status = np.where(outcomes.ok[0], Status.OK, Status.MISSED).astype(np.int8)
-    return replace(campaign, touches=replace(touches, status=status, **columns))
 
 
 def ids(diagnosis: Diagnosis) -> list[str]:
@@ -62,7 +49,7 @@ def test_recorded_campaigns_without_a_gap_get_no_name(folder: Path) -> None:
 
 def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from() -> None:
     folder = SAMPLES / "machine_no_gap"
-    campaign = with_effects(folder, Effect("trigger_delay", {"delay_us": 300.0}))
+    campaign = played(folder, Effect("trigger_delay", {"delay_us": 300.0}))
 
     diagnosis = diagnose(campaign, seed=1, jobs=JOBS)
 
@@ -73,7 +60,7 @@ def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from()
 
 
 def test_two_effects_are_both_named() -> None:
-    campaign = with_effects(
+    campaign = played(
         DATA / "bench_no_gap",
         Effect("backlash", {"backlash_um": 1.5}),
         Effect("report_delay", {"delay_us": 40.0}),
@@ -89,7 +76,7 @@ def test_two_effects_are_both_named() -> None:
 
 def test_a_lag_behind_the_thermometer_is_measured() -> None:
     truth = {"drift_um_k": 1.5, "lag_s": 900.0}
-    campaign = with_effects(DATA / "bench_no_gap", Effect("thermal_drift", truth))
+    campaign = played(DATA / "bench_no_gap", Effect("thermal_drift", truth))
 
     (named,) = diagnose(campaign, seed=1, jobs=JOBS).effects
 
@@ -99,7 +86,7 @@ def test_a_lag_behind_the_thermometer_is_measured() -> None:
 
 
 def test_a_stranger_is_not_named() -> None:
-    campaign = with_effects(DATA / "bench_no_gap")
+    campaign = played(DATA / "bench_no_gap")
     short = np.random.default_rng(3).random(len(campaign.touches)) < 0.1
     deviation_um = campaign.touches.deviation_um - np.where(short, 30.0, 0.0)
     stranger = replace(campaign, touches=replace(campaign.touches, deviation_um=deviation_um))

@@ -4,12 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy import stats
 
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
-from skiplatch.diagnosis.law import Extra, Law, box_box_gauss, extra_variance
+from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.structure import structures
@@ -17,44 +16,6 @@ from skiplatch.diagnosis.structure import structures
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"
 NO_GAP = [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"]
-
-
-@pytest.mark.parametrize(
-    ("sigma", "box_a", "box_b"),
-    [(1.0, 5.0, 3.0), (0.01, 5.0, 3.0), (1.0, 0.01, 3.0), (2.0, 0.1, 0.1), (0.5, 0.0, 0.0)],
-)
-def test_the_density_is_that_of_the_sum(sigma: float, box_a: float, box_b: float) -> None:
-    """A KS test of 20,000 draws; its false-alarm rate is 1e-4."""
-    rng = np.random.default_rng(1)
-    n = 20_000
-    draws = rng.normal(0.0, sigma, n) + box_a * rng.random(n) + box_b * rng.random(n)
-    grid = np.linspace(draws.min() - 1.0, draws.max() + 1.0, 40_001)
-    one = np.ones_like(grid)
-    density = box_box_gauss(grid, sigma * one, box_a * one, box_b * one)
-    cumulated = np.cumsum(density) * (grid[1] - grid[0])
-
-    assert cumulated[-1] == pytest.approx(1.0, abs=1e-3)
-    assert stats.kstest(draws, lambda x: np.interp(x, grid, cumulated)).pvalue > 1e-4
-
-
-@pytest.mark.parametrize(
-    "extra",
-    [
-        Extra(0.3, width=2.0),
-        Extra(0.2, offset=1.0, mean=3.0),
-        Extra(1.0, offset=0.5),
-        Extra(0.5, offset=-1.0, sigma=0.7),
-        Extra(0.5, width=3.0, boxless=1.0),
-        Extra(0.9, mean=0.05),
-    ],
-)
-def test_a_law_with_an_extra_holds_all_probability(extra: Extra) -> None:
-    one = np.ones(1)
-    law = Law(0.0 * one, 0.1 * one, one, 0.2 * one, (extra,))
-    grid = np.linspace(-200.0, 400.0, 600_001)
-    total = np.exp(law.log_density(grid, 1.0)).sum() * (grid[1] - grid[0])
-
-    assert total == pytest.approx(1.0, abs=5e-3)
 
 
 @pytest.mark.parametrize("folder", NO_GAP)

@@ -306,7 +306,8 @@ def test_shrink_is_told_with_its_interval(share: Interval, said: str) -> None:
 
 def test_gap_within_the_noise_is_not_said_to_shrink() -> None:
     campaign, diagnosis = explained()
-    gap = {"latch_after_edge_us": Gap("µs", 0.4, 0.4, 0.5, Interval(0.0, -0.5, 0.5))}
+    within = Gap("µs", 0.4, 0.4, 0.5, Interval(0.0, -0.5, 0.5), is_clear=False)
+    gap = {"latch_after_edge_us": within}
 
     text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))
 

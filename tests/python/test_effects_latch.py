@@ -72,6 +72,13 @@ def test_timer_quantisation_rounds_stamps_down_and_moves_no_latch(tick_us: float
     np.testing.assert_array_equal(played.report_shift_us, 0.0)
 
 
+def test_timer_quantisation_may_round_to_the_nearest_tick() -> None:
+    played = trace(SKIP, "timer_quantisation", tick_us=4.0, nearest=1.0)
+    latched_us = played.nominal.latch_us[0]
+
+    assert_close(played.changed.latch_us[0], np.floor(latched_us / 4.0 + 0.5) * 4.0, 1e-6)
+
+
 @pytest.mark.parametrize("path", list(InputPath))
 @pytest.mark.parametrize("drift_ppm", [-300.0, 40.0])
 def test_timer_drift_stretches_the_stamps_of_both_paths(path: InputPath, drift_ppm: float) -> None:
@@ -81,6 +88,18 @@ def test_timer_drift_stretches_the_stamps_of_both_paths(path: InputPath, drift_p
     assert_close(played.changed.latch_us[0], expected_us, STAMP_TOLERANCE_US)
     np.testing.assert_array_equal(played.deviation_shift_um, 0.0)
     np.testing.assert_array_equal(played.report_shift_us, 0.0)
+
+
+@pytest.mark.parametrize("path", list(InputPath))
+def test_timer_drift_adds_up_the_temperature(path: InputPath) -> None:
+    played = trace(path, "timer_drift", drift_ppm=0.0, warmth_ppm_k=3.0)
+    touches = played.touches
+    warmth_k = touches.temp_c - 20.0
+    until_s = np.cumsum(warmth_k * np.diff(touches.time_s, prepend=0.0))
+    latched_us = played.nominal.latch_us[0]
+    since_us = until_s * 1e6 + warmth_k * (latched_us - touches.time_s * 1e6)
+
+    assert_close(played.changed.latch_us[0], latched_us + 3.0e-6 * since_us, STAMP_TOLERANCE_US)
 
 
 @pytest.mark.parametrize("more_us", [-400.0, 137.0])

@@ -1,20 +1,48 @@
 """``skiplatch diagnose``: where the gap lies, what causes it, how far it shrinks."""
 
+import math
 from pathlib import Path
 
 import click
 
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.options import (
+    EffectType,
+    jobs_option,
+    json_option,
+    seed_option,
+    write_json,
+)
 from skiplatch.diagnosis import Diagnosis, as_json, as_text, diagnose
 from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
+from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.errors import quoted
 from skiplatch.files import atomic_write_text
+from skiplatch.simulator import Effect
 
 EPILOG = """\b
 Example:
   skiplatch diagnose scripts/samples/bench_isr_latency --json build/diagnosis.json
   skiplatch diagnose scripts/samples/bench_isr_latency --html build/diagnosis.html
 """
+
+
+class SizeType(click.ParamType[float]):
+    """A finite number above 0."""
+
+    name = "size"
+
+    def convert(
+        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """See `click.ParamType.convert`."""
+        try:
+            size = float(value)
+        except ValueError:
+            size = math.nan
+        if not 0.0 < size < math.inf:
+            self.fail(f"expected a number above 0, got {quoted(str(value))}", param, ctx)
+        return size
 
 
 @click.command(epilog=EPILOG)
@@ -28,17 +56,59 @@ Example:
     type=click.Path(path_type=Path, dir_okay=False),
     help="Also write the result as one page with pictures to this file.",
 )
+@click.option(
+    "--material-fraction",
+    type=SizeType(),
+    metavar="SHARE",
+    default=DEFAULT.fraction,
+    show_default=True,
+    help="From which share of the rig's own spread on a gap counts; the spread is the standard "
+    "deviation that the nominal rig has by itself.",
+)
+@click.option(
+    "--material-us",
+    type=SizeType(),
+    metavar="µs",
+    help="From how many µs on a gap counts, in what was recorded as times, in place of the share.",
+)
+@click.option(
+    "--material-um",
+    type=SizeType(),
+    metavar="µm",
+    help="From how many µm on a gap counts, in what was recorded as lengths, in place of the "
+    "share.",
+)
+@click.option(
+    "--truth",
+    type=EffectType(),
+    multiple=True,
+    metavar="ID:NAME=VALUE,…",
+    help="An effect that a simulated campaign has; puts the shrink that the truth reaches beside "
+    "that of the finding. The diagnosis itself does not look at it.",
+)
 def command(
-    campaign: Path, seed: int, jobs: int, json_path: Path | None, html_path: Path | None
+    campaign: Path,
+    seed: int,
+    jobs: int,
+    json_path: Path | None,
+    html_path: Path | None,
+    material_fraction: float,
+    material_us: float | None,
+    material_um: float | None,
+    truth: tuple[Effect, ...],
 ) -> None:
     """Say where the gap of a CAMPAIGN lies, which effects cause it, and how far it shrinks.
 
     Half of the touches serve to fit, a fifth to check, and the rest to measure the shrink by
     simulation. No effect is named that gains less than 5 nats on the touches it is fitted to,
-    beyond what its parameters are worth, or less than 1 nat on others unless it gains 15 in all.
+    beyond what its parameters are worth, or less than 1 nat on others unless it gains 15 in all,
+    and none that changes every stretch of the chain by less than is material (root mean square).
     """
     recorded = read_campaign(campaign)
-    diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
+    materiality = Materiality(material_fraction, material_us, material_um)
+    diagnosis = diagnose(
+        recorded, seed=seed, jobs=jobs, materiality=materiality, truth=truth or None
+    )
     click.echo(f"{campaign}: {recorded.nominal.kind} campaign, {len(recorded.touches)} touches\n")
     click.echo(as_text(diagnosis))
     experiment = next_experiment(recorded, diagnosis, seed=seed, jobs=jobs)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
+from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import (
     adjusted_p_values,
     distance_to,
@@ -97,12 +98,8 @@ def _cells(touches: Touches, simulated: Outcomes, contact: Contact) -> list[Cell
         recorded = observable.values(touches, contact)
         reference = observable.values(simulated, contact)
         known = ~np.isnan(recorded) & ~np.isnan(reference).any(axis=0)
-        for path in InputPath:
-            for feed in np.unique(touches.feed_mm_min):
-                here = known & (touches.path == path) & (touches.feed_mm_min == feed)
-                rows = np.flatnonzero(here)
-                if len(rows) >= FEWEST_TOUCHES:
-                    cells.append(_cell(observable, path, feed, rows, recorded, reference))
+        for path, feed, rows in cells_of(touches, known, FEWEST_TOUCHES):
+            cells.append(_cell(observable, path, feed, rows, recorded, reference))
     return cells
 
 
@@ -118,7 +115,7 @@ def _cell(
     return Cell(
         observable=observable,
         path=path,
-        feed_mm_min=float(feed_mm_min),
+        feed_mm_min=feed_mm_min,
         rows=rows,
         recorded=recorded[rows] - expected,
         reference=reference[:, rows] - expected,

@@ -6,6 +6,7 @@ effect that the simulator knows and this table does not is searched for by simul
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -22,9 +23,13 @@ Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 MOST_RETRIES = 0.9
 MOST = 0.6
 MIRRORED = 0.5
+LOOSEST = 0.25
+"""Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 SHORTEST_MM = 0.01
 SLOWEST_RATIO = 0.05
 US_PER_H = 3.6e9
+DRIFT_ROUNDS = 4
+"""Each makes the time that a stamp stands for a thousand times as exact, or more."""
 FEWEST_STAMPS = 16
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
@@ -144,11 +149,13 @@ def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
     if lag_s <= 0.0 or len(scene) < 2:
         return warmth
     keep = np.exp(-np.diff(scene.touches.time_s) / lag_s)
-    lagged = np.empty_like(warmth)
-    lagged[0] = (1.0 - cold) * warmth[0]
-    for i in range(1, len(warmth)):
-        lagged[i] = warmth[i] + (lagged[i - 1] - warmth[i]) * keep[i - 1]
-    return lagged
+    steps = zip(warmth[1:].tolist(), keep.tolist(), strict=True)
+    lagged = accumulate(
+        steps,
+        lambda before, step: step[0] + (before - step[0]) * step[1],
+        initial=(1.0 - cold) * float(warmth[0]),
+    )
+    return np.fromiter(lagged, float, len(warmth))
 
 
 def _delay(_scene: Scene, p: Parameters) -> Change:
@@ -166,13 +173,25 @@ def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
 
 
 def _drift(scene: Scene, p: Parameters) -> Change:
-    stamps = scene.touches.latch_us
-    return Change(stamp_us=(p[0] + p[1] * stamps / US_PER_H) * 1e-6 * stamps)
+    warm_us = p[2] * _warmth_k_s(scene) if p[2] else 0.0
+    stamps_us = master_us = scene.touches.latch_us
+    for _ in range(DRIFT_ROUNDS):
+        rate = (p[0] + p[1] * master_us / US_PER_H) * 1e-6
+        master_us = (stamps_us - warm_us) / (1.0 + rate)
+    return Change(stamp_us=stamps_us - master_us)
+
+
+def _warmth_k_s(scene: Scene) -> FloatArray:
+    """Kelvins above the calibration times seconds since the start, touch by touch; shape (n,)."""
+    if scene.whole is not None:
+        return _warmth_k_s(scene.whole)[scene.chosen]
+    steps_s = np.diff(scene.touches.time_s, prepend=0.0)
+    return np.asarray(np.cumsum(scene.warmth * steps_s))
 
 
 def _drift_starts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose the slope of the skip path's stamps over time, whole and of either half."""
-    usual = [[5.0, 0.0], [-5.0, 0.0], [50.0, 0.0], [-50.0, 0.0]]
+    usual = [[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0], [50.0, 0.0, 0.0], [-50.0, 0.0, 0.0]]
     stream = scene.streams.get("latch_skip")
     if stream is None or stream.rows.sum() < FEWEST_STAMPS:
         return usual
@@ -180,7 +199,7 @@ def _drift_starts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     residuals = (stream.residuals - stream.law.mean)[stream.rows]
     straight = float(np.median(residuals / stamps)) * 1e6
     curve, slope = np.polyfit(stamps, residuals / stamps * 1e6, 1)
-    return [[straight, 0.0], [float(slope), float(curve) * US_PER_H], *usual]
+    return [[straight, 0.0, 0.0], [float(slope), float(curve) * US_PER_H, 0.0], *usual]
 
 
 def _overrun(scene: Scene, p: Parameters) -> Change:
@@ -212,12 +231,20 @@ def _jitter(scene: Scene, p: Parameters) -> Change:
     )
 
 
+def _coarse_ticks(scene: Scene, p: Parameters) -> Change:
+    later = p[1] + 0.5 * abs(p[0]) * _share(p[2])
+    return Change(
+        coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=p[1] == 0.0
+    )
+
+
 def _ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
     tick = scene.nominal.skip.tick_us
     grids = _grids(scene.touches.latch_us[~scene.plc], tick)
-    return [[grid[0], 0.0] for grid in grids] + [
-        [ratio * tick, origin * ratio * tick]
+    on_grid = [[grid[0], 0.0, nearest] for grid in grids for nearest in (0.0, 1.0)]
+    return on_grid + [
+        [ratio * tick, origin * ratio * tick, 0.0]
         for ratio in (3.0, 10.0, 30.0)
         for origin in (0.5, 0.05)
     ]
@@ -260,7 +287,8 @@ def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
     steps = np.rint(values[~np.isnan(values)] / fine).astype(np.int64)
     if not len(steps):
         return [[2.0 * fine]]
-    on_grid = [k for k in range(2, 4097) if np.mean(steps % k == 0) > 0.98]
+    most_off = 0.02 * len(steps)
+    on_grid = [k for k in range(2, 4097) if np.count_nonzero(steps % k) < most_off]
     return [[k * fine] for k in (on_grid or [2])[-3:]]
 
 
@@ -382,18 +410,19 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "timer_quantisation",
-            ("tick_us", "origin_us"),
-            lambda scene, p: Change(
-                coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, p[1]), is_on_grid=p[1] == 0.0
-            ),
+            ("tick_us", "origin_us", "nearest"),
+            _coarse_ticks,
             _ticks,
         ),
         Candidate(
             "timer_drift",
-            ("drift_ppm", "ageing_ppm_h"),
+            ("drift_ppm", "ageing_ppm_h", "warmth_ppm_k"),
             _drift,
             _drift_starts,
-            refinements=({1: 1.0}, {1: -1.0}, {1: 20.0}, {1: -20.0}),
+            refinements=(
+                *({1: size} for size in (1.0, -1.0, 20.0, -20.0)),
+                *({2: size} for size in (0.3, -0.3, 5.0, -5.0)),
+            ),
         ),
         Candidate(
             "scan_period", ("period_us",), lambda _, p: Change(period_us=p[0]), _scan_periods
@@ -416,14 +445,16 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "input_image_delay",
             ("scans",),
-            lambda scene, p: Change(plc_us=abs(p[0]) * scene.nominal.plc.scan_us),
+            lambda scene, p: Change(plc_us=float(np.rint(abs(p[0]))) * scene.nominal.plc.scan_us),
             _fixed([1.0], [2.0], [3.0], [4.0]),
             exact=True,
         ),
         Candidate(
             "scan_phase_lock",
             ("phase", "spread", "unlocked"),
-            lambda _, p: Change(wait=(1.0 - p[0], max(abs(p[1]), 1e-3), _share(p[2]))),
+            lambda _, p: Change(
+                wait=(-p[0] % 1.0, float(np.clip(abs(p[1]), 1e-3, LOOSEST)), _share(p[2]))
+            ),
             _fixed(
                 *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
                 *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),

@@ -6,38 +6,37 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skiplatch.diagnosis.candidates import CANDIDATES, Candidate
+from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
-from skiplatch.diagnosis.law import Law, extra_variance
-from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
-from skiplatch.diagnosis.scene import BoolArray, Scene, rounding_step
-from skiplatch.diagnosis.search import NOTHING, WIDENINGS, WORTH_A_REFINEMENT, Fit, fit, polish
+from skiplatch.diagnosis.likelihood import affected, likelihood
+from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
+from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.search import NOTHING, WORTH_A_REFINEMENT, Fit, fit, polish
+from skiplatch.diagnosis.simulated import catalogue
 
 MOST_EFFECTS = 2
 ENOUGH_FIT = 5.0
 """Nats that an effect has to gain, beyond what its parameters are worth."""
 ENOUGH_CHECK = 1.0
 """Nats of gain on touches that it was not fitted to."""
-ENOUGH_A_TOUCH = 0.005
-"""Nats a touch below which a gap is not material: a shift by a tenth of the rig's own spread."""
+BETTER = 2.0
+"""Nats by which a form found in a pair has to be better than the one found alone."""
 CONTENDS = 0.25
 """Share of the best gain from which on other forms of an effect are tried."""
-REFINED_PAIRS = 2
+REFINED_PAIRS = 5
+NEARLY = 30.0
+"""Nats behind the best pair from which on a pair is not refined jointly."""
 FINEST = (0.0,)
 COARSE = (0.1, 0.0)
 MISSING = 0.2
 """Share of the gain that rare events may cost where the check happens to have none."""
 PLAIN = 15.0
 """Nats of gain that need no check to be believed, only that it does not speak against."""
-RELATIVE = 0.25
-"""What variance counts for, beside the square of a shift."""
-SMALLEST_SHIFT = 0.2
-"""Shift, root mean square over the rig's own spread, that is material."""
 SMALLEST_SECOND = 0.1
 """Gain of a second effect over that of the first, whose form is never just the one fitted."""
 MOST_SWAPS = 2
-MIMICRY = 0.9
+MIMICRY = 0.99
 """Share of a family's gain that an effect has to reach to be named in its place."""
 LEFT_OVER = 1.5
 """What a family may gain on top of an effect, as a share of the effect's own gain."""
@@ -94,8 +93,15 @@ def worth(parameters: int) -> float:
 class Judge:
     """Fits and scores models on one campaign."""
 
-    def __init__(self, scene: Scene, parts: Split, executor: Executor | None = None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        parts: Split,
+        executor: Executor | None = None,
+        materiality: Materiality = DEFAULT,
+    ) -> None:
         self.scene = scene
+        self.materiality = materiality
         self.parts = parts
         self._fitting = scene.select(parts.fitting)
         self._checking = scene.select(parts.checking)
@@ -116,11 +122,7 @@ class Judge:
 
     def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
-        models = [
-            (self._fitting, [c], c.starts(self._fitting, given), given, WIDENINGS)
-            for c in candidates
-        ]
-        fits = list(self._map(_fit, models))
+        fits = list(self._map(_fit, [(self._fitting, c, given) for c in candidates]))
         gains = [self._gain(found, given) for found in fits]
         least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
         near = [i for i, gain in enumerate(gains) if gain >= least]
@@ -161,38 +163,68 @@ class Judge:
         given = first.fit.change(self._fitting)
         others = [c for c in self._candidates() if c.id not in first.ids]
         on_top = self._ranked(_both(first.fit, second) for second in self._contest(others, given))
-        jointly = [self._refined(pair) for pair in on_top[:REFINED_PAIRS]]
-        return sorted(jointly + on_top[REFINED_PAIRS:], key=lambda scored: -scored.score)
+        least = on_top[0].score - NEARLY
+        near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
+        refined = self._map(_refine, [(self._fitting, pair.fit) for pair in near])
+        jointly = [
+            max(pair, self.score(joint), key=lambda scored: scored.score)
+            for pair, joint in zip(near, refined, strict=True)
+        ]
+        return sorted(jointly + on_top[len(near) :], key=lambda scored: -scored.score)
 
-    def _refined(self, pair: Scored) -> Scored:
-        start = np.concatenate(pair.fit.parameters).tolist()
-        refined = polish(
-            self._fitting, fit(self._fitting, pair.fit.candidates, [start], widenings=FINEST)
-        )
-        return max(pair, self.score(refined), key=lambda scored: scored.score)
+    def again(self, model: Fit, position: int) -> Scored:
+        """Fit one effect of a model alone, from the parameters that it has there."""
+        candidates = (model.candidates[position],)
+        start = model.parameters[position].tolist()
+        found = fit(self._fitting, candidates, [start], widenings=FINEST)
+        return self.score(polish(self._fitting, found))
 
     def _ranked(self, fits: Iterable[Fit]) -> list[Scored]:
         return sorted(map(self.score, fits), key=lambda scored: -scored.score)
 
     def _candidates(self) -> list[Candidate]:
-        return [c for c in CANDIDATES.values() if c.applies(self.scene)]
+        return [c for c in catalogue().values() if c.applies(self.scene)]
 
     def is_enough(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether a model is worth naming over a smaller one, or over none."""
+        return self.is_significant(scored, before) and self.is_material(scored, before)
+
+    def is_significant(self, scored: Scored, before: Scored | None = None) -> bool:
+        """Tell whether a model does better than a smaller one, or than none, by no accident."""
         fitted = scored.fitted - (before.fitted if before else 0.0)
         checked = scored.checked - (before.checked if before else 0.0)
         parameters = scored.fit.size - (before.fit.size if before else 0)
-        touches = int(self.parts.naming.sum())
-        if before and fitted + checked < SMALLEST_SECOND * (before.fitted + before.checked):
+        if before and fitted + checked < SMALLEST_SECOND * self._gained_there(scored.fit, before):
             return False
         gained = fitted + checked - worth(parameters)
         is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
         is_plain = gained > PLAIN and checked > -MISSING * fitted
-        return (
-            (is_checked or is_plain)
-            and (fitted + checked) / touches > ENOUGH_A_TOUCH
-            and is_material(self._fitting, scored.fit, len(before.ids) if before else 0)
-        )
+        return is_checked or is_plain
+
+    def _gained_there(self, pair: Fit, first: Scored) -> float:
+        """What the first effect of a pair gains in those streams that the second one reaches.
+
+        Only there can the second one but mend the first one's form.
+        """
+        second = pair.candidates[-1], pair.parameters[-1]
+        total = 0.0
+        for part in (self._fitting, self._checking):
+            names = affected(part, second[0].change(part, second[1]))
+            changed = likelihood(part, first.fit.change(part), names=names).total
+            total += changed - likelihood(part, Change(), names=names).total
+        return total
+
+    def is_material(self, scored: Scored, before: Scored | None = None) -> bool:
+        """Tell whether what a model has beyond a smaller one, or none, changes enough to matter."""
+        gained = scored.fitted + scored.checked
+        if before:
+            gained -= before.fitted + before.checked
+        position = len(before.ids) if before else 0
+        candidate, parameters = scored.fit.candidates[position], scored.fit.parameters[position]
+        change = candidate.change(self._fitting, parameters)
+        touches = int(self.parts.naming.sum())
+        is_seen = gained / touches > self.materiality.nats_a_touch
+        return is_seen and is_material(self._fitting, change, self.materiality)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -223,14 +255,31 @@ class Finding:
 def find(judge: Judge) -> Finding:
     """Search forward for one effect, then for a second one."""
     ranked = judge.singles()
-    if not judge.is_enough(ranked[0]):
-        return Finding(None, ranking=tuple(ranked))
     best = ranked[0]
+    if not judge.is_significant(best):
+        return Finding(None, ranking=tuple(ranked))
     pairs = judge.pairs(best)
-    if judge.is_enough(pairs[0], before=best):
+    again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
+    if again.score > best.score + BETTER:
+        # The pair has shown the way to a better form of one of its effects alone.
+        best = again
+        ranked = [best, *(scored for scored in ranked if scored.ids != best.ids)]
+        pairs = judge.pairs(best)
+    has_second = judge.is_enough(pairs[0], before=best) and not _is_a_form(judge, pairs[0])
+    if not judge.is_material(best):
+        # What is too small to matter may still hide what is not.
+        return _second(judge, pairs) if has_second else Finding(None, ranking=tuple(ranked))
+    if has_second:
         return _two(judge, pairs)
     group, confidence = _group(ranked, position=0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
+
+
+def _is_a_form(judge: Judge, pair: Scored) -> bool:
+    """Tell whether one effect of a pair but mends the form of the other, as a family does too."""
+    others = [_alone(judge, pair, position) for position in (0, 1)]
+    on_top = [scored for other in others for scored in judge.generic(other.fit)[:1]]
+    return any(scored.score > pair.score - TIED for scored in on_top)
 
 
 def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
@@ -243,7 +292,9 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
     generic = judge.generic()
     plain = next((g for g in generic if judge.is_enough(g)), None)
     if finding.model is None:
-        return finding, plain.ids[0] if plain else ""
+        # An effect too small to matter explains as well what a family does with more.
+        is_new = plain is not None and plain.score > finding.ranking[0].score
+        return finding, plain.ids[0] if plain and is_new else ""
     score = finding.model.score
     if plain and plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score:
         return Finding(None, ranking=finding.ranking), plain.ids[0]
@@ -251,6 +302,13 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
     if on_top and on_top[0].score - score > score * LEFT_OVER:
         return Finding(None, ranking=finding.ranking), on_top[0].ids[-1]
     return finding, on_top[0].ids[-1] if on_top else ""
+
+
+def _second(judge: Judge, pairs: list[Scored]) -> Finding:
+    """Name only the second effect of the best pair."""
+    alone = _alone(judge, pairs[0], position=1)
+    group, confidence = _group(pairs, 1)
+    return Finding(alone, (group,), (confidence,), tuple(pairs))
 
 
 def _two(judge: Judge, pairs: list[Scored]) -> Finding:
@@ -301,38 +359,6 @@ def _group(ranked: Sequence[Scored], position: int, own: str = "") -> tuple[tupl
     return names, float(weights[tied].sum() / weights.sum())
 
 
-def is_material(scene: Scene, model: Fit, position: int) -> bool:
-    """Tell whether one effect of a model changes more than a small part of the rig's own spread."""
-    change = model.candidates[position].change(scene, model.parameters[position])
-    for name in affected(scene, change):
-        if name == MISSED:
-            return True
-        stream = scene.streams[name]
-        law = law_under(scene, stream, change)
-        if name == "lattice":
-            if is_off_grid(scene, change, law):
-                return True
-            continue
-        shift = (law.mean - stream.law.mean) ** 2
-        scatter = np.abs(law.spread**2 - stream.law.spread**2) + extra_variance(law)
-        if not stream.rows.any():
-            continue
-        moved = ((shift + RELATIVE * scatter) / stream.law.spread**2)[stream.rows]
-        relative = float(np.sqrt(np.mean(moved)))
-        absolute = float(np.sqrt(np.mean(moved * stream.law.spread[stream.rows] ** 2)))
-        if relative > SMALLEST_SHIFT and absolute > 0.5 * rounding_step(scene, stream):
-            return True
-    return False
-
-
-def is_off_grid(scene: Scene, change: Change, law: Law) -> bool:
-    """Tell whether stamps lie off the believed grid by more than a tick."""
-    scatter = float(np.sqrt(max(extra_variance(law)[0], 0.0)))
-    late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[0])
-    moved = change.period_us != 0.0 or bool(np.any(np.asarray(change.stamp_us) != 0.0))
-    return moved or max(scatter, late) > scene.nominal.skip.tick_us
-
-
 def _both(first: Fit, second: Fit) -> Fit:
     return Fit(
         first.candidates + second.candidates,
@@ -342,11 +368,17 @@ def _both(first: Fit, second: Fit) -> Fit:
     )
 
 
+def _refine(pair: tuple[Scene, Fit]) -> Fit:
+    """Fit both effects of a pair jointly, from where they are."""
+    scene, found = pair
+    start = np.concatenate(found.parameters).tolist()
+    return polish(scene, fit(scene, found.candidates, [start], widenings=FINEST))
+
+
 def _polish(model: tuple[Scene, Fit, Change]) -> Fit:
     return polish(*model)
 
 
-def _fit(
-    model: tuple[Scene, Sequence[Candidate], Sequence[Sequence[float]], Change, Sequence[float]],
-) -> Fit:
-    return fit(*model)
+def _fit(model: tuple[Scene, Candidate, Change]) -> Fit:
+    scene, candidate, given = model
+    return fit(scene, [candidate], candidate.starts(scene, given), given)

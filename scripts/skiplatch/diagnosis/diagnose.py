@@ -10,11 +10,15 @@ import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split, weigh
+from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit, intervals
+from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
+from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
 from skiplatch.simulator import Effect, effects
 
@@ -55,7 +59,7 @@ class Named:
     effect: Effect
     stage: str
     intervals: Mapping[str, tuple[float, float]]
-    """Of 90 %, each with the other parameters as they are."""
+    """Of 90 %, the other parameters being as open."""
     alternatives: tuple[str, ...]
     confidence: float
 
@@ -88,15 +92,32 @@ class Diagnosis:
     """Touches that the search looked at."""
     notes: Sequence[str]
     """What the campaign does not allow to say."""
+    materiality: Materiality = DEFAULT
+    """From which size on a gap was one."""
 
 
-def diagnose(campaign: Campaign, *, seed: int, jobs: int = 1) -> Diagnosis:
-    """Diagnose a recorded campaign."""
+def diagnose(
+    campaign: Campaign,
+    *,
+    seed: int,
+    jobs: int = 1,
+    materiality: Materiality = DEFAULT,
+    truth: Sequence[Effect] | None = None,
+) -> Diagnosis:
+    """Diagnose a recorded campaign; what is not material is no gap.
+
+    Args:
+        campaign: What was recorded.
+        seed: Of the split of the touches, and of the plays.
+        jobs: Processes and threads; the result does not depend on it.
+        materiality: From which size on a gap is one.
+        truth: The effects of a simulated campaign, for an oracle beside the shrink.
+    """
     whole = Scene.of(campaign)
     scene = _drawn(whole, seed)
     executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
     with executor as pool:
-        return _diagnose(scene, len(whole), pool, seed, jobs)
+        return _diagnose(scene, len(whole), pool, seed, jobs, materiality, truth)
 
 
 def _drawn(scene: Scene, seed: int) -> Scene:
@@ -107,24 +128,36 @@ def _drawn(scene: Scene, seed: int) -> Scene:
     return scene.select(np.sort(rows))
 
 
-def _diagnose(scene: Scene, touches: int, pool: Executor | None, seed: int, jobs: int) -> Diagnosis:
+def _diagnose(
+    scene: Scene,
+    touches: int,
+    pool: Executor | None,
+    seed: int,
+    jobs: int,
+    materiality: Materiality,
+    truth: Sequence[Effect] | None,
+) -> Diagnosis:
     parts = split(len(scene), seed)
-    judge = Judge(scene, parts, pool)
+    judge = Judge(scene, parts, pool, materiality)
     finding, stranger = weigh(judge, find(judge))
+    finding, confirmed = settle(
+        scene, parts, finding, as_effects, seed=seed, jobs=jobs, executor=pool
+    )
     named = _named(finding, scene.select(parts.naming))
     change = finding.model.fit.change(scene) if finding.model else Change()
-    left = structures(scene, change)
+    left = structures(scene, change, materiality)
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(
-        verdict=_verdict(scene, named, left, stranger),
+        verdict=_verdict(scene, named, left, stranger, confirmed),
         where=_where(scene, finding, left),
         effects=named,
-        gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs),
+        gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs, truth=truth),
         ranking=_ranked(finding.ranking),
         rivals=_ranked(finding.rivals),
         left=left,
         touches=touches,
         used=len(scene),
+        materiality=materiality,
         notes=_notes(scene, touches),
     )
 
@@ -149,12 +182,16 @@ def _notes(scene: Scene, touches: int) -> list[str]:
 
 
 def _verdict(
-    scene: Scene, named: Sequence[Named], left: Sequence[Structure], stranger: str
+    scene: Scene,
+    named: Sequence[Named],
+    left: Sequence[Structure],
+    stranger: str,
+    confirmed: Confirmation | None,
 ) -> Verdict:
     if not named:
         is_unknown = left or stranger or scene.false.sum() >= FEWEST_FALSE
         return Verdict.UNKNOWN if is_unknown else Verdict.NO_GAP
-    if stranger:
+    if stranger or (confirmed and not confirmed.holds):
         return Verdict.PARTLY_EXPLAINED
     before = structures(scene, Change())
     was = sum(abs(np.log(max(s.p_value, 1e-300))) for s in before)
@@ -166,27 +203,16 @@ def _named(finding: Finding, scene: Scene) -> list[Named]:
     if finding.model is None:
         return []
     fit = finding.model.fit
-    ends = intervals(scene, fit)
     return [
         Named(
-            effect=effect,
-            stage=effects()[effect.id].stage,
-            intervals=_named_ends(effect, candidate.names, ends[i]),
+            effect=estimate.effect,
+            stage=effects()[estimate.effect.id].stage,
+            intervals=estimate.intervals,
             alternatives=finding.alternatives[i],
             confidence=finding.confidences[i],
         )
-        for i, (effect, candidate) in enumerate(zip(as_effects(fit), fit.candidates, strict=True))
+        for i, estimate in enumerate(estimates(scene, fit, as_effects(fit)))
     ]
-
-
-def _named_ends(
-    effect: Effect, names: Sequence[str], ends: Sequence[tuple[float, float]]
-) -> dict[str, tuple[float, float]]:
-    """Lay the intervals about the admitted values, whose signs may have been turned."""
-    return {
-        name: (effect.parameters[name] - below, effect.parameters[name] + above)
-        for name, (below, above) in zip(names, ends, strict=True)
-    }
 
 
 def as_effects(fit: Fit) -> list[Effect]:
@@ -194,7 +220,12 @@ def as_effects(fit: Fit) -> list[Effect]:
     found = []
     for candidate, values in zip(fit.candidates, fit.parameters, strict=True):
         parameters = dict(zip(candidate.names, map(float, values), strict=True))
-        found.append(Effect(candidate.id, _admitted(candidate.id, parameters)))
+        admitted = (
+            admitted_values(effects()[candidate.id], values)
+            if isinstance(candidate, Simulated)
+            else _admitted(candidate.id, parameters)
+        )
+        found.append(Effect(candidate.id, admitted))
     return found
 
 

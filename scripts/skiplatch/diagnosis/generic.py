@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
-from scipy import ndimage, stats
+from scipy import ndimage, signal, stats
 
 from skiplatch.diagnosis.candidates import Candidate, Parameters
 from skiplatch.diagnosis.change import Change
@@ -18,14 +18,18 @@ from skiplatch.diagnosis.scene import BoolArray, Scene
 
 PREFIX = "~"
 """Of the ids of families."""
-SCREENED = 1e-4
+SCREENED = 1e-3
 """Significance below which a feature is looked into."""
 MOST_FEATURES = 4
 WINDOW = 9
 """Touches that a course in time is smoothed over."""
-FEWEST = 30
+FEWEST = 12
 WINSOR = 4.0
 RELAXATION_S = 15.0
+BEYOND = 3.0
+"""Standard deviations of a stretch beyond which it is itself a news."""
+SHORTEST_SWING = 4.0
+"""Touches a period, on average, of the fastest swing that is looked for."""
 
 Feature = Callable[[Scene], FloatArray]
 
@@ -48,11 +52,34 @@ FEATURES: dict[str, tuple[Feature, ...]] = {
 """By name; what is periodic in an angle has two. Each of shape (n,)."""
 
 
+def _beyond(scene: Scene, *names: str) -> FloatArray:
+    """By how much touches lie outside the believed law of some streams; shape (n,), else 0."""
+    off = np.zeros(len(scene))
+    for name in names:
+        if name in scene.streams:
+            stream = scene.streams[name]
+            residuals = stream.residuals - stream.law.mean
+            outside = np.maximum(np.abs(residuals) - BEYOND * stream.law.spread, 0.0)
+            off = np.where(stream.rows, np.sign(residuals) * outside, off)
+    return off
+
+
+OTHERS: dict[str, dict[str, tuple[Feature, ...]]] = {
+    "latch_skip": {"what the report is off by": (lambda s: _beyond(s, "report"),)},
+    "position": {
+        "what the latch is off by": (lambda s: s.speed * _beyond(s, "latch_skip", "latch_plc"),),
+        "what the report is off by": (lambda s: s.speed * _beyond(s, "report"),),
+    },
+}
+"""What other stretches show of a touch, by stream: in a chain that is known, nothing."""
+
+
 def families(scene: Scene, given: Change) -> list[Candidate]:
     """Give the families worth a look on these touches, on top of what is known to differ."""
     return [
         *_with_features(scene, given),
         *_in_time(scene, given),
+        *_swings(scene, given),
         _noise("noise", 0.0),
         _noise("noise that grows with the root of the feed", 0.5),
         _noise("noise that grows with the feed", 1.0),
@@ -81,10 +108,12 @@ def _with_features(scene: Scene, given: Change) -> list[Candidate]:
         if name not in scene.streams or scene.streams[name].rows.sum() < FEWEST:
             continue
         scores, rows = _scores(scene, name, given)
-        for label, features in FEATURES.items():
+        for label, features in (FEATURES | OTHERS.get(name, {})).items():
             p_value = min(_significance(scores, feature(scene)[rows]) for feature in features)
             if p_value < SCREENED:
-                found.append((p_value, _shifted(name, label, features)))
+                values = [feature(scene)[rows] for feature in features]
+                start = _regression(scene.streams[name].residuals[rows], scores, values)
+                found.append((p_value, _shifted(name, label, features, start)))
     found.sort(key=lambda item: item[0])
     return [family for _, family in found[:MOST_FEATURES]]
 
@@ -92,10 +121,24 @@ def _with_features(scene: Scene, given: Change) -> list[Candidate]:
 def _significance(scores: FloatArray, values: FloatArray) -> float:
     if np.ptp(values) < SMALLEST or np.ptp(scores) < SMALLEST:
         return 1.0
-    return float(stats.pearsonr(scores, values).pvalue)
+    # By ranks too: what saturates hardly shows in a straight line.
+    straight, ranked = stats.pearsonr(scores, values), stats.spearmanr(scores, values)
+    return float(min(straight.pvalue, ranked.pvalue))
 
 
-def _shifted(stream: str, label: str, features: Sequence[Feature]) -> Candidate:
+def _regression(
+    residuals: FloatArray, scores: FloatArray, features: Sequence[FloatArray]
+) -> list[float]:
+    """Give slopes and offset by least squares, over the touches that are not far off."""
+    near = np.abs(scores) < WINSOR if np.mean(np.abs(scores) < WINSOR) > 0.5 else scores == scores
+    design = np.column_stack([*features, np.ones(len(residuals))])[near]
+    found, *_ = np.linalg.lstsq(design, residuals[near], rcond=None)
+    return [float(value) or SMALLEST for value in found]
+
+
+def _shifted(
+    stream: str, label: str, features: Sequence[Feature], start: Sequence[float]
+) -> Candidate:
     """Shift the stream by a multiple of each feature, and by as much everywhere."""
 
     def change(scene: Scene, p: Parameters) -> Change:
@@ -105,7 +148,10 @@ def _shifted(stream: str, label: str, features: Sequence[Feature]) -> Candidate:
         return _shift(stream, np.asarray(shift))
 
     senses = product((1.0, -1.0), repeat=len(features))
-    starts = [[*(size * sense for sense in s), 0.01] for s in senses for size in (1.0, 10.0)]
+    starts = [
+        start,
+        *([*(size * sense for sense in s), 0.01] for s in senses for size in (1.0, 10.0)),
+    ]
     names = (*(f"slope_{i}" for i in range(len(features))), "offset")
     return Candidate(f"{PREFIX}{stream}: {label}", names, change, lambda _s, _g: starts)
 
@@ -149,6 +195,39 @@ def _course(kind: str, course: tuple[FloatArray, FloatArray]) -> Candidate:
     return Candidate(
         f"{PREFIX}{kind}: comes and goes with time", ("share",), change, lambda _s, _g: [[0.9]]
     )
+
+
+def _swings(scene: Scene, given: Change) -> list[Candidate]:
+    """Whatever swings with time too fast for its course to show."""
+    found = []
+    for name in (*_lengths(scene), "latch_skip"):
+        stream = scene.streams.get(name)
+        if stream is None or stream.rows.sum() < FEWEST:
+            continue
+        scores, rows = _scores(scene, name, given)
+        times_s = scene.touches.time_s[rows]
+        span_s, count = float(np.ptp(times_s)), len(scores)
+        if span_s < SMALLEST or np.ptp(scores) < SMALLEST:
+            continue
+        turns = np.arange(1.0, count / SHORTEST_SWING, 0.25)
+        omegas = 2.0 * np.pi * turns / span_s
+        explained = signal.lombscargle(times_s, scores - scores.mean(), omegas, normalize=True)
+        best = int(np.argmax(explained))
+        if len(turns) * (1.0 - explained[best]) ** ((count - 3.0) / 2.0) < SCREENED:
+            size = 2.0 * float(np.std(stream.residuals[rows]))
+            found.append(_swing(name, float(span_s / turns[best]), size))
+    return found
+
+
+def _swing(name: str, period_s: float, size: float) -> Candidate:
+    def change(scene: Scene, p: Parameters) -> Change:
+        turn = 2.0 * np.pi * scene.touches.time_s / max(abs(p[2]), SMALLEST)
+        return _shift(name, p[0] * np.cos(turn) + p[1] * np.sin(turn) + p[3])
+
+    senses = product((0.7 * size, -0.7 * size), repeat=2)
+    starts = [[*both, period_s, 0.01] for both in senses]
+    names = ("cosine", "sine", "period_s", "offset")
+    return Candidate(f"{PREFIX}{name}: swings with time", names, change, lambda _s, _g: starts)
 
 
 def _noise(label: str, power: float) -> Candidate:

@@ -22,9 +22,9 @@ def grid_period(stamps: FloatArray, guess: float) -> float:
         stamps: Shape (n,), n ≥ FIRST, sorted.
         guess: Roughly the period, in the same unit.
     """
+    stamps = _outwards(stamps)
     count = FIRST
-    span = float(np.ptp(stamps[:count]))
-    step = 0.25 / span
+    step = 0.25 / max(float(np.ptp(stamps[:count])), guess)
     low, high = 1.0 / (guess * (1.0 + MARGIN)), 1.0 / (guess * (1.0 - MARGIN))
     frequencies = np.arange(low, high, step)
     while True:
@@ -42,9 +42,17 @@ def grid_period(stamps: FloatArray, guess: float) -> float:
     return float(1.0 / frequencies[0])
 
 
+def _outwards(stamps: FloatArray) -> FloatArray:
+    """Begin with the stamps that are closest together; the others follow by their distance."""
+    spans = stamps[FIRST - 1 :] - stamps[: len(stamps) - FIRST + 1]
+    middle = stamps[int(np.argmin(spans)) + FIRST // 2]
+    return stamps[np.argsort(np.abs(stamps - middle), kind="stable")]
+
+
 def _best(frequencies: FloatArray, stamps: FloatArray) -> FloatArray:
     """Give the frequencies at which the stamps agree best on a phase, the best first."""
     since = stamps - stamps[0]
-    turns = np.exp(2j * np.pi * np.outer(frequencies, since))
-    order = np.argsort(-np.abs(turns.sum(axis=1)))[:KEPT]
-    return np.asarray(frequencies[order])
+    angles = 2.0 * np.pi * np.outer(frequencies, since)
+    agreement = np.hypot(np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1))
+    best = np.argpartition(-agreement, min(KEPT, len(agreement) - 1))[:KEPT]
+    return np.asarray(frequencies[best[np.argsort(-agreement[best])]])

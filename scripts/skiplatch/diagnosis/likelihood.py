@@ -5,6 +5,7 @@ The change is carried through the chain to the law of every stream it can be see
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache, reduce
 
 import numpy as np
 
@@ -93,25 +94,18 @@ def _missed(scene: Scene, change: Change) -> FloatArray:
 
 
 def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float) -> FloatArray:
-    rows = stream.rows
-    if not rows.any():
-        return np.zeros(len(scene))
+    values = np.zeros(len(scene))
+    rows = stream.indices
+    if not len(rows):
+        return values
     law = law_under(scene, stream, change).select(rows)
     if widening:
         law = law.widened(widening * stream.size)
     if stream.name == "lattice":
-        inner = _lattice_values(scene, stream, change, law)
-    else:
-        residuals = stream.residuals[rows]
-        inner = law.log_density(residuals, _reach(residuals, law))
-        inner = inner + _grid_bonus(scene, stream, change)[rows]
-    values = np.zeros(len(scene))
-    values[rows] = inner
-    return values
-
-
-def _reach(residuals: FloatArray, law: Law) -> float:
-    return float(10.0 * np.median(law.spread) + np.quantile(np.abs(residuals), 0.9))
+        values[rows] = _lattice_values(scene, stream, change, law)
+        return values
+    values[rows] = law.log_density(stream.known, 10.0 * law.usual_spread + stream.far)
+    return values + _grid_bonus(scene, stream, change) * stream.rows
 
 
 def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
@@ -126,38 +120,44 @@ def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
         "deviation_plc": _deviation,
         "report": _report,
     }
-    law = builders[stream.name](scene, stream.law, change)
+    law = builders[stream.name](scene, stream, change)
     if change.slack == 0.0 or stream.name == "lattice":
         return law
     shift = (law.offset - stream.law.offset)[stream.rows]
     scatter = change.slack * float(np.sqrt(np.mean(shift**2))) if len(shift) else 0.0
-    return replace(law, sigma=np.hypot(law.sigma, scatter))
+    return law.widened(scatter)
 
 
-def _motion(_scene: Scene, law: Law, change: Change) -> Law:
-    return replace(law, offset=law.offset + change.contact_us)
+def _motion(_scene: Scene, stream: Stream, change: Change) -> Law:
+    return replace(stream.law, offset=stream.law.offset + change.contact_us)
 
 
 def _mechanics_us(scene: Scene, change: Change) -> FloatArray:
     """By how much the pin changes later, counted from what the latch is counted from."""
-    delay = np.broadcast_to(np.asarray(change.pin_us, dtype=float), (len(scene),))
     if not scene.is_machine:
-        return delay
+        return np.full(len(scene), change.pin_us, dtype=float)
     speed = scene.speed * change.speed_ratio
     pretravel = np.maximum(0.0, scene.pretravel_um + change.pretravel_um)
-    return delay + change.contact_us + pretravel / speed - scene.pretravel_um / scene.speed
+    sooner = scene.pretravel_um / scene.speed
+    return np.asarray(change.pin_us + change.contact_us + pretravel / speed - sooner)
 
 
-def _on_path(scene: Scene, skip: FloatArray | float, plc: FloatArray | float) -> FloatArray:
-    return np.where(scene.plc, plc, skip)
+def _path_us(stream: Stream, change: Change) -> FloatArray | float:
+    """Give the delay behind the pin, on the path of the stream."""
+    return change.plc_us if stream.is_polled else change.skip_us
 
 
-def _latch(scene: Scene, law: Law, change: Change) -> Law:
-    later = _mechanics_us(scene, change) + change.stamp_us
-    later = later + _on_path(scene, change.skip_us, change.plc_us)
-    coarser = _coarser_us(scene, change)
-    law = replace(law, offset=law.offset + later - coarser, box_b=law.box_b + coarser)
-    return _with_extras(scene, _scanned(scene, law, change, 1.0), change, 1.0)
+def _latch(scene: Scene, stream: Stream, change: Change) -> Law:
+    law = stream.law
+    later = _mechanics_us(scene, change) + change.stamp_us + _path_us(stream, change)
+    coarser = 0.0 if stream.is_polled else _coarser_tick_us(scene, change)
+    return Law(
+        offset=law.offset + later - coarser,
+        sigma=law.sigma,
+        box_a=_waiting(scene, stream, law.box_a, change, 1.0),
+        box_b=law.box_b + coarser,
+        extras=_latch_extras(scene, stream, change, 1.0),
+    )
 
 
 def scan_period_us(scene: Scene, change: Change) -> float:
@@ -166,14 +166,14 @@ def scan_period_us(scene: Scene, change: Change) -> float:
     return max(believed + change.period_us, SHORTEST_PERIOD * believed)
 
 
-def _scanned(scene: Scene, law: Law, change: Change, scale: FloatArray | float) -> Law:
-    """Take care of the wait for the scan; `scale` turns µs into the law's unit."""
-    period = scan_period_us(scene, change)
-    if change.wait is None:
-        wider = _on_path(scene, 0.0, period - scene.nominal.plc.scan_us)
-        return replace(law, box_a=np.maximum(law.box_a + wider * scale, 0.0))
-    wider = _on_path(scene, 0.0, period - scene.nominal.plc.scan_us)
-    return replace(law, box_a=np.maximum(law.box_a + wider * scale, 0.0))
+def _waiting(
+    scene: Scene, stream: Stream, box: FloatArray, change: Change, scale: FloatArray | float
+) -> FloatArray:
+    """Give the box of the wait for the scan; `scale` turns µs into the law's unit."""
+    if not stream.is_polled:
+        return box
+    wider = scan_period_us(scene, change) - scene.nominal.plc.scan_us
+    return np.maximum(box + wider * scale, 0.0)
 
 
 def _locked(scene: Scene, change: Change) -> tuple[Extra, ...]:
@@ -185,61 +185,76 @@ def _locked(scene: Scene, change: Change) -> tuple[Extra, ...]:
     return (
         Extra(
             1.0 - unlocked,
-            offset=_on_path(scene, 0.0, centre * period),
-            sigma=_on_path(scene, 0.0, spread * period),
-            boxless=_on_path(scene, 0.0, 1.0),
+            offset=centre * period,
+            sigma=spread * period,
+            boxless=1.0,
         ),
     )
 
 
-def _with_extras(scene: Scene, law: Law, change: Change, scale: FloatArray | float) -> Law:
-    """Add the extras of the pin, of the interrupt and of late scans."""
-    extras = [_scaled(extra, scale) for extra in change.pin_extra]
-    on_skip = np.where(scene.plc, 0.0, 1.0) * scale
-    on_plc = np.where(scene.plc, 1.0, 0.0) * scale
-    both = Change(pin_extra=tuple(extras))
-    both = both.joined(Change(pin_extra=tuple(_scaled(e, on_skip) for e in change.skip_extra)))
-    both = both.joined(Change(pin_extra=tuple(_scaled(e, on_plc) for e in change.scan_extra)))
-    both = both.joined(Change(pin_extra=tuple(_scaled(e, scale) for e in _locked(scene, change))))
-    return replace(law, extras=both.pin_extra)
+def _latch_extras(
+    scene: Scene, stream: Stream, change: Change, scale: FloatArray | float
+) -> tuple[Extra, ...]:
+    """Give the extras of the pin, and of the interrupt or of late scans, in the law's unit."""
+    if stream.is_polled:
+        extras = _joint(change.pin_extra, change.scan_extra, _locked(scene, change))
+    else:
+        extras = _joint(change.pin_extra, change.skip_extra)
+    return tuple(_scaled(extra, scale) for extra in extras)
+
+
+def _joint(*groups: tuple[Extra, ...]) -> tuple[Extra, ...]:
+    """Give the extras of independent causes together."""
+    some = [extras for extras in groups if extras]
+    if len(some) < 2:
+        return some[0] if some else ()
+    changes = (Change(pin_extra=extras) for extras in some)
+    return reduce(Change.joined, changes).pin_extra
 
 
 def _scaled(extra: Extra, scale: FloatArray | float) -> Extra:
-    return replace(
-        extra,
+    return Extra(
+        extra.share,
         offset=extra.offset * scale,
         width=extra.width * scale,
         mean=extra.mean * scale,
         sigma=extra.sigma * scale,
-        boxless=np.where(np.asarray(scale) > 0.0, extra.boxless, 0.0),
+        boxless=extra.boxless,
     )
+
+
+def _coarser_tick_us(scene: Scene, change: Change) -> float:
+    return max(0.0, change.coarse_us - scene.nominal.skip.tick_us)
 
 
 def _coarser_us(scene: Scene, change: Change) -> FloatArray:
     """By how much a tick of the stamps is longer than believed; skip path only."""
-    return _on_path(scene, max(0.0, change.coarse_us - scene.nominal.skip.tick_us), 0.0)
+    return np.where(scene.plc, 0.0, _coarser_tick_us(scene, change))
 
 
 def _coarser_um(scene: Scene, change: Change) -> float:
     return max(0.0, change.coarse_um - scene.nominal.axis.resolution_um)
 
 
-def _lattice(_scene: Scene, law: Law, change: Change) -> Law:
-    return replace(law, extras=change.lattice_extra)
+def _lattice(_scene: Scene, stream: Stream, change: Change) -> Law:
+    return replace(stream.law, extras=change.lattice_extra)
 
 
 def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, FloatArray]:
     """Tabulate the logarithm of the density off the grid, over one period; fine near the peak."""
-    tick = scene.nominal.skip.tick_us
+    where = _lattice_places(scene.nominal.skip.tick_us, period)
+    around = 2 if law.extras else 1
+    places = (where + period * np.arange(around)[:, None]).ravel()
+    first = law.select(np.zeros(len(places), dtype=np.intp))  # it is the same for all stamps
+    logs = first.log_density(places, period).reshape(around, len(where))
+    return where, np.logaddexp.reduce(logs) + np.log(period)
+
+
+@lru_cache(maxsize=16)
+def _lattice_places(tick: float, period: float) -> FloatArray:
     peak = np.linspace(-4.0 * tick, 4.0 * tick, 129)
     rest = np.linspace(-0.5, 0.5, 257) * period
-    where = np.unique(np.concatenate([peak, rest]))
-    around = (0, 1) if law.extras else (0,)
-    one = np.ones_like(where)
-    parts = [one * part[0] for part in (law.offset, law.sigma, law.box_a, law.box_b)]
-    scalar = Law(parts[0], parts[1], parts[2], parts[3], law.extras)
-    logs = [scalar.log_density(where + k * period, period) for k in around]
-    return where, np.logaddexp.reduce(logs) + np.log(period)
+    return np.unique(np.concatenate([peak, rest]))
 
 
 def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> FloatArray:
@@ -247,61 +262,55 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
 
     A factor on the density of the wait, which knows nothing of the grid: 1 for stamps anywhere.
     """
-    rows = stream.rows
+    rows = stream.indices
     period = scan_period_us(scene, change)
     stamps = (scene.touches.latch_us - change.stamp_us)[rows]
     turns = (stamps / period) % 1.0
     where, table = _lattice_table(scene, law, period)
 
-    def values(phase: float) -> FloatArray:
-        off = (turns - phase + 0.5) % 1.0 - 0.5
-        return np.interp(off * period, where, table)
+    def best(phases: FloatArray) -> tuple[float, FloatArray]:
+        off = (turns - phases[:, None] + 0.5) % 1.0 - 0.5
+        values = np.interp(off * period, where, table)
+        i = int(np.argmax(values.sum(axis=1)))
+        return float(phases[i]), values[i]
 
     phases = np.unique(turns)
     if len(phases) > PHASES:
         phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
-    best = max(phases, key=lambda phase: float(values(phase).sum()))
+    phase, _ = best(phases)
     step = scene.nominal.skip.tick_us / period
-    near = best + step * NEAR
-    found = values(max(near, key=lambda phase: float(values(phase).sum())))
+    _, found = best(phase + step * NEAR)
     if change.wait is not None and found.sum() < 0.0:
         return np.zeros(len(turns))  # scans that wait for the motion need not keep a grid
     return found
 
 
-def _position(scene: Scene, law: Law, change: Change) -> Law:
-    stamps = scene.touches.latch_us
+def _position(scene: Scene, stream: Stream, change: Change) -> Law:
+    law, stamps = stream.law, scene.touches.latch_us
     speed = scene.speed * change.speed_ratio
     begin = scene.begin_us + (change.contact_us if scene.is_machine else 0.0)
     believed = scene.speed * (stamps - scene.begin_us)
     shift = speed * (stamps - change.stamp_us - begin) - believed + change.position_um
     coarser_um = _coarser_um(scene, change)
-    law = replace(
-        law,
-        offset=law.offset + np.nan_to_num(shift) - coarser_um / 2.0,
+    return Law(
+        offset=law.offset + np.where(scene.has_stamps, shift, 0.0) - coarser_um / 2.0,
+        sigma=np.hypot(law.sigma, change.position_sigma_um),
         box_a=law.box_a + scene.speed * _coarser_us(scene, change),
         box_b=law.box_b + coarser_um,
+        extras=_position_extras(change),
     )
-    return _with_position_box(law, change)
 
 
-def _with_position_box(law: Law, change: Change) -> Law:
-    law = replace(
-        law,
-        sigma=np.hypot(law.sigma, change.position_sigma_um),
-        extras=Change(pin_extra=law.extras)
-        .joined(Change(pin_extra=change.position_extra))
-        .pin_extra,
-    )
-    if np.any(np.asarray(change.position_box_um) > 0.0):
-        box = Change(pin_extra=(Extra(1.0, width=change.position_box_um),))
-        return replace(law, extras=Change(pin_extra=law.extras).joined(box).pin_extra)
-    return law
+def _position_extras(change: Change) -> tuple[Extra, ...]:
+    is_boxed = np.any(np.asarray(change.position_box_um) > 0.0)
+    box = (Extra(1.0, width=change.position_box_um),) if is_boxed else ()
+    return _joint(change.position_extra, box)
 
 
-def _deviation(scene: Scene, law: Law, change: Change) -> Law:
+def _deviation(scene: Scene, stream: Stream, change: Change) -> Law:
+    law = stream.law
     speed = scene.speed * change.speed_ratio
-    delays = change.pin_us + _on_path(scene, change.skip_us, change.plc_us)
+    delays = change.pin_us + _path_us(stream, change)
     shift = (
         np.maximum(0.0, scene.pretravel_um + change.pretravel_um)
         - scene.pretravel_um
@@ -310,17 +319,23 @@ def _deviation(scene: Scene, law: Law, change: Change) -> Law:
         + change.position_um
     )
     coarser = _coarser_um(scene, change)
-    law = replace(law, offset=law.offset + shift - coarser / 2.0, box_b=law.box_b + coarser)
-    law = replace(law, box_a=law.box_a * change.speed_ratio)
-    law = _with_extras(scene, _scanned(scene, law, change, speed), change, speed)
-    return _with_position_box(law, change)
+    extras = _latch_extras(scene, stream, change, speed)
+    return Law(
+        offset=law.offset + shift - coarser / 2.0,
+        sigma=np.hypot(law.sigma, change.position_sigma_um),
+        box_a=_waiting(scene, stream, law.box_a * change.speed_ratio, change, speed),
+        box_b=law.box_b + coarser,
+        extras=_joint(extras, _position_extras(change)),
+    )
 
 
-def _report(scene: Scene, law: Law, change: Change) -> Law:
+def _report(scene: Scene, stream: Stream, change: Change) -> Law:
+    law = stream.law
     shift = change.report_us - change.stamp_us
-    return replace(
-        law,
-        offset=law.offset + np.nan_to_num(shift),
+    return Law(
+        offset=law.offset + np.where(scene.has_stamps, shift, 0.0),
+        sigma=law.sigma,
+        box_a=law.box_a,
         box_b=law.box_b + _coarser_us(scene, change),
         extras=change.report_extra,
     )

@@ -35,6 +35,26 @@ class Stream:
     law: Law
     rows: BoolArray
 
+    @property
+    def is_polled(self) -> bool:
+        """It holds touches on the PLC path alone."""
+        return self.name.endswith("_plc")
+
+    @cached_property
+    def indices(self) -> NDArray[np.intp]:
+        """Numbers of the touches in `rows`."""
+        return np.flatnonzero(self.rows)
+
+    @cached_property
+    def known(self) -> FloatArray:
+        """The residuals of `rows` alone."""
+        return self.residuals[self.rows]
+
+    @cached_property
+    def far(self) -> float:
+        """Size that a tenth of the residuals exceeds."""
+        return float(np.quantile(np.abs(self.known), 0.9))
+
     @cached_property
     def size(self) -> float:
         """Root mean square distance of the residuals from their nominal mean, without the worst."""

@@ -1,10 +1,12 @@
 """Finding the parameters of an effect, and the effects of a campaign."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import accumulate, pairwise
 
 import numpy as np
-from scipy import optimize, stats
+from scipy import optimize
 
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
@@ -21,9 +23,6 @@ WORTH_A_REFINEMENT = 2.0
 """Nats that one more parameter has to gain; it is also what it gains by chance."""
 WORST = 1e300
 NOTHING = Change()
-CONFIDENCE = 0.9
-SMALLEST_STEP = 1e-6
-MOST_DOUBLINGS = 40
 KEPT_STARTS = 2
 SLACKS = (0.05, 0.15, 0.4)
 EVALUATIONS = 60  # a parameter
@@ -41,12 +40,13 @@ class Fit:
     slack: float = 0.0
     """Scatter that their shift brings along, as a share of it."""
 
-    def change(self, scene: Scene) -> Change:
-        """What they make of the physics."""
-        total = Change()
-        for candidate, parameters in zip(self.candidates, self.parameters, strict=True):
-            total = total.joined(candidate.change(scene, parameters))
-        return total.joined(Change(slack=self.slack))
+    def change(self, scene: Scene, given: Change = NOTHING) -> Change:
+        """What they make of the physics, on top of what is given."""
+        effects = zip(self.candidates, self.parameters, strict=True)
+        changes = (candidate.change(scene, parameters) for candidate, parameters in effects)
+        if self.slack > given.slack:
+            given = replace(given, slack=self.slack)
+        return reduce(Change.joined, changes, given)
 
     @property
     def size(self) -> int:
@@ -56,8 +56,8 @@ class Fit:
 
 
 def _split(candidates: Sequence[Candidate], values: FloatArray) -> tuple[FloatArray, ...]:
-    ends = np.cumsum([len(candidate.names) for candidate in candidates])
-    return tuple(np.split(values, ends[:-1]))
+    ends = list(accumulate((len(candidate.names) for candidate in candidates), initial=0))
+    return tuple(values[begin:end] for begin, end in pairwise(ends))
 
 
 class _Target:
@@ -74,6 +74,7 @@ class _Target:
         self._given = given
         self.slack = 0.0
         self._candidates = tuple(candidates)
+        self._found: dict[tuple[bytes, float, float], float] = {}
         self._names = frozenset[str]()
         self._names = frozenset[str]().union(
             *(affected(scene, self.fit(start).change(scene)) for start in starts)
@@ -87,7 +88,11 @@ class _Target:
         return self._of(self._given, widening)
 
     def __call__(self, values: FloatArray, widening: float) -> float:
-        return self._of(self._given.joined(self.fit(values).change(self._scene)), widening)
+        point = (values.tobytes(), widening, self.slack)
+        if point not in self._found:
+            change = self.fit(values).change(self._scene, self._given)
+            self._found[point] = self._of(change, widening)
+        return self._found[point]
 
     def _of(self, change: Change, widening: float) -> float:
         total = likelihood(self._scene, change, widening, self._names).total
@@ -134,9 +139,25 @@ def fit(
     widenings: Sequence[float] = WIDENINGS,
 ) -> Fit:
     """Fit parameters from several starts, coarse to fine, on top of what is given."""
-    points = begun = [np.asarray(start, dtype=float) for start in starts]
-    target = _Target(scene, candidates, points, given)
-    is_exact = all(candidate.exact for candidate in candidates)
+    begun = [np.asarray(start, dtype=float) for start in starts]
+    target = _Target(scene, candidates, begun, given)
+    if all(candidate.exact for candidate in candidates):
+        return target.fit(min(begun, key=lambda point: target(point, 0.0)))
+    forms: dict[tuple[int, ...], list[FloatArray]] = {}
+    for start in begun:
+        forms.setdefault(tuple(np.flatnonzero(start)), []).append(start)
+    found = [_fit_form(target, points, widenings) for points in forms.values()]
+    # What a parameter more gains by chance is no reason to prefer a form that has it.
+    return target.fit(
+        min(found, key=lambda p: target(p, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(p))
+    )
+
+
+def _fit_form(
+    target: _Target, begun: Sequence[FloatArray], widenings: Sequence[float]
+) -> FloatArray:
+    """Climb from starts in which the same parameters are 0; the coarsest stage keeps a few."""
+    points = list(begun)
     for stage, widening in enumerate(widenings):
         kept = KEPT_STARTS if stage == 0 else 1
         points = sorted(points, key=lambda point: target(point, widening))[:kept]
@@ -144,21 +165,19 @@ def fit(
             target.without(widening) - HOPELESS
         ):
             break
-        if not is_exact:
-            points = [_climb(target, point, widening) for point in points]
+        points = [_climb(target, point, widening) for point in points]
     # A start may sit on a peak too sharp to be found by climbing.
-    best = min([*points, *begun], key=lambda point: target(point, 0.0))
-    return target.fit(best)
+    return min([*points, *begun], key=lambda point: target(point, 0.0))
 
 
 def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
-    """Give a fit slack, or a fit of one effect another form, where that is worth it."""
+    """Give a fit of one effect another form, and any fit slack, where that is worth it."""
     best = np.concatenate(found.parameters)
     target = _Target(scene, found.candidates, [best], given)
-    best = _loosened(target, best)
+    # Forms come first: slack would swallow what a jitter of its own explains.
     if len(found.candidates) == 1:
         best = _refined(target, found.candidates[0], best)
-    return target.fit(best)
+    return target.fit(_loosened(target, best))
 
 
 def _loosened(target: _Target, best: FloatArray) -> FloatArray:
@@ -188,37 +207,3 @@ def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatAr
         if target(found, 0.0) < target(best, 0.0) - WORTH_A_REFINEMENT * more:
             best = found
     return best
-
-
-def intervals(scene: Scene, found: Fit) -> list[list[tuple[float, float]]]:
-    """Tell for each parameter of each effect how far it can go down and up.
-
-    Up to where the log-likelihood has fallen by half the 90 % quantile of chi-squared with one
-    degree of freedom, the other parameters as they are.
-    """
-    values = np.concatenate(found.parameters)
-    target = _Target(scene, found.candidates, [values], NOTHING)
-    target.slack = found.slack
-    limit = target(values, 0.0) + float(stats.chi2.ppf(CONFIDENCE, 1)) / 2.0
-    ends = [
-        (_reach(target, values, i, -1.0, limit), _reach(target, values, i, 1.0, limit))
-        for i in range(len(values))
-    ]
-    counts = np.cumsum([len(parameters) for parameters in found.parameters])[:-1]
-    return [ends[a:b] for a, b in zip([0, *counts], [*counts, len(ends)], strict=True)]
-
-
-def _reach(target: _Target, values: FloatArray, index: int, sense: float, limit: float) -> float:
-    """How far one parameter goes before the target passes the limit."""
-
-    def excess(step: float) -> float:
-        moved = values.copy()
-        moved[index] += sense * step
-        return target(moved, 0.0) - limit
-
-    step = SMALLEST_STEP * max(abs(float(values[index])), 1.0)
-    for _ in range(MOST_DOUBLINGS):
-        if excess(step) > 0.0:
-            return float(optimize.brentq(excess, 0.0, step, rtol=1e-2))
-        step *= 2.0
-    return step

@@ -1,19 +1,30 @@
 """How far the gap shrinks, on touches that served neither fitting nor naming.
 
-The simulator decides: the held-out touches are played with and without the effects, and the
-distance of the recorded ones from both is measured per path and feed.
+The simulator decides: the held-out touches are played with and without the effects, and every
+recorded one is scored against its own plays by the continuous ranked probability score (CRPS): the
+length or time by which the plays miss it, less what their own scatter excuses. A simulation that
+is right still scores its noise floor, half of the mean difference between two of its plays.
+
+Touches count in units of the noise floor of their path and feed, so that the wide cells of the PLC
+do not drown the narrow ones. Cells that show neither a gap nor a difference between the two
+simulations are left out, so that a gap that sits on one path, or at some feeds, shows at its size.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal, Self
 
 import numpy as np
+from scipy import stats
+from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from skiplatch.campaign import InputPath
-from skiplatch.comparison.gap import RESOLVABLE, distance_to, quantiles_of
-from skiplatch.comparison.observables import OBSERVABLES, Observable
+from skiplatch.comparison.cells import cells_of
+from skiplatch.comparison.gap import RESOLVABLE
+from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.motion import Contact
 from skiplatch.simulator import Controller, Effect, Outcomes, play
 from skiplatch.statistics import CONFIDENCE, Interval
 
@@ -21,44 +32,117 @@ PLAYED_TOUCHES = 40_000
 FEWEST_REPLICATES = 16
 MOST_REPLICATES = 100
 FEWEST_TOUCHES = 3  # in a cell
-RESAMPLES = 199
+RESAMPLES = 999
+MOST_POOLED = 400
+NS = 3  # decimals of a µs
+ALL_THREE = 3  # simulations, where the truth is known
+ROUNDING = 1.0 / 6.0
+"""Noise floor of what is known but for its rounding, in steps of it."""
+ALPHA = 0.01
+"""Chance that any cell or path of an observable counts for nothing but the luck of its touches."""
 
 
 @dataclass(frozen=True, slots=True)
 class Gap:
-    """The gap of one observable before and after, in its unit."""
+    """The gap of one observable before and after, as mean CRPS in its unit."""
 
     unit: str
     before: float
     after: float
     noise_floor: float
-    """The distance of the simulation with the effects from itself."""
+    """What the simulation with the effects scores on its own plays."""
     shrink: Interval
     """Share of what lay above the noise floor that is gone."""
+    is_clear: bool = True
+    """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
+    oracle: float | None = None
+    """The score of the true effects, where somebody knows them."""
+    oracle_shrink: Interval | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scored:
+    """Touches and what a simulation scores on them; arrays of shape (m,)."""
+
+    scores: FloatArray
+    floor: FloatArray
+    """What it scores on its own plays."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cell:
-    """Held-out touches of one path and feed: residuals from both simulations and quantiles."""
+    """Held-out touches of one path and feed under each simulation."""
 
+    path: InputPath
+    before: _Scored
+    after: _Scored
+    truth: _Scored | None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Scores:
+    """Scores of the touches of some cells, in units of their noise floors; shape (m,)."""
+
+    units: FloatArray
     before: FloatArray
     after: FloatArray
     floor: FloatArray
-    quantiles_before: FloatArray
-    quantiles_after: FloatArray
+    truth: FloatArray | None
+
+    @classmethod
+    def of(cls, cells: Sequence[_Cell], least: float) -> Self:
+        """Put cells together; `least` is the noise floor of what is known but for its rounding."""
+        floors = [cell.after.floor for cell in cells]
+        units = np.concatenate([np.full(len(f), max(float(f.mean()), least)) for f in floors])
+
+        def together(scores: Iterable[FloatArray]) -> FloatArray:
+            return np.asarray(np.concatenate(list(scores)) / units)
+
+        truth = [cell.truth.scores for cell in cells if cell.truth]
+        return cls(
+            units=units,
+            before=together(cell.before.scores for cell in cells),
+            after=together(cell.after.scores for cell in cells),
+            floor=together(floors),
+            truth=together(truth) if truth else None,
+        )
+
+    def is_clear(self, limit: float) -> bool:
+        """Tell whether there is a gap, or one that the effects made or took away."""
+        before, after, floor = self.before, self.after, self.floor
+        return (
+            _chance(before - after, "two-sided") < limit
+            or _chance(before - floor, "greater") < limit
+            or _chance(after - floor, "greater") < limit
+        )
 
 
 def shrink(
-    scene: Scene, held_out: BoolArray, switched_on: Sequence[Effect], *, seed: int, jobs: int
+    scene: Scene,
+    held_out: BoolArray,
+    switched_on: Sequence[Effect],
+    *,
+    seed: int,
+    jobs: int,
+    truth: Sequence[Effect] | None = None,
 ) -> Mapping[str, Gap]:
-    """Measure every observable that was recorded; by name."""
-    nominal = _play(scene, (), seed, jobs)
-    changed = _play(scene, switched_on, seed, jobs)
+    """Measure every observable that was recorded; by name.
+
+    Args:
+        scene: The campaign.
+        held_out: Which touches to score; shape (n,).
+        switched_on: The effects that were found.
+        seed: Of the plays.
+        jobs: Threads.
+        truth: The effects that a simulated campaign really has.
+    """
+    models = [(), switched_on] if truth is None else [(), switched_on, truth]
+    plays = [_play(scene, model, seed, jobs) for model in models]
     gaps = {}
-    for observable in OBSERVABLES:
-        cells = _cells(scene, held_out, observable, nominal, changed)
+    for observable in _observables(scene):
+        cells = list(_cells(scene, held_out, observable, plays))
         if cells:
-            gaps[observable.name] = _gap(observable.unit, cells, seed)
+            gaps[observable.name] = _gap(cells, observable.unit, _least(scene, observable), seed)
     return gaps
 
 
@@ -75,74 +159,159 @@ def _play(scene: Scene, switched_on: Sequence[Effect], seed: int, jobs: int) -> 
     )
 
 
-def _cells(
-    scene: Scene,
-    held_out: BoolArray,
-    observable: Observable,
-    nominal: Outcomes,
-    changed: Outcomes,
-) -> list[_Cell]:
-    recorded = observable.values(scene.touches, scene.contact)
-    before = observable.values(nominal, scene.contact)
-    after = observable.values(changed, scene.contact)
-    known = held_out & ~np.isnan(recorded)
-    cells = []
-    for path in InputPath:
-        for feed in np.unique(scene.touches.feed_mm_min):
-            rows = known & (scene.touches.path == path) & (scene.touches.feed_mm_min == feed)
-            if rows.sum() >= FEWEST_TOUCHES:
-                cells.append(_cell(recorded[rows], before[:, rows], after[:, rows]))
-    return cells
+def _observables(scene: Scene) -> Iterator[Observable]:
+    """Give those of every comparison, and where the stamps of scans lie on their grid.
+
+    A scan that is late moves the stamp of its touch by little of the wait for a scan: it is only
+    beside the other stamps that it shows.
+    """
+    yield from OBSERVABLES
+    period = scene.nominal.plc.scan_us
+
+    def off_grid(recorded: Recorded, _: Contact) -> FloatArray:
+        stamps = np.where(scene.plc, recorded.latch_us, np.nan)
+        turn = np.nanmean(np.exp(2j * np.pi * stamps / period), axis=-1, keepdims=True)
+        late = stamps - np.angle(turn) / (2.0 * np.pi) * period
+        late = (late + period / 2.0) % period - period / 2.0
+        return np.asarray(np.round(late, NS))
+
+    if "lattice" in scene.streams:
+        yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", off_grid)
 
 
-def _cell(recorded: FloatArray, before: FloatArray, after: FloatArray) -> _Cell:
-    mean_before, mean_after = np.nanmean(before, axis=0), np.nanmean(after, axis=0)
-    after = np.where(np.isnan(after), mean_after, after)
-    before = np.where(np.isnan(before), mean_before, before)
-    return _Cell(
-        before=recorded - mean_before,
-        after=recorded - mean_after,
-        floor=after - mean_after,
-        quantiles_before=quantiles_of(before - mean_before),
-        quantiles_after=quantiles_of(after - mean_after),
+def _least(scene: Scene, observable: Observable) -> float:
+    """Give the noise floor of what is known but for its rounding."""
+    is_length = observable.unit == "µm"
+    return ROUNDING * (
+        scene.nominal.axis.resolution_um if is_length else scene.nominal.skip.tick_us
     )
 
 
-def _gap(unit: str, cells: Sequence[_Cell], seed: int) -> Gap:
-    before = np.array([distance_to(cell.quantiles_before, cell.before) for cell in cells])
-    after = np.array([distance_to(cell.quantiles_after, cell.after) for cell in cells])
-    floor = np.array([distance_to(cell.quantiles_after, cell.floor).mean() for cell in cells])
-    # By its own noise, so that the wide cells of the PLC do not drown the narrow ones.
-    weights = np.array([len(cell.before) for cell in cells]) / np.maximum(floor, RESOLVABLE)
-    weights = weights / weights.sum()
-    value = _share(float(weights @ before), float(weights @ after), float(weights @ floor))
-    rng = np.random.default_rng(seed)
-    resampled = [_resampled(cells, weights, float(weights @ floor), rng) for _ in range(RESAMPLES)]
-    edge = (1.0 - CONFIDENCE) / 2.0
-    low, high = np.quantile(resampled, [edge, 1.0 - edge])
+def _cells(
+    scene: Scene, held_out: BoolArray, observable: Observable, plays: Sequence[Outcomes]
+) -> Iterator[_Cell]:
+    """Score cell by cell what was played: nominal, with the effects found, with the true ones."""
+    recorded = observable.values(scene.touches, scene.contact)
+    played = [observable.values(outcomes, scene.contact) for outcomes in plays]
+    known = held_out & ~np.isnan(recorded)
+    for values in played:
+        known = known & ~np.isnan(values).all(axis=0)
+    expected, scale = _expected(scene, observable)
+    for path, _, rows in cells_of(scene.touches, known, FEWEST_TOUCHES):
+        scored = [
+            _pooled(
+                (recorded[rows] - expected[rows]) / scale[rows],
+                (values[:, rows] - expected[rows]) / scale[rows],
+                scale[rows],
+            )
+            if path == InputPath.PLC and observable in OBSERVABLES  # on the grid no phase is left
+            else _own(recorded[rows], values[:, rows].T)
+            for values in played
+        ]
+        yield _Cell(path, scored[0], scored[1], scored[2] if len(scored) == ALL_THREE else None)
+
+
+def _expected(scene: Scene, observable: Observable) -> tuple[FloatArray, FloatArray]:
+    """Give what the nominal chain lets expect of each touch, and a scale for its scatter."""
+    if observable.unit == "µm":
+        return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
+    is_from_contact = observable.name == "latch_after_contact_us"
+    return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
+
+
+def _own(recorded: FloatArray, plays: FloatArray) -> _Scored:
+    """Score touches, shape (m,), each against its own plays, shape (m, r)."""
+    ensemble = np.where(np.isnan(plays), np.nanmedian(plays, axis=1)[:, None], plays)
+    return _Scored(_crps(recorded, ensemble), _floor(ensemble))
+
+
+def _pooled(recorded: FloatArray, plays: FloatArray, scale: FloatArray) -> _Scored:
+    """Score touches, shape (m,), against the plays of all touches of the cell, shape (r, m).
+
+    All touches of a campaign share the phase of one scan, and so do those of a replicate: its own
+    plays alone show a touch no more phases than there are replicates, and to all of them the same.
+    """
+    pool = np.sort(plays[~np.isnan(plays)])
+    chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
+    pool = pool[np.rint(chosen).astype(int)]
+    ensemble = np.broadcast_to(pool, (len(recorded), len(pool)))
+    return _Scored(scale * _crps(recorded, ensemble), scale * _floor(ensemble))
+
+
+def _crps(recorded: FloatArray, ensemble: FloatArray) -> FloatArray:
+    return np.asarray(crps_ensemble(recorded, ensemble, estimator="pwm", backend="numpy"))
+
+
+def _floor(ensemble: FloatArray) -> FloatArray:
+    """Give half of the mean difference between two plays of a touch; shape (m,)."""
+    ordered = np.sort(ensemble, axis=1)
+    r = ordered.shape[1]
+    return np.asarray(ordered @ (2.0 * np.arange(1, r + 1) - r - 1.0) / (r * (r - 1.0)))
+
+
+def _chance(differences: FloatArray, sides: Literal["two-sided", "greater"]) -> float:
+    """Give the p-value of a mean of 0, by Student's t."""
+    mean = float(differences.mean())
+    if np.ptp(differences) < RESOLVABLE:
+        return float((mean if sides == "greater" else abs(mean)) < RESOLVABLE)
+    return float(stats.ttest_1samp(differences, 0.0, alternative=sides).pvalue)
+
+
+def _clear(cells: Sequence[_Cell], least: float) -> list[_Cell]:
+    """Give the cells that show a gap, by themselves or else together with others of their path."""
+    limit = ALPHA / (len(cells) + len(InputPath))
+    alone = [cell for cell in cells if _Scores.of([cell], least).is_clear(limit)]
+    if alone:
+        return alone
+    paths = [[cell for cell in cells if cell.path == path] for path in InputPath]
+    shown = [path for path in paths if path and _Scores.of(path, least).is_clear(limit)]
+    return [cell for path in shown for cell in path]
+
+
+def _gap(cells: Sequence[_Cell], unit: str, least: float, seed: int) -> Gap:
+    clear = _clear(cells, least)
+    scores = _Scores.of(clear or cells, least)
+    whole = float(np.sum(1.0 / scores.units))  # turns units of the floor into those of the figures
+
+    def share_gone(after: FloatArray) -> Interval:
+        return _share_gone(scores.before, after, scores.floor, seed, is_clear=bool(clear))
+
     return Gap(
         unit=unit,
-        before=float(weights @ before),
-        after=float(weights @ after),
-        noise_floor=float(weights @ floor),
-        shrink=Interval(value, float(low), float(high)),
+        before=float(scores.before.sum()) / whole,
+        after=float(scores.after.sum()) / whole,
+        noise_floor=float(scores.floor.sum()) / whole,
+        shrink=share_gone(scores.after),
+        is_clear=bool(clear),
+        oracle=None if scores.truth is None else float(scores.truth.sum()) / whole,
+        oracle_shrink=None if scores.truth is None else share_gone(scores.truth),
     )
 
 
-def _resampled(
-    cells: Sequence[_Cell], weights: FloatArray, floor: float, rng: np.random.Generator
-) -> float:
-    before, after = [], []
-    for cell in cells:
-        rows = rng.integers(0, len(cell.before), len(cell.before))
-        before.append(distance_to(cell.quantiles_before, cell.before[rows]))
-        after.append(distance_to(cell.quantiles_after, cell.after[rows]))
-    return _share(float(weights @ np.array(before)), float(weights @ np.array(after)), floor)
+def _share_gone(
+    before: FloatArray, after: FloatArray, floor: FloatArray, seed: int, *, is_clear: bool
+) -> Interval:
+    """Give the share with its interval, from scores in equal units; 0 without a gap."""
+    value = float(_share(before - after, before - floor)) if is_clear else 0.0
+    resampled = stats.bootstrap(
+        (before - after, before - floor),
+        _share,
+        n_resamples=RESAMPLES,
+        paired=True,
+        vectorized=True,
+        confidence_level=CONFIDENCE,
+        method="percentile",
+        rng=np.random.default_rng(seed),
+    ).confidence_interval
+    return Interval(value, min(float(resampled.low), value), max(float(resampled.high), value))
 
 
-def _share(before: float, after: float, floor: float) -> float:
-    """Share of the gap above the floor that is gone; 0 where there was none."""
-    above = before - floor
-    if above <= 0.0:
-        return 0.0
-    return float(np.clip((before - max(after, floor)) / above, -1.0, 1.0))
+def _share(gone: FloatArray, above: FloatArray, axis: int = -1) -> FloatArray:
+    """Share of the gap above the floor that is gone; 0 where there was none and none came.
+
+    Touches that score below the floor by luck have not lost more than all of their gap.
+    """
+    lost, gap = gone.sum(axis=axis), above.sum(axis=axis)
+    whole = np.maximum(np.maximum(gap, lost), RESOLVABLE)
+    share = np.clip(lost / whole, -1.0, 1.0)
+    return np.asarray(np.where(np.abs(lost) > RESOLVABLE, share, 0.0))

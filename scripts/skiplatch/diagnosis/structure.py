@@ -13,6 +13,7 @@ from scipy import stats
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import SMALLEST, FloatArray, extra_variance
 from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.material import DEFAULT, Materiality, is_rest_material
 from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
 
 ALPHA = 1e-3
@@ -40,12 +41,14 @@ class Structure:
     p_value: float
 
 
-def structures(scene: Scene, change: Change) -> list[Structure]:
+def structures(scene: Scene, change: Change, materiality: Materiality = DEFAULT) -> list[Structure]:
     """Look for what is left in every stream; the most significant first."""
     found = []
     looks = 0
     for stream in scene.streams.values():
         if stream.name == "lattice" or stream.rows.sum() < FEWEST:
+            continue
+        if not is_rest_material(scene, stream, change, materiality):
             continue
         seen = _looks(scene, stream, change)
         looks += len(seen)

@@ -1,11 +1,14 @@
 """A diagnosis in words and in JSON."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from skiplatch.diagnosis.diagnose import Diagnosis, Named, Verdict
+from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.simulator import Effect, effects
+from skiplatch.statistics import Interval
 from skiplatch.tables import number, table
 
 FORMAT = "skiplatch-diagnosis/1"
@@ -30,6 +33,7 @@ def as_text(diagnosis: Diagnosis) -> str:
         parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
     if diagnosis.effects:
         parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
+    parts.append(_threshold_text(diagnosis.materiality))
     if diagnosis.notes:
         parts.append("\n".join(diagnosis.notes))
     return "\n\n".join(parts)
@@ -51,6 +55,16 @@ def _effect_text(named: Named) -> str:
     return "\n".join(lines)
 
 
+def _threshold_text(materiality: Materiality) -> str:
+    """Say from which size on a change counted."""
+    spread = f"{materiality.fraction:.3g} of the rig's own spread"
+    times = spread if materiality.us is None else f"{materiality.us:g} µs"
+    lengths = spread if materiality.um is None else f"{materiality.um:g} µm"
+    if times == lengths:
+        return f"A gap counts from {spread} on."
+    return f"A gap counts from {times} on in times, and from {lengths} on in lengths."
+
+
 def _gap_table(gaps: Mapping[str, Gap]) -> str:
     rows = [
         (
@@ -59,12 +73,17 @@ def _gap_table(gaps: Mapping[str, Gap]) -> str:
             number(gap.before, 3),
             number(gap.after, 3),
             number(gap.noise_floor, 3),
-            f"{gap.shrink.value:.0%} ({gap.shrink.low:.0%} … {gap.shrink.high:.0%})",
+            _shrunk(gap.shrink) if gap.is_clear else "no gap beyond the noise",
+            *([] if gap.oracle_shrink is None else [_shrunk(gap.oracle_shrink)]),
         )
         for name, gap in gaps.items()
-        if gap.before > gap.noise_floor
     ]
-    return table(("observable", "unit", "before", "after", "noise floor", "shrunk by"), rows)
+    header = ("observable", "unit", "before", "after", "noise floor", "shrunk by", "the truth does")
+    return table(header[: len(rows[0])], rows) if rows else "  nothing was recorded"
+
+
+def _shrunk(share: Interval) -> str:
+    return f"{share.value:.0%} ({share.low:.0%} … {share.high:.0%})"
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
@@ -94,21 +113,29 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             }
             for named in diagnosis.effects
         ],
-        "gap": {
-            name: {
-                "before": gap.before,
-                "after": gap.after,
-                "noise_floor": gap.noise_floor,
-                "unit": gap.unit,
-                "shrink": gap.shrink.value,
-                "shrink_interval": [gap.shrink.low, gap.shrink.high],
-            }
-            for name, gap in diagnosis.gap.items()
-        },
+        "gap": {name: _gap_json(gap) for name, gap in diagnosis.gap.items()},
+        "material": asdict(diagnosis.materiality),
         "touches": diagnosis.touches,
         "touches_searched": diagnosis.used,
         "notes": list(diagnosis.notes),
     }
+
+
+def _gap_json(gap: Gap) -> dict[str, Any]:
+    known = {
+        "before": gap.before,
+        "after": gap.after,
+        "noise_floor": gap.noise_floor,
+        "unit": gap.unit,
+        "shrink": gap.shrink.value,
+        "shrink_interval": [gap.shrink.low, gap.shrink.high],
+        "beyond_noise": gap.is_clear,
+    }
+    if gap.oracle_shrink is None:
+        return known
+    oracle = gap.oracle_shrink
+    truth = {"oracle": gap.oracle, "oracle_shrink": oracle.value}
+    return {**known, **truth, "oracle_shrink_interval": [oracle.low, oracle.high]}
 
 
 def effects_from_json(document: Json) -> list[Effect]:

@@ -112,9 +112,5 @@ def _residuals(evidence: Evidence) -> list[Drawing]:
 
 
 def _shrink(diagnosis: Diagnosis, titles: dict[str, str]) -> Drawing | None:
-    gaps = {
-        key: gap
-        for key, gap in diagnosis.gap.items()
-        if key in titles and gap.before > gap.noise_floor
-    }
+    gaps = {key: gap for key, gap in diagnosis.gap.items() if key in titles and gap.is_clear}
     return draw_shrink("shrink", gaps, titles) if diagnosis.effects and gaps else None

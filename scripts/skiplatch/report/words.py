@@ -88,7 +88,7 @@ def lead(diagnosis: Diagnosis, telling: str, titles: Mapping[str, str]) -> str:
     said = "Simulated along with the rest, " + _listed([n.effect.id for n in diagnosis.effects])
     if gap is None:
         return f"{said} {'make' if many else 'makes'} the simulation play what was recorded."
-    if gap.before <= gap.noise_floor:
+    if not gap.is_clear:
         return (
             f"Over all paths and feeds together, what it does to {titles[telling]} is within "
             "the noise of the touches held out; the pictures show where it stands out."
@@ -172,7 +172,7 @@ def gap_table(gaps: Mapping[str, Gap], titles: Mapping[str, str], *, after: bool
             _size(gap.before),
             _size(gap.after),
             _size(gap.noise_floor),
-            _shrunk(gap) if gap.before > gap.noise_floor else "no gap",
+            _shrunk(gap) if gap.is_clear else "no gap",
         )
         for name, gap in gaps.items()
     ]

@@ -1,0 +1,424 @@
+"""Plain simulation decides: what the surrogates propose is played, and scored on other touches.
+
+It also tells which models the recorded columns cannot tell apart: campaigns played with the one are
+fitted with the other.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scoringrules import crps_ensemble  # type: ignore[import-untyped]
+
+from skiplatch.campaign import InputPath, Status, Touches
+from skiplatch.campaign.column_kinds import NOT_RECORDED
+from skiplatch.comparison.observables import Recorded
+from skiplatch.diagnosis.decide import TEMPER, TIED, Finding, Scored, Split
+from skiplatch.diagnosis.law import FloatArray
+from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
+from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.search import Fit, fit
+from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.statistics import Interval
+
+REACH = 15.0
+"""Nats behind the best up to which a model is held against it."""
+MOST_MODELS = 6
+PLAYED_TOUCHES = 40_000
+FEWEST_REPLICATES, MOST_REPLICATES = 20, 100
+BATCHES = 10
+"""Of replicates, each of which makes a score of its own."""
+GAIN_ERRORS = 1.96
+CLEARLY = 3.0
+"""Standard errors by which a rival has to do better to take the finding's place."""
+MATERIAL = 0.01
+"""Gain in score that matters: that of a shift by a fifth of the noise."""
+OWN_PLAYS = 50
+"""Of a model that gains nothing; one in 51 would gain less than all of them by chance."""
+MOST_FITTED = 400
+"""Touches of a campaign that models are fitted to, to see whether they come apart."""
+CAMPAIGNS = 4
+HOPELESS = 100.0
+"""Nats behind, beyond which neither a fit nor another campaign changes the answer."""
+OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
+
+AsEffects = Callable[[Fit], Sequence[Effect]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Confirmation:
+    """What plain simulation says of models, the proposed one first.
+
+    Attributes:
+        gains: By how much each scores better than the unchanged simulation, a touch.
+        chosen: Number of the model that stands.
+        holds: Whether that one improves on the unchanged simulation, or need not on so few touches.
+    """
+
+    gains: Sequence[Interval]
+    chosen: int
+    holds: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Separation:
+    """How far a rival is from a model, in nats over all touches that served the naming."""
+
+    rival: Scored
+    expected: float
+    """Mean over campaigns played with the model."""
+    recorded: float
+
+    @property
+    def is_told(self) -> bool:
+        """The rival should have lost, and has."""
+        return min(self.expected, self.recorded) >= TIED
+
+
+def settle(
+    scene: Scene,
+    parts: Split,
+    finding: Finding,
+    as_effects: AsEffects,
+    *,
+    seed: int,
+    jobs: int = 1,
+    executor: Executor | None = None,
+) -> tuple[Finding, Confirmation | None]:
+    """Let plain simulation choose the finding's model, and find what is not told from it.
+
+    Args:
+        scene: The touches.
+        parts: Of them; the checking part decides.
+        finding: As the surrogates propose it.
+        as_effects: Gives a fit as the simulator takes it.
+        seed: Of the plays.
+        jobs: Threads to play on.
+        executor: Fits side by side.
+    """
+    models = contenders(finding)
+    if not models:
+        return finding, None
+    played = [as_effects(model.fit) for model in models]
+    found = confirm(scene, parts.checking, played, seed=seed, jobs=jobs)
+    best = models[found.chosen]
+    rivals = [model for model in models if model is not best]
+    told = inseparable(
+        scene, parts.naming, best, rivals, played[found.chosen], seed=seed, executor=executor
+    )
+    return _widened(finding, best, told), found
+
+
+def contenders(finding: Finding) -> list[Scored]:
+    """Give the models within reach of the finding's, that one first."""
+    best = finding.model
+    if best is None:
+        return []
+    near = [s for s in finding.ranking if s is not best and s.score > best.score - REACH]
+    return [best, *near][:MOST_MODELS]
+
+
+def confirm(
+    scene: Scene, rows: BoolArray, models: Sequence[Sequence[Effect]], *, seed: int, jobs: int = 1
+) -> Confirmation:
+    """Play models, the proposed one first, and score them on touches they were not fitted to."""
+    unchanged = _play(scene, (), seed, jobs)
+    plays = [_play(scene, effects, seed, jobs) for effects in models]
+    scorer = _Scorer(scene, rows, unchanged)
+    scores = [scorer.scores(played) for played in plays]
+    gains = [_interval(scorer.unchanged - score, GAIN_ERRORS) for score in scores]
+    better = [_interval(scores[0] - score, CLEARLY) for score in scores]
+    stronger = [
+        i for i, gain in enumerate(better) if i > 0 and gain.low > 0.0 and gain.value > MATERIAL
+    ]
+    chosen = max(stronger, key=lambda i: better[i].value, default=0)
+    holds = gains[chosen].value > 0.0 or _is_usual(
+        scene, rows, unchanged, plays[chosen], gains[chosen].high
+    )
+    return Confirmation(gains, chosen, holds)
+
+
+def _is_usual(
+    scene: Scene, rows: BoolArray, unchanged: Outcomes, played: Outcomes, gain: float
+) -> bool:
+    """Tell whether the model's own plays may gain as little: what is rare may not have happened."""
+    for k in range(OWN_PLAYS):
+        scorer = _Scorer(
+            replace(scene, touches=_as_recorded(scene.touches, played, k)), rows, unchanged
+        )
+        if float(np.mean(scorer.unchanged - scorer.scores(played))) <= gain:
+            return True
+    return False
+
+
+def _interval(values: FloatArray, errors: float) -> Interval:
+    """Give the mean of differences, shape (b, m), and so many standard errors about it.
+
+    Touches scatter, and so do batches: all touches of a replicate share the phase of its scans, so
+    that chance in the plays does not average out over touches.
+    """
+    touches, batches = values.mean(axis=0), values.mean(axis=1)
+    variance = np.var(touches, ddof=1) / len(touches) + np.var(batches, ddof=1) / len(batches)
+    value, half = float(values.mean()), errors * float(np.sqrt(variance))
+    return Interval(value, value - half, value + half)
+
+
+def _play(scene: Scene, switched_on: Sequence[Effect], seed: int, jobs: int) -> Outcomes:
+    replicates = np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES)
+    return _played(scene, switched_on, seed, int(replicates) // BATCHES * BATCHES, jobs)
+
+
+def _played(
+    scene: Scene, switched_on: Sequence[Effect], seed: int, replicates: int, jobs: int
+) -> Outcomes:
+    return play(
+        scene.nominal,
+        Controller.for_campaign(scene.nominal, scene.touches),
+        scene.touches,
+        seed=seed,
+        replicates=replicates,
+        jobs=jobs,
+        switched_on=switched_on,
+    )
+
+
+class _Scorer:
+    """Scores plays by the recorded touches: less is better."""
+
+    def __init__(self, scene: Scene, rows: BoolArray, unchanged: Outcomes) -> None:
+        self._scene = scene
+        self._rows = rows
+        self._recorded = _observed(scene, scene.touches)
+        nominal = _observed(scene, unchanged)
+        self._centre = {name: _mean(values) for name, values in nominal.items()}
+        self._noise = {
+            name: _mean((values - self._centre[name]) ** 2) ** 0.5 + _step(scene, name)
+            for name, values in nominal.items()
+        }
+        self.unchanged = self.scores(unchanged)
+
+    def scores(self, outcomes: Outcomes) -> FloatArray:
+        """Score the m chosen touches, each over all that was recorded of it; shape (b, m)."""
+        total = np.tile(self._missed(outcomes), (BATCHES, 1))
+        for name, played in _observed(self._scene, outcomes).items():
+            recorded = self._recorded[name]
+            rows = self._rows & ~np.isnan(recorded) & ~np.isnan(played).all(axis=0)
+            if rows.any():
+                calm = self._calm(name, np.where(np.isnan(played), _mean(played), played))
+                batches = calm[:, rows].reshape(-1, BATCHES, rows.sum())
+                seen = np.broadcast_to(self._calm(name, recorded)[rows], batches.shape[1:])
+                total[:, rows] += crps_ensemble(
+                    seen, batches, m_axis=0, estimator="pwm", backend="numpy"
+                )
+        return np.asarray(total[:, self._rows])
+
+    def _calm(self, name: str, values: FloatArray) -> FloatArray:
+        """Take values in units of the noise, and by their logarithm once they are far off.
+
+        Any scale leaves a score proper; this one keeps wide cells from drowning narrow ones, and
+        one touch far off from drowning the others.
+        """
+        return np.arcsinh((values - self._centre[name]) / self._noise[name])
+
+    def _missed(self, outcomes: Outcomes) -> FloatArray:
+        """Minus the logarithm of the share of touches on a path that fared like each; (n,)."""
+        touches = self._scene.touches
+        score = np.zeros(len(touches))
+        for path in InputPath:
+            on_path = touches.path == path
+            if on_path.any():
+                share = float(np.mean(~outcomes.ok[:, on_path]))
+                share = min(max(share, NEVER_LOST), 1.0 - NEVER_LOST)
+                score[on_path] = -np.log1p(-share)
+                score[on_path & touches.missed] = -np.log(share)
+        return score
+
+
+def _mean(values: FloatArray) -> FloatArray:
+    """Mean over the replicates that have one, else 0; shape (n,)."""
+    known = ~np.isnan(values)
+    return np.asarray(np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1))
+
+
+def _step(scene: Scene, name: str) -> float:
+    chain = scene.nominal
+    return chain.axis.resolution_um if name == "position" else chain.skip.tick_us
+
+
+def _observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
+    """Take outcomes apart by the stretches of the chain, as far as was recorded; (…, n)."""
+    edges = scene.touches.edge_us
+    begin = np.where(np.isnan(edges), scene.contact.time_us, recorded.edge_us)
+    later = recorded.latch_us - begin
+    beyond = recorded.deviation_um - scene.speed * later
+    return {
+        "edge": recorded.edge_us - scene.contact.time_us,
+        "latch": later,
+        "grid": _off_grid(scene, recorded.latch_us),
+        "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
+        "report": recorded.report_us - recorded.latch_us,
+    }
+
+
+def _off_grid(scene: Scene, stamps: FloatArray) -> FloatArray:
+    """PLC stamps off the middle of the grid that they keep best; elsewhere NaN; (…, n)."""
+    period = scene.nominal.plc.scan_us
+    known = scene.plc & ~np.isnan(stamps)
+    turns = np.where(known, np.exp(2j * np.pi * np.nan_to_num(stamps) / period), 0.0)
+    middle = np.angle(turns.sum(axis=-1, keepdims=True)) / (2.0 * np.pi) * period
+    off = (stamps - middle + period / 2.0) % period - period / 2.0
+    return np.where(known, off, np.nan)
+
+
+def inseparable(
+    scene: Scene,
+    rows: BoolArray,
+    best: Scored,
+    rivals: Sequence[Scored],
+    effects: Sequence[Effect],
+    *,
+    seed: int,
+    executor: Executor | None = None,
+) -> list[Separation]:
+    """Tell for each rival whether it would lose to the best model if that one were the truth.
+
+    Args:
+        scene: The touches.
+        rows: Those that served the naming; shape (n,).
+        best: The model.
+        rivals: Others.
+        effects: The model's, as the simulator takes them.
+        seed: Of the campaigns that are played.
+        executor: Fits side by side.
+    """
+    if not rivals:
+        return []
+    chosen = _some(rows, seed)
+    scale = float(rows.sum()) / len(chosen)
+    outcomes = _played(scene, effects, seed, CAMPAIGNS, jobs=1)
+    campaigns = [
+        Scene(scene.nominal, _as_recorded(scene.touches, outcomes, k)).select(chosen)
+        for k in range(CAMPAIGNS)
+    ]
+    behind = _behind(campaigns, best, rivals, scale, executor)
+    return [
+        Separation(rival, nats, best.score - rival.score)
+        for rival, nats in zip(rivals, behind, strict=True)
+    ]
+
+
+def _some(rows: BoolArray, seed: int) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":
+    chosen = np.flatnonzero(rows)
+    if len(chosen) > MOST_FITTED:
+        rng = np.random.default_rng(seed)
+        chosen = np.sort(rng.choice(chosen, MOST_FITTED, replace=False))
+    return chosen
+
+
+def _as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:
+    """Give a replicate the columns, and the gaps in them, that the record has."""
+    columns = {
+        name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[replicate])
+        for name in OUTCOMES
+    }
+    status = np.where(outcomes.ok[replicate], Status.OK, Status.MISSED)
+    status = np.where(touches.status == NOT_RECORDED, NOT_RECORDED, status)
+    return replace(touches, status=status.astype(touches.status.dtype), **columns)
+
+
+def _behind(
+    campaigns: Sequence[Scene],
+    best: Scored,
+    rivals: Sequence[Scored],
+    scale: float,
+    executor: Executor | None,
+) -> list[float]:
+    """Mean nats by which each rival, fitted anew, falls behind, over all that served the naming."""
+    run: Callable[..., Iterable[float]] = executor.map if executor else map
+    behind: list[list[float]] = [[] for _ in rivals]
+    for campaign in campaigns:
+        is_open = [i for i, nats in enumerate(behind) if not _is_settled(nats)]
+        own = likelihood(campaign, _without_slack(best.fit).change(campaign)).total
+        tasks = [(campaign, rivals[i].fit, own, scale) for i in is_open]
+        for i, nats in zip(is_open, run(_falls_behind, tasks), strict=True):
+            behind[i].append(nats)
+    return [float(np.mean(nats)) for nats in behind]
+
+
+def _is_settled(nats: Sequence[float]) -> bool:
+    """Tell whether no further campaign is likely to change the answer.
+
+    The difference of two log-likelihoods varies about its mean by the root of twice the mean.
+    """
+    if not nats:
+        return False
+    mean = float(np.mean(nats))
+    error = np.sqrt(2.0 * max(mean, TIED) / len(nats))
+    return abs(mean - TIED) > 2.0 * float(error)
+
+
+def _falls_behind(task: tuple[Scene, Fit, float, float]) -> float:
+    """Give the nats that one model misses, fitted anew where that can matter."""
+    campaign, model, own, scale = task
+    model = _without_slack(model)
+    nats = _scaled(own - likelihood(campaign, model.change(campaign)).total, scale, model.size)
+    if nats < TIED or nats > HOPELESS:
+        return nats
+    start = np.concatenate(model.parameters).tolist()
+    anew = fit(campaign, model.candidates, [start], widenings=(0.0,))
+    return _scaled(own - likelihood(campaign, anew.change(campaign)).total, scale, anew.size)
+
+
+def _without_slack(model: Fit) -> Fit:
+    """The simulation has just the form of the effect, and no slack."""
+    return replace(model, slack=0.0)
+
+
+def _scaled(nats: float, scale: float, parameters: int) -> float:
+    """Carry nats over to more touches; what a fit gains by chance does not grow with them."""
+    by_chance = parameters / 2.0
+    return (nats + by_chance) * scale - by_chance
+
+
+def _widened(finding: Finding, best: Scored, told: Sequence[Separation]) -> Finding:
+    """Give the finding its model, and with it all that is not told from that."""
+    groups = [_group(finding, best, told, position) for position in range(len(best.ids))]
+    return replace(
+        finding,
+        model=best,
+        alternatives=tuple(names for names, _ in groups),
+        confidences=tuple(confidence for _, confidence in groups),
+    )
+
+
+def _group(
+    finding: Finding, best: Scored, told: Sequence[Separation], position: int
+) -> tuple[tuple[str, ...], float]:
+    """Name what would do as well as one effect, and how sure the group is.
+
+    What the finding says of the effect already is kept; the rest adds its weight.
+    """
+    own = best.ids[position]
+    was = finding.model.ids if finding.model else ()
+    before: tuple[str, ...] = ()
+    sure = 0.0
+    if own in was:
+        before = finding.alternatives[was.index(own)]
+        sure = finding.confidences[was.index(own)]
+    tied = {name for s in told if not s.is_told for name in _instead(best, s.rival, position)}
+    group = (*before, *sorted(tied - {own, *before}))
+    counted = {own, *before} if own in was else set()
+    scores = np.array([model.score for model in finding.ranking])
+    weights = np.exp(TEMPER * (scores - scores.max()))
+    names = [_instead(best, model, position) or {own} for model in finding.ranking]
+    is_new = [bool(name & ({own, *group} - counted)) for name in names]
+    return group, min(1.0, sure + float(weights[is_new].sum() / weights.sum()))
+
+
+def _instead(best: Scored, rival: Scored, position: int) -> set[str]:
+    """Name what a rival has in place of one effect, if it has all the others."""
+    others = {name for i, name in enumerate(best.ids) if i != position}
+    if len(rival.ids) != len(best.ids) or not others <= set(rival.ids):
+        return set()
+    return set(rival.ids) - others - {best.ids[position]}

@@ -1,0 +1,112 @@
+"""Which changes matter: significant is not material, for a large campaign always differs.
+
+What an effect moves in a stretch of the chain is held against a threshold: a fraction of the
+stretch's own spread, or what the engineer has said in µs and µm.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import FloatArray, Law, extra_variance
+from skiplatch.diagnosis.likelihood import MISSED, affected, law_under
+from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
+
+RELATIVE = 0.25
+"""What variance counts for, beside the square of a shift."""
+ROUNDING = 0.3
+"""Share of what a stretch is rounded to, below which no scatter is material."""
+RESOLVED = 0.1
+"""Share of it below which no shift is: rounding need not be as random as its law has it."""
+ERRORS = 3.0
+"""Standard errors by which what is left has to be smaller to be left out."""
+MICROSECONDS = "µs"
+
+
+@dataclass(frozen=True, slots=True)
+class Materiality:
+    """From which size on a gap matters; what is lost or seen falsely always does."""
+
+    fraction: float = 0.2
+    """Root mean square of the change over the rig's own spread, touch by touch."""
+    us: float | None = None
+    """Root mean square of the change in stretches of time, in place of the fraction."""
+    um: float | None = None
+    """The same in stretches of length."""
+
+    def absolute(self, unit: str) -> float | None:
+        """Give the threshold in µs or µm, if there is one."""
+        return self.us if unit == MICROSECONDS else self.um
+
+    @property
+    def nats_a_touch(self) -> float:
+        """Gain below which no shift can be material: half of the fraction, everywhere."""
+        if self.us is not None or self.um is not None:
+            return 0.0
+        return (0.5 * self.fraction) ** 2 / 2.0
+
+
+DEFAULT = Materiality()
+
+
+def is_material(scene: Scene, change: Change, materiality: Materiality = DEFAULT) -> bool:
+    """Tell whether an effect changes some stretch of the chain by more than the threshold."""
+    names = affected(scene, change)
+    return MISSED in names or any(
+        _is_material_in(scene, scene.streams[name], change, materiality) for name in names
+    )
+
+
+def _is_material_in(scene: Scene, stream: Stream, change: Change, materiality: Materiality) -> bool:
+    law = law_under(scene, stream, change)
+    if stream.name == "lattice":
+        return is_off_grid(scene, change, law, materiality.us or 0.0)
+    if not stream.rows.any():
+        return False
+    spread = stream.law.spread[stream.rows]
+    shift = np.abs(law.mean - stream.law.mean)[stream.rows]
+    variance = np.abs(law.spread**2 - stream.law.spread**2) + extra_variance(law)
+    scatter = np.sqrt(np.maximum(variance[stream.rows], 0.0))
+    if not _is_resolved(scene, stream, shift, scatter):
+        return False
+    moved = np.sqrt(shift**2 + RELATIVE * scatter**2)
+    threshold = materiality.absolute(stream.unit)
+    if threshold is not None:
+        return _rms(moved) > threshold
+    return _rms(moved / spread) > materiality.fraction
+
+
+def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: FloatArray) -> bool:
+    """Tell whether rounding lets see what it is off by: shift and scatter of shape (rows,)."""
+    step = rounding_step(scene, stream)
+    tick = scene.nominal.skip.tick_us
+    ticks = scene.speed[stream.rows] * tick if stream.unit != MICROSECONDS else tick
+    return _rms(scatter) > ROUNDING * step or bool(np.any(shift > RESOLVED * step + ticks))
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def is_rest_material(
+    scene: Scene, stream: Stream, change: Change, materiality: Materiality = DEFAULT
+) -> bool:
+    """Tell whether residuals may scatter beyond a changed law by more than the threshold."""
+    law = law_under(scene, stream, change)
+    excess = (stream.residuals - law.mean) ** 2 - law.spread**2 - extra_variance(law)
+    threshold = materiality.absolute(stream.unit)
+    if threshold is None:
+        excess, threshold = excess / stream.law.spread**2, materiality.fraction
+    excess = excess[stream.rows]
+    return float(excess.mean() + ERRORS * stats.sem(excess)) > threshold**2
+
+
+def is_off_grid(scene: Scene, change: Change, law: Law, least_us: float = 0.0) -> bool:
+    """Tell whether stamps lie off the believed grid, by more than a tick and what is stated."""
+    scatter = float(np.sqrt(max(extra_variance(law)[0], 0.0)))
+    late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[0])
+    stamps = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))[scene.plc]
+    moved = max(abs(change.period_us), _rms(np.nan_to_num(stamps)))
+    return moved > least_us or max(scatter, late) > max(scene.nominal.skip.tick_us, least_us)

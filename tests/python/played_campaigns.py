@@ -1,0 +1,30 @@
+"""Recorded conditions, played anew with effects that are known."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from skiplatch.campaign import Campaign, Status, read_campaign
+from skiplatch.simulator import Controller, Effect, play
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+MACHINE = SAMPLES / "machine_no_gap"
+"""Positions alone."""
+BENCH = Path(__file__).parent / "data" / "bench_no_gap"
+"""Edges, stamps and reports."""
+LATE_BENCH = SAMPLES / "bench_isr_latency"
+
+
+def played(folder: Path, *switched_on: Effect, seed: int = 11) -> Campaign:
+    """The simulation with effects in place of what was recorded, in the same columns."""
+    campaign = read_campaign(folder)
+    touches = campaign.touches
+    controller = Controller.for_campaign(campaign.nominal, touches)
+    outcomes = play(campaign.nominal, controller, touches, seed=seed, switched_on=switched_on)
+    columns = {
+        name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[0])
+        for name in ("edge_us", "latch_us", "report_us", "deviation_um")
+    }
+    status = np.where(outcomes.ok[0], Status.OK, Status.MISSED).astype(np.int8)
+    return replace(campaign, touches=replace(touches, status=status, **columns))

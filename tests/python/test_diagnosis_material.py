@@ -1,0 +1,111 @@
+"""Which changes matter: thresholds as a fraction of the rig's own spread, in µs and in µm."""
+
+import math
+
+import pytest
+
+from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
+from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis import Verdict, as_json, as_text, diagnose
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.material import Materiality, is_material
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.simulator import Effect
+
+JOBS = 2
+
+
+def bench() -> Scene:
+    return Scene.of(read_campaign(BENCH))
+
+
+@pytest.mark.parametrize("share", [0.5, 1.5])
+def test_a_shift_is_material_from_a_fraction_of_the_spread_on(share: float) -> None:
+    scene = Scene.of(read_campaign(MACHINE))
+    stream = scene.streams["deviation_plc"]
+    change = Change(position_um=share * 0.3 * stream.law.spread * scene.plc)
+
+    assert is_material(scene, change, Materiality(fraction=0.3)) == (share > 1.0)
+
+
+@pytest.mark.parametrize("us", [90.0, 110.0])
+def test_a_delay_is_material_from_the_stated_time_on(us: float) -> None:
+    assert is_material(bench(), Change(skip_us=us), Materiality(us=100.0)) == (us > 100.0)
+
+
+@pytest.mark.parametrize("um", [4.5, 5.5])
+def test_an_error_is_material_from_the_stated_length_on(um: float) -> None:
+    assert is_material(bench(), Change(position_um=um), Materiality(um=5.0)) == (um > 5.0)
+
+
+@pytest.mark.parametrize("us", [90.0, 110.0])
+def test_another_scan_period_is_material_from_the_stated_time_on(us: float) -> None:
+    assert is_material(bench(), Change(period_us=us), Materiality(us=100.0)) == (us > 100.0)
+
+
+def test_lost_touches_are_always_material() -> None:
+    assert is_material(bench(), Change(lost=0.01), Materiality(us=1e9, um=1e9))
+
+
+@pytest.mark.parametrize("steps", [0.05, 0.5])
+def test_a_shift_that_rounding_hides_is_not_material(steps: float) -> None:
+    scene = bench()
+    shift_um = steps * scene.nominal.axis.resolution_um
+    shift_um += scene.speed.max() * scene.nominal.skip.tick_us * (steps > 0.1)
+
+    assert is_material(scene, Change(position_um=shift_um), Materiality(um=1e-9)) == (steps > 0.1)
+
+
+@pytest.mark.parametrize("steps", [0.3, 0.7])
+def test_scatter_that_rounding_hides_is_not_material(steps: float) -> None:
+    scene = bench()
+    scatter = Change(position_sigma_um=steps * scene.nominal.axis.resolution_um)
+
+    assert is_material(scene, scatter, Materiality(um=1e-9)) == (steps > 0.5)
+
+
+def test_a_stated_size_takes_away_the_least_gain() -> None:
+    assert Materiality().nats_a_touch == pytest.approx(0.005)
+    assert Materiality(us=1.0).nats_a_touch == 0.0
+
+
+@pytest.mark.parametrize(
+    ("above", "verdict", "said"),
+    [
+        (
+            Materiality(),
+            Verdict.EXPLAINED,
+            "A gap counts from 0.2 of the rig's own spread on.",
+        ),
+        (
+            Materiality(us=60.0),
+            Verdict.NO_GAP,
+            "from 60 µs on in times, and from 0.2 of the rig's own spread on in lengths",
+        ),
+        (
+            Materiality(fraction=1e4),
+            Verdict.NO_GAP,
+            "A gap counts from 1e+04 of the rig's own spread on.",
+        ),
+    ],
+)
+def test_a_delay_is_a_gap_from_the_threshold_on(
+    above: Materiality, verdict: Verdict, said: str
+) -> None:
+    diagnosis = diagnose(read_campaign(LATE_BENCH), seed=1, jobs=JOBS, materiality=above)
+
+    assert diagnosis.verdict == verdict
+    assert bool(diagnosis.effects) == (verdict == Verdict.EXPLAINED)
+    assert said in as_text(diagnosis)
+
+
+def test_an_error_of_length_is_no_gap_below_the_threshold() -> None:
+    campaign = played(BENCH, Effect("backlash", {"backlash_um": 3.5}))
+    by_default = diagnose(campaign, seed=1, jobs=JOBS)
+    below = diagnose(campaign, seed=1, jobs=JOBS, materiality=Materiality(um=10.0))
+
+    assert [named.effect.id for named in by_default.effects] == ["backlash"]
+    assert below.verdict == Verdict.NO_GAP
+    assert as_json(by_default)["material"] == {"fraction": 0.2, "us": None, "um": None}
+    assert as_json(below)["material"]["um"] == pytest.approx(10.0)
+    assert math.isclose(as_json(below)["material"]["fraction"], 0.2)

@@ -1,0 +1,156 @@
+"""How far a gap shrinks, on campaigns whose effects are known."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scoringrules import crps_ensemble  # type: ignore[import-untyped]
+
+from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
+from skiplatch.campaign import Campaign, InputPath, read_campaign
+from skiplatch.comparison import compare
+from skiplatch.comparison.cells import cells_of, feed_groups
+from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.shrink import Gap, _Cell, _floor, _gap, _Scored, _share_gone, shrink
+from skiplatch.simulator import Effect
+
+LATE = Effect("isr_latency", {"latency_us": 41.7})
+DELAY = Effect("trigger_delay", {"delay_us": 150.0})
+HALF = Effect("trigger_delay", {"delay_us": 75.0})
+
+
+def held_out(campaign: Campaign) -> BoolArray:
+    """About three touches in ten."""
+    return np.random.default_rng(1).random(len(campaign.touches)) < 0.3
+
+
+def shrunk(
+    campaign: Campaign, *found: Effect, truth: Sequence[Effect] | None = None, jobs: int = 2
+) -> Mapping[str, Gap]:
+    scene = Scene.of(campaign)
+    return shrink(scene, held_out(campaign), found, seed=1, jobs=jobs, truth=truth)
+
+
+def test_a_gap_on_one_path_shows_at_its_size() -> None:
+    gap = shrunk(read_campaign(LATE_BENCH), LATE)["latch_after_edge_us"]
+
+    assert gap.before == pytest.approx(41.7, abs=0.3)
+    assert gap.after == pytest.approx(gap.noise_floor, abs=0.05)
+    assert gap.shrink.low > 0.95
+    assert gap.is_clear
+
+
+def test_late_scans_show_beside_the_grid_that_they_should_keep() -> None:
+    late = Effect("scan_jitter", {"jitter_us": 300.0})
+    gap = shrunk(played(BENCH, late), late)["latch_off_scan_grid_us"]
+
+    assert gap.before > 1.3 * gap.noise_floor
+    assert gap.after < 1.1 * gap.noise_floor
+    assert gap.shrink.value > 0.8
+
+
+def test_half_of_the_cause_takes_away_part_of_the_gap() -> None:
+    gap = shrunk(played(MACHINE, DELAY), HALF, truth=[DELAY])["deviation_um"]
+
+    assert gap.noise_floor < gap.after < gap.before
+    assert 0.4 < gap.shrink.value < 0.7
+    assert gap.oracle_shrink is not None
+    assert gap.oracle_shrink.value > 0.95
+    assert gap.shrink.value == pytest.approx(
+        (gap.before - gap.after) / (gap.before - gap.noise_floor)
+    )
+
+
+def test_an_effect_that_is_not_there_makes_a_gap() -> None:
+    gap = shrunk(read_campaign(MACHINE), DELAY)["deviation_um"]
+
+    assert gap.after > 5.0 * gap.before
+    assert gap.shrink.value == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize("folder", [MACHINE, BENCH])
+def test_without_a_gap_nothing_shrinks(folder: str) -> None:
+    for name, gap in shrunk(read_campaign(folder)).items():
+        assert gap.before == gap.after, name
+        assert gap.shrink.value == 0.0, name
+        assert not gap.is_clear, name
+        assert gap.before < 1.25 * gap.noise_floor + 0.05, name
+
+
+def test_every_interval_holds_its_value() -> None:
+    for effect in (DELAY, HALF):
+        for gap in shrunk(played(MACHINE, DELAY), effect).values():
+            assert gap.shrink.low <= gap.shrink.value <= gap.shrink.high
+    for gap in shrunk(played(BENCH, LATE), LATE).values():
+        assert gap.shrink.low <= gap.shrink.value <= gap.shrink.high
+
+
+def test_without_a_clear_gap_the_interval_holds_zero() -> None:
+    ones = np.ones(10)
+    unclear = _share_gone(2.0 * ones, ones, 0.5 * ones, seed=1, is_clear=False)
+    clear = _share_gone(2.0 * ones, ones, 0.5 * ones, seed=1, is_clear=True)
+
+    assert (unclear.low, unclear.value) == (0.0, 0.0)
+    assert clear.value == clear.low == clear.high == pytest.approx(2.0 / 3.0)
+
+
+def test_wide_cells_do_not_drown_the_narrow_ones() -> None:
+    ones = np.ones(10)
+
+    def cell(path: InputPath, before: float, after: float, floor: float) -> _Cell:
+        scored = [_Scored(score * ones, floor * ones) for score in (before, after)]
+        return _Cell(path, scored[0], scored[1], None)
+
+    narrow = cell(InputPath.SKIP, 10.0, 1.0, 1.0)
+    wide = cell(InputPath.PLC, 110.0, 110.0, 100.0)
+    gap = _gap([narrow, wide], "µs", 0.01, seed=1)
+
+    assert gap.shrink.value == pytest.approx((11.1 - 2.1) / (11.1 - 2.0))
+
+
+def test_only_touches_held_out_count() -> None:
+    campaign = played(MACHINE, DELAY)
+    off = np.where(held_out(campaign), 0.0, 1e3)
+    touches = replace(campaign.touches, deviation_um=campaign.touches.deviation_um + off)
+
+    assert shrunk(replace(campaign, touches=touches), DELAY) == shrunk(campaign, DELAY)
+
+
+def test_threads_do_not_matter() -> None:
+    campaign = played(MACHINE, DELAY)
+
+    assert shrunk(campaign, DELAY, jobs=1) == shrunk(campaign, DELAY, jobs=2)
+
+
+def test_the_floor_is_what_plays_score_on_each_other() -> None:
+    plays = np.random.default_rng(1).exponential(size=(5, 20))
+    scores = [
+        crps_ensemble(plays[:, i], np.delete(plays, i, axis=1), estimator="pwm", backend="numpy")
+        for i in range(plays.shape[1])
+    ]
+
+    np.testing.assert_allclose(_floor(plays), np.mean(scores, axis=0))
+
+
+def test_touches_that_each_have_their_own_feed_are_grouped() -> None:
+    campaign = read_campaign(MACHINE)
+    feeds = np.linspace(100.0, 3000.0, len(campaign.touches))
+    touches = replace(campaign.touches, feed_mm_min=feeds)
+    known = np.full(len(feeds), fill_value=True)
+
+    assert len(np.unique(feed_groups(feeds))) == 8
+    assert sum(len(rows) for *_, rows in cells_of(touches, known, 3)) == len(feeds)
+    assert compare(replace(campaign, touches=touches), seed=1, jobs=2).cells
+    np.testing.assert_array_equal(feed_groups(feeds[:12]), feeds[:12])
+
+
+def test_cells_keep_paths_and_feeds_apart() -> None:
+    touches = read_campaign(MACHINE).touches
+    known = np.full(len(touches), fill_value=True)
+    cells = list(cells_of(touches, known, 3))
+
+    assert {path for path, _, _ in cells} == set(InputPath)
+    for path, feed, rows in cells:
+        assert np.all(touches.path[rows] == path)
+        assert np.all(touches.feed_mm_min[rows] == feed)

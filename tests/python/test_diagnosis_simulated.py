@@ -1,0 +1,175 @@
+"""Effects that only the simulator knows are considered by the diagnosis."""
+
+import json
+import pickle
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import fit
+from skiplatch.diagnosis.simulated import admitted_values, catalogue, simulated
+from skiplatch.simulator import Effect, effects
+from test_effects_document import Run, extended  # noqa: F401  (a fixture)
+
+CASES = {
+    "feed_error": [3.0, 0.0],
+    "unfinished_acceleration": [0.3],
+    "pretravel_lobing": [3.0, 30.0],
+    "trigger_delay": [300.0, 0.0],
+    "input_filter": [100.0, 20.0],
+    "contact_bounce": [0.2, 300.0, 0.0],
+    "lost_trigger": [0.05],
+    "isr_latency": [20.0, 5.0, 0.0],
+    "isr_blocking": [0.2, 200.0],
+    "input_image_delay": [1.0],
+    "scan_jitter": [100.0, 50.0],
+    "following_error": [200.0, 0.0, 0.0],
+    "backlash": [3.0, 0.0, 0.0, 0.0],
+    "scale_error": [50.0, 0.0, 0.0],
+    "thermal_drift": [2.0, 500.0, 0.0, 0.0, 0.0],
+    "report_delay": [50.0, 20.0, 0.0],
+}
+MACHINE_ONLY = {"pretravel_lobing", "trigger_delay"}
+SLOW_S = 10.0
+"""Three times what the search for one effect may take, for slow machines."""
+
+
+def half_of(folder: Path, *switched_on: Effect) -> Scene:
+    scene = Scene.of(played(folder, *switched_on))
+    return scene.select(np.arange(len(scene)) % 2 == 0)
+
+
+def gain(scene: Scene, change: Change) -> float:
+    return likelihood(scene, change).total - likelihood(scene, Change()).total
+
+
+@pytest.mark.parametrize(
+    ("effect_id", "folder"),
+    [(name, MACHINE) for name in CASES]
+    + [(name, BENCH) for name in sorted(CASES.keys() - MACHINE_ONLY)],
+)
+def test_a_play_says_of_an_effect_what_its_surrogate_says(effect_id: str, folder: Path) -> None:
+    surrogate, values = CANDIDATES[effect_id], np.array(CASES[effect_id])
+    effect = Effect(effect_id, dict(zip(surrogate.names, CASES[effect_id], strict=True)))
+    scene = half_of(folder, effect)
+
+    found = gain(scene, simulated(effect_id).change(scene, values))
+
+    assert found == pytest.approx(gain(scene, surrogate.change(scene, values)), rel=0.05, abs=2.0)
+
+
+@pytest.mark.parametrize(
+    ("effect_id", "values", "tolerance"),
+    [
+        ("trigger_delay", [300.0, 0.0], 0.03),  # a shift
+        ("backlash", [3.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
+        ("contact_bounce", [0.2, 300.0, 0.0], 0.5),  # now and then
+        ("link_slotting", [300.0], 0.15),  # scatter alone
+        ("lost_trigger", [0.05], 0.3),
+    ],
+)
+def test_the_search_finds_parameters_from_the_table_alone(
+    effect_id: str, values: list[float], tolerance: float
+) -> None:
+    candidate = simulated(effect_id)
+    effect = Effect(effect_id, dict(zip(candidate.names, values, strict=True)))
+    scene = half_of(MACHINE, effect)
+    begun_s = time.perf_counter()
+
+    found = fit(scene, [candidate], candidate.starts(scene, Change()))
+
+    assert time.perf_counter() - begun_s < SLOW_S
+    named = admitted_values(effects()[effect_id], found.parameters[0])
+    assert next(iter(named.values())) == pytest.approx(values[0], rel=tolerance)
+
+
+def test_scatter_without_a_shift_is_scatter() -> None:
+    """Slots of 300 µs: a wait of U(0, 300 µs), which has a standard deviation of 87 µs."""
+    scene = Scene.of(played(MACHINE))
+
+    change = simulated("link_slotting").change(scene, np.array([300.0]))
+
+    (extra,) = change.pin_extra
+    assert np.mean(change.pin_us) == pytest.approx(150.0, rel=0.05)
+    assert np.mean(extra.sigma) == pytest.approx(300.0 / np.sqrt(12.0), rel=0.1)
+
+
+def test_what_came_before_is_played_though_only_some_touches_are_looked_at() -> None:
+    scene = Scene.of(played(BENCH))
+    values = np.array([2.0, 500.0, 0.0, 0.0, 0.0])  # a drift with a lag
+    whole = simulated("thermal_drift").change(scene, values)
+
+    late = scene.select(np.arange(len(scene)) >= 300).select(np.arange(100) % 2 == 0)
+    part = simulated("thermal_drift").change(late, values)
+
+    np.testing.assert_array_equal(part.position_um, np.asarray(whole.position_um)[300::2])
+
+
+def test_the_catalogue_holds_every_effect_of_the_table() -> None:
+    assert catalogue().keys() == effects().keys()
+
+
+def test_a_candidate_travels_to_another_process() -> None:
+    candidate = simulated("backlash")
+
+    assert pickle.loads(pickle.dumps(candidate)) is candidate  # noqa: S301
+    assert candidate.is_named
+
+
+@pytest.mark.parametrize("effect_id", CANDIDATES)
+def test_starts_are_admitted_and_nowhere_0(effect_id: str) -> None:
+    row = effects()[effect_id]
+    starts = simulated(effect_id).starts(Scene.of(played(MACHINE)), Change())
+
+    for start in starts:
+        assert list(admitted_values(row, start).values()) == pytest.approx(start, rel=1e-4)
+        assert all(start)
+    for i, parameter in enumerate(row.parameters):
+        signs = {np.sign(start[i]) for start in starts}
+        assert signs == ({-1.0, 1.0} if parameter.low < 0.0 else {1.0})
+
+
+def test_parameters_out_of_range_are_brought_into_it() -> None:
+    row = effects()["pretravel_lobing"]  # 0 … 50 µm, 0 … 120°
+
+    assert admitted_values(row, [-3.0, 130.0]) == {"amplitude_um": 3.0, "azimuth_deg": 10.0}
+    assert admitted_values(row, [70.0, -10.0]) == {"amplitude_um": 50.0, "azimuth_deg": 110.0}
+
+
+def diagnosed(project: tuple[Path, Run], effect: str) -> dict[str, dict[str, float]]:
+    """Simulate an effect in the extended project and give what its diagnosis names."""
+    folder, run = project
+    sample = "scripts/samples/machine_no_gap"
+    out = f"build/{effect.partition(':')[0]}"
+    played = ["--nominal", f"{sample}/nominal.toml", "--conditions", f"{sample}/touches.csv"]
+    run(["skiplatch", "simulate", "--effect", effect, *played, "--out", out])
+    run(["skiplatch", "diagnose", out, "--seed", "1", "--jobs", "2", "--json", "own.json"])
+    named = json.loads((folder / "own.json").read_text())["effects"]
+    return {effect["id"]: effect["params"] for effect in named}
+
+
+def test_the_documents_own_effect_is_named_with_its_size(
+    extended: tuple[Path, Run],  # noqa: F811
+) -> None:
+    """The bending goes with F·L³/d⁴; which of the three it is, no touch can tell."""
+    named = diagnosed(extended, "stylus_bending:force_n=0.1,length_mm=50,diameter_mm=2")
+
+    assert named.keys() == {"stylus_bending"}
+    p = named["stylus_bending"]
+    size = p["force_n"] * p["length_mm"] ** 3 / p["diameter_mm"] ** 4
+    assert size == pytest.approx(0.1 * 50.0**3 / 2.0**4, rel=0.02)
+
+
+def test_another_effect_is_not_taken_for_the_documents_own(
+    extended: tuple[Path, Run],  # noqa: F811
+) -> None:
+    named = diagnosed(extended, "pretravel_lobing:amplitude_um=3,azimuth_deg=20")
+
+    assert named.keys() == {"pretravel_lobing"}
