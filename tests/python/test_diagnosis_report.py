@@ -296,7 +296,7 @@ def test_condition_that_matters_most_comes_first() -> None:
 )
 def test_shrink_is_told_with_its_interval(share: Interval, said: str) -> None:
     campaign, diagnosis = explained()
-    gap = {"latch_after_edge_us": Gap("µs", 40.0, 1.0, 0.5, share)}
+    gap = {"latch_after_edge_us": Gap("latch − edge", "µs", 40.0, 1.0, 0.5, share)}
 
     text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))
 
@@ -306,7 +306,7 @@ def test_shrink_is_told_with_its_interval(share: Interval, said: str) -> None:
 
 def test_gap_within_the_noise_is_not_said_to_shrink() -> None:
     campaign, diagnosis = explained()
-    within = Gap("µs", 0.4, 0.4, 0.5, Interval(0.0, -0.5, 0.5), is_clear=False)
+    within = Gap("latch − edge", "µs", 0.4, 0.4, 0.5, Interval(0.0, -0.5, 0.5), is_clear=False)
     gap = {"latch_after_edge_us": within}
 
     text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))

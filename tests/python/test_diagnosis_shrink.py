@@ -11,6 +11,7 @@ from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
 from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
+from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis.scene import BoolArray, Scene
 from skiplatch.diagnosis.shrink import Gap, _Cell, _floor, _gap, _Scored, _share_gone, shrink
 from skiplatch.simulator import Effect
@@ -104,7 +105,7 @@ def test_wide_cells_do_not_drown_the_narrow_ones() -> None:
 
     narrow = cell(InputPath.SKIP, 10.0, 1.0, 1.0)
     wide = cell(InputPath.PLC, 110.0, 110.0, 100.0)
-    gap = _gap([narrow, wide], "µs", 0.01, seed=1)
+    gap = _gap([narrow, wide], OBSERVABLES[0], 0.01, seed=1)
 
     assert gap.shrink.value == pytest.approx((11.1 - 2.1) / (11.1 - 2.0))
 

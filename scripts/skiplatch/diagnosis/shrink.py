@@ -46,6 +46,8 @@ ALPHA = 0.01
 class Gap:
     """The gap of one observable before and after, as mean CRPS in its unit."""
 
+    title: str
+    """The observable's name for people."""
     unit: str
     before: float
     after: float
@@ -142,7 +144,7 @@ def shrink(
     for observable in _observables(scene):
         cells = list(_cells(scene, held_out, observable, plays))
         if cells:
-            gaps[observable.name] = _gap(cells, observable.unit, _least(scene, observable), seed)
+            gaps[observable.name] = _gap(cells, observable, _least(scene, observable), seed)
     return gaps
 
 
@@ -268,7 +270,7 @@ def _clear(cells: Sequence[_Cell], least: float) -> list[_Cell]:
     return [cell for path in shown for cell in path]
 
 
-def _gap(cells: Sequence[_Cell], unit: str, least: float, seed: int) -> Gap:
+def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int) -> Gap:
     clear = _clear(cells, least)
     scores = _Scores.of(clear or cells, least)
     whole = float(np.sum(1.0 / scores.units))  # turns units of the floor into those of the figures
@@ -277,7 +279,8 @@ def _gap(cells: Sequence[_Cell], unit: str, least: float, seed: int) -> Gap:
         return _share_gone(scores.before, after, scores.floor, seed, is_clear=bool(clear))
 
     return Gap(
-        unit=unit,
+        title=observable.title,
+        unit=observable.unit,
         before=float(scores.before.sum()) / whole,
         after=float(scores.after.sum()) / whole,
         noise_floor=float(scores.floor.sum()) / whole,

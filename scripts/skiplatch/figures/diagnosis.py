@@ -1,6 +1,6 @@
 """The pictures of a diagnosis, one small panel each, for its page."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -108,24 +108,24 @@ def draw_residuals(name: str, seen: Seen, evidence: Evidence, condition: Conditi
     return drawing(figure, name, caption, description)
 
 
-def draw_shrink(name: str, gaps: Mapping[str, Gap], titles: Mapping[str, str]) -> Drawing:
+def draw_shrink(name: str, gaps: Sequence[Gap]) -> Drawing:
     """Draw by which share the gap of each observable shrinks, with its interval."""
     with panel(SHRINK_FOOT_IN + SHRINK_IN * len(gaps), SHRINK_WIDTH_IN) as figure:
         axes = figure.subplots()
-        for row, gap in enumerate(gaps.values()):
+        for row, gap in enumerate(gaps):
             axes.plot([gap.shrink.low, gap.shrink.high], [row, row], color=AFTER, lw=5, alpha=0.4)
             axes.plot([gap.shrink.value], [row], "o", color=AFTER, ms=7, mec=theme.PAPER)
         axes.axvline(0.0, color=theme.INK, lw=0.8)
-        least = min(gap.shrink.low for gap in gaps.values())
+        least = min(gap.shrink.low for gap in gaps)
         axes.set_xlim(min(least, 0.0) - 0.03, 1.03)
         axes.set_ylim(len(gaps) - 0.5, -0.5)
-        axes.set_yticks(range(len(gaps)), [titles[key] for key in gaps])
+        axes.set_yticks(range(len(gaps)), [gap.title for gap in gaps])
         axes.grid(visible=False, axis="y")
         axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
         axes.set_xlabel("share of the gap that is gone, 95 % interval")
     described = "; ".join(
-        f"{titles[key]} {gap.shrink.value:.0%} ({gap.shrink.low:.0%} to {gap.shrink.high:.0%})"
-        for key, gap in gaps.items()
+        f"{gap.title} {gap.shrink.value:.0%} ({gap.shrink.low:.0%} to {gap.shrink.high:.0%})"
+        for gap in gaps
     )
     return drawing(
         figure,

@@ -37,8 +37,6 @@ def as_html(
         next_experiment: What to record or to try next, a paragraph a line; None for nothing.
     """
     evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
-    titles = {seen.name: seen.title for seen in evidence.seen.values()}
-    gaps = {key: gap for key, gap in diagnosis.gap.items() if key in titles}
     steps = chain.steps(diagnosis, campaign.nominal.kind)
     return (
         _environment()
@@ -49,14 +47,14 @@ def as_html(
             touches=diagnosis.touches,
             verdict=diagnosis.verdict.value,
             headline=words.headline(diagnosis),
-            lead=words.lead(diagnosis, evidence.telling, titles),
+            lead=words.lead(diagnosis, evidence.telling),
             found=[words.found(named) for named in diagnosis.effects],
             chain=steps,
             chain_described=chain.described(steps),
             distributions=_distributions(evidence),
             residuals=_residuals(evidence),
-            shrink=_shrink(diagnosis, titles),
-            gaps=words.gap_table(gaps, titles, after=bool(diagnosis.effects)),
+            shrink=_shrink(diagnosis),
+            gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
             missed=words.missed_table(evidence.missed),
             ranking=words.ranking(diagnosis),
             no_gain=words.no_gain(diagnosis),
@@ -111,6 +109,6 @@ def _residuals(evidence: Evidence) -> list[Drawing]:
     ]
 
 
-def _shrink(diagnosis: Diagnosis, titles: dict[str, str]) -> Drawing | None:
-    gaps = {key: gap for key, gap in diagnosis.gap.items() if key in titles and gap.is_clear}
-    return draw_shrink("shrink", gaps, titles) if diagnosis.effects and gaps else None
+def _shrink(diagnosis: Diagnosis) -> Drawing | None:
+    gaps = [gap for gap in diagnosis.gap.values() if gap.is_clear]
+    return draw_shrink("shrink", gaps) if diagnosis.effects and gaps else None

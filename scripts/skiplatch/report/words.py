@@ -1,6 +1,6 @@
 """What the page says in words and tables."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
@@ -70,7 +70,7 @@ def headline(diagnosis: Diagnosis) -> str:
     }[diagnosis.verdict]
 
 
-def lead(diagnosis: Diagnosis, telling: str, titles: Mapping[str, str]) -> str:
+def lead(diagnosis: Diagnosis, telling: str) -> str:
     """Say what follows from the finding, in a sentence or two."""
     if diagnosis.verdict == Verdict.NO_GAP:
         return (
@@ -83,21 +83,28 @@ def lead(diagnosis: Diagnosis, telling: str, titles: Mapping[str, str]) -> str:
         shows = _listed([place.observable for place in diagnosis.where])
         looks = _listed([place.conditions for place in diagnosis.where])
         return f"It shows in {shows}. What it depends on or looks like: {looks}."
-    gap = diagnosis.gap.get(telling)
+    gap = _shown(diagnosis, telling)
     many = len(diagnosis.effects) > 1
     said = "Simulated along with the rest, " + _listed([n.effect.id for n in diagnosis.effects])
     if gap is None:
         return f"{said} {'make' if many else 'makes'} the simulation play what was recorded."
     if not gap.is_clear:
         return (
-            f"Over all paths and feeds together, what it does to {titles[telling]} is within "
+            f"Over all paths and feeds together, what it does to {gap.title} is within "
             "the noise of the touches held out; the pictures show where it stands out."
         )
     return (
-        f"{said} {'shrink' if many else 'shrinks'} the gap in {titles[telling]} "
+        f"{said} {'shrink' if many else 'shrinks'} the gap in {gap.title} "
         f"by {_shrunk(gap)}, from {_size(gap.before)} to {_size(gap.after)} {gap.unit}, "
         "on touches that served neither fitting nor naming."
     )
+
+
+def _shown(diagnosis: Diagnosis, telling: str) -> Gap | None:
+    """Give the gap to speak of: that of the telling observable, or else one that is clear."""
+    first = diagnosis.gap.get(telling)
+    clear = [gap for gap in diagnosis.gap.values() if gap.is_clear]
+    return first if first is None or first.is_clear or not clear else clear[0]
 
 
 def found(named: Named) -> Found:
@@ -157,24 +164,24 @@ def left_table(diagnosis: Diagnosis) -> Table:
     return Table(("stretch", "looks like", "size", "p"), rows)
 
 
-def gap_table(gaps: Mapping[str, Gap], titles: Mapping[str, str], *, after: bool) -> Table:
+def gap_table(gaps: Iterable[Gap], *, after: bool) -> Table:
     """Give the gap of each observable, and what the effects make of it."""
     if not after:
         header = ("observable", "unit", "gap", "noise floor")
         return Table(
             header,
-            [(titles[n], g.unit, _size(g.before), _size(g.noise_floor)) for n, g in gaps.items()],
+            [(g.title, g.unit, _size(g.before), _size(g.noise_floor)) for g in gaps],
         )
     rows = [
         (
-            titles[name],
+            gap.title,
             gap.unit,
             _size(gap.before),
             _size(gap.after),
             _size(gap.noise_floor),
             _shrunk(gap) if gap.is_clear else "no gap",
         )
-        for name, gap in gaps.items()
+        for gap in gaps
     ]
     return Table(("observable", "unit", "before", "after", "noise floor", "shrunk by"), rows)
 
