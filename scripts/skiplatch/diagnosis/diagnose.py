@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -38,6 +38,11 @@ class Verdict(StrEnum):
     EXPLAINED = "explained"
     PARTLY_EXPLAINED = "partly_explained"
     UNKNOWN = "unknown"
+
+
+RELIABILITY = {Verdict.EXPLAINED: 0.975, Verdict.PARTLY_EXPLAINED: 0.8}
+"""How often a name that nothing in the catalogue rivals was right in the withheld check: 107 of 109
+where the finding explained the gap, 9 of 11 where it did so in part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,11 +151,12 @@ def _diagnose(
     named = _named(finding, scene.select(parts.naming))
     change = finding.model.fit.change(scene) if finding.model else Change()
     left = structures(scene, change, materiality)
+    verdict = _verdict(scene, named, left, stranger, confirmed)
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(
-        verdict=_verdict(scene, named, left, stranger, confirmed),
+        verdict=verdict,
         where=_where(scene, finding, left),
-        effects=named,
+        effects=[replace(n, confidence=n.confidence * RELIABILITY[verdict]) for n in named],
         gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs, truth=truth),
         ranking=_ranked(finding.ranking),
         rivals=_ranked(finding.rivals),
