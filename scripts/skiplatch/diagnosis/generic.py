@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
-from scipy import ndimage, signal, stats
+from scipy import ndimage, optimize, signal, stats
 
 from skiplatch.diagnosis.candidates import Candidate, Parameters
 from skiplatch.diagnosis.change import Change
@@ -23,7 +23,11 @@ SCREENED = 1e-3
 MOST_FEATURES = 4
 WINDOW = 9
 """Touches that a course in time is smoothed over."""
+NARROW = 5
+"""The same where there are few."""
+MANY = 80
 FEWEST = 12
+FEWEST_A_SIDE = 5
 WINSOR = 4.0
 RELAXATION_S = 15.0
 BEYOND = 3.0
@@ -50,6 +54,8 @@ FEATURES: dict[str, tuple[Feature, ...]] = {
     "distance from the middle": (lambda s: np.abs(np.nan_to_num(s.touches.position_mm)) / 100.0,),
 }
 """By name; what is periodic in an angle has two. Each of shape (n,)."""
+OF_BEFORE = ("direction of the touch before", "rest")
+"""Features that are not known of a touch whose predecessor was not recorded."""
 
 
 def _beyond(scene: Scene, *names: str) -> FloatArray:
@@ -80,9 +86,11 @@ def families(scene: Scene, given: Change) -> list[Candidate]:
         *_with_features(scene, given),
         *_in_time(scene, given),
         *_swings(scene, given),
+        *_steps(scene, given),
         _noise("noise", 0.0),
         _noise("noise that grows with the root of the feed", 0.5),
         _noise("noise that grows with the feed", 1.0),
+        *_other_clock(scene),
         _now_and_then(),
         _noisy_now_and_then(),
     ]
@@ -109,10 +117,16 @@ def _with_features(scene: Scene, given: Change) -> list[Candidate]:
             continue
         scores, rows = _scores(scene, name, given)
         for label, features in (FEATURES | OTHERS.get(name, {})).items():
-            p_value = min(_significance(scores, feature(scene)[rows]) for feature in features)
+            known = scene.follows[rows] if label in OF_BEFORE else np.full(len(scores), True)
+            if known.sum() < FEWEST:
+                continue
+            p_value = min(
+                _significance(scores[known], feature(scene)[rows][known]) for feature in features
+            )
             if p_value < SCREENED:
-                values = [feature(scene)[rows] for feature in features]
-                start = _regression(scene.streams[name].residuals[rows], scores, values)
+                values = [feature(scene)[rows][known] for feature in features]
+                residuals = scene.streams[name].residuals[rows][known]
+                start = _regression(residuals, scores[known], values)
                 found.append((p_value, _shifted(name, label, features, start)))
     found.sort(key=lambda item: item[0])
     return [family for _, family in found[:MOST_FEATURES]]
@@ -139,13 +153,23 @@ def _regression(
 def _shifted(
     stream: str, label: str, features: Sequence[Feature], start: Sequence[float]
 ) -> Candidate:
-    """Shift the stream by a multiple of each feature, and by as much everywhere."""
+    """Shift the stream by a multiple of each feature, and by as much everywhere.
+
+    Where a feature is not known, scatter it by what the feature does elsewhere.
+    """
 
     def change(scene: Scene, p: Parameters) -> Change:
-        shift = sum(
-            (slope * feature(scene) for slope, feature in zip(p, features, strict=False)), p[-1]
+        shift = np.asarray(
+            sum(
+                (slope * feature(scene) for slope, feature in zip(p, features, strict=False)), p[-1]
+            )
         )
-        return _shift(stream, np.asarray(shift))
+        if label not in OF_BEFORE or scene.follows.all():
+            return _shift(stream, shift)
+        usual = float(np.mean(shift[scene.follows])) if scene.follows.any() else 0.0
+        scatter = float(np.std(shift[scene.follows])) if scene.follows.any() else 0.0
+        unknown = np.where(scene.follows, 0.0, scatter)
+        return _scattered(stream, np.where(scene.follows, shift, usual), unknown)
 
     senses = product((1.0, -1.0), repeat=len(features))
     starts = [
@@ -154,6 +178,12 @@ def _shifted(
     ]
     names = (*(f"slope_{i}" for i in range(len(features))), "offset")
     return Candidate(f"{PREFIX}{stream}: {label}", names, change, lambda _s, _g: starts)
+
+
+def _scattered(stream: str, amount: FloatArray, sigma: FloatArray) -> Change:
+    if stream == "latch_skip":
+        return Change(skip_us=amount, skip_extra=(Extra(1.0, sigma=sigma),))
+    return Change(position_um=amount, position_sigma_um=sigma)
 
 
 def _shift(stream: str, amount: FloatArray) -> Change:
@@ -165,7 +195,7 @@ def _shift(stream: str, amount: FloatArray) -> Change:
 def _in_time(scene: Scene, given: Change) -> list[Candidate]:
     """Whatever comes and goes slowly with time, as these touches show it themselves."""
     found = []
-    for name in (*_lengths(scene), "latch_skip"):
+    for name in (*_lengths(scene), "latch_skip", "report"):
         stream = scene.streams.get(name)
         if stream is None or stream.rows.sum() < FEWEST:
             continue
@@ -173,15 +203,19 @@ def _in_time(scene: Scene, given: Change) -> list[Candidate]:
         law = law_under(scene, stream, given).select(rows)
         residuals = stream.residuals[rows] - law.mean
         scores, _ = _scores(scene, name, given)
-        around = ndimage.median_filter(scores, WINDOW, mode="nearest")
-        half = WINDOW // 2
+        window = WINDOW if len(scores) > MANY else NARROW
+        around = ndimage.median_filter(scores, window, mode="nearest")
+        half = window // 2
         before, after = around[: -2 * half], around[2 * half :]
-        if stats.pearsonr(before, after).pvalue > SCREENED:
+        if _significance(before, after) > SCREENED:
             continue
-        smooth = ndimage.median_filter(residuals, WINDOW, mode="nearest")
-        course = (scene.touches.time_s[rows], smooth)
+        smooth = ndimage.median_filter(residuals, window, mode="nearest")
+        times_s = scene.touches.time_s[rows]
+        if name == "report":  # a stamp that is early makes its report late
+            found.append(_course("stamp", (times_s, -smooth)))
+            continue
         kinds = ("stamp", name) if name == "latch_skip" else (name,)
-        found += [_course(kind, course) for kind in kinds]
+        found += [_course(kind, (times_s, smooth)) for kind in kinds]
     return found
 
 
@@ -214,20 +248,80 @@ def _swings(scene: Scene, given: Change) -> list[Candidate]:
         explained = signal.lombscargle(times_s, scores - scores.mean(), omegas, normalize=True)
         best = int(np.argmax(explained))
         if len(turns) * (1.0 - explained[best]) ** ((count - 3.0) / 2.0) < SCREENED:
-            size = 2.0 * float(np.std(stream.residuals[rows]))
-            found.append(_swing(name, float(span_s / turns[best]), size))
+            start = _sine(times_s, stream.residuals[rows], float(span_s / turns[best]))
+            found.append(_swing(name, start))
     return found
 
 
-def _swing(name: str, period_s: float, size: float) -> Candidate:
+def _sine(times_s: FloatArray, residuals: FloatArray, period_s: float) -> list[float]:
+    """Fit a sine of about this period, whatever a few touches do."""
+    middle, size = float(np.median(residuals)), float(np.std(residuals))
+
+    def off(p: Parameters) -> FloatArray:
+        turn = 2.0 * np.pi * times_s / p[2]
+        return np.asarray(p[0] * np.cos(turn) + p[1] * np.sin(turn) + p[3] - residuals)
+
+    begun = [[a * size, b * size, period_s, middle] for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    scales = [size, size, 0.1 * period_s, size]
+    fits = [
+        optimize.least_squares(off, start, x_scale=scales, loss="soft_l1", f_scale=0.3 * size)
+        for start in begun
+    ]
+    return [float(value) or SMALLEST for value in min(fits, key=lambda f: f.cost).x]
+
+
+def _swing(name: str, start: Sequence[float]) -> Candidate:
     def change(scene: Scene, p: Parameters) -> Change:
         turn = 2.0 * np.pi * scene.touches.time_s / max(abs(p[2]), SMALLEST)
         return _shift(name, p[0] * np.cos(turn) + p[1] * np.sin(turn) + p[3])
 
-    senses = product((0.7 * size, -0.7 * size), repeat=2)
-    starts = [[*both, period_s, 0.01] for both in senses]
     names = ("cosine", "sine", "period_s", "offset")
-    return Candidate(f"{PREFIX}{name}: swings with time", names, change, lambda _s, _g: starts)
+    return Candidate(f"{PREFIX}{name}: swings with time", names, change, lambda _s, _g: [start])
+
+
+def _steps(scene: Scene, given: Change) -> list[Candidate]:
+    """Whatever changes once and stays so."""
+    found = []
+    for name in (*_lengths(scene), "latch_skip"):
+        stream = scene.streams.get(name)
+        if stream is None or stream.rows.sum() < FEWEST:
+            continue
+        scores, rows = _scores(scene, name, given)
+        splits = range(FEWEST_A_SIDE, len(scores) - FEWEST_A_SIDE + 1)
+        chances = [float(stats.ranksums(scores[:k], scores[k:]).pvalue) for k in splits]
+        if chances and min(chances) * len(chances) < SCREENED:
+            k = splits[int(np.argmin(chances))]
+            residuals = stream.residuals[rows]
+            before, after = (float(np.median(part)) for part in (residuals[:k], residuals[k:]))
+            times_s = scene.touches.time_s[rows]
+            at_s = float(times_s[k - 1] + times_s[k]) / 2.0
+            found.append(_step(name, at_s, [before or SMALLEST, (after - before) or SMALLEST]))
+    return found
+
+
+def _step(name: str, at_s: float, start: Sequence[float]) -> Candidate:
+    def change(scene: Scene, p: Parameters) -> Change:
+        return _shift(name, p[0] + p[1] * (scene.touches.time_s > at_s))
+
+    names = ("before", "step")
+    return Candidate(f"{PREFIX}{name}: changes once", names, change, lambda _s, _g: [start])
+
+
+def _other_clock(scene: Scene) -> list[Candidate]:
+    """Stamps that are off where their reports are off the other way."""
+    off = _beyond(scene, "report")
+    if np.count_nonzero(off) < FEWEST_A_SIDE:
+        return []
+
+    def change(scene: Scene, p: Parameters) -> Change:
+        late_us = p[0] * _beyond(scene, "report")
+        return Change(stamp_us=late_us, report_us=late_us)  # of reports it is no explanation
+
+    return [
+        Candidate(
+            f"{PREFIX}stamp: what the report is off by", ("slope",), change, lambda _s, _g: [[-1.0]]
+        )
+    ]
 
 
 def _noise(label: str, power: float) -> Candidate:

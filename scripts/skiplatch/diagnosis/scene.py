@@ -171,6 +171,13 @@ class Scene:
         return np.concatenate([steps[:1], steps]) if len(steps) else np.zeros(len(self))
 
     @cached_property
+    def follows(self) -> BoolArray:
+        """The touch before is the last one that was made, by their numbers; shape (n,)."""
+        if self.whole is not None:
+            return self.whole.follows[self.chosen]
+        return np.asarray(np.diff(self.touches.touch, prepend=self.touches.touch[:1] - 2) == 1)
+
+    @cached_property
     def alpha_before(self) -> FloatArray:
         """Azimuth of the touch before in radians; shape (n,)."""
         if self.whole is not None:
