@@ -205,9 +205,8 @@ def _in_time(scene: Scene, given: Change) -> list[Candidate]:
         scores, _ = _scores(scene, name, given)
         window = WINDOW if len(scores) > MANY else NARROW
         around = ndimage.median_filter(scores, window, mode="nearest")
-        half = window // 2
-        before, after = around[: -2 * half], around[2 * half :]
-        if _significance(before, after) > SCREENED:
+        apart = around[window // 2 :: window]  # share no touch
+        if len(apart) < FEWEST_A_SIDE or _significance(apart[:-1], apart[1:]) > SCREENED:
             continue
         smooth = ndimage.median_filter(residuals, window, mode="nearest")
         times_s = scene.touches.time_s[rows]

@@ -1,0 +1,103 @@
+"""Families that name no effect show up where there is something of their kind, and only there."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import InputPath, Touches
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.decide import Judge, split
+from skiplatch.diagnosis.generic import families
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.structure import structures
+
+Disturbed = Callable[[Touches], Touches]
+
+ALWAYS = ("~position: now and then off", "~position: noise", "~position: noisy")
+
+
+def seen(scene: Scene) -> set[str]:
+    """The families that are not always looked into."""
+    ids = {family.id for family in families(scene, Change())}
+    return {name for name in ids if not name.startswith(ALWAYS)}
+
+
+def in_position(off_um: Callable[[Touches], np.ndarray]) -> Disturbed:
+    return lambda t: replace(t, deviation_um=t.deviation_um + off_um(t))
+
+
+def turning(period_share: float) -> Disturbed:
+    """An error that swings so many times in the campaign."""
+    return in_position(
+        lambda t: 5.0 * np.sin(2.0 * np.pi * t.time_s / (period_share * t.time_s[-1]))
+    )
+
+
+def late_from_the_middle_on(touches: Touches) -> Touches:
+    """The skip input alone becomes slower once."""
+    late_us = 30.0 * (touches.time_s > np.median(touches.time_s)) * (touches.path == InputPath.SKIP)
+    return replace(touches, latch_us=touches.latch_us + late_us)
+
+
+def stamped_by_another_clock(touches: Touches) -> Touches:
+    """Every seventh stamp is off: it comes before its latch, and so long before its report."""
+    off_us = -400.0 * (touches.touch % 7 == 0)
+    return replace(touches, latch_us=touches.latch_us + off_us)
+
+
+@pytest.mark.parametrize(
+    ("disturbed", "family"),
+    [
+        (turning(0.1), "~position: swings with time"),
+        (turning(1.0), "~position: comes and goes with time"),
+        (in_position(lambda t: 0.5 * t.approach_mm), "~position: approach"),
+        (late_from_the_middle_on, "~latch_skip: changes once"),
+        (stamped_by_another_clock, "~stamp: what the report is off by"),
+    ],
+)
+def test_what_has_the_look_of_a_family_makes_it_a_candidate(
+    disturbed: Disturbed, family: str
+) -> None:
+    campaign = played(BENCH)
+
+    scene = Scene(campaign.nominal, disturbed(campaign.touches.in_order_of_time()))
+
+    assert family in seen(scene)
+
+
+@pytest.mark.parametrize("folder", [BENCH, MACHINE])
+def test_no_family_is_enough_for_a_simulation_without_effects(folder: Path) -> None:
+    for seed in range(5):
+        scene = Scene.of(played(folder, seed=seed))
+        judge = Judge(scene, split(len(scene), seed))
+
+        assert not [found.ids for found in judge.generic() if judge.is_enough(found)]
+
+
+def test_a_touch_whose_predecessor_was_not_recorded_follows_none() -> None:
+    touches = played(BENCH).touches.in_order_of_time()
+    kept = np.array([0, 1, 2, 4, 5, 8])
+
+    scene = Scene(played(BENCH).nominal, touches.select(kept))
+
+    np.testing.assert_array_equal(scene.follows, np.diff(scene.touches.touch, prepend=-9) == 1)
+    assert scene.follows.sum() == np.sum(np.diff(touches.touch[kept]) == 1)
+    np.testing.assert_array_equal(scene.select(np.arange(6) > 2).follows, scene.follows[3:])
+
+
+def test_one_long_rest_before_a_touch_far_off_is_no_structure() -> None:
+    campaign = played(MACHINE)
+    touches = campaign.touches.in_order_of_time()
+    late_s = np.where(np.arange(len(touches)) >= 50, 3600.0, 0.0)
+    off_um = np.where(np.arange(len(touches)) == 50, 100.0, 0.0)
+
+    rested = replace(
+        touches, time_s=touches.time_s + late_s, deviation_um=touches.deviation_um + off_um
+    )
+    left = structures(Scene(campaign.nominal, rested), Change())
+
+    assert not [s for s in left if "rest" in s.looks_like]
