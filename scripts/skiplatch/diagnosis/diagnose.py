@@ -13,13 +13,13 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split, weigh
 from skiplatch.diagnosis.intervals import estimates
-from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
+from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, effects
 
 MOST_TOUCHES = 4_000
@@ -43,18 +43,6 @@ class Verdict(StrEnum):
 RELIABILITY = {Verdict.EXPLAINED: 0.975, Verdict.PARTLY_EXPLAINED: 0.8}
 """How often a name that nothing in the catalogue rivals was right in the withheld check: 107 of 109
 where the finding explained the gap, 9 of 11 where it did so in part."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """Where the gap sits."""
-
-    stage: str
-    paths: str
-    observable: str
-    conditions: str
-    size: float
-    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +143,7 @@ def _diagnose(
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(
         verdict=verdict,
-        where=_where(scene, finding, left),
+        where=places(scene, finding, left),
         effects=[replace(n, confidence=n.confidence * RELIABILITY[verdict]) for n in named],
         gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs, truth=truth),
         ranking=_ranked(finding.ranking),
@@ -254,53 +242,3 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
             value = abs(value)
         admitted[parameter.name] = float(np.clip(value, parameter.low, parameter.high))
     return admitted
-
-
-def _where(scene: Scene, finding: Finding, left: Sequence[Structure]) -> list[Place]:
-    places = []
-    if finding.model:
-        change = finding.model.fit.change(scene)
-        gained = likelihood(scene, change).streams
-        base = likelihood(scene, Change()).streams
-        gains = {name: float((gained[name] - base[name]).sum()) for name in gained}
-        stages = {effects()[i].stage for i in finding.model.ids}
-        for name, gain in sorted(gains.items(), key=lambda item: -item[1]):
-            if gain > max(5.0, 0.01 * max(gains.values())):
-                places.append(_place(scene, name, stages, gain))
-    for structure in left[:3]:
-        stream = structure.stream
-        places.append(
-            Place(
-                stage=stream.stages[-1],
-                paths=_paths(stream.name),
-                observable=stream.name,
-                conditions=structure.looks_like,
-                size=structure.size,
-                unit="1",
-            )
-        )
-    return places
-
-
-def _place(scene: Scene, name: str, stages: set[str], gain: float) -> Place:
-    stream = scene.streams.get(name)
-    if stream is None:
-        share = float(scene.touches.missed.mean())
-        return Place("input", "both", "missed", "everywhere", share, "1")
-    rows = stream.rows
-    shift = (stream.residuals - stream.law.mean)[rows]
-    shared = [stage for stage in stream.stages if stage in stages]
-    return Place(
-        stage=shared[0] if shared else stream.stages[-1],
-        paths=_paths(name),
-        observable=name,
-        conditions=f"{gain:.0f} nats gained",
-        size=float(np.sqrt(np.mean(shift**2))),
-        unit=stream.unit,
-    )
-
-
-def _paths(name: str) -> str:
-    if name.endswith("skip"):
-        return "skip"
-    return "plc" if name.endswith("plc") or name == "lattice" else "both"

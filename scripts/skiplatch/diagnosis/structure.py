@@ -16,6 +16,9 @@ from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_rest_material
 from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
 
+OUTLIERS = "now and then far off"
+SCATTER = "scatter differs from the believed one"
+
 ALPHA = 1e-3
 """False-alarm rate of one diagnosis, over all looks together."""
 WINSOR = 4.0
@@ -39,6 +42,26 @@ class Structure:
     size: float
     """A correlation, a ratio of scatters or a share of touches."""
     p_value: float
+
+    @property
+    def is_condition(self) -> bool:
+        """It names something recorded that the residuals go with."""
+        return self.looks_like not in (OUTLIERS, SCATTER)
+
+    @property
+    def unit(self) -> str:
+        """Of what it moves."""
+        return "1" if self.looks_like == OUTLIERS else self.stream.unit
+
+    @property
+    def moves(self) -> float:
+        """What it shifts or scatters residuals by, root mean square; or the share far off."""
+        if self.looks_like == OUTLIERS:
+            return self.size
+        spread = float(np.median(self.stream.law.spread[self.stream.rows]))
+        if self.looks_like == SCATTER:
+            return spread * float(np.sqrt(abs(self.size**2 - 1.0)))
+        return spread * abs(self.size)
 
 
 def structures(scene: Scene, change: Change, materiality: Materiality = DEFAULT) -> list[Structure]:
@@ -82,10 +105,6 @@ def _is_material(structure: Structure) -> bool:
     return abs(structure.size) > LEAST_CORRELATION
 
 
-OUTLIERS = "now and then far off"
-SCATTER = "scatter differs from the believed one"
-
-
 def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
     rows = stream.rows
     law = law_under(scene, stream, change).select(rows)
@@ -101,7 +120,7 @@ def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
     found.append(_scatter(stream, calm[np.abs(scores) <= OUTLIER]))
     # Rounding leaves less scatter than its box where the rest stands still: that is no news.
     excess = np.maximum(np.abs(calm) - BEYOND_BOXES, 0.0)
-    for name, values in _features(scene).items():
+    for name, values in features(scene, stream).items():
         found.append(_correlation(stream, name, calm, values[rows]))
         found.append(_correlation(stream, f"scatter with {name}", excess, values[rows]))
     found.append(_correlation(stream, "the touch before", calm[1:], calm[:-1]))
@@ -128,13 +147,13 @@ def _correlation(stream: Stream, name: str, scores: FloatArray, values: FloatArr
     return Structure(stream, name, float(straight.statistic), p_value)
 
 
-def _features(scene: Scene) -> Mapping[str, FloatArray]:
-    """What a residual could depend on; arrays of shape (n,)."""
+def features(scene: Scene, stream: Stream) -> Mapping[str, FloatArray]:
+    """What a residual of a stream could depend on; arrays of shape (n,)."""
     touches = scene.touches
     alpha = scene.alpha
     turn = np.deg2rad(np.nan_to_num(touches.rotary_deg))
     position = np.nan_to_num(touches.position_mm)
-    features = {
+    found = {
         "sense of motion": scene.sign,
         "feed": scene.speed,
         "feed squared": scene.speed**2,
@@ -155,6 +174,10 @@ def _features(scene: Scene) -> Mapping[str, FloatArray]:
         "sense times time": scene.sign * touches.time_s,
     }
     for order in (1, 2, 3, 4, 6):
-        features[f"azimuth, order {order} (cosine)"] = np.cos(order * alpha) * scene.cos_beta
-        features[f"azimuth, order {order} (sine)"] = np.sin(order * alpha) * scene.cos_beta
-    return features
+        found[f"azimuth, order {order} (cosine)"] = np.cos(order * alpha) * scene.cos_beta
+        found[f"azimuth, order {order} (sine)"] = np.sin(order * alpha) * scene.cos_beta
+    if stream.name == "latch_skip":  # what scans keep from running shows in their phase
+        turn = 2.0 * np.pi * np.nan_to_num(touches.latch_us) / scene.nominal.plc.scan_us
+        found["phase in the scan (cosine)"] = np.cos(turn)
+        found["phase in the scan (sine)"] = np.sin(turn)
+    return found
