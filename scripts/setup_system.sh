@@ -24,6 +24,8 @@ packages_of() {
     test) echo ruby ;;
     lint) echo clang cppcheck shellcheck ;;
     cross) echo gcc-avr avr-libc binutils-avr gcc-arm-none-eabi libnewlib-arm-none-eabi ;;
+    # the virtual machine of the bench, and what its latencies are held against
+    vm) echo qemu-system-x86 busybox-static xz-utils zstd rt-tests can-utils ;;
     *)
         say "no such group: $1" >&2
         exit 2
