@@ -89,8 +89,17 @@ endif
 CFLAGS.foreign  := -std=c11 -w $(INCLUDES) -Itests/support -Ibuild/mocks \
                    -DUNITY_INCLUDE_DOUBLE -I$(UNITY)/src -I$(CMOCK)/src
 
+# libgpiod 2 of the system, or the one that setup_gpiod.sh has unpacked aside; without it there is no
+# Linux port.
+GPIOD_SYSTEM := $(shell grep -ls gpiod_chip_request_lines /usr/include/gpiod.h)
+GPIOD_ASIDE  := $(if $(GPIOD_SYSTEM),,$(wildcard build/gpiod/usr/include/gpiod.h))
+GPIOD_LIB    := $(if $(GPIOD_SYSTEM),-lgpiod,$(wildcard build/gpiod/usr/lib/*/libgpiod.a))
+CFLAGS.linux := $(filter-out -std=c99 -flto -ffat-lto-objects,$(CFLAGS.hal)) -std=c11 -D_GNU_SOURCE \
+                $(if $(GPIOD_ASIDE),-isystem build/gpiod/usr/include)
+
 # $(call cflags_of,path/in/the/tree.c): the flags of the room the file stands in.
-cflags_of = $(FLAGS) $(CFLAGS.$(firstword $(subst /, ,$1)))
+room_of   = $(if $(filter hal/ports/linux/%,$1),linux,$(firstword $(subst /, ,$1)))
+cflags_of = $(FLAGS) $(CFLAGS.$(room_of))
 
 # ---- sources -------------------------------------------------------------------------------------
 
@@ -99,6 +108,9 @@ SIM      := $(wildcard host_sim/*.c host_sim/effects/*.c)
 MAIN     := $(wildcard host_sim/programs/main.c)
 PROGRAMS := $(filter-out $(MAIN),$(wildcard host_sim/programs/*.c))
 TEMPLATE := $(wildcard hal/ports/template/*.c)
+LINUX    := $(if $(GPIOD_LIB),$(wildcard hal/ports/linux/*.c))
+INJECTOR := $(filter hal/ports/linux/injector%,$(LINUX))
+CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
 PORTS.avr := $(wildcard hal/ports/atmega328p/*.c)
 PORTS.arm := $(wildcard hal/ports/cortex_m3/*.c)
 
@@ -110,8 +122,9 @@ FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
 PERF           := $(wildcard tests/perf/*.c)
 
-C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE)
+C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE) $(LINUX)
 C_HEADERS := $(wildcard firmware/*/*.h hal/include/*.h hal/ports/*/*.h host_sim/*.h host_sim/*/*.h)
+C_HEADERS := $(if $(LINUX),$(C_HEADERS),$(filter-out hal/ports/linux/%,$(C_HEADERS)))
 C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.c tests/*/*.[ch]))
 PYTHON_FOLDERS := scripts $(wildcard tests)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
@@ -135,6 +148,10 @@ $(STAMPS)/cmock: scripts/setup_cmock.sh
 	@scripts/setup_cmock.sh
 	@mkdir -p $(@D) && touch $@
 
+$(STAMPS)/gpiod: scripts/setup_gpiod.sh
+	@scripts/setup_gpiod.sh
+	@mkdir -p $(@D) && touch $@
+
 # A check that needs an absent cross compiler is counted as skipped.
 $(STAMPS)/system-cross: scripts/setup_system.sh
 	@scripts/setup_system.sh cross || echo 'SKIPPED: no cross compilers to be had here'
@@ -145,7 +162,7 @@ $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.tom
 	@scripts/setup_python.sh
 
 .PHONY: setup-build setup-test setup-lint
-setup-build: $(STAMPS)/system-build $(VENV)
+setup-build: $(STAMPS)/system-build $(STAMPS)/gpiod $(VENV)
 setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock
 setup-lint: setup-test $(STAMPS)/system-lint $(STAMPS)/system-cross
 
@@ -163,7 +180,7 @@ INNER_MAKE  = $(MAKE) INNER=yes --keep-going $(JOBS)
 RESULTS    ?= $(if $(filter host,$(VARIANT)),build,$(OUT))/results
 
 C_SUITES    := unit contract scenario
-TEST_SUITES := $(C_SUITES) template fuzz-regression python
+TEST_SUITES := $(C_SUITES) template contract-linux fuzz-regression python
 
 # Every result first becomes an empty file: what does not build or run is then counted as failed.
 define run_suites
@@ -261,11 +278,12 @@ distclean: clean ## remove .venv as well
 .PHONY: library program objects generated FORCE
 library: $(OUT)/libskiplatch_sim.so
 	@:
-program: $(if $(MAIN),$(OUT)/skiplatch-sim)
+program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(if $(LINUX),$(OUT)/skiplatch-controller) \
+         $(if $(INJECTOR),$(OUT)/skiplatch-injector)
 	@:
 objects: $(call object_of,$(FIRMWARE) $(TEMPLATE) $(PORTS.$(VARIANT)))
 ifndef CROSS
-objects: $(call object_of,$(SIM) $(PROGRAMS) $(MAIN) $(TESTS) $(FUZZ) $(PERF)) \
+objects: $(call object_of,$(SIM) $(PROGRAMS) $(MAIN) $(LINUX) $(TESTS) $(FUZZ) $(PERF)) \
          $(C_HEADERS:%=$(OUT)/headers/%.ok)
 endif
 
@@ -301,6 +319,16 @@ $(OUT)/libskiplatch_sim.a: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS))
 $(OUT)/skiplatch-sim: $(call object_of,$(MAIN)) $(OUT)/libskiplatch_sim.a
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) $(LTO) $^ -lm -o $@
+
+$(OUT)/liblinux_port.a: $(call object_of,$(filter-out $(CONTROL) $(INJECTOR),$(LINUX)) $(FIRMWARE))
+	@rm -f $@
+	@ar rcs $@ $^
+
+$(OUT)/skiplatch-controller: $(call object_of,$(CONTROL)) $(OUT)/liblinux_port.a
+$(OUT)/skiplatch-injector: $(call object_of,$(INJECTOR)) $(OUT)/liblinux_port.a
+$(OUT)/skiplatch-controller $(OUT)/skiplatch-injector:
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 
 $(OUT)/template: $(call object_of,$(TEMPLATE) $(FIRMWARE))
 	$(SAY) 'link $@'
@@ -366,12 +394,24 @@ $(OUT)/private/$1/%.o: %.c Makefile $1.c
 endef
 $(foreach test,$(TESTS:.c=),$(eval $(call test_rules,$(test))))
 
+# The contract suites once more, on the Linux port.
+CONTRACT_LINUX := $(if $(LINUX),$(filter-out %/test_hal_error.c,$(TESTS.contract)))
+.PHONY: contract-linux-programs
+contract-linux-programs: $(CONTRACT_LINUX:tests/contract/%.c=$(OUT)/contract-linux/%)
+$(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
+                         $(OUT)/foreign/unity.o \
+                         $(call object_of,tests/support/port_linux.c tests/support/edge_log.c) \
+                         $(OUT)/liblinux_port.a
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
+
 # ---- suites --------------------------------------------------------------------------------------
 
 RESULTS.unit            := $(TESTS.unit:tests/%.c=$(RESULTS)/%.log)
 RESULTS.contract        := $(TESTS.contract:tests/%.c=$(RESULTS)/%.log)
 RESULTS.scenario        := $(TESTS.scenario:tests/%.c=$(RESULTS)/%.log)
 RESULTS.template        := $(RESULTS)/template/template.check
+RESULTS.contract-linux  := $(RESULTS)/contract-linux/contract-linux.check
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
 LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tidy cppcheck \
@@ -379,7 +419,7 @@ LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tid
 RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
 
 .PHONY: $(addprefix run-,$(TEST_SUITES) lint)
-$(addprefix run-,$(C_SUITES) template python lint): run-%: $$(RESULTS.$$*)
+$(addprefix run-,$(C_SUITES) template contract-linux python lint): run-%: $$(RESULTS.$$*)
 	@:
 
 check = @scripts/run_check.sh $@ $(basename $(@F))
@@ -394,6 +434,10 @@ $(RESULTS)/%.log: $(OUT)/tests/% FORCE
 
 $(RESULTS)/template/template.check: $(if $(TEMPLATE),$(OUT)/template) FORCE
 	$(check) $(if $(TEMPLATE),true,$(call skip,no template port))
+
+# Where there are gpio-sim and vcan: in the bench's machine, or on a host that has them.
+$(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
+	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
 
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
 $(RESULTS)/python/pytest.xml: library program FORCE

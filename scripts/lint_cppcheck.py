@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 PORTABLE = ("firmware", "hal/include", "hal/ports/template")
-HOSTED = ("host_sim",)
+HOSTED = ("host_sim", "hal/ports/linux")
 
 MISRA = {
     "12.2": "a shift as wide as its operand has no defined outcome",

@@ -26,6 +26,8 @@ packages_of() {
     cross) echo gcc-avr avr-libc binutils-avr gcc-arm-none-eabi libnewlib-arm-none-eabi ;;
     # the virtual machine of the bench, and what its latencies are held against
     vm) echo qemu-system-x86 busybox-static xz-utils zstd rt-tests can-utils ;;
+    # On distributions that have version 2; see setup_gpiod.sh.
+    bench) echo libgpiod-dev ;;
     *)
         say "no such group: $1" >&2
         exit 2

@@ -19,6 +19,7 @@ typedef struct {
     uint8_t  axes;             /* 0 … axes − 1, at least one */
     bool     has_active_low;   /* lines can be inverted */
     uint16_t filter_max_us;    /* the longest glitch filter, 0 if there is none */
+    uint16_t filter_tried_us;  /* the filter that the suite tries: well above time_error_us */
     uint32_t edge_latency_us;  /* edge to hal_edge_on_latch(), at most; the captured time as well */
     uint32_t frame_latency_us; /* hal_bus_send() to the recorder, at most */
     uint32_t time_error_us;    /* by how much port_pass_us() may be off */

@@ -6,14 +6,14 @@
 #include "hal_error.h"
 #include "unity.h"
 
-#define FILTER_US 50u
-
 static const hal_edge_config_t PLAIN = {.channel = 0u};
-static const hal_edge_config_t FILTERED = {.channel = 0u, .glitch_filter_us = FILTER_US};
 static const hal_edge_config_t INVERTED = {.channel = 0u, .active_low = true};
+
+static hal_edge_config_t filtered; /* with the filter that suits the port */
 
 void setUp(void)
 {
+    filtered = (hal_edge_config_t){.channel = 0u, .glitch_filter_us = PORT.filter_tried_us};
     port_power_up();
     edge_log_clear();
 }
@@ -31,7 +31,7 @@ static void arm(const hal_edge_config_t *config)
 static void set(bool high)
 {
     port_set_line(0u, high);
-    port_pass_us(PORT.edge_latency_us + FILTER_US + 1u);
+    port_pass_us(PORT.edge_latency_us + PORT.filter_tried_us + 1u);
 }
 
 static void pulse_us(uint32_t us)
@@ -225,8 +225,8 @@ void test_the_level_can_be_read_after_disarming(void)
 
 static void need_filter(void)
 {
-    if (PORT.filter_max_us < FILTER_US) {
-        TEST_ASSERT_EQUAL_INT(HAL_ERR_CONFIG, hal_edge_arm(&FILTERED));
+    if (PORT.filter_max_us < PORT.filter_tried_us) {
+        TEST_ASSERT_EQUAL_INT(HAL_ERR_CONFIG, hal_edge_arm(&filtered));
         TEST_IGNORE_MESSAGE("this port has no such filter, and says so");
     }
 }
@@ -234,8 +234,8 @@ static void need_filter(void)
 void test_a_pulse_shorter_than_the_filter_is_ignored(void)
 {
     need_filter();
-    arm(&FILTERED);
-    pulse_us(FILTER_US - PORT.time_error_us - 1u);
+    arm(&filtered);
+    pulse_us(PORT.filter_tried_us - PORT.time_error_us - 1u);
 
     TEST_ASSERT_EQUAL_UINT(0u, edge_log_count());
 }
@@ -243,8 +243,8 @@ void test_a_pulse_shorter_than_the_filter_is_ignored(void)
 void test_a_pulse_longer_than_the_filter_is_delivered(void)
 {
     need_filter();
-    arm(&FILTERED);
-    pulse_us(FILTER_US + PORT.time_error_us + 1u);
+    arm(&filtered);
+    pulse_us(PORT.filter_tried_us + PORT.time_error_us + 1u);
 
     TEST_ASSERT_EQUAL_UINT(1u, edge_log_count());
 }
@@ -252,9 +252,9 @@ void test_a_pulse_longer_than_the_filter_is_delivered(void)
 void test_the_level_is_that_behind_the_filter(void)
 {
     need_filter();
-    arm(&FILTERED);
+    arm(&filtered);
     port_set_line(0u, true);
-    port_pass_us(FILTER_US - PORT.time_error_us - 1u);
+    port_pass_us(PORT.filter_tried_us - PORT.time_error_us - 1u);
     TEST_ASSERT_FALSE(hal_edge_level(0u));
     port_pass_us(2u * PORT.time_error_us + 2u);
 
@@ -272,12 +272,12 @@ void test_without_a_filter_a_short_pulse_is_delivered(void)
 void test_arming_again_replaces_the_filter(void)
 {
     need_filter();
-    arm(&FILTERED);
+    arm(&filtered);
     arm(&PLAIN);
     pulse_us(1u);
     TEST_ASSERT_EQUAL_UINT(1u, edge_log_count());
 
-    arm(&FILTERED);
+    arm(&filtered);
     pulse_us(1u);
     TEST_ASSERT_EQUAL_UINT(1u, edge_log_count());
 }

@@ -15,6 +15,7 @@ const port_facts_t PORT = {
     .axes = 1u,
     .has_active_low = false,
     .filter_max_us = UINT16_MAX,
+    .filter_tried_us = 50u,
     .edge_latency_us = 3u,
     .frame_latency_us = 600u,
     .time_error_us = 0u,
