@@ -14,6 +14,10 @@ target=$scripts/../build/gpiod
 
 say() { printf 'setup_gpiod: %s\n' "$*"; }
 
+as_root() {
+    if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
+}
+
 # is_version_2 HEADER: version 1 has no such function.
 is_version_2() { grep -qs gpiod_chip_request_lines "$1"; }
 
@@ -25,11 +29,15 @@ skip() {
 is_version_2 /usr/include/gpiod.h && exit 0
 is_version_2 "$target/usr/include/gpiod.h" && exit 0
 
-candidate=$(apt-cache policy libgpiod-dev 2>/dev/null | sed -n 's/^ *Candidate: //p')
-case $candidate in
+candidate() { apt-cache policy libgpiod-dev 2>/dev/null | sed -n 's/^ *Candidate: //p'; }
+
+# Without package lists nothing is known of any package.
+[ -n "$(candidate)" ] || as_root apt-get -qq -o DPkg::Lock::Timeout=300 update ||
+    skip "package lists cannot be read"
+case $(candidate) in
 [2-9].*)
-    "$scripts/setup_system.sh" bench
-    is_version_2 /usr/include/gpiod.h || skip "libgpiod-dev $candidate is not version 2"
+    "$scripts/setup_system.sh" bench || skip "libgpiod-dev cannot be installed"
+    is_version_2 /usr/include/gpiod.h || skip "libgpiod-dev is not version 2"
     exit 0
     ;;
 esac

@@ -185,6 +185,7 @@ void test_what_a_full_send_queue_refuses_waits_and_is_sent_once(void)
     (void)queue('b');
     send_error = ENOBUFS;
     TEST_ASSERT_FALSE(bus_flush());
+    TEST_ASSERT_EQUAL_UINT64(2u, bus_counters().frames_waiting);
     TEST_ASSERT_FALSE(bus_flush());
     TEST_ASSERT_EQUAL_UINT64(2u, bus_counters().send_full);
     TEST_ASSERT_FALSE(bus_is_down());
@@ -192,6 +193,7 @@ void test_what_a_full_send_queue_refuses_waits_and_is_sent_once(void)
     send_error = 0;
     TEST_ASSERT_TRUE(bus_flush());
     check_sent("ab");
+    TEST_ASSERT_EQUAL_UINT64(0u, bus_counters().frames_waiting);
 }
 
 /* ---- losing the interface ---- */

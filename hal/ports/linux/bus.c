@@ -221,7 +221,9 @@ void bus_receive(void)
 
 bus_counters_t bus_counters(void)
 {
-    return counted;
+    bus_counters_t now = counted;
+    now.frames_waiting = queue.count;
+    return now;
 }
 
 /* ---- hal_bus.h ---- */

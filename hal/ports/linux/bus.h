@@ -16,6 +16,7 @@
 typedef struct {
     uint64_t frames_sent;      /* taken by the kernel */
     uint64_t frames_confirmed; /* came back as sent; the rest never left, or is on its way */
+    uint64_t frames_waiting;   /* queued now; at the end: never left */
     uint64_t frames_foreign;   /* of others under our identifier */
     uint64_t frames_missed;    /* received but thrown away: the receive queue was full */
     uint64_t queue_full;       /* times hal_bus_send() had to refuse */

@@ -15,6 +15,7 @@
 #include "say.h"
 
 #define CONTROL_BYTES 256u
+#define RECEIVE_BYTES (1 << 20)
 
 uint32_t can_socket_id(uint32_t id)
 {
@@ -35,6 +36,13 @@ static int switch_stamps_on(int socket)
     return setsockopt(socket, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
 }
 
+/* Room for the echo of a whole queue sent at once; less is no fault, as missed frames are told. */
+static void widen(int socket)
+{
+    const int bytes = RECEIVE_BYTES;
+    (void)setsockopt(socket, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof bytes);
+}
+
 static int configure(int socket, uint32_t id)
 {
     const struct can_filter filter = {
@@ -43,7 +51,8 @@ static int configure(int socket, uint32_t id)
     };
     const can_err_mask_t errors = CAN_ERR_MASK;
     const int            on = 1;
-    bool                 is_done =
+    widen(socket);
+    bool is_done =
         setsockopt(socket, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
         setsockopt(socket, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &errors, sizeof errors) == 0 &&
         setsockopt(socket, SOL_CAN_RAW, CAN_RAW_LOOPBACK, &on, sizeof on) == 0 &&

@@ -4,7 +4,8 @@
  * can be read (the PLC path).
  *
  * The chip may vanish at any time (a USB adapter pulled, gpio-sim switched off). Then levels stay
- * as they were, edge_is_lost() tells, and edge_recover() asks for the line anew.
+ * as they were, edge_is_lost() tells, and edge_recover() asks for the line anew. Edges that the
+ * kernel still held at that moment are gone with the chip, and nobody can count them.
  */
 #ifndef LINUX_EDGE_H
 #define LINUX_EDGE_H

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "axis.h"
 #include "bus.h"
 #include "clock.h"
 #include "edge.h"
@@ -59,13 +60,23 @@ static void run_edges(const loop_calls_t *calls)
     }
 }
 
+/* The input image holds level and position of one instant: that of the scan. */
+static void run_scan(const loop_calls_t *calls)
+{
+    if (scan_take()) {
+        axis_capture(clock_now_ns());
+        calls->on_scan();
+        axis_follow();
+    }
+}
+
 static void see_to(const struct pollfd watched[SOURCES], const loop_calls_t *calls)
 {
     if (watched[EDGE].revents != 0) {
         run_edges(calls);
     }
-    if (watched[SCAN].revents != 0 && scan_take()) {
-        calls->on_scan();
+    if (watched[SCAN].revents != 0) {
+        run_scan(calls);
     }
     if (watched[BUS].revents != 0) {
         bus_receive();

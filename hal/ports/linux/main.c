@@ -72,14 +72,22 @@ static void count_overruns(void)
     overruns_seen = now;
 }
 
+static bool is_enough(void)
+{
+    return options.touches != 0u && latches == options.touches;
+}
+
 static void send_latch(void)
 {
     latch_record_t record;
-    if (latch_report_poll(&report) && !is_ending && latch_take(measuring_latch(), &record)) {
+    if (latch_report_poll(&report) && !is_enough() && latch_take(measuring_latch(), &record)) {
         (void)latch_report_begin(&report, &record); /* nothing is pending, so it is taken */
         (void)latch_report_poll(&report);
         ++latches;
-        is_ending = latches == options.touches;
+        if (is_enough()) {
+            latch_disarm(measuring_latch());
+            is_ending = true;
+        }
     }
 }
 
@@ -104,6 +112,7 @@ static void print_bus(const bus_counters_t *bus)
 {
     print_number("frames_sent", bus->frames_sent, ", ");
     print_number("frames_confirmed", bus->frames_confirmed, ", ");
+    print_number("frames_waiting", bus->frames_waiting, ", ");
     print_number("frames_foreign", bus->frames_foreign, ", ");
     print_number("frames_missed", bus->frames_missed, ", ");
     print_number("queue_full", bus->queue_full, ", ");
@@ -195,16 +204,20 @@ static bool start(void)
            edge_open(&options.line) == 0 && arm();
 }
 
+static bool is_all_out(void)
+{
+    bus_counters_t bus = bus_counters();
+    return report.pending == 0u && bus.frames_waiting == 0u &&
+           bus.frames_confirmed + bus.frames_missed >= bus.frames_sent;
+}
+
 /* What is latched still goes out, if the bus takes it within a second. */
 static void end(const loop_calls_t *calls)
 {
     edge_close();
     scan_stop();
-    for (unsigned i = 0u; i < FAREWELLS_MAX; ++i) {
-        bus_counters_t bus = bus_counters();
-        if (latch_report_poll(&report) && bus_flush() && bus.frames_confirmed >= bus.frames_sent) {
-            break;
-        }
+    run_task();
+    for (unsigned i = 0u; i < FAREWELLS_MAX && !is_all_out(); ++i) {
         loop_run_once(calls, FAREWELL_MS);
     }
     print_counters();
