@@ -330,6 +330,13 @@ $(OUT)/skiplatch-controller $(OUT)/skiplatch-injector:
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 
+# The C codec of the injection protocol as a program, for the tests that compare it with the DBC.
+CODEC := tests/support/inject_codec.c $(wildcard firmware/inject/*.c) firmware/report/latch_frame.c \
+         firmware/report/crc16.c
+$(OUT)/inject-codec: $(call object_of,$(CODEC))
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ -o $@
+
 $(OUT)/template: $(call object_of,$(TEMPLATE) $(FIRMWARE))
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ -lm -o $@
@@ -440,7 +447,7 @@ $(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
 	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
 
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
-$(RESULTS)/python/pytest.xml: library program FORCE
+$(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec FORCE
 	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --quiet --junitxml=$@ tests/python || true
 
 run-fuzz-regression:

@@ -15,6 +15,7 @@ from pathlib import Path
 # "own" is the file's own folder. What is found in no room is a header of the system.
 ROOMS: dict[str, set[str]] = {
     r"firmware/comp/": {"own"},
+    r"firmware/inject/": {"own"},
     r"firmware/report/": {"own", "hal/include/"},
     r"firmware/input/": {"own", "firmware/report/", "hal/include/"},
     r"firmware/cycle/": {
@@ -26,6 +27,8 @@ ROOMS: dict[str, set[str]] = {
     },
     r"hal/include/": {"own"},
     r"hal/ports/\w+/main\.c": {"own", "firmware/", "hal/include/"},
+    # The injector is a program beside the port: it drives the line that the port watches.
+    r"hal/ports/linux/injector\w*\.[ch]": {"own", "firmware/inject/"},
     r"hal/ports/": {"own", "hal/include/"},
     r"host_sim/programs/": {"own", "host_sim/", "firmware/", "hal/include/"},
     r"host_sim/": {"host_sim/", "hal/include/"},

@@ -22,6 +22,7 @@ COMMANDS = {
     "design": "Say which touches or which column would settle a diagnosis, and write them.",
     "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
+    "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }
 

@@ -1,0 +1,16 @@
+/* CRC-8/SAE-J1850: polynomial 0x1D, start 0xFF, inverted at the end; no table. */
+#ifndef INJECT_CRC_H
+#define INJECT_CRC_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define INJECT_CRC_START 0xFFu
+
+/* Carry the sum `crc` on over `length` bytes. Any context. */
+uint8_t inject_crc_update(uint8_t crc, const uint8_t *bytes, size_t length);
+
+/* The sum as it is sent: 0x4B for the ASCII digits 1 to 9. Any context. */
+uint8_t inject_crc_finish(uint8_t crc);
+
+#endif

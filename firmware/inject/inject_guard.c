@@ -1,0 +1,234 @@
+#include "inject/inject_guard.h"
+
+#define STEP_MAX 127u /* half the counter's range lies ahead, half behind */
+
+/* Xorshift: not a secret, but no two tokens in a row are alike by chance. */
+static uint16_t next_token(inject_guard_t *guard)
+{
+    uint16_t token;
+    do {
+        guard->random ^= guard->random << 13;
+        guard->random ^= guard->random >> 17;
+        guard->random ^= guard->random << 5;
+        token = (uint16_t)(guard->random >> 16);
+    } while (token == 0u || token == guard->token);
+    return token;
+}
+
+static void count(uint16_t *counter, uint16_t by)
+{
+    *counter = (uint16_t)(UINT16_MAX - *counter > by ? *counter + by : UINT16_MAX);
+}
+
+static void forget_shot(inject_guard_t *guard)
+{
+    guard->has_pulse = false;
+    guard->has_train = false;
+}
+
+static void expire(inject_guard_t *guard, uint32_t now_ms)
+{
+    if (guard->token != 0u && now_ms - guard->armed_ms >= guard->valid_ms) {
+        guard->token = 0u;
+        forget_shot(guard);
+    }
+}
+
+void inject_guard_begin(inject_guard_t *guard, uint32_t seed, uint8_t lines)
+{
+    *guard = (inject_guard_t){.random = seed != 0u ? seed : 1u, .lines = lines};
+}
+
+inject_state_t inject_guard_state(inject_guard_t *guard, uint32_t now_ms)
+{
+    expire(guard, now_ms);
+    if (guard->is_running) {
+        return INJECT_RUNNING;
+    }
+    return guard->token != 0u ? INJECT_ARMED : INJECT_IDLE;
+}
+
+static bool is_in_range(const inject_guard_t *guard, const inject_command_t *command)
+{
+    switch (command->kind) {
+    case INJECT_ARM:
+        return command->valid_ms >= 1u && command->valid_ms <= INJECT_VALID_MAX_MS;
+    case INJECT_DISARM:
+        return true;
+    case INJECT_PULSE:
+        return command->line < guard->lines && command->level <= 1u && command->width_us >= 1u &&
+               command->width_us <= INJECT_WIDTH_MAX_US;
+    case INJECT_TRAIN:
+        return command->count >= 1u && command->period_us <= INJECT_PERIOD_MAX_US;
+    case INJECT_TRIGGER:
+        return command->delay_us <= INJECT_DELAY_MAX_US;
+    case INJECT_ASK:
+        return command->page <= INJECT_PAGES;
+    default:
+        return false;
+    }
+}
+
+/* Take the counter of a command that is in range; what is in order moves the guard on. */
+static inject_verdict_t check_order(inject_guard_t *guard, uint8_t counter)
+{
+    uint8_t step = (uint8_t)(counter - guard->last_counter);
+    if (step == 0u) {
+        return INJECT_REPEATED;
+    }
+    if (step > STEP_MAX) {
+        return INJECT_STALE;
+    }
+    if (step > 1u) {
+        count(&guard->lost_commands, (uint16_t)(step - 1u));
+        forget_shot(guard);
+    }
+    guard->last_counter = counter;
+    return INJECT_OBEYED;
+}
+
+static inject_verdict_t arm(inject_guard_t *guard, const inject_command_t *command, uint32_t now_ms)
+{
+    guard->token = next_token(guard);
+    guard->armed_ms = now_ms;
+    guard->valid_ms = command->valid_ms;
+    forget_shot(guard);
+    return INJECT_OBEYED;
+}
+
+static inject_verdict_t disarm(inject_guard_t *guard, inject_order_t *order)
+{
+    guard->token = 0u;
+    forget_shot(guard);
+    order->has_stop = true;
+    return INJECT_OBEYED;
+}
+
+static inject_verdict_t set_pulse(inject_guard_t *guard, const inject_command_t *command)
+{
+    guard->shot.line = command->line;
+    guard->shot.level = command->level;
+    guard->shot.width_us = command->width_us;
+    guard->has_pulse = true;
+    return INJECT_OBEYED;
+}
+
+static inject_verdict_t set_train(inject_guard_t *guard, const inject_command_t *command)
+{
+    guard->shot.count = command->count;
+    guard->shot.period_us = command->period_us;
+    guard->has_train = true;
+    return INJECT_OBEYED;
+}
+
+/* A train of one pulse has no period. */
+static bool overlaps(const inject_shot_t *shot)
+{
+    return shot->count > 1u && shot->period_us <= shot->width_us;
+}
+
+static inject_verdict_t trigger(inject_guard_t *guard, const inject_command_t *command,
+                                inject_order_t *order)
+{
+    if (command->token != guard->token) {
+        return INJECT_WRONG_TOKEN;
+    }
+    if (!guard->has_pulse || !guard->has_train) {
+        return INJECT_INCOMPLETE;
+    }
+    if (guard->is_running) {
+        return INJECT_BUSY;
+    }
+    if (overlaps(&guard->shot)) {
+        return INJECT_OUT_OF_RANGE;
+    }
+    guard->token = next_token(guard); /* so that this frame never triggers again */
+    order->shot = guard->shot;
+    order->shot.delay_us = command->delay_us;
+    order->has_shot = true;
+    return INJECT_OBEYED;
+}
+
+static inject_verdict_t obey(inject_guard_t *guard, const inject_command_t *command,
+                             uint32_t now_ms, inject_order_t *order)
+{
+    if (command->kind == INJECT_ARM) {
+        return arm(guard, command, now_ms);
+    }
+    if (command->kind == INJECT_DISARM) {
+        return disarm(guard, order);
+    }
+    if (guard->token == 0u) {
+        return INJECT_UNARMED;
+    }
+    switch (command->kind) {
+    case INJECT_PULSE:
+        return set_pulse(guard, command);
+    case INJECT_TRAIN:
+        return set_train(guard, command);
+    default:
+        return trigger(guard, command, order);
+    }
+}
+
+static inject_verdict_t judge(inject_guard_t *guard, const uint8_t *frame, uint8_t length,
+                              uint32_t now_ms, inject_order_t *order)
+{
+    inject_command_t command;
+    if (length != INJECT_FRAME_BYTES || !inject_frame_get_command(frame, &command)) {
+        return INJECT_DAMAGED;
+    }
+    if (command.kind == INJECT_ASK && is_in_range(guard, &command)) {
+        order->page = command.page;
+        return INJECT_OBEYED;
+    }
+    inject_verdict_t verdict = check_order(guard, command.counter);
+    if (verdict != INJECT_OBEYED) {
+        return verdict;
+    }
+    if (!is_in_range(guard, &command)) {
+        return INJECT_OUT_OF_RANGE;
+    }
+    return obey(guard, &command, now_ms, order);
+}
+
+inject_order_t inject_guard_take(inject_guard_t *guard, const uint8_t *frame, uint8_t length,
+                                 uint32_t now_ms)
+{
+    inject_order_t order = {.verdict = INJECT_DAMAGED};
+    expire(guard, now_ms);
+    order.verdict = judge(guard, frame, length, now_ms, &order);
+    count(&guard->verdicts[order.verdict], 1u);
+    return order;
+}
+
+/* Two figures to a page; docs/INJECTION.md has the same table. */
+static void report_counts(const inject_guard_t *guard, uint8_t page, uint8_t counter,
+                          uint8_t *frame)
+{
+    const uint16_t figures[INJECT_PAGES][2] = {
+        {guard->verdicts[INJECT_OBEYED], guard->edges},
+        {guard->verdicts[INJECT_DAMAGED], guard->verdicts[INJECT_REPEATED]},
+        {guard->verdicts[INJECT_STALE], guard->verdicts[INJECT_OUT_OF_RANGE]},
+        {guard->verdicts[INJECT_UNARMED], guard->verdicts[INJECT_WRONG_TOKEN]},
+        {guard->verdicts[INJECT_INCOMPLETE], guard->verdicts[INJECT_BUSY]},
+        {guard->lost_commands, guard->dropped_frames},
+    };
+    inject_frame_put_counts(page, figures[page - 1u][0], figures[page - 1u][1], counter, frame);
+}
+
+void inject_guard_report(inject_guard_t *guard, uint8_t page, inject_verdict_t verdict,
+                         uint8_t counter, uint32_t now_ms, uint8_t frame[INJECT_FRAME_BYTES])
+{
+    if (page >= 1u && page <= INJECT_PAGES) {
+        report_counts(guard, page, counter, frame);
+        return;
+    }
+    inject_answer_t answer = {
+        .state = (uint8_t)inject_guard_state(guard, now_ms),
+        .verdict = (uint8_t)verdict,
+        .answered = guard->last_counter,
+        .token = guard->token,
+    };
+    inject_frame_put_answer(&answer, counter, frame);
+}

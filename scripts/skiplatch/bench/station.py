@@ -1,0 +1,247 @@
+"""The host's end of the bench: hears everything, and commands the injector."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import can
+
+from skiplatch.bench.bus import arrival_ns
+from skiplatch.bench.latches import Latch, LatchReports
+from skiplatch.bench.latches import time_ns as latch_time_ns
+from skiplatch.bench.protocol import (
+    COMMAND_ID,
+    COUNTERS,
+    EDGE_ID,
+    LATCH_ID,
+    STATUS_ID,
+    Edge,
+    EdgeReports,
+    Kind,
+    Verdict,
+    get_frame,
+    put_command,
+)
+from skiplatch.errors import InputError
+
+ANSWER_S = 1.0
+ATTEMPTS = 3
+REST_S = 2.0  # beyond the width of the pulse that plays
+RUNNING = 2  # state of the injector
+VALID_MS = 60_000
+PAGES = 6
+US_PER_S = 1e6
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A latch and when its report arrived; CLOCK_MONOTONIC in ns."""
+
+    latch: Latch
+    latch_ns: int
+    report_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What the injector said to a command."""
+
+    verdict: Verdict
+    answered: int
+    token: int
+
+
+@dataclass(frozen=True, slots=True)
+class Pulse:
+    """What a trigger plays: one pulse on a line of the injector."""
+
+    line: int
+    level: int
+    width_us: int
+
+
+class Station:
+    """Sends commands in order, and keeps what came until it is asked for.
+
+    Attributes:
+        edges: Edges that came and were not taken yet.
+        latches: Latches that came and were not taken yet.
+        edge_reports: Counters of damaged and unpaired edge reports.
+        latch_reports: Counters of lost, damaged, repeated and unpaired latch records.
+        damaged_status: Status frames with a wrong checksum.
+    """
+
+    def __init__(self, bus: can.BusABC, interface: str, latch_id: int = LATCH_ID) -> None:
+        self.edges: deque[Edge] = deque()
+        self.latches: deque[Arrival] = deque()
+        self.edge_reports = EdgeReports()
+        self.latch_reports = LatchReports()
+        self.damaged_status = 0
+        self._bus = bus
+        self._interface = interface
+        self._latch_id = latch_id
+        self._answers: deque[Answer] = deque()
+        self._counts: dict[str, int] = {}
+        self._counter = 0
+        self._token = 0
+        self._is_running = False
+        self._pulse: Pulse | None = None
+
+    # ---- hearing ----
+
+    def listen(self, seconds: float, is_done: Callable[[], object] = lambda: False) -> bool:
+        """Hear what comes until something is so; tell whether it is, or time was up."""
+        end_s = time.monotonic() + seconds
+        while not is_done():
+            left_s = end_s - time.monotonic()
+            message = self._receive(max(left_s, 0.0))
+            if message is not None:
+                self._take(message)
+            elif left_s <= 0:
+                return False
+        return True
+
+    def _receive(self, timeout_s: float) -> can.Message | None:
+        try:
+            return self._bus.recv(timeout_s)
+        except (OSError, can.CanError) as error:
+            raise self._lost(error) from error
+
+    def _take(self, message: can.Message) -> None:
+        if message.is_error_frame or message.is_remote_frame or message.is_extended_id:
+            return
+        data = bytes(message.data)
+        if message.arbitration_id == STATUS_ID:
+            self._take_status(data)
+        elif message.arbitration_id == EDGE_ID:
+            edge = self.edge_reports.take(data)
+            if edge is not None:
+                self.edges.append(edge)
+        elif message.arbitration_id == self._latch_id:
+            self._take_latch(data, arrival_ns(message))
+
+    def _take_latch(self, data: bytes, report_ns: int) -> None:
+        latch = self.latch_reports.take(data)
+        if latch is not None:
+            self.latches.append(Arrival(latch, latch_time_ns(latch, report_ns), report_ns))
+
+    def _take_status(self, data: bytes) -> None:
+        signals = get_frame(STATUS_ID, data)
+        if signals is None or signals.get("Verdict", 0) >= len(Verdict):
+            self.damaged_status += 1
+        elif signals["Page"] == 0:
+            verdict = Verdict(signals["Verdict"])
+            self._answers.append(Answer(verdict, signals["Answered"], signals["NextToken"]))
+            self._token = signals["NextToken"]
+            self._is_running = signals["State"] == RUNNING
+        else:
+            about = ("Page", "Counter", "Crc")
+            self._counts |= {name: n for name, n in signals.items() if name not in about}
+
+    # ---- commanding ----
+
+    def connect(self) -> None:
+        """Learn the injector's counter, which changes nothing.
+
+        Raises:
+            InputError: Nobody answers.
+        """
+        self._answers.clear()
+        self._send(Kind.ASK, 0, WantedPage=0)
+        if not self.listen(ANSWER_S, lambda: self._answers):
+            message = (
+                f"no injector answers under 0x{STATUS_ID:X}; start skiplatch-injector --can "
+                f"{self._interface}, or see: candump {self._interface}"
+            )
+            raise InputError(self._interface, None, None, message)
+        self._counter = self._answers.popleft().answered
+
+    def trigger(self, pulse: Pulse, delay_us: int) -> None:
+        """Play one pulse after a delay; arms and sets what is needed first.
+
+        Raises:
+            InputError: The injector refuses again and again.
+        """
+        verdict: Verdict | None = None
+        for _ in range(ATTEMPTS):
+            self._await_rest(pulse)
+            verdict = self._prepare(pulse) if self._pulse != pulse else Verdict.OBEYED
+            if verdict is Verdict.OBEYED:
+                verdict = self._command(Kind.TRIGGER, Token=self._token, DelayUs=delay_us)
+            if verdict is Verdict.OBEYED:
+                return
+            self._pulse = None
+            sent = self._counter
+            self.connect()
+            if verdict is None and self._counter == sent:
+                return  # it was taken, only its answer was lost: never trigger twice
+        words = "no answer" if verdict is None else verdict.name.lower().replace("_", " ")
+        message = f"the injector refuses to trigger: {words}"
+        raise InputError(self._interface, None, None, message)
+
+    def disarm(self) -> None:
+        """Make sure that nothing more is injected; whether anybody hears it or not."""
+        self._pulse = None
+        self._token = 0
+        self._counter = (self._counter + 1) % COUNTERS
+        self._send(Kind.DISARM, self._counter)
+
+    def counts(self) -> dict[str, int]:
+        """Ask the injector for its counters by their names in the DBC; empty if it is silent."""
+        self._counts = {}
+        for page in range(1, PAGES + 1):
+            known = len(self._counts)
+            self._send(Kind.ASK, 0, WantedPage=page)
+            if not self.listen(ANSWER_S, partial(self._has_more_counts_than, known)):
+                break
+        return self._counts
+
+    def _await_rest(self, pulse: Pulse) -> None:
+        """Wait for the end of the pulse before, which the injector tells."""
+        rests = self.listen(pulse.width_us / US_PER_S + REST_S, lambda: not self._is_running)
+        if not rests:
+            self.connect()  # what it told was lost, perhaps
+
+    def _has_more_counts_than(self, known: int) -> bool:
+        return len(self._counts) > known
+
+    def _prepare(self, pulse: Pulse) -> Verdict | None:
+        """Arm and set; remember the pulse if that was obeyed."""
+        steps: list[tuple[Kind, dict[str, int]]] = [
+            (Kind.ARM, {"ValidMs": VALID_MS}),
+            (Kind.PULSE, {"Line": pulse.line, "Level": pulse.level, "WidthUs": pulse.width_us}),
+            (Kind.TRAIN, {"Count": 1, "PeriodUs": 0}),
+        ]
+        for kind, signals in steps:
+            verdict = self._command(kind, **signals)
+            if verdict is not Verdict.OBEYED:
+                return verdict
+        self._pulse = pulse
+        return Verdict.OBEYED
+
+    def _command(self, kind: Kind, **signals: int) -> Verdict | None:
+        """Send the next command and give the verdict on it, or None if none came."""
+        self._counter = (self._counter + 1) % COUNTERS
+        self._answers.clear()
+        self._send(kind, self._counter, **signals)
+
+        def mine() -> Answer | None:
+            return next((a for a in self._answers if a.answered == self._counter), None)
+
+        self.listen(ANSWER_S, mine)
+        answer = mine() or (self._answers[-1] if self._answers else None)
+        return None if answer is None else answer.verdict
+
+    def _send(self, kind: Kind, counter: int, **signals: int) -> None:
+        data = put_command(kind, counter, **signals)
+        message = can.Message(arbitration_id=COMMAND_ID, data=data, is_extended_id=False)
+        try:
+            self._bus.send(message, timeout=ANSWER_S)
+        except (OSError, can.CanError) as error:
+            raise self._lost(error) from error
+
+    def _lost(self, error: Exception) -> InputError:
+        message = f"the bus fails: {error}; see: ip -details link show {self._interface}"
+        return InputError(self._interface, None, None, message)

@@ -1,0 +1,283 @@
+"""``skiplatch bench``: play a plan on a Linux bench, or watch it."""
+
+import signal
+from collections.abc import Callable, Sequence
+from functools import wraps
+from pathlib import Path
+from typing import Any, NoReturn
+
+import click
+
+from skiplatch.bench.bus import SOCKETCAN, open_bus
+from skiplatch.bench.monitor import Monitor
+from skiplatch.bench.plan import Plan, read_plan
+from skiplatch.bench.protocol import LATCH_ID
+from skiplatch.bench.recording import as_touches
+from skiplatch.bench.run import Player, Recording, Rig, summary
+from skiplatch.bench.station import Station
+from skiplatch.campaign import write_campaign
+from skiplatch.commands.options import json_option, seed_option, write_json
+from skiplatch.commands.rig_options import within
+from skiplatch.errors import InputError
+from skiplatch.files import refuse_occupied
+
+INTERRUPTED = 130  # exit status, as a shell gives it
+FILE = click.Path(path_type=Path, dir_okay=False)
+
+RUN_EPILOG = """\b
+Example, with a real line (output 17 wired to input 4):
+  skiplatch bench run scripts/samples/plans/nominal.toml --out build/bench \\
+      --can can0 --chip gpiochip0 --line 4 --inject-line gpiochip0:17
+With a simulated one:
+  skiplatch bench run scripts/samples/plans/nominal.toml --out build/bench --can vcan0 \\
+      --chip gpiochip0 --line 0 \\
+      --sim-pull /sys/devices/platform/gpio-sim.0/gpiochip0/sim_gpio0/pull
+"""
+MONITOR_EPILOG = """\b
+Example:
+  skiplatch bench monitor vcan0 --seconds 60
+"""
+
+can_backend_option = click.option(
+    "--can-backend",
+    default=SOCKETCAN,
+    show_default=True,
+    help="Interface type of python-can, for a bus that is no SocketCAN.",
+)
+
+
+class _CanId(click.ParamType[int]):
+    """A standard CAN id, hexadecimal with 0x or decimal."""
+
+    name = "id"
+
+    def convert(
+        self, value: str | int, param: click.Parameter | None, ctx: click.Context | None
+    ) -> int:
+        """See `click.ParamType.convert`."""
+        try:
+            number = int(str(value), 0)
+        except ValueError:
+            number = -1
+        if not 0 <= number <= 0x7FF:
+            self.fail(f"expected a CAN id from 0 to 0x7FF, got {value}", param, ctx)
+        return number
+
+
+latch_id_option = click.option(
+    "--latch-id",
+    type=_CanId(),
+    default=LATCH_ID,
+    show_default=f"{LATCH_ID:#x}",
+    help="CAN id of latch records.",
+)
+
+
+@click.group()
+def command() -> None:
+    """Inject edges over CAN and record how they are latched: a Linux bench.
+
+    Example: skiplatch bench monitor vcan0
+    """
+
+
+def _rig_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the options of the rig, and hand it what they describe as ``rig``."""
+    options = [
+        click.option("--can", "interface", required=True, help="CAN interface: can0, vcan0."),
+        click.option("--chip", help="GPIO chip of the watched line: gpiochip0, a path or a label."),
+        click.option("--line", type=click.IntRange(0, 65535), help="Offset of the watched line."),
+        click.option("--active-low", is_flag=True, help="The line is low while deflected."),
+        click.option("--inject-line", metavar="CHIP:OFFSET", help="Output line to drive."),
+        click.option("--sim-pull", type=FILE, help="Or: pull file of a gpio-sim line to drive."),
+        click.option(
+            "--attached",
+            is_flag=True,
+            help="Start neither controller nor injector: both are on the bus already.",
+        ),
+        click.option("--cpu", type=click.IntRange(0), help="Processor of controller and load."),
+        click.option("--fifo", type=click.IntRange(1, 99), help="Priority of the controller."),
+        click.option(
+            "--injector-fifo", type=click.IntRange(1, 99), help="Priority of the injector."
+        ),
+        latch_id_option,
+    ]
+
+    @wraps(function)
+    def with_rig(*args: Any, **values: Any) -> Any:  # noqa: ANN401
+        taken = {option: values.pop(option) for option in RIG_VALUES}
+        return function(*args, rig=_rig(**taken), **values)
+
+    described: Callable[..., Any] = with_rig
+    for option in reversed(options):
+        described = option(described)
+    return described
+
+
+RIG_VALUES = (
+    *("interface", "chip", "line", "active_low", "inject_line", "sim_pull", "attached"),
+    *("cpu", "fifo", "injector_fifo", "latch_id"),
+)
+
+
+def _rig(
+    *,
+    interface: str,
+    chip: str | None,
+    line: int | None,
+    active_low: bool,
+    inject_line: str | None,
+    sim_pull: Path | None,
+    attached: bool,
+    cpu: int | None,
+    fifo: int | None,
+    injector_fifo: int | None,
+    latch_id: int,
+) -> Rig:
+    """Check that the options name a whole bench."""
+    if not attached and (chip is None or line is None):
+        raise click.UsageError("--chip and --line are missing, the line to watch; see: gpioinfo")
+    if not attached and (inject_line is None) == (sim_pull is None):
+        raise click.UsageError("give one of --inject-line and --sim-pull, the line to drive")
+    driven = ("--line", inject_line) if inject_line else ("--sim-pull", str(sim_pull))
+    return Rig(
+        interface=interface,
+        chip=None if attached else chip,
+        line=line or 0,
+        active_low=active_low,
+        inject_line=() if attached else driven,
+        latch_id=latch_id,
+        cpu=cpu,
+        priority=fifo or 0,
+        injector_priority=injector_fifo or 0,
+    )
+
+
+def _interrupt(*_: object) -> NoReturn:
+    raise KeyboardInterrupt
+
+
+@command.command(epilog=RUN_EPILOG)
+@click.argument("plan_path", metavar="PLAN.toml", type=FILE)
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, file_okay=False),
+    required=True,
+    help="Folder of the campaign; must not hold anything yet. One in it for each of several scans.",
+)
+@click.option("--nominal", "nominal_path", type=FILE, help="Instead of the plan's nominal.toml.")
+@_rig_options
+@can_backend_option
+@seed_option
+@json_option
+@click.pass_context
+def run(
+    ctx: click.Context,
+    plan_path: Path,
+    out: Path,
+    nominal_path: Path | None,
+    rig: Rig,
+    can_backend: str,
+    seed: int,
+    json_path: Path | None,
+) -> None:
+    """Play a plan on the bench and write what was latched as a campaign.
+
+    Starts controller, injector and loads, and ends them. Ctrl-C ends early; what was played until
+    then is written.
+    """
+    plan = read_plan(plan_path, nominal_path)
+    refuse_occupied(out)
+    failure: InputError | None = None
+    is_interrupted = False
+    before = signal.signal(signal.SIGTERM, _interrupt)
+    try:
+        with open_bus(rig.interface, can_backend, rig.latch_id) as bus:
+            player = Player(plan, rig, Station(bus, rig.interface, rig.latch_id), seed)
+            try:
+                player.play()
+            except KeyboardInterrupt:
+                is_interrupted = True
+            except InputError as error:
+                failure = error
+    finally:
+        signal.signal(signal.SIGTERM, before)
+    written = _write(plan, player.recordings, out)
+    write_json(json_path, _as_json(written, seed, is_complete=not is_interrupted and not failure))
+    if failure is not None:
+        raise failure
+    if is_interrupted:
+        click.echo("interrupted", err=True)
+        ctx.exit(INTERRUPTED)
+
+
+def _write(plan: Plan, recordings: Sequence[Recording], out: Path) -> dict[Path, Recording]:
+    """Write a campaign for each scan period that anything was recorded with."""
+    written: dict[Path, Recording] = {}
+    for recording in recordings:
+        if not recording.played:
+            continue
+        folder = out if len(plan.scan_us) == 1 else out / f"scan_{recording.scan_us}_us"
+        believed = plan.believed(recording.scan_us)
+        write_campaign(
+            folder, believed, as_touches(plan, believed, recording.axis, recording.played)
+        )
+        found = summary(recording)
+        click.echo(
+            f"{folder}: {found['touches']} touches, {found['missed']} missed, {found['false']} "
+            f"false; edges known to {found['edge_window_us']:.1f} µs"
+        )
+        written[folder] = recording
+    return written
+
+
+def _as_json(written: dict[Path, Recording], seed: int, *, is_complete: bool) -> dict[str, Any]:
+    return {
+        "format": "skiplatch-bench/1",
+        "seed": seed,
+        "complete": is_complete,
+        "campaigns": [
+            {"campaign": str(folder), **summary(recording), "counters": recording.counters}
+            for folder, recording in written.items()
+        ],
+    }
+
+
+@command.command(epilog=MONITOR_EPILOG)
+@click.argument("interface", metavar="IFACE")
+@click.option("--seconds", type=within(0.01, 1e9), help="End after so long.")
+@click.option("--latches", type=click.IntRange(1), help="End after so many latches.")
+@click.option(
+    "--quiet-injector", is_flag=True, help="Send nothing: leave out the injector's counters."
+)
+@latch_id_option
+@can_backend_option
+@json_option
+def monitor(
+    *,
+    interface: str,
+    seconds: float | None,
+    latches: int | None,
+    quiet_injector: bool,
+    latch_id: int,
+    can_backend: str,
+    json_path: Path | None,
+) -> None:
+    """Show latches as they come, and the counters at the end; Ctrl-C ends.
+
+    Edge to latch is shown where an injector reports its edges.
+    """
+    with open_bus(interface, can_backend, latch_id) as bus:
+        station = Station(bus, interface, latch_id)
+        watching = Monitor(station, click.echo)
+        try:
+            watching.watch(seconds, latches)
+        except KeyboardInterrupt:
+            click.echo(err=True)
+        counters = watching.counters({} if quiet_injector else station.counts())
+    for name, value in counters.items():
+        if name != "injector":
+            click.echo(f"{name.replace('_', ' '):24} {value}")
+    for name, value in counters["injector"].items():
+        click.echo(f"injector {name:15} {value}")
+    write_json(json_path, {"format": "skiplatch-bench-monitor/1", **counters})

@@ -1,0 +1,160 @@
+/*
+ * Fuzzes the guard of the injection protocol. The first byte picks one of two games: frames of
+ * arbitrary bytes, or commands of an arbitrary script with a good sum, so that they get further.
+ */
+/* LINK: firmware/inject/inject_guard.c firmware/inject/inject_frame.c firmware/inject/inject_crc.c
+ */
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "inject/inject_guard.h"
+
+#define LINES       3u
+#define STEP_BYTES  8u
+#define GOOD_TOKENS 4u /* one trigger in so many gets the token that is wanted */
+
+#define CHECK(condition)                                                            \
+    do {                                                                            \
+        if (!(condition)) {                                                         \
+            fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition); \
+            abort();                                                                \
+        }                                                                           \
+    } while (false)
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+static uint32_t total(const inject_guard_t *guard)
+{
+    uint32_t sum = 0u;
+    for (int i = 0; i < INJECT_VERDICTS; ++i) {
+        sum += guard->verdicts[i];
+    }
+    return sum;
+}
+
+/* What is not obeyed leaves everything but counters and order as it was. */
+static void check_refused(const inject_guard_t *before, const inject_guard_t *after,
+                          const inject_order_t *order)
+{
+    CHECK(!order->has_shot && !order->has_stop);
+    CHECK(after->token == before->token || after->token == 0u); /* it may have expired */
+    CHECK(memcmp(&after->shot, &before->shot, sizeof after->shot) == 0);
+    CHECK(after->has_pulse <= before->has_pulse && after->has_train <= before->has_train);
+    if (order->verdict == INJECT_DAMAGED || order->verdict == INJECT_REPEATED ||
+        order->verdict == INJECT_STALE) {
+        CHECK(after->last_counter == before->last_counter);
+        CHECK(after->lost_commands == before->lost_commands);
+    }
+}
+
+/* What is to be played was armed for, is in range, and spends its token. */
+static void check_shot(const inject_guard_t *before, const inject_guard_t *after,
+                       const inject_shot_t *shot, uint16_t token)
+{
+    CHECK(before->token != 0u && token == before->token && after->token != before->token);
+    CHECK(before->has_pulse && before->has_train && !before->is_running);
+    CHECK(shot->line < LINES && shot->level <= 1u && shot->count >= 1u);
+    CHECK(shot->width_us >= 1u && shot->width_us <= INJECT_WIDTH_MAX_US);
+    CHECK(shot->delay_us <= INJECT_DELAY_MAX_US);
+    CHECK(shot->count == 1u || shot->period_us > shot->width_us);
+}
+
+static void take(inject_guard_t *guard, const uint8_t *frame, uint8_t length, uint32_t now_ms)
+{
+    inject_guard_t before = *guard;
+    inject_order_t order = inject_guard_take(guard, frame, length, now_ms);
+    uint8_t        status[INJECT_FRAME_BYTES];
+
+    CHECK(order.verdict < INJECT_VERDICTS && order.page <= INJECT_PAGES);
+    CHECK(total(guard) == total(&before) + 1u || guard->verdicts[order.verdict] == UINT16_MAX);
+    if (order.verdict != INJECT_OBEYED) {
+        check_refused(&before, guard, &order);
+    }
+    if (order.has_shot) {
+        check_shot(&before, guard, &order.shot, (uint16_t)(frame[1] | (unsigned)frame[2] << 8));
+    }
+    inject_guard_report(guard, order.page, order.verdict, 0u, now_ms, status);
+}
+
+static void play_frames(inject_guard_t *guard, const uint8_t *data, size_t size)
+{
+    uint32_t now_ms = 0u;
+    for (; size > INJECT_FRAME_BYTES; data += INJECT_FRAME_BYTES + 1u) {
+        now_ms += data[0] / 16u;
+        take(guard, &data[1], data[0] % (INJECT_FRAME_BYTES + 1u), now_ms);
+        size -= INJECT_FRAME_BYTES + 1u;
+    }
+}
+
+/* A command of arbitrary figures, mostly in order. */
+static inject_command_t command_of(const inject_guard_t *guard, const uint8_t *step)
+{
+    uint32_t figure = (uint32_t)step[3] | (uint32_t)step[4] << 8 | (uint32_t)step[5] << 16;
+    bool     is_told = step[7] % GOOD_TOKENS == 0u;
+    return (inject_command_t){
+        .kind = step[0] % 8u,
+        .counter = (uint8_t)(guard->last_counter + (step[6] < 200u ? 1u : step[6])),
+        .page = step[1] % 8u,
+        .line = step[1] % 4u,
+        .level = step[2] % 3u,
+        .valid_ms = (uint16_t)figure,
+        .count = (uint16_t)(step[1] | (unsigned)step[2] << 8),
+        .token = is_told ? guard->token : (uint16_t)figure,
+        .width_us = figure,
+        .period_us = figure,
+        .delay_us = figure,
+    };
+}
+
+static void play_script(inject_guard_t *guard, const uint8_t *data, size_t size)
+{
+    uint32_t now_ms = UINT32_MAX - 100u;
+    for (; size >= STEP_BYTES; data += STEP_BYTES, size -= STEP_BYTES) {
+        inject_command_t command = command_of(guard, data);
+        uint8_t          frame[INJECT_FRAME_BYTES];
+        inject_frame_put_command(&command, frame);
+        take(guard, frame, INJECT_FRAME_BYTES, now_ms);
+        guard->is_running = data[7] > 250u;
+        now_ms += data[7] / 32u;
+    }
+}
+
+/* Whatever came before: who asks for the counter and arms can trigger. */
+static void check_still_works(inject_guard_t *guard)
+{
+    inject_command_t commands[] = {
+        {.kind = INJECT_ARM, .valid_ms = 1000u},
+        {.kind = INJECT_PULSE, .width_us = 5u},
+        {.kind = INJECT_TRAIN, .count = 1u},
+        {.kind = INJECT_TRIGGER},
+    };
+    inject_order_t order = {.has_shot = false};
+    guard->is_running = false;
+    for (unsigned i = 0u; i < 4u; ++i) {
+        uint8_t frame[INJECT_FRAME_BYTES];
+        commands[i].counter = (uint8_t)(guard->last_counter + 1u);
+        commands[i].token = guard->token;
+        inject_frame_put_command(&commands[i], frame);
+        order = inject_guard_take(guard, frame, INJECT_FRAME_BYTES, 5u);
+        CHECK(order.verdict == INJECT_OBEYED);
+    }
+    CHECK(order.has_shot);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    inject_guard_t guard;
+    if (size == 0u) {
+        return 0;
+    }
+    inject_guard_begin(&guard, data[0], LINES);
+    if (data[0] % 2u == 0u) {
+        play_frames(&guard, &data[1], size - 1u);
+    } else {
+        play_script(&guard, &data[1], size - 1u);
+    }
+    check_still_works(&guard);
+    return 0;
+}
