@@ -121,6 +121,7 @@ TESTS          := $(TESTS.unit) $(TESTS.contract) $(TESTS.scenario)
 FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
 PERF           := $(wildcard tests/perf/*.c)
+RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
 
 C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE) $(LINUX)
 C_HEADERS := $(wildcard firmware/*/*.h hal/include/*.h hal/ports/*/*.h host_sim/*.h host_sim/*/*.h)
@@ -129,7 +130,7 @@ C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.c tests/*
 PYTHON_FOLDERS := scripts $(wildcard tests)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
                   $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
-                             tests/gap/*.py)
+                             tests/gap/*.py tests/bench/*.py)
 SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh) .ci/run
 
 object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)
@@ -242,6 +243,16 @@ bench: setup $(STAMPS)/bench ## measure speed
 	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so)
 	@$(VENV_PYTHON) tests/perf/bench.py
 
+# The suites of the rig, one in the virtual machine and one on this host's own vcan and gpio-sim.
+RIG_SUITES := bench-vm bench-host
+.PHONY: bench-vm
+bench-vm: setup setup-test ## test the Linux port in a virtual machine with CAN and GPIO, and time it
+	$(call run_suites,$@)
+
+.PHONY: bench-host
+bench-host: setup setup-test ## the same on this host, as root, with vcan and gpio-sim
+	$(call run_suites,$@)
+
 COUNT        ?= 20
 SEED         ?= 1
 FALSE_ALARMS ?= 0
@@ -263,7 +274,8 @@ format: setup-build ## lay out C and Python files as lint wants them
 
 .PHONY: totals
 totals:
-	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) lint
+	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) lint \
+	    $(notdir $(wildcard $(RESULTS)/bench-vm))
 
 .PHONY: clean
 clean: ## remove what was built
@@ -283,7 +295,7 @@ program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(if $(LINUX),$(OUT)/skiplatch-contr
 	@:
 objects: $(call object_of,$(FIRMWARE) $(TEMPLATE) $(PORTS.$(VARIANT)))
 ifndef CROSS
-objects: $(call object_of,$(SIM) $(PROGRAMS) $(MAIN) $(LINUX) $(TESTS) $(FUZZ) $(PERF)) \
+objects: $(call object_of,$(SIM) $(PROGRAMS) $(MAIN) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(RIG)) \
          $(C_HEADERS:%=$(OUT)/headers/%.ok)
 endif
 
@@ -340,6 +352,11 @@ $(OUT)/inject-codec: $(call object_of,$(CODEC))
 $(OUT)/template: $(call object_of,$(TEMPLATE) $(FIRMWARE))
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ -lm -o $@
+
+$(RIG:%.c=$(OUT)/%): $(OUT)/%: $(OUT)/obj/%.o $(OUT)/liblinux_port.a
+	@mkdir -p $(@D)
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 
 build/perf/libfloor.so: $(call object_of,$(PERF)) $(OUT)/libskiplatch_sim.a
 	@mkdir -p $(@D)
@@ -425,6 +442,9 @@ LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tid
         dependencies firmware isr-objects ruff-check ruff-format mypy shellcheck
 RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
 
+RESULTS.bench-vm        := $(RESULTS)/bench-vm/bench-vm.check
+RESULTS.bench-host      := $(RESULTS)/bench-host/bench-host.check
+
 .PHONY: $(addprefix run-,$(TEST_SUITES) lint)
 $(addprefix run-,$(C_SUITES) template contract-linux python lint): run-%: $$(RESULTS.$$*)
 	@:
@@ -449,6 +469,12 @@ $(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
 $(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec FORCE
 	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --quiet --junitxml=$@ tests/python || true
+
+# Whatever the suite wrote beside its one declared result is counted as well.
+$(RIG_SUITES:%=run-%): run-bench-%: program $(if $(LINUX),contract-linux-programs $(RIG:%.c=$(OUT)/%))
+	@scripts/run_check.sh $(RESULTS)/bench-$*/bench-$*.check bench-$* \
+	    $(if $(LINUX),tests/bench/run_suite.sh $* $(RESULTS)/bench-$*,$(call skip,no libgpiod 2 here))
+	@sed -n '/^scan wake-up/,$$p' $(RESULTS)/bench-$*/bench.txt 2>/dev/null || true
 
 run-fuzz-regression:
 	@$(if $(FUZZ),$(MAKE) VARIANT=sanitize RESULTS=$(RESULTS) run-replay)

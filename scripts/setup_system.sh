@@ -24,8 +24,9 @@ packages_of() {
     test) echo ruby ;;
     lint) echo clang cppcheck shellcheck ;;
     cross) echo gcc-avr avr-libc binutils-avr gcc-arm-none-eabi libnewlib-arm-none-eabi ;;
-    # the virtual machine of the bench, and what its latencies are held against
-    vm) echo qemu-system-x86 busybox-static xz-utils zstd rt-tests can-utils ;;
+    # the virtual machine of the Linux bench; what works in it, or on a host with the devices
+    vm) echo qemu-system-x86 busybox-static xz-utils zstd ;;
+    rig) echo iproute2 rt-tests can-utils ;;
     # On distributions that have version 2; see setup_gpiod.sh.
     bench) echo libgpiod-dev ;;
     *)

@@ -23,7 +23,7 @@ skip() {
 }
 
 [ "$(uname -m)" = x86_64 ] || skip "the virtual machine of the bench needs an x86_64 host"
-"$scripts/setup_system.sh" vm || skip "no qemu-system-x86, or busybox-static to be had here"
+"$scripts/setup_system.sh" vm rig || skip "no qemu-system-x86, or busybox-static to be had here"
 [ ! -f "$vm/version" ] || exit 0
 
 # shellcheck source=/dev/null
@@ -71,7 +71,8 @@ done
 
 tree=$(find "$scratch/root" -type d -path '*/lib/modules/*' -name kernel -prune | head -n 1)
 kernel=$(find "$scratch/root" \( -name vmlinuz -o -name 'vmlinuz-*' \) | head -n 1)
-[ -n "$tree" ] && [ -n "$kernel" ] || skip "$image holds no kernel with modules"
+[ -n "$tree" ] || skip "$image holds no modules"
+[ -n "$kernel" ] || skip "$image holds no kernel"
 
 unpacked() {
     case $1 in

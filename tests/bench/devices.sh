@@ -11,14 +11,14 @@ if command -v ip >/dev/null; then ip=ip; else ip='busybox ip'; fi
 
 make_can() {
     BENCH_CAN=${BENCH_CAN:-vcan0}
-    [ -e "/sys/class/net/$BENCH_CAN" ] || $ip link add dev "$BENCH_CAN" type vcan
+    [ -e "/sys/class/net/$BENCH_CAN" ] || $ip link add dev "$BENCH_CAN" type vcan || return
     $ip link set "$BENCH_CAN" up
 }
 
 make_chip() {
     BENCH_CONFIG=/sys/kernel/config/gpio-sim/${BENCH_NAME:-skiplatch}
     if [ ! -d "$BENCH_CONFIG" ]; then
-        mkdir -p "$BENCH_CONFIG/bank0"
+        mkdir -p "$BENCH_CONFIG/bank0" || return
         echo 8 >"$BENCH_CONFIG/bank0/num_lines"
         echo bench >"$BENCH_CONFIG/bank0/label"
         for line in 0 1 2 3 4 5 6 7; do
@@ -26,12 +26,10 @@ make_chip() {
             echo "bench-$line" >"$BENCH_CONFIG/bank0/line$line/name"
         done
     fi
-    [ "$(cat "$BENCH_CONFIG/live")" = 1 ] || echo 1 >"$BENCH_CONFIG/live"
+    [ "$(cat "$BENCH_CONFIG/live")" = 1 ] || echo 1 >"$BENCH_CONFIG/live" || return
     chip=$(cat "$BENCH_CONFIG/bank0/chip_name")
     BENCH_CHIP=/dev/$chip
     BENCH_PULLS=/sys/devices/platform/$(cat "$BENCH_CONFIG/dev_name")/$chip
 }
 
-make_can
-make_chip
-export BENCH_CAN BENCH_CHIP BENCH_PULLS BENCH_CONFIG
+make_can && make_chip && export BENCH_CAN BENCH_CHIP BENCH_PULLS BENCH_CONFIG

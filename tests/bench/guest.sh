@@ -1,4 +1,5 @@
 #!/bin/busybox sh
+# shellcheck shell=dash
 # The first process of the virtual machine: makes the host's files, vcan0 and a gpio-sim chip ready,
 # runs the script that run_vm.sh put into the share, writes its status there and switches off.
 /bin/busybox mkdir -p /sbin /usr/bin /usr/sbin /proc /sys /dev /host /job
