@@ -137,6 +137,17 @@ def test_missed_and_false_latches_stand_in_the_campaign(
     assert np.isnan(touches.edge_us[touches.false]).all()
 
 
+def test_touch_that_took_long_does_not_push_the_next_ones_together(
+    plan: Callable[..., Path], channel: str
+) -> None:
+    with FakeBench(channel, Faults(missed={2}), feed_mm_min=FEED):
+        result = play(plan(6), channel)
+
+    assert result.exit_code == 0, result.output
+    steps_s = np.diff(read_campaign(plan().parent / "out").touches.time_s)
+    assert np.all(steps_s > 1 / 25 - 0.005)
+
+
 def test_edge_report_that_is_lost_leaves_its_cell_empty(
     plan: Callable[..., Path], channel: str
 ) -> None:

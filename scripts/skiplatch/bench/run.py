@@ -144,9 +144,11 @@ class Player:
         station.edges.clear()
         feeds = self._feeds()
         title = f"{path.name.lower()}, scan {recording.scan_us} µs"
-        start_s = time.monotonic()
-        for number, feed in enumerate(shown(feeds, self._plan.touches, title)):
-            station.listen(start_s + number / self._plan.rate_per_s - time.monotonic())
+        due_s = time.monotonic()
+        for feed in shown(feeds, self._plan.touches, title):
+            station.listen(due_s - time.monotonic())
+            # From touch to touch: one that took long must not push the next ones together.
+            due_s = time.monotonic() + 1.0 / self._plan.rate_per_s
             recording.played += self._strays(path, feed)
             for program in programs:
                 if isinstance(program, Program):
