@@ -47,6 +47,7 @@ class Faults:
     damaged_edges: set[int] = field(default_factory=set)
     refused: dict[int, Verdict] = field(default_factory=dict)
     mute_answers: set[int] = field(default_factory=set)
+    expired: set[int] = field(default_factory=set)
     is_silent: bool = False
 
 
@@ -153,6 +154,9 @@ class FakeBench(threading.Thread):
             self.latch(edge_ns + self._delay_ns)
         if self.triggers in self._faults.doubled:
             self.latch(edge_ns + 2 * self._delay_ns)
+        if self.triggers in self._faults.expired:
+            self._token = 0
+            self._answer(Verdict.OBEYED)
 
     def _encode(self, frame_id: int, line: str, *, damage: bool = False) -> None:
         assert self._codec.stdin is not None

@@ -175,6 +175,17 @@ def test_refused_trigger_is_armed_for_anew_and_played_once(
     assert sum(command["Kind"] == Kind.ARM for command in fake.commands) == 2
 
 
+def test_token_that_expired_meanwhile_is_asked_for_anew(
+    plan: Callable[..., Path], channel: str
+) -> None:
+    with FakeBench(channel, Faults(expired={2}), feed_mm_min=FEED) as fake:
+        result = play(plan(4), channel)
+
+    assert result.exit_code == 0, result.output
+    assert fake.triggers == 4
+    assert sum(command["Kind"] == Kind.ARM for command in fake.commands) == 2
+
+
 def test_trigger_whose_answer_is_lost_is_not_played_twice(
     plan: Callable[..., Path], channel: str
 ) -> None:

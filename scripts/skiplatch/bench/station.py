@@ -167,7 +167,8 @@ class Station:
         verdict: Verdict | None = None
         for _ in range(ATTEMPTS):
             self._await_rest(pulse)
-            verdict = self._prepare(pulse) if self._pulse != pulse else Verdict.OBEYED
+            is_ready = self._pulse == pulse and self._token
+            verdict = Verdict.OBEYED if is_ready else self._prepare(pulse)
             if verdict is Verdict.OBEYED:
                 verdict = self._command(Kind.TRIGGER, Token=self._token, DelayUs=delay_us)
             if verdict is Verdict.OBEYED:
