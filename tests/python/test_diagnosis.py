@@ -94,6 +94,7 @@ def test_a_stranger_is_not_named() -> None:
     diagnosis = diagnose(stranger, seed=1, jobs=JOBS)
 
     assert diagnosis.verdict == Verdict.UNKNOWN
+    assert any("position" in note for note in diagnosis.notes)
     assert not diagnosis.effects
     assert diagnosis.left[0].stream.name == "position"
 

@@ -12,6 +12,7 @@ from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split, weigh
+from skiplatch.diagnosis.generic import PREFIX
 from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.scene import Scene
@@ -152,12 +153,18 @@ def _diagnose(
         touches=touches,
         used=len(scene),
         materiality=materiality,
-        notes=_notes(scene, touches),
+        notes=[*_looks(stranger), *_notes(scene, touches)],
     )
 
 
 def _ranked(models: Sequence[Scored]) -> list[Ranked]:
     return [Ranked(tuple(as_effects(model.fit)), model.score) for model in models]
+
+
+def _looks(family: str) -> list[str]:
+    """Say what looks like something that no effect of the catalogue is."""
+    stretch, _, look = family.removeprefix(PREFIX).partition(": ")
+    return [f"Something that no effect explains shows in {stretch}: {look}."] if family else []
 
 
 def _notes(scene: Scene, touches: int) -> list[str]:

@@ -27,7 +27,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     parts = [VERDICTS[diagnosis.verdict], *map(_effect_text, diagnosis.effects)]
     if diagnosis.where:
         rows = [
-            (p.observable, p.stage, p.paths, f"{number(p.size, 3)} {p.unit}", p.conditions)
+            (p.observable, p.stage, p.paths, _size(p.size, p.unit), p.conditions)
             for p in diagnosis.where
         ]
         parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
@@ -53,6 +53,10 @@ def _effect_text(named: Named) -> str:
     if named.alternatives:
         lines.append(f"  cannot be told from: {', '.join(named.alternatives)}")
     return "\n".join(lines)
+
+
+def _size(size: float, unit: str) -> str:
+    return f"{size:.1%} of the touches" if unit == "1" else f"{number(size, 3)} {unit}"
 
 
 def _threshold_text(materiality: Materiality) -> str:

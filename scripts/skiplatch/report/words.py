@@ -242,7 +242,7 @@ def _size(value: float) -> str:
 
 
 def _with_unit(size: float, unit: str) -> str:
-    return number(size, DIGITS) if unit == "1" else f"{number(size, DIGITS)} {unit}"
+    return f"{_percent(size)} of the touches" if unit == "1" else f"{number(size, DIGITS)} {unit}"
 
 
 def _listed(words: Sequence[str]) -> str:
