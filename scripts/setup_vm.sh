@@ -32,7 +32,7 @@ codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
 # shellcheck disable=SC2016
 mirror=$(apt-get indextargets --format '$(ORIGIN) $(CODENAME) $(REPO_URI)' 'Created-By: Packages' |
     sed -n "s/^Debian $codename //p" | head -n 1)
-mirror=${mirror:-http://deb.debian.org/debian}
+[ -n "$mirror" ] || skip "no Debian mirror here to take the kernel of Debian $suite from"
 keyring=/usr/share/keyrings/debian-archive-keyring.gpg
 [ -f "$keyring" ] || skip "no $keyring to check Debian's kernel with: apt-get install debian-archive-keyring"
 

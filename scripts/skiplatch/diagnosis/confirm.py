@@ -19,7 +19,8 @@ from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
 from skiplatch.diagnosis.scene import BoolArray, Scene
 from skiplatch.diagnosis.search import Fit, fit
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.diagnosis.shrink import play_scene
+from skiplatch.simulator import Effect, Outcomes
 from skiplatch.statistics import Interval
 
 REACH = 15.0
@@ -166,21 +167,7 @@ def _interval(values: FloatArray, errors: float) -> Interval:
 
 def _play(scene: Scene, switched_on: Sequence[Effect], seed: int, jobs: int) -> Outcomes:
     replicates = np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES)
-    return _played(scene, switched_on, seed, int(replicates) // BATCHES * BATCHES, jobs)
-
-
-def _played(
-    scene: Scene, switched_on: Sequence[Effect], seed: int, replicates: int, jobs: int
-) -> Outcomes:
-    return play(
-        scene.nominal,
-        Controller.for_campaign(scene.nominal, scene.touches),
-        scene.touches,
-        seed=seed,
-        replicates=replicates,
-        jobs=jobs,
-        switched_on=switched_on,
-    )
+    return play_scene(scene, switched_on, seed, int(replicates) // BATCHES * BATCHES, jobs)
 
 
 class _Scorer:
@@ -296,7 +283,7 @@ def inseparable(
         return []
     chosen = _some(rows, seed)
     scale = float(rows.sum()) / len(chosen)
-    outcomes = _played(scene, effects, seed, CAMPAIGNS, jobs=1)
+    outcomes = play_scene(scene, effects, seed, CAMPAIGNS, jobs=1)
     campaigns = [
         Scene(scene.nominal, _as_recorded(scene.touches, outcomes, k)).select(chosen)
         for k in range(CAMPAIGNS)

@@ -14,7 +14,7 @@ from skiplatch.diagnosis.candidates import Candidate, Parameters
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import SMALLEST, Extra, FloatArray
 from skiplatch.diagnosis.likelihood import law_under
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import BoolArray, Scene, Stream
 
 PREFIX = "~"
 """Of the ids of families."""
@@ -106,15 +106,16 @@ def _scores(scene: Scene, name: str, given: Change) -> tuple[FloatArray, BoolArr
     return np.clip(scores, -WINSOR, WINSOR), rows
 
 
-def _lengths(scene: Scene) -> list[str]:
-    return [name for name in ("position", "deviation_skip") if name in scene.streams]
+def _shown(scene: Scene, *more: str) -> dict[str, Stream]:
+    """Give the streams that families are looked for in, where enough was recorded."""
+    names = ("position", "deviation_skip", "latch_skip", *more)
+    streams = {name: scene.streams[name] for name in names if name in scene.streams}
+    return {name: stream for name, stream in streams.items() if stream.rows.sum() >= FEWEST}
 
 
 def _with_features(scene: Scene, given: Change) -> list[Candidate]:
     found: list[tuple[float, Candidate]] = []
-    for name in (*_lengths(scene), "latch_skip"):
-        if name not in scene.streams or scene.streams[name].rows.sum() < FEWEST:
-            continue
+    for name, stream in _shown(scene).items():
         scores, rows = _scores(scene, name, given)
         for label, features in (FEATURES | OTHERS.get(name, {})).items():
             known = scene.follows[rows] if label in OF_BEFORE else np.full(len(scores), True)
@@ -125,7 +126,7 @@ def _with_features(scene: Scene, given: Change) -> list[Candidate]:
             )
             if p_value < SCREENED:
                 values = [feature(scene)[rows][known] for feature in features]
-                residuals = scene.streams[name].residuals[rows][known]
+                residuals = stream.residuals[rows][known]
                 start = _regression(residuals, scores[known], values)
                 found.append((p_value, _shifted(name, label, features, start)))
     found.sort(key=lambda item: item[0])
@@ -144,7 +145,9 @@ def _regression(
     residuals: FloatArray, scores: FloatArray, features: Sequence[FloatArray]
 ) -> list[float]:
     """Give slopes and offset by least squares, over the touches that are not far off."""
-    near = np.abs(scores) < WINSOR if np.mean(np.abs(scores) < WINSOR) > 0.5 else scores == scores
+    near = np.abs(scores) < WINSOR
+    if np.mean(near) <= 0.5:
+        near = np.full(len(scores), fill_value=True)
     design = np.column_stack([*features, np.ones(len(residuals))])[near]
     found, *_ = np.linalg.lstsq(design, residuals[near], rcond=None)
     return [float(value) or SMALLEST for value in found]
@@ -195,10 +198,7 @@ def _shift(stream: str, amount: FloatArray) -> Change:
 def _in_time(scene: Scene, given: Change) -> list[Candidate]:
     """Whatever comes and goes slowly with time, as these touches show it themselves."""
     found = []
-    for name in (*_lengths(scene), "latch_skip", "report"):
-        stream = scene.streams.get(name)
-        if stream is None or stream.rows.sum() < FEWEST:
-            continue
+    for name, stream in _shown(scene, "report").items():
         rows = stream.rows
         law = law_under(scene, stream, given).select(rows)
         residuals = stream.residuals[rows] - law.mean
@@ -233,10 +233,7 @@ def _course(kind: str, course: tuple[FloatArray, FloatArray]) -> Candidate:
 def _swings(scene: Scene, given: Change) -> list[Candidate]:
     """Whatever swings with time too fast for its course to show."""
     found = []
-    for name in (*_lengths(scene), "latch_skip"):
-        stream = scene.streams.get(name)
-        if stream is None or stream.rows.sum() < FEWEST:
-            continue
+    for name, stream in _shown(scene).items():
         scores, rows = _scores(scene, name, given)
         times_s = scene.touches.time_s[rows]
         span_s, count = float(np.ptp(times_s)), len(scores)
@@ -281,10 +278,7 @@ def _swing(name: str, start: Sequence[float]) -> Candidate:
 def _steps(scene: Scene, given: Change) -> list[Candidate]:
     """Whatever changes once and stays so."""
     found = []
-    for name in (*_lengths(scene), "latch_skip"):
-        stream = scene.streams.get(name)
-        if stream is None or stream.rows.sum() < FEWEST:
-            continue
+    for name, stream in _shown(scene).items():
         scores, rows = _scores(scene, name, given)
         splits = range(FEWEST_A_SIDE, len(scores) - FEWEST_A_SIDE + 1)
         chances = [float(stats.ranksums(scores[:k], scores[k:]).pvalue) for k in splits]

@@ -150,6 +150,13 @@ def shrink(
 
 def _play(scene: Scene, switched_on: Sequence[Effect], seed: int, jobs: int) -> Outcomes:
     replicates = int(np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES))
+    return play_scene(scene, switched_on, seed, replicates, jobs)
+
+
+def play_scene(
+    scene: Scene, switched_on: Sequence[Effect], seed: int, replicates: int, jobs: int
+) -> Outcomes:
+    """Play the conditions of a scene with effects, on as many threads as `jobs`."""
     return play(
         scene.nominal,
         Controller.for_campaign(scene.nominal, scene.touches),
