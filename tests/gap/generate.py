@@ -7,12 +7,12 @@ The same seed, count and choice of cases give the same bytes.
 """
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from skiplatch.progress import shown
 from tests.gap.cases import Case, Order, draw_campaign, recordings_for
 from tests.gap.conditions import Recording
 from tests.gap.effects import EFFECTS
@@ -86,11 +86,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = parser.parse_args(arguments)
     plan = np.random.default_rng(np.random.SeedSequence(options.seed, spawn_key=(0,)))
     planned = orders(plan, options.count, options.kinds, options.cases)
-    for i, order in enumerate(planned):
+    for i, order in enumerate(shown(planned, options.count, "campaigns")):
         rng = np.random.default_rng(np.random.SeedSequence(options.seed, spawn_key=(1, i)))
         write(options.out, f"g{i:04d}", draw_campaign(rng, order, tuple(options.touches)))
-        sys.stderr.write(f"\r{i + 1} of {options.count}")
-    sys.stderr.write("\n")
 
 
 if __name__ == "__main__":

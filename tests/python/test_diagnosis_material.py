@@ -43,6 +43,15 @@ def test_another_scan_period_is_material_from_the_stated_time_on(us: float) -> N
     assert is_material(bench(), Change(period_us=us), Materiality(us=100.0)) == (us > 100.0)
 
 
+@pytest.mark.parametrize("share", [0.08, 0.12])
+def test_lobes_are_material_beyond_what_a_calibration_is_good_for(share: float) -> None:
+    scene = Scene.of(read_campaign(MACHINE))
+    other = Change(pretravel_um=share * scene.lobes_um)
+
+    assert is_material(scene, other, Materiality(fraction=1e-3)) == (share > 0.1)
+    assert is_material(scene, other, Materiality(um=1e-3))
+
+
 def test_lost_touches_are_always_material() -> None:
     assert is_material(bench(), Change(lost=0.01), Materiality(us=1e9, um=1e9))
 

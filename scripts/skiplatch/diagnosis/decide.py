@@ -236,12 +236,14 @@ class Finding:
         alternatives: For each effect, the ids that would do as well.
         confidences: For each effect, that of it or one of its alternatives being right.
         ranking: The models that were tried last, by falling score.
+        small: An effect that is there, but too small to matter.
     """
 
     model: Scored | None
     alternatives: tuple[tuple[str, ...], ...] = ()
     confidences: tuple[float, ...] = ()
     ranking: tuple[Scored, ...] = ()
+    small: Scored | None = None
 
     @property
     def rivals(self) -> tuple[Scored, ...]:
@@ -268,7 +270,9 @@ def find(judge: Judge) -> Finding:
     has_second = judge.is_enough(pairs[0], before=best) and not _is_a_form(judge, pairs[0])
     if not judge.is_material(best):
         # What is too small to matter may still hide what is not.
-        return _second(judge, pairs) if has_second else Finding(None, ranking=tuple(ranked))
+        if has_second:
+            return _second(judge, pairs)
+        return Finding(None, ranking=tuple(ranked), small=best)
     if has_second:
         return _two(judge, pairs)
     group, confidence = _group(ranked, position=0)

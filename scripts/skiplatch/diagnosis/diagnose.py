@@ -138,8 +138,8 @@ def _diagnose(
         scene, parts, finding, as_effects, seed=seed, jobs=jobs, executor=pool
     )
     named = _named(finding, scene.select(parts.naming))
-    change = finding.model.fit.change(scene) if finding.model else Change()
-    left = structures(scene, change, materiality)
+    known = finding.model or finding.small
+    left = structures(scene, known.fit.change(scene) if known else Change(), materiality)
     verdict = _verdict(scene, named, left, stranger, confirmed)
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(

@@ -4,7 +4,7 @@ What an effect moves in a stretch of the chain is held against a threshold: a fr
 stretch's own spread, or what the engineer has said in µs and µm.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
@@ -20,6 +20,8 @@ ROUNDING = 0.3
 """Share of what a stretch is rounded to, below which no scatter is material."""
 RESOLVED = 0.1
 """Share of it below which no shift is: rounding need not be as random as its law has it."""
+CALIBRATED = 0.1
+"""Share of the believed lobes within which a probe counts as calibrated."""
 ERRORS = 3.0
 """Standard errors by which what is left has to be smaller to be left out."""
 MICROSECONDS = "µs"
@@ -53,10 +55,23 @@ DEFAULT = Materiality()
 
 def is_material(scene: Scene, change: Change, materiality: Materiality = DEFAULT) -> bool:
     """Tell whether an effect changes some stretch of the chain by more than the threshold."""
+    change = _beyond_calibration(scene, change, materiality)
     names = affected(scene, change)
     return MISSED in names or any(
         _is_material_in(scene, scene.streams[name], change, materiality) for name in names
     )
+
+
+def _beyond_calibration(scene: Scene, change: Change, materiality: Materiality) -> Change:
+    """Leave out lobes that differ by less than a probe's calibration is good for.
+
+    A nominal simulation believes its calibrated lobes to the last digit, and a probe of large lobes
+    and small scatter shows the smallest error in them. Who states a size in µm means it.
+    """
+    is_calibrated = _rms(change.pretravel_um) <= CALIBRATED * _rms(scene.lobes_um)
+    if materiality.um is None and is_calibrated:
+        return replace(change, pretravel_um=0.0)
+    return change
 
 
 def _is_material_in(scene: Scene, stream: Stream, change: Change, materiality: Materiality) -> bool:
@@ -86,8 +101,8 @@ def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: Float
     return _rms(scatter) > ROUNDING * step or bool(np.any(shift > RESOLVED * step + ticks))
 
 
-def _rms(values: FloatArray) -> float:
-    return float(np.sqrt(np.mean(values**2)))
+def _rms(values: FloatArray | float) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))
 
 
 def is_rest_material(

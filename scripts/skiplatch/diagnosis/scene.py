@@ -127,12 +127,17 @@ class Scene:
         return np.nan_to_num(self.touches.temp_c, nan=CALIBRATION_C) - CALIBRATION_C
 
     @cached_property
-    def pretravel_um(self) -> FloatArray:
-        """Calibrated pretravel in the direction of each touch; shape (n,)."""
+    def lobes_um(self) -> FloatArray:
+        """What the calibrated lobes add to the pretravel of each touch; shape (n,)."""
         probe = self.nominal.probe
         azimuth = LOBES * (self.alpha - np.deg2rad(probe.lobe_phase_deg))
-        lobe = probe.lobe_um * self.cos_beta * np.cos(azimuth)
-        return np.asarray(np.maximum(0.0, probe.pretravel_um + lobe)) * self.is_machine
+        return np.asarray(probe.lobe_um * self.cos_beta * np.cos(azimuth))
+
+    @cached_property
+    def pretravel_um(self) -> FloatArray:
+        """Calibrated pretravel in the direction of each touch; shape (n,)."""
+        calibrated = self.nominal.probe.pretravel_um + self.lobes_um
+        return np.asarray(np.maximum(0.0, calibrated)) * self.is_machine
 
     @cached_property
     def wait_us(self) -> FloatArray:
