@@ -1,8 +1,7 @@
 #!/bin/sh
 # Fetches what the virtual machine of the bench boots, into build/vm: a kernel with vcan and gpio-sim.
 #
-# Only Debian's later releases build gpio-sim, so the kernel comes from testing: from the mirror this
-# machine already uses, with a source list, package lists and cache of its own, and is unpacked, never
+# Only Debian's later releases build gpio-sim, so the kernel comes from testing, and is unpacked, never
 # installed. The meta package names the version; a pinned one would vanish from the mirror. Does
 # nothing when all is there. Ends with 77 and a line that says why where it cannot be had.
 set -eu
@@ -13,6 +12,8 @@ meta=linux-image-amd64
 modules="virtio_pci 9pnet_virtio 9p vcan can-raw can-dev gpio-sim"
 
 scripts=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=scripts/apt_aside.sh
+. "$scripts/apt_aside.sh"
 vm=$(dirname "$scripts")/build/vm
 
 say() { printf 'setup_vm: %s\n' "$*"; }
@@ -26,45 +27,20 @@ skip() {
 "$scripts/setup_system.sh" vm rig || skip "no qemu-system-x86, or busybox-static to be had here"
 [ ! -f "$vm/version" ] || exit 0
 
-# shellcheck source=/dev/null
-codename=$(. /etc/os-release && echo "$VERSION_CODENAME")
-# apt expands these itself.
-# shellcheck disable=SC2016
-mirror=$(apt-get indextargets --format '$(ORIGIN) $(CODENAME) $(REPO_URI)' 'Created-By: Packages' |
-    sed -n "s/^Debian $codename //p" | head -n 1)
-[ -n "$mirror" ] || skip "no Debian mirror here to take the kernel of Debian $suite from"
-keyring=/usr/share/keyrings/debian-archive-keyring.gpg
-[ -f "$keyring" ] || skip "no $keyring to check Debian's kernel with: apt-get install debian-archive-keyring"
-
 scratch=$vm/scratch
 rm -rf "$vm"
 trap 'rm -rf "$scratch"' EXIT
-mkdir -p "$scratch/lists/partial" "$scratch/cache/archives/partial" "$scratch/deb" "$scratch/root"
-: >"$scratch/status"
-echo "deb [signed-by=$keyring] $mirror $suite main" >"$scratch/sources.list"
-
-# Sees testing and nothing else: neither what is installed here nor any other source.
-aside="-o Dir::Etc::sourcelist=$scratch/sources.list -o Dir::Etc::sourceparts=/dev/null
-       -o Dir::State::Lists=$scratch/lists -o Dir::State::status=$scratch/status
-       -o Dir::Cache=$scratch/cache -o Dir::Cache::archives=$scratch/cache/archives
-       -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache=
-       -o Acquire::Languages=none -o Acquire::IndexTargets::deb::Contents-deb::DefaultEnabled=false
-       -o APT::Sandbox::User=$(id -un)"
-# The options are meant to fall apart into words.
-# shellcheck disable=SC2086
-fetch() { apt-get -qq $aside "$@"; }
-# shellcheck disable=SC2086
-depends() { apt-cache $aside depends --no-recommends --no-suggests "$1" | sed -n 's/^ *Depends: //p'; }
 
 say "looking up the kernel of Debian $suite"
-fetch update || skip "no package lists of Debian $suite from $mirror"
-image=$(depends "$meta" | grep '^linux-image-[0-9]' | head -n 1)
+begin_aside "$scratch" "$suite" || skip "no Debian mirror here to take the kernel of Debian $suite from"
+mkdir "$scratch/root"
+image=$(depends_aside "$meta" | grep '^linux-image-[0-9]' | head -n 1)
 [ -n "$image" ] || skip "$meta of Debian $suite names no kernel"
 # The image of today is itself a meta package of these two; an older one was a package in one piece.
-parts=$(depends "$image" | grep -E '^linux-(binary|modules)-[0-9]' || true)
+parts=$(depends_aside "$image" | grep -E '^linux-(binary|modules)-[0-9]' || true)
 say "fetching ${image#linux-image-}"
 # shellcheck disable=SC2086
-(cd "$scratch/deb" && fetch download ${parts:-$image}) || skip "no kernel to be had from $mirror"
+fetch_aside ${parts:-$image} || skip "no kernel of Debian $suite to be had"
 for package in "$scratch"/deb/*.deb; do
     dpkg --extract "$package" "$scratch/root"
 done
