@@ -247,13 +247,13 @@ static void change_pin(sim_t *sim)
 
 static uint32_t captured_ticks(sim_t *sim)
 {
-    uint64_t ticks = sim_clock_ticks(sim, sim->now);
-    if (sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
-        double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
-        double stamp_us = sim_change(sim, SIM_CAPTURE, (double)ticks / ticks_per_us);
-        ticks = (uint64_t)llrint(stamp_us * ticks_per_us);
+    if (!sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
+        return (uint32_t)sim_clock_ticks(sim, sim->now);
     }
-    return (uint32_t)ticks;
+    /* Unrounded: a clock that rounds otherwise does not round what was rounded down before. */
+    double device_us = (double)device_time(sim, sim->now) / SIM_NS_PER_US;
+    double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
+    return (uint32_t)(uint64_t)floor(sim_change(sim, SIM_CAPTURE, device_us) * ticks_per_us);
 }
 
 static sim_event_t run_edge_interrupt(sim_t *sim)
