@@ -30,6 +30,9 @@ FEWEST_FALSE = 2
 """Latches without a contact that are no accident."""
 MOST_LEFT = 0.35
 """Share of the structures that may be left for a finding to count as explained."""
+SWITCHES = ("is_coordinate", "mirrored")
+"""Parameters of which nothing but the one or the other end has a meaning."""
+HALF_WAY = 0.5
 
 
 class Verdict(StrEnum):
@@ -137,7 +140,9 @@ def _diagnose(
     finding, confirmed = settle(
         scene, parts, finding, as_effects, seed=seed, jobs=jobs, executor=pool
     )
-    named = _named(finding, scene.select(parts.naming))
+    named = _named(finding, scene)
+    # The shrink is that of parameters which its touches had no part in.
+    unseeing = [n.effect for n in _named(finding, scene.select(parts.naming))]
     known = finding.model or finding.small
     left = structures(scene, known.fit.change(scene) if known else Change(), materiality)
     verdict = _verdict(scene, named, left, stranger, confirmed)
@@ -146,7 +151,7 @@ def _diagnose(
         verdict=verdict,
         where=places(scene, finding, left),
         effects=[replace(n, confidence=n.confidence * RELIABILITY[verdict]) for n in named],
-        gap=shrink(scene, held_out, [n.effect for n in named], seed=seed, jobs=jobs, truth=truth),
+        gap=shrink(scene, held_out, unseeing, seed=seed, jobs=jobs, truth=truth),
         ranking=_ranked(finding.ranking),
         rivals=_ranked(finding.rivals),
         left=left,
@@ -245,6 +250,8 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
         value = parameters[parameter.name]
         if parameter.unit == "deg":
             value %= parameter.high
+        elif parameter.name in SWITCHES:
+            value = float(value > HALF_WAY)
         elif parameter.low >= 0.0:
             value = abs(value)
         admitted[parameter.name] = float(np.clip(value, parameter.low, parameter.high))
