@@ -7,9 +7,10 @@ from pathlib import Path
 import click
 import numpy as np
 
-from skiplatch.campaign import Touches, read_conditions, read_nominal
+from skiplatch.campaign import Touches, read_campaign, read_conditions, read_nominal
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.diagnosis import effects_from_json
+from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text, failures_named
 from skiplatch.simulator import Controller, Effect, Outcomes, play
@@ -41,23 +42,12 @@ def _cells(values: np.ndarray) -> list[str]:
     return ["" if np.isnan(value) else f"{value:.3f}" for value in values]
 
 
-def _from_given_edges(conditions: Touches, outcomes: Outcomes) -> dict[str, np.ndarray]:
-    """Shift times to the edges that a bench is known to have had; arrays of shape (r, n)."""
-    given = np.where(np.isnan(conditions.edge_us), outcomes.edge_us, conditions.edge_us)
-    shift = np.nan_to_num(given - outcomes.edge_us)
-    return {
-        "edge_us": given,
-        "latch_us": outcomes.latch_us + shift,
-        "report_us": outcomes.report_us + shift,
-        "deviation_um": outcomes.deviation_um,
-    }
-
-
 def _lines(conditions: Touches, outcomes: Outcomes) -> Sequence[str]:
-    columns = _from_given_edges(conditions, outcomes)
+    given = np.where(np.isnan(conditions.edge_us), outcomes.edge_us, conditions.edge_us)
+    columns = [given, outcomes.latch_us, outcomes.report_us, outcomes.deviation_um]
     lines = [HEADER]
     for replicate, ok in enumerate(outcomes.ok):
-        cells = [_cells(column[replicate]) for column in columns.values()]
+        cells = [_cells(column[replicate]) for column in columns]
         status = np.where(ok, "ok", "missed")
         rows = zip(conditions.touch, *cells, status, strict=True)
         lines += [f"{touch},{replicate},{','.join(rest)}" for touch, *rest in rows]
@@ -91,19 +81,26 @@ def command(
 ) -> None:
     """Play conditions on the rig of a CAMPAIGN, with the effects that a diagnosis found.
 
-    Where the conditions give edge_us (on a bench), times are counted from there.
+    Where the conditions give edge_us (on a bench), the contacts close there. With a diagnosis the
+    scans of the PLC keep the phase that the recorded stamps show.
     """
     nominal = read_nominal(campaign / "nominal.toml")
     conditions = read_conditions(conditions_path)
-    outcomes = play(
-        nominal,
-        Controller.for_campaign(nominal, conditions),
-        conditions,
-        seed=seed,
-        replicates=replicates,
-        jobs=jobs,
-        switched_on=_found_effects(diagnosis),
-    )
+    found = _found_effects(diagnosis)
+    given = at_given_edges(nominal, conditions, found)
+    if diagnosis is None:
+        controller = Controller.for_campaign(nominal, given)
+        outcomes = play(nominal, controller, given, seed=seed, replicates=replicates, jobs=jobs)
+    else:
+        outcomes = play_in_phase(
+            nominal,
+            read_campaign(campaign).touches,
+            given,
+            seed=seed,
+            replicates=replicates,
+            jobs=jobs,
+            switched_on=found,
+        )
     atomic_write_text(out, "\n".join(_lines(conditions, outcomes)) + "\n")
     click.echo(f"{out}: {len(conditions)} touches, {replicates} times")
     write_json(json_path, {"out": str(out), "touches": len(conditions), "replicates": replicates})

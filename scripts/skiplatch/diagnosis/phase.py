@@ -1,0 +1,118 @@
+"""Plays that keep to what is known of when: edges that were injected, and the phase of the scans.
+
+A play of its own switches the PLC on at some moment. The recorded rig's was switched on at one, and
+its stamps show which: they lie on the grid of the scans, and so will those of further touches.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign import Nominal, Touches
+from skiplatch.diagnosis.law import FloatArray
+from skiplatch.simulator import Controller, Effect, Outcomes, play
+
+NOISE_EXPLAINS = 1.5
+"""Times the noise of the reference instrument, root mean square, that edges may lie off by."""
+RESOLVED_US = 0.002  # to which edges are written
+KEPT = 0.5
+"""Mean of the stamps as turns of the scan, from which on they keep to its grid: 1 for all on it,
+and for stamps anywhere about 1 over the root of their number."""
+FEWEST_STAMPS = 16
+US_PER_S = 1e6
+TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
+
+
+def at_given_edges(nominal: Nominal, conditions: Touches, switched_on: Sequence[Effect]) -> Touches:
+    """Start the moves so that contacts close when a bench is known to have closed them.
+
+    What the noise of the reference instrument explains is left: the rig latched the edge, and not
+    its reading.
+    """
+    controller = Controller.for_campaign(nominal, conditions)
+    played = play(nominal, controller, conditions, seed=0, switched_on=switched_on)
+    off_us = conditions.edge_us - played.true_edge_us[0]
+    known = off_us[~np.isnan(off_us)]
+    noise_us = NOISE_EXPLAINS * nominal.bench.reference_jitter_us + RESOLVED_US
+    if not len(known) or np.sqrt(np.mean(known**2)) <= noise_us:
+        return conditions
+    return _later(conditions, np.nan_to_num(off_us))
+
+
+def play_in_phase(
+    nominal: Nominal,
+    recorded: Touches,
+    conditions: Touches,
+    *,
+    seed: int,
+    replicates: int,
+    jobs: int,
+    switched_on: Sequence[Effect],
+) -> Outcomes:
+    """Play conditions on the rig of a record: its scans begin when the recorded ones did.
+
+    Where the recorded stamps keep no grid, each replicate has a phase of its own.
+    """
+    controller = Controller.for_campaign(nominal, conditions)
+    free = play(
+        nominal,
+        controller,
+        conditions,
+        seed=seed,
+        replicates=replicates,
+        jobs=jobs,
+        switched_on=switched_on,
+    )
+    period_us = _period_us(nominal, switched_on)
+    stamps = recorded.latch_us[recorded.on_plc]
+    turn, plc = _turn(stamps, period_us), conditions.on_plc
+    if not plc.any() or abs(turn) < KEPT or np.isfinite(stamps).sum() < FEWEST_STAMPS:
+        return free
+    own = _turn(free.latch_us[:, plc], period_us)
+    later_us = np.angle(own * np.conj(turn)) / (2.0 * np.pi) * period_us
+    bound = [
+        play(
+            nominal,
+            controller,
+            _later(conditions, later),
+            seed=seed,
+            first_replicate=replicate,
+            switched_on=switched_on,
+        )
+        for replicate, later in enumerate(later_us)
+    ]
+
+    def together(name: str) -> FloatArray:
+        values = np.concatenate([getattr(one, name) for one in bound])
+        back = later_us[:, None] if name in TIMES else 0.0
+        return np.asarray(np.where(plc, values - back, getattr(free, name)))
+
+    return replace(
+        free,
+        edge_us=together("edge_us"),
+        latch_us=together("latch_us"),
+        report_us=together("report_us"),
+        true_edge_us=together("true_edge_us"),
+        deviation_um=together("deviation_um"),
+        overtravel_um=together("overtravel_um"),
+        status=np.where(plc, np.concatenate([one.status for one in bound]), free.status),
+    )
+
+
+def _later(conditions: Touches, by_us: FloatArray | float) -> Touches:
+    return replace(conditions, time_s=conditions.time_s + by_us / US_PER_S)
+
+
+def _period_us(nominal: Nominal, switched_on: Sequence[Effect]) -> float:
+    """Give the period of the scans as far as effects change it."""
+    changes = [e.parameters["period_us"] for e in switched_on if e.id == "scan_period"]
+    return nominal.plc.scan_us + sum(changes)
+
+
+def _turn(stamps: FloatArray, period_us: float) -> NDArray[np.complex128]:
+    """Average stamps, shape (…, n), as turns of the scan; shape (…)."""
+    known = np.isfinite(stamps)
+    turns = np.exp(2j * np.pi * np.where(known, stamps, 0.0) / period_us) * known
+    return np.asarray(turns.sum(axis=-1) / np.maximum(known.sum(axis=-1), 1))

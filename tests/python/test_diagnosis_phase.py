@@ -1,0 +1,77 @@
+"""Predictions keep to the edges and to the phase of the scans that a record shows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, played
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
+from skiplatch.simulator import Controller, Effect, Outcomes, play
+
+REPLICATES = 4
+FAR_US = 50_000.0
+
+
+def predicted(campaign: Campaign, *effects: Effect, seed: int = 5) -> Outcomes:
+    """Predict the recorded touches themselves, with the random numbers of another seed."""
+    return play_in_phase(
+        campaign.nominal,
+        campaign.touches,
+        campaign.touches,
+        seed=seed,
+        replicates=REPLICATES,
+        jobs=1,
+        switched_on=effects,
+    )
+
+
+def test_scans_of_a_prediction_begin_when_the_recorded_ones_did() -> None:
+    campaign = played(BENCH)
+    plc = campaign.touches.on_plc
+
+    off_us = predicted(campaign).latch_us[:, plc] - campaign.touches.latch_us[plc]
+
+    within_ticks = np.abs(off_us) <= 2.0 * campaign.nominal.skip.tick_us
+    assert within_ticks.mean() > 0.98  # the rest wait for another scan by a hair's breadth
+
+
+def test_stamps_that_keep_no_grid_leave_every_replicate_its_own_phase() -> None:
+    campaign = played(BENCH)
+    plc = campaign.touches.on_plc
+    anywhere = np.random.default_rng(1).uniform(0.0, 1e5, len(plc))
+    lost = replace(campaign, touches=replace(campaign.touches, latch_us=anywhere))
+
+    controller = Controller.for_campaign(campaign.nominal, campaign.touches)
+    free = play(campaign.nominal, controller, campaign.touches, seed=5, replicates=REPLICATES)
+
+    np.testing.assert_array_equal(predicted(lost).latch_us, free.latch_us)
+
+
+def test_the_skip_path_is_played_at_its_own_time() -> None:
+    campaign = played(BENCH, Effect("timer_quantisation", {"tick_us": 8.0}))
+    effect = Effect("timer_quantisation", {"tick_us": 8.0})
+
+    stamps = predicted(campaign, effect).latch_us[:, ~campaign.touches.on_plc]
+
+    np.testing.assert_allclose(stamps % 8.0, 0.0, atol=1e-6)
+
+
+def test_noise_of_the_reference_instrument_moves_no_contact() -> None:
+    campaign = played(BENCH)
+
+    assert at_given_edges(campaign.nominal, campaign.touches, []) is campaign.touches
+
+
+@pytest.mark.parametrize("off_us", [FAR_US, -FAR_US])
+def test_contacts_close_at_the_edges_that_were_injected(off_us: float) -> None:
+    campaign = played(BENCH)
+    edges = campaign.touches.edge_us + off_us * np.linspace(0.5, 1.0, len(campaign.touches))
+    conditions = replace(campaign.touches, edge_us=edges)
+
+    retimed = at_given_edges(campaign.nominal, conditions, [])
+    controller = Controller.for_campaign(campaign.nominal, retimed)
+    closed_us = play(campaign.nominal, controller, retimed, seed=1).true_edge_us[0]
+
+    np.testing.assert_allclose(closed_us, edges, atol=0.01)
