@@ -93,6 +93,8 @@ class Drawn:
     held_back: np.typing.NDArray[np.bool_]
     oracle: Mapping[str, np.typing.NDArray[np.float64]]
     nominal: Mapping[str, np.typing.NDArray[np.float64]]
+    oracle_any_phase: Mapping[str, np.typing.NDArray[np.float64]]
+    nominal_any_phase: Mapping[str, np.typing.NDArray[np.float64]]
 
 
 def _needs(part: str) -> frozenset[str]:
@@ -140,6 +142,8 @@ def draw_campaign(rng: np.random.Generator, order: Order, touches: tuple[int, in
         held_back=np.isin(np.arange(n), rng.permutation(n)[: round(HELD_BACK * n)]),
         oracle=replicates(setup, hooks, rng, REPLICATES),
         nominal=replicates(setup, [], rng, REPLICATES),
+        oracle_any_phase=replicates(setup, hooks, rng, REPLICATES, any_phase=True),
+        nominal_any_phase=replicates(setup, [], rng, REPLICATES, any_phase=True),
     )
 
 

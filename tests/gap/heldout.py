@@ -1,9 +1,11 @@
 """The shrink on touches that were held back, beside that of an oracle that knows the truth.
 
 The score is the CRPS of the recorded touches under many plays of a simulation. A touch of the skip
-path is scored against its own plays. On the PLC path nobody who has to predict knows the phase of
-the scans, and the sealed plays have it, so there a touch is scored against the plays of all touches
-of its path and feed, in which every phase occurs.
+path is scored against its own plays, one of the PLC path against those of all touches of its path
+and feed. Where stamps were recorded they tell the phase of the scans, and all plays may know it.
+Without stamps nobody who has to predict can, and the plays of the oracle and of the unchanged chain
+have a phase of their own each time: those at the phase of the record would repeat, on the same
+touches, the very waits that they are scored on.
 """
 
 import csv
@@ -49,7 +51,12 @@ def shrink_to_oracle(
     scores better than the unchanged chain: an effect that only loses touches, or one that moves the
     PLC's scans by little of their period.
     """
-    unchanged, oracle = (held_back.of(p, rng) for p in (held_back.unchanged, held_back.oracle))
+    sealed = (
+        (held_back.unchanged, held_back.oracle)
+        if "latch" in held_back.recorded
+        else (held_back.unchanged_any_phase, held_back.oracle_any_phase)
+    )
+    unchanged, oracle = (held_back.of(plays, rng) for plays in sealed)
     tick = held_back.nominal.skip.tick_us
     steps = {"deviation": held_back.nominal.axis.resolution_um, "latch": tick, "report": tick}
     gained = possible = whole = 0.0

@@ -67,6 +67,8 @@ class HeldBack:
         touches: The touches with their true outcomes, all columns, shape (n,).
         oracle: Plays of the truth, shape (replicates, n).
         unchanged: Plays of the unchanged chain, likewise.
+        oracle_any_phase: Plays of the truth by somebody who does not know the phase of the scans.
+        unchanged_any_phase: Plays of the unchanged chain, likewise.
         recorded: Streams that the campaign allows to look at.
         scan_phase_us: When scan 0 starts.
     """
@@ -75,6 +77,8 @@ class HeldBack:
     touches: Touches
     oracle: Played
     unchanged: Played
+    oracle_any_phase: Played
+    unchanged_any_phase: Played
     recorded: tuple[str, ...]
     scan_phase_us: float
 
@@ -87,6 +91,8 @@ class HeldBack:
             touches=read_touches(sealed / "truth.csv"),
             oracle=_plays(sealed / "oracle.npz"),
             unchanged=_plays(sealed / "nominal.npz"),
+            oracle_any_phase=_plays(sealed / "oracle_any_phase.npz"),
+            unchanged_any_phase=_plays(sealed / "nominal_any_phase.npz"),
             recorded=label.streams,
             scan_phase_us=label.scan_phase_us,
         )

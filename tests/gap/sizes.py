@@ -1,11 +1,11 @@
 """How far an effect moves what is recorded, in units of the spread that the engineer expects."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.gap.chain import BoolArray, FloatArray, Hook, Setup, Step, play
+from tests.gap.chain import BoolArray, FloatArray, Hook, Outcomes, Setup, Step, play
 from tests.gap.forms import Form
 
 PLAYS = 16
@@ -69,10 +69,25 @@ def spreads(setup: Setup) -> Mapping[str, FloatArray]:
 
 
 def replicates(
-    setup: Setup, hooks: Sequence[Mapping[Step, Hook]], rng: np.random.Generator, plays: int
+    setup: Setup,
+    hooks: Sequence[Mapping[Step, Hook]],
+    rng: np.random.Generator,
+    plays: int,
+    *,
+    any_phase: bool = False,
 ) -> dict[str, FloatArray]:
-    """Play again and again: each observable, shape (plays, n), NaN where missed."""
-    played = [play(setup, hooks, rng)[0] for _ in range(plays)]
+    """Play again and again: each observable, shape (plays, n), NaN where missed.
+
+    The scans have the setup's phase, or in every play another one, as for somebody who knows the
+    rig and not when its PLC was switched on.
+    """
+
+    def once() -> Outcomes:
+        phase = rng.uniform(0.0, setup.nominal.plc.scan_us)
+        rig = replace(setup, scan_phase_us=phase) if any_phase else setup
+        return play(rig, hooks, rng)[0]
+
+    played = [once() for _ in range(plays)]
     return {name: np.stack([getattr(one, name) for one in played]) for name in OBSERVABLES}
 
 

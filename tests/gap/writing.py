@@ -33,7 +33,13 @@ def write(out: Path, name: str, drawn: Drawn) -> None:
     label = json.dumps(_label(drawn), indent=1, ensure_ascii=False)
     truth = format_touches(held_back)
     atomic_write_folder(sealed, {"label.json": label + "\n", "truth.csv": truth})
-    for file, plays in {"oracle.npz": drawn.oracle, "nominal.npz": drawn.nominal}.items():
+    sealed_plays = {
+        "oracle.npz": drawn.oracle,
+        "nominal.npz": drawn.nominal,
+        "oracle_any_phase.npz": drawn.oracle_any_phase,
+        "nominal_any_phase.npz": drawn.nominal_any_phase,
+    }
+    for file, plays in sealed_plays.items():
         rows = {key: values[:, drawn.held_back] for key, values in plays.items()}
         atomic_write_bytes(sealed / file, _npz({"touch": held_back.touch, **rows}))
 

@@ -271,11 +271,15 @@ def held_back(nominal: Nominal, shift_um: float, feeds: Sequence[float] = (300, 
     """Touches of a truth that is shifted, with positions alone."""
     touches = touches_at(feeds)
     deviation = plays(nominal, touches, shift_um, 1, seed=2).deviation_um[0]
+    oracle = plays(nominal, touches, shift_um, PLAYS, seed=3)
+    unchanged = plays(nominal, touches, 0.0, PLAYS, seed=4)
     return HeldBack(
         nominal=nominal,
         touches=replace(touches, deviation_um=deviation),
-        oracle=plays(nominal, touches, shift_um, PLAYS, seed=3),
-        unchanged=plays(nominal, touches, 0.0, PLAYS, seed=4),
+        oracle=oracle,
+        unchanged=unchanged,
+        oracle_any_phase=oracle,
+        unchanged_any_phase=unchanged,
         recorded=("deviation",),
         scan_phase_us=0.0,
     )

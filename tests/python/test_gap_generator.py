@@ -472,6 +472,19 @@ def test_unchanged_chain_measures_no_size(recording: Recording) -> None:
     assert (oracle != nominal).any()  # replicates of their own
 
 
+def test_plays_at_any_phase_do_not_repeat_the_waits_of_the_record() -> None:
+    drawn = draw(Case.NONE, Recording.BENCH)
+    plc = drawn.setup.touches.on_plc
+    recorded = drawn.outcomes.deviation_um[plc]
+
+    def missed_by(plays: np.typing.NDArray[np.float64]) -> float:
+        return float(np.median(np.abs(plays[:, plc] - recorded) / drawn.setup.feed_um_us[plc]))
+
+    scan_us = drawn.setup.nominal.plc.scan_us
+    assert missed_by(drawn.nominal["deviation_um"]) < 0.01 * scan_us
+    assert missed_by(drawn.nominal_any_phase["deviation_um"]) > 0.1 * scan_us
+
+
 def test_oracle_covers_the_truth_where_nominal_does_not() -> None:
     drawn = draw(Case.SINGLE, Recording.STAMPED, "scale_error", seed=8)
     truth = drawn.outcomes.deviation_um
@@ -514,7 +527,8 @@ def test_sealed_files_stand_apart(written: Path) -> None:
     assert names(written / "campaigns") == names(written / "sealed")
     for folder in (written / "campaigns").iterdir():
         assert names(folder) == {"nominal.toml", "touches.csv", "conditions.csv"}
-        sealed = {"label.json", "truth.csv", "oracle.npz", "nominal.npz"}
+        plays = ("oracle", "nominal", "oracle_any_phase", "nominal_any_phase")
+        sealed = {"label.json", "truth.csv", *(f"{name}.npz" for name in plays)}
         assert names(written / "sealed" / folder.name) == sealed
 
 
