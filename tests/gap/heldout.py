@@ -20,7 +20,7 @@ from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from tests.gap.chain import BoolArray, FloatArray
 from tests.gap.sealed import HeldBack
-from tests.gap.streams import Expected, Played, cells, residuals
+from tests.gap.streams import Expected, Played, begin_us, cells, residuals
 
 SCORED = ("deviation", "latch", "report")
 FEWEST_TOUCHES = 3  # of a cell
@@ -60,7 +60,9 @@ def shrink_to_oracle(
         if "latch" in held_back.recorded
         else (held_back.unchanged_any_phase, held_back.oracle_any_phase)
     )
-    unchanged, oracle = (held_back.of(plays, rng) for plays in sealed)
+    # All count from the same edges: whoever predicts is given them, noise of the reading and all.
+    begin = begin_us(held_back.expected, held_back.touches)
+    unchanged, oracle = (residuals(held_back.expected, plays, begin) for plays in sealed)
     tick = held_back.nominal.skip.tick_us
     steps = {"deviation": held_back.nominal.axis.resolution_um, "latch": tick, "report": tick}
     gained = possible = whole = 0.0
