@@ -1,17 +1,17 @@
 #include "law.h"
 
 #include <math.h>
-#include <stdbool.h>
 
 #include "angle.h"
 
 #define CONTAMINATION 1e-3 /* share of residuals that may lie anywhere */
-#define SHORT         0.3  /* mean of an exponential, over the boxes' scatter, that leaves them */
-#define THIN          0.1  /* width of a box, over the Gaussian, that only adds to the Gaussian */
+#define THIN          0.1  /* what a box or an exponential, over the Gaussian, only adds to it */
+#define SHORTEST      1e-4 /* width of a box, over the exponential, whose edges are not resolved */
 #define BOX_VARIANCE  12.0 /* squared width over variance */
 #define SQRT_2        1.4142135623730951
 #define SQRT_2_PI     2.5066282746310002
 #define NO_TAIL       12.0    /* sigmas beyond which what is left of a Gaussian changes no sum */
+#define NOTHING       (-40.0) /* sigmas from which down a Gaussian is 0 in any sum */
 #define ASYMPTOTIC    (-20.0) /* sigmas from which down the series of the tail is exact */
 
 static double square(double x)
@@ -56,23 +56,6 @@ static double trapezoid_gauss(double x, double sigma, double narrow, double wide
     return fmax(0.0, (sharp + corners) / (narrow * wide));
 }
 
-/* Density at x of U(0, box_a) + U(0, box_b) + N(0, sigma), sigma > 0. */
-static double boxes_gauss(double x, double sigma, double box_a, double box_b)
-{
-    double narrow = fmin(box_a, box_b);
-    double wide = fmax(box_a, box_b);
-    if (narrow >= THIN * sigma) {
-        return trapezoid_gauss(x, sigma, narrow, wide);
-    }
-    sigma = sqrt(square(sigma) + square(narrow) / BOX_VARIANCE);
-    x -= narrow / 2.0;
-    if (wide >= THIN * sigma) {
-        return box_gauss(x, sigma, wide);
-    }
-    sigma = sqrt(square(sigma) + square(wide) / BOX_VARIANCE);
-    return standard_normal((x - wide / 2.0) / sigma) / sigma;
-}
-
 /* What is below z, far down, over the density at z. */
 static double tail_ratio(double z)
 {
@@ -85,81 +68,140 @@ static double tail_ratio(double z)
     return sum / -z;
 }
 
-/* Density at x of N(0, sigma) plus an exponential, both > 0. */
+/* Density at x of N(0, sigma) plus an exponential, both > 0 and not too far apart. */
 static double exponential_gauss(double x, double sigma, double mean)
 {
     double ratio = sigma / mean;
     double z = x / sigma - ratio;
+    if (x < NOTHING * sigma) {
+        return 0.0;
+    }
     if (z < ASYMPTOTIC) { /* growing and falling factors cancel: left out */
         return standard_normal(x / sigma) * tail_ratio(z) / mean;
     }
-    return exp(0.5 * square(ratio) - x / mean + log(standard_normal_below(z))) / mean;
+    double below = z > NO_TAIL ? 1.0 : standard_normal_below(z);
+    return exp(0.5 * square(ratio) - x / mean) * below / mean;
+}
+
+/*
+ * An exponential makes of a density p the density q = p - mean * q', and what a box makes of
+ * anything has the difference of that thing over the box for a slope.
+ */
+static double box_exponential(double x, double sigma, double box, double mean)
+{
+    double rise = exponential_gauss(x, sigma, mean) - exponential_gauss(x - box, sigma, mean);
+    return box_gauss(x, sigma, box) - mean / box * rise;
+}
+
+static double trapezoid_exponential(double x, double sigma, double narrow, double wide, double mean)
+{
+    double rise =
+        box_exponential(x, sigma, wide, mean) - box_exponential(x - narrow, sigma, wide, mean);
+    return trapezoid_gauss(x, sigma, narrow, wide) - mean / narrow * rise;
+}
+
+/* A Gaussian about `middle`, two boxes from 0 and an exponential; 0 is what is not there. */
+typedef struct {
+    double middle;
+    double sigma;
+    double narrow;
+    double wide;
+    double mean;
+} sum_t;
+
+static void fold(sum_t *sum, double *part, double middle, double variance)
+{
+    sum->middle += middle;
+    sum->sigma = sqrt(square(sum->sigma) + variance);
+    *part = 0.0;
+}
+
+static void fold_box(sum_t *sum, double *box)
+{
+    fold(sum, box, *box / 2.0, square(*box) / BOX_VARIANCE);
+}
+
+/* Make what is too thin to have a shape of its own a part of the Gaussian. */
+static void fold_thin(sum_t *sum)
+{
+    if (sum->narrow < fmax(THIN * sum->sigma, SHORTEST * sum->mean)) {
+        fold_box(sum, &sum->narrow);
+    }
+    if (sum->wide < fmax(THIN * sum->sigma, SHORTEST * sum->mean)) {
+        fold_box(sum, &sum->wide);
+    }
+    if (sum->mean < THIN * sum->sigma) {
+        fold(sum, &sum->mean, sum->mean, square(sum->mean));
+    }
+}
+
+static double without_exponential(const sum_t *sum, double x)
+{
+    if (sum->narrow > 0.0) {
+        return trapezoid_gauss(x, sum->sigma, sum->narrow, sum->wide);
+    }
+    if (sum->wide > 0.0) {
+        return box_gauss(x, sum->sigma, sum->wide);
+    }
+    return standard_normal(x / sum->sigma) / sum->sigma;
+}
+
+static double with_exponential(const sum_t *sum, double x)
+{
+    if (sum->narrow > 0.0) {
+        return trapezoid_exponential(x, sum->sigma, sum->narrow, sum->wide, sum->mean);
+    }
+    if (sum->wide > 0.0) {
+        return box_exponential(x, sum->sigma, sum->wide, sum->mean);
+    }
+    return exponential_gauss(x, sum->sigma, sum->mean);
+}
+
+static double density(sum_t sum, double x)
+{
+    fold_thin(&sum);
+    x -= sum.middle;
+    return sum.mean > 0.0 ? fmax(0.0, with_exponential(&sum, x)) : without_exponential(&sum, x);
 }
 
 static double plain(const sim_law_t *law, double x, double resolution)
 {
-    return boxes_gauss(x, sqrt(square(law->sigma) + square(resolution)), law->box_a, law->box_b);
+    return density(
+        (sum_t){
+            .middle = law->offset,
+            .sigma = sqrt(square(law->sigma) + square(resolution)),
+            .narrow = fmin(law->box_a, law->box_b),
+            .wide = fmax(law->box_a, law->box_b),
+        },
+        x);
 }
 
-/* The law of those residuals that get the extra, without its own box and exponential. */
-static sim_law_t law_with(const sim_law_t *law, const sim_extra_t *extra)
-{
-    return (sim_law_t){
-        .offset = law->offset + extra->offset,
-        .sigma = sqrt(square(law->sigma) + square(extra->sigma)),
-        .box_a = law->box_a * (1.0 - extra->boxless),
-        .box_b = law->box_b,
-    };
-}
-
-/* Three boxes and an exponential that is short enough to be part of the Gaussian. */
-static double with_boxes(const sim_law_t *law, const sim_extra_t *extra, double x,
+/* The law of those residuals that get the extra. */
+static double with_extra(const sim_law_t *law, const sim_extra_t *extra, double x,
                          double resolution)
 {
-    double narrow = fmin(law->box_a, law->box_b);
-    double wide = fmax(law->box_a, law->box_b);
+    double box_a = law->box_a * (1.0 - extra->boxless);
+    double narrow = fmin(box_a, law->box_b);
+    double wide = fmax(box_a, law->box_b);
     double narrowest = fmin(narrow, extra->width);
-    double variance = square(law->sigma) + square(extra->mean) + square(narrowest) / BOX_VARIANCE;
-    sim_law_t sum = {
-        .sigma = sqrt(variance),
-        .box_a = fmin(wide, fmax(narrow, extra->width)),
-        .box_b = fmax(wide, extra->width),
+    sum_t  sum = {
+        .middle = law->offset + extra->offset,
+        .sigma = sqrt(square(law->sigma) + square(extra->sigma) + square(resolution)),
+        .narrow = fmin(wide, fmax(narrow, extra->width)),
+        .wide = fmax(wide, extra->width),
+        .mean = extra->mean,
     };
-    return plain(&sum, x - extra->mean - narrowest / 2.0, resolution);
+    fold_box(&sum, &narrowest);
+    return density(sum, x);
 }
 
-static double with_exponential(const sim_law_t *law, const sim_extra_t *extra, double x,
-                               double resolution)
-{
-    double boxes = square(law->box_a) + square(law->box_b) + square(extra->width);
-    double sigma = sqrt(square(law->sigma) + square(resolution) + boxes / BOX_VARIANCE);
-    double middle = (law->box_a + law->box_b + extra->width) / 2.0;
-    return exponential_gauss(x - middle, sigma, fmax(extra->mean, resolution));
-}
-
-static bool is_long(const sim_law_t *laws, const sim_extra_t *extras, uint64_t n)
-{
-    for (uint64_t i = 0; i < n; ++i) {
-        sim_law_t law = law_with(&laws[i], &extras[i]);
-        double    boxes = sqrt((square(law.box_a) + square(law.box_b)) / BOX_VARIANCE);
-        if (extras[i].mean > SHORT * boxes) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Add to the densities what one extra makes of them, and take away its share of the plain ones. */
+/* Add to the densities what one extra makes of them. */
 static void add_extra(const double *residuals, const sim_law_t *laws, uint64_t n,
                       const sim_extra_t *extras, double resolution, double *densities)
 {
-    bool is_exponential = is_long(laws, extras, n);
     for (uint64_t i = 0; i < n; ++i) {
-        sim_law_t law = law_with(&laws[i], &extras[i]);
-        double    x = residuals[i] - law.offset;
-        double    density = is_exponential ? with_exponential(&law, &extras[i], x, resolution)
-                                           : with_boxes(&law, &extras[i], x, resolution);
-        densities[i] += extras[i].share * density;
+        densities[i] +=
+            extras[i].share * with_extra(&laws[i], &extras[i], residuals[i], resolution);
     }
 }
 
@@ -184,7 +226,7 @@ void sim_law_log_density(const double *residuals, const sim_law_t *laws, uint64_
 {
     double left = n > 0 ? share_left(extras, n, extra_count) : 1.0;
     for (uint64_t i = 0; i < n; ++i) {
-        log_densities[i] = left * plain(&laws[i], residuals[i] - laws[i].offset, resolution);
+        log_densities[i] = left * plain(&laws[i], residuals[i], resolution);
     }
     for (uint32_t k = 0; k < extra_count; ++k) {
         add_extra(residuals, laws, n, &extras[k * n], resolution, log_densities);

@@ -34,9 +34,8 @@ typedef struct {
  * may lie anywhere, over a width of about `reach` (> 0). Scatter below `resolution` (> 0) is not
  * resolved.
  *
- * A box of less than a tenth of the scatter, the narrowest of three, and an exponential with a mean
- * below 0.3 of the boxes' standard deviation for all n residuals, count by mean and variance alone;
- * so do all boxes beside a longer exponential.
+ * A box or an exponential of less than a tenth of the scatter, a box of less than a ten-thousandth
+ * of the exponential, and the narrowest of three boxes count by mean and variance alone.
  */
 void sim_law_log_density(const double *residuals, const sim_law_t *laws, uint64_t n,
                          const sim_extra_t *extras, uint32_t extra_count, double reach,
