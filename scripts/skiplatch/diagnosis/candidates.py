@@ -31,6 +31,7 @@ US_PER_H = 3.6e9
 DRIFT_ROUNDS = 4
 """Each makes the time that a stamp stands for a thousand times as exact, or more."""
 FEWEST_STAMPS = 16
+FEWEST_LATE = 3
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -213,6 +214,26 @@ def _overrun(scene: Scene, p: Parameters) -> Change:
     )
 
 
+def _overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose the reach of the late stamps, that scan or the one after being late."""
+    period = scene.nominal.plc.scan_us
+    usual = [
+        [0.05, share * period, span * period]
+        for share, span in ((0.3, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 1.0), (1.5, 1.0))
+    ]
+    stream = scene.streams.get("lattice")
+    if stream is None:
+        return usual
+    late = (stream.known - np.median(stream.known)) % period
+    late = late[np.abs(late - period / 2.0) < (0.5 - SHARP) * period]
+    if len(late) < FEWEST_LATE:
+        return usual
+    share = len(late) / len(stream.known) / 2.0  # the longer gap before a late scan meets more
+    low, span = float(late.min()), float(np.ptp(late))
+    seen = [[share, low + turn, span] for turn in (0.0, period)]
+    return [*seen, [share, float(np.median(late)), 0.0], *usual]
+
+
 def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
     """Shares of edges that fall into gaps between scans of other lengths, in periods."""
     period = scene.nominal.plc.scan_us
@@ -223,7 +244,7 @@ def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
 
 def _jitter(scene: Scene, p: Parameters) -> Change:
     """Every gap between scans is longer or shorter by the difference of two latenesses."""
-    span, tail = abs(p[0]), max(abs(p[1]), 1e-3)
+    span, tail = abs(p[0]), abs(p[1])
     off = min(np.sqrt(span**2 / 6.0 + 2.0 * tail**2) / scene.nominal.plc.scan_us, 0.9)
     return Change(
         lattice_extra=(Extra(1.0, width=span, mean=tail),),
@@ -232,9 +253,12 @@ def _jitter(scene: Scene, p: Parameters) -> Change:
 
 
 def _coarse_ticks(scene: Scene, p: Parameters) -> Change:
-    later = p[1] + 0.5 * abs(p[0]) * _share(p[2])
+    is_on_grid = p[1] == 0.0
+    # Of two clocks that share no grid, both round down, one after the other.
+    again = 0.0 if is_on_grid else 0.5 * scene.nominal.skip.tick_us
+    later = p[1] + 0.5 * abs(p[0]) * _share(p[2]) - again
     return Change(
-        coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=p[1] == 0.0
+        coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=is_on_grid
     )
 
 
@@ -243,11 +267,18 @@ def _ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     tick = scene.nominal.skip.tick_us
     grids = _grids(scene.touches.latch_us[~scene.plc], tick)
     on_grid = [[grid[0], 0.0, nearest] for grid in grids for nearest in (0.0, 1.0)]
-    return on_grid + [
+    usual = on_grid + [
         [ratio * tick, origin * ratio * tick, 0.0]
         for ratio in (3.0, 10.0, 30.0)
         for origin in (0.5, 0.05)
     ]
+    stream = scene.streams.get("latch_skip")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return usual
+    off = (stream.residuals - stream.law.mean)[stream.rows]
+    variance = float(np.var(off) - np.mean(stream.law.spread[stream.rows] ** 2))
+    seen = np.sqrt(12.0 * max(variance, 0.0) + tick**2)  # by the scatter of a box
+    return [*usual, [seen, float(np.mean(off)) + 0.5 * seen, 0.0]]
 
 
 def _resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -437,10 +468,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "scan_overrun",
             ("probability", "overrun_us", "span_us"),
             _overrun,
-            lambda scene, _given: [
-                [0.05, share * scene.nominal.plc.scan_us, span * scene.nominal.plc.scan_us]
-                for share, span in ((0.3, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 1.0), (1.5, 1.0))
-            ],
+            _overruns,
         ),
         Candidate(
             "input_image_delay",
@@ -563,7 +591,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ("delay_us", "queue_us", "direct"),
             lambda _, p: Change(
                 report_us=p[0],
-                report_extra=(Extra(1.0 - _share(p[2]), mean=max(abs(p[1]), 1e-3)),),
+                report_extra=(Extra(1.0 - _share(p[2]), mean=abs(p[1])),),
             ),
             _fixed(
                 [10.0, 0.0, 0.0],

@@ -23,6 +23,13 @@ SHORTEST_PERIOD = 0.1
 """Of the believed one."""
 PHASES = 15
 NEAR = np.linspace(-1.0, 1.0, 5)
+FINER = (1.0, 0.25)
+EDGE = np.linspace(-4.0, 4.0, 17)
+"""Ticks about the edge of a law at which it is tabulated."""
+BINS = (8, 14)
+"""Fewest and most phases of the scans that are tried, as powers of 2."""
+MOST_TURNS = 4
+"""Periods after which a late scan is not followed further."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -241,12 +248,19 @@ def _lattice(_scene: Scene, stream: Stream, change: Change) -> Law:
 
 
 def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, FloatArray]:
-    """Tabulate the logarithm of the density off the grid, over one period; fine near the peak."""
-    where = _lattice_places(scene.nominal.skip.tick_us, period)
-    around = 2 if law.extras else 1
-    places = (where + period * np.arange(around)[:, None]).ravel()
+    """Tabulate the logarithm of the density off the grid, over one period; fine at its edges."""
+    tick = scene.nominal.skip.tick_us
+    begins = np.array([float(np.asarray(extra.offset)) for extra in law.extras])
+    ends = begins + np.array([float(np.asarray(extra.width)) for extra in law.extras])
+    edges = np.concatenate([begins, ends])
+    edges = (edges[edges != 0.0] + period / 2.0) % period - period / 2.0
+    where = _lattice_places(tick, period)
+    if len(edges):
+        where = np.unique(np.concatenate([where, (edges[:, None] + EDGE * tick).ravel()]))
+    turns = int(min(np.max(ends, initial=0.0) // period, MOST_TURNS)) + 2 if law.extras else 1
+    places = (where + period * np.arange(turns)[:, None]).ravel()
     first = law.select(np.zeros(len(places), dtype=np.intp))  # it is the same for all stamps
-    logs = first.log_density(places, period).reshape(around, len(where))
+    logs = first.log_density(places, period).reshape(turns, len(where))
     return where, np.logaddexp.reduce(logs) + np.log(period)
 
 
@@ -257,13 +271,27 @@ def _lattice_places(tick: float, period: float) -> FloatArray:
     return np.unique(np.concatenate([peak, rest]))
 
 
+def _phases(turns: FloatArray, where: FloatArray, table: FloatArray, tick: float) -> FloatArray:
+    """Give the best phases of late scans, to a tick or nearly: shares of the period.
+
+    The likelihood of all phases at once is a correlation of the stamps with the table.
+    """
+    period = float(where[-1] - where[0])
+    bins = int(2.0 ** np.clip(np.ceil(np.log2(period / tick)), *BINS))
+    counts = np.bincount((turns * bins).astype(np.intp) % bins, minlength=bins)
+    off = (np.arange(bins) / bins + 0.5) % 1.0 - 0.5
+    logs = np.interp(off * period, where, table)
+    totals = np.fft.irfft(np.fft.rfft(counts) * np.fft.rfft(logs).conj(), bins)
+    return np.array([int(np.argmax(totals)) / bins])
+
+
 def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> FloatArray:
     """How much likelier stamps are for the grid, whose phase is chosen to fit best; shape (rows,).
 
     A factor on the density of the wait, which knows nothing of the grid: 1 for stamps anywhere.
     """
     rows = stream.indices
-    period = scan_period_us(scene, change)
+    period, tick = scan_period_us(scene, change), scene.nominal.skip.tick_us
     stamps = (scene.touches.latch_us - change.stamp_us)[rows]
     turns = (stamps / period) % 1.0
     where, table = _lattice_table(scene, law, period)
@@ -274,12 +302,15 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
         i = int(np.argmax(values.sum(axis=1)))
         return float(phases[i]), values[i]
 
-    phases = np.unique(turns)
-    if len(phases) > PHASES:
-        phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
-    phase, _ = best(phases)
-    step = scene.nominal.skip.tick_us / period
-    _, found = best(phase + step * NEAR)
+    if law.extras:
+        phases = _phases(turns, where, table, tick)
+    else:
+        phases = np.unique(turns)
+        if len(phases) > PHASES:
+            phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
+    phase, found = best(phases)
+    for finer in FINER:
+        phase, found = best(phase + finer * tick / period * NEAR)
     if change.wait is not None and found.sum() < 0.0:
         return np.zeros(len(turns))  # scans that wait for the motion need not keep a grid
     return found

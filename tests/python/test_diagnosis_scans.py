@@ -1,0 +1,58 @@
+"""Scans and ticks that keep a grid of their own: their likelihood, and what a search finds."""
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, played
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import FloatArray
+from skiplatch.diagnosis.likelihood import law_under, likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import fit
+from skiplatch.simulator import Effect
+
+
+def searched(effect: Effect, seed: int = 11) -> FloatArray:
+    """What a search from the candidate's own starts makes of a campaign with the effect."""
+    scene = Scene.of(played(BENCH, effect, seed=seed))
+    candidate = CANDIDATES[effect.id]
+    return fit(scene, [candidate], candidate.starts(scene, Change())).parameters[0]
+
+
+@pytest.mark.parametrize("seed", [1, 6000])
+def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(seed: int) -> None:
+    truth = Effect("scan_jitter", {"jitter_us": 200.0, "tail_us": 50.0})
+    scene = Scene.of(played(BENCH, truth, seed=seed))
+    change = CANDIDATES["scan_jitter"].change(scene, np.array([200.0, 50.0]))
+    period = scene.nominal.plc.scan_us
+    stream = scene.streams["lattice"]
+    law = law_under(scene, stream, change).select(stream.rows)
+    stamps = scene.touches.latch_us[stream.rows]
+    phases = np.arange(0.0, period, 1.0)
+    totals = [law.log_density((stamps - phase) % period, period).sum() for phase in phases]
+
+    found = likelihood(scene, change, names=["lattice"]).total
+
+    assert found > max(totals) + len(stamps) * np.log(period) - 1.0
+
+
+@pytest.mark.parametrize(
+    ("late_us", "span_us"), [(1000.0, 0.0), (600.0, 0.0), (500.0, 600.0), (700.0, 1000.0)]
+)
+def test_overruns_are_found_wherever_they_reach(late_us: float, span_us: float) -> None:
+    truth = {"probability": 0.1, "overrun_us": late_us, "span_us": span_us}
+
+    share, late, span = np.abs(searched(Effect("scan_overrun", truth)))
+
+    assert share == pytest.approx(0.1, rel=0.5)
+    assert late == pytest.approx(late_us, abs=1.0 + 0.15 * span_us)
+    assert span == pytest.approx(span_us, abs=1.0 + 0.25 * span_us)
+
+
+def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() -> None:
+    truth = Effect("timer_quantisation", {"tick_us": 1.7, "origin_us": 0.3})
+
+    origins = [searched(truth, seed)[1] for seed in range(5)]
+
+    assert np.median(origins) == pytest.approx(0.3, abs=0.07)
