@@ -1,4 +1,4 @@
-"""Scans and ticks that keep a grid of their own: their likelihood, and what a search finds."""
+"""Scans, ticks and queues that lie apart from others: what a search finds of them."""
 
 import numpy as np
 import pytest
@@ -56,3 +56,14 @@ def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() 
     origins = [searched(truth, seed)[1] for seed in range(5)]
 
     assert np.median(origins) == pytest.approx(0.3, abs=0.07)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_queue_behind_a_longer_way_that_some_reports_pass_is_found_whole(seed: int) -> None:
+    truth = Effect("report_delay", {"delay_us": 80.0, "queue_us": 200.0, "direct": 0.3})
+
+    found = np.abs(searched(truth, seed))
+
+    assert found[0] == pytest.approx(80.0, rel=0.05)
+    assert found[1] == pytest.approx(200.0, rel=0.3)
+    assert found[2] == pytest.approx(0.3, abs=0.12)

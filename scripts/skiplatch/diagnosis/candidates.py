@@ -281,6 +281,18 @@ def _ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     return [*usual, [seen, float(np.mean(off)) + 0.5 * seen, 0.0]]
 
 
+def _report_starts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose a longer way, a queue, and both, as far as the soonest and the mean report tell."""
+    usual = [[10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [0.0, 20.0, 0.5], [0.0, 200.0, 0.5]]
+    stream = scene.streams.get("report")
+    if stream is None:
+        return [*usual, [50.0, 100.0, 0.0]]
+    soonest = float(stream.known.min())
+    queue = max(float(np.mean((stream.residuals - stream.law.mean)[stream.rows])) - soonest, 1.0)
+    both = [[soonest, queue / (1.0 - direct), direct] for direct in (0.0, 0.2, 0.6)]
+    return [*usual, *both]
+
+
 def _resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that the deviations lie on, and steps of the coordinate, on none."""
     fine = scene.nominal.axis.resolution_um
@@ -593,13 +605,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 report_us=p[0],
                 report_extra=(Extra(1.0 - _share(p[2]), mean=abs(p[1])),),
             ),
-            _fixed(
-                [10.0, 0.0, 0.0],
-                [100.0, 0.0, 0.0],
-                [0.0, 20.0, 0.5],
-                [0.0, 200.0, 0.5],
-                [50.0, 100.0, 0.0],
-            ),
+            _report_starts,
         ),
     )
 }
