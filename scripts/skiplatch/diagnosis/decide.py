@@ -1,6 +1,6 @@
 """Which effects a campaign shows: forward search, groups that cannot be told apart, strangers."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ import numpy as np
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
-from skiplatch.diagnosis.likelihood import affected, likelihood
+from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import BoolArray, Scene
 from skiplatch.diagnosis.search import NOTHING, WORTH_A_REFINEMENT, Fit, fit, polish
@@ -34,7 +34,9 @@ MISSING = 0.2
 PLAIN = 15.0
 """Nats of gain that need no check to be believed, only that it does not speak against."""
 SMALLEST_SECOND = 0.1
-"""Gain of a second effect over that of the first, whose form is never just the one fitted."""
+"""Gain of a second effect over that of the first, whose form is never just the one fitted.
+
+One that gains less is believed only where it mends all that the first one leaves."""
 MOST_SWAPS = 2
 MIMICRY = 0.99
 """Share of a family's gain that an effect has to reach to be named in its place."""
@@ -90,6 +92,28 @@ def worth(parameters: int) -> float:
     return 2.0 * parameters
 
 
+def _key(model: Fit | None) -> tuple[object, ...]:
+    """Tell fits apart by what they are."""
+    if model is None:
+        return ()
+    parameters = (values.tobytes() for values in model.parameters)
+    return (*(c.id for c in model.candidates), *parameters, model.slack)
+
+
+def _is_no_accident(fitted: float, checked: float, parameters: int) -> bool:
+    """Tell whether gains of so many parameters are more than chance."""
+    gained = fitted + checked - worth(parameters)
+    is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
+    is_plain = gained > PLAIN and checked > -MISSING * fitted
+    return is_checked or is_plain
+
+
+def _gain_in(part: Scene, model: Fit, names: Collection[str]) -> float:
+    """Give what a model gains over the unchanged simulation in some streams."""
+    changed = likelihood(part, model.change(part), names=names).total
+    return changed - likelihood(part, Change(), names=names).total
+
+
 class Judge:
     """Fits and scores models on one campaign."""
 
@@ -107,6 +131,7 @@ class Judge:
         self._checking = scene.select(parts.checking)
         self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
         self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
+        self._families: dict[tuple[object, ...], list[Scored]] = {}
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts."""
@@ -139,6 +164,12 @@ class Judge:
 
     def generic(self, given: Fit | None = None) -> list[Scored]:
         """Every family that names no effect, alone or on top of a model, by falling score."""
+        key = _key(given)
+        if key not in self._families:
+            self._families[key] = self._fitted_families(given)
+        return self._families[key]
+
+    def _fitted_families(self, given: Fit | None) -> list[Scored]:
         change = given.change(self._fitting) if given else NOTHING
         return self._ranked(
             _both(given, found) if given else found
@@ -191,28 +222,34 @@ class Judge:
 
     def is_significant(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether a model does better than a smaller one, or than none, by no accident."""
-        fitted = scored.fitted - (before.fitted if before else 0.0)
-        checked = scored.checked - (before.checked if before else 0.0)
-        parameters = scored.fit.size - (before.fit.size if before else 0)
-        if before and fitted + checked < SMALLEST_SECOND * self._gained_there(scored.fit, before):
-            return False
-        gained = fitted + checked - worth(parameters)
-        is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
-        is_plain = gained > PLAIN and checked > -MISSING * fitted
-        return is_checked or is_plain
+        return _is_no_accident(
+            scored.fitted - (before.fitted if before else 0.0),
+            scored.checked - (before.checked if before else 0.0),
+            scored.fit.size - (before.fit.size if before else 0),
+        )
 
-    def _gained_there(self, pair: Fit, first: Scored) -> float:
-        """What the first effect of a pair gains in those streams that the second one reaches.
+    def is_elsewhere(self, pair: Scored, first: Scored) -> bool:
+        """Tell whether the second effect of a pair shows where the first one changes nothing.
 
-        Only there can the second one but mend the first one's form.
+        There the first one has no form that could be mended.
         """
-        second = pair.candidates[-1], pair.parameters[-1]
-        total = 0.0
+        gains = []
         for part in (self._fitting, self._checking):
-            names = affected(part, second[0].change(part, second[1]))
-            changed = likelihood(part, first.fit.change(part), names=names).total
-            total += changed - likelihood(part, Change(), names=names).total
-        return total
+            reached = affected(part, first.fit.change(part))
+            gains.append(_gain_in(part, pair.fit, {*part.streams, MISSED} - reached))
+        return _is_no_accident(*gains, pair.fit.size - first.fit.size)
+
+    def share(self, pair: Scored, first: Scored) -> float:
+        """What the last of a model gains, over what the first gains in the streams it reaches.
+
+        Only there can it but mend the first one's form.
+        """
+        there = 0.0
+        for part in (self._fitting, self._checking):
+            last = pair.fit.candidates[-1].change(part, pair.fit.parameters[-1])
+            there += _gain_in(part, first.fit, affected(part, last))
+        gained = pair.fitted + pair.checked - first.fitted - first.checked
+        return gained / there if there > 0.0 else np.inf
 
     def is_material(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether what a model has beyond a smaller one, or none, changes enough to matter."""
@@ -267,7 +304,7 @@ def find(judge: Judge) -> Finding:
         best = again
         ranked = [best, *(scored for scored in ranked if scored.ids != best.ids)]
         pairs = judge.pairs(best)
-    has_second = judge.is_enough(pairs[0], before=best) and not _is_a_form(judge, pairs[0])
+    has_second = _is_second(judge, pairs[0], best)
     if not judge.is_material(best):
         # What is too small to matter may still hide what is not.
         if has_second:
@@ -279,11 +316,27 @@ def find(judge: Judge) -> Finding:
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
-def _is_a_form(judge: Judge, pair: Scored) -> bool:
-    """Tell whether one effect of a pair but mends the form of the other, as a family does too."""
-    others = [_alone(judge, pair, position) for position in (0, 1)]
-    on_top = [scored for other in others for scored in judge.generic(other.fit)[:1]]
-    return any(scored.score > pair.score - TIED for scored in on_top)
+def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
+    """Tell whether the second effect of a pair is one of its own, and no form of the first."""
+    if not judge.is_enough(pair, first):
+        return False
+    if judge.is_elsewhere(pair, first):
+        return not _is_a_form(judge, pair, ENOUGH_FIT)
+    if judge.share(pair, first) >= SMALLEST_SECOND:
+        return not _is_a_form(judge, pair, -TIED)
+    return _mends_all(judge, pair) and not _is_a_form(judge, pair, -PLAIN)
+
+
+def _mends_all(judge: Judge, pair: Scored) -> bool:
+    """Tell whether a pair leaves nothing: an effect that but mends another's form seldom does."""
+    return pair.fit.slack == 0.0 and judge.generic(pair.fit)[0].score <= pair.score
+
+
+def _is_a_form(judge: Judge, pair: Scored, margin: float) -> bool:
+    """Tell whether a family in place of either effect does better than a pair by a margin."""
+    others = (_alone(judge, pair, position) for position in (0, 1))
+    on_top = (judge.generic(other.fit)[0] for other in others)
+    return any(scored.score > pair.score + margin for scored in on_top)
 
 
 def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
@@ -302,7 +355,11 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
     score = finding.model.score
     if plain and plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score:
         return Finding(None, ranking=finding.ranking), plain.ids[0]
-    on_top = [g for g in judge.generic(finding.model.fit) if judge.is_enough(g, finding.model)]
+    on_top = [
+        g
+        for g in judge.generic(finding.model.fit)
+        if judge.is_enough(g, finding.model) and judge.share(g, finding.model) >= SMALLEST_SECOND
+    ]
     if on_top and on_top[0].score - score > score * LEFT_OVER:
         return Finding(None, ranking=finding.ranking), on_top[0].ids[-1]
     return finding, on_top[0].ids[-1] if on_top else ""
