@@ -191,9 +191,7 @@ class Judge:
 
     def pairs(self, first: Scored) -> list[Scored]:
         """The first effect with every other one: one by one on top of it, the best then jointly."""
-        given = first.fit.change(self._fitting)
-        others = [c for c in self._candidates() if c.id not in first.ids]
-        on_top = self._ranked(_both(first.fit, second) for second in self._contest(others, given))
+        on_top = self.on_top(first)
         least = on_top[0].score - NEARLY
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
         refined = self._map(_refine, [(self._fitting, pair.fit) for pair in near])
@@ -202,6 +200,12 @@ class Judge:
             for pair, joint in zip(near, refined, strict=True)
         ]
         return sorted(jointly + on_top[len(near) :], key=lambda scored: -scored.score)
+
+    def on_top(self, first: Scored) -> list[Scored]:
+        """Every other effect on top of a model that stays as it is, by falling score."""
+        given = first.fit.change(self._fitting)
+        others = [c for c in self._candidates() if c.id not in first.ids]
+        return self._ranked(_both(first.fit, second) for second in self._contest(others, given))
 
     def again(self, model: Fit, position: int) -> Scored:
         """Fit one effect of a model alone, from the parameters that it has there."""
@@ -233,11 +237,12 @@ class Judge:
 
         There the first one has no form that could be mended.
         """
-        gains = []
-        for part in (self._fitting, self._checking):
-            reached = affected(part, first.fit.change(part))
-            gains.append(_gain_in(part, pair.fit, {*part.streams, MISSED} - reached))
-        return _is_no_accident(*gains, pair.fit.size - first.fit.size)
+        fitted, checked = (
+            _gain_in(part, pair.fit, {*part.streams, MISSED} - affected(part, change))
+            for part in (self._fitting, self._checking)
+            for change in [first.fit.change(part)]
+        )
+        return _is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
 
     def share(self, pair: Scored, first: Scored) -> float:
         """What the last of a model gains, over what the first gains in the streams it reaches.
@@ -354,7 +359,8 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
         return finding, plain.ids[0] if plain and is_new else ""
     score = finding.model.score
     if plain and plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score:
-        return Finding(None, ranking=finding.ranking), plain.ids[0]
+        hidden = _behind(judge, plain)
+        return hidden or Finding(None, ranking=finding.ranking), "" if hidden else plain.ids[0]
     on_top = [
         g
         for g in judge.generic(finding.model.fit)
@@ -363,6 +369,22 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
     if on_top and on_top[0].score - score > score * LEFT_OVER:
         return Finding(None, ranking=finding.ranking), on_top[0].ids[-1]
     return finding, on_top[0].ids[-1] if on_top else ""
+
+
+def _behind(judge: Judge, family: Scored) -> Finding | None:
+    """Find two effects that look like a family together, each hiding what the other looks like.
+
+    On top of the family the stronger of them shows, for the family stands for the other one. That
+    two effects leave nothing, and do far better than a family that is right, is no accident.
+    """
+    shown = judge.on_top(family)[0]
+    if not judge.is_enough(shown, family):
+        return None
+    first = _alone(judge, shown, position=1)
+    pairs = judge.pairs(first)
+    best = pairs[0]
+    is_better = best.score > family.score + PLAIN and judge.is_enough(best, first)
+    return _two(judge, pairs) if is_better and _mends_all(judge, best) else None
 
 
 def _second(judge: Judge, pairs: list[Scored]) -> Finding:
