@@ -40,6 +40,8 @@ One that gains less is believed only where it mends all that the first one leave
 MOST_SWAPS = 2
 MIMICRY = 0.99
 """Share of a family's gain that an effect has to reach to be named in its place."""
+MAY_HIDE = 0.9
+"""Share of an effect's gain from which on a family may be two effects that hide each other."""
 LEFT_OVER = 1.5
 """What a family may gain on top of an effect, as a share of the effect's own gain."""
 TEMPER = 0.5
@@ -358,9 +360,12 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
         is_new = plain is not None and plain.score > finding.ranking[0].score
         return finding, plain.ids[0] if plain and is_new else ""
     score = finding.model.score
-    if plain and plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score:
-        hidden = _behind(judge, plain)
-        return hidden or Finding(None, ranking=finding.ranking), "" if hidden else plain.ids[0]
+    if plain and plain.score > MAY_HIDE * score:
+        is_beaten = plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score
+        is_single = len(finding.model.ids) == 1
+        hidden = _behind(judge, plain, score) if is_beaten or is_single else None
+        if hidden or is_beaten:
+            return hidden or Finding(None, ranking=finding.ranking), "" if hidden else plain.ids[0]
     on_top = [
         g
         for g in judge.generic(finding.model.fit)
@@ -371,11 +376,16 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
     return finding, on_top[0].ids[-1] if on_top else ""
 
 
-def _behind(judge: Judge, family: Scored) -> Finding | None:
+def _behind(judge: Judge, family: Scored, score: float) -> Finding | None:
     """Find two effects that look like a family together, each hiding what the other looks like.
 
     On top of the family the stronger of them shows, for the family stands for the other one. That
-    two effects leave nothing, and do far better than a family that is right, is no accident.
+    two effects leave nothing, and do far better than one of them with the family, is no accident.
+
+    Args:
+        judge: Fits and scores.
+        family: It does nearly as well as what was found, or better.
+        score: Of what was found.
     """
     shown = judge.on_top(family)[0]
     if not judge.is_enough(shown, family):
@@ -383,7 +393,7 @@ def _behind(judge: Judge, family: Scored) -> Finding | None:
     first = _alone(judge, shown, position=1)
     pairs = judge.pairs(first)
     best = pairs[0]
-    is_better = best.score > family.score + PLAIN and judge.is_enough(best, first)
+    is_better = best.score > max(shown.score, score) + PLAIN and judge.is_enough(best, first)
     return _two(judge, pairs) if is_better and _mends_all(judge, best) else None
 
 
