@@ -1,0 +1,81 @@
+"""Two effects are both found, also where the one is weak or hides the other."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.decide import Finding, Judge, find, split, weigh
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.simulator import Effect
+
+
+def judged(campaign: Campaign) -> Judge:
+    scene = Scene.of(campaign)
+    return Judge(scene, split(len(scene), seed=1))
+
+
+def found(campaign: Campaign) -> Finding:
+    judge = judged(campaign)
+    return weigh(judge, find(judge))[0]
+
+
+def groups(finding: Finding) -> list[set[str]]:
+    """Each effect with what would do as well."""
+    if finding.model is None:
+        return []
+    pairs = zip(finding.model.ids, finding.alternatives, strict=True)
+    return [{name, *others} for name, others in pairs]
+
+
+def test_a_second_effect_is_named_though_it_gains_a_twentieth_of_the_first() -> None:
+    campaign = played(
+        MACHINE,
+        Effect("input_filter", {"delay_us": 800.0, "jitter_us": 300.0}),
+        Effect("backlash", {"backlash_um": -1.2}),
+    )
+
+    delay, length = groups(found(campaign))
+
+    assert "input_filter" in delay
+    assert length == {"backlash"}
+
+
+def test_an_effect_of_an_odd_form_gets_no_second_one() -> None:
+    campaign = played(MACHINE, Effect("backlash", {"backlash_um": 6.0}))
+    touches = campaign.touches
+    more_um = 2.0 * touches.sign * np.sin(np.deg2rad(touches.alpha_deg)) ** 2
+    odd = replace(touches, deviation_um=touches.deviation_um + more_um)
+
+    finding = found(replace(campaign, touches=odd))
+
+    assert len(groups(finding)) < 2
+
+
+def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
+    judge = judged(
+        played(
+            BENCH,
+            Effect("backlash", {"backlash_um": 3.0}),
+            Effect("encoder_quantisation", {"resolution_um": 4.0}),
+        )
+    )
+    ranked = judge.singles()
+    half = next(single for single in ranked if single.ids == ("backlash",))
+
+    finding, left = weigh(judge, Finding(half, ((),), (1.0,), tuple(ranked)))
+
+    assert finding.model is not None
+    assert sorted(finding.model.ids) == ["backlash", "encoder_quantisation"]
+    assert not left
+
+
+def test_families_on_top_of_one_model_are_fitted_once() -> None:
+    judge = judged(played(BENCH, Effect("backlash", {"backlash_um": 1.0})))
+    first, second = judge.singles()[:2]
+
+    again = judge.generic(replace(first.fit))
+
+    assert again is judge.generic(first.fit)
+    assert again is not judge.generic(second.fit)
