@@ -60,14 +60,16 @@ static void run_edges(const loop_calls_t *calls)
     }
 }
 
-/* The input image holds level and position of one instant: that of the scan. */
+/*
+ * The input image holds level and position of one instant: that of the scan. Periods are counted
+ * after it, as reading the timer first would make every scan later.
+ */
 static void run_scan(const loop_calls_t *calls)
 {
-    if (scan_take()) {
-        axis_capture(clock_now_ns());
-        calls->on_scan();
-        axis_follow();
-    }
+    axis_capture(clock_now_ns());
+    calls->on_scan();
+    axis_follow();
+    (void)scan_take();
 }
 
 static void see_to(const struct pollfd watched[SOURCES], const loop_calls_t *calls)

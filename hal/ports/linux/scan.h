@@ -21,7 +21,7 @@ void scan_stop(void);
 /* To be polled for reading; negative while there is no timer. */
 int scan_fd(void);
 
-/* After the poll: true if a scan is due now, once however many periods have passed. */
+/* Count the periods that have passed; false if none has. */
 bool scan_take(void);
 
 /* Account for one wake-up after `expirations` periods. */
