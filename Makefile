@@ -256,10 +256,13 @@ bench-host: setup setup-test ## the same on this host, as root, with vcan and gp
 COUNT        ?= 20
 SEED         ?= 1
 FALSE_ALARMS ?= 0
+TIES         ?= 0
 .PHONY: gap-check
 gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and score that
 	@$(VENV_PYTHON) -m tests.gap.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
 	    --false-alarms $(FALSE_ALARMS) $(OPTIONS)
+	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.gap.ties --count $(TIES) \
+	    --seed $(SEED) --jobs $(shell nproc))
 
 SECONDS ?= 60
 .PHONY: fuzz

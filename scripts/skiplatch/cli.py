@@ -20,6 +20,7 @@ COMMANDS = {
     "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
     "predict": "Play conditions with the effects that a diagnosis found.",
     "design": "Say which touches or which column would settle a diagnosis, and write them.",
+    "settle": "Say what those touches leave of a tie.",
     "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",

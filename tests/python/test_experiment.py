@@ -57,7 +57,8 @@ def recorded(model: Model, columns: Sequence[str], n: int = 200) -> Campaign:
 
 def diagnosed(verdict: Verdict, rivals: Sequence[Model], ranking: Sequence[Model]) -> Diagnosis:
     """What the experiment looks at in a diagnosis; the finding is the first rival."""
-    named = [SimpleNamespace(effect=effect) for effect in (rivals[0] if rivals else ())]
+    finding = rivals[0] if rivals else ()
+    named = [SimpleNamespace(effect=effect, alternatives=()) for effect in finding]
     parts = SimpleNamespace(
         verdict=verdict,
         effects=named,

@@ -12,16 +12,14 @@ from skiplatch.diagnosis.experiment.channels import channels, recordable, record
 from skiplatch.diagnosis.experiment.choice import choose
 from skiplatch.diagnosis.experiment.conditions import Conditions, spread_out, travel_s
 from skiplatch.diagnosis.experiment.evidence import Samples, exponents, log_likelihoods
+from skiplatch.diagnosis.experiment.rivals import Model, rivals
 from skiplatch.diagnosis.experiment.trial import Trial
-from skiplatch.simulator import US_PER_S, Controller, Effect, Outcomes, effects, play
+from skiplatch.simulator import US_PER_S, Controller, Outcomes, effects, play
 
 if TYPE_CHECKING:
     from skiplatch.diagnosis.diagnose import Diagnosis
 
 TOUCHES = 60
-MOST_RIVALS = 6
-CLOSE_NATS = 10.0
-"""A model so far behind the finding is no rival of it."""
 WARMER_K = 5.0
 DRAWN = 160
 """Touches to choose from."""
@@ -34,8 +32,6 @@ WORTH_RECORDING = 2
 """A column is recommended that saves all but one in so many touches."""
 FEW = 6
 """So few touches are made sooner than a column is recorded."""
-
-Model = tuple[Effect, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -93,27 +89,13 @@ def next_experiment(
         jobs: Threads to play on; the result does not depend on it.
         touches: How many touches to recommend.
     """
-    models = _models(diagnosis)
+    models = rivals(diagnosis)
     if len(models) > 1:
         return settle(campaign, models, seed=seed, jobs=jobs, touches=touches)
     rng = np.random.default_rng(seed)
     plan = spread_out(campaign.touches, touches, rng).touches
     why = words.without_rivals(str(diagnosis.verdict), words.name(models[0]) if models else "")
     return Experiment(why, None, plan, 0.0, 0.0, None, ())
-
-
-def _models(diagnosis: "Diagnosis") -> list[Model]:
-    """Give the finding and what could be true in its place: its rivals, or a close runner-up."""
-    if not diagnosis.effects:
-        return []
-    finding = tuple(named.effect for named in diagnosis.effects)
-    tied = [ranked.effects for ranked in diagnosis.rivals[1:]]
-    best = max((ranked.score_nats for ranked in diagnosis.ranking), default=0.0)
-    close = [r.effects for r in diagnosis.ranking if r.score_nats > best - CLOSE_NATS]
-    others = tied or close
-    by_name = {words.name(model): model for model in [*reversed(others), finding]}
-    distinct = [finding, *(m for m in others if m is by_name[words.name(m)])]
-    return distinct[: MOST_RIVALS if tied else 2]
 
 
 def settle(

@@ -1,0 +1,63 @@
+"""``skiplatch settle``: what the touches of a recommended experiment leave of a tie."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from skiplatch.campaign import read_campaign
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.diagnosis import diagnose
+from skiplatch.diagnosis.experiment import Standing, outcome, rivals
+from skiplatch.diagnosis.experiment.words import name
+from skiplatch.errors import InputError
+from skiplatch.tables import number, table
+
+EPILOG = """\b
+Example:
+  skiplatch design build/tied --out build/next.csv
+  (make the touches of build/next.csv and record them as the campaign build/made)
+  skiplatch settle build/tied build/made
+"""
+
+
+@click.command(epilog=EPILOG)
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("made", type=click.Path(path_type=Path))
+@seed_option
+@jobs_option
+@json_option
+def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | None) -> None:
+    """Say which of the effects that a CAMPAIGN leaves tied the touches MADE since bear out.
+
+    MADE is a campaign of its own, on the same rig: the touches that `skiplatch design`
+    recommends, with the column that it recommends. The models that the diagnosis of CAMPAIGN does
+    not tell apart are fitted to both; one that expects the touches of MADE by 3 nats less than
+    the best one does is ruled out.
+    """
+    recorded, further = read_campaign(campaign), read_campaign(made)
+    if recorded.nominal != further.nominal:
+        raise InputError(f"{made}: nominal.toml is not that of {campaign}: another rig")
+    models = rivals(diagnose(recorded, seed=seed, jobs=jobs))
+    standings = outcome(recorded, further, models) if models else []
+    click.echo(_text(standings))
+    write_json(json_path, _json(standings))
+
+
+def _text(standings: Sequence[Standing]) -> str:
+    if not standings:
+        return "The campaign leaves nothing to settle: no effect was named."
+    left = [name(standing.model) for standing in standings if standing.is_left]
+    says = f"Left: {left[0]}." if len(left) == 1 else f"Still tied: {', '.join(left)}."
+    rows = [(name(s.model), number(s.behind_nats, 3)) for s in standings]
+    return f"{says}\n" + table(("model", "behind by nats"), rows)
+
+
+def _json(standings: Sequence[Standing]) -> dict[str, object]:
+    return {
+        "left": [[effect.id for effect in s.model] for s in standings if s.is_left],
+        "models": [
+            {"effects": [effect.id for effect in s.model], "behind_nats": s.behind_nats}
+            for s in standings
+        ],
+    }

@@ -1,0 +1,102 @@
+"""``skiplatch settle`` as the user meets it, and the judging behind it."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from effects_rig import MACHINE, mixed_touches
+from skiplatch import cli
+from skiplatch.campaign import Campaign, Nominal, Status, Touches, write_campaign
+from skiplatch.diagnosis import Diagnosis
+from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.experiment import outcome, rivals
+from skiplatch.errors import InputError
+from skiplatch.simulator import Controller, Effect, play
+
+DELAY = (Effect("trigger_delay", {"delay_us": 150.0, "jitter_us": 0.0}),)
+FILTER = (Effect("input_filter", {"delay_us": 150.0, "jitter_us": 0.0}),)
+LAG = (Effect("following_error", {"lag_us": 150.0, "y_more": 0.0, "z_more": 0.0}),)
+
+
+def made(model: tuple[Effect, ...], columns: tuple[str, ...], n: int, seed: int) -> Campaign:
+    """A machine that has an effect, and some of the columns that it could have recorded."""
+    touches = mixed_touches(n, seed=seed)
+    controller = Controller.for_campaign(MACHINE, touches)
+    outcomes = play(MACHINE, controller, touches, seed=seed, switched_on=model)
+    kept = {name: getattr(outcomes, name)[0] for name in columns}
+    status = np.where(outcomes.ok[0], Status.OK, Status.MISSED).astype(np.int8)
+    return Campaign(MACHINE, replace(touches, status=status, **kept), Path("rig"))
+
+
+def left(models: list[tuple[Effect, ...]], truth: tuple[Effect, ...]) -> list[str]:
+    tied = made(truth, ("deviation_um",), 150, seed=3)
+    further = made(truth, ("latch_us", "deviation_um"), 40, seed=4)
+    return [s.model[0].id for s in outcome(tied, further, models) if s.is_left]
+
+
+@pytest.mark.parametrize("truth", [DELAY, LAG])
+def test_new_touches_rule_out_what_does_not_play_them(truth: tuple[Effect, ...]) -> None:
+    assert left([LAG, DELAY], truth) == [truth[0].id]
+
+
+def test_what_plays_the_same_stays_tied() -> None:
+    assert sorted(left([DELAY, LAG, FILTER], DELAY)) == ["input_filter", "trigger_delay"]
+
+
+def test_parameters_are_fitted_anew_to_both_campaigns() -> None:
+    off = (Effect("trigger_delay", {"delay_us": 120.0, "jitter_us": 0.0}),)
+
+    assert left([LAG, off], DELAY) == ["trigger_delay"]
+
+
+def test_the_rivals_are_all_that_the_groups_name() -> None:
+    ranking = [Ranked(model, nats) for model, nats in ((DELAY, 90.0), (LAG, 84.0))]
+    named = [SimpleNamespace(effect=DELAY[0], alternatives=("following_error",))]
+    diagnosis = SimpleNamespace(effects=named, rivals=ranking[:1], ranking=ranking)
+
+    assert rivals(cast(Diagnosis, diagnosis)) == [DELAY, LAG]
+
+
+def run(*arguments: str) -> str:
+    result = CliRunner().invoke(cli.group, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def written(folder: Path, nominal: Nominal, touches: Touches) -> str:
+    write_campaign(folder, nominal, touches)
+    return str(folder)
+
+
+def test_the_command_says_what_is_left(tmp_path: Path) -> None:
+    tied = made(LAG, ("deviation_um",), 150, seed=3)
+    further = made(LAG, ("latch_us", "deviation_um"), 40, seed=4)
+    folders = [
+        written(tmp_path / "tied", MACHINE, tied.touches),
+        written(tmp_path / "made", MACHINE, further.touches),
+    ]
+
+    text = run("settle", *folders, "--jobs", "1", "--json", str(tmp_path / "left.json"))
+
+    found = json.loads((tmp_path / "left.json").read_text())
+    assert "Left: following_error." in text
+    assert found["left"] == [["following_error"]]
+    assert len(found["models"]) > 1
+
+
+def test_touches_of_another_rig_are_refused(tmp_path: Path) -> None:
+    tied = made(LAG, ("deviation_um",), 40, seed=3)
+    other = replace(MACHINE, plc=replace(MACHINE.plc, scan_us=MACHINE.plc.scan_us + 1.0))
+
+    with pytest.raises(InputError, match="another rig"):
+        run(
+            "settle",
+            written(tmp_path / "tied", MACHINE, tied.touches),
+            written(tmp_path / "made", other, tied.touches),
+        )
