@@ -33,13 +33,13 @@ def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | 
     MADE is a campaign of its own, on the same rig: the touches that `skiplatch design`
     recommends, with the column that it recommends. The models that the diagnosis of CAMPAIGN does
     not tell apart are fitted to both; one that expects the touches of MADE by 3 nats less than
-    the best one does is ruled out.
+    the best one does is ruled out, if the simulation expects such touches to do so.
     """
     recorded, further = read_campaign(campaign), read_campaign(made)
     if recorded.nominal != further.nominal:
-        raise InputError(f"{made}: nominal.toml is not that of {campaign}: another rig")
+        raise InputError(made, None, None, f"nominal.toml is not that of {campaign}: another rig")
     models = rivals(diagnose(recorded, seed=seed, jobs=jobs))
-    standings = outcome(recorded, further, models) if models else []
+    standings = outcome(recorded, further, models, seed=seed, jobs=jobs) if models else []
     click.echo(_text(standings))
     write_json(json_path, _json(standings))
 

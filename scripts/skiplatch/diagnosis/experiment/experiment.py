@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.campaign import Campaign, Touches
 from skiplatch.diagnosis.experiment import words
@@ -12,12 +13,15 @@ from skiplatch.diagnosis.experiment.channels import channels, recordable, record
 from skiplatch.diagnosis.experiment.choice import choose
 from skiplatch.diagnosis.experiment.conditions import Conditions, spread_out, travel_s
 from skiplatch.diagnosis.experiment.evidence import Samples, exponents, log_likelihoods
+from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model, rivals
 from skiplatch.diagnosis.experiment.trial import Trial
 from skiplatch.simulator import US_PER_S, Controller, Outcomes, effects, play
 
 if TYPE_CHECKING:
     from skiplatch.diagnosis.diagnose import Diagnosis
+
+FloatArray = NDArray[np.float64]
 
 TOUCHES = 60
 WARMER_K = 5.0
@@ -104,7 +108,7 @@ def settle(
     """Find the experiment that tells two or more models apart best; see `next_experiment`."""
     rng = np.random.default_rng(seed)
     drawn = spread_out(campaign.touches, max(DRAWN, touches), rng).brief()
-    stage = _Stage(campaign, models, seed, jobs)
+    stage = _Stage(campaign, models, Rehearsal.of(campaign, models), seed, jobs)
     kept = recorded(campaign.nominal, campaign.touches)
     missing = (name for name in recordable(campaign.nominal) if name not in kept)
     settings = [words.AS_RECORDED, *map(words.Setting, missing)]
@@ -113,6 +117,11 @@ def settle(
         warm = [words.Setting(warmer_k=WARMER_K)]
         options += stage.options(warm, drawn.warmer(WARMER_K), kept, touches)
     return _recommended(options, models)
+
+
+def _chosen(options: Sequence[_Option]) -> _Option:
+    as_recorded, best = options[0], _best(options)
+    return best if _is_worth_recording(as_recorded.trial, best.trial) else as_recorded
 
 
 def _best(options: Sequence[_Option]) -> _Option:
@@ -125,6 +134,7 @@ class _Stage:
 
     campaign: Campaign
     models: Sequence[Model]
+    rehearsal: Rehearsal
     seed: int
     jobs: int
 
@@ -143,7 +153,8 @@ class _Stage:
             told = exponents(self.samples(drawn, seen, columns))
             pairs = told[np.triu_indices(len(self.models), k=1)]
             plan = drawn.chosen(choose(pairs, touches))
-            found.append(_Option(setting, plan, self.tried(plan, columns)))
+            trial = Trial.of(self.tried(plan, columns), self.groups(plan, columns))
+            found.append(_Option(setting, plan, trial))
             if _is_soon_settled(found[0].trial):
                 break
         return found
@@ -180,19 +191,23 @@ class _Stage:
         seen = [channels(nominal, touches, outcomes, columns) for outcomes in played]
         return {name: np.stack([model[name] for model in seen]) for name in seen[0]}
 
-    def tried(self, plan: Conditions, columns: frozenset[str]) -> Trial:
-        """Try the plan in replicates that had no part in choosing it."""
+    def tried(self, plan: Conditions, columns: frozenset[str]) -> FloatArray:
+        """Try the plan in replicates that had no part in choosing it; see `Trial.of`."""
         replicates = self.replicates(plan, REPLICATES)
         known, judged = (
             self.samples(plan, self.play(plan, replicates, first=first), columns)
             for first in (DRAWN_REPLICATES, DRAWN_REPLICATES + replicates)
         )
-        return Trial.of(log_likelihoods(known, judged))
+        return log_likelihoods(known, judged)
+
+    def groups(self, plan: Conditions, columns: frozenset[str]) -> NDArray[np.intp]:
+        """Play a plan to its end, and group the models as its outcome will; shape (m,)."""
+        played = self.play(plan, REHEARSALS, first=DRAWN_REPLICATES + 2 * REPLICATES)
+        return self.rehearsal.groups(plan.touches, played, columns)
 
 
 def _recommended(options: Sequence[_Option], models: Sequence[Model]) -> Experiment:
-    as_recorded, best = options[0], _best(options)
-    chosen = best if _is_worth_recording(as_recorded.trial, best.trial) else as_recorded
+    chosen = _chosen(options)
     names = [words.name(model) for model in models]
     groups = [
         tuple(name for name, group in zip(names, chosen.trial.groups, strict=True) if group == g)
@@ -201,7 +216,7 @@ def _recommended(options: Sequence[_Option], models: Sequence[Model]) -> Experim
     tried = {option.setting: option.trial for option in options}
     return Experiment(
         words=words.with_rivals(groups, models, chosen.setting, tried),
-        record=chosen.setting.column,
+        record=chosen.setting.column if len(groups) > 1 else None,
         touches=chosen.conditions.touches,
         bits_per_touch=chosen.trial.bits_per_touch,
         expected_bits=chosen.trial.bits,

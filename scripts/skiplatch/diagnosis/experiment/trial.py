@@ -36,13 +36,15 @@ class Trial:
     bits_per_touch: float
 
     @classmethod
-    def of(cls, log_likelihoods: FloatArray) -> Self:
+    def of(cls, log_likelihoods: FloatArray, groups: NDArray[np.intp] | None = None) -> Self:
         """Judge r experiments of n touches by each of m models; shape (m, m, r, n).
 
-        The first index is the model that judges, the second the one that is true.
+        The first index is the model that judges, the second the one that is true. The groups are
+        found, unless they are given.
         """
         so_far = np.cumsum(log_likelihoods, axis=3)
-        groups = _groups(so_far[..., -1])
+        if groups is None:
+            groups = _groups(so_far[..., -1])
         return cls(
             groups=groups,
             touches_needed=_needed(so_far, groups),
