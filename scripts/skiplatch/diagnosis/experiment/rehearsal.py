@@ -22,8 +22,6 @@ REHEARSALS = 2
 APART = 10.0
 """Nats that a rival has to be expected behind: the difference of two log-likelihoods varies by the
 root of twice its mean, so that 19 of 20 experiments then leave more than the 3 nats of a tie."""
-HOPELESS = 100.0
-"""Nats behind which no other parameters bring a model back."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,13 +65,13 @@ class Rehearsal:
 
     def _behind(self, new: Scene, truth: int) -> FloatArray:
         """Give the nats by which each model expects new touches less than the truth; (m,)."""
-        own = total([new], as_fit(self.models[truth]))
+        own = added_nats(self.old, new, self.fits[truth])
         return np.array([own - self._most(new, fit, own) for fit in self.fits])
 
     def _most(self, new: Scene, fit: Fit, own: float) -> float:
         """Give what new touches add to a model, fitted anew only where that can matter."""
         nats = total([self.old, new], fit) - total([self.old], fit)
-        return added_nats(self.old, new, fit) if APART <= own - nats < HOPELESS else nats
+        return added_nats(self.old, new, fit) if own - nats >= APART else nats
 
 
 def _recorded(
