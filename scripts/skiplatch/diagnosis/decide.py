@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from skiplatch.diagnosis.generic import families
 from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import BoolArray, Scene
-from skiplatch.diagnosis.search import NOTHING, WORTH_A_REFINEMENT, Fit, fit, polish
+from skiplatch.diagnosis.search import NOTHING, SLACKS, WORTH_A_REFINEMENT, Fit, fit, polish
 from skiplatch.diagnosis.simulated import catalogue
 
 MOST_EFFECTS = 2
@@ -160,9 +160,11 @@ class Judge:
         return fits
 
     def _gain(self, found: Fit, given: Change) -> float:
-        """Gain of a model on the touches it was fitted to, over what is given."""
-        change = given.joined(found.change(self._fitting))
-        return likelihood(self._fitting, change).total - likelihood(self._fitting, given).total
+        """Gain of a model, with its form left open or not, on the touches it was fitted to."""
+        forms = (found, replace(found, slack=SLACKS[-1]))
+        changes = (given.joined(form.change(self._fitting)) for form in forms)
+        most = max(likelihood(self._fitting, change).total for change in changes)
+        return most - likelihood(self._fitting, given).total
 
     def generic(self, given: Fit | None = None) -> list[Scored]:
         """Every family that names no effect, alone or on top of a model, by falling score."""
