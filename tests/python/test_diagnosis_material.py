@@ -52,6 +52,17 @@ def test_lobes_are_material_beyond_what_a_calibration_is_good_for(share: float) 
     assert is_material(scene, other, Materiality(um=1e-3))
 
 
+@pytest.mark.parametrize("share", [0.05, 0.3])
+def test_waits_that_the_believed_scan_cannot_bring_are_material(share: float) -> None:
+    jitter_us = share * read_campaign(MACHINE).nominal.plc.scan_us
+    late = Effect("scan_jitter", {"jitter_us": jitter_us, "tail_us": 0.0})
+    scene = Scene.of(played(MACHINE, late))
+    hardly = Change(position_um=0.1 * scene.streams["deviation_plc"].law.spread * scene.plc)
+
+    assert is_material(scene, hardly) == (share > 0.1)
+    assert not is_material(scene, hardly, Materiality(um=1e6))
+
+
 def test_lost_touches_are_always_material() -> None:
     assert is_material(bench(), Change(lost=0.01), Materiality(us=1e9, um=1e9))
 

@@ -22,6 +22,10 @@ RESOLVED = 0.1
 """Share of it below which no shift is: rounding need not be as random as its law has it."""
 CALIBRATED = 0.1
 """Share of the believed lobes within which a probe counts as calibrated."""
+WIDE = 20.0
+"""Standard deviations from which on a box has edges that can be seen to be left."""
+IMPOSSIBLE = 0.02
+"""Share of touches outside the edges of a wide box that is material."""
 ERRORS = 3.0
 """Standard errors by which what is left has to be smaller to be left out."""
 MICROSECONDS = "µs"
@@ -90,7 +94,22 @@ def _is_material_in(scene: Scene, stream: Stream, change: Change, materiality: M
     threshold = materiality.absolute(stream.unit)
     if threshold is not None:
         return _rms(moved) > threshold
-    return _rms(moved / spread) > materiality.fraction
+    return _rms(moved / spread) > materiality.fraction or _is_impossible(scene, stream)
+
+
+def _is_impossible(scene: Scene, stream: Stream) -> bool:
+    """Tell whether touches lie where the believed wait for a scan cannot bring them.
+
+    A box is wide beside what takes touches out of it: hardly any change of its spread, but a
+    measuring error beyond the largest one that is believed.
+    """
+    law, rows = stream.law, stream.rows
+    margin = ERRORS * law.sigma + rounding_step(scene, stream)
+    widths = law.box_a + law.box_b
+    off = stream.residuals - law.offset
+    is_out = (off < -margin) | (off > widths + margin)
+    is_wide = rows & (np.maximum(law.box_a, law.box_b) > WIDE * law.sigma)
+    return bool(is_out[is_wide].sum() > IMPOSSIBLE * rows.sum())
 
 
 def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: FloatArray) -> bool:
