@@ -52,7 +52,7 @@ def test_lobes_are_material_beyond_what_a_calibration_is_good_for(share: float) 
     assert is_material(scene, other, Materiality(um=1e-3))
 
 
-@pytest.mark.parametrize("share", [0.05, 0.3])
+@pytest.mark.parametrize("share", [0.05, 0.8])
 def test_waits_that_the_believed_scan_cannot_bring_are_material(share: float) -> None:
     jitter_us = share * read_campaign(MACHINE).nominal.plc.scan_us
     late = Effect("scan_jitter", {"jitter_us": jitter_us, "tail_us": 0.0})

@@ -25,7 +25,7 @@ CALIBRATED = 0.1
 WIDE = 20.0
 """Standard deviations from which on a box has edges that can be seen to be left."""
 IMPOSSIBLE = 0.02
-"""Share of touches outside the edges of a wide box that is material."""
+"""Share of touches with a wide box outside its edges that is material."""
 ERRORS = 3.0
 """Standard errors by which what is left has to be smaller to be left out."""
 MICROSECONDS = "µs"
@@ -109,7 +109,7 @@ def _is_impossible(scene: Scene, stream: Stream) -> bool:
     off = stream.residuals - law.offset
     is_out = (off < -margin) | (off > widths + margin)
     is_wide = rows & (np.maximum(law.box_a, law.box_b) > WIDE * law.sigma)
-    return bool(is_out[is_wide].sum() > IMPOSSIBLE * rows.sum())
+    return bool(is_out[is_wide].sum() > IMPOSSIBLE * is_wide.sum())
 
 
 def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: FloatArray) -> bool:
