@@ -29,7 +29,12 @@ without any effect comes to some nats, seldom to 20."""
 def nats(held_back: HeldBack, touches: int, rng: np.random.Generator) -> float:
     """Estimate what the truth gains in a campaign of so many touches as were recorded."""
     truth, spreads = held_back.truth, held_back.expected.spreads
-    oracle, unchanged = (held_back.of(p, rng) for p in (held_back.oracle, held_back.unchanged))
+    sealed = (
+        (held_back.oracle, held_back.unchanged)
+        if "latch" in held_back.recorded
+        else (held_back.oracle_any_phase, held_back.unchanged_any_phase)
+    )
+    oracle, unchanged = (held_back.of(plays, rng) for plays in sealed)
     gain = 0.0
     for rows in cells(held_back.touches):
         plc = bool(held_back.expected.plc[rows].all())
