@@ -22,9 +22,10 @@ double effect_scan_overrun(const sim_effect_call_t *call, double late_us)
     return is_overrun ? late_us + call->parameters[1] + span_us : late_us;
 }
 
+/* Between two ages, the image is now the one and now the other. */
 double effect_input_image_delay(const sim_effect_call_t *call, double scans)
 {
-    return scans + call->parameters[0];
+    return floor(scans + call->parameters[0] + sim_random_uniform(call->random, 1.0));
 }
 
 /*

@@ -73,7 +73,7 @@ static const sim_effect_t EFFECTS[] = {
        {"span_us", "µs", "span of a uniform addition", 0.0, 100000.0}}},
      SIM_SCAN_START, effect_scan_overrun},
     {{"input_image_delay", "scan", "plc", "the task works on an input image that is scans old",
-      {{"scans", "1", "age of the image, rounded to whole scans", 0.0, 7.0}}},
+      {{"scans", "1", "mean age of the image; between two whole scans it is now the one, now the other", 0.0, 7.0}}},
      SIM_IMAGE_DELAY, effect_input_image_delay},
     {{"scan_phase_lock", "scan", "plc", "the edge falls about one point of the scan, not anywhere",
       {{"phase", "1", "that point, as a share of the period", 0.0, 1.0},

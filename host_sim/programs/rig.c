@@ -45,11 +45,20 @@ static void stop_path(rig_t *rig)
     rig->path = NO_PATH;
 }
 
-/* Set up the input of `path` unless it runs already. */
+/* Age of the input image at this touch. */
+static uint8_t image_delay_scans(rig_t *rig)
+{
+    double scans = sim_change(&rig->sim, SIM_IMAGE_DELAY, rig->controller->image_delay_scans);
+    return (uint8_t)fmin(scans, UINT8_MAX);
+}
+
+/* Set up the input of `path` unless it runs already, and with the image as old as now. */
 static int start_path(rig_t *rig, int path)
 {
-    int result;
-    if (rig->path == path) {
+    int     result;
+    uint8_t delay_scans = path == SIM_PATH_SKIP ? 0u : image_delay_scans(rig);
+    if (rig->path == path &&
+        (path == SIM_PATH_SKIP || rig->plc.image_delay_scans == delay_scans)) {
         return HAL_OK;
     }
     stop_path(rig);
@@ -59,12 +68,10 @@ static int start_path(rig_t *rig, int path)
         skip_input_config_t config = {.edge = {.channel = CHANNEL}, .axis = AXIS};
         result = skip_input_start(&rig->skip, &config);
     } else {
-        double delay_scans =
-            sim_change(&rig->sim, SIM_IMAGE_DELAY, rig->controller->image_delay_scans);
         plc_task_config_t config = {
             .channel = CHANNEL,
             .axis = AXIS,
-            .image_delay_scans = (uint8_t)lrint(fmin(delay_scans, UINT8_MAX)),
+            .image_delay_scans = delay_scans,
             .period_us = (uint16_t)fmin(rig->sim.chain->scan_us + 0.5, UINT16_MAX),
         };
         result = plc_task_start(&rig->plc, &config);

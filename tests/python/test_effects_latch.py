@@ -166,6 +166,16 @@ def test_input_image_delay_latches_whole_scans_later(scans: float) -> None:
     assert_deviation_follows_the_latch(played)
 
 
+def test_an_input_image_between_two_ages_is_now_the_one_and_now_the_other() -> None:
+    played = trace(PLC, "input_image_delay", n=4000, scans=1.3)
+    older = np.rint(played.latch_shift_us / SCAN_US)
+
+    assert_close(played.latch_shift_us, older * SCAN_US, STAMP_TOLERANCE_US)
+    assert set(older) == {1.0, 2.0}
+    assert np.mean(older == 2.0) == pytest.approx(0.3, abs=0.03)  # 4 standard errors
+    assert_deviation_follows_the_latch(played)
+
+
 @pytest.mark.parametrize("phase", [0.05, 0.3, 0.99])
 def test_scan_phase_lock_fixes_the_wait_for_the_scan(phase: float) -> None:
     played = trace(PLC, "scan_phase_lock", phase=phase)

@@ -20,6 +20,7 @@ from skiplatch.motion import S_PER_MIN, contact_at
 Parameters = FloatArray
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
+MOST_SCANS_OLD = 7.0
 MOST_RETRIES = 0.9
 MOST = 0.6
 MIRRORED = 0.5
@@ -54,8 +55,6 @@ class Candidate:
     change: Callable[[Scene, Parameters], Change]
     starts: Starts
     applies: Callable[[Scene], bool] = lambda _: True
-    exact: bool = False
-    """Only the starts themselves are tried."""
     refinements: tuple[Mapping[int, float], ...] = ()
     """Parameters, by number and with a first value, that make other forms of the effect."""
 
@@ -162,6 +161,13 @@ def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
 def _delay(_scene: Scene, p: Parameters) -> Change:
     jitter = (Extra(1.0, width=abs(p[1])),) if p[1] else ()
     return Change(pin_us=p[0], pin_extra=jitter)
+
+
+def _image_delay(scene: Scene, p: Parameters) -> Change:
+    period_us = scene.nominal.plc.scan_us
+    whole, part = divmod(min(abs(p[0]), MOST_SCANS_OLD), 1.0)
+    older = (Extra(part, offset=period_us),) if part else ()
+    return Change(plc_us=float(whole) * period_us, scan_extra=older)
 
 
 def _delay_starts(_scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -485,9 +491,8 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "input_image_delay",
             ("scans",),
-            lambda scene, p: Change(plc_us=float(np.rint(abs(p[0]))) * scene.nominal.plc.scan_us),
-            _fixed([1.0], [2.0], [3.0], [4.0]),
-            exact=True,
+            _image_delay,
+            _fixed([0.3], [1.0], [1.5], [2.0], [3.0], [4.0]),
         ),
         Candidate(
             "scan_phase_lock",

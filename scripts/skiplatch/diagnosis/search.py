@@ -141,8 +141,6 @@ def fit(
     """Fit parameters from several starts, coarse to fine, on top of what is given."""
     begun = [np.asarray(start, dtype=float) for start in starts]
     target = _Target(scene, candidates, begun, given)
-    if all(candidate.exact for candidate in candidates):
-        return target.fit(min(begun, key=lambda point: target(point, 0.0)))
     forms: dict[tuple[int, ...], list[FloatArray]] = {}
     for start in begun:
         forms.setdefault(tuple(np.flatnonzero(start)), []).append(start)

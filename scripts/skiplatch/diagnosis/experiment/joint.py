@@ -54,8 +54,6 @@ def suited(scenes: Sequence[Scene], model: Fit) -> Fit:
     loose = [replace(model, slack=slack) for slack in (0.0, *SLACKS)]
     worth = [total(scenes, m) - WORTH_A_REFINEMENT * (m.slack > 0.0) for m in loose]
     found = loose[int(np.argmax(worth))]
-    if any(candidate.exact for candidate in model.candidates):
-        return found
     for _ in range(ROUNDS):
         found = _climb(scenes, found)
     return found
