@@ -146,7 +146,7 @@ def _is_usual(
     """Tell whether the model's own plays may gain as little: what is rare may not have happened."""
     for k in range(OWN_PLAYS):
         scorer = _Scorer(
-            replace(scene, touches=_as_recorded(scene.touches, played, k)), rows, unchanged
+            replace(scene, touches=as_recorded(scene.touches, played, k)), rows, unchanged
         )
         if float(np.mean(scorer.unchanged - scorer.scores(played))) <= gain:
             return True
@@ -285,7 +285,7 @@ def inseparable(
     scale = float(rows.sum()) / len(chosen)
     outcomes = play_scene(scene, effects, seed, CAMPAIGNS, jobs=1)
     campaigns = [
-        Scene(scene.nominal, _as_recorded(scene.touches, outcomes, k)).select(chosen)
+        Scene(scene.nominal, as_recorded(scene.touches, outcomes, k)).select(chosen)
         for k in range(CAMPAIGNS)
     ]
     behind = _behind(campaigns, best, rivals, scale, executor)
@@ -303,7 +303,7 @@ def _some(rows: BoolArray, seed: int) -> "np.ndarray[tuple[int], np.dtype[np.int
     return chosen
 
 
-def _as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:
+def as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:
     """Give a replicate the columns, and the gaps in them, that the record has."""
     columns = {
         name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[replicate])

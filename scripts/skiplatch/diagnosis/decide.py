@@ -37,6 +37,8 @@ SMALLEST_SECOND = 0.1
 """Gain of a second effect over that of the first, whose form is never just the one fitted.
 
 One that gains less is believed only where it mends all that the first one leaves."""
+FAINTEST_SECOND = 0.03
+"""The same below which it is not believed at all: that much any form is off."""
 MOST_SWAPS = 2
 MIMICRY = 0.99
 """Share of a family's gain that an effect has to reach to be named in its place."""
@@ -108,6 +110,12 @@ def _is_no_accident(fitted: float, checked: float, parameters: int) -> bool:
     is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
     is_plain = gained > PLAIN and checked > -MISSING * fitted
     return is_checked or is_plain
+
+
+def _in_view(part: Scene, names: Collection[str]) -> set[str]:
+    """Add the grid of the scans to the waits for them: what a scan does shows in both."""
+    is_waiting = any(name in part.streams and part.streams[name].is_polled for name in names)
+    return {*names, "lattice"} if is_waiting and "lattice" in part.streams else set(names)
 
 
 def _gain_in(part: Scene, model: Fit, names: Collection[str]) -> float:
@@ -256,7 +264,7 @@ class Judge:
         there = 0.0
         for part in (self._fitting, self._checking):
             last = pair.fit.candidates[-1].change(part, pair.fit.parameters[-1])
-            there += _gain_in(part, first.fit, affected(part, last))
+            there += _gain_in(part, first.fit, _in_view(part, affected(part, last)))
         gained = pair.fitted + pair.checked - first.fitted - first.checked
         return gained / there if there > 0.0 else np.inf
 
@@ -325,14 +333,24 @@ def find(judge: Judge) -> Finding:
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
+def only(judge: Judge, single: Scored) -> Finding:
+    """Name one effect of the two that were found."""
+    ranked = [single, *(scored for scored in judge.singles() if scored.ids != single.ids)]
+    group, confidence = _group(ranked, position=0)
+    return Finding(single, (group,), (confidence,), tuple(ranked))
+
+
 def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
     """Tell whether the second effect of a pair is one of its own, and no form of the first."""
     if not judge.is_enough(pair, first):
         return False
     if judge.is_elsewhere(pair, first):
         return not _is_a_form(judge, pair, ENOUGH_FIT)
-    if judge.share(pair, first) >= SMALLEST_SECOND:
+    share = judge.share(pair, first)
+    if share >= SMALLEST_SECOND:
         return not _is_a_form(judge, pair, -TIED)
+    if share < FAINTEST_SECOND:
+        return False
     return _mends_all(judge, pair) and not _is_a_form(judge, pair, -PLAIN)
 
 

@@ -20,6 +20,7 @@ from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
+from skiplatch.diagnosis.surplus import without_surplus
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, effects
 
@@ -137,6 +138,7 @@ def _diagnose(
     parts = split(len(scene), seed)
     judge = Judge(scene, parts, pool, materiality)
     finding, stranger = weigh(judge, find(judge))
+    finding = without_surplus(judge, finding, as_effects, seed=seed, executor=pool)
     finding, confirmed = settle(
         scene, parts, finding, as_effects, seed=seed, jobs=jobs, executor=pool
     )

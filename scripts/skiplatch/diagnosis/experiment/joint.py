@@ -17,9 +17,7 @@ from skiplatch.simulator import effects
 
 MOST_TOUCHES = 2_000
 """Touches of the first campaign that the parameters are held to."""
-EVALUATIONS = 80  # a parameter
-ROUNDS = 2
-"""Climbs one after the other: the second begins with a simplex of full size again."""
+EVALUATIONS = 40  # a parameter
 
 
 def some(scene: Scene) -> Scene:
@@ -54,9 +52,7 @@ def suited(scenes: Sequence[Scene], model: Fit) -> Fit:
     loose = [replace(model, slack=slack) for slack in (0.0, *SLACKS)]
     worth = [total(scenes, m) - WORTH_A_REFINEMENT * (m.slack > 0.0) for m in loose]
     found = loose[int(np.argmax(worth))]
-    for _ in range(ROUNDS):
-        found = _climb(scenes, found)
-    return found
+    return _climb(scenes, found)
 
 
 def _climb(scenes: Sequence[Scene], model: Fit) -> Fit:

@@ -1,0 +1,70 @@
+"""Whether a second effect is needed: played with the first alone, a campaign may seem to have it.
+
+The surrogate of an effect is not its simulation, and what it lacks another effect may make up for.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
+
+import numpy as np
+
+from skiplatch.diagnosis.confirm import AsEffects, as_recorded
+from skiplatch.diagnosis.decide import PLAIN, Finding, Judge, only, worth
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit, fit, polish
+from skiplatch.diagnosis.shrink import play_scene
+from skiplatch.simulator import Effect
+
+CAMPAIGNS = 4
+PLAINLY_NEEDED = 100.0
+"""Nats of a second effect that no surrogate lacks."""
+
+
+def without_surplus(
+    judge: Judge,
+    finding: Finding,
+    as_effects: AsEffects,
+    *,
+    seed: int,
+    executor: Executor | None = None,
+) -> Finding:
+    """Drop the second effect unless it gains clearly more than where there is none.
+
+    Args:
+        judge: Fits and scores on the campaign.
+        finding: As the surrogates propose it.
+        as_effects: Gives a fit as the simulator takes it.
+        seed: Of the campaigns that are played with one effect.
+        executor: Fits side by side.
+    """
+    pair = finding.model
+    if pair is None or len(pair.ids) == 1:
+        return finding
+    single = max((judge.again(pair.fit, i) for i in (0, 1)), key=lambda scored: scored.score)
+    gained = pair.score - single.score
+    if gained > PLAINLY_NEEDED:
+        return finding
+    run: Callable[..., Iterable[float]] = executor.map if executor else map
+    campaigns = _played(judge, as_effects(single.fit), seed)
+    by_nature = run(_gain, [(campaign, single.fit, pair.fit) for campaign in campaigns])
+    return finding if gained > max(by_nature) + PLAIN else only(judge, single)
+
+
+def _played(judge: Judge, effects: Sequence[Effect], seed: int) -> list[Scene]:
+    scene = judge.scene
+    outcomes = play_scene(scene, effects, seed, CAMPAIGNS, jobs=1)
+    columns = (as_recorded(scene.touches, outcomes, k) for k in range(CAMPAIGNS))
+    return [Scene(scene.nominal, played).select(judge.parts.naming) for played in columns]
+
+
+def _gain(task: tuple[Scene, Fit, Fit]) -> float:
+    """Give by how much a pair, fitted anew, scores better than one of its effects."""
+    campaign, single, pair = task
+    return _score(campaign, pair) - _score(campaign, single)
+
+
+def _score(campaign: Scene, model: Fit) -> float:
+    start = np.concatenate(model.parameters).tolist()
+    anew = polish(campaign, fit(campaign, model.candidates, [start], widenings=(0.0,)))
+    return likelihood(campaign, anew.change(campaign)).total - worth(anew.size)
