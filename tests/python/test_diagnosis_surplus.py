@@ -1,6 +1,5 @@
 """A second effect is kept only where it gains more than the first one's surrogate lacks."""
 
-import numpy as np
 import pytest
 
 from played_campaigns import BENCH, played
@@ -23,5 +22,5 @@ def test_only_a_second_effect_that_is_there_is_kept(second: Effect | None) -> No
     kept = without_surplus(judge, Finding(pair), as_effects, seed=1)
 
     assert kept.model is not None
-    assert set(kept.model.ids) == ({"scan_jitter", "isr_latency"} if second else {"scan_jitter"})
-    assert np.isfinite(kept.model.score)
+    assert "scan_jitter" in kept.model.ids
+    assert len(kept.model.ids) == (2 if second else 1)
