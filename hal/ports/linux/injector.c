@@ -72,16 +72,28 @@ static uint8_t bits_of(uint64_t window_ns)
     return bits;
 }
 
-static void report_edge(injector_t *injector, uint8_t level, uint64_t before_ns, uint64_t after_ns)
+static void note_edge(injector_t *injector, uint8_t level, uint64_t before_ns, uint64_t after_ns)
 {
-    uint8_t       frames[INJECT_FRAMES_PER_EDGE][INJECT_FRAME_BYTES];
-    inject_edge_t edge = {
+    injector->edge = (inject_edge_t){
         .time_ns = before_ns,
         .number = (uint16_t)injector->edges,
         .window_bits = bits_of(after_ns - before_ns),
         .level = level,
     };
-    inject_frame_put_edge(&edge, (uint8_t)injector->edge_counter, frames);
+    injector->has_edge = true;
+    ++injector->edges;
+    injector->guard.edges = (uint16_t)injector->edges;
+}
+
+/* Once the pulse is over: at its edge, the bus and the processor are left to who latches it. */
+static void report_edge(injector_t *injector)
+{
+    uint8_t frames[INJECT_FRAMES_PER_EDGE][INJECT_FRAME_BYTES];
+    if (!injector->has_edge) {
+        return;
+    }
+    injector->has_edge = false;
+    inject_frame_put_edge(&injector->edge, (uint8_t)injector->edge_counter, frames);
     injector->edge_counter = (uint16_t)(injector->edge_counter + INJECT_FRAMES_PER_EDGE);
     for (uint8_t i = 0u; i < INJECT_FRAMES_PER_EDGE; ++i) {
         report(injector, INJECT_ID_EDGE, frames[i]);
@@ -106,11 +118,12 @@ static void change_line(injector_t *injector)
     if (!is_driven) {
         ++injector->failed_edges;
     } else if (inject_train_is_leading(train)) {
-        report_edge(injector, level, before_ns, after_ns);
-        ++injector->edges;
-        injector->guard.edges = (uint16_t)injector->edges;
+        note_edge(injector, level, before_ns, after_ns);
     }
     inject_train_advance(train, (uint32_t)(before_ns / CLOCK_NS_PER_US));
+    if (inject_train_is_leading(train)) {
+        report_edge(injector);
+    }
     if (!inject_train_is_playing(train)) {
         injector->guard.is_running = false;
         report_status(injector, 0u, INJECT_OBEYED); /* the train is over */
@@ -123,6 +136,7 @@ static void stop_train(injector_t *injector)
     if (inject_train_is_playing(train) && !inject_train_is_leading(train)) {
         (void)injector_line_set(&injector->lines[train->shot.line], train->shot.level == 0u);
     }
+    report_edge(injector);
     *train = (inject_train_t){.remaining = 0u};
     injector->guard.is_running = false;
 }
@@ -189,6 +203,7 @@ bool injector_serve(injector_t *injector, const volatile sig_atomic_t *is_ending
         flush(injector);
     }
     stop_train(injector);
+    flush(injector);
     if (!is_served) {
         say("the CAN interface is gone; see: ip -br link");
     }

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "inject/inject_frame.h"
 #include "inject/inject_guard.h"
 #include "inject/inject_train.h"
 #include "injector_line.h"
@@ -24,6 +25,8 @@ typedef struct {
     injector_report_t queue[INJECTOR_QUEUE_LENGTH]; /* reports that the bus did not yet take */
     uint32_t          queue_first;
     uint32_t          queue_count;
+    inject_edge_t     edge;           /* the leading one of the pulse that plays */
+    bool              has_edge;       /* and it has not been reported */
     uint32_t          edges;          /* leading ones */
     uint32_t          failed_edges;   /* the line could not be driven */
     uint16_t          status_counter; /* of the next status frame */
