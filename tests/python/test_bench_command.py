@@ -25,6 +25,11 @@ from skiplatch.errors import InputError
 
 PLANS = Path(__file__).parents[2] / "scripts" / "samples" / "plans"
 FEED = 600.0
+BUSY = """
+[load]
+cpu_share = 0.02
+cpu_period_us = 7300
+"""
 PLAN = """format = "skiplatch-bench-plan/1"
 nominal = "believed.toml"
 paths = ["skip"]
@@ -69,13 +74,13 @@ def play(plan: Path, channel: str, *arguments: object) -> Result:
     return bench("run", plan, *fixed, *arguments)
 
 
-@pytest.mark.parametrize("command", ["run", "monitor"])
+@pytest.mark.parametrize("command", ["run", "monitor", "believe"])
 def test_help_has_an_example(command: str) -> None:
     text = bench(command, "--help").output
 
     assert f"  skiplatch bench {command} " in text
     assert "--json" in text
-    assert ("--seed" in text) == (command == "run")
+    assert ("--seed" in text) == (command != "monitor")
 
 
 def test_plan_becomes_a_campaign(plan: Callable[..., Path], channel: str) -> None:
@@ -110,6 +115,21 @@ def test_delays_fall_anywhere_in_a_scan_and_follow_the_seed(
     assert delays[0] == delays[1] != delays[2]
     assert max(delays[0]) < 1000
     assert len(set(delays[0])) > 6
+
+
+def test_delays_fall_anywhere_in_the_period_of_the_busy_process_too(
+    plan: Callable[..., Path], channel: str
+) -> None:
+    path = plan(24)
+    path.write_text(path.read_text() + BUSY)
+    with FakeBench(channel, feed_mm_min=FEED) as fake:
+        result = play(path, channel)
+
+    assert result.exit_code == 0, result.output
+    delays_us = [c["DelayUs"] for c in fake.commands if c["Kind"] == Kind.TRIGGER]
+    assert max(delays_us) > 6000
+    assert max(delays_us) < 7300 + 1000
+    assert min(delays_us) < 2000
 
 
 def test_several_scan_periods_make_a_campaign_each(plan: Callable[..., Path], channel: str) -> None:

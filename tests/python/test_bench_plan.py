@@ -33,6 +33,14 @@ def write(folder: Path, text: str) -> Path:
     return folder / "plan.toml"
 
 
+def test_period_of_a_busy_process_counts_among_what_a_touch_takes(tmp_path: Path) -> None:
+    busy = GOOD.replace("rate_per_s = 10", "rate_per_s = 15")
+    read_plan(write(tmp_path, busy))
+
+    with pytest.raises(InputError, match=r"plan.toml:7: 15 touches a second leave 66667 µs"):
+        read_plan(write(tmp_path, busy + "cpu_share = 0.5\ncpu_period_us = 20000\n"))
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_shipped_plans_are_read_and_differ_in_their_load_alone(name: str) -> None:
     plan, nominal = read_plan(PLANS / f"{name}.toml"), read_plan(PLANS / "nominal.toml")

@@ -170,13 +170,15 @@ def _plan(document: "_Document", nominal: Nominal) -> Plan:
 def _refuse_impossible(document: "_Document", plan: Plan) -> None:
     """Refuse a rate at which one touch would run into the next.
 
-    A trigger is delayed by up to a scan period, so that edges fall anywhere in a scan; the line
-    has to rest for a scan, a debounce period or the way to the surface, whichever is longest.
+    A trigger is delayed by up to a scan period, and one of the busy process, so that edges fall
+    anywhere in both; the line has to rest for a scan, a debounce period or the way to the surface,
+    whichever is longest.
     """
     slowest = min(plan.feeds_mm_min)
     scan_us = max(plan.scan_us)
+    delay_us = scan_us + (plan.load.cpu_period_us if plan.load.cpu_share else 0.0)
     rest_us = max(plan.travel_us(slowest), scan_us, plan.load.debounce_us)
-    needed_us = scan_us + plan.pulse_us + rest_us
+    needed_us = delay_us + plan.pulse_us + rest_us
     period_us = US_PER_S / plan.rate_per_s
     if needed_us > period_us:
         message = (

@@ -164,17 +164,29 @@ class Player:
         return [float(feed) for feed in self._random.permutation(feeds)]
 
     def _touch(self, path: InputPath, feed: float, scan_us: int) -> Played:
-        """Trigger after a random part of a scan, and wait for the edge and its latch."""
+        """Trigger at a random instant, and wait for the edge and its latch."""
         station = self._station
-        delay_us = int(self._random.integers(0, scan_us))
+        delay_us = self._delay_us(scan_us)
         sent_ns = time.monotonic_ns()
         planned_ns = sent_ns + int(delay_us * NS_PER_US)
         station.trigger(self._pulse, delay_us)
-        station.listen(delay_us / US_PER_S + EDGE_PATIENCE_S, lambda: station.edges)
+        reported_us = delay_us + self._plan.pulse_us  # an edge is reported when its pulse is over
+        station.listen(reported_us / US_PER_S + EDGE_PATIENCE_S, lambda: station.edges)
         edge = station.edges.popleft() if station.edges else None
         after_us = self._plan.pulse_us + self._plan.load.debounce_us + 2 * scan_us
         arrival = self._latch(sent_ns, after_us / US_PER_S + LATCH_PATIENCE_S)
         return Played(path, feed, planned_ns, edge, arrival)
+
+    def _delay_us(self, scan_us: int) -> int:
+        """Draw a part of a scan, and of the busy process's period, so that edges fall anywhere.
+
+        This program runs only while the busy process rests, which would show in the edges: any
+        instant plus a uniform part of a period is uniform in that period.
+        """
+        delay_us = self._random.integers(0, scan_us)
+        if self._plan.load.cpu_share:
+            delay_us += self._random.integers(0, round(self._plan.load.cpu_period_us))
+        return int(delay_us)
 
     def _latch(self, since_ns: int, patience_s: float) -> Arrival | None:
         """Wait for a latch since the trigger; one from before it is left for a stray.
