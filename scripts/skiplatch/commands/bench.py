@@ -1,4 +1,4 @@
-"""``skiplatch bench``: play a plan on a Linux bench, or watch it."""
+"""``skiplatch bench``: play a plan on a Linux bench, watch it, or say what to believe of it."""
 
 import signal
 from collections.abc import Callable, Sequence
@@ -8,6 +8,8 @@ from typing import Any, NoReturn
 
 import click
 
+from skiplatch.bench.belief import Belief
+from skiplatch.bench.belief import believe as believe_campaign
 from skiplatch.bench.bus import SOCKETCAN, open_bus
 from skiplatch.bench.monitor import Monitor
 from skiplatch.bench.plan import Plan, read_plan
@@ -15,11 +17,12 @@ from skiplatch.bench.protocol import LATCH_ID
 from skiplatch.bench.recording import as_touches
 from skiplatch.bench.run import Player, Recording, Rig, summary
 from skiplatch.bench.station import Station
-from skiplatch.campaign import write_campaign
+from skiplatch.campaign import format_nominal, read_campaign, write_campaign
 from skiplatch.commands.options import json_option, seed_option, write_json
 from skiplatch.commands.rig_options import within
-from skiplatch.errors import InputError
-from skiplatch.files import refuse_occupied
+from skiplatch.errors import InputError, one_line
+from skiplatch.files import atomic_write_text, refuse_occupied
+from skiplatch.statistics import Interval
 
 INTERRUPTED = 130  # exit status, as a shell gives it
 FILE = click.Path(path_type=Path, dir_okay=False)
@@ -36,6 +39,11 @@ With a simulated one:
 MONITOR_EPILOG = """\b
 Example:
   skiplatch bench monitor vcan0 --seconds 60
+"""
+BELIEVE_EPILOG = """\b
+Example: believe from one quiet campaign, diagnose another one
+  skiplatch bench believe build/quiet --out build/believed.toml
+  skiplatch bench run scripts/samples/plans/nominal.toml --nominal build/believed.toml ...
 """
 
 can_backend_option = click.option(
@@ -281,3 +289,39 @@ def monitor(
     for name, value in counters["injector"].items():
         click.echo(f"injector {name:15} {value}")
     write_json(json_path, {"format": "skiplatch-bench-monitor/1", **counters})
+
+
+@command.command(epilog=BELIEVE_EPILOG)
+@click.argument("campaign_path", metavar="CAMPAIGN", type=click.Path(path_type=Path))
+@click.option("--out", type=FILE, required=True, help="nominal.toml to write; an old one goes.")
+@seed_option
+@json_option
+def believe(campaign_path: Path, out: Path, seed: int, json_path: Path | None) -> None:
+    """Write what a quiet CAMPAIGN of the bench shows as the nominal of further ones.
+
+    Skip latency and jitter, report latency and jitter, and the noise of the reference are those
+    that reproduce the 5 % to 95 % quantiles of the touches; all else stays as the campaign's own
+    nominal has it. The seed is of the intervals.
+    """
+    campaign = read_campaign(campaign_path)
+    belief = believe_campaign(campaign, seed)
+    head = (
+        f"# Of the bench itself: from {belief.skip_touches} touches on the skip path and "
+        f"{belief.reports} reports\n# of {one_line(campaign_path.name)}, 5 % to 95 % quantiles.\n"
+    )
+    atomic_write_text(out, head + format_nominal(belief.in_place_of(campaign.nominal)))
+    for name, interval in _figures(belief):
+        click.echo(
+            f"{name:24} {interval.value:8.1f} µs   {interval.low:.1f} … {interval.high:.1f} µs"
+        )
+    write_json(json_path, belief.as_json())
+
+
+def _figures(belief: Belief) -> list[tuple[str, Interval]]:
+    return [
+        ("skip.latency_us", belief.skip_latency_us),
+        ("skip.jitter_us", belief.skip_jitter_us),
+        ("report.latency_us", belief.report_latency_us),
+        ("report.jitter_us", belief.report_jitter_us),
+        ("bench.reference_jitter_us", belief.reference_jitter_us),
+    ]
