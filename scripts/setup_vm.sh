@@ -9,7 +9,7 @@ set -eu
 suite=testing
 meta=linux-image-amd64
 # What tests/bench/vm_init.sh loads; gpio-sim pulls in what else the kernel makes a module.
-modules="virtio_pci 9pnet_virtio 9p vcan can-raw can-dev gpio-sim"
+modules="virtio_pci 9pnet_virtio 9p vcan can-raw can-dev sch_tbf gpio-sim"
 
 scripts=$(cd "$(dirname "$0")" && pwd)
 # shellcheck source=scripts/apt_aside.sh
@@ -25,7 +25,8 @@ skip() {
 
 [ "$(uname -m)" = x86_64 ] || skip "the virtual machine of the bench needs an x86_64 host"
 "$scripts/setup_system.sh" vm rig || skip "no qemu-system-x86, or busybox-static to be had here"
-[ ! -f "$vm/version" ] || exit 0
+wanted=$vm/wanted # with which modules it was made
+[ ! -f "$vm/version" ] || [ "$(cat "$wanted" 2>/dev/null)" != "$modules" ] || exit 0
 
 scratch=$vm/scratch
 rm -rf "$vm"
@@ -81,5 +82,6 @@ cp "$kernel" "$vm/vmlinuz"
 for module in $modules; do
     add_module "$module"
 done
+echo "$modules" >"$wanted"
 echo "${image#linux-image-}" >"$vm/version"
 say "kernel $(cat "$vm/version") with $(tr '\n' ' ' <"$vm/modules/order")"

@@ -12,8 +12,13 @@ mount -t devtmpfs dev /dev
 # Plain bytes, no carriage returns, to whoever reads the second console.
 stty -F /dev/ttyS1 raw
 
+# With echo, a frame comes back to those who listen here when the device has sent it, as from a real
+# controller, not when it is queued.
 while read -r module; do
-    insmod "/modules/$module.ko" || echo "guest: no module $module" >/dev/ttyS1
+    options=
+    [ "$module" != vcan ] || options=echo=1
+    # shellcheck disable=SC2086
+    insmod "/modules/$module.ko" $options || echo "guest: no module $module" >/dev/ttyS1
 done </modules/order
 
 # The kernel may keep what it has read of files that nobody changes, but not of the shares.
