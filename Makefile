@@ -153,6 +153,11 @@ $(STAMPS)/gpiod: scripts/setup_gpiod.sh
 	@scripts/setup_gpiod.sh
 	@mkdir -p $(@D) && touch $@
 
+# What needs them is counted as skipped.
+$(STAMPS)/system-rig: scripts/setup_system.sh
+	@scripts/setup_system.sh rig || echo 'SKIPPED: no rt-tests or can-utils to be had here'
+	@mkdir -p $(@D) && touch $@
+
 # A check that needs an absent cross compiler is counted as skipped.
 $(STAMPS)/system-cross: scripts/setup_system.sh
 	@scripts/setup_system.sh cross || echo 'SKIPPED: no cross compilers to be had here'
@@ -239,9 +244,10 @@ coverage: setup setup-test ## run all tests and report what they reach, in build
 	@$(COVERAGE) report $(COVERAGE_OPTIONS) | tee build/coverage/report/python.txt
 
 .PHONY: bench
-bench: setup $(STAMPS)/bench ## measure speed
-	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so)
+bench: setup $(STAMPS)/bench $(STAMPS)/system-rig ## measure speed
+	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so) $(if $(LINUX),$(RIG:%.c=$(OUT)/%)) program
 	@$(VENV_PYTHON) tests/perf/bench.py
+	@$(VENV_PYTHON) -m tests.bench.latency
 
 # The suites of the rig, one in the virtual machine and one on this host's own vcan and gpio-sim.
 RIG_SUITES := bench-vm bench-host

@@ -1,8 +1,9 @@
 """How late things come, beside cyclictest and can-utils, in turn and in one run.
 
-Started in the rig, as root: `python -m tests.bench.latency`. Prints µs at the median, at 99 % and
-the most, and the ratio of ours to theirs; the ratios of the rounds are taken in pairs, and their
-median is printed, so that a disturbance that comes and goes hits both. JSON goes to
+Part of `make bench`, and the end of the suite of the rig: `python -m tests.bench.latency`. What has
+no devices or no counterpart here is skipped, loudly, and counted. Prints µs at the median, at 99 %
+and the most, and the ratio of ours to theirs; the ratios of the rounds are taken in pairs, and
+their median is printed, so that a disturbance that comes and goes hits both. JSON goes to
 `BENCH_OUT/latency.json`.
 """
 
@@ -31,12 +32,23 @@ TRIPS = 1000
 TOUCHES = 1000
 PERIOD_US = 1000
 GAP_US = 500
-FIFO = "80"
+FIFO = 80
 AIM = 1.1
+OF_RIG = ("CAN round trip", "CAN to the reader", "edge to latch")  # what needs the devices
 HISTOGRAM_US = 20_000
 CANFDTEST_REQUEST, CANFDTEST_ANSWER = 0x77, 0x78
 Micros = NDArray[np.float64]
 Sample = Callable[[], Micros]
+
+
+def fifo_here() -> int:
+    """Tell with which SCHED_FIFO priority both sides run; 0, the usual, without privilege."""
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+    except PermissionError:
+        return 0
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    return FIFO
 
 
 def run(*command: str, text: str = "", answers: int | None = None) -> str:
@@ -60,16 +72,17 @@ def micros(text: str) -> Micros:
 # ---- scan wake-up ----
 
 
-def our_wake(cpu: str) -> Micros:
+def our_wake(cpu: str, fifo: int) -> Micros:
     """Lateness of the port's scans."""
     program = str(PROGRAMS / "tests/bench/scan_wake")
-    return micros(run(program, str(PERIOD_US), str(SCANS), FIFO, cpu))
+    return micros(run(program, str(PERIOD_US), str(SCANS), str(fifo), cpu))
 
 
-def their_wake(cpu: str) -> Micros:
+def their_wake(cpu: str, fifo: int) -> Micros:
     """Lateness that cyclictest sees, from its histogram: a value stands for its microsecond."""
+    privileged = ("--mlockall", f"--priority={fifo}") if fifo else ()
     text = run(
-        *("cyclictest", "--quiet", "--mlockall", f"--priority={FIFO}", f"--affinity={cpu}"),
+        *("cyclictest", "--quiet", *privileged, f"--affinity={cpu}"),
         *(f"--interval={PERIOD_US}", f"--loops={SCANS}", f"--histogram={HISTOGRAM_US}"),
     )
     pairs = np.array(re.findall(r"^(\d+) (\d+)\s*$", text, re.MULTILINE), dtype=int)
@@ -87,21 +100,21 @@ def requests(can_id: int, data: Sequence[bytes]) -> str:
 def trip(rig: Rig, cpu: str, answer_id: int, text: str, answers: int | None = None) -> Micros:
     """Time the round trips of these requests."""
     program = str(PROGRAMS / "tests/bench/can_round_trip")
-    command = ("taskset", "-c", cpu, "chrt", "-f", FIFO, program)
+    command = ("taskset", "-c", cpu, "chrt", "-f", str(FIFO), program)
     return micros(run(*command, rig.can, f"{answer_id:x}", str(GAP_US), text=text, answers=answers))
 
 
 def our_trip(rig: Rig, cpu: str) -> Micros:
     """Ask the injector for its state."""
     ask = injection.frame(injection.ASK, b"\0", 0)
-    with injector(rig, rig.line(0), "--cpu", cpu, "--fifo", FIFO):
+    with injector(rig, rig.line(0), "--cpu", cpu, "--fifo", str(FIFO)):
         return trip(rig, cpu, STATUS_ID, requests(injection.COMMAND_ID, [ask] * TRIPS))
 
 
 def their_trip(rig: Rig, cpu: str) -> Micros:
     """Let canfdtest, the echo of can-utils, answer."""
     data = [bytes((number + i) & 0xFF for i in range(8)) for number in range(TRIPS)]
-    command = ("taskset", "-c", cpu, "chrt", "-f", FIFO, "canfdtest", rig.can)
+    command = ("taskset", "-c", cpu, "chrt", "-f", str(FIFO), "canfdtest", rig.can)
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as echo:
         time.sleep(0.5)
         try:
@@ -112,7 +125,7 @@ def their_trip(rig: Rig, cpu: str) -> Micros:
 
 def candump_trip(rig: Rig, cpu: str) -> Micros:
     """Until candump has printed the frame: one way over CAN, the other through a pipe."""
-    command = ("taskset", "-c", cpu, "chrt", "-f", FIFO, "candump", "-L", rig.can)
+    command = ("taskset", "-c", cpu, "chrt", "-f", str(FIFO), "candump", "-L", rig.can)
     with subprocess.Popen(command, stdout=subprocess.PIPE) as dump:
         time.sleep(0.5)
         assert dump.stdout is not None
@@ -131,7 +144,7 @@ def edge_to_latch(rig: Rig, path: str) -> Micros:
     with (
         Bus(rig.can, LATCH_ID, STATUS_ID, EDGE_ID) as bus,
         injector(rig, rig.line(0), "--fifo", "85"),  # so that it sees its edge at once
-        controller(rig, rig.line(0), "--fifo", FIFO, "--scan-us", "1000", path=path),
+        controller(rig, rig.line(0), "--fifo", str(FIFO), "--scan-us", "1000", path=path),
     ):
         host = Host(bus)
         host.shoot(count=TOUCHES, period_us=5137, width_us=2500)
@@ -199,23 +212,54 @@ def measure_rig(rig: Rig, cpu: str) -> dict[str, object]:
     return report
 
 
+def measure_wake(cpu: str) -> dict[str, object]:
+    """Measure what needs no devices."""
+    fifo = fifo_here()
+    how = f"SCHED_FIFO {fifo}" if fifo else "usual scheduling, for SCHED_FIFO run as root"
+    return {
+        "wake": beside(
+            f"scan wake-up every {PERIOD_US} µs, {how}",
+            ("timerfd of the port", lambda: our_wake(cpu, fifo)),
+            ("cyclictest", lambda: their_wake(cpu, fifo)),
+        )
+    }
+
+
+def lacking_for_wake() -> list[str]:
+    """Name what the wake-up needs and is not here."""
+    lacking = [] if shutil.which("cyclictest") else ["cyclictest (package rt-tests)"]
+    has_port = (PROGRAMS / "tests/bench/scan_wake").exists()
+    return lacking if has_port else [*lacking, "the Linux port (needs libgpiod 2)"]
+
+
+def lacking_for_rig(rig: Rig | None) -> list[str]:
+    """Name what CAN and edges need and is not here."""
+    lacking = [] if shutil.which("canfdtest") else ["can-utils"]
+    has_port = (PROGRAMS / "tests/bench/can_round_trip").exists()
+    lacking += [] if has_port else ["the Linux port (needs libgpiod 2)"]
+    return lacking if rig else [*lacking, "vcan and gpio-sim (make bench-vm has them)"]
+
+
 def main() -> None:
-    """Measure everything there is to measure on, and print it."""
+    """Measure everything there is to measure on, print it, and count what is skipped."""
     cpu = str((os.cpu_count() or 1) - 1)
     rig = Rig.from_environment()
     report: dict[str, object] = {}
-    if shutil.which("cyclictest") is None or not (PROGRAMS / "tests/bench/scan_wake").exists():
-        print("SKIPPED: wake-up latency, no cyclictest (package rt-tests) or no Linux port here")
+    skipped: list[str] = []
+    lacking = lacking_for_wake()
+    if lacking:
+        skipped += ["wake-up latency"]
+        print(f"SKIPPED: {skipped[-1]}: not here: {', '.join(lacking)}")
     else:
-        report["wake"] = beside(
-            f"scan wake-up every {PERIOD_US} µs",
-            ("timerfd of the port", lambda: our_wake(cpu)),
-            ("cyclictest", lambda: their_wake(cpu)),
-        )
-    if rig is None or shutil.which("canfdtest") is None:
-        print("SKIPPED: CAN and edge latencies, no vcan, gpio-sim or can-utils here")
+        report |= measure_wake(cpu)
+    lacking = lacking_for_rig(rig)
+    if rig is None or lacking:
+        skipped += list(OF_RIG)
+        print(f"SKIPPED: {', '.join(OF_RIG)}: not here: {', '.join(lacking)}")
     else:
         report |= measure_rig(rig, cpu)
+    measured = len(OF_RIG) + 1 - len(skipped)
+    print(f"latencies: {measured} measured, {len(skipped)} skipped")
     out = os.environ.get("BENCH_OUT")
     if out:
         Path(out, "latency.json").write_text(json.dumps(report, indent=1), encoding="utf-8")

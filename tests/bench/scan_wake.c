@@ -3,7 +3,8 @@
  *
  *   scan_wake PERIOD_US COUNT FIFO_PRIORITY CPU >lateness_ns
  *
- * One line a scan, in ns after it was due; priority 0 and processor −1 leave things as they are.
+ * One line a scan, in ns after it was due; priority 0, which needs no privilege, and processor −1
+ * leave things as they are.
  */
 #include <stdint.h>
 #include <stdio.h>
@@ -78,7 +79,7 @@ int main(int argc, char **argv)
     wanted = strtoull(argv[2], NULL, 10);
     lateness_ns = calloc(wanted, sizeof *lateness_ns);
     if (lateness_ns == NULL || (cpu >= 0 && realtime_pin(cpu) != 0) ||
-        realtime_lock_memory() != 0 || (priority > 0 && realtime_fifo(priority) != 0) ||
+        (priority > 0 && (realtime_lock_memory() != 0 || realtime_fifo(priority) != 0)) ||
         scan_start(period_us) != 0) {
         return 2;
     }
