@@ -11,13 +11,17 @@
 #include <stdlib.h>
 #include <sys/timerfd.h>
 
+#include "../hal/ports/linux/axis.h"
 #include "../hal/ports/linux/clock.h"
 #include "../hal/ports/linux/loop.h"
 #include "../hal/ports/linux/realtime.h"
 #include "../hal/ports/linux/scan.h"
+#include "hal_axis.h"
 #include "hal_edge_events.h"
 
-#define TRIES 20u
+#define TRIES        20u
+#define AXIS         0u
+#define COUNTS_PER_S 1e9
 
 static uint64_t  period_ns;
 static uint64_t  grid_ns; /* an instant at which a scan was due */
@@ -36,11 +40,21 @@ void hal_edge_on_latch(uint8_t channel, uint32_t captured_ticks)
     (void)captured_ticks;
 }
 
+/*
+ * When the port took this scan to begin: the first thing it does once awake, as cyclictest does. At
+ * COUNTS_PER_S the axis counts ns, and within a scan it stands at that instant.
+ */
+static uint64_t scan_began_ns(void)
+{
+    uint32_t captured = (uint32_t)hal_axis_position_counts(AXIS);
+    uint64_t now_ns = clock_now_ns();
+    return now_ns - (uint32_t)((uint32_t)now_ns - captured);
+}
+
 static void on_scan(void)
 {
-    uint64_t now_ns = clock_now_ns();
     if (scans < wanted) {
-        lateness_ns[scans] = (now_ns - grid_ns) % period_ns;
+        lateness_ns[scans] = (scan_began_ns() - grid_ns) % period_ns;
         ++scans;
     }
 }
@@ -85,6 +99,7 @@ int main(int argc, char **argv)
     }
     period_ns = (uint64_t)period_us * CLOCK_NS_PER_US;
     grid_ns = due_ns();
+    axis_run(COUNTS_PER_S);
 
     const loop_calls_t calls = {.on_scan = on_scan, .task = no_task, .signals = -1};
     while (scans < wanted) {
