@@ -1,0 +1,71 @@
+"""The shipped campaigns of the rig: read, believed, and diagnosed as what was switched on."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skiplatch.bench.plan import read_plan
+from skiplatch.campaign import read_campaign, read_nominal
+from skiplatch.diagnosis import Diagnosis, diagnose
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+PLANS = SAMPLES / "plans"
+PLAYED = ("nominal", "cpu_load", "bus_load", "debounce")
+LARGEST_BYTES = 150_000
+JOBS = 2
+
+
+@pytest.mark.parametrize("name", PLAYED)
+def test_campaign_of_a_plan_is_whole_and_believes_in_the_rig(name: str) -> None:
+    campaign, plan = read_campaign(SAMPLES / f"rig_{name}"), read_plan(PLANS / f"{name}.toml")
+
+    touches = campaign.touches
+    assert campaign.nominal == read_nominal(PLANS / "believed_vm.toml")
+    assert touches.on_skip.sum() == touches.on_plc.sum() == plan.touches
+    assert set(touches.feed_mm_min) == set(plan.feeds_mm_min)
+    assert not np.isnan(touches.edge_us).any()
+    assert (touches.path >= 0).all()
+    assert touches.ok.mean() > 0.99
+    assert (SAMPLES / f"rig_{name}" / "touches.csv").stat().st_size < LARGEST_BYTES
+
+
+def test_figures_of_the_rig_are_another_campaigns_own() -> None:
+    """Believed from a quiet campaign, they hold for the nominal one: the median is within 20 µs."""
+    campaign = read_campaign(SAMPLES / "rig_nominal")
+    skip, touches = campaign.nominal.skip, campaign.touches
+    after_us = (touches.latch_us - touches.edge_us)[touches.on_skip]
+
+    assert np.median(after_us) == pytest.approx(skip.latency_us + skip.jitter_us / 2, abs=20.0)
+
+
+def found_in(name: str) -> tuple[Diagnosis, dict[str, Mapping[str, float]]]:
+    """Diagnose a campaign of the rig; give the parameters of the effects by their names as well."""
+    diagnosis = diagnose(read_campaign(SAMPLES / f"rig_{name}"), seed=1, jobs=JOBS)
+    return diagnosis, {named.effect.id: named.effect.parameters for named in diagnosis.effects}
+
+
+def test_debounce_is_named_as_a_filter_and_the_gap_shrinks() -> None:
+    diagnosis, named = found_in("debounce")
+
+    assert "input_filter" in named
+    assert named["input_filter"]["delay_us"] >= 1000.0  # the plan's; the kernel counts in ticks
+    assert diagnosis.gap["latch_after_edge_us"].shrink.low > 0.8
+
+
+def test_busy_process_is_named_by_its_late_scans_and_its_late_reports() -> None:
+    _, found = found_in("cpu_load")
+
+    assert set(found) & {"scan_jitter", "scan_overrun"}
+    assert "report_delay" in found
+    assert found["report_delay"]["queue_us"] > 1000.0  # it is busy for 2920 µs at a time
+
+
+def test_flood_is_named_by_its_late_reports_and_the_gap_shrinks() -> None:
+    diagnosis, named = found_in("bus_load")
+
+    assert "report_delay" in named
+    assert named["report_delay"]["queue_us"] > 10_000.0
+    assert named["report_delay"]["direct"] < 0.2
+    assert diagnosis.gap["report_after_latch_us"].shrink.low > 0.4
