@@ -24,6 +24,7 @@ packages_of() {
     test) echo ruby ;;
     lint) echo clang cppcheck shellcheck ;;
     cross) echo gcc-avr avr-libc binutils-avr gcc-arm-none-eabi libnewlib-arm-none-eabi ;;
+    emulators) echo simavr libsimavr-dev libelf-dev qemu-system-arm ;;
     # the virtual machine of the Linux bench; what works in it, or on a host with the devices
     vm) echo qemu-system-x86 busybox-static xz-utils zstd ;;
     rig) echo iproute2 rt-tests can-utils ;;
