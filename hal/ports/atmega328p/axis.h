@@ -1,0 +1,34 @@
+/*
+ * The axis: a stepper behind step and direction, driven by Timer0 at one speed, without ramps. Its
+ * position is the number of pulses given, forward less backward.
+ */
+#ifndef ATMEGA328P_AXIS_H
+#define ATMEGA328P_AXIS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#define AXIS_COUNTS_PER_MM   500 /* 2 µm a step */
+#define AXIS_FEED_MIN_MM_MIN 7.5 /* slower ones become this */
+#define AXIS_FEED_MAX_MM_MIN 3000.0
+
+/* Pins and timer; the axis rests at 0. Task, once, interrupts masked. */
+void axis_start(void);
+
+/* Say where the axis rests. Task. */
+void axis_place(int32_t position_counts);
+
+/*
+ * Begin to move to `target_counts`, at most 2^31 − 1 counts away, at the feed, cut to its limits
+ * and rounded to a whole number of timer ticks a step: exact at 30, 60, 100, 300, 1000 and 3000
+ * mm/min. A move under way is replaced. Task.
+ */
+void axis_move(int32_t target_counts, double feed_mm_min);
+
+/* No further step. Task. */
+void axis_stop(void);
+
+/* True from axis_move() until the last step. Task. */
+bool axis_is_moving(void);
+
+#endif
