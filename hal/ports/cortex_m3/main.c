@@ -1,0 +1,110 @@
+/*
+ * The wiring of this port: the trigger line into the skip input and into a PLC task whose scans run
+ * all the time, one of the two latching, its records to the UART.
+ *
+ * Commands are single bytes: 'S' latches on the skip input, 'P' in the PLC task; '0' … '3' lets the
+ * axis run from 0 at 60, 300, 1000 or 3000 mm/min.
+ */
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "board.h"
+#include "disturbance.h"
+#include "hal_clock.h"
+#include "hal_edge_events.h"
+#include "hal_error.h"
+#include "input/plc_task.h"
+#include "input/skip_input.h"
+#include "report/latch_report.h"
+
+#define CHANNEL 0u
+#define AXIS    0u
+
+/* Every edge is a touch: what a rig injects does not bounce. */
+static const latch_config_t LATCH = {.repeated = true, .confirm_ticks = 0u, .holdoff_ticks = 0u};
+
+static const skip_input_config_t SKIP = {
+    .edge = {.channel = CHANNEL, .active_low = false, .glitch_filter_us = 0u},
+    .axis = AXIS,
+};
+
+static const plc_task_config_t PLC = {
+    .channel = CHANNEL,
+    .axis = AXIS,
+    .image_delay_scans = 0u,
+    .period_us = 1000u,
+};
+
+/* Of 5 µm each, in ticks of 20 ns: 15e6 / (mm/min). */
+static const uint32_t STEP_TICKS[] = {250000u, 50000u, 15000u, 5000u};
+#define FEEDS (sizeof STEP_TICKS / sizeof *STEP_TICKS)
+
+static skip_input_t   skip;
+static plc_task_t     plc;
+static latch_t       *measuring = &skip.latch;
+static latch_report_t report;
+
+/* Interrupt. */
+void hal_edge_on_latch(uint8_t channel, uint32_t captured_ticks)
+{
+    (void)channel; /* this board has one */
+    skip_input_on_edge(&skip, captured_ticks);
+}
+
+/* Interrupt. */
+void board_on_scan(void)
+{
+    plc_task_scan(&plc);
+}
+
+static void measure_with(latch_t *latch)
+{
+    latch_disarm(measuring);
+    measuring = latch;
+    latch_arm(measuring, &LATCH);
+}
+
+static void obey(int command)
+{
+    uint32_t feed = (uint32_t)command - '0';
+    if (command == 'S') {
+        measure_with(&skip.latch);
+    } else if (command == 'P') {
+        measure_with(&plc.latch);
+    } else if (feed < FEEDS) {
+        axis_run(STEP_TICKS[feed]);
+    }
+}
+
+static void send_latch(void)
+{
+    latch_record_t record;
+    if (latch_report_poll(&report) && latch_take(measuring, &record)) {
+        (void)latch_report_begin(&report, &record); /* nothing is pending, so it is taken */
+        (void)latch_report_poll(&report);
+    }
+}
+
+static bool start_inputs(void)
+{
+    if (plc_task_start(&plc, &PLC) != HAL_OK || skip_input_start(&skip, &SKIP) != HAL_OK) {
+        return false;
+    }
+    scan_start(PLC.period_us); /* the task is whole before its first scan */
+    disturbance_start();
+    return true;
+}
+
+int main(void)
+{
+    board_start();
+    if (!start_inputs()) {
+        return 1; /* the tables above ask for what the board does not have */
+    }
+    for (;;) {
+        obey(bus_take_byte());
+        skip_input_poll(&skip, hal_clock_now_ticks());
+        send_latch();
+        disturbance_in_task();
+    }
+}
