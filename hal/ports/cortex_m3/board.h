@@ -84,7 +84,7 @@ void board_on_scan(void);
 
 void bus_start(void);
 
-/* The oldest byte that came in, or -1 if there is none. One is kept, of more the last. Task. */
+/* A byte that has come in, or -1 if there is none; none is lost if asked every 80 µs. Task. */
 int bus_take_byte(void);
 
 /* The vector of the UART. Interrupt. */

@@ -18,19 +18,17 @@ static uint8_t          queue[QUEUE_BYTES];
 static volatile uint8_t queued; /* counts up and wraps */
 static volatile uint8_t sent;
 static volatile bool    is_sending;
-static volatile int     received = NO_BYTE;
 
 void bus_start(void)
 {
     queued = 0u;
     sent = 0u;
     is_sending = false;
-    received = NO_BYTE;
     UART_CTL(UART0) = 0u;
     UART_IBRD(UART0) = BAUD_WHOLE;
     UART_FBRD(UART0) = BAUD_64THS;
     UART_LCRH(UART0) = LCRH_8_BITS;
-    UART_IM(UART0) = UART_RX | UART_TX;
+    UART_IM(UART0) = UART_TX;
     UART_CTL(UART0) = CTL_ENABLE;
     board_enable_irq(IRQ_UART0, PRIORITY_UART);
 }
@@ -63,22 +61,11 @@ int hal_bus_send(const uint8_t frame[HAL_BUS_FRAME_BYTES])
 
 int bus_take_byte(void)
 {
-    hal_critical_state_t saved = hal_critical_enter();
-    int                  byte = received;
-    received = NO_BYTE;
-    hal_critical_exit(saved);
-    return byte;
+    return (UART_FR(UART0) & FR_RX_EMPTY) == 0u ? (int)(UART_DR(UART0) & UINT8_MAX) : NO_BYTE;
 }
 
 void bus_interrupt(void)
 {
-    uint32_t reasons = UART_MIS(UART0);
-
-    UART_ICR(UART0) = reasons;
-    while ((UART_FR(UART0) & FR_RX_EMPTY) == 0u) {
-        received = (int)(UART_DR(UART0) & UINT8_MAX);
-    }
-    if ((reasons & UART_TX) != 0u) {
-        send_next();
-    }
+    UART_ICR(UART0) = UART_TX;
+    send_next();
 }

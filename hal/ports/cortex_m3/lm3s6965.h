@@ -63,13 +63,11 @@
 #define UART_LCRH(uart) REGISTER((uart) + 0x02Cu)
 #define UART_CTL(uart)  REGISTER((uart) + 0x030u)
 #define UART_IM(uart)   REGISTER((uart) + 0x038u)
-#define UART_MIS(uart)  REGISTER((uart) + 0x040u)
 #define UART_ICR(uart)  REGISTER((uart) + 0x044u)
 #define FR_RX_EMPTY     (1u << 4)
 #define LCRH_8_BITS     (3u << 5)
 #define LCRH_FIFO       (1u << 4)
 #define CTL_ENABLE      0x301u /* both ways */
-#define UART_RX         (1u << 4)
 #define UART_TX         (1u << 5)
 
 /* ---- the core: SysTick and interrupts ---- */
