@@ -2,6 +2,7 @@
 /* LINK: tests/support/port_host_sim.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
 #include "../contract/port_under_test.h"
 #include "hal_clock.h"
+#include "hal_critical.h"
 #include "input/ticks.h"
 #include "unity.h"
 
@@ -61,6 +62,19 @@ void test_the_clock_never_runs_backwards(void)
         uint32_t now = hal_clock_now_ticks();
         TEST_ASSERT_LESS_THAN_UINT32(0x80000000u, ticks_elapsed(now, last));
         last = now;
+    }
+}
+
+/* Where an overflow of a short timer is pending while it is read. */
+void test_the_clock_does_not_run_backwards_where_interrupts_are_masked(void)
+{
+    for (uint32_t i = 0u; i < 20000u; ++i) {
+        hal_critical_state_t saved = hal_critical_enter();
+        uint32_t             before = hal_clock_now_ticks();
+        uint32_t             after = hal_clock_now_ticks();
+        hal_critical_exit(saved);
+
+        TEST_ASSERT_LESS_THAN_UINT32(0x80000000u, ticks_elapsed(after, before));
     }
 }
 
