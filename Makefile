@@ -28,8 +28,16 @@ Q   := $(if $(V),,@)
 # host      what setup, test and demo use          avr, arm  firmware and ports, compiled only
 # sanitize  address and undefined-behaviour checks gcc, clang  everything, compiled only
 # coverage  counts what the tests reach            fuzz      libFuzzer
+# boards/BOARD  firmware, port and suites for that board
 VARIANT ?= host
 OUT     := build/$(VARIANT)
+
+BOARDS            := atmega328p atmega2560 cortex_m3
+FAMILY.atmega328p := avr
+FAMILY.atmega2560 := avr
+FAMILY.cortex_m3  := arm
+BOARD             := $(patsubst boards/%,%,$(filter boards/%,$(VARIANT)))
+FAMILY            := $(FAMILY.$(BOARD))
 
 CC.host     := gcc
 CC.gcc      := gcc
@@ -39,7 +47,9 @@ CC.clang    := clang
 CC.fuzz     := clang
 CC.avr      := avr-gcc
 CC.arm      := arm-none-eabi-gcc
-CC          := $(CC.$(VARIANT))
+CC.avr-board := avr-gcc
+CC.arm-board := arm-none-eabi-gcc
+CC          := $(or $(CC.$(VARIANT)),$(CC.$(FAMILY)-board))
 
 SANITIZERS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
 # Nobody looks at errno or at floating-point traps after a sum.
@@ -51,10 +61,15 @@ FLAGS.coverage := -O0 -g --coverage -fprofile-update=atomic
 FLAGS.fuzz     := -O1 -g $(SANITIZERS) -fsanitize=fuzzer-no-link
 FLAGS.avr      := -Os -mmcu=atmega328p
 FLAGS.arm      := -Os -mcpu=cortex-m3 -mthumb
-CROSS          := $(filter avr arm,$(VARIANT))
+FLAGS.boards/atmega328p := -mmcu=atmega328p
+FLAGS.boards/atmega2560 := -mmcu=atmega2560
+FLAGS.boards/cortex_m3  := -mcpu=cortex-m3 -mthumb
+FLAGS.boards            := -Os -g -ffunction-sections -fdata-sections -fstack-usage -Wl,--gc-sections
+LDFLAGS.boards/cortex_m3 := --specs=nano.specs -nostartfiles -T hal/ports/cortex_m3/lm3s6965.ld
+CROSS          := $(filter avr arm boards/%,$(VARIANT))
 
 # Contracted multiply-adds would make figures depend on the processor.
-FLAGS := $(FLAGS.$(VARIANT)) $(if $(CROSS),,-fPIC -fvisibility=hidden -pthread -ffp-contract=off)
+FLAGS := $(FLAGS.$(VARIANT)) $(if $(BOARD),$(FLAGS.boards)) $(if $(CROSS),,-fPIC -fvisibility=hidden -pthread -ffp-contract=off)
 
 WARNINGS := -Wall -Wextra -Wpedantic -Werror -Wcast-align -Wcast-qual -Wconversion -Wfloat-equal \
             -Wformat=2 -Wmissing-prototypes -Wpointer-arith -Wshadow -Wsign-conversion \
@@ -89,6 +104,16 @@ endif
 CFLAGS.foreign  := -std=c11 -w $(INCLUDES) -Itests/support -Ibuild/mocks \
                    -DUNITY_INCLUDE_DOUBLE -I$(UNITY)/src -I$(CMOCK)/src
 
+# A suite on a board speaks and ends through tests/support/target.h.
+ifneq ($(BOARD),)
+TARGET_UNITY   := -Itests/support -include target.h -DUNITY_OUTPUT_CHAR=target_put_char \
+                  '-DUNITY_OUTPUT_CHAR_HEADER_DECLARATION=target_put_char(char)' \
+                  -DUNITY_OUTPUT_COMPLETE=target_done -DUNITY_SUPPORT_64 -DCMOCK_MEM_SIZE=4096
+# The old compiler for the AVR warns of conversions that were asked for.
+CFLAGS.tests   += $(TARGET_UNITY) $(if $(filter avr,$(FAMILY)),-Wno-conversion -Wno-sign-conversion)
+CFLAGS.foreign += $(TARGET_UNITY)
+endif
+
 # libgpiod 2 of the system, or the one that setup_gpiod.sh has unpacked aside; without it there is no
 # Linux port.
 GPIOD_SYSTEM := $(shell grep -ls gpiod_chip_request_lines /usr/include/gpiod.h)
@@ -113,6 +138,8 @@ INJECTOR := $(filter hal/ports/linux/injector%,$(LINUX))
 CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
 PORTS.avr := $(wildcard hal/ports/atmega328p/*.c)
 PORTS.arm := $(wildcard hal/ports/cortex_m3/*.c)
+PORTS.boards/$(BOARD) := $(wildcard hal/ports/$(BOARD)/*.c)
+TARGET    := $(if $(BOARD),$(wildcard tests/support/target_$(FAMILY).c))
 
 TESTS.unit     := $(wildcard tests/unit/test_*.c)
 TESTS.contract := $(wildcard tests/contract/test_*.c)
@@ -186,7 +213,8 @@ INNER_MAKE  = $(MAKE) INNER=yes --keep-going $(JOBS)
 RESULTS    ?= $(if $(filter host,$(VARIANT)),build,$(OUT))/results
 
 C_SUITES    := unit contract scenario
-TEST_SUITES := $(C_SUITES) template contract-linux fuzz-regression python
+ON_BOARDS   := $(BOARDS:%=target-%)
+TEST_SUITES := $(C_SUITES) template contract-linux $(ON_BOARDS) fuzz-regression python
 
 # Every result first becomes an empty file: what does not build or run is then counted as failed.
 define run_suites
@@ -411,7 +439,7 @@ define test_rules
 $(OUT)/obj/$1.o: private TEST_CFLAGS := $(CFLAGS.$1)
 $(OUT)/obj/$1.o: | $(mocks_of)
 $(OUT)/$1: $(OUT)/obj/$1.o $(OUT)/foreign/runners/$1.o $(mocks_of:build/%.h=$(OUT)/foreign/%.o) \
-           $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of)
+           $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of) $(call object_of,$(TARGET))
 	@mkdir -p $$(@D)
 	$(Q)$(CC) $(FLAGS) -fno-lto $$^ -lm -o $$@
 $(OUT)/foreign/runners/$1.o: | $(mocks_of)
@@ -438,6 +466,55 @@ $(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/te
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 
+# ---- suites on a board ---------------------------------------------------------------------------
+
+# What each family needs, and the command that installs it.
+TOOLS.avr    := $(and $(shell command -v avr-gcc),$(wildcard /usr/include/simavr/sim_avr.h))
+TOOLS.arm    := $(and $(shell command -v arm-none-eabi-gcc),$(shell command -v qemu-system-arm))
+NO_TOOLS.avr := no avr-gcc or libsimavr here: scripts/setup_system.sh cross emulators
+NO_TOOLS.arm := no arm-none-eabi-gcc or qemu-system-arm here: scripts/setup_system.sh cross emulators
+
+# The contract suites, and the unit tests of the firmware.
+is_portable = $(if $(filter host_sim/% hal/ports/%,$(LINK.$(1:.c=))),,$1)
+ON_BOARD    := $(TESTS.contract) $(foreach test,$(TESTS.unit),$(call is_portable,$(test)))
+on_board    = $(foreach test,$(ON_BOARD),$(RESULTS)/target-$1/$(basename $(notdir $(test))).log)
+target_results = $(if $(TOOLS.$(FAMILY.$1)),$(call on_board,$1),$(RESULTS)/target-$1/tools.check)
+
+.PHONY: $(ON_BOARDS:%=run-%)
+$(ON_BOARDS:%=run-%): run-target-%: generated
+	@$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) $(if $(filter avr,$(FAMILY.$*)),$(AVR_TEST_RUN)) && \
+	    $(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,scripts/run_check.sh \
+	    $(RESULTS)/target-$*/tools.check target-$* $(call skip,$(NO_TOOLS.$(FAMILY.$*))))
+
+$(OUT)/libboard.a: $(call object_of,$(filter-out %/main.c,$(PORTS.boards/$(BOARD))) $(FIRMWARE))
+	@rm -f $@
+	@ar rcs $@ $^
+
+$(OUT)/firmware.elf: $(call object_of,$(filter %/main.c,$(PORTS.boards/$(BOARD)))) $(OUT)/libboard.a
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) $(LDFLAGS.$(VARIANT)) $^ -lm -o $@
+
+$(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
+                   $(OUT)/foreign/unity.o $(call object_of,tests/support/port_$(BOARD).c \
+                   tests/support/edge_log.c $(TARGET)) $(OUT)/libboard.a
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) $(LDFLAGS.$(VARIANT)) $^ -lm -o $@
+
+AVR_TEST_RUN := build/host/avr_test_run
+$(AVR_TEST_RUN): tests/boards/avr_test_run.c
+	@mkdir -p $(@D)
+	$(Q)gcc -O2 -std=c11 $(filter-out -Wcast-qual,$(WARNINGS)) -isystem /usr/include/simavr $< \
+	    -lsimavr -lelf -o $@
+
+RUN_SUITE.avr = tests/boards/run_suite_avr.sh $(BOARD)
+RUN_SUITE.arm = tests/boards/run_suite_arm.sh
+.PHONY: run-on-board
+run-on-board: $(if $(BOARD),$(call on_board,$(BOARD)))
+$(RESULTS)/target-$(BOARD)/%.log: $(OUT)/contract/% FORCE
+	@$(RUN_SUITE.$(FAMILY)) $< $@
+$(RESULTS)/target-$(BOARD)/%.log: $(OUT)/tests/unit/% FORCE
+	@$(RUN_SUITE.$(FAMILY)) $< $@
+
 # ---- suites --------------------------------------------------------------------------------------
 
 RESULTS.unit            := $(TESTS.unit:tests/%.c=$(RESULTS)/%.log)
@@ -445,6 +522,9 @@ RESULTS.contract        := $(TESTS.contract:tests/%.c=$(RESULTS)/%.log)
 RESULTS.scenario        := $(TESTS.scenario:tests/%.c=$(RESULTS)/%.log)
 RESULTS.template        := $(RESULTS)/template/template.check
 RESULTS.contract-linux  := $(RESULTS)/contract-linux/contract-linux.check
+RESULTS.target-atmega328p := $(call target_results,atmega328p)
+RESULTS.target-atmega2560 := $(call target_results,atmega2560)
+RESULTS.target-cortex_m3  := $(call target_results,cortex_m3)
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
 LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tidy cppcheck \

@@ -1,0 +1,14 @@
+/*
+ * How a suite that runs on a board, or in its emulator, speaks and ends. One implementation a
+ * family: target_avr.c, target_arm.c. Unity is compiled to use it (see the Makefile).
+ */
+#ifndef SUPPORT_TARGET_H
+#define SUPPORT_TARGET_H
+
+/* Print one character of the suite's report. */
+void target_put_char(char character);
+
+/* The report is complete: end the emulation with 0, or 1 if a test failed. Does not return. */
+void target_done(void);
+
+#endif
