@@ -10,8 +10,10 @@
 #define TIMER_TICKS   256u
 #define CYCLES_MM_MIN (S_PER_MIN * (double)BOARD_CLOCK_HZ / AXIS_COUNTS_PER_MM)
 
-/* volatile: a rig compares it with the pulses on the pin. */
-static volatile int32_t  position;
+volatile int32_t axis_position;
+
+static int32_t           held_position;
+static bool              is_held;
 static volatile uint32_t steps_left;
 static int8_t            sense = 1;
 
@@ -19,7 +21,7 @@ static int8_t            sense = 1;
 ISR(TIMER0_COMPA_vect)
 {
     PORTD |= BOARD_STEP_BIT;
-    position += sense;
+    axis_position += sense;
     if (--steps_left == 0u) {
         TIMSK0 = 0u;
     }
@@ -31,8 +33,11 @@ int32_t hal_axis_position_counts(uint8_t axis)
     if (axis != BOARD_AXIS) {
         return 0;
     }
+    if (is_held) {
+        return held_position;
+    }
     hal_critical_state_t saved = hal_critical_enter();
-    int32_t              counts = position;
+    int32_t              counts = axis_position;
     hal_critical_exit(saved);
     return counts;
 }
@@ -47,8 +52,19 @@ void axis_start(void)
 void axis_place(int32_t position_counts)
 {
     hal_critical_state_t saved = hal_critical_enter();
-    position = position_counts;
+    axis_position = position_counts;
     hal_critical_exit(saved);
+}
+
+void axis_hold_position(int32_t position_counts)
+{
+    held_position = position_counts;
+    is_held = true;
+}
+
+void axis_release_position(void)
+{
+    is_held = false;
 }
 
 static double within_limits(double feed_mm_min)
@@ -98,7 +114,7 @@ static void set_direction(bool backward)
 void axis_move(int32_t target_counts, double feed_mm_min)
 {
     axis_stop();
-    int32_t way = target_counts - position;
+    int32_t way = target_counts - axis_position;
     if (way == 0) {
         return;
     }

@@ -31,4 +31,21 @@ void axis_stop(void);
 /* True from axis_move() until the last step. Task. */
 bool axis_is_moving(void);
 
+/* The position; only for axis_position_masked(). A rig compares it with the pulses on the pin. */
+extern volatile int32_t axis_position;
+
+/* hal_axis_position_counts() with interrupts masked. ISR. */
+static inline int32_t axis_position_masked(void)
+{
+    return axis_position;
+}
+
+/*
+ * From now on hal_axis_position_counts() tells this position, until axis_release_position().
+ * Deferred work (deferred.h), which alone can see it: scans and edges come one at a time, the task
+ * not at all.
+ */
+void axis_hold_position(int32_t position_counts);
+void axis_release_position(void);
+
 #endif

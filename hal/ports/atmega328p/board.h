@@ -4,6 +4,7 @@
  *   PB0 (ICP1, PCINT0)  trigger line            Timer0  steps of the axis
  *   PD2                 step pulse, out         Timer1  device clock and input capture
  *   PD3                 direction, out          Timer2  scans of the PLC task
+ *   PD4                 software interrupt: driven, left open
  *   PD0, PD1            UART, 250 kBd, 8N1
  */
 #ifndef ATMEGA328P_BOARD_H
@@ -17,6 +18,7 @@
 #define BOARD_TRIGGER_BIT     _BV(PB0)
 #define BOARD_STEP_BIT        _BV(PD2)
 #define BOARD_DIRECTION_BIT   _BV(PD3)
+#define BOARD_DEFER_BIT       _BV(PD4)
 
 #define BOARD_AXIS 0u
 

@@ -11,11 +11,11 @@
 #define PRESCALER_BITS \
     (CLOCK_PRESCALER == 1 ? _BV(CS10) : CLOCK_PRESCALER == 8 ? _BV(CS11) : _BV(CS11) | _BV(CS10))
 
-static volatile uint16_t overflows;
+volatile uint16_t clock_overflows;
 
 ISR(TIMER1_OVF_vect)
 {
-    ++overflows;
+    ++clock_overflows;
 }
 
 void clock_start(void)
@@ -30,22 +30,18 @@ void clock_set_ticks(uint32_t ticks)
     hal_critical_state_t saved = hal_critical_enter();
     TCNT1 = (uint16_t)ticks;
     TIFR1 = _BV(TOV1);
-    overflows = (uint16_t)(ticks >> 16);
+    clock_overflows = (uint16_t)(ticks >> 16);
     hal_critical_exit(saved);
-}
-
-uint32_t clock_extend_ticks(uint16_t timer_ticks)
-{
-    return clock_join_ticks(overflows, timer_ticks, (TIFR1 & _BV(TOV1)) != 0u);
 }
 
 /* The timer is read before the flag: an overflow between the two finds a high reading. */
 uint32_t hal_clock_now_ticks(void)
 {
     hal_critical_state_t saved = hal_critical_enter();
-    uint32_t             ticks = clock_extend_ticks(TCNT1);
+    uint16_t             low = TCNT1;
+    uint16_t             high = clock_overflows_before(low);
     hal_critical_exit(saved);
-    return ticks;
+    return clock_join_ticks(high, low);
 }
 
 uint32_t hal_clock_tick_ps(void)

@@ -5,13 +5,18 @@
 #ifndef ATMEGA328P_CLOCK_H
 #define ATMEGA328P_CLOCK_H
 
-#include <stdbool.h>
+#include <avr/io.h>
 #include <stdint.h>
+
+#include "clock_join.h"
 
 /* 1, 8 or 64 cycles a tick. */
 #ifndef CLOCK_PRESCALER
 #define CLOCK_PRESCALER 1
 #endif
+
+/* Overflows counted so far. Only for clock_overflows_before(). */
+extern volatile uint16_t clock_overflows;
 
 /* Start the clock at 0. Task, once, interrupts masked. */
 void clock_start(void);
@@ -20,23 +25,12 @@ void clock_start(void);
 void clock_set_ticks(uint32_t ticks);
 
 /*
- * A reading of Timer1, a capture for instance, as ticks of the clock. To be called within half a
- * turn of the timer (2 ms at 62.5 ns) after the reading, interrupts masked. ISR or critical
- * section.
+ * The overflows before a reading of Timer1, a capture for instance, at most half a turn of the
+ * timer (2 ms at 62.5 ns) later. Interrupts masked.
  */
-uint32_t clock_extend_ticks(uint16_t timer_ticks);
-
-/*
- * The rule behind it: `overflows` have been counted. One more that is pending came before the
- * reading if the timer reads low, and after it if the timer reads high. Any context.
- */
-static inline uint32_t clock_join_ticks(uint16_t overflows, uint16_t timer_ticks, bool is_pending)
+static inline uint16_t clock_overflows_before(uint16_t timer_ticks)
 {
-    uint16_t high = overflows;
-    if (is_pending && timer_ticks < 0x8000u) {
-        ++high;
-    }
-    return (uint32_t)high << 16 | timer_ticks;
+    return clock_join_overflows(clock_overflows, timer_ticks, (TIFR1 & _BV(TOV1)) != 0u);
 }
 
 #endif

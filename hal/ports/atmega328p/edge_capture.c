@@ -6,11 +6,9 @@
 #include <avr/interrupt.h>
 
 #include "board.h"
-#include "clock.h"
 #include "disturbance.h"
 #include "edge_line.h"
 #include "hal_edge.h"
-#include "hal_edge_events.h"
 #include "hal_error.h"
 
 ISR(TIMER1_CAPT_vect)
@@ -19,7 +17,7 @@ ISR(TIMER1_CAPT_vect)
     if (disturbance_filters() && !disturbance_passes_filter(&captured)) {
         return;
     }
-    hal_edge_on_latch(BOARD_TRIGGER_CHANNEL, clock_extend_ticks(captured));
+    edge_line_note(captured);
 }
 
 static void set_edge(bool active_low)
@@ -39,6 +37,7 @@ int hal_edge_arm(const hal_edge_config_t *config)
         return result;
     }
     TIMSK1 &= (uint8_t)~_BV(ICIE1);
+    edge_line_clear();
     edge_line_set_polarity(config->active_low);
     set_edge(config->active_low);
     TIFR1 = _BV(ICF1);
@@ -50,5 +49,6 @@ void hal_edge_disarm(uint8_t channel)
 {
     if (channel == BOARD_TRIGGER_CHANNEL) {
         TIMSK1 &= (uint8_t)~_BV(ICIE1);
+        edge_line_clear();
     }
 }

@@ -6,11 +6,9 @@
 #include <avr/interrupt.h>
 
 #include "board.h"
-#include "clock.h"
 #include "disturbance.h"
 #include "edge_line.h"
 #include "hal_edge.h"
-#include "hal_edge_events.h"
 #include "hal_error.h"
 
 ISR(PCINT0_vect)
@@ -22,7 +20,7 @@ ISR(PCINT0_vect)
     if (disturbance_filters() && !disturbance_passes_filter(&seen)) {
         return;
     }
-    hal_edge_on_latch(BOARD_TRIGGER_CHANNEL, clock_extend_ticks(seen));
+    edge_line_note(seen);
 }
 
 int hal_edge_arm(const hal_edge_config_t *config)
@@ -32,6 +30,7 @@ int hal_edge_arm(const hal_edge_config_t *config)
         return result;
     }
     PCICR &= (uint8_t)~_BV(PCIE0);
+    edge_line_clear();
     edge_line_set_polarity(config->active_low);
     PCMSK0 |= _BV(PCINT0);
     PCIFR = _BV(PCIF0);
@@ -43,5 +42,6 @@ void hal_edge_disarm(uint8_t channel)
 {
     if (channel == BOARD_TRIGGER_CHANNEL) {
         PCICR &= (uint8_t)~_BV(PCIE0);
+        edge_line_clear();
     }
 }

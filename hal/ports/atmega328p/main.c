@@ -16,6 +16,7 @@
 #include "bus.h"
 #include "clock.h"
 #include "cycle/touch_cycle.h"
+#include "deferred.h"
 #include "disturbance.h"
 #include "hal_axis.h"
 #include "hal_clock.h"
@@ -223,6 +224,7 @@ static void run_task(void)
 static bool start(void)
 {
     clock_start();
+    deferred_start();
     axis_start();
     bus_start();
     disturbance_start();

@@ -4,6 +4,7 @@
 #include <stddef.h>
 
 #include "board.h"
+#include "deferred.h"
 #include "hal_error.h"
 
 #define PERIOD_MIN_US 100u
@@ -22,13 +23,25 @@ static const prescaler_t PRESCALERS[] = {
 };
 #define PRESCALER_COUNT (sizeof PRESCALERS / sizeof *PRESCALERS)
 
+static volatile bool is_due;
+
 ISR(TIMER2_COMPA_vect)
 {
-    TIMSK2 = 0u; /* no scan inside a scan */
-    sei();
-    scan_on_time();
-    cli();
-    TIMSK2 = _BV(OCIE2A);
+    is_due = true;
+    deferred_run();
+}
+
+bool scan_is_due(void)
+{
+    return is_due;
+}
+
+void scan_run(void)
+{
+    if (is_due) {
+        is_due = false;
+        scan_on_time();
+    }
 }
 
 static const prescaler_t *prescaler_for(uint16_t period_us)

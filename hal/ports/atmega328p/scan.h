@@ -4,6 +4,7 @@
 #ifndef ATMEGA328P_SCAN_H
 #define ATMEGA328P_SCAN_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /*
@@ -12,6 +13,10 @@
  * Returns HAL_OK or HAL_ERR_CONFIG.
  */
 int scan_start(uint16_t period_us);
+
+/* Whether a scan is due, and run it if it is. Deferred work. */
+bool scan_is_due(void);
+void scan_run(void);
 
 /*
  * main.c: one scan. Interrupt, but with interrupts on, so that a scan delays no edge. A scan that

@@ -1,0 +1,28 @@
+/*
+ * Work of interrupts that may take longer than two edges are apart: it runs with interrupts on, one
+ * piece after the other and never two at a time. Edges are delivered so and scans run so; the short
+ * interrupts, above all that of the trigger line, come between.
+ *
+ * It runs at the end of the interrupt that asks for it, or of the one that was interrupted by it.
+ * An interrupt that should stay short asks by way of a software interrupt, a pin change on PD4,
+ * which is driven and left open. Nothing is masked meanwhile but by the work itself: simavr 1.6
+ * forgets an interrupt that falls due while it is switched off.
+ */
+#ifndef ATMEGA328P_DEFERRED_H
+#define ATMEGA328P_DEFERRED_H
+
+#include "board.h"
+
+/* The pin and its interrupt. Task, once, interrupts masked. */
+void deferred_start(void);
+
+/* Have deferred_run() called as soon as interrupts are on. ISR. */
+static inline void deferred_ask(void)
+{
+    PIND = BOARD_DEFER_BIT; /* turns the pin over */
+}
+
+/* Do what is due, unless that is going on already. Last in an ISR. */
+void deferred_run(void);
+
+#endif
