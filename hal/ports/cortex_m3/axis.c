@@ -30,7 +30,9 @@ void axis_run(uint32_t period_ticks)
     board_enable_irq(IRQ_TIMER2, PRIORITY_AXIS);
     hal_critical_state_t saved = hal_critical_enter();
     axis_started_ticks = hal_clock_now_ticks();
-    board_start_timer(TIMER_AXIS, period_ticks);
+    if (period_ticks != 0u) {
+        board_start_timer(TIMER_AXIS, period_ticks);
+    }
     hal_critical_exit(saved);
 }
 

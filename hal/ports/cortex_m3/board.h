@@ -63,7 +63,7 @@ void edge_on_filtered(bool is_high);
 /* Put the axis to `position_counts`, at rest. Task. */
 void axis_place(int32_t position_counts);
 
-/* From 0 on, at once, one count up every `period_ticks` (> 0). Task. */
+/* From 0 on, at once, one count up every `period_ticks`; 0 lets it rest there. Task. */
 void axis_run(uint32_t period_ticks);
 
 /* The vector of the step timer. Interrupt. */

@@ -2,8 +2,8 @@
  * The wiring of this port: the trigger line into the skip input and into a PLC task whose scans run
  * all the time, one of the two latching, its records to the UART.
  *
- * Commands are single bytes: 'S' latches on the skip input, 'P' in the PLC task; '0' … '3' lets the
- * axis run from 0 at 60, 300, 1000 or 3000 mm/min.
+ * A byte on the UART says what to do: 's' latches every edge on the skip path, 'p' on the PLC path,
+ * 'n' on none; '1', '2' and '3' let the axis run from 0 at 100, 1000 and 3000 mm/min, '0' stops it.
  */
 #include <stdbool.h>
 #include <stdint.h>
@@ -35,8 +35,8 @@ static const plc_task_config_t PLC = {
     .period_us = 1000u,
 };
 
-/* Of 5 µm each, in ticks of 20 ns: 15e6 / (mm/min). */
-static const uint32_t STEP_TICKS[] = {250000u, 50000u, 15000u, 5000u};
+/* Of 1 µm each, in ticks of 20 ns: 3e6 / (mm/min). */
+static const uint32_t STEP_TICKS[] = {0u, 30000u, 3000u, 1000u};
 #define FEEDS (sizeof STEP_TICKS / sizeof *STEP_TICKS)
 
 static skip_input_t   skip;
@@ -64,15 +64,28 @@ static void measure_with(latch_t *latch)
     latch_arm(measuring, &LATCH);
 }
 
+static void run_axis(uint32_t feed)
+{
+    if (feed < FEEDS) {
+        axis_run(STEP_TICKS[feed]);
+    }
+}
+
 static void obey(int command)
 {
-    uint32_t feed = (uint32_t)command - '0';
-    if (command == 'S') {
+    switch (command) {
+    case 's':
         measure_with(&skip.latch);
-    } else if (command == 'P') {
+        break;
+    case 'p':
         measure_with(&plc.latch);
-    } else if (feed < FEEDS) {
-        axis_run(STEP_TICKS[feed]);
+        break;
+    case 'n':
+        latch_disarm(measuring);
+        break;
+    default:
+        run_axis((uint32_t)command - '0');
+        break;
     }
 }
 
