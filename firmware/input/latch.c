@@ -6,8 +6,9 @@
 void latch_init(latch_t *latch, uint8_t channel, uint8_t flags)
 {
     *latch = (latch_t){
-        .kept = {.channel = channel, .flags = flags},
+        .kept = {.flags = flags},
         .phase = LATCH_DISARMED,
+        .channel = channel,
     };
 }
 
@@ -127,7 +128,12 @@ bool latch_take(latch_t *latch, latch_record_t *record)
     hal_critical_state_t saved = hal_critical_enter();
     bool                 taken = latch->has_ready;
     if (taken) {
-        *record = latch->ready;
+        *record = (latch_record_t){
+            .ticks = latch->ready.ticks,
+            .position_counts = latch->ready.position_counts,
+            .channel = latch->channel,
+            .flags = latch->ready.flags,
+        };
         latch->has_ready = false;
     }
     hal_critical_exit(saved);

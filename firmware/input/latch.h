@@ -35,6 +35,13 @@ typedef struct {
     uint16_t unarmed;  /* edges that came in while disarmed */
 } latch_counters_t;
 
+/* An edge as it is kept: what the record will say of it and its channel does not know. */
+typedef struct {
+    uint32_t ticks;
+    int32_t  position_counts;
+    uint8_t  flags; /* LATCH_FLAG_* */
+} latch_edge_t;
+
 /*
  * Owned by the caller; the fields are for this module. Interrupt and task share it under
  * hal_critical.
@@ -42,10 +49,11 @@ typedef struct {
 typedef struct {
     latch_config_t   config;
     latch_counters_t counters;
-    latch_record_t   kept;          /* the first edge of the present touch */
-    latch_record_t   ready;         /* a confirmed touch, while has_ready */
+    latch_edge_t     kept;          /* the first edge of the present touch */
+    latch_edge_t     ready;         /* a confirmed touch, while has_ready */
     uint32_t         changed_ticks; /* when the level was last seen to change */
     latch_phase_t    phase;
+    uint8_t          channel;
     bool             level; /* deflected, as last seen */
     bool             has_ready;
 } latch_t;

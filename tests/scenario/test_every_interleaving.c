@@ -195,11 +195,21 @@ static void begin(const scene_t *scene)
     scene->past();
 }
 
+static latch_record_t record_of(const latch_edge_t *edge)
+{
+    return (latch_record_t){
+        .ticks = edge->ticks,
+        .position_counts = edge->position_counts,
+        .channel = latch.channel,
+        .flags = edge->flags,
+    };
+}
+
 static void look(outcome_t *outcome)
 {
     outcome->counters = latch.counters;
-    outcome->kept = latch.kept;
-    outcome->ready = latch.ready;
+    outcome->kept = record_of(&latch.kept);
+    outcome->ready = record_of(&latch.ready);
     outcome->changed_ticks = latch.changed_ticks;
     outcome->phase = latch.phase;
     outcome->level = latch.level;
