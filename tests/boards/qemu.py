@@ -41,10 +41,19 @@ ONE_SHOT = 1
 class Emulator:
     """One run of a program; a context manager. Times are ticks of 20 ns of virtual time."""
 
-    def __init__(self, program: Path, options: Sequence[str] = ()) -> None:
-        """Keep what to run, and what QEMU is given besides."""
+    def __init__(
+        self, program: Path, options: Sequence[str] = (), *, loops_back: bool = False
+    ) -> None:
+        """Keep what to run, and what QEMU is given besides.
+
+        Args:
+            program: The ELF file.
+            options: More of QEMU's own options.
+            loops_back: Connect UART 0 to UART 1 instead of to `serial`.
+        """
         self._program = program
         self._options = options
+        self._loops_back = loops_back
         self._stack = ExitStack()
         self._last_clock = 0
         self._elapsed = 0
@@ -63,14 +72,15 @@ class Emulator:
 
     def _launch(self) -> None:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
-        names = ("qtest", "qmp", "serial")
+        names = ("qtest", "qmp") if self._loops_back else ("qtest", "qmp", "serial")
         listening = {name: self._listen(folder / name) for name in names}
         command = [
             *("qemu-system-arm", "-M", "lm3s6965evb", "-kernel", str(self._program)),
             *("-accel", "tcg", "-icount", f"shift={ICOUNT_SHIFT}", "-S", "-nodefaults"),
             *("-display", "none", "-monitor", "none", "-qtest-log", "none"),
             *("-qtest", f"unix:{folder / 'qtest'}", "-qmp", f"unix:{folder / 'qmp'}"),
-            *("-serial", f"unix:{folder / 'serial'}", *self._options),
+            *(self._loop(folder) if self._loops_back else ("-serial", f"unix:{folder / 'serial'}")),
+            *self._options,
         ]
         self.process = subprocess.Popen(
             command, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -79,9 +89,19 @@ class Emulator:
         sockets = {name: self._accept(listening[name]) for name in names}
         self._qtest = self._file(sockets["qtest"])
         self._qmp = self._file(sockets["qmp"])
-        self.serial = sockets["serial"]
+        if not self._loops_back:
+            self.serial = sockets["serial"]
         self._qmp.readline()  # the greeting
         self.monitor("qmp_capabilities")
+
+    @staticmethod
+    def _loop(folder: Path) -> tuple[str, ...]:
+        path = folder / "loop"
+        return (
+            *("-chardev", f"socket,id=near,path={path},server=on,wait=off"),
+            *("-chardev", f"socket,id=far,path={path}"),
+            *("-serial", "chardev:near", "-serial", "chardev:far"),
+        )
 
     def _listen(self, path: Path) -> socket.socket:
         listening = self._stack.enter_context(socket.socket(socket.AF_UNIX))
@@ -118,9 +138,14 @@ class Emulator:
         """Give the answer to a QMP command; events that come before it are dropped."""
         self._qmp.write(json.dumps({"execute": command, "arguments": arguments}) + "\n")
         self._qmp.flush()
-        while "return" not in (answer := json.loads(self._qmp.readline())):
+        answer: dict[str, object] = {}
+        while "return" not in answer:
+            line = self._qmp.readline()
+            if not line:
+                raise ConnectionResetError("QEMU has ended")
+            answer = json.loads(line)
             if "error" in answer:
-                raise RuntimeError(f"{command}: {answer['error']['desc']}")
+                raise RuntimeError(f"{command}: {answer['error']}")
         return answer["return"]
 
     def _ask(self, line: str) -> str:

@@ -66,9 +66,9 @@ PATIENCE_US = 20 * SCAN_US
 SETTLE_US = 2 * SCAN_US
 SCAN_EARLY_TICKS = 100
 
-# The data sheets: interrupt entry of 12 cycles at 50 MHz, and as many again where another interrupt is
-# just being entered; ticks of the core, the period as set; ten bits a byte and 16 bytes at 115,200
-# baud. Edges are known to a tick: 20 ns/√12.
+# The data sheets: interrupt entry of 12 cycles at 50 MHz, and as many again where another interrupt
+# is just being entered; ticks of the core, the period as set; ten bits a byte and 16 bytes at
+# 115,200 baud. Edges are known to a tick: 20 ns/√12.
 BELIEVED = Nominal(
     kind=Kind.BENCH,
     probe=ProbeNominal(0.0, 0.0, 0.0, 0.0, 0.0),
