@@ -24,6 +24,14 @@ extern const uint32_t link_stack_end[];
 
 extern const vectors_t vectors;
 
+/* A program without a driver, a suite of tests say, has 0 in place of its interrupt. */
+#pragma weak clock_on_wrap
+#pragma weak edge_interrupt
+#pragma weak bus_interrupt
+#pragma weak disturbance_interrupt
+#pragma weak scan_interrupt
+#pragma weak axis_on_step
+
 int  main(void);
 void reset(void);
 
