@@ -36,8 +36,14 @@ BOARDS            := atmega328p atmega2560 cortex_m3
 FAMILY.atmega328p := avr
 FAMILY.atmega2560 := avr
 FAMILY.cortex_m3  := arm
+# The same port for other cores, to keep it portable.
+FAMILY.cortex_m0plus := arm
+FAMILY.cortex_m4f    := arm
+PORT.cortex_m0plus   := cortex_m3
+PORT.cortex_m4f      := cortex_m3
 BOARD             := $(patsubst boards/%,%,$(filter boards/%,$(VARIANT)))
 FAMILY            := $(FAMILY.$(BOARD))
+PORT              := $(or $(PORT.$(BOARD)),$(BOARD))
 
 CC.host     := gcc
 CC.gcc      := gcc
@@ -64,8 +70,11 @@ FLAGS.arm      := -Os -mcpu=cortex-m3 -mthumb
 FLAGS.boards/atmega328p := -mmcu=atmega328p
 FLAGS.boards/atmega2560 := -mmcu=atmega2560
 FLAGS.boards/cortex_m3  := -mcpu=cortex-m3 -mthumb
+FLAGS.boards/cortex_m0plus := -mcpu=cortex-m0plus -mthumb
+FLAGS.boards/cortex_m4f    := -mcpu=cortex-m4 -mthumb -mfpu=fpv4-sp-d16 -mfloat-abi=hard
 FLAGS.boards            := -Os -g -ffunction-sections -fdata-sections -fstack-usage -Wl,--gc-sections
-LDFLAGS.boards/cortex_m3 := --specs=nano.specs -nostartfiles -T hal/ports/cortex_m3/lm3s6965.ld
+LDFLAGS.arm-board := --specs=nano.specs -nostartfiles -T hal/ports/cortex_m3/lm3s6965.ld
+LDFLAGS           := $(LDFLAGS.$(FAMILY)-board)
 CROSS          := $(filter avr arm boards/%,$(VARIANT))
 
 # Contracted multiply-adds would make figures depend on the processor.
@@ -138,7 +147,7 @@ INJECTOR := $(filter hal/ports/linux/injector%,$(LINUX))
 CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
 PORTS.avr := $(wildcard hal/ports/atmega328p/*.c)
 PORTS.arm := $(wildcard hal/ports/cortex_m3/*.c)
-PORTS.boards/$(BOARD) := $(wildcard hal/ports/$(BOARD)/*.c)
+PORTS.boards/$(BOARD) := $(wildcard hal/ports/$(PORT)/*.c)
 TARGET    := $(if $(BOARD),$(wildcard tests/support/target_$(FAMILY).c))
 
 TESTS.unit     := $(wildcard tests/unit/test_*.c)
@@ -303,6 +312,21 @@ SECONDS ?= 60
 fuzz: setup setup-lint ## run every fuzz target for SECONDS=60 from its seeds
 	@$(MAKE) VARIANT=fuzz INNER=yes $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))
 
+# The boards that can be linked here; those without an emulator are for the figures alone.
+LINKED      := $(foreach board,$(BOARDS) cortex_m0plus cortex_m4f,\
+                 $(if $(shell command -v $(CC.$(FAMILY.$(board))-board)),$(board)))
+WITH_FAMILY := $(foreach board,$(LINKED),$(board):$(FAMILY.$(board)))
+NO_CROSS     = $(call skip,no cross compilers here: scripts/setup_system.sh cross)
+SIZE_TABLE  := $(VENV_PYTHON) scripts/size_table.py
+.PHONY: size
+size: setup-lint ## flash, RAM, worst stack of each board beside the record; RECORD=yes keeps them
+	@$(INNER_MAKE) $(LINKED:%=linked-%)
+	@$(SIZE_TABLE) $(if $(RECORD),record,compare) $(WITH_FAMILY)
+
+.PHONY: $(LINKED:%=linked-%)
+$(LINKED:%=linked-%): linked-%:
+	@$(MAKE) VARIANT=boards/$* linked-board
+
 .PHONY: format
 format: setup-build ## lay out C and Python files as lint wants them
 	@$(if $(C_FILES),.venv/bin/clang-format -i $(C_FILES))
@@ -324,7 +348,9 @@ distclean: clean ## remove .venv as well
 
 # ---- compiling -----------------------------------------------------------------------------------
 
-.PHONY: library program objects generated FORCE
+.PHONY: library program objects generated linked-board FORCE
+linked-board: $(OUT)/firmware.elf $(OUT)/obj/tests/boards/one_of_each.o
+	@:
 library: $(OUT)/libskiplatch_sim.so
 	@:
 program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(if $(LINUX),$(OUT)/skiplatch-controller) \
@@ -439,9 +465,10 @@ define test_rules
 $(OUT)/obj/$1.o: private TEST_CFLAGS := $(CFLAGS.$1)
 $(OUT)/obj/$1.o: | $(mocks_of)
 $(OUT)/$1: $(OUT)/obj/$1.o $(OUT)/foreign/runners/$1.o $(mocks_of:build/%.h=$(OUT)/foreign/%.o) \
-           $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of) $(call object_of,$(TARGET))
+           $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of) $(call object_of,$(TARGET)) \
+           $(if $(filter arm,$(FAMILY)),$(OUT)/libboard.a)
 	@mkdir -p $$(@D)
-	$(Q)$(CC) $(FLAGS) -fno-lto $$^ -lm -o $$@
+	$(Q)$(CC) $(FLAGS) $$$(LDFLAGS) -fno-lto $$^ -lm -o $$@
 $(OUT)/foreign/runners/$1.o: | $(mocks_of)
 $(if $(CFLAGS.$1),$(call private_rules,$1))
 endef
@@ -492,13 +519,17 @@ $(OUT)/libboard.a: $(call object_of,$(filter-out %/main.c,$(PORTS.boards/$(BOARD
 
 $(OUT)/firmware.elf: $(call object_of,$(filter %/main.c,$(PORTS.boards/$(BOARD)))) $(OUT)/libboard.a
 	$(SAY) 'link $@'
-	$(Q)$(CC) $(FLAGS) $(LDFLAGS.$(VARIANT)) $^ -lm -o $@
+	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
+
+# An AVR's suites keep their texts in RAM; avr_test_run gives the chip enough of it.
+SUITE_LDFLAGS.avr := -Wl,--defsym=__DATA_REGION_LENGTH__=0x3D00 -Wl,--defsym=__stack=0x3FFF
+$(OUT)/contract/% $(OUT)/tests/unit/%: LDFLAGS += $(SUITE_LDFLAGS.$(FAMILY))
 
 $(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
                    $(OUT)/foreign/unity.o $(call object_of,tests/support/port_$(BOARD).c \
                    tests/support/edge_log.c $(TARGET)) $(OUT)/libboard.a
 	@mkdir -p $(@D)
-	$(Q)$(CC) $(FLAGS) $(LDFLAGS.$(VARIANT)) $^ -lm -o $@
+	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 
 AVR_TEST_RUN := build/host/avr_test_run
 $(AVR_TEST_RUN): tests/boards/avr_test_run.c
@@ -528,7 +559,7 @@ RESULTS.target-cortex_m3  := $(call target_results,cortex_m3)
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
 LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tidy cppcheck \
-        dependencies firmware isr-objects ruff-check ruff-format mypy shellcheck
+        dependencies firmware isr-objects isr-calls size ruff-check ruff-format mypy shellcheck
 RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
 
 RESULTS.bench-vm        := $(RESULTS)/bench-vm/bench-vm.check
@@ -623,6 +654,12 @@ $(RESULTS)/lint/firmware.check: FORCE
 	$(check) $(VENV_PYTHON) scripts/lint_firmware.py
 $(RESULTS)/lint/isr-objects.check: $(RESULTS)/lint/compile-avr.check
 	$(check) $(call with_tool,avr-gcc,$(VENV_PYTHON) scripts/lint_isr_objects.py build/avr/obj)
+
+$(RESULTS)/lint/isr-calls.check $(RESULTS)/lint/size.check: $(LINKED:%=linked-%) FORCE
+$(RESULTS)/lint/isr-calls.check:
+	$(check) $(if $(LINKED),$(VENV_PYTHON) scripts/lint_isr_calls.py $(WITH_FAMILY),$(NO_CROSS))
+$(RESULTS)/lint/size.check:
+	$(check) $(if $(LINKED),$(SIZE_TABLE) compare $(WITH_FAMILY),$(NO_CROSS))
 
 $(RESULTS)/lint/ruff-check.check: FORCE
 	$(check) .venv/bin/ruff check --config scripts/pyproject.toml $(PYTHON_FOLDERS)

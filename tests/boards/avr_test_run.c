@@ -2,8 +2,9 @@
  * Runs one suite on an AVR in simavr: avr_test_run MCU ELF
  *
  * What the program writes to GPIOR0 is printed, what it writes to GPIOR1 is the exit status. A wire
- * leads from TXD of UART 0 to its RXD, so that the suite can hear what it sends. Exit status 2: the
- * program cannot be loaded, crashed, or did not end within 300 s of its own time.
+ * leads from TXD of UART 0 to its RXD, so that the suite can hear what it sends. The chip has RAM
+ * up to RAM_END, more than its like in silicon: avr-gcc keeps the texts of a suite there. Exit
+ * status 2: the program cannot be loaded, crashed, or did not end within 300 s of its own time.
  */
 #include <avr_ioport.h>
 #include <avr_uart.h>
@@ -15,6 +16,7 @@
 #include <string.h>
 
 #define CLOCK_HZ    16000000u
+#define RAM_END     0x3FFFu
 #define LIMIT_S     300u
 #define EXIT_NO_RUN 2
 #define GPIOR0      0x3Eu
@@ -47,6 +49,7 @@ static avr_t *load(const char *mcu, const char *path)
     }
     avr_t *avr = avr_make_mcu_by_name(mcu);
     if (avr != NULL) {
+        avr->ramend = RAM_END;
         avr_init(avr);
         firmware.frequency = CLOCK_HZ;
         avr_load_firmware(avr, &firmware);

@@ -8,13 +8,6 @@ set -eu
 
 mcu=$1 program=$2 log=$3
 suite=$(basename "$program")
-stack_bytes=256
-case $mcu in
-atmega328p) ram_bytes=2048 ;;
-atmega2560) ram_bytes=8192 ;;
-*) echo "run_suite_avr: RAM of $mcu unknown" >&2 && exit 2 ;;
-esac
-
 skip() {
     rm -f "$log"
     echo "SKIPPED: $mcu $suite: $*" | tee "${log%.log}.check"
@@ -25,10 +18,6 @@ mkdir -p "$(dirname "$log")"
 case $suite in
 test_overtravel) skip "it holds the sums to 64 bits, and avr-gcc's double has 32" ;;
 esac
-static_bytes=$(avr-size "$program" | awk 'NR == 2 { print $2 + $3 }')
-if [ $((static_bytes + stack_bytes)) -gt $ram_bytes ]; then
-    skip "$static_bytes bytes and $stack_bytes of stack exceed its $ram_bytes; runs on the ATmega2560"
-fi
 status=0
 timeout 300 build/host/avr_test_run "$mcu" "$program" >"$log" 2>&1 || status=$?
 echo "exit status $status" >>"$log"

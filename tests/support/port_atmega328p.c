@@ -71,30 +71,35 @@ void port_pass_us(uint32_t us)
     }
 }
 
-/* Whatever the test before has left in the queue goes out first. */
+/* What the test before has left in the queue goes out first. */
 static void empty_bus(void)
 {
     while ((UCSR0B & _BV(UDRIE0)) != 0u) {
     }
     port_pass_us(FRAME_US);
+}
+
+static void start_bus(void)
+{
+    bus_start();
     UCSR0B |= _BV(RXCIE0);
     taken_count = heard_count;
 }
 
 bool port_power_up_at(uint32_t ticks)
 {
+    TCCR2B = _BV(CS21);
+    empty_bus();
     cli();
     hal_edge_disarm(BOARD_TRIGGER_CHANNEL);
-    TCCR2B = _BV(CS21);
     DDRB |= BOARD_TRIGGER_BIT;
     port_set_line(BOARD_TRIGGER_CHANNEL, false);
     clock_start();
     deferred_start();
     axis_start();
     axis_place(0);
-    bus_start();
+    start_bus();
     sei();
-    empty_bus();
     clock_set_ticks(ticks);
     return true;
 }

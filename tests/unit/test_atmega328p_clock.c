@@ -1,5 +1,4 @@
 /* clock_join.h of the ATmega328P: a 16-bit capture on both sides of an overflow that is pending. */
-/* LINK: hal/ports/template/port.c */
 #include "../hal/ports/atmega328p/clock_join.h"
 #include "unity.h"
 
