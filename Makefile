@@ -468,7 +468,7 @@ $(OUT)/$1: $(OUT)/obj/$1.o $(OUT)/foreign/runners/$1.o $(mocks_of:build/%.h=$(OU
            $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of) $(call object_of,$(TARGET)) \
            $(if $(filter arm,$(FAMILY)),$(OUT)/libboard.a)
 	@mkdir -p $$(@D)
-	$(Q)$(CC) $(FLAGS) $$$(LDFLAGS) -fno-lto $$^ -lm -o $$@
+	$(Q)$(CC) $(FLAGS) $$(LDFLAGS) -fno-lto $$^ -lm -o $$@
 $(OUT)/foreign/runners/$1.o: | $(mocks_of)
 $(if $(CFLAGS.$1),$(call private_rules,$1))
 endef
