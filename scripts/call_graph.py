@@ -1,0 +1,227 @@
+"""The call graph of a linked program, from its disassembly: who calls whom, and at what stack.
+
+Stack of a function is what the compiler says (`-fstack-usage`); of one without that (libgcc,
+written in assembler) it is what its pushes come to. A jump into another function counts as a call
+of it, so a tail call is paid for twice: the figure is a bound.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+HEADER = re.compile(r"^[0-9a-f]+ <([^>]+)>:$")
+INSTRUCTION = re.compile(r"^\s*[0-9a-f]+:\t[0-9a-f ]+\t([^.\s]\S*)\s*(.*)$")  # no .word
+TARGET = re.compile(r"<([^>+]+)(\+0x[0-9a-f]+)?>")
+USAGE = re.compile(r":(\w+)\t(\d+)\t")
+WORD_BYTES = 4
+
+
+@dataclass(frozen=True)
+class Processor:
+    """What has to be known of an instruction set."""
+
+    tools: str
+    branches: re.Pattern[str]
+    calls: re.Pattern[str]
+    indirect: re.Pattern[str]  # of mnemonic and operands
+    ends: re.Pattern[str]  # after it nothing runs on into the next function
+    call_bytes: int  # of the return address on the stack
+    interrupt_bytes: int  # pushed by the hardware beside what the handler itself accounts for
+    interrupts_nest: bool
+
+
+AVR = Processor(
+    "avr-",
+    re.compile(r"^(r?call|r?jmp|br\w+)$"),
+    re.compile(r"^r?call$"),
+    re.compile(r"^e?icall\b"),
+    re.compile(r"^(reti?|r?jmp|e?ijmp)\b"),
+    call_bytes=3,
+    interrupt_bytes=0,
+    interrupts_nest=False,
+)
+CORTEX_M = Processor(
+    "arm-none-eabi-",
+    re.compile(r"^(b|bl|cbn?z|b[a-z]{2})(\.[nw])?$"),
+    re.compile(r"^bl$"),
+    re.compile(r"^(blx r|bx r)"),
+    re.compile(r"^(b(\.[nw])? |bx |pop.*pc|ldm.*pc|ldr.*pc, \[sp|tb[bh]|udf|\.)"),
+    call_bytes=0,
+    interrupt_bytes=9 * WORD_BYTES,  # eight registers and a word of alignment
+    interrupts_nest=True,
+)
+PROCESSORS = {"avr": AVR, "arm": CORTEX_M}
+
+
+@dataclass
+class Function:
+    """One function: whom it calls or jumps to, and what of it catches the eye."""
+
+    name: str
+    calls: set[str] = field(default_factory=set)
+    jumps: set[str] = field(default_factory=set)
+    indirect: bool = False
+    enables_interrupts: bool = False
+    pushed_bytes: int = 0
+    runs_on: bool = True
+
+    @property
+    def reached(self) -> set[str]:
+        """Whatever it calls or jumps to."""
+        return self.calls | self.jumps
+
+
+@dataclass(frozen=True)
+class CallGraph:
+    """The functions of a program."""
+
+    functions: dict[str, Function]
+    stated_bytes: dict[str, int]  # by the compiler
+    call_bytes: int
+
+    def own_bytes(self, name: str) -> int:
+        """Stack of the function alone, with its return address."""
+        if name in self.stated_bytes:
+            return self.stated_bytes[name]
+        return self.functions[name].pushed_bytes + self.call_bytes
+
+    def reachable(self, root: str) -> set[str]:
+        """`root` and all that it can come to."""
+        found: set[str] = set()
+        waiting = [root]
+        while waiting:
+            name = waiting.pop()
+            if name not in found:
+                found.add(name)
+                waiting += self.functions[name].reached & self.functions.keys()
+        return found
+
+    def deepest(self, root: str, within: set[str] | None = None) -> tuple[int, list[str]]:
+        """Bytes and functions of the path from `root` that takes the most stack.
+
+        Args:
+            root: where the path begins
+            within: the only functions to count; all if None
+
+        Raises:
+            RecursionError: A function can call itself.
+        """
+        return self._deepest(root, within, (), {})
+
+    def _deepest(
+        self,
+        name: str,
+        within: set[str] | None,
+        above: tuple[str, ...],
+        known: dict[str, tuple[int, list[str]]],
+    ) -> tuple[int, list[str]]:
+        if name in known:
+            return known[name]
+        best: tuple[int, list[str]] = (0, [])
+        function = self.functions[name]
+        for callee in sorted(function.reached & self.functions.keys()):
+            if within is not None and callee not in within:
+                continue
+            if callee == name or callee in above:
+                if callee in function.calls:
+                    best = max(best, self._once_more(name, callee))
+                continue
+            best = max(best, self._deepest(callee, within, (*above, name), known))
+        known[name] = (self.own_bytes(name) + best[0], [name, *best[1]])
+        return known[name]
+
+    def _once_more(self, name: str, callee: str) -> tuple[int, list[str]]:
+        # Some routines of libgcc call themselves for the second operand, no deeper.
+        if callee in self.stated_bytes:
+            raise RecursionError(f"{name} comes back to {callee}")
+        return self.own_bytes(callee), [callee]
+
+
+def _note(function: Function, mnemonic: str, operands: str, processor: Processor) -> None:
+    line = f"{mnemonic} {operands}"
+    if mnemonic != "nop":
+        function.runs_on = processor.ends.match(line) is None
+    function.indirect |= processor.indirect.match(line) is not None
+    function.enables_interrupts |= mnemonic == "sei"
+    function.pushed_bytes += _pushed_bytes(mnemonic, operands)
+    target = TARGET.search(operands)
+    if not processor.branches.match(mnemonic) or target is None or operands.startswith(".+0"):
+        return
+    name, offset = target[1], target[2]
+    if processor.calls.match(mnemonic) and (name != function.name or offset is None):
+        function.calls.add(name)
+    elif name != function.name:
+        function.jumps.add(name)
+
+
+def _pushed_bytes(mnemonic: str, operands: str) -> int:
+    registers = operands.count(",") + 1
+    if mnemonic == "push":
+        return registers * WORD_BYTES if operands.startswith("{") else 1
+    if mnemonic.startswith("stmdb") and operands.startswith("sp!"):
+        return (registers - 1) * WORD_BYTES
+    if mnemonic.startswith("sub") and operands.startswith("sp,") and "#" in operands:
+        return int(operands.split("#")[1].split(maxsplit=1)[0])
+    return 0
+
+
+def parse_disassembly(text: str, processor: Processor) -> dict[str, Function]:
+    """Return the functions of what `objdump --disassemble` printed."""
+    functions: dict[str, Function] = {}
+    present: Function | None = None
+    for line in text.splitlines():
+        if header := HEADER.match(line):
+            following = functions.setdefault(header[1], Function(header[1]))
+            if present is not None and present.runs_on:
+                present.jumps.add(following.name)
+            present = following
+        elif present is not None and (code := INSTRUCTION.match(line)):
+            _note(present, code[1], code[2], processor)
+    return functions
+
+
+def parse_stack_usage(folder: Path) -> dict[str, int]:
+    """Return bytes of stack by function, of the `.su` files; of a name's several, the largest."""
+    bytes_of: dict[str, int] = {}
+    for path in folder.rglob("*.su"):
+        for name, number in USAGE.findall(path.read_text(encoding="utf-8")):
+            bytes_of[name] = max(bytes_of.get(name, 0), int(number))
+    return bytes_of
+
+
+def run_tool(*command: str) -> str:
+    """Return what a tool of the compiler's printed."""
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+
+def read_call_graph(program: Path, objects: Path, processor: Processor) -> CallGraph:
+    """Return the call graph of a linked program whose objects and `.su` files are in `objects`."""
+    text = run_tool(f"{processor.tools}objdump", "--disassemble", str(program))
+    functions = parse_disassembly(text, processor)
+    return CallGraph(functions, parse_stack_usage(objects), processor.call_bytes)
+
+
+def task_root(graph: CallGraph) -> str:
+    """Where the program's task begins."""
+    return "reset" if "reset" in graph.functions else "main"
+
+
+def interrupt_roots(program: Path, graph: CallGraph, processor: Processor) -> list[str]:
+    """Return the interrupt handlers: by name on an AVR, of the table at address 0 on a Cortex-M."""
+    if processor is AVR:
+        return sorted(name for name in graph.functions if re.match(r"__vector_\d+$", name))
+    listing = run_tool(f"{processor.tools}nm", "--print-size", str(program))
+    symbols = [line.split() for line in listing.splitlines() if len(line.split()) == 4]
+    name_at = {int(address, 16) & ~1: name for address, _, kind, name in symbols if kind in "tTwW"}
+    table = next(int(size, 16) for _, size, _, name in symbols if name == "vectors")
+    raw = program.with_suffix(".bin")
+    run_tool(f"{processor.tools}objcopy", "--output-target=binary", str(program), str(raw))
+    words = memoryview(raw.read_bytes()[WORD_BYTES:table]).cast("I")
+    found = {name_at[word & ~1] for word in words if word & 1}
+    return sorted(found - {task_root(graph)})
