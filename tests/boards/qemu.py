@@ -191,9 +191,10 @@ class Emulator:
         self._elapsed = 0
 
     def now(self) -> int:
-        """Read the master clock; at least every 85 s. While running, it may stand for a while."""
+        """Read the master clock; at least every 42 s. While running, it may lag somewhat."""
         value = self.read(WATCHDOG_VALUE)
-        self._elapsed += (self._last_clock - value) % COUNTS
+        passed = (self._last_clock - value + COUNTS // 2) % COUNTS - COUNTS // 2
+        self._elapsed += passed
         self._last_clock = value
         return self._elapsed
 
