@@ -509,7 +509,7 @@ target_results = $(if $(TOOLS.$(FAMILY.$1)),$(call on_board,$1),$(RESULTS)/targe
 
 .PHONY: $(ON_BOARDS:%=run-%)
 $(ON_BOARDS:%=run-%): run-target-%: generated
-	@$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) $(if $(filter avr,$(FAMILY.$*)),$(AVR_TEST_RUN)) && \
+	@$(if $(TOOLS.$(FAMILY.$*)),$(if $(filter avr,$(FAMILY.$*)),$(MAKE) $(AVR_TEST_RUN) &&) \
 	    $(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,scripts/run_check.sh \
 	    $(RESULTS)/target-$*/tools.check target-$* $(call skip,$(NO_TOOLS.$(FAMILY.$*))))
 
