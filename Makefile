@@ -521,6 +521,22 @@ $(OUT)/firmware.elf: $(call object_of,$(filter %/main.c,$(PORTS.boards/$(BOARD))
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 
+# The port with one disturbance, compiled as a whole: its constants change any of its files.
+DISTURBANCE.cortex_m3.other_interrupt  := -DDISTURBANCE_INTERRUPT_US=80u \
+                                          -DDISTURBANCE_INTERRUPT_PERIOD_US=970u
+DISTURBANCE.cortex_m3.critical_section := -DDISTURBANCE_CRITICAL_US=150u \
+                                          -DDISTURBANCE_CRITICAL_PERIOD_US=970u
+DISTURBANCE.cortex_m3.scan_body        := -DDISTURBANCE_SCAN_BODY_US=1400u \
+                                          -DDISTURBANCE_SCAN_BODY_EVERY=8u
+DISTURBANCE.cortex_m3.prescaler        := -DDISTURBANCE_PRESCALER_SHIFT=9u
+DISTURBANCE.cortex_m3.software_filter  := -DDISTURBANCE_FILTER_SAMPLES=20u \
+                                          -DDISTURBANCE_FILTER_PERIOD_US=10u
+$(OUT)/firmware-%.elf: $(PORTS.boards/$(BOARD)) $(wildcard hal/ports/$(PORT)/*.h) Makefile \
+                       $(call object_of,$(FIRMWARE))
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) $(CFLAGS.hal) $(DISTURBANCE.$(BOARD).$*) $(LDFLAGS) $(filter %.c %.o,$^) \
+	    -lm -o $@
+
 # An AVR's suites keep their texts in RAM; avr_test_run gives the chip enough of it.
 SUITE_LDFLAGS.avr := -Wl,--defsym=__DATA_REGION_LENGTH__=0x3D00 -Wl,--defsym=__stack=0x3FFF
 $(OUT)/contract/% $(OUT)/tests/unit/%: LDFLAGS += $(SUITE_LDFLAGS.$(FAMILY))
@@ -558,7 +574,7 @@ RESULTS.target-atmega2560 := $(call target_results,atmega2560)
 RESULTS.target-cortex_m3  := $(call target_results,cortex_m3)
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
-LINT := compile-gcc compile-clang compile-avr compile-arm clang-format clang-tidy cppcheck \
+LINT := compile-gcc compile-clang compile-avr compile-arm compile-m0plus compile-m4f clang-format clang-tidy cppcheck \
         dependencies firmware isr-objects isr-calls size ruff-check ruff-format mypy shellcheck
 RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
 
@@ -641,6 +657,9 @@ $(RESULTS)/lint/compile-avr.check: FORCE
 	$(check) $(call with_tool,avr-gcc,$(MAKE) VARIANT=avr objects)
 $(RESULTS)/lint/compile-arm.check: FORCE
 	$(check) $(call with_tool,arm-none-eabi-gcc,$(MAKE) VARIANT=arm objects)
+$(RESULTS)/lint/compile-m0plus.check $(RESULTS)/lint/compile-m4f.check: \
+        $(RESULTS)/lint/compile-%.check: FORCE
+	$(check) $(call with_tool,arm-none-eabi-gcc,$(MAKE) VARIANT=boards/cortex_$* objects)
 
 $(RESULTS)/lint/clang-format.check: FORCE
 	$(check) .venv/bin/clang-format --dry-run -Werror $(or $(C_FILES),--version)
