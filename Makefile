@@ -162,7 +162,9 @@ RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
 C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE) $(LINUX)
 C_HEADERS := $(wildcard firmware/*/*.h hal/include/*.h hal/ports/*/*.h host_sim/*.h host_sim/*/*.h)
 C_HEADERS := $(if $(LINUX),$(C_HEADERS),$(filter-out hal/ports/linux/%,$(C_HEADERS)))
-C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.c tests/*/*.[ch]))
+# Its registers are avr-libc's.
+C_HEADERS := $(filter-out hal/ports/atmega328p/%,$(C_HEADERS))
+C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.[ch] tests/*/*.[ch]))
 PYTHON_FOLDERS := scripts $(wildcard tests)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
                   $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
