@@ -5,9 +5,10 @@
 #include "hal_edge_events.h"
 #include "hal_error.h"
 
-edge_note_t      edge_line_notes[EDGE_LINE_NOTES];
-volatile uint8_t edge_line_noted;
-volatile uint8_t edge_line_delivered;
+edge_note_t       edge_line_notes[EDGE_LINE_NOTES];
+volatile uint8_t  edge_line_noted;
+volatile uint8_t  edge_line_delivered;
+volatile uint16_t edge_line_lost;
 
 static volatile bool is_low_active;
 
@@ -28,8 +29,8 @@ void edge_line_deliver(void)
 {
     while (edge_line_is_waiting()) {
         uint8_t here = edge_line_delivered;
-        deliver(&edge_line_notes[here]);
-        edge_line_delivered = (uint8_t)(here + 1u) % EDGE_LINE_NOTES;
+        deliver(edge_line_at(here));
+        edge_line_delivered = edge_line_after(here);
     }
 }
 

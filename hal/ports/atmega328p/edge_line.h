@@ -17,18 +17,26 @@
 #include "deferred.h"
 #include "hal_edge.h"
 
-#define EDGE_LINE_NOTES 16u /* a power of two; one less can wait to be delivered */
-
 typedef struct {
     uint16_t timer_ticks;
     uint16_t overflows;
     int32_t  position_counts;
 } edge_note_t;
 
-/* Notes from one index up to another, round the end, wait to be delivered. For this header only. */
+#define EDGE_LINE_NOTES 16u /* a power of two; one less can wait to be delivered */
+#define EDGE_LINE_BYTES (EDGE_LINE_NOTES * sizeof(edge_note_t))
+
+/*
+ * Notes from one place up to another, round the end, wait to be delivered. The places are counted
+ * in bytes: that spares the interrupt a multiplication. For edge_line_at() and edge_line_note()
+ * only.
+ */
 extern edge_note_t      edge_line_notes[EDGE_LINE_NOTES];
 extern volatile uint8_t edge_line_noted;
 extern volatile uint8_t edge_line_delivered;
+
+/* Edges lost for want of room since the start; wraps. A rig reads it. */
+extern volatile uint16_t edge_line_lost;
 
 /* HAL_OK, HAL_ERR_CHANNEL, or HAL_ERR_CONFIG: this board has no filter. Task. */
 int edge_line_check(const hal_edge_config_t *config);
@@ -46,22 +54,35 @@ bool edge_line_is_deflected(void);
 bool edge_line_is_waiting(void);
 void edge_line_deliver(void);
 
+/* The note at a place, and the place after it. */
+static inline edge_note_t *edge_line_at(uint8_t place)
+{
+    return (edge_note_t *)(void *)((uint8_t *)edge_line_notes + place);
+}
+
+static inline uint8_t edge_line_after(uint8_t place)
+{
+    return (uint8_t)((place + sizeof(edge_note_t)) % EDGE_LINE_BYTES);
+}
+
 /*
  * An edge at this reading of Timer1. Inline, and without a call in it, for then the compiler saves
- * few registers. Without room the edge is lost. The interrupt of the line.
+ * few registers. The interrupt of the line.
  */
 static inline void edge_line_note(uint16_t timer_ticks)
 {
     uint16_t overflows = clock_overflows_before(timer_ticks);
     uint8_t  here = edge_line_noted;
-    uint8_t  next = (uint8_t)(here + 1u) % EDGE_LINE_NOTES;
-    if (next != edge_line_delivered) {
-        edge_note_t *note = &edge_line_notes[here];
-        note->timer_ticks = timer_ticks;
-        note->overflows = overflows;
-        note->position_counts = axis_position_masked();
-        edge_line_noted = next;
+    uint8_t  next = edge_line_after(here);
+    if (next == edge_line_delivered) {
+        ++edge_line_lost;
+        return;
     }
+    edge_note_t *note = edge_line_at(here);
+    note->timer_ticks = timer_ticks;
+    note->overflows = overflows;
+    note->position_counts = axis_position_masked();
+    edge_line_noted = next;
     deferred_ask();
 }
 

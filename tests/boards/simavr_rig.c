@@ -1,0 +1,312 @@
+/*
+ * The rig of the AVR boards: runs a program in simavr and plays a list of stimuli to it.
+ *
+ *   simavr_rig FIRMWARE.elf <STIMULI >EVENTS
+ *
+ * A stimulus is a line "CYCLE KIND VALUE", cycles rising: "e 1" and "e 0" raise and lower the
+ * trigger line, "u 115" sends a byte to the UART, "q 0" ends the run. What comes back, one line
+ * each:
+ *
+ *   edge CYCLE LEVEL PULSES      the line was driven; pulses forward less backward on the step pin
+ *   byte CYCLE VALUE             the last bit of a byte has left the UART
+ *   check CYCLE PULSES COUNTS    after a touch, interrupts on: pulses on the pin, counts of the
+ *                                firmware (symbol "axis_position"); they have to be the same
+ *   load CYCLE BUSY CAPTURES     at the end of the run: cycles spent in interrupts, capture
+ * interrupts body VECTOR CALLS LEAST MEAN_X1000 MOST   of each interrupt: cycles from its vector to
+ * the end of its reti, less those of interrupts inside it wait VECTOR CALLS LEAST MEAN_X1000 MOST
+ * of the edge interrupt: cycles from the edge to the vector
+ *
+ * simavr 1.6 omits the four cycles in which the chip enters an interrupt: they are in none of these
+ * figures. It applies a stimulus at the end of the instruction that runs at its cycle; "edge" tells
+ * the cycle at which it did. Its capture sees an edge at once; the chip's synchroniser takes
+ * another 2 1/2 to 3 1/2 cycles, the same for each edge to within one.
+ */
+#include <inttypes.h>
+#include <simavr/avr_ioport.h>
+#include <simavr/avr_uart.h>
+#include <simavr/sim_avr.h>
+#include <simavr/sim_elf.h>
+#include <simavr/sim_interrupts.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define CLOCK_HZ      16000000u
+#define TRIGGER_PIN   0
+#define STEP_PIN      2
+#define DIRECTION_PIN 3
+#define BYTE_CYCLES   640u /* ten bits at 250 kBd */
+#define RETI_CYCLES   4u   /* simavr tells the end before it counts them */
+#define RAM_OFFSET    0x800000u
+#define VECTORS       64u
+#define NESTING       16u
+#define PIN_CHANGE    3u
+#define OVERFLOW      13u
+#define CAPTURE       10u
+#define EXIT_USAGE    2
+#define EXIT_STOPPED  3
+#define X1000         1000u
+
+typedef struct {
+    uint64_t calls;
+    uint64_t sum;
+    uint64_t least;
+    uint64_t most;
+} figures_t;
+
+typedef struct {
+    uint64_t begin;
+    uint64_t inside; /* cycles of interrupts that ran inside this one */
+} running_t;
+
+static avr_t    *avr;
+static uint32_t  position_address;
+static uint32_t  lost_address;
+static bool      is_direction_back;
+static int32_t   pulses;
+static bool      wants_check;
+static bool      is_edge_open; /* no interrupt has taken it yet */
+static uint64_t  edge_cycle;
+static figures_t bodies[VECTORS];
+static figures_t waits[VECTORS];
+static running_t running[NESTING];
+static unsigned  depth;
+static uint64_t  busy;
+
+/* ---- figures ---- */
+
+static void add(figures_t *figures, uint64_t cycles)
+{
+    if (figures->calls == 0u || cycles < figures->least) {
+        figures->least = cycles;
+    }
+    if (cycles > figures->most) {
+        figures->most = cycles;
+    }
+    figures->sum += cycles;
+    ++figures->calls;
+}
+
+static void print_figures(const char *name, const figures_t *all)
+{
+    for (unsigned vector = 0u; vector < VECTORS; ++vector) {
+        const figures_t *f = &all[vector];
+        if (f->calls != 0u) {
+            printf("%s %u %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 "\n", name, vector,
+                   f->calls, f->least, f->sum * X1000 / f->calls, f->most);
+        }
+    }
+}
+
+/* ---- what the chip does ---- */
+
+static void on_step(avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)param;
+    if (value != 0u && irq->value == 0u) {
+        pulses += is_direction_back ? -1 : 1;
+    }
+}
+
+static void on_direction(avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)irq;
+    (void)param;
+    is_direction_back = value != 0u;
+}
+
+static void on_byte(avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)irq;
+    (void)param;
+    printf("byte %" PRIu64 " %" PRIu32 "\n", avr->cycle + BYTE_CYCLES, value);
+}
+
+static void begin_interrupt(unsigned vector)
+{
+    if (is_edge_open && (vector == CAPTURE || vector == PIN_CHANGE)) {
+        add(&waits[vector], avr->cycle - edge_cycle);
+        is_edge_open = false;
+    }
+    if (depth < NESTING) {
+        running[depth] = (running_t){.begin = avr->cycle};
+    }
+    ++depth;
+}
+
+static void end_interrupt(unsigned vector)
+{
+    if (depth == 0u || --depth >= NESTING) {
+        return;
+    }
+    uint64_t whole = avr->cycle + RETI_CYCLES - running[depth].begin;
+    add(&bodies[vector], whole - running[depth].inside);
+    busy += whole - running[depth].inside;
+    if (depth != 0u) {
+        running[depth - 1u].inside += whole;
+    }
+}
+
+static void on_interrupt(avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)irq;
+    unsigned vector = (unsigned)(uintptr_t)param;
+    if (value != 0u) {
+        begin_interrupt(vector);
+    } else {
+        end_interrupt(vector);
+    }
+}
+
+static void on_overflow(avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)irq;
+    (void)param;
+    if (value != 0u) {
+        printf("overflow %" PRIu64 "\n", avr->cycle);
+    }
+}
+
+static void listen(void)
+{
+    uint32_t flags = 0u;
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), STEP_PIN), on_step,
+                            NULL);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), DIRECTION_PIN),
+                            on_direction, NULL);
+    avr_ioctl(avr, AVR_IOCTL_UART_GET_FLAGS('0'), &flags);
+    flags &= (uint32_t)~(AVR_UART_FLAG_STDIO | AVR_UART_FLAG_POOL_SLEEP);
+    avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
+    avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT),
+                            on_byte, NULL);
+    for (unsigned vector = 1u; vector < VECTORS; ++vector) {
+        avr_irq_t *irq = avr_get_interrupt_irq(avr, (uint8_t)vector);
+        if (vector == OVERFLOW) {
+            avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, on_overflow, NULL);
+        }
+        if (irq != NULL) {
+            avr_irq_register_notify(irq + AVR_INT_IRQ_RUNNING, on_interrupt,
+                                    (void *)(uintptr_t)vector);
+        }
+    }
+}
+
+/* ---- the stimuli ---- */
+
+static void drive(uint32_t level)
+{
+    printf("edge %" PRIu64 " %" PRIu32 " %" PRId32 "\n", avr->cycle, level, pulses);
+    if (level != 0u) {
+        edge_cycle = avr->cycle;
+        is_edge_open = true;
+    } else {
+        wants_check = true;
+    }
+    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), TRIGGER_PIN), level);
+}
+
+/* Reads the next stimulus and asks to be called at its cycle, or ends the run. */
+static avr_cycle_count_t play(avr_t *of, avr_cycle_count_t when, void *param)
+{
+    static char     kind = '\0';
+    static uint32_t value;
+    static uint64_t cycle;
+    (void)when;
+    (void)param;
+    do {
+        if (kind == 'e') {
+            drive(value);
+        } else if (kind == 'u') {
+            avr_raise_irq(avr_io_getirq(of, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT), value);
+        } else if (kind == 'q') {
+            of->state = cpu_Done;
+            return 0u;
+        }
+        if (scanf("%" SCNu64 " %c %" SCNu32, &cycle, &kind, &value) != 3) {
+            fprintf(stderr, "simavr_rig: expected lines CYCLE e|u|q VALUE, and q at the end\n");
+            exit(EXIT_USAGE);
+        }
+    } while (cycle <= of->cycle);
+    return cycle;
+}
+
+static uint32_t read_ram(uint32_t address, unsigned bytes)
+{
+    uint32_t value = 0u;
+    for (unsigned i = 0u; i < bytes; ++i) {
+        value |= (uint32_t)avr->data[address + i] << 8u * i;
+    }
+    return value;
+}
+
+/* The firmware's counter, at an instant when no interrupt is half through with it. */
+static void check_position(void)
+{
+    if (!wants_check || depth != 0u || avr->sreg[S_I] == 0u) {
+        return;
+    }
+    printf("check %" PRIu64 " %" PRId32 " %" PRId32 "\n", avr->cycle, pulses,
+           (int32_t)read_ram(position_address, sizeof(int32_t)));
+    wants_check = false;
+}
+
+/* ---- start ---- */
+
+static uint32_t address_of(const elf_firmware_t *firmware, const char *name)
+{
+    size_t length = strlen(name);
+    for (uint32_t i = 0u; i < firmware->symbolcount; ++i) {
+        const char *symbol = firmware->symbol[i]->symbol;
+        if (strncmp(symbol, name, length) == 0 &&
+            (symbol[length] == '\0' || symbol[length] == '.')) {
+            return firmware->symbol[i]->addr - RAM_OFFSET;
+        }
+    }
+    return 0u;
+}
+
+static bool load(const char *path)
+{
+    elf_firmware_t firmware;
+    memset(&firmware, 0, sizeof firmware);
+    if (elf_read_firmware(path, &firmware) != 0) {
+        fprintf(stderr, "simavr_rig: %s: no AVR program\n", path);
+        return false;
+    }
+    position_address = address_of(&firmware, "axis_position");
+    lost_address = address_of(&firmware, "edge_line_lost");
+    avr = avr_make_mcu_by_name("atmega328p");
+    if (avr == NULL || position_address == 0u || lost_address == 0u) {
+        fprintf(stderr, "simavr_rig: %s: symbols axis_position, edge_line_lost not found\n", path);
+        return false;
+    }
+    avr_init(avr);
+    avr->frequency = CLOCK_HZ;
+    avr_load_firmware(avr, &firmware);
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2) {
+        fprintf(stderr, "usage: simavr_rig FIRMWARE.elf <STIMULI >EVENTS\n");
+        return EXIT_USAGE;
+    }
+    if (!load(argv[1])) {
+        return EXIT_USAGE;
+    }
+    listen();
+    avr_cycle_timer_register(avr, 1u, play, NULL);
+    int state = cpu_Running;
+    while (state != cpu_Done && state != cpu_Crashed) {
+        state = avr_run(avr);
+        check_position();
+    }
+    printf("end %" PRIu64 " %" PRIu64 " %" PRIu32 "\n", avr->cycle, busy,
+           read_ram(lost_address, sizeof(uint16_t)));
+    print_figures("body", bodies);
+    print_figures("wait", waits);
+    return state == cpu_Done ? EXIT_SUCCESS : EXIT_STOPPED;
+}

@@ -1,0 +1,325 @@
+"""The ATmega328P in simavr as a bench: injects edges at exact cycles, records a campaign.
+
+    python -m tests.boards.simavr_rig build/boards/atmega328p/firmware.elf --out build/campaign
+
+How the times are known: an edge is applied at the end of the instruction that runs at its cycle,
+and the rig is told that cycle. The clock of the board starts some cycles after the chip; how many is
+taken from the overflows of Timer1, not from any edge. Pulses are counted on the step pin.
+
+simavr 1.6 omits the four cycles (0.25 µs) in which the chip enters an interrupt: the latency of
+the pin-change path and of the PLC path is that much shorter here than on the chip. A captured stamp
+does not depend on it, but on the chip's synchroniser, 2 1/2 to 3 1/2 cycles, which simavr does not
+have either.
+"""
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from skiplatch.bench.latches import Latch, LatchReports
+from skiplatch.campaign import (
+    AxisNominal,
+    BenchNominal,
+    InputNominal,
+    InputPath,
+    Kind,
+    Nominal,
+    PlcNominal,
+    ProbeNominal,
+    ReportNominal,
+    SkipNominal,
+    write_campaign,
+)
+from tests.boards.record import Recorded, as_touches
+
+RIG = Path("build/host/simavr_rig")
+CYCLES_PER_US = 16
+RESOLUTION_UM = 2.0
+SCAN_US = 2000
+TIMER_TICKS = 1 << 16
+CLOCK_TICKS = 1 << 32
+FRAME_BYTES = 8
+RECORD_BYTES = 16
+CAPTURE, PIN_CHANGE = 10, 3
+
+FEEDS_MM_MIN = {"1": 100.0, "2": 1000.0, "3": 3000.0}
+PATHS = {"s": InputPath.SKIP, "p": InputPath.PLC}
+ROUNDS = 10  # of all paths and feeds, so that none goes with the time
+
+Stimulus = tuple[int, str, int]
+"""Cycle, kind and value: see simavr_rig.c."""
+
+
+def believed(skip: SkipNominal) -> Nominal:
+    """Give what the data sheet says: a record is 16 bytes of ten bits at 250 kBd."""
+    return Nominal(
+        kind=Kind.BENCH,
+        probe=ProbeNominal(0.0, 0.0, 0.0, 0.0, 0.0),
+        input=InputNominal(filter_us=0.0),
+        skip=skip,
+        plc=PlcNominal(scan_us=float(SCAN_US)),
+        axis=AxisNominal(resolution_um=RESOLUTION_UM, accel_mm_s2=10_000.0),
+        report=ReportNominal(latency_us=640.0, jitter_us=0.0),
+        bench=BenchNominal(reference_jitter_us=0.018),
+    )
+
+
+# Input capture: no latency at all. Pin change: 4 cycles to enter, 3 to jump, up to 3 more for the
+# instruction that runs.
+BELIEVED = {
+    False: believed(SkipNominal(latency_us=0.0, jitter_us=0.0, tick_us=0.0625)),
+    True: believed(SkipNominal(latency_us=0.4375, jitter_us=0.1875, tick_us=0.0625)),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """How long something took, in cycles."""
+
+    calls: int
+    least: int
+    mean: float
+    most: int
+
+
+@dataclass(slots=True)
+class Events:
+    """What the rig tells of a run; times are cycles."""
+
+    rises: list[tuple[int, int]] = field(default_factory=list)
+    """Edges into the deflected state: when, and the pulses on the step pin by then."""
+    checks: list[tuple[int, int]] = field(default_factory=list)
+    """After each touch: pulses on the pin, counts of the firmware."""
+    received: list[tuple[int, int]] = field(default_factory=list)
+    """Bytes of the UART: when, and which."""
+    overflows: list[int] = field(default_factory=list)
+    bodies: dict[int, Figures] = field(default_factory=dict)
+    waits: dict[int, Figures] = field(default_factory=dict)
+    end: int = 0
+    busy: int = 0
+    lost: int = 0
+
+    def take(self, line: str) -> None:
+        """Take one line."""
+        name, *texts = line.split()
+        if name not in _TAKERS:  # what simavr itself says
+            return
+        _TAKERS[name](self, [int(text) for text in texts])
+
+    def _rise(self, values: Sequence[int]) -> None:
+        cycle, level, pulses = values
+        if level:
+            self.rises.append((cycle, pulses))
+
+    def _check(self, values: Sequence[int]) -> None:
+        self.checks.append((values[1], values[2]))
+
+    def _byte(self, values: Sequence[int]) -> None:
+        self.received.append((values[0], values[1]))
+
+    def _overflow(self, values: Sequence[int]) -> None:
+        self.overflows.append(values[0])
+
+    def _body(self, values: Sequence[int]) -> None:
+        self.bodies[values[0]] = _figures(values)
+
+    def _wait(self, values: Sequence[int]) -> None:
+        self.waits[values[0]] = _figures(values)
+
+    def _end(self, values: Sequence[int]) -> None:
+        self.end, self.busy, self.lost = values
+
+    def clock_zero(self, prescaler: int) -> int:
+        """Give the cycle at which the clock read 0: no overflow is told before it comes."""
+        turn = TIMER_TICKS * prescaler
+        return min(cycle - (i + 1) * turn for i, cycle in enumerate(self.overflows))
+
+
+_TAKERS = {
+    "edge": Events._rise,
+    "check": Events._check,
+    "byte": Events._byte,
+    "overflow": Events._overflow,
+    "body": Events._body,
+    "wait": Events._wait,
+    "end": Events._end,
+}
+
+
+def _figures(values: Sequence[int]) -> Figures:
+    _, calls, least, mean_x1000, most = values
+    return Figures(calls, least, mean_x1000 / 1e3, most)
+
+
+def run(program: Path, stimuli: Sequence[Stimulus]) -> Events:
+    """Run a program with these stimuli, in order of their cycles, the last one ("q", 0)."""
+    text = "".join(f"{cycle} {kind} {value}\n" for cycle, kind, value in stimuli)
+    command = [str(RIG), str(program)]
+    result = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        raise RuntimeError(f"{program}: {result.stderr.strip() or result.returncode}")
+    events = Events()
+    for line in result.stdout.splitlines():
+        events.take(line)
+    return events
+
+
+# ---- what is injected ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """Edges under one condition.
+
+    Attributes:
+        path: The input path that is on.
+        feed_mm_min: The speed of the axis.
+        count: How many edges.
+    """
+
+    path: InputPath
+    feed_mm_min: float
+    count: int
+
+
+def commands(cycle: int, *letters: str) -> list[Stimulus]:
+    """Send letters, a millisecond apart, from a cycle on."""
+    return [(cycle + 16_000 * i, "u", ord(letter)) for i, letter in enumerate(letters)]
+
+
+def plan(touches: int, seed: int) -> tuple[list[Stimulus], list[Block]]:
+    """Give edges at random cycles, so many on each path, and under which conditions they come."""
+    random = np.random.default_rng(seed)
+    stimuli: list[Stimulus] = []
+    blocks = list(_blocks(touches))
+    cycle = 20_000
+    for block, letters in blocks:
+        stimuli += commands(cycle, "n", *letters)
+        cycle += 80_000
+        for _ in range(block.count):
+            high_us, low_us = _touch_us(block.path, random)
+            rise = cycle + int(low_us * CYCLES_PER_US)
+            cycle = rise + int(high_us * CYCLES_PER_US)
+            stimuli += [(rise, "e", 1), (cycle, "e", 0)]
+        cycle += 80_000
+    return [*stimuli, (cycle, "q", 0)], [block for block, _ in blocks]
+
+
+def _blocks(touches: int) -> Iterator[tuple[Block, str]]:
+    shares = np.diff(np.linspace(0, touches, ROUNDS * len(FEEDS_MM_MIN) + 1).astype(int))
+    for number, share in enumerate(shares):
+        feed = list(FEEDS_MM_MIN)[number % len(FEEDS_MM_MIN)]
+        for letter, path in PATHS.items():
+            yield Block(path, FEEDS_MM_MIN[feed], int(share)), feed + letter
+
+
+def _touch_us(path: InputPath, random: np.random.Generator) -> tuple[float, float]:
+    """Give how long the line is high and low: long enough for a record, or for a scan each."""
+    if path is InputPath.SKIP:
+        return random.uniform(20.0, 400.0), random.uniform(900.0, 1900.0)
+    return random.uniform(3000.0, 3500.0), random.uniform(3000.0, 5000.0)
+
+
+# ---- what came of it -----------------------------------------------------------------------------
+
+
+def latches(events: Events) -> list[tuple[Latch, int]]:
+    """Give the records, and the cycle at which the last byte of each had come."""
+    reports = LatchReports()
+    found = []
+    data = bytes(value for _, value in events.received)
+    for start in range(0, len(data) - FRAME_BYTES + 1, FRAME_BYTES):
+        latch = reports.take(data[start : start + FRAME_BYTES])
+        if latch is not None:
+            found.append((latch, events.received[start + FRAME_BYTES - 1][0]))
+    if reports.lost or reports.damaged or reports.unpaired:
+        raise RuntimeError("a record was lost on an emulated wire")
+    return found
+
+
+def recorded(events: Events, blocks: Sequence[Block], prescaler: int) -> list[Recorded]:
+    """Put each edge and its latch together: the latch that was reported before the next edge."""
+    zero = events.clock_zero(prescaler)
+    conditions = [block for block in blocks for _ in range(block.count)]
+    ends = [cycle for cycle, _ in events.rises[1:]] + [events.end]
+    waiting = latches(events)[::-1]
+    touches = []
+    for block, (edge, pulses), end in zip(conditions, events.rises, ends, strict=True):
+        latch_us = report_us = deviation_um = float("nan")
+        if waiting and waiting[-1][1] < end:
+            latch, report = waiting.pop()
+            latch_us = edge / CYCLES_PER_US + _late_us(latch, edge - zero, prescaler)
+            report_us = report / CYCLES_PER_US
+            deviation_um = (latch.position_counts - pulses) * RESOLUTION_UM
+        touches.append(
+            Recorded(
+                path=block.path,
+                feed_mm_min=block.feed_mm_min,
+                edge_us=edge / CYCLES_PER_US,
+                latch_us=latch_us,
+                report_us=report_us,
+                deviation_um=deviation_um,
+            )
+        )
+    if waiting:
+        raise RuntimeError(f"{len(waiting)} latches belong to no edge")
+    return touches
+
+
+def _late_us(latch: Latch, edge_cycles: int, prescaler: int) -> float:
+    """Give edge to stamp, the stamp being the nearest one of the clock that wraps."""
+    span = CLOCK_TICKS * prescaler
+    late = (latch.ticks * prescaler - edge_cycles + span // 2) % span - span // 2
+    return late / CYCLES_PER_US
+
+
+def main() -> int:
+    """Record a campaign of the program on the command line."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("program", type=Path, help="firmware.elf of the board")
+    parser.add_argument("--out", type=Path, required=True, help="folder of the campaign")
+    parser.add_argument("--touches", type=int, default=10_000, help="on each path")
+    parser.add_argument("--prescaler", type=int, default=1, help="CLOCK_PRESCALER of the build")
+    parser.add_argument("--pin-change", action="store_true", help="believe in that build")
+    parser.add_argument("--seed", type=int, default=1)
+    options = parser.parse_args()
+    stimuli, blocks = plan(options.touches, options.seed)
+    events = run(options.program, stimuli)
+    touches = recorded(events, blocks, options.prescaler)
+    nominal = BELIEVED[options.pin_change]
+    write_campaign(options.out, nominal, as_touches(nominal, touches))
+    print(summary(events, touches))
+    return 0
+
+
+def summary(events: Events, touches: Sequence[Recorded]) -> str:
+    """Say what was measured."""
+    lines = []
+    for path in InputPath:
+        of_path = [touch for touch in touches if touch.path == path]
+        late = np.array([touch.latch_us - touch.edge_us for touch in of_path])
+        late = late[~np.isnan(late)]
+        lines.append(
+            f"{path.name.lower()}: {len(late)} latched, {len(of_path) - len(late)} missed; "
+            f"latch - edge in µs: least {late.min():.4f}, mean {late.mean():.4f}, "
+            f"most {late.max():.4f}"
+        )
+    for vector in (CAPTURE, PIN_CHANGE):
+        if vector in events.bodies:
+            body, wait = events.bodies[vector], events.waits[vector]
+            lines.append(
+                f"edge interrupt: {body.least} to {body.most} cycles, mean {body.mean:.1f}; "
+                f"begins {wait.mean:.1f} cycles after the edge, at most {wait.most}"
+            )
+    wrong = sum(pulses != counts for pulses, counts in events.checks)
+    lines.append(f"pulses on the pin and in the firmware: {len(events.checks)} checks, {wrong} off")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
