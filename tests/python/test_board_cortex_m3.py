@@ -1,0 +1,64 @@
+"""The Cortex-M3 port in QEMU: a short run of what `make boards` measures at length."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skiplatch.campaign import InputPath
+from tests.boards import qemu_rig
+from tests.boards.record import Recorded
+
+PROGRAM = Path("build/boards/cortex_m3/firmware.elf")
+TOUCHES = 90  # on each path: half a second of virtual time, so that SysTick wraps
+EMULATED_SCAN_US = 999.98  # QEMU's timers are a tick short
+SKIP_LATE_US = 1.2  # the longest stretch in which the port masks interrupts, and the handler
+
+
+@pytest.fixture(scope="module")
+def recorded() -> list[Recorded]:
+    """Record one run."""
+    if not shutil.which("qemu-system-arm") or not PROGRAM.exists():
+        pytest.skip("no Cortex-M3 board here: scripts/setup_system.sh cross emulators")
+    return qemu_rig.play(PROGRAM, TOUCHES, tick_shift=0, seed=1)
+
+
+def late_us(recorded: list[Recorded], path: InputPath) -> np.ndarray:
+    """Give latch minus edge, in µs."""
+    return np.array([t.latch_us - t.edge_us for t in recorded if t.path == path])
+
+
+def test_every_edge_is_latched_on_both_paths(recorded: list[Recorded]) -> None:
+    for path in InputPath:
+        late = late_us(recorded, path)
+        assert len(late) == TOUCHES
+        assert np.isfinite(late).all()
+
+
+def test_the_skip_input_latches_at_once(recorded: list[Recorded]) -> None:
+    late = late_us(recorded, InputPath.SKIP)
+
+    assert late.min() > 0.0
+    assert late.max() < SKIP_LATE_US
+
+
+def test_the_plc_task_latches_at_the_next_scan(recorded: list[Recorded]) -> None:
+    late = late_us(recorded, InputPath.PLC)
+
+    assert late.min() > -qemu_rig.SCAN_EARLY_TICKS * qemu_rig.US_PER_TICK
+    assert late.max() < EMULATED_SCAN_US + SKIP_LATE_US
+    assert np.ptp(late) > EMULATED_SCAN_US / 2.0  # false alarm: 90 · 2⁻⁸⁹
+
+
+def test_the_scans_lie_on_one_lattice(recorded: list[Recorded]) -> None:
+    latch = np.array([t.latch_us for t in recorded if t.path == InputPath.PLC])
+    off = (latch - latch[0]) / EMULATED_SCAN_US
+
+    assert np.abs(off - np.round(off)).max() * EMULATED_SCAN_US < SKIP_LATE_US
+
+
+def test_the_skip_input_latches_where_the_axis_is(recorded: list[Recorded]) -> None:
+    deviation = np.array([t.deviation_um for t in recorded if t.path == InputPath.SKIP])
+
+    assert np.abs(deviation).max() <= qemu_rig.RESOLUTION_UM
