@@ -314,6 +314,17 @@ SECONDS ?= 60
 fuzz: setup setup-lint ## run every fuzz target for SECONDS=60 from its seeds
 	@$(MAKE) VARIANT=fuzz INNER=yes $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))
 
+# The boards that are measured in an emulator here, each with every build of DISTURBANCES.
+MEASURED := cortex_m3
+.PHONY: boards
+boards: setup setup-test $(STAMPS)/system-cross ## measure the boards in their emulators, into build/boards
+	@$(INNER_MAKE) $(MEASURED:%=campaigns-%)
+
+.PHONY: $(MEASURED:%=campaigns-%) campaigns
+$(MEASURED:%=campaigns-%): campaigns-%:
+	@$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) VARIANT=boards/$* campaigns,\
+	    echo "SKIPPED: $*: $(NO_TOOLS.$(FAMILY.$*))")
+
 # The boards that can be linked here; those without an emulator are for the figures alone.
 LINKED      := $(foreach board,$(BOARDS) cortex_m0plus cortex_m4f,\
                  $(if $(shell command -v $(CC.$(FAMILY.$(board))-board)),$(board)))
@@ -539,6 +550,17 @@ $(OUT)/firmware-%.elf: $(PORTS.boards/$(BOARD)) $(wildcard hal/ports/$(PORT)/*.h
 	$(Q)$(CC) $(FLAGS) $(CFLAGS.hal) $(DISTURBANCE.$(BOARD).$*) $(LDFLAGS) $(filter %.c %.o,$^) \
 	    -lm -o $@
 
+# One campaign of each build; TOUCHES on each path.
+TOUCHES      ?= 2000
+DISTURBANCES := other_interrupt critical_section scan_body prescaler software_filter
+RIG.cortex_m3         := tests.boards.qemu_rig
+RIG_OPTIONS.cortex_m3.prescaler := --tick-shift 9
+campaigns: $(addprefix $(OUT)/campaigns/,$(addsuffix /touches.csv,nominal $(DISTURBANCES)))
+$(OUT)/campaigns/%/touches.csv: $(OUT)/firmware-%.elf FORCE
+	@rm -rf $(@D)
+	@echo "$(BOARD), $*:" && $(VENV_PYTHON) -m $(RIG.$(BOARD)) $< --out $(@D) --touches $(TOUCHES) \
+	    $(RIG_OPTIONS.$(BOARD).$*)
+
 # An AVR's suites keep their texts in RAM; avr_test_run gives the chip enough of it.
 SUITE_LDFLAGS.avr := -Wl,--defsym=__DATA_REGION_LENGTH__=0x3D00 -Wl,--defsym=__stack=0x3FFF
 $(OUT)/contract/% $(OUT)/tests/unit/%: LDFLAGS += $(SUITE_LDFLAGS.$(FAMILY))
@@ -605,7 +627,8 @@ $(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
 	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
 
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
-$(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec FORCE
+$(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec \
+                              $(if $(TOOLS.arm),linked-cortex_m3) FORCE
 	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --quiet --junitxml=$@ tests/python || true
 
 # Whatever the suite wrote beside its one declared result is counted as well.
