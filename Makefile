@@ -535,10 +535,10 @@ $(OUT)/firmware.elf: $(call object_of,$(filter %/main.c,$(PORTS.boards/$(BOARD))
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 
 # The port with one disturbance, compiled as a whole: its constants change any of its files.
-DISTURBANCE.cortex_m3.other_interrupt  := -DDISTURBANCE_INTERRUPT_US=80u \
-                                          -DDISTURBANCE_INTERRUPT_PERIOD_US=970u
-DISTURBANCE.cortex_m3.critical_section := -DDISTURBANCE_CRITICAL_US=150u \
-                                          -DDISTURBANCE_CRITICAL_PERIOD_US=970u
+DISTURBANCE.cortex_m3.other_interrupt  := -DDISTURBANCE_INTERRUPT_US=60u \
+                                          -DDISTURBANCE_INTERRUPT_PERIOD_US=490u
+DISTURBANCE.cortex_m3.critical_section := -DDISTURBANCE_CRITICAL_US=80u \
+                                          -DDISTURBANCE_CRITICAL_PERIOD_US=490u
 DISTURBANCE.cortex_m3.scan_body        := -DDISTURBANCE_SCAN_BODY_US=1400u \
                                           -DDISTURBANCE_SCAN_BODY_EVERY=8u
 DISTURBANCE.cortex_m3.prescaler        := -DDISTURBANCE_PRESCALER_SHIFT=9u

@@ -49,8 +49,9 @@ PENDING = 1 << 26
 COUNTER_BITS = 24
 TIMER1_CTL = 0x4003100C
 
-RESOLUTION_UM = 1.0
-STEP_TICKS = 3_000_000  # over mm/min
+RESOLUTION_UM = 5.0
+STEP_TICKS = 15_000_000  # over mm/min
+STRAY_COUNTS = 2.0  # rounding, and a step whose interrupt waits
 FEEDS_MM_MIN = {b"1": 100.0, b"2": 1000.0, b"3": 3000.0}
 PATHS = {b"s": InputPath.SKIP, b"p": InputPath.PLC}
 SCAN_US = 1000
@@ -167,19 +168,26 @@ class Board:
         feed_mm_min = FEEDS_MM_MIN[feed]
         latch_us = deviation = np.nan
         if latch is not None:
-            latch_us = self.stamp(latch, edge) * US_PER_TICK
-            deviation = deviation_um(latch, edge, started, feed_mm_min)
+            stamp = self.stamp(latch, edge)
+            latch_us = stamp * US_PER_TICK
+            deviation = deviation_um(latch, stamp, edge, started, feed_mm_min)
         return Recorded(PATHS[path], feed_mm_min, edge * US_PER_TICK, latch_us, np.nan, deviation)
 
 
-def deviation_um(latch: Latch, edge: int, started: int, feed_mm_min: float) -> float:
+def deviation_um(latch: Latch, stamp: int, edge: int, started: int, feed_mm_min: float) -> float:
     """Take the way of the axis from the edge to the latched count, to the resolution.
 
     A count stands for the middle of its step. The period of the steps is a tick short: see above.
+
+    Raises:
+        RuntimeError: Steps were lost, or counted twice.
     """
     step_ticks = STEP_TICKS / feed_mm_min - 1.0
-    way = latch.position_counts + 0.5 - (edge - started) / step_ticks
-    return float(np.round(way)) * RESOLUTION_UM
+    counts = latch.position_counts + 0.5
+    stray = counts - (stamp - started) / step_ticks
+    if abs(stray) > STRAY_COUNTS:
+        raise RuntimeError(f"the axis is {stray:.1f} counts from where its steps have it")
+    return float(np.round(counts - (edge - started) / step_ticks)) * RESOLUTION_UM
 
 
 def blocks(touches: int) -> Iterator[tuple[bytes, bytes, int]]:

@@ -35,8 +35,9 @@ static const plc_task_config_t PLC = {
     .period_us = 1000u,
 };
 
-/* Of 1 µm each, in ticks of 20 ns: 3e6 / (mm/min). */
-static const uint32_t STEP_TICKS[] = {0u, 30000u, 3000u, 1000u};
+/* Of 5 µm each, in ticks of 20 ns: 15e6 / (mm/min). At most one may fall due while interrupts are
+ * masked, or steps are lost. */
+static const uint32_t STEP_TICKS[] = {0u, 150000u, 15000u, 5000u};
 #define FEEDS (sizeof STEP_TICKS / sizeof *STEP_TICKS)
 
 static skip_input_t   skip;
