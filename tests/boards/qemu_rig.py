@@ -59,7 +59,7 @@ ROUNDS = 10  # of all paths and feeds, so that none goes with the time
 REST_US = 3 * SCAN_US  # the line is low at least so long: several scans see it
 PATIENCE_US = 20 * SCAN_US
 SETTLE_US = 2 * SCAN_US
-SCAN_EARLY_TICKS = 100
+SCAN_EARLY_TICKS = 100 * TICKS_PER_US
 WAIT_S = 0.02
 
 # The data sheets: interrupt entry of 12 cycles at 50 MHz, and as many again where another interrupt
@@ -153,7 +153,7 @@ class Board:
         """Give the master clock of a latch.
 
         A coarse stamp may lie before the edge, and so may that of a scan, which takes the time
-        first and reads the line about 1 µs later.
+        first and reads the line about 1 µs later, or after an interrupt in between.
         """
         stamp = self._master(latch.ticks, edge)
         early = SCAN_EARLY_TICKS if latch.path == "plc" else 0
