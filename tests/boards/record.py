@@ -56,5 +56,17 @@ def as_touches(believed: Nominal, recorded: Sequence[Recorded]) -> Touches:
         deviation_um=np.array([touch.deviation_um for touch in recorded]),
         status=np.where(np.isnan(latch_us), Status.MISSED, Status.OK),
     )
-    travel_us = expected_contact(believed, touches).time_us - edge_us
-    return replace(touches, time_s=(edge_us - travel_us) / US_PER_S)
+    return _met_at(believed, touches)
+
+
+def _met_at(believed: Nominal, touches: Touches) -> Touches:
+    """Start each move so that it meets the surface at its edge.
+
+    A campaign tells starts to the µs; what the edge is off then, the approach makes up, to the nm.
+    """
+    travel_us = expected_contact(believed, touches).time_us - touches.edge_us
+    starts_s = np.round((touches.edge_us - travel_us) / US_PER_S, 6)
+    started = replace(touches, time_s=starts_s)
+    contact = expected_contact(believed, started)
+    more_mm = contact.speed_mm_s * (touches.edge_us - contact.time_us) / US_PER_S
+    return replace(started, approach_mm=touches.approach_mm + more_mm)
