@@ -315,12 +315,14 @@ fuzz: setup setup-lint ## run every fuzz target for SECONDS=60 from its seeds
 	@$(MAKE) VARIANT=fuzz INNER=yes $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))
 
 # The boards that are measured in an emulator here, each with every build of DISTURBANCES.
-MEASURED := cortex_m3
+MEASURED := atmega328p cortex_m3
 .PHONY: boards
 boards: setup setup-test $(STAMPS)/system-cross ## measure the boards in their emulators, into build/boards
 	@$(INNER_MAKE) $(MEASURED:%=campaigns-%)
 
-.PHONY: $(MEASURED:%=campaigns-%) campaigns
+.PHONY: $(MEASURED:%=campaigns-%) $(MEASURED:%=programs-%) campaigns board-programs
+$(MEASURED:%=programs-%): programs-%:
+	@$(MAKE) VARIANT=boards/$* board-programs
 $(MEASURED:%=campaigns-%): campaigns-%:
 	@$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) VARIANT=boards/$* campaigns,\
 	    echo "SKIPPED: $*: $(NO_TOOLS.$(FAMILY.$*))")
@@ -544,19 +546,51 @@ DISTURBANCE.cortex_m3.scan_body        := -DDISTURBANCE_SCAN_BODY_US=1400u \
 DISTURBANCE.cortex_m3.prescaler        := -DDISTURBANCE_PRESCALER_SHIFT=9u
 DISTURBANCE.cortex_m3.software_filter  := -DDISTURBANCE_FILTER_SAMPLES=20u \
                                           -DDISTURBANCE_FILTER_PERIOD_US=10u
+DISTURBANCE.atmega328p.other_interrupt  := -DDISTURBANCE_INTERRUPT_US=100 \
+                                           -DDISTURBANCE_INTERRUPT_PERIOD_US=970
+DISTURBANCE.atmega328p.critical_section := -DDISTURBANCE_CRITICAL_US=150 \
+                                           -DDISTURBANCE_CRITICAL_PERIOD_US=970
+DISTURBANCE.atmega328p.scan_body        := -DDISTURBANCE_SCAN_BODY_US=2800 \
+                                           -DDISTURBANCE_SCAN_BODY_EVERY=8
+DISTURBANCE.atmega328p.prescaler        := -DCLOCK_PRESCALER=64
+DISTURBANCE.atmega328p.software_filter  := -DDISTURBANCE_FILTER_US=15
+# On the AVR, firmware-pin_change.elf and firmware-pin_change-….elf take edges the other way.
+names_of = $(subst -, ,$1)
+left_out = hal/ports/$(BOARD)/edge_$(if $(filter pin_change,$(call names_of,$1)),capture,pin_change).c
 $(OUT)/firmware-%.elf: $(PORTS.boards/$(BOARD)) $(wildcard hal/ports/$(PORT)/*.h) Makefile \
                        $(call object_of,$(FIRMWARE))
 	$(SAY) 'link $@'
-	$(Q)$(CC) $(FLAGS) $(CFLAGS.hal) $(DISTURBANCE.$(BOARD).$*) $(LDFLAGS) $(filter %.c %.o,$^) \
-	    -lm -o $@
+	$(Q)$(CC) $(FLAGS) $(CFLAGS.hal) \
+	    $(foreach name,$(call names_of,$*),$(DISTURBANCE.$(BOARD).$(name))) $(LDFLAGS) \
+	    $(filter-out $(call left_out,$*),$(filter %.c %.o,$^)) -lm -o $@
+
+SIMAVR_RIG := build/host/simavr_rig
+$(SIMAVR_RIG): tests/boards/simavr_rig.c
+	@mkdir -p $(@D)
+	$(Q)gcc -O2 -std=c11 $(filter-out -Wcast-qual,$(WARNINGS)) -isystem /usr/include/simavr $< \
+	    -lsimavr -lelf -o $@
 
 # One campaign of each build; TOUCHES on each path.
-TOUCHES      ?= 2000
+TOUCHES      ?= $(or $(TOUCHES.$(BOARD).$*),2000)
 DISTURBANCES := other_interrupt critical_section scan_body prescaler software_filter
+# A captured stamp is proof against what delays an interrupt: those two also with the pin change.
+BUILDS.cortex_m3  := nominal $(DISTURBANCES)
+BUILDS.atmega328p := nominal $(DISTURBANCES) pin_change pin_change-other_interrupt \
+                     pin_change-critical_section
+TOUCHES.atmega328p.nominal    := 10000
+TOUCHES.atmega328p.pin_change := 10000
+RIG.atmega328p        := tests.boards.simavr_rig
+RIG_OPTIONS.atmega328p.nominal   := --stamp-ticks 1 --body-cycles 120
+RIG_OPTIONS.atmega328p.prescaler := --prescaler 64
+RIG_OPTIONS.atmega328p.pin_change := --pin-change
+RIG_OPTIONS.atmega328p.pin_change-other_interrupt  := --pin-change
+RIG_OPTIONS.atmega328p.pin_change-critical_section := --pin-change
 RIG.cortex_m3         := tests.boards.qemu_rig
 RIG_OPTIONS.cortex_m3.prescaler := --tick-shift 9
-campaigns: $(addprefix $(OUT)/campaigns/,$(addsuffix /touches.csv,nominal $(DISTURBANCES)))
-$(OUT)/campaigns/%/touches.csv: $(OUT)/firmware-%.elf FORCE
+campaigns: $(addprefix $(OUT)/campaigns/,$(addsuffix /touches.csv,$(BUILDS.$(BOARD))))
+board-programs: $(BUILDS.$(BOARD):%=$(OUT)/firmware-%.elf)
+	@:
+$(OUT)/campaigns/%/touches.csv: $(OUT)/firmware-%.elf $(if $(filter avr,$(FAMILY)),$(SIMAVR_RIG)) FORCE
 	@rm -rf $(@D)
 	@echo "$(BOARD), $*:" && $(VENV_PYTHON) -m $(RIG.$(BOARD)) $< --out $(@D) --touches $(TOUCHES) \
 	    $(RIG_OPTIONS.$(BOARD).$*)
@@ -572,7 +606,7 @@ $(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/co
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 
 AVR_TEST_RUN := build/host/avr_test_run
-$(AVR_TEST_RUN): tests/boards/avr_test_run.c
+$(AVR_TEST_RUN) build/host/atmega2560_run: build/host/%: tests/boards/%.c
 	@mkdir -p $(@D)
 	$(Q)gcc -O2 -std=c11 $(filter-out -Wcast-qual,$(WARNINGS)) -isystem /usr/include/simavr $< \
 	    -lsimavr -lelf -o $@
@@ -628,7 +662,9 @@ $(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
 
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
 $(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec \
-                              $(if $(TOOLS.arm),linked-cortex_m3) FORCE
+                              $(if $(TOOLS.arm),linked-cortex_m3) \
+                              $(if $(TOOLS.avr),programs-atmega328p $(SIMAVR_RIG)) \
+                              $(if $(TOOLS.avr),linked-atmega2560 build/host/atmega2560_run) FORCE
 	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --quiet --junitxml=$@ tests/python || true
 
 # Whatever the suite wrote beside its one declared result is counted as well.
