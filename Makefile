@@ -560,7 +560,7 @@ left_out = hal/ports/$(BOARD)/edge_$(if $(filter pin_change,$(call names_of,$1))
 $(OUT)/firmware-%.elf: $(PORTS.boards/$(BOARD)) $(wildcard hal/ports/$(PORT)/*.h) Makefile \
                        $(call object_of,$(FIRMWARE))
 	$(SAY) 'link $@'
-	$(Q)$(CC) $(FLAGS) $(CFLAGS.hal) \
+	$(Q)$(CC) $(filter-out -fstack-usage,$(FLAGS)) $(CFLAGS.hal) \
 	    $(foreach name,$(call names_of,$*),$(DISTURBANCE.$(BOARD).$(name))) $(LDFLAGS) \
 	    $(filter-out $(call left_out,$*),$(filter %.c %.o,$^)) -lm -o $@
 
