@@ -3,8 +3,8 @@
     python -m tests.boards.simavr_rig build/boards/atmega328p/firmware.elf --out build/campaign
 
 How the times are known: an edge is applied at the end of the instruction that runs at its cycle,
-and the rig is told that cycle. The clock of the board starts some cycles after the chip; how many is
-taken from the overflows of Timer1, not from any edge. Pulses are counted on the step pin.
+and the rig is told that cycle. The clock of the board starts some cycles after the chip; how many
+is taken from the overflows of Timer1, not from any edge. Pulses are counted on the step pin.
 
 simavr 1.6 omits the four cycles (0.25 µs) in which the chip enters an interrupt: the latency of
 the pin-change path and of the PLC path is that much shorter here than on the chip. A captured stamp
@@ -286,6 +286,8 @@ def main() -> int:
     parser.add_argument("--touches", type=int, default=10_000, help="on each path")
     parser.add_argument("--prescaler", type=int, default=1, help="CLOCK_PRESCALER of the build")
     parser.add_argument("--pin-change", action="store_true", help="believe in that build")
+    parser.add_argument("--stamp-ticks", type=int, help="fail if a skip stamp is off by more")
+    parser.add_argument("--body-cycles", type=int, help="fail if the edge interrupt takes more")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     stimuli, blocks = plan(options.touches, options.seed)
@@ -294,7 +296,27 @@ def main() -> int:
     nominal = BELIEVED[options.pin_change]
     write_campaign(options.out, nominal, as_touches(nominal, touches))
     print(summary(events, touches))
-    return 0
+    missed = faults(events, touches, options.stamp_ticks, options.body_cycles)
+    print("".join(f"MISSED: {fault}\n" for fault in missed), end="")
+    return 1 if missed else 0
+
+
+def faults(
+    events: Events,
+    touches: Sequence[Recorded],
+    stamp_ticks: int | None,
+    body_cycles: int | None,
+) -> list[str]:
+    """Say which goals were missed; the pulses have to be right in every run."""
+    late = [abs(t.latch_us - t.edge_us) for t in touches if t.path is InputPath.SKIP]
+    found = []
+    if any(pulses != counts for pulses, counts in events.checks):
+        found.append("pulses on the pin are not those in the firmware")
+    if stamp_ticks is not None and not max(late) * CYCLES_PER_US <= stamp_ticks:
+        found.append(f"a skip stamp is off by more than {stamp_ticks} ticks")
+    if body_cycles is not None and events.bodies[CAPTURE].most > body_cycles:
+        found.append(f"the edge interrupt takes more than {body_cycles} cycles")
+    return found
 
 
 def summary(events: Events, touches: Sequence[Recorded]) -> str:
