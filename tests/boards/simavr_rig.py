@@ -219,9 +219,13 @@ def _blocks(touches: int) -> Iterator[tuple[Block, str]]:
 
 
 def _touch_us(path: InputPath, random: np.random.Generator) -> tuple[float, float]:
-    """Give how long the line is high and low: long enough for a record, or for a scan each."""
+    """Give how long the line is high and low.
+
+    Low long enough for a record, even behind the longest scan; on the PLC path, each long enough
+    for a scan.
+    """
     if path is InputPath.SKIP:
-        return random.uniform(20.0, 400.0), random.uniform(900.0, 1900.0)
+        return random.uniform(20.0, 400.0), random.uniform(3600.0, 4600.0)
     return random.uniform(3000.0, 3500.0), random.uniform(3000.0, 5000.0)
 
 

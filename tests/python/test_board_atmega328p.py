@@ -190,26 +190,26 @@ def test_the_latched_position_is_within_a_step_of_the_edge() -> None:
 
 
 def test_touch_cycles_measure_the_surface() -> None:
-    stimuli, surfaces = cycles(4)
-    events = simavr_rig.run(program("nominal"), stimuli)
+    events = simavr_rig.run(program("nominal"), cycles(4))
 
-    assert len(surfaces) == len(simavr_rig.latches(events))
+    measured = [latch.position_counts for latch, _ in simavr_rig.latches(events)]
+    assert len(measured) == 4
+    assert measured == [pulses for _, pulses in events.rises[1::2]]
     assert all(pulses == counts for pulses, counts in events.checks)
 
 
-def cycles(count: int) -> tuple[list[Stimulus], list[int]]:
+def cycles(count: int) -> list[Stimulus]:
     """Deflect the probe as if a surface stood 1000 steps from the start of each cycle.
 
     The times follow from the motion: 1000 mm/min is 1,920 cycles a step, 100 mm/min 19,200.
     """
     fast, slow = 1_920, 19_200
     stimuli = commands(20_000, "c")
-    cycle, surfaces = 20_000, []
+    cycle = 20_000
     for _ in range(count):
         touch = cycle + 1000 * fast
         retreat = touch + 40_000
         again = retreat + 120 * fast + 200_000 + 100 * slow
         stimuli += [(touch, "e", 1), (retreat, "e", 0), (again, "e", 1), (again + 40_000, "e", 0)]
-        surfaces.append(again)
         cycle = again + 1200 * fast + 800_000
-    return [*stimuli, (cycle, "q", 0)], surfaces
+    return [*stimuli, (cycle, "q", 0)]

@@ -41,9 +41,8 @@ static inline int32_t axis_position_masked(void)
 }
 
 /*
- * From now on hal_axis_position_counts() tells this position, until axis_release_position().
- * Deferred work (deferred.h), which alone can see it: scans and edges come one at a time, the task
- * not at all.
+ * From now on hal_axis_position_counts() tells this position, until axis_release_position(). For
+ * the delivery of an edge (deferred.h): neither a scan nor the task runs before it is over.
  */
 void axis_hold_position(int32_t position_counts);
 void axis_release_position(void);

@@ -6,7 +6,8 @@
 #include "edge_line.h"
 #include "scan.h"
 
-static volatile bool is_running;
+static volatile bool is_delivering;
+static volatile bool is_scanning;
 
 void deferred_start(void)
 {
@@ -20,18 +21,37 @@ ISR(PCINT2_vect)
     deferred_run();
 }
 
-/* The last look comes with interrupts off: what falls due later finds that nothing is running. */
-void deferred_run(void)
+/* Interrupts are off at every look: what falls due later finds that nothing of its kind is running.
+ */
+static void deliver_edges(void)
 {
-    if (is_running) {
-        return;
-    }
-    is_running = true;
-    while (edge_line_is_waiting() || scan_is_due()) {
+    is_delivering = true;
+    while (edge_line_is_waiting()) {
         sei();
         edge_line_deliver();
+        cli();
+    }
+    is_delivering = false;
+}
+
+static void run_scans(void)
+{
+    is_scanning = true;
+    while (scan_is_due()) {
+        sei();
         scan_run();
         cli();
     }
-    is_running = false;
+    is_scanning = false;
+}
+
+void deferred_run(void)
+{
+    if (is_delivering) {
+        return;
+    }
+    deliver_edges();
+    if (!is_scanning) {
+        run_scans();
+    }
 }

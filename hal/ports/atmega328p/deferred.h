@@ -1,12 +1,13 @@
 /*
- * Work of interrupts that may take longer than two edges are apart: it runs with interrupts on, one
- * piece after the other and never two at a time. Edges are delivered so and scans run so; the short
- * interrupts, above all that of the trigger line, come between.
+ * Work of interrupts that may take longer than two edges are apart: it runs with interrupts on, so
+ * that the short interrupts, above all that of the trigger line, come between. Edges are delivered
+ * so, one at a time, and scans run so, one at a time; an edge is delivered in the midst of a scan,
+ * but no scan begins in the midst of a delivery.
  *
  * It runs at the end of the interrupt that asks for it, or of the one that was interrupted by it.
  * An interrupt that should stay short asks by way of a software interrupt, a pin change on PD4,
- * which is driven and left open. Nothing is masked meanwhile but by the work itself: simavr 1.6
- * forgets an interrupt that falls due while it is switched off.
+ * which is driven and left open. Nothing is switched off meanwhile: simavr 1.6 forgets an interrupt
+ * that falls due while it is.
  */
 #ifndef ATMEGA328P_DEFERRED_H
 #define ATMEGA328P_DEFERRED_H
@@ -22,7 +23,7 @@ static inline void deferred_ask(void)
     PIND = BOARD_DEFER_BIT; /* turns the pin over */
 }
 
-/* Do what is due, unless that is going on already. Last in an ISR. */
+/* Do what is due and not going on already. Last in an ISR. */
 void deferred_run(void);
 
 #endif
