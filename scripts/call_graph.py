@@ -186,10 +186,19 @@ def parse_disassembly(text: str, processor: Processor) -> dict[str, Function]:
     return functions
 
 
-def parse_stack_usage(folder: Path) -> dict[str, int]:
+def compiled(objects: Path, room: str, ending: str) -> list[Path]:
+    """Return what was compiled of the sources in a folder of the project that are still there."""
+    return [
+        path
+        for path in sorted((objects / room).rglob(f"*{ending}"))
+        if path.relative_to(objects).with_suffix(".c").is_file()
+    ]
+
+
+def parse_stack_usage(objects: Path, room: str) -> dict[str, int]:
     """Return bytes of stack by function, of the `.su` files; of a name's several, the largest."""
     bytes_of: dict[str, int] = {}
-    for path in folder.rglob("*.su"):
+    for path in compiled(objects, room, ".su"):
         for name, number in USAGE.findall(path.read_text(encoding="utf-8")):
             bytes_of[name] = max(bytes_of.get(name, 0), int(number))
     return bytes_of
@@ -201,10 +210,11 @@ def run_tool(*command: str) -> str:
 
 
 def read_call_graph(program: Path, objects: Path, processor: Processor) -> CallGraph:
-    """Return the call graph of a linked program whose objects and `.su` files are in `objects`."""
+    """Return the call graph of a board's program; of `objects`, tests are no part of it."""
     text = run_tool(f"{processor.tools}objdump", "--disassemble", str(program))
     functions = parse_disassembly(text, processor)
-    return CallGraph(functions, parse_stack_usage(objects), processor.call_bytes)
+    stated_bytes = parse_stack_usage(objects, "firmware") | parse_stack_usage(objects, "hal")
+    return CallGraph(functions, stated_bytes, processor.call_bytes)
 
 
 def task_root(graph: CallGraph) -> str:

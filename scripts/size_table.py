@@ -17,6 +17,7 @@ from call_graph import (
     PROCESSORS,
     CallGraph,
     Processor,
+    compiled,
     interrupt_roots,
     parse_stack_usage,
     read_call_graph,
@@ -121,17 +122,17 @@ def structures(objects: Path, processor: Processor) -> dict[str, int]:
     return {name: int(size, 16) for _, size, _, name in sized}
 
 
-def linked_flash(program: Path, folders: list[Path], processor: Processor) -> int:
+def linked_flash(program: Path, objects: Path, rooms: list[str], processor: Processor) -> int:
     """Return the code that the program has of the folders, without what it does not use of them."""
-    names = {name for folder in folders for name in parse_stack_usage(folder)}
+    names = {name for room in rooms for name in parse_stack_usage(objects, room)}
     listing = run_tool(f"{processor.tools}nm", "--print-size", str(program))
     sized = (line.split() for line in listing.splitlines() if len(line.split()) == 4)
     return sum(int(size, 16) for _, size, kind, name in sized if kind in "tT" and name in names)
 
 
-def folder_stack(folder: Path, graph: CallGraph) -> int:
+def folder_stack(objects: Path, room: str, graph: CallGraph) -> int:
     """Return the deepest path inside one folder, of what the program has of it."""
-    inside = parse_stack_usage(folder).keys() & graph.functions.keys()
+    inside = parse_stack_usage(objects, room).keys() & graph.functions.keys()
     return max((graph.deepest(name, set(inside))[0] for name in inside), default=0)
 
 
@@ -144,14 +145,14 @@ def measure(board: str, processor: Processor) -> Table:
     table = {(board, "program"): Size(*sections([program], processor), stack)}
     owned = structures(objects, processor)
     for name in FOLDERS:
-        folder = objects / "firmware" / name
-        flash, ram = sections(sorted(folder.glob("*.o")), processor)
+        room = f"firmware/{name}"
+        flash, ram = sections(compiled(objects, room, ".o"), processor)
         ram += sum(size for variable, size in owned.items() if variable.startswith(name))
-        table[board, name] = Size(flash, ram, folder_stack(folder, graph))
+        table[board, name] = Size(flash, ram, folder_stack(objects, room, graph))
     inner, outer = table[board, "input"], table[board, "report"]
-    folders = [objects / "firmware" / name for name in ("input", "report")]
+    rooms = ["firmware/input", "firmware/report"]
     table[board, "input + report"] = Size(
-        linked_flash(program, folders, processor),
+        linked_flash(program, objects, rooms, processor),
         inner.ram + outer.ram - owned["report_receiver"],
         max(inner.stack, outer.stack),
     )

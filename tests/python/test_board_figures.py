@@ -192,3 +192,17 @@ def test_the_record_is_read_as_it_was_written(
     table.RECORD.write_text(table.format_record(rows, {"arm": "gcc 12.2 (Debian)"}))
 
     assert table.read_record() == (rows, {"arm": "gcc 12.2 (Debian)"})
+
+
+def test_stack_is_taken_of_sources_that_are_still_there(
+    graphs: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("present", "removed"):
+        usage = tmp_path / f"obj/firmware/{name}.su"
+        usage.parent.mkdir(parents=True, exist_ok=True)
+        usage.write_text(f"{name}.c:1:1:{name}\t8\tstatic\n")
+    (tmp_path / "firmware").mkdir()
+    (tmp_path / "firmware/present.c").touch()
+
+    assert graphs.parse_stack_usage(Path("obj"), "firmware") == {"present": 8}
