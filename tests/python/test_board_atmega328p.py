@@ -26,7 +26,7 @@ TOUCHES = 60  # on each path
 TICK_US = 0.0625
 BODY_CYCLES = 120
 SPACING_US = 20
-TRAIN = 16  # what a contact may bounce in a row
+TRAIN = 32  # what a contact may bounce in a row
 PULSE_CYCLES = CYCLES_PER_US  # 1 µs
 SCAN_US = 2000.0
 # Beside the scan: what the interrupts that come before it take, and reading clock and line.
@@ -124,7 +124,7 @@ def train(spacing_us: int, high_cycles: int, edges: int, trains: int) -> list[St
 
 
 def test_no_edge_is_lost_20_us_after_another() -> None:
-    trains = 5 * TOUCHES // TRAIN
+    trains = 10 * TOUCHES // TRAIN
     events = simavr_rig.run(program("nominal"), train(SPACING_US, 160, TRAIN, trains))
 
     assert events.bodies[CAPTURE].calls == TRAIN * trains
