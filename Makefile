@@ -510,6 +510,8 @@ $(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/te
 
 # ---- suites on a board ---------------------------------------------------------------------------
 
+AVR_TEST_RUN := build/host/avr_test_run
+
 # What each family needs, and the command that installs it.
 TOOLS.avr    := $(and $(shell command -v avr-gcc),$(wildcard /usr/include/simavr/sim_avr.h))
 TOOLS.arm    := $(and $(shell command -v arm-none-eabi-gcc),$(shell command -v qemu-system-arm))
@@ -523,10 +525,12 @@ on_board    = $(foreach test,$(ON_BOARD),$(RESULTS)/target-$1/$(basename $(notdi
 target_results = $(if $(TOOLS.$(FAMILY.$1)),$(call on_board,$1),$(RESULTS)/target-$1/tools.check)
 
 .PHONY: $(ON_BOARDS:%=run-%)
-$(ON_BOARDS:%=run-%): run-target-%: generated
-	@$(if $(TOOLS.$(FAMILY.$*)),$(if $(filter avr,$(FAMILY.$*)),$(MAKE) $(AVR_TEST_RUN) &&) \
-	    $(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,scripts/run_check.sh \
-	    $(RESULTS)/target-$*/tools.check target-$* $(call skip,$(NO_TOOLS.$(FAMILY.$*))))
+# What others link of the board is there before: two makes at once would write the same objects.
+$(ON_BOARDS:%=run-%): run-target-%: generated $$(addprefix linked-,$$(filter $$*,$(LINKED))) \
+                      $$(if $$(filter avr,$$(FAMILY.$$*)),$$(if $$(TOOLS.avr),$(AVR_TEST_RUN)))
+	@$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,\
+	    scripts/run_check.sh $(RESULTS)/target-$*/tools.check target-$* \
+	    $(call skip,$(NO_TOOLS.$(FAMILY.$*))))
 
 $(OUT)/libboard.a: $(call object_of,$(filter-out %/main.c,$(PORTS.boards/$(BOARD))) $(FIRMWARE))
 	@rm -f $@
@@ -571,12 +575,13 @@ $(SIMAVR_RIG): tests/boards/simavr_rig.c
 	    -lsimavr -lelf -o $@
 
 # One campaign of each build; TOUCHES on each path.
-TOUCHES      ?= $(or $(TOUCHES.$(BOARD).$*),2000)
+TOUCHES      ?= $(or $(TOUCHES.$(BOARD).$*),$(TOUCHES.$(BOARD)),2000)
 DISTURBANCES := other_interrupt critical_section scan_body prescaler software_filter
 # A captured stamp is proof against what delays an interrupt: those two also with the pin change.
 BUILDS.cortex_m3  := nominal $(DISTURBANCES)
 BUILDS.atmega328p := nominal $(DISTURBANCES) pin_change pin_change-other_interrupt \
                      pin_change-critical_section
+TOUCHES.atmega328p            := 1000
 TOUCHES.atmega328p.nominal    := 10000
 TOUCHES.atmega328p.pin_change := 10000
 RIG.atmega328p        := tests.boards.simavr_rig
@@ -605,7 +610,6 @@ $(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/co
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 
-AVR_TEST_RUN := build/host/avr_test_run
 $(AVR_TEST_RUN) build/host/atmega2560_run: build/host/%: tests/boards/%.c
 	@mkdir -p $(@D)
 	$(Q)gcc -O2 -std=c11 $(filter-out -Wcast-qual,$(WARNINGS)) -isystem /usr/include/simavr $< \
