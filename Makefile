@@ -191,14 +191,9 @@ $(STAMPS)/gpiod: scripts/setup_gpiod.sh
 	@scripts/setup_gpiod.sh
 	@mkdir -p $(@D) && touch $@
 
-# What needs them is counted as skipped.
-$(STAMPS)/system-rig: scripts/setup_system.sh
-	@scripts/setup_system.sh rig || echo 'SKIPPED: no rt-tests or can-utils to be had here'
-	@mkdir -p $(@D) && touch $@
-
-# A check that needs an absent cross compiler is counted as skipped.
-$(STAMPS)/system-cross: scripts/setup_system.sh
-	@scripts/setup_system.sh cross || echo 'SKIPPED: no cross compilers to be had here'
+# What needs an absent cross compiler, emulator or tool of the rig is counted as skipped.
+$(addprefix $(STAMPS)/system-,cross emulators rig): $(STAMPS)/system-%: scripts/setup_system.sh
+	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
 $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.toml \
@@ -317,7 +312,7 @@ fuzz: setup setup-lint ## run every fuzz target for SECONDS=60 from its seeds
 # The boards that are measured in an emulator here, each with every build of DISTURBANCES.
 MEASURED := atmega328p cortex_m3
 .PHONY: boards
-boards: setup setup-test $(STAMPS)/system-cross ## measure the boards in their emulators, into build/boards
+boards: setup setup-test $(STAMPS)/system-cross $(STAMPS)/system-emulators ## measure the boards in their emulators, into build/boards
 	@$(INNER_MAKE) $(MEASURED:%=campaigns-%)
 
 .PHONY: $(MEASURED:%=campaigns-%) $(MEASURED:%=programs-%) campaigns board-programs
