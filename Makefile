@@ -576,7 +576,7 @@ DISTURBANCES := other_interrupt critical_section scan_body prescaler software_fi
 BUILDS.cortex_m3  := nominal $(DISTURBANCES)
 BUILDS.atmega328p := nominal $(DISTURBANCES) pin_change pin_change-other_interrupt \
                      pin_change-critical_section
-TOUCHES.atmega328p            := 1000
+TOUCHES.atmega328p            := 400
 TOUCHES.atmega328p.nominal    := 10000
 TOUCHES.atmega328p.pin_change := 10000
 RIG.atmega328p        := tests.boards.simavr_rig

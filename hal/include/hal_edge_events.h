@@ -10,7 +10,8 @@
 /*
  * An edge into the deflected state on an armed channel.
  * captured_ticks: hal_clock ticks at the edge, captured by hardware or else read first thing in the
- * interrupt. Context: the port's edge interrupt, interrupts masked.
+ * interrupt. Context: the port's edge interrupt, interrupts masked; or right after it with
+ * interrupts on, if neither the task nor a scan comes in between.
  */
 void hal_edge_on_latch(uint8_t channel, uint32_t captured_ticks);
 
