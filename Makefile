@@ -578,7 +578,7 @@ BUILDS.atmega328p := nominal $(DISTURBANCES) pin_change pin_change-other_interru
                      pin_change-critical_section
 TOUCHES.atmega328p            := 400
 TOUCHES.atmega328p.nominal    := 10000
-TOUCHES.atmega328p.pin_change := 10000
+TOUCHES.atmega328p.pin_change := 2000
 RIG.atmega328p        := tests.boards.simavr_rig
 RIG_OPTIONS.atmega328p.nominal   := --stamp-ticks 1 --body-cycles 120
 RIG_OPTIONS.atmega328p.prescaler := --prescaler 64
