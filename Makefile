@@ -586,7 +586,9 @@ RIG_OPTIONS.atmega328p.pin_change := --pin-change
 RIG_OPTIONS.atmega328p.pin_change-other_interrupt  := --pin-change
 RIG_OPTIONS.atmega328p.pin_change-critical_section := --pin-change
 RIG.cortex_m3         := tests.boards.qemu_rig
-RIG_OPTIONS.cortex_m3.prescaler := --tick-shift 9
+RIG_OPTIONS.cortex_m3.prescaler        := --tick-shift 9
+RIG_OPTIONS.cortex_m3.other_interrupt  := --paths s
+RIG_OPTIONS.cortex_m3.critical_section := --paths s
 campaigns: $(addprefix $(OUT)/campaigns/,$(addsuffix /touches.csv,$(BUILDS.$(BOARD))))
 board-programs: $(BUILDS.$(BOARD):%=$(OUT)/firmware-%.elf)
 	@:

@@ -37,8 +37,9 @@ from skiplatch.campaign import (
     SkipNominal,
     write_campaign,
 )
+from skiplatch.motion import US_PER_S
 from tests.boards.qemu import COUNTS, TICK_NS, Emulator
-from tests.boards.record import Recorded, as_touches
+from tests.boards.record import LEAD_S, Recorded, as_touches
 
 TICKS_PER_US = 50
 US_PER_TICK = TICK_NS / 1e3
@@ -92,6 +93,9 @@ class Board:
         emulator.start_clock()
         emulator.start_stimulus()
         self._ahead = self._device_clock() - emulator.now()
+        # Both clocks of the campaign are zero at one tick of the device, however coarse that is.
+        lead_ticks = int(LEAD_S * US_PER_S) * TICKS_PER_US
+        self._zero = (self._ahead - lead_ticks) % (1 << tick_shift)
 
     def _device_clock(self) -> int:
         """Read SysTick and its wraps, as hal_clock_now_ticks() does. Stopped."""
@@ -170,9 +174,10 @@ class Board:
         latch_us = deviation = np.nan
         if latch is not None:
             stamp = self.stamp(latch, edge)
-            latch_us = stamp * US_PER_TICK
+            latch_us = (stamp + self._zero) * US_PER_TICK
             deviation = deviation_um(latch, stamp, edge, started, feed_mm_min)
-        return Recorded(PATHS[path], feed_mm_min, edge * US_PER_TICK, latch_us, np.nan, deviation)
+        edge_us = (edge + self._zero) * US_PER_TICK
+        return Recorded(PATHS[path], feed_mm_min, edge_us, latch_us, np.nan, deviation)
 
 
 def deviation_um(latch: Latch, stamp: int, edge: int, started: int, feed_mm_min: float) -> float:
@@ -191,24 +196,26 @@ def deviation_um(latch: Latch, stamp: int, edge: int, started: int, feed_mm_min:
     return float(np.round(counts - (edge - started) / step_ticks)) * RESOLUTION_UM
 
 
-def blocks(touches: int) -> Iterator[tuple[bytes, bytes, int]]:
+def blocks(touches: int, paths: str) -> Iterator[tuple[bytes, bytes, int]]:
     """Give path, feed and number of touches of every block; `touches` are those of one path."""
     shares = np.diff(np.linspace(0, touches, ROUNDS * len(FEEDS_MM_MIN) + 1).astype(int))
     for number, share in enumerate(shares):
-        for path in PATHS:
+        for path in (letter.encode() for letter in paths):
             yield path, list(FEEDS_MM_MIN)[number % len(FEEDS_MM_MIN)], int(share)
 
 
-def play(program: Path, touches: int, tick_shift: int, seed: int) -> list[Recorded]:
+def play(
+    program: Path, touches: int, *, tick_shift: int = 0, seed: int = 1, paths: str = "sp"
+) -> list[Recorded]:
     """Inject so many edges on each path, at random instants of the scan."""
     random = np.random.default_rng(seed)
     played = []
     with (
         Emulator(program) as emulator,
-        tqdm(total=2 * touches, unit="touch", disable=not sys.stderr.isatty()) as bar,
+        tqdm(total=len(paths) * touches, unit="touch", disable=not sys.stderr.isatty()) as bar,
     ):
         board = Board(emulator, symbols_of(program), tick_shift)
-        for path, feed, count in blocks(touches):
+        for path, feed, count in blocks(touches, paths):
             started = board.start_block(path, feed)
             for _ in range(count):
                 wait = int(random.uniform(REST_US, REST_US + SCAN_US) * TICKS_PER_US)
@@ -232,11 +239,18 @@ def main() -> int:
     parser.add_argument("--out", type=Path, required=True, help="folder of the campaign")
     parser.add_argument("--touches", type=int, default=3000, help="on each path")
     parser.add_argument("--tick-shift", type=int, default=0, help="the build's prescaler")
+    parser.add_argument("--paths", default="sp", choices=("s", "p", "sp"), help="skip, PLC, both")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    played = play(options.program, options.touches, options.tick_shift, options.seed)
+    played = play(
+        options.program,
+        options.touches,
+        tick_shift=options.tick_shift,
+        seed=options.seed,
+        paths=options.paths,
+    )
     write_campaign(options.out, BELIEVED, as_touches(BELIEVED, played))
-    for path in InputPath:
+    for path in dict.fromkeys(touch.path for touch in played):
         late_us = np.array([t.latch_us - t.edge_us for t in played if t.path == path])
         missed = np.isnan(late_us)
         print(
