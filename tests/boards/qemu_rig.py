@@ -37,9 +37,9 @@ from skiplatch.campaign import (
     SkipNominal,
     write_campaign,
 )
-from skiplatch.motion import US_PER_S
+from skiplatch.motion import S_PER_MIN, US_PER_S
 from tests.boards.qemu import COUNTS, TICK_NS, Emulator
-from tests.boards.record import LEAD_S, Recorded, as_touches
+from tests.boards.record import APPROACH_MM, LEAD_S, Recorded, as_touches
 
 TICKS_PER_US = 50
 US_PER_TICK = TICK_NS / 1e3
@@ -65,8 +65,7 @@ WAIT_S = 0.02
 
 # The data sheets: interrupt entry of 12 cycles at 50 MHz, and as many again where another interrupt
 # is just being entered; ticks of the core; ten bits a byte and 16 bytes at 115,200 baud. Of the
-# emulator, not of the board: a period that is a tick short. The contact is where the edge is, to
-# the nm in which an approach is told.
+# emulator, not of the board: a period that is a tick short. The edge is known to a tick: 20 ns/√12.
 BELIEVED = Nominal(
     kind=Kind.BENCH,
     probe=ProbeNominal(0.0, 0.0, 0.0, 0.0, 0.0),
@@ -75,7 +74,7 @@ BELIEVED = Nominal(
     plc=PlcNominal(scan_us=SCAN_US - US_PER_TICK),
     axis=AxisNominal(resolution_um=RESOLUTION_UM, accel_mm_s2=10_000.0),
     report=ReportNominal(latency_us=1389.0, jitter_us=0.0),
-    bench=BenchNominal(reference_jitter_us=0.0005),
+    bench=BenchNominal(reference_jitter_us=0.006),
 )
 
 
@@ -125,8 +124,16 @@ class Board:
         started = self._emulator.read(self._symbols["axis_started_ticks"])
         return self._master(started, self._emulator.now())
 
-    def touch(self, wait_ticks: int) -> tuple[int, Latch | None]:
-        """Inject an edge so much later; give when it came and what was latched. Stopped."""
+    def touch(self, wait_ticks: int, feed_mm_min: float) -> tuple[int, Latch | None]:
+        """Inject an edge so much later; give when it came and what was latched. Stopped.
+
+        A campaign tells the start of a move to the µs: up to 1 µs is added, so that a move at this
+        feed that meets its surface at the edge starts at a whole one.
+        """
+        speed_mm_s = feed_mm_min / S_PER_MIN
+        travel_s = APPROACH_MM / speed_mm_s + speed_mm_s / (2.0 * BELIEVED.axis.accel_mm_s2)
+        due = self._emulator.now() + wait_ticks + self._zero
+        wait_ticks += (round(travel_s * US_PER_S * TICKS_PER_US) - due) % TICKS_PER_US
         self._emulator.release()
         edge = self._emulator.deflect_in(wait_ticks)
         self._emulator.go()
@@ -219,7 +226,7 @@ def play(
             started = board.start_block(path, feed)
             for _ in range(count):
                 wait = int(random.uniform(REST_US, REST_US + SCAN_US) * TICKS_PER_US)
-                edge, latch = board.touch(wait)
+                edge, latch = board.touch(wait, FEEDS_MM_MIN[feed])
                 played.append(board.recorded(path, feed, started, edge, latch))
                 bar.update()
     return played
