@@ -198,6 +198,9 @@ def compiled(objects: Path, room: str, ending: str) -> list[Path]:
 def parse_stack_usage(objects: Path, room: str) -> dict[str, int]:
     """Return bytes of stack by function, of the `.su` files; of a name's several, the largest."""
     bytes_of: dict[str, int] = {}
+    for path in compiled(objects, room, ".o"):
+        if not path.with_suffix(".su").is_file():
+            raise SystemExit(f"{path}: compiled without -fstack-usage; remove it and make it again")
     for path in compiled(objects, room, ".su"):
         for name, number in USAGE.findall(path.read_text(encoding="utf-8")):
             bytes_of[name] = max(bytes_of.get(name, 0), int(number))

@@ -206,3 +206,15 @@ def test_stack_is_taken_of_sources_that_are_still_there(
     (tmp_path / "firmware/present.c").touch()
 
     assert graphs.parse_stack_usage(Path("obj"), "firmware") == {"present": 8}
+
+
+def test_an_object_that_does_not_tell_its_stack_is_refused(
+    graphs: ModuleType, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("firmware/mute.c", "obj/firmware/mute.o"):
+        (tmp_path / name).parent.mkdir(parents=True)
+        (tmp_path / name).touch()
+
+    with pytest.raises(SystemExit, match=r"mute\.o: compiled without -fstack-usage"):
+        graphs.parse_stack_usage(Path("obj"), "firmware")
