@@ -45,6 +45,7 @@ TIMER_TICKS = 1 << 16
 CLOCK_TICKS = 1 << 32
 FRAME_BYTES = 8
 RECORD_BYTES = 16
+EARLY_CYCLES = 300 * CYCLES_PER_US  # by so much at most a stamp may lie before its edge
 CAPTURE, PIN_CHANGE = 10, 3
 
 FEEDS_MM_MIN = {"1": 100.0, "2": 1000.0, "3": 3000.0}
@@ -78,7 +79,7 @@ _SHEET_CHANGE = SkipNominal(latency_us=0.4375, jitter_us=0.1875, tick_us=0.0625)
 
 # As the undisturbed board does it: the task's round, 44 µs a byte, the prologue of the interrupt.
 _FOUND_REPORT = ReportNominal(latency_us=882.0, jitter_us=70.0)
-_FOUND_CHANGE = SkipNominal(latency_us=2.4375, jitter_us=1.1, tick_us=0.0625)
+_FOUND_CHANGE = SkipNominal(latency_us=2.4375, jitter_us=5.5, tick_us=0.0625)
 
 
 def nominal_of(*, pin_change: bool, corrected: bool) -> Nominal:
@@ -258,39 +259,50 @@ def latches(events: Events) -> list[tuple[Latch, int]]:
 
 
 def recorded(events: Events, blocks: Sequence[Block], prescaler: int) -> list[Recorded]:
-    """Put each edge and its latch together: the latch that was reported before the next edge."""
+    """Put each edge and its latch together: the latch with a stamp between it and the next one.
+
+    A stamp may lie before its edge: a coarse one does, and a scan takes the time before it reads
+    the line.
+    """
     zero = events.clock_zero(prescaler)
     conditions = [block for block in blocks for _ in range(block.count)]
-    ends = [cycle for cycle, _ in events.rises[1:]] + [events.end]
-    waiting = latches(events)[::-1]
-    touches = []
-    for block, (edge, pulses), end in zip(conditions, events.rises, ends, strict=True):
-        latch_us = report_us = deviation_um = float("nan")
-        if waiting and waiting[-1][1] < end:
-            latch, report = waiting.pop()
-            latch_us = edge / CYCLES_PER_US + _late_us(latch, edge - zero, prescaler)
-            report_us = report / CYCLES_PER_US
-            deviation_um = (latch.position_counts - pulses) * RESOLUTION_UM
-        touches.append(
-            Recorded(
-                path=block.path,
-                feed_mm_min=block.feed_mm_min,
-                edge_us=edge / CYCLES_PER_US,
-                latch_us=latch_us,
-                report_us=report_us,
-                deviation_um=deviation_um,
-            )
-        )
-    if waiting:
-        raise RuntimeError(f"{len(waiting)} latches belong to no edge")
-    return touches
+    edges = np.array([cycle for cycle, _ in events.rises])
+    of_edge: dict[int, tuple[Latch, int, int]] = {}
+    for latch, report in latches(events):
+        stamp = _stamp(latch, report - zero, prescaler) + zero
+        number = int(np.searchsorted(edges, stamp + EARLY_CYCLES, side="right")) - 1
+        if number in of_edge or number < 0:
+            raise RuntimeError("a latch belongs to no edge")
+        of_edge[number] = latch, stamp, report
+    return [
+        _recorded(block, rise, of_edge.get(number))
+        for number, (block, rise) in enumerate(zip(conditions, events.rises, strict=True))
+    ]
 
 
-def _late_us(latch: Latch, edge_cycles: int, prescaler: int) -> float:
-    """Give edge to stamp, the stamp being the nearest one of the clock that wraps."""
+def _recorded(
+    block: Block, rise: tuple[int, int], latched: tuple[Latch, int, int] | None
+) -> Recorded:
+    edge, pulses = rise
+    latch_us = report_us = deviation_um = float("nan")
+    if latched is not None:
+        latch, stamp, report = latched
+        latch_us, report_us = stamp / CYCLES_PER_US, report / CYCLES_PER_US
+        deviation_um = (latch.position_counts - pulses) * RESOLUTION_UM
+    return Recorded(
+        path=block.path,
+        feed_mm_min=block.feed_mm_min,
+        edge_us=edge / CYCLES_PER_US,
+        latch_us=latch_us,
+        report_us=report_us,
+        deviation_um=deviation_um,
+    )
+
+
+def _stamp(latch: Latch, about: int, prescaler: int) -> int:
+    """Give the cycle of a stamp of the clock that wraps, nearest to another one."""
     span = CLOCK_TICKS * prescaler
-    late = (latch.ticks * prescaler - edge_cycles + span // 2) % span - span // 2
-    return late / CYCLES_PER_US
+    return about + (latch.ticks * prescaler - about + span // 2) % span - span // 2
 
 
 def main() -> int:
