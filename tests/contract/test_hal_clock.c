@@ -78,6 +78,32 @@ void test_the_clock_does_not_run_backwards_where_interrupts_are_masked(void)
     }
 }
 
+/* Readings across the wrap of 24 bits, interrupts masked. */
+static bool runs_backwards(void)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    uint32_t             last = hal_clock_now_ticks();
+    bool                 backwards = false;
+    for (uint32_t i = 0u; i < 150u; ++i) {
+        uint32_t now = hal_clock_now_ticks();
+        backwards = backwards || ticks_elapsed(now, last) >= 0x800000u;
+        last = now;
+    }
+    hal_critical_exit(saved);
+    return backwards;
+}
+
+/* From starts one tick apart, so that no one phase of the readings decides. */
+void test_the_clock_does_not_run_backwards_where_24_bits_wrap(void)
+{
+    for (uint32_t i = 0u; i < 32u; ++i) {
+        if (!port_power_up_at(0x1000000u - 1000u - i)) {
+            TEST_IGNORE_MESSAGE("the clock of this port cannot be set");
+        }
+        TEST_ASSERT_FALSE(runs_backwards());
+    }
+}
+
 void test_the_clock_wraps_from_its_maximum_to_zero(void)
 {
     uint32_t error_ticks = ticks_from_us(PORT.time_error_us, hal_clock_tick_ps());
