@@ -168,7 +168,7 @@ C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) $(wildcard hal/ports/*/*.[ch] test
 PYTHON_FOLDERS := scripts $(wildcard tests)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
                   $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
-                             tests/gap/*.py tests/bench/*.py)
+                             tests/gap/*.py tests/bench/*.py tests/boards/*.py)
 SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh) .ci/run
 
 object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)
