@@ -44,12 +44,13 @@ static void count_overrun(plc_task_t *task, uint32_t now_ticks)
 
 void plc_task_scan(plc_task_t *task)
 {
-    uint32_t now_ticks = hal_clock_now_ticks();
     bool     was_deflected = image_level(task);
+    bool     level = hal_edge_level(task->channel);
+    uint32_t now_ticks = hal_clock_now_ticks(); /* after the level: no edge is stamped before it */
 
     ++task->scans;
     count_overrun(task, now_ticks);
-    task->image = (uint8_t)((uint32_t)task->image << 1 | (hal_edge_level(task->channel) ? 1u : 0u));
+    task->image = (uint8_t)((uint32_t)task->image << 1 | (level ? 1u : 0u));
 
     bool is_deflected = image_level(task);
     if (is_deflected && !was_deflected) {

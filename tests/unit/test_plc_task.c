@@ -79,6 +79,23 @@ static void scan_with_edge(bool level, int32_t position_counts)
     scan(level);
 }
 
+static bool is_line_read;
+
+static bool read_line(uint8_t channel, int calls)
+{
+    (void)channel;
+    (void)calls;
+    is_line_read = true;
+    return true;
+}
+
+static uint32_t read_clock(int calls)
+{
+    (void)calls;
+    TEST_ASSERT_TRUE(is_line_read);
+    return now + PERIOD_US;
+}
+
 static int start_with(plc_task_config_t config)
 {
     hal_clock_now_ticks_IgnoreAndReturn(0u);
@@ -131,6 +148,19 @@ void test_the_first_scan_that_sees_the_touch_latches_its_own_time_and_position(v
 
         latch_check_record(&task.latch, epoch + 2u * PERIOD_US, -4711, LATCH_FLAG_PLC);
     }
+}
+
+void test_a_line_is_read_before_the_clock_so_that_no_stamp_lies_before_its_edge(void)
+{
+    start_armed(0u, 0u);
+    is_line_read = false;
+    hal_edge_level_Stub(read_line);
+    hal_clock_now_ticks_Stub(read_clock);
+    hal_axis_position_counts_ExpectAndReturn(AXIS, 0);
+
+    plc_task_scan(&task);
+
+    TEST_ASSERT_TRUE(is_line_read);
 }
 
 void test_the_record_is_of_the_tasks_channel(void)
