@@ -57,8 +57,7 @@ static int start_path(rig_t *rig, int path)
 {
     int     result;
     uint8_t delay_scans = path == SIM_PATH_SKIP ? 0u : image_delay_scans(rig);
-    if (rig->path == path &&
-        (path == SIM_PATH_SKIP || rig->plc.image_delay_scans == delay_scans)) {
+    if (rig->path == path && (path == SIM_PATH_SKIP || rig->plc.image_delay_scans == delay_scans)) {
         return HAL_OK;
     }
     stop_path(rig);
