@@ -7,24 +7,40 @@
 
 #include <stdint.h>
 
+/*
+ * A probe with a three-contact seat, by its mechanics; beta_deg is then 0 to 90. See seat.h. What
+ * it does to the pretravel takes the place of the calibrated mean and its lobes.
+ */
+typedef struct {
+    double spring_n;    /* force of the seat's spring; 0: no such seat, the lobes count */
+    double seat_mm;     /* from the stylus axis to the edge that the seat tilts about */
+    double stylus_mm;   /* stylus length, seat to the centre of the tip */
+    double stem_n_m2;   /* flexural rigidity of the stylus, E·I */
+    double axial_um_n;  /* compliance along the stylus axis */
+    double evenness;    /* 0: three sharp contacts; 1: the same force all round */
+    double azimuth_deg; /* a direction of least force; the others at ±120° */
+    double reseat_um;   /* by how much the tip rests off centre, where it was pushed last */
+} sim_seat_t;
+
 /* The nominal chain: what the engineer believes of the rig. */
 typedef struct {
-    double  pretravel_um;
-    double  lobe_um;
-    double  lobe_phase_deg;
-    double  repeatability_um;
-    double  delay_us;
-    double  filter_us;
-    double  skip_latency_us;
-    double  skip_jitter_us;
-    double  tick_us;
-    double  scan_us;
-    double  resolution_um;
-    double  accel_mm_s2;
-    double  report_latency_us;
-    double  report_jitter_us;
-    double  reference_jitter_us;
-    int32_t is_machine; /* 1: a probe touches a surface; 0: edges injected on a bench */
+    double     pretravel_um;
+    double     lobe_um;
+    double     lobe_phase_deg;
+    double     repeatability_um;
+    double     delay_us;
+    double     filter_us;
+    double     skip_latency_us;
+    double     skip_jitter_us;
+    double     tick_us;
+    double     scan_us;
+    double     resolution_um;
+    double     accel_mm_s2;
+    double     report_latency_us;
+    double     report_jitter_us;
+    double     reference_jitter_us;
+    int32_t    is_machine; /* 1: a probe touches a surface; 0: edges injected on a bench */
+    sim_seat_t seat;       /* not of nominal.toml: what the engineer knows nothing of */
 } sim_chain_t;
 
 /* How the controller is set up: the firmware's cycle and the motion behind it. */

@@ -163,7 +163,7 @@ static sim_ns_t closing_time(sim_t *sim)
 /* Pretravel of a new approach; effects may take it below 0 no more than the probe does. */
 static double draw_pretravel_um(sim_t *sim)
 {
-    double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->random);
+    double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->rest, &sim->random);
     return sim->chain->is_machine ? fmax(0.0, sim_change(sim, SIM_PRETRAVEL, pretravel_um)) : 0.0;
 }
 

@@ -19,6 +19,7 @@
 #include "line.h"
 #include "random.h"
 #include "scan.h"
+#include "seat.h"
 #include "sim_time.h"
 
 typedef enum {
@@ -42,6 +43,7 @@ typedef struct {
     sim_ns_t           triggered_at; /* when the probe triggers in this approach */
     sim_ns_t           closed_at;    /* when the contact first closed in this approach */
     double             pretravel_um; /* of the present approach */
+    sim_rest_t         rest;         /* where the tip rests before it */
     uint64_t           seed;
     uint64_t           replicate;
     double             filter_us; /* the filter of the set-up */

@@ -10,6 +10,7 @@
 #include "effects/table.h"
 #include "input/plc_task.h"
 #include "programs/rig.h"
+#include "seat.h"
 
 /* A controller is switched on anew for every block, so that blocks can be played on any thread. */
 #define BLOCK_TOUCHES 4096u
@@ -21,6 +22,9 @@
 #define DURATION_MAX_US 1.0e9
 #define TICK_MIN_US     1.0e-3
 #define TICK_MAX_US     1.0e3
+#define SEAT_MIN        1.0e-6 /* of what a seat cannot be without, each in its unit */
+#define SEAT_MAX        1.0e6
+#define POLE_DEG        90.0
 
 typedef struct {
     const sim_chain_t      *chain;
@@ -50,6 +54,17 @@ static bool is_duration(double us)
     return is_within(us, 0.0, DURATION_MAX_US);
 }
 
+/* One that is not there may have no size either. */
+static bool is_seat(const sim_seat_t *seat)
+{
+    double least = seat->spring_n > 0.0 ? SEAT_MIN : 0.0;
+    return is_within(seat->spring_n, 0.0, SEAT_MAX) && is_within(seat->seat_mm, least, SEAT_MAX) &&
+           is_within(seat->stylus_mm, least, SEAT_MAX) &&
+           is_within(seat->stem_n_m2, least, SEAT_MAX) &&
+           is_within(seat->axial_um_n, 0.0, SEAT_MAX) && is_within(seat->evenness, 0.0, 1.0) &&
+           isfinite(seat->azimuth_deg) && is_within(seat->reseat_um, 0.0, LENGTH_MAX_MM);
+}
+
 static bool is_chain(const sim_chain_t *chain)
 {
     bool probe = is_within(chain->pretravel_um, 0.0, LENGTH_MAX_MM) &&
@@ -65,7 +80,7 @@ static bool is_chain(const sim_chain_t *chain)
                 is_within(chain->accel_mm_s2, 1.0e-3, 1.0e6);
     bool report = is_duration(chain->report_latency_us) && is_duration(chain->report_jitter_us) &&
                   is_duration(chain->reference_jitter_us);
-    return probe && input && axis && report;
+    return probe && is_seat(&chain->seat) && input && axis && report;
 }
 
 static bool is_controller(const sim_controller_t *controller)
@@ -90,10 +105,12 @@ static bool is_touch(const sim_touch_t *touch)
            (touch->path == SIM_PATH_SKIP || touch->path == SIM_PATH_PLC);
 }
 
-static bool are_touches(const sim_touch_t *touches, uint64_t n)
+/* A seat has no contacts against a pull. */
+static bool are_touches(const sim_chain_t *chain, const sim_touch_t *touches, uint64_t n)
 {
     for (uint64_t i = 0; i < n; ++i) {
-        if (!is_touch(&touches[i])) {
+        bool is_pushed = !sim_has_seat(chain) || is_within(touches[i].beta_deg, 0.0, POLE_DEG);
+        if (!is_touch(&touches[i]) || !is_pushed) {
             return false;
         }
     }
@@ -194,14 +211,14 @@ int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
     if (!is_controller(controller)) {
         return SIM_PLAY_ERR_CONTROL;
     }
-    if (!are_touches(touches, n)) {
+    if (!are_touches(chain, touches, n)) {
         return SIM_PLAY_ERR_TOUCH;
     }
     if (!are_settings(settings, settings_count)) {
         return SIM_PLAY_ERR_EFFECT;
     }
-    /* An effect may remember the touch before, so its replicates are not cut up. */
-    uint64_t block = settings_count == 0u ? BLOCK_TOUCHES : n;
+    /* An effect or a seat may remember the touch before, so its replicates are not cut up. */
+    uint64_t block = settings_count == 0u && !sim_has_seat(chain) ? BLOCK_TOUCHES : n;
     uint64_t blocks = block == 0u ? 0u : (n + block - 1u) / block;
     job_t    job = {
         .chain = chain,
@@ -239,7 +256,8 @@ const char *sim_play_error(int code)
     case SIM_PLAY_ERR_CONTROL:
         return "a setting of the controller is not finite or out of range";
     case SIM_PLAY_ERR_TOUCH:
-        return "a condition of a touch is not finite or out of range";
+        return "a condition of a touch is not finite or out of range; a probe by its mechanics is "
+               "pushed in directions of beta_deg 0 to 90";
     case SIM_PLAY_ERR_START:
         return "the firmware refused to start the input path";
     case SIM_PLAY_ERR_EFFECT:

@@ -25,9 +25,9 @@ enum {
 /*
  * Play `touches` (n) `replicates` times, with the effects of `settings` switched on (in the order
  * of the table), and write outcomes[replicate][touch]. Touches may come in any order, unless an
- * effect remembers the touch before: then in that of time. The result depends on the arguments
- * only, not on `threads` (≥ 1); replicates are numbered from `first_replicate`, below 2^32. Returns
- * SIM_PLAY_OK or a negative code; then nothing is to be read.
+ * effect or a seat remembers the touch before: then in that of time. The result depends on the
+ * arguments only, not on `threads` (≥ 1); replicates are numbered from `first_replicate`, below
+ * 2^32. Returns SIM_PLAY_OK or a negative code; then nothing is to be read.
  */
 int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
              const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,

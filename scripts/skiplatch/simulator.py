@@ -90,6 +90,21 @@ class Controller:
         return cls(overtravel_mm=ROOM_MM + latch_mm + stop_mm + slow_start_mm)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seat:
+    """A probe by the mechanics of its three-contact seat; see ``sim_seat_t``."""
+
+    spring_n: float
+    seat_mm: float
+    stylus_mm: float
+    stem_n_m2: float
+    """Flexural rigidity of the stylus."""
+    axial_um_n: float
+    evenness: float
+    azimuth_deg: float = 0.0
+    reseat_um: float = 0.0
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcomes:
     """What came of playing n touches r times; every array has the shape (r, n).
@@ -197,7 +212,7 @@ def _binding() -> _Binding:
     )
 
 
-def _chain(binding: _Binding, nominal: Nominal) -> CData:
+def _chain(binding: _Binding, nominal: Nominal, seat: Seat | None) -> CData:
     """Fill sim_chain_t: a field is named after its key, or after section and key."""
     chain = binding.ffi.new("sim_chain_t *")
     names = {name for name, _ in binding.ffi.typeof("sim_chain_t").fields}
@@ -206,6 +221,8 @@ def _chain(binding: _Binding, nominal: Nominal) -> CData:
         value = getattr(getattr(nominal, section), key)
         setattr(chain, long_name if long_name in names else key, value)
     chain.is_machine = nominal.kind == Kind.MACHINE
+    if seat is not None:
+        chain.seat = asdict(seat)
     return chain
 
 
@@ -286,6 +303,7 @@ def play(
     jobs: int = 1,
     pulse_us: float = 0.0,
     switched_on: Sequence[Effect] = (),
+    seat: Seat | None = None,
 ) -> Outcomes:
     """Play the conditions of n touches through the firmware, `replicates` times.
 
@@ -302,6 +320,7 @@ def play(
         jobs: Threads to play on.
         pulse_us: Contact opens again after this time; 0 means when the axis retreats.
         switched_on: Effects that the nominal chain knows nothing of.
+        seat: The mechanics of the probe, in place of its calibrated mean and lobes.
 
     Raises:
         SimulationError: A value is out of range, or the library is not built.
@@ -312,7 +331,7 @@ def play(
     raw = np.empty((replicates, len(touches)), dtype=binding.outcome)
     ffi = binding.ffi
     code = binding.library.sim_play(
-        _chain(binding, nominal),
+        _chain(binding, nominal, seat),
         _controller(binding, controller),
         _settings(binding, switched_on),
         len(switched_on),

@@ -34,6 +34,12 @@ static const range_t CHAIN_RANGES[] = {
     {offsetof(sim_chain_t, report_latency_us), DURATION},
     {offsetof(sim_chain_t, report_jitter_us), DURATION},
     {offsetof(sim_chain_t, reference_jitter_us), DURATION},
+    {offsetof(sim_chain_t, seat.seat_mm), 0.0, 1e6},
+    {offsetof(sim_chain_t, seat.stylus_mm), 0.0, 1e6},
+    {offsetof(sim_chain_t, seat.stem_n_m2), 0.0, 1e6},
+    {offsetof(sim_chain_t, seat.axial_um_n), 0.0, 1e6},
+    {offsetof(sim_chain_t, seat.evenness), 0.0, 1.0},
+    {offsetof(sim_chain_t, seat.reseat_um), LENGTH},
 };
 
 static const range_t CONTROLLER_RANGES[] = {
