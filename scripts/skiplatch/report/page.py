@@ -1,16 +1,15 @@
 """A diagnosis as one page of HTML: no script, nothing from elsewhere, light and dark."""
 
 import numpy as np
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
-from skiplatch.figures.inline import VARIABLES, Drawing
-from skiplatch.figures.theme import DARK
+from skiplatch.figures.inline import Drawing
 from skiplatch.report import chain, words
 from skiplatch.report.conditions import most_telling
 from skiplatch.report.evidence import POSITION, Evidence, gather
+from skiplatch.report.layout import render
 
 TEMPLATE = "diagnosis.html"
 MOST_FEEDS = 3
@@ -38,43 +37,28 @@ def as_html(
     """
     evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
     steps = chain.steps(diagnosis, campaign.nominal.kind)
-    return (
-        _environment()
-        .get_template(TEMPLATE)
-        .render(
-            name=name,
-            kind=campaign.nominal.kind.value,
-            touches=diagnosis.touches,
-            verdict=diagnosis.verdict.value,
-            headline=words.headline(diagnosis),
-            lead=words.lead(diagnosis, evidence.telling),
-            found=[words.found(named) for named in diagnosis.effects],
-            chain=steps,
-            chain_described=chain.described(steps),
-            distributions=_distributions(evidence),
-            residuals=_residuals(evidence),
-            shrink=_shrink(diagnosis),
-            gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
-            missed=words.missed_table(evidence.missed),
-            ranking=words.ranking(diagnosis),
-            no_gain=words.no_gain(diagnosis),
-            where=words.where_table(diagnosis),
-            left=words.left_table(diagnosis),
-            next_experiment=(next_experiment or "").splitlines(),
-            notes=diagnosis.notes,
-            light=VARIABLES,
-            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
-        )
-    )
-
-
-def _environment() -> Environment:
-    return Environment(
-        loader=PackageLoader("skiplatch.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
+    return render(
+        TEMPLATE,
+        name=name,
+        kind=campaign.nominal.kind.value,
+        touches=diagnosis.touches,
+        verdict=diagnosis.verdict.value,
+        headline=words.headline(diagnosis),
+        lead=words.lead(diagnosis, evidence.telling),
+        found=[words.found(named) for named in diagnosis.effects],
+        chain=steps,
+        chain_described=chain.described(steps),
+        distributions=_distributions(evidence),
+        residuals=_residuals(evidence),
+        shrink=_shrink(diagnosis),
+        gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
+        missed=words.missed_table(evidence.missed),
+        ranking=words.ranking(diagnosis),
+        no_gain=words.no_gain(diagnosis),
+        where=words.where_table(diagnosis),
+        left=words.left_table(diagnosis),
+        next_experiment=(next_experiment or "").splitlines(),
+        notes=diagnosis.notes,
     )
 
 

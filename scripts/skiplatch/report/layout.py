@@ -1,0 +1,19 @@
+"""Pages of HTML from templates: no script, nothing from elsewhere, light and dark."""
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from skiplatch.figures.inline import VARIABLES
+from skiplatch.figures.theme import DARK
+
+
+def render(template: str, **content: object) -> str:
+    """Fill a template of this package, and give it the colours of both schemes."""
+    environment = Environment(
+        loader=PackageLoader("skiplatch.report"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    dark = {variable: DARK[colour] for variable, colour in VARIABLES.items()}
+    return environment.get_template(template).render(**content, light=VARIABLES, dark=dark)
