@@ -133,7 +133,7 @@ CFLAGS.linux := $(filter-out -std=c99 -flto -ffat-lto-objects,$(CFLAGS.hal)) -st
 
 # $(call cflags_of,path/in/the/tree.c): the flags of the room the file stands in.
 room_of   = $(if $(filter hal/ports/linux/%,$1),linux,$(firstword $(subst /, ,$1)))
-cflags_of = $(FLAGS) $(CFLAGS.$(room_of))
+cflags_of = $(FLAGS) $(CFLAGS.$(room_of)) $(shown)
 
 # ---- sources -------------------------------------------------------------------------------------
 
@@ -371,6 +371,10 @@ ifndef CROSS
 objects: $(call object_of,$(SIM) $(PROGRAMS) $(MAIN) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(RIG)) \
          $(C_HEADERS:%=$(OUT)/headers/%.ok)
 endif
+
+# Python calls this mathematics as it stands, so the shared library shows it.
+SHOWN := firmware/comp/% firmware/cycle/overtravel.c
+shown  = $(if $(filter $(SHOWN),$1),-fvisibility=default)
 
 $(OUT)/obj/%.o: %.c Makefile
 	@mkdir -p $(@D)

@@ -30,7 +30,8 @@ enum {
     PRETRAVEL_ERR_LIMIT = -14,         /* a limit that is not above 0 */
     PRETRAVEL_ERR_FEW_POINTS = -15,    /* too few for the centre */
     PRETRAVEL_ERR_CENTRE = -16,        /* the points do not tell where the centre is */
-    PRETRAVEL_ERR_SCALE = -17          /* a speed does not fit the fixed-point table */
+    PRETRAVEL_ERR_SCALE = -17,         /* a speed does not fit the fixed-point table */
+    PRETRAVEL_ERR_DIVISIONS = -18      /* no such division of that table */
 };
 
 /* A sentence for a code, in English, without a full stop. */

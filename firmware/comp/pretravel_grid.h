@@ -7,16 +7,17 @@
 #include "comp/pretravel_lookup.h"
 #include "comp/pretravel_map.h"
 
-/* Vertices of a table: 2·M² + 2·M + 1, M = 2^level: 145 for level 3, 545 for level 4. */
-uint32_t pretravel_grid_size(uint8_t level);
+/* Vertices of a table: 2·M² + 2·M + 1; 145 for M = 8, 545 for M = 16. */
+uint32_t pretravel_grid_size(uint8_t divisions);
 
 /*
- * Fill `vertices` (pretravel_grid_size(level) of them) with the speeds of a checked map, one a
- * cell, in units of `unit_mm_min` > 0, to the nearest unit.
- * Errors: DIRECTION (no such level), SCALE (a speed that is below 1 or above PRETRAVEL_SPEED_MAX
- * units), LIMIT (unit), NOT_FINITE.
+ * Fill `vertices` (pretravel_grid_size() of them) with the speeds of a checked map, one a cell, in
+ * units of `unit_mm_min` > 0, to the nearest unit. Where the map does not reach, see
+ * pretravel_map_at().
+ * Errors: DIVISIONS, LIMIT (unit), SCALE: a speed below 1 or above PRETRAVEL_SPEED_MAX units, or
+ * not finite.
  */
 int pretravel_grid_build(const pretravel_cell_t *cells, const double *speed_mm_min, uint32_t count,
-                         uint8_t level, double unit_mm_min, uint16_t *vertices);
+                         uint8_t divisions, double unit_mm_min, uint16_t *vertices);
 
 #endif

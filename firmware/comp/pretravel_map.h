@@ -3,7 +3,7 @@
  * across it (0 equator, 90 pole). Readings are repeated; the map has the mean and the scatter.
  *
  * Directions lie on parallels: a row is all azimuths measured at one β. Rows may differ in their
- * azimuths. Directions closer than PRETRAVEL_SAME_DEG are one; at the pole every azimuth is.
+ * azimuths. Directions within 0.001° of each other are one; at the pole every azimuth is the same.
  */
 #ifndef COMP_PRETRAVEL_MAP_H
 #define COMP_PRETRAVEL_MAP_H
@@ -43,17 +43,17 @@ int pretravel_map_build(const double *alpha_deg, const double *beta_deg, const d
                         uint32_t n, pretravel_cell_t *cells, uint32_t capacity, uint32_t *count);
 
 /*
- * Check that the map is complete: a step of azimuth within a row, or between rows, that is more
- * than one and a half times the median step is a gap. So is a map of several rows that begins or
- * ends farther than that from the equator or the pole. A single row is a map of that β alone.
+ * Check that nothing is missing within the map: a step of azimuth within a row, or of β between
+ * rows, that is more than one and a half times the median step is a gap. How far the map reaches in
+ * β is the caller's choice.
  * Errors: FEW_DIRECTIONS, GAP (`gap` says where; else it is unchanged). Task level.
  */
 int pretravel_map_check(const pretravel_cell_t *cells, uint32_t count, pretravel_gap_t *gap);
 
 /*
  * Value at any direction: linear in α within a row and in β between rows. `values` has one value a
- * cell: radii, speeds. Below the lowest row and above the highest it is theirs, but a highest row
- * short of the pole closes in its mean. α −360 … 360, β 0 … 90; a checked map. Task level.
+ * cell: radii, speeds. Below the lowest row it is that row's; from the highest row it goes to that
+ * row's mean at the pole. α is any finite angle, β 0 … 90; a map without gaps. Task level.
  */
 double pretravel_map_at(const pretravel_cell_t *cells, const double *values, uint32_t count,
                         double alpha_deg, double beta_deg);

@@ -26,6 +26,12 @@ HEADERS = (
     ROOT / "host_sim" / "effects" / "description.h",
     ROOT / "host_sim" / "law.h",
     ROOT / "host_sim" / "programs" / "batch.h",
+    ROOT / "firmware" / "cycle" / "overtravel.h",
+    ROOT / "firmware" / "comp" / "pretravel.h",
+    ROOT / "firmware" / "comp" / "pretravel_fit.h",
+    ROOT / "firmware" / "comp" / "pretravel_map.h",
+    ROOT / "firmware" / "comp" / "pretravel_lookup.h",
+    ROOT / "firmware" / "comp" / "pretravel_grid.h",
 )
 
 FloatArray = NDArray[np.float64]
@@ -177,6 +183,7 @@ class _Binding:
     outcome: np.dtype[np.void]
     law: np.dtype[np.void]
     extra: np.dtype[np.void]
+    pretravel_cell: np.dtype[np.void]
 
 
 def _declarations(header: Path) -> str:
@@ -187,7 +194,7 @@ def _declarations(header: Path) -> str:
 
 def _layout(ffi: CData, name: str) -> np.dtype[np.void]:
     """Give the numpy type of an array of structures, aligned as the compiler does it."""
-    codes = {"double": "f8", "int32_t": "i4", "uint64_t": "u8"}
+    codes = {"double": "f8", "int32_t": "i4", "uint32_t": "u4", "uint64_t": "u8"}
     members = ffi.typeof(name).fields
     layout = np.dtype([(member, codes[f.type.cname]) for member, f in members], align=True)
     if layout.itemsize != ffi.sizeof(name):
@@ -209,7 +216,24 @@ def _binding() -> _Binding:
         outcome=_layout(ffi, "sim_outcome_t"),
         law=_layout(ffi, "sim_law_t"),
         extra=_layout(ffi, "sim_extra_t"),
+        pretravel_cell=_layout(ffi, "pretravel_cell_t"),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Mathematics:
+    """The firmware's ``comp`` as C has it, for `skiplatch.compensation.firmware` alone."""
+
+    ffi: CData
+    library: CData
+    cell: np.dtype[np.void]
+    """``pretravel_cell_t``."""
+
+
+def mathematics() -> Mathematics:
+    """Give the firmware's own mathematics of compensation."""
+    binding = _binding()
+    return Mathematics(binding.ffi, binding.library, binding.pretravel_cell)
 
 
 def _chain(binding: _Binding, nominal: Nominal, seat: Seat | None) -> CData:

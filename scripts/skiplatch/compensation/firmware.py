@@ -1,0 +1,390 @@
+"""The firmware's mathematics of pretravel, called from Python: ``firmware/comp/pretravel*.h``.
+
+Nothing is computed here. What the functions mean, and which errors they know, stands in those
+headers. Arrays of n directions, points or runs have the shape (n,) unless it is said.
+"""
+
+from dataclasses import dataclass
+from enum import IntEnum
+from math import inf
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from skiplatch.simulator import Mathematics, mathematics
+
+FloatArray = NDArray[np.float64]
+CData = Any
+
+
+class Side(IntEnum):
+    """From which side the artefact is touched: the sign of pretravel in the measured radius."""
+
+    INSIDE = 1
+    OUTSIDE = -1
+
+
+class Shape(IntEnum):
+    """What is fitted."""
+
+    CIRCLE = 2
+    SPHERE = 3
+
+
+class Target(IntEnum):
+    """The radius W that every direction shall get."""
+
+    MEAN = 0
+    MAX = 1
+    MIN = 2
+    GIVEN = 3
+
+
+class PretravelError(Exception):
+    """The firmware refused what it was given.
+
+    Attributes:
+        name: Of the code, without its prefix: ``GAP``, ``TOO_SLOW``, ``TAU`` and so on.
+        index: Of the reading or the direction that caused it, or None.
+        gap: Where directions are missing, for ``GAP``.
+    """
+
+    def __init__(self, name: str, message: str, index: int | None, gap: "Gap | None") -> None:
+        super().__init__(message)
+        self.name = name
+        self.index = index
+        self.gap = gap
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """Nothing was measured across `width_deg` after this direction."""
+
+    alpha_deg: float
+    beta_deg: float
+    width_deg: float
+    """In azimuth, or in β between two rows."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """A best-fit circle or sphere."""
+
+    centre_um: FloatArray
+    """Shape (3,); z is 0 for a circle."""
+    radius_um: float
+    scatter_um: float
+    shape: Shape
+
+
+@dataclass(frozen=True, slots=True)
+class Tau:
+    """The trigger delay, from a line through mean radii over speeds."""
+
+    tau_ms: float
+    tau_uncertainty_ms: float
+    """Standard uncertainty."""
+    offset_um: float
+    """Measured radius at speed 0."""
+    scatter_um: float
+    """Of the runs about the line, standard deviation."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plan:
+    """How to compensate, and what the machine can do; a limit that is not given is none."""
+
+    tau_ms: float
+    target: Target = Target.MEAN
+    target_um: float = 0.0
+    """For `Target.GIVEN`."""
+    speed_max_mm_min: float = inf
+    overtravel_speed_mm_min: float = inf
+    """The speed whose overtravel is just allowed; see `safe_speed_mm_min`."""
+    accel_mm_s2: float = inf
+    approach_mm: float = inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SpeedTable:
+    """Compensated speeds, and the radius W they lead to."""
+
+    speed_mm_min: FloatArray
+    target_um: float
+
+
+def _in(values: ArrayLike) -> FloatArray:
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def _doubles(c: Mathematics, values: FloatArray) -> CData:
+    return c.ffi.from_buffer("double[]", values)
+
+
+def _filled(c: Mathematics, values: FloatArray) -> CData:
+    return c.ffi.from_buffer("double[]", values, require_writable=True)
+
+
+def _together(*columns: ArrayLike) -> list[FloatArray]:
+    """Give columns of one length; numbers are repeated."""
+    return [np.array(column) for column in np.broadcast_arrays(*map(_in, columns))]
+
+
+def _names(c: Mathematics) -> dict[int, str]:
+    prefix = "PRETRAVEL_ERR_"
+    known = (name for name in dir(c.library) if name.startswith(prefix))
+    return {getattr(c.library, name): name.removeprefix(prefix) for name in known}
+
+
+def _check(c: Mathematics, code: int, index: int | None = None, gap: CData | None = None) -> None:
+    if code == c.library.PRETRAVEL_OK:
+        return
+    name = _names(c)[code]
+    where = Gap(gap.alpha_deg, gap.beta_deg, gap.width_deg) if gap and name == "GAP" else None
+    message = c.ffi.string(c.library.pretravel_error(code)).decode()
+    raise PretravelError(name, message, index, where)
+
+
+def range_um(radius_um: ArrayLike) -> float:
+    """V_r = max − min of at least one radius."""
+    c = mathematics()
+    radii = _in(radius_um)
+    return float(c.library.pretravel_range_um(_doubles(c, radii), len(radii)))
+
+
+def pretravel_um(transducer_um: float, speed_mm_min: float, tau_ms: float) -> float:
+    """w = w_T + v·τ."""
+    return float(mathematics().library.pretravel_um(transducer_um, speed_mm_min, tau_ms))
+
+
+def from_radius_um(measured_um: float, nominal_um: float, side: Side) -> float:
+    """Pretravel from a measured radius that would be `nominal_um` without it."""
+    return float(mathematics().library.pretravel_from_radius_um(measured_um, nominal_um, side))
+
+
+def estimate_tau(
+    speed_mm_min: ArrayLike, mean_radius_um: ArrayLike, side: Side = Side.INSIDE
+) -> Tau:
+    """τ from at least three runs at two speeds.
+
+    Raises:
+        PretravelError: NOT_FINITE, SPEED, FEW_RUNS, ONE_SPEED or TAU.
+    """
+    c = mathematics()
+    speeds, radii = _together(speed_mm_min, mean_radius_um)
+    tau = c.ffi.new("pretravel_tau_t *")
+    _check(
+        c,
+        c.library.pretravel_estimate_tau(
+            _doubles(c, speeds), _doubles(c, radii), len(speeds), side, tau
+        ),
+    )
+    return Tau(tau.tau_ms, tau.tau_uncertainty_ms, tau.offset_um, tau.scatter_um)
+
+
+def fit(points_um: ArrayLike, shape: Shape) -> Fit:
+    """Best-fit circle or sphere of n points, shape (n, 3); a circle does not look at z.
+
+    Raises:
+        PretravelError: FEW_POINTS, NOT_FINITE or CENTRE.
+    """
+    c = mathematics()
+    points = _in(points_um)
+    found = c.ffi.new("pretravel_fit_t *")
+    rows = c.ffi.from_buffer("pretravel_point_t[]", points)
+    _check(c, c.library.pretravel_fit(rows, len(points), shape, found))
+    centre_um = np.array([found.x_um, found.y_um, found.z_um])
+    return Fit(centre_um, found.radius_um, found.scatter_um, shape)
+
+
+def radii_um(points_um: ArrayLike, fitted: Fit) -> FloatArray:
+    """Trigger radii: the distances of n points, shape (n, 3), from the centre of a fit."""
+    c = mathematics()
+    points = _in(points_um)
+    radii = np.empty(len(points))
+    centre = c.ffi.new(
+        "pretravel_fit_t *", (*fitted.centre_um, fitted.radius_um, fitted.scatter_um)
+    )
+    rows = c.ffi.from_buffer("pretravel_point_t[]", points)
+    c.library.pretravel_radii_um(rows, len(points), fitted.shape, centre, _filled(c, radii))
+    return radii
+
+
+class Map:
+    """Trigger radii over directions, ordered by β and then α; arrays of shape (count,)."""
+
+    def __init__(self, cells: NDArray[np.void]) -> None:
+        self._cells = cells
+        self.alpha_deg: FloatArray = cells["alpha_deg"].copy()
+        self.beta_deg: FloatArray = cells["beta_deg"].copy()
+        self.radius_um: FloatArray = cells["radius_um"].copy()
+        """Mean of the repeats."""
+        self.scatter_um: FloatArray = cells["scatter_um"].copy()
+        """Standard deviation of the repeats; NaN of a single one."""
+        self.runs: NDArray[np.uint32] = cells["runs"].copy()
+
+    def __len__(self) -> int:
+        return len(self._cells)
+
+    @classmethod
+    def from_readings(
+        cls, alpha_deg: ArrayLike, beta_deg: ArrayLike, radius_um: ArrayLike
+    ) -> "Map":
+        """Sort n readings, in any order, into directions with mean and scatter.
+
+        Raises:
+            PretravelError: NOT_FINITE or DIRECTION, with the reading's index.
+        """
+        c = mathematics()
+        alpha, beta, radius = _together(alpha_deg, beta_deg, radius_um)
+        cells = np.zeros(len(alpha), dtype=c.cell)
+        count = c.ffi.new("uint32_t *")
+        code = c.library.pretravel_map_build(
+            _doubles(c, alpha),
+            _doubles(c, beta),
+            _doubles(c, radius),
+            len(alpha),
+            c.ffi.from_buffer("pretravel_cell_t[]", cells, require_writable=True),
+            len(cells),
+            count,
+        )
+        _check(c, code, int(count[0]))
+        return cls(cells[: count[0]].copy())
+
+    def check(self) -> None:
+        """Refuse a map with gaps or too few directions.
+
+        Raises:
+            PretravelError: FEW_DIRECTIONS, or GAP with where it is.
+        """
+        c = mathematics()
+        gap = c.ffi.new("pretravel_gap_t *")
+        _check(c, c.library.pretravel_map_check(self._rows(c), len(self), gap), gap=gap)
+
+    def at(self, values: ArrayLike, alpha_deg: ArrayLike, beta_deg: ArrayLike) -> FloatArray:
+        """Values of any directions, interpolated from one value a cell; map without gaps."""
+        c = mathematics()
+        held = _in(values)
+        alpha, beta = _together(alpha_deg, beta_deg)
+        rows, given = self._rows(c), _doubles(c, held)
+        at = c.library.pretravel_map_at
+        return np.array(
+            [at(rows, given, len(self), a, b) for a, b in zip(alpha, beta, strict=True)]
+        )
+
+    def lookup(self, speed_mm_min: ArrayLike, *, divisions: int, unit_mm_min: float) -> "Lookup":
+        """Lay speeds, one a cell, out for the controller; map without gaps.
+
+        Args:
+            speed_mm_min: Shape (count,).
+            divisions: M, 1 to 32: the table has 2·M² + 2·M + 1 vertices.
+            unit_mm_min: What a vertex is counted in; 32767 of them are the most.
+
+        Raises:
+            PretravelError: DIVISIONS, LIMIT or SCALE.
+        """
+        c = mathematics()
+        speeds = _in(speed_mm_min)
+        size = c.library.pretravel_grid_size(divisions)
+        vertices = np.zeros(size, dtype=np.uint16)
+        code = c.library.pretravel_grid_build(
+            self._rows(c),
+            _doubles(c, speeds),
+            len(self),
+            divisions,
+            unit_mm_min,
+            c.ffi.from_buffer("uint16_t[]", vertices, require_writable=True),
+        )
+        _check(c, code)
+        return Lookup(vertices, divisions, unit_mm_min)
+
+    def _rows(self, c: Mathematics) -> CData:
+        return c.ffi.from_buffer("pretravel_cell_t[]", self._cells)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lookup:
+    """The controller's table."""
+
+    vertices: NDArray[np.uint16]
+    """Speeds in units, row by row; see ``pretravel_lookup.h``."""
+    divisions: int
+    unit_mm_min: float
+
+    def speed_mm_min(self, directions: ArrayLike) -> FloatArray:
+        """Speeds as the controller finds them, in fixed point; 0 below the equator.
+
+        Args:
+            directions: Vectors of 16-bit integers, shape (n, 3).
+        """
+        c = mathematics()
+        held = c.ffi.from_buffer("uint16_t[]", self.vertices)
+        table = c.ffi.new("pretravel_lookup_t *", (held, self.divisions))
+        find = c.library.pretravel_lookup
+        vectors = np.asarray(directions, dtype=np.int16)
+        return self.unit_mm_min * np.array([find(table, *vector) for vector in vectors.tolist()])
+
+
+def speed_table(radius_um: ArrayLike, speed_mm_min: ArrayLike, plan: Plan) -> SpeedTable:
+    """Speeds v₁ = v₀ + (W − r)/τ for n directions; `speed_mm_min` is v₀, one or n of them.
+
+    To iterate, measure at the speeds of the table and give those back as v₀.
+
+    Raises:
+        PretravelError: NOT_FINITE, TAU, LIMIT, SPEED, FEW_DIRECTIONS, TOO_SLOW, TOO_FAST,
+            OVERTRAVEL or RAMP, with the direction's index.
+    """
+    c = mathematics()
+    radii, before = _together(radius_um, speed_mm_min)
+    after = np.empty(len(radii))
+    result = c.ffi.new("pretravel_result_t *")
+    code = c.library.pretravel_speed_table(
+        _doubles(c, radii),
+        _doubles(c, before),
+        len(radii),
+        _plan(c, plan),
+        _filled(c, after),
+        result,
+    )
+    _check(c, code, int(result.where))
+    return SpeedTable(after, result.target_um)
+
+
+def _plan(c: Mathematics, plan: Plan) -> CData:
+    names = [name for name, _ in c.ffi.typeof("pretravel_plan_t").fields]
+    return c.ffi.new("pretravel_plan_t *", {name: getattr(plan, name) for name in names})
+
+
+def predict_um(
+    radius_um: ArrayLike, speed_mm_min: ArrayLike, new_speed_mm_min: ArrayLike, tau_ms: float
+) -> FloatArray:
+    """Radii to be expected at new speeds: r + (v₁ − v₀)·τ."""
+    c = mathematics()
+    radii, before, after = _together(radius_um, speed_mm_min, new_speed_mm_min)
+    predicted = np.empty(len(radii))
+    c.library.pretravel_predict_um(
+        _doubles(c, radii),
+        _doubles(c, before),
+        _doubles(c, after),
+        len(radii),
+        tau_ms,
+        _filled(c, predicted),
+    )
+    return predicted
+
+
+def time_increase(speed_mm_min: ArrayLike, new_speed_mm_min: ArrayLike) -> float:
+    """Δt_R: how much longer the approaches take, as a fraction."""
+    c = mathematics()
+    before, after = _together(speed_mm_min, new_speed_mm_min)
+    return float(
+        c.library.pretravel_time_increase(_doubles(c, before), _doubles(c, after), len(after))
+    )
+
+
+def safe_speed_mm_min(overtravel_um: float, *, reaction_us: float, accel_mm_s2: float) -> float:
+    """Speed whose overtravel, v·t + v²/2a, is just `overtravel_um`; from ``cycle/overtravel.h``."""
+    c = mathematics()
+    path = c.ffi.new("overtravel_path_t *", (reaction_us, accel_mm_s2))
+    return float(c.library.overtravel_safe_feed_mm_min(path, overtravel_um))
