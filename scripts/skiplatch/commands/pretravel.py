@@ -1,0 +1,87 @@
+"""``skiplatch pretravel``: the experiments of the document on variable-speed compensation."""
+
+from pathlib import Path
+
+import click
+
+from skiplatch.campaign import InputPath
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.compensation import campaigns, paper
+from skiplatch.compensation.experiment import run
+from skiplatch.compensation.rigs import RIGS
+from skiplatch.files import refuse_occupied
+
+EPILOG = """\b
+Example:
+  skiplatch pretravel --rig haas --seed 1 --record build/haas
+"""
+PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
+
+
+@click.command(epilog=EPILOG)
+@click.option(
+    "--rig",
+    "name",
+    type=click.Choice(list(RIGS)),
+    required=True,
+    help="Which probe on which rig.",
+)
+@click.option(
+    "--path",
+    "path",
+    type=click.Choice(list(PATHS)),
+    default="skip",
+    show_default=True,
+    help="Input that latches; plc shows what a scan of 4 ms costs.",
+)
+@click.option(
+    "--iterations",
+    type=click.IntRange(1, 10),
+    default=1,
+    show_default=True,
+    help="How often the feeds are worked out and measured again.",
+)
+@click.option(
+    "--record",
+    "folder",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Write the campaigns 'before' and 'after' into this folder.",
+)
+@seed_option
+@jobs_option
+@json_option
+def command(
+    name: str,
+    path: str,
+    iterations: int,
+    folder: Path | None,
+    seed: int,
+    jobs: int,
+    json_path: Path | None,
+) -> None:
+    """Measure a probe, compensate it by variable feeds, and measure it again, in simulation.
+
+    The delay comes from runs on a ring, the map from touches all over a sphere, the feeds from the
+    firmware's mathematics; every touch goes through the firmware's latch. The table has the
+    document's figures beside ours, and says which of them the simulation was set up to give.
+    """
+    if folder is not None:
+        for part in (campaigns.BEFORE, campaigns.AFTER):
+            refuse_occupied(folder / part)
+    result = run(RIGS[name], seed=seed, jobs=jobs, path=PATHS[path], iterations=iterations)
+    figures = paper.figures(result)
+    click.echo(paper.as_text(result, figures))
+    write_json(
+        json_path,
+        {
+            "format": "skiplatch-pretravel/1",
+            "rig": name,
+            "path": path,
+            "iterations": iterations,
+            "seed": seed,
+            **paper.as_json(result, figures),
+        },
+    )
+    if folder is not None:
+        campaigns.record(folder, result)
+        click.echo(f"\nwrote {folder / campaigns.BEFORE} and {folder / campaigns.AFTER}")
