@@ -23,6 +23,7 @@ COMMANDS = {
     "settle": "Say what those touches leave of a tie.",
     "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
+    "pretravel": "Map a simulated probe, compensate it by variable feeds, and map it again.",
     "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }

@@ -42,10 +42,17 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
     help="How often the feeds are worked out and measured again.",
 )
 @click.option(
+    "--trials",
+    type=click.IntRange(1, 1000),
+    default=1,
+    show_default=True,
+    help="Repeat the whole experiment with the seeds that follow, for intervals.",
+)
+@click.option(
     "--record",
     "folder",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Write the campaigns 'before' and 'after' into this folder.",
+    help="Write the first trial's campaigns 'before' and 'after' into this folder.",
 )
 @seed_option
 @jobs_option
@@ -54,6 +61,7 @@ def command(
     name: str,
     path: str,
     iterations: int,
+    trials: int,
     folder: Path | None,
     seed: int,
     jobs: int,
@@ -68,9 +76,12 @@ def command(
     if folder is not None:
         for part in (campaigns.BEFORE, campaigns.AFTER):
             refuse_occupied(folder / part)
-    result = run(RIGS[name], seed=seed, jobs=jobs, path=PATHS[path], iterations=iterations)
-    figures = paper.figures(result)
-    click.echo(paper.as_text(result, figures))
+    results = [
+        run(RIGS[name], seed=trial, jobs=jobs, path=PATHS[path], iterations=iterations)
+        for trial in range(seed, seed + trials)
+    ]
+    figures = paper.figures(results)
+    click.echo(paper.as_text(results, figures))
     write_json(
         json_path,
         {
@@ -79,9 +90,9 @@ def command(
             "path": path,
             "iterations": iterations,
             "seed": seed,
-            **paper.as_json(result, figures),
+            **paper.as_json(results, figures),
         },
     )
     if folder is not None:
-        campaigns.record(folder, result)
+        campaigns.record(folder, results[0])
         click.echo(f"\nwrote {folder / campaigns.BEFORE} and {folder / campaigns.AFTER}")

@@ -54,7 +54,10 @@ def _believed(result: Result, pretravel_um: float, tau_ms: float) -> Nominal:
     latch_us = nominal.input.filter_us + nominal.skip.latency_us + nominal.skip.jitter_us / 2.0
     delay_us = max(tau_ms * US_PER_MS - latch_us, 0.0)
     return replace(
-        nominal, probe=replace(nominal.probe, pretravel_um=pretravel_um, delay_us=delay_us)
+        nominal,
+        probe=replace(
+            nominal.probe, pretravel_um=round(pretravel_um, 3), delay_us=round(delay_us, 1)
+        ),
     )
 
 

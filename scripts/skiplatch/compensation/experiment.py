@@ -14,7 +14,7 @@ from skiplatch.campaign import InputPath, Nominal
 from skiplatch.compensation import firmware
 from skiplatch.compensation.rigs import US_PER_MS, Rig
 from skiplatch.compensation.touching import Recording, Station
-from skiplatch.simulator import UM_PER_MM, Seat
+from skiplatch.simulator import UM_PER_MM, Seat, SimulationError
 
 FloatArray = NDArray[np.float64]
 
@@ -180,10 +180,16 @@ def run(
         iterations: How often the feeds are worked out and measured again.
 
     Raises:
-        SimulationError: A touch was not latched.
-        PretravelError: The firmware's mathematics refuses what was measured.
+        SimulationError: A touch was not latched, or the firmware's mathematics refuses what was
+            measured.
     """
+    try:
+        return _run(rig, seed=seed, jobs=jobs, path=path, iterations=iterations)
+    except firmware.PretravelError as error:
+        raise SimulationError(f"{rig.title}: {error}") from error
 
+
+def _run(rig: Rig, *, seed: int, jobs: int, path: InputPath, iterations: int) -> Result:
     def session(nominal: Nominal, seat: Seat | None) -> Session:
         return Session(rig, Station(nominal, seat, path=path, seed=seed, jobs=jobs))
 

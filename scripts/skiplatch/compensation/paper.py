@@ -1,8 +1,10 @@
 """The document's figures beside those of the experiment, and which of them are evidence."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from skiplatch.compensation.experiment import Result
 from skiplatch.tables import NOTHING, number, table
@@ -12,10 +14,12 @@ US_PER_MS = 1000.0
 MS_PER_MIN = 60_000.0
 UM_PER_MM = 1000.0
 TOP_DEG = 80.0
+MIDDLE_PERCENT = (2.5, 97.5)
 
 SET = "set"
+"""The simulation was given it, or something that it follows from."""
 FOUND = "found"
-"""What the simulation was given, and what came out though nobody had put it in."""
+"""It came out though nobody had put it in."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,9 +30,11 @@ class Figure:
         name: What it is.
         unit: Its unit.
         paper: What the document prints; None for nothing.
-        ours: What the experiment came to.
+        ours: What the experiment came to, in the mean of the trials.
         evidence: `SET` if the simulation was set up to give it, else `FOUND`.
         note: What else there is to say.
+        low: 95 % of the trials lie between this
+        high: and this; None of a single trial.
     """
 
     name: str
@@ -37,6 +43,8 @@ class Figure:
     ours: float
     evidence: str
     note: str = ""
+    low: float | None = None
+    high: float | None = None
 
     @property
     def difference(self) -> float | None:
@@ -44,17 +52,26 @@ class Figure:
         return None if self.paper is None else self.ours - self.paper
 
 
-def figures(result: Result) -> list[Figure]:
-    """Give all figures of a rig."""
+def figures(results: Sequence[Result]) -> list[Figure]:
+    """Give all figures of a rig, from one or more trials of the whole experiment."""
+    trials = [_of_trial(result) for result in results]
+    return [_summary(same) for same in zip(*trials, strict=True)]
+
+
+def _of_trial(result: Result) -> list[Figure]:
     return [*_delay(result), *_radii(result), *_feeds(result), *_errors(result)]
 
 
+def _summary(trials: Sequence[Figure]) -> Figure:
+    if len(trials) == 1:
+        return trials[0]
+    ours = [trial.ours for trial in trials]
+    low, high = np.percentile(ours, MIDDLE_PERCENT)
+    return replace(trials[0], ours=float(np.mean(ours)), low=float(low), high=float(high))
+
+
 def _delay(result: Result) -> list[Figure]:
-    set_ms = result.rig.nominal.probe.delay_us / US_PER_MS
-    note = (
-        f"± {result.tau.tau_uncertainty_ms:.3f} (1 sigma); "
-        f"{set_ms:g} was simulated: off by {PERCENT * result.tau_error:+.2f} %"
-    )
+    simulated_ms = result.rig.nominal.probe.delay_us / US_PER_MS
     return [
         Figure(
             name="delay tau",
@@ -62,8 +79,22 @@ def _delay(result: Result) -> list[Figure]:
             paper=result.rig.reported.tau_ms,
             ours=result.tau.tau_ms,
             evidence=SET,
-            note=note,
-        )
+        ),
+        Figure(
+            name="its standard uncertainty, from the runs",
+            unit="ms",
+            paper=None,
+            ours=result.tau.tau_uncertainty_ms,
+            evidence=FOUND,
+        ),
+        Figure(
+            name="its error",
+            unit="%",
+            paper=None,
+            ours=PERCENT * result.tau_error,
+            evidence=FOUND,
+            note=f"{simulated_ms:g} ms were simulated; the latch's own way takes some µs more",
+        ),
     ]
 
 
@@ -157,48 +188,56 @@ def _errors(result: Result) -> list[Figure]:
     ]
 
 
-def as_text(result: Result, rows: Sequence[Figure]) -> str:
+def as_text(results: Sequence[Result], rows: Sequence[Figure]) -> str:
     """Lay out the table, and below it what the simulation was given."""
-    header = ("figure", "unit", "document", "ours", "difference", "")
+    rig = results[0].rig
+    header = ("figure", "unit", "document", "ours", "95 % of trials", "difference", "")
     lines = [
-        (row.name, row.unit, _cell(row.paper), _cell(row.ours), _signed(row), row.evidence)
+        (
+            row.name,
+            row.unit,
+            NOTHING if row.paper is None else number(row.paper),
+            number(row.ours),
+            _span(row),
+            NOTHING if row.difference is None else f"{row.difference:+.2f}",
+            row.evidence,
+        )
         for row in rows
     ]
-    notes = [f"  {row.name}: {row.note}" for row in rows if row.note]
-    origins = [f"  {name}: {origin}" for name, origin in result.rig.origins.items()]
+    trials = "" if len(results) == 1 else f", {len(results)} times over"
     return "\n".join(
         [
-            f"{result.rig.title}: {result.rig.touches} touches through the firmware's latch",
+            f"{rig.title}: {rig.touches} touches through the firmware's latch{trials}",
             table(header, lines),
             "",
-            *notes,
+            *(f"  {row.name}: {row.note}" for row in rows if row.note),
             "",
-            "What the simulation was given; a figure marked 'set' follows from it and is no",
-            "evidence for the document:",
-            *origins,
+            "What the simulation was given. A figure marked 'set' follows from it and is no",
+            "evidence for the document; what is marked 'found' nobody had put in.",
+            *(f"  {name}: {origin}" for name, origin in rig.origins.items()),
         ]
     )
 
 
-def as_json(result: Result, rows: Sequence[Figure]) -> dict[str, Any]:
-    """Give the same as numbers."""
+def as_json(results: Sequence[Result], rows: Sequence[Figure]) -> dict[str, Any]:
+    """Give the same as numbers; what stands outside of the list is of the first trial."""
+    first = results[0]
     return {
-        "title": result.rig.title,
-        "touches": result.rig.touches,
-        "tau_ms": result.tau.tau_ms,
-        "tau_uncertainty_ms": result.tau.tau_uncertainty_ms,
-        "tau_error": result.tau_error,
-        "vr_before_um": result.before.vr_um,
-        "vr_after_um": result.after.vr_um,
-        "time_increase": result.time_increase,
+        "title": first.rig.title,
+        "touches": first.rig.touches,
+        "trials": len(results),
+        "tau_ms": first.tau.tau_ms,
+        "tau_uncertainty_ms": first.tau.tau_uncertainty_ms,
+        "tau_error": first.tau_error,
+        "vr_before_um": first.before.vr_um,
+        "vr_after_um": first.after.vr_um,
+        "time_increase": first.time_increase,
         "figures": [{**asdict(row), "difference": row.difference} for row in rows],
-        "origins": dict(result.rig.origins),
+        "origins": dict(first.rig.origins),
     }
 
 
-def _cell(value: float | None) -> str:
-    return NOTHING if value is None else number(value)
-
-
-def _signed(row: Figure) -> str:
-    return NOTHING if row.difference is None else f"{row.difference:+.2f}"
+def _span(row: Figure) -> str:
+    if row.low is None or row.high is None:
+        return NOTHING
+    return f"{number(row.low)} … {number(row.high)}"
