@@ -24,6 +24,7 @@ COMMANDS = {
     "effects": "List the effects that a simulation can be given.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "pretravel": "Map a simulated probe, compensate it by variable feeds, and map it again.",
+    "compensate": "Map a probe's errors and even them out by the measuring feed.",
     "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }

@@ -1,6 +1,5 @@
 """``skiplatch diagnose``: where the gap lies, what causes it, how far it shrinks."""
 
-import math
 from pathlib import Path
 
 import click
@@ -8,6 +7,7 @@ import click
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.commands.options import (
     EffectType,
+    SizeType,
     jobs_option,
     json_option,
     seed_option,
@@ -16,7 +16,6 @@ from skiplatch.commands.options import (
 from skiplatch.diagnosis import Diagnosis, as_json, as_text, diagnose
 from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
 from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.errors import quoted
 from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect
 
@@ -25,24 +24,6 @@ Example:
   skiplatch diagnose scripts/samples/bench_isr_latency --json build/diagnosis.json
   skiplatch diagnose scripts/samples/bench_isr_latency --html build/diagnosis.html
 """
-
-
-class SizeType(click.ParamType[float]):
-    """A finite number above 0."""
-
-    name = "size"
-
-    def convert(
-        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """See `click.ParamType.convert`."""
-        try:
-            size = float(value)
-        except ValueError:
-            size = math.nan
-        if not 0.0 < size < math.inf:
-            self.fail(f"expected a number above 0, got {quoted(str(value))}", param, ctx)
-        return size
 
 
 @click.command(epilog=EPILOG)

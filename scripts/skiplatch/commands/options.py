@@ -1,6 +1,7 @@
 """Options that several commands share, and what they stand for."""
 
 import json
+import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -81,7 +82,30 @@ def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
     return name, value
 
 
+class SizeType(click.ParamType[float]):
+    """A finite number above 0."""
+
+    name = "size"
+
+    def convert(
+        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """See `click.ParamType.convert`."""
+        try:
+            size = float(value)
+        except ValueError:
+            size = math.nan
+        if not 0.0 < size < math.inf:
+            self.fail(f"expected a number above 0, got {quoted(str(value))}", param, ctx)
+        return size
+
+
+def json_text(result: Mapping[str, Any]) -> str:
+    """Give the result as text. NaN is no JSON: put None in its place."""
+    return json.dumps(result, indent=2, allow_nan=False) + "\n"
+
+
 def write_json(path: Path | None, result: Mapping[str, Any]) -> None:
-    """Write the result, or do nothing without a path. NaN is no JSON: put None in its place."""
+    """Write the result, or do nothing without a path; see `json_text`."""
     if path is not None:
-        atomic_write_text(path, json.dumps(result, indent=2, allow_nan=False) + "\n")
+        atomic_write_text(path, json_text(result))

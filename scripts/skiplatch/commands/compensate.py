@@ -1,0 +1,340 @@
+"""``skiplatch compensate``: a probe's map in, measuring feeds for every direction out."""
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from skiplatch.campaign import COLUMNS, InputPath, read_campaign
+from skiplatch.campaign.column_kinds import ChoiceColumn
+from skiplatch.commands.options import SizeType, json_option, json_text, seed_option
+from skiplatch.compensation import text
+from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
+from skiplatch.compensation.delay import Delay, estimate_delay
+from skiplatch.compensation.firmware import Target as Rule
+from skiplatch.compensation.formats import c_header, header_of, nc_program, read_table, table_csv
+from skiplatch.compensation.from_campaign import recorded
+from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures
+from skiplatch.compensation.probe_map import ProbeMap, read_map
+from skiplatch.compensation.speeds import read_speeds
+from skiplatch.compensation.uncertainty import Inputs, Uncertainty, assess
+from skiplatch.errors import quoted
+from skiplatch.files import atomic_write_texts
+
+EPILOG = """\b
+Example:
+  skiplatch compensate build/radii.csv --v0 50 --tau 12.68 --out build/table.csv
+  skiplatch compensate build/radii.csv --v0 100 --tau-from build/speeds.csv \\
+      --out build/table.csv --json build/table.json --html build/table.html
+  skiplatch compensate --from-campaign build/campaign --v0 100 --out build/table.csv
+"""
+
+FILE = click.Path(path_type=Path, dir_okay=False)
+SIZE = SizeType()
+PATHS = ("skip", "plc")
+PER_CENT = 100.0
+DEFAULT_DIVISIONS = 8
+MOST_DIVISIONS = 32
+FIRST_VARIABLE = 500
+
+
+class TargetType(click.ParamType[Target]):
+    """``mean``, ``max``, ``min``, or a radius in µm."""
+
+    name = "target"
+
+    def convert(
+        self, value: str | Target, param: click.Parameter | None, ctx: click.Context | None
+    ) -> Target:
+        """See `click.ParamType.convert`."""
+        if isinstance(value, Target):
+            return value
+        rules = {"mean": Rule.MEAN, "max": Rule.MAX, "min": Rule.MIN}
+        if value in rules:
+            return Target(rules[value])
+        try:
+            radius_um = float(value)
+        except ValueError:
+            radius_um = math.nan
+        if not math.isfinite(radius_um):
+            expected = "expected mean, max, min or a radius in µm"
+            self.fail(f"{expected}, got {quoted(value)}", param, ctx)
+        return Target(Rule.GIVEN, radius_um)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Result:
+    """All that is told."""
+
+    done: Compensation
+    figures: ProbeFigures
+    known: Uncertainty
+    after_map: ProbeMap | None
+    after: ProbeFigures | None
+
+
+@click.command(epilog=EPILOG)
+@click.argument("radii", required=False, type=FILE)
+@click.option(
+    "--from-campaign",
+    "campaign",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Take map and delay from a recorded campaign in place of RADII.",
+)
+@click.option("--v0", type=SIZE, required=True, metavar="MM/MIN", help="Feed of the map.")
+@click.option(
+    "--previous",
+    type=FILE,
+    metavar="TABLE.csv",
+    help="The map was measured at the feeds of this table: iterate.",
+)
+@click.option("--tau", type=SIZE, metavar="MS", help="The delay.")
+@click.option(
+    "--tau-uncertainty",
+    type=SIZE,
+    metavar="MS",
+    help="Standard uncertainty of --tau, which counts as exact without.",
+)
+@click.option(
+    "--tau-from",
+    type=FILE,
+    metavar="SPEEDS.csv",
+    help="Find the delay from mean radii at several feeds.",
+)
+@click.option(
+    "--inside/--outside",
+    default=True,
+    show_default=True,
+    help="SPEEDS.csv was measured inside a ring, where the mean radius grows with the feed, or "
+    "outside a sphere, where it falls.",
+)
+@click.option(
+    "--map-inside/--map-outside",
+    default=True,
+    show_default=True,
+    help="RADII holds radii that grow with the pretravel, or distances from the centre of a sphere "
+    "touched from outside, which fall.",
+)
+@click.option(
+    "--path",
+    type=click.Choice(PATHS),
+    help="Of a campaign, the input path whose touches count.  [default: skip, or the only one]",
+)
+@click.option(
+    "--centre",
+    type=click.Choice(("fit", "nominal")),
+    default="fit",
+    show_default=True,
+    help="Of a campaign: whether radii are about the best-fit centre or the nominal one.",
+)
+@click.option(
+    "--target",
+    type=TargetType(),
+    default="mean",
+    show_default=True,
+    metavar="mean|max|min|UM",
+    help="The radius that all directions shall have: the mean, that of the largest or the smallest "
+    "pretravel, or a number.",
+)
+@click.option("--max-feed", type=SIZE, metavar="MM/MIN", help="Fastest measuring feed.")
+@click.option("--accel", type=SIZE, metavar="MM/S²", help="Acceleration of the axes.")
+@click.option("--approach", type=SIZE, metavar="MM", help="From where the feed is set.")
+@click.option(
+    "--overtravel",
+    type=SIZE,
+    metavar="MM",
+    help="How far the tip may go on after the contact: delay, reaction and braking.",
+)
+@click.option("--reaction-ms", type=SIZE, metavar="MS", help="From the latch to the braking.")
+@click.option(
+    "--repeatability",
+    type=SIZE,
+    metavar="UM",
+    help="Standard deviation of one touch.  [default: from the runs]",
+)
+@click.option("--resolution", type=SIZE, metavar="UM", help="Step of the latched position.")
+@click.option("--feed-error", type=SIZE, metavar="PERCENT", help="Largest error of the feed.")
+@seed_option
+@click.option("--out", type=FILE, required=True, metavar="TABLE.csv", help="The speed table.")
+@json_option
+@click.option("--header", type=FILE, metavar="FILE.h", help="The table for the target, in C.")
+@click.option(
+    "--divisions",
+    type=click.IntRange(1, MOST_DIVISIONS),
+    default=DEFAULT_DIVISIONS,
+    show_default=True,
+    help="How fine the target's table is: 2·M² + 2·M + 1 numbers.",
+)
+@click.option("--nc", type=FILE, metavar="FILE.nc", help="The table as variables of a control.")
+@click.option(
+    "--nc-first",
+    type=click.IntRange(1),
+    default=FIRST_VARIABLE,
+    show_default=True,
+    help="Number of the first of these variables.",
+)
+@click.option("--html", type=FILE, metavar="PAGE.html", help="The report, one page with pictures.")
+@click.option(
+    "--after",
+    type=FILE,
+    metavar="RADII.csv",
+    help="Radii measured with a table, to be shown beside the predicted ones.",
+)
+def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  # noqa: ANN401
+    """Find the feeds at which a probe's pretravel is the same in every direction.
+
+    RADII has the columns alpha_deg, beta_deg, run, radius_um; SPEEDS.csv feed_mm_min, run,
+    mean_radius_um; TABLE.csv alpha_deg, beta_deg, feed_mm_min. Alpha is the azimuth around the
+    probe axis, beta the angle up from the plane across it, 0 to 90.
+
+    A trigger radius is where the tip was when the probe triggered, from the centre: it grows with
+    the pretravel inside a ring and falls outside of a sphere, and so does the mean radius with the
+    feed. A delay of 0 or less is an error.
+    """
+    _check_options(radii, given)
+    result = _result(radii, given)
+    texts = _texts(result, radii, given)
+    if json_path is not None:
+        found = text.as_json(result.done, result.figures, result.known, result.after)
+        texts.append((json_path, json_text(found)))
+    _write(texts)
+    click.echo(text.as_text(result.done, result.figures, result.known, result.after))
+    for path, _ in texts:
+        click.echo(f"wrote {path}")
+
+
+def _check_options(radii: Path | None, given: Mapping[str, Any]) -> None:
+    """Refuse options that do not go together."""
+    if (radii is None) == (given["campaign"] is None):
+        raise click.UsageError("expected either RADII or --from-campaign")
+    if given["tau"] is not None and given["tau_from"] is not None:
+        raise click.UsageError("expected either --tau or --tau-from, not both")
+    if given["campaign"] is None and given["tau"] is None and given["tau_from"] is None:
+        raise click.UsageError("expected --tau or --tau-from")
+    if given["tau_uncertainty"] is not None and given["tau"] is None:
+        raise click.UsageError("--tau-uncertainty goes with --tau")
+    if given["previous"] is not None and given["campaign"] is not None:
+        raise click.UsageError("--previous goes with RADII: a campaign holds its own feeds")
+    for name in ("overtravel", "approach"):
+        if given[name] is not None and given["accel"] is None:
+            raise click.UsageError(f"--{name} needs --accel")
+
+
+def _result(radii: Path | None, given: Mapping[str, Any]) -> _Result:
+    probe_map, delay = _from_campaign(given) if radii is None else _from_files(radii, given)
+    v0 = given["v0"]
+    before = np.full(len(probe_map), v0)
+    if given["previous"] is not None:
+        before = read_table(given["previous"], probe_map)
+    done = compensate(
+        probe_map,
+        delay,
+        base_mm_min=v0,
+        before_mm_min=before,
+        target=given["target"],
+        limits=_limits(given),
+    )
+    inputs = Inputs(
+        repeatability_um=given["repeatability"],
+        resolution_um=given["resolution"] or 0.0,
+        feed_error=(given["feed_error"] or 0.0) / PER_CENT,
+    )
+    after_map = None
+    if given["after"] is not None:
+        after_map = read_map(given["after"], outside=not given["map_inside"])
+    return _Result(
+        done=done,
+        figures=probe_figures(probe_map),
+        known=assess(done, inputs, seed=given["seed"]),
+        after_map=after_map,
+        after=None if after_map is None else probe_figures(after_map),
+    )
+
+
+def _delay(given: Mapping[str, Any]) -> Delay | None:
+    if given["tau"] is not None:
+        return Delay(given["tau"], given["tau_uncertainty"] or 0.0)
+    if given["tau_from"] is not None:
+        return estimate_delay(read_speeds(given["tau_from"], outside=not given["inside"]))
+    return None
+
+
+def _from_files(radii: Path, given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:
+    probe_map = read_map(radii, outside=not given["map_inside"])
+    delay = _delay(given)
+    assert delay is not None  # noqa: S101  the options were checked
+    return probe_map, delay
+
+
+def _from_campaign(given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:
+    column = COLUMNS["path"]
+    assert isinstance(column, ChoiceColumn)  # noqa: S101  for the type checker
+    path = None if given["path"] is None else InputPath(column.codes[given["path"]])
+    found = recorded(read_campaign(given["campaign"]), path)
+    delay = _delay(given) or estimate_delay(found.speeds())
+    return found.probe_map(delay, given["v0"], fit_centre=given["centre"] == "fit"), delay
+
+
+def _limits(given: Mapping[str, Any]) -> Limits:
+    def limit(name: str) -> float:
+        return math.inf if given[name] is None else float(given[name])
+
+    return Limits(
+        max_feed_mm_min=limit("max_feed"),
+        overtravel_mm=limit("overtravel"),
+        accel_mm_s2=limit("accel"),
+        approach_mm=limit("approach"),
+        reaction_ms=given["reaction_ms"] or 0.0,
+    )
+
+
+def _texts(result: _Result, radii: Path | None, given: Mapping[str, Any]) -> list[tuple[Path, str]]:
+    """Give the files that are wanted, JSON apart, and what shall stand in them."""
+    done = result.done
+    source = (radii or given["campaign"]).resolve().name
+    note = f"{source}: tau {done.delay.tau_ms:.3f} ms, map at {given['v0']:g} mm/min"
+    texts = [(given["out"], table_csv(done.probe_map, done.feed_mm_min))]
+    try:
+        if given["header"] is not None:
+            header = header_of(done.probe_map, done.feed_mm_min, given["divisions"])
+            name = _identifier(given["header"].stem)
+            texts.append((given["header"], c_header(header, name=name, note=note)))
+        if given["nc"] is not None:
+            program = nc_program(
+                done.probe_map, done.feed_mm_min, first_variable=given["nc_first"], note=note
+            )
+            texts.append((given["nc"], program))
+    except ValueError as error:
+        raise click.UsageError(str(error)) from error
+    if given["html"] is not None:
+        texts.append((given["html"], _page(result, source)))
+    return texts
+
+
+def _identifier(stem: str) -> str:
+    """Make a name of C of that of a file."""
+    name = re.sub(r"[^a-z0-9_]", "_", stem.lower())
+    return name if name[:1].isalpha() else f"probe_{name}"
+
+
+def _page(result: _Result, name: str) -> str:
+    # Drawing takes time to load, which only those pay who want a page.
+    from skiplatch.report.compensation import After, as_html  # noqa: PLC0415
+
+    after = None
+    if result.after_map is not None and result.after is not None:
+        after = After(result.after_map, result.after)
+    return as_html(result.done, result.figures, result.known, after, name=name)
+
+
+def _write(texts: list[tuple[Path, str]]) -> None:
+    paths = [path.resolve() for path, _ in texts]
+    for path, _ in texts:
+        if paths.count(path.resolve()) > 1:
+            raise click.UsageError(f"{path} is named for two outputs")
+    atomic_write_texts(dict(texts))

@@ -1,0 +1,137 @@
+"""Speeds that make the pretravel the same in every direction."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.compensation import firmware
+from skiplatch.compensation.delay import Delay
+from skiplatch.compensation.formats import rounded
+from skiplatch.compensation.probe_map import ProbeMap
+
+FloatArray = NDArray[np.float64]
+
+US_PER_MS = 1e3
+UM_PER_MM = 1e3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits:
+    """What the machine can do; infinity is no limit.
+
+    Attributes:
+        max_feed_mm_min: Fastest measuring feed.
+        overtravel_mm: How far the tip may go on past the surface.
+        accel_mm_s2: Acceleration of the axes.
+        approach_mm: From where the feed is set to the surface.
+        reaction_ms: From the latch to the start of the deceleration.
+    """
+
+    max_feed_mm_min: float = math.inf
+    overtravel_mm: float = math.inf
+    accel_mm_s2: float = math.inf
+    approach_mm: float = math.inf
+    reaction_ms: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The radius that every direction shall have.
+
+    Attributes:
+        rule: How it follows from the pretravels of the map.
+        radius_um: Where it is given: as it was measured, also outside of an artefact.
+    """
+
+    rule: firmware.Target
+    radius_um: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Compensation:
+    """A speed table and what it is made of; arrays of shape (n,), in the order of the map.
+
+    Attributes:
+        probe_map: The radii.
+        delay: The delay.
+        base_mm_min: The feed without compensation, for the increase of time.
+        before_mm_min: The feeds at which the map was measured.
+        feed_mm_min: The table, rounded as it is written.
+        target_um: The radius that all directions shall have, with the sign of the map.
+        predicted_um: Radii at these feeds, were there no random error.
+        vr_before_um: Greatest less least mean radius.
+        vr_systematic_um: The same of `predicted_um`: what rounding leaves.
+        time_increase: Of the approaches, as a fraction of the time at `base_mm_min`.
+    """
+
+    probe_map: ProbeMap
+    delay: Delay
+    base_mm_min: float
+    before_mm_min: FloatArray
+    feed_mm_min: FloatArray
+    target_um: float
+    predicted_um: FloatArray
+    vr_before_um: float
+    vr_systematic_um: float
+    time_increase: float
+
+
+def compensate(
+    probe_map: ProbeMap,
+    delay: Delay,
+    *,
+    base_mm_min: float,
+    before_mm_min: FloatArray,
+    target: Target,
+    limits: Limits,
+) -> Compensation:
+    """Compute the table through the firmware.
+
+    Raises:
+        InputError: A feed would have to be 0 or less, or beyond what the machine can do.
+    """
+    plan = plan_of(delay.tau_ms, target, probe_map, limits)
+    try:
+        table = firmware.speed_table(probe_map.mean_um, before_mm_min, plan)
+    except firmware.PretravelError as error:
+        raise probe_map.fault(error.index or 0, "radius_um", str(error)) from error
+    feed_mm_min = rounded(table.speed_mm_min)
+    predicted_um = firmware.predict_um(probe_map.mean_um, before_mm_min, feed_mm_min, delay.tau_ms)
+    base = np.full_like(feed_mm_min, base_mm_min)
+    return Compensation(
+        probe_map=probe_map,
+        delay=delay,
+        base_mm_min=base_mm_min,
+        before_mm_min=before_mm_min,
+        feed_mm_min=feed_mm_min,
+        target_um=table.target_um,
+        predicted_um=predicted_um,
+        vr_before_um=firmware.range_um(probe_map.mean_um),
+        vr_systematic_um=firmware.range_um(predicted_um),
+        time_increase=firmware.time_increase(base, feed_mm_min),
+    )
+
+
+def plan_of(tau_ms: float, target: Target, probe_map: ProbeMap, limits: Limits) -> firmware.Plan:
+    """Put together what the firmware wants to know.
+
+    The axis goes on at full feed for tau and the reaction after the contact, and then brakes.
+    """
+    overtravel_feed = math.inf
+    if math.isfinite(limits.overtravel_mm):
+        overtravel_feed = firmware.safe_speed_mm_min(
+            limits.overtravel_mm * UM_PER_MM,
+            reaction_us=(tau_ms + limits.reaction_ms) * US_PER_MS,
+            accel_mm_s2=limits.accel_mm_s2,
+        )
+    return firmware.Plan(
+        tau_ms=tau_ms,
+        target=target.rule,
+        target_um=probe_map.sign * target.radius_um,
+        speed_max_mm_min=limits.max_feed_mm_min,
+        overtravel_speed_mm_min=overtravel_feed,
+        accel_mm_s2=limits.accel_mm_s2,
+        approach_mm=limits.approach_mm,
+    )

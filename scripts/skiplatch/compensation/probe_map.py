@@ -1,0 +1,214 @@
+"""The map of a probe: trigger radii over directions, with repeats, checked for gaps.
+
+A trigger radius is the distance from the best-fit centre to where the tip was when the probe
+triggered. Inside an artefact it grows with the pretravel; outside of one the tip goes on towards
+the centre, and it falls. A map holds what grows: a radius measured outside changes its sign, so
+that the difference of two is one of pretravels.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.compensation import firmware
+from skiplatch.compensation.columns_csv import ALPHA, BETA, RADIUS, RUN, Rows, read_columns
+from skiplatch.errors import InputError
+
+FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
+
+COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "run": RUN, "radius_um": RADIUS}
+
+TURN_DEG = 360.0
+POLE_DEG = 90.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Readings:
+    """Trigger radii as they were recorded; arrays of shape (k,).
+
+    Attributes:
+        alpha_deg: 0 to 360.
+        beta_deg: 0 to 90.
+        run: Number of the run.
+        radius_um: Growing with the pretravel.
+        path: File or folder they come from, for messages.
+        line: Line of each in that file; 0 where there is none.
+    """
+
+    alpha_deg: FloatArray
+    beta_deg: FloatArray
+    run: NDArray[np.int64]
+    radius_um: FloatArray
+    path: Path
+    line: NDArray[np.int64]
+
+    def fault(self, reading: int, column: str, message: str) -> InputError:
+        """Give the error that complains of a reading."""
+        return InputError(self.path, int(self.line[reading]) or None, column, message)
+
+    def named(self, reading: int) -> str:
+        """Name the direction of a reading in a message."""
+        return f"alpha {self.alpha_deg[reading]:g}, beta {self.beta_deg[reading]:g}"
+
+
+@dataclass(frozen=True)
+class ProbeMap:
+    """Radii of n directions in m runs, in the order of the firmware's map: by beta, then alpha.
+
+    Attributes:
+        cells: The firmware's map, whose radius is the mean of all repeats.
+        radius_um: Of each run; shape (n, m).
+        outside: Whether it was measured outside of an artefact.
+        readings: What it was made of.
+        cell_of: The direction of each reading; shape (k,).
+    """
+
+    cells: firmware.Map
+    radius_um: FloatArray
+    outside: bool
+    readings: Readings
+    cell_of: IndexArray
+
+    def __len__(self) -> int:
+        return len(self.cells)
+
+    @property
+    def runs(self) -> int:
+        """Repeats of each direction."""
+        return int(self.radius_um.shape[1])
+
+    @property
+    def sign(self) -> float:
+        """What turns a radius of the map into one as it was measured, and back."""
+        return -1.0 if self.outside else 1.0
+
+    @property
+    def mean_um(self) -> FloatArray:
+        """Mean over the runs; shape (n,)."""
+        return self.cells.radius_um
+
+    @cached_property
+    def repeatability_um(self) -> float | None:
+        """Standard deviation of one touch, pooled over the directions; None of a single run.
+
+        What all directions of a run have in common is its drift and is taken out.
+        """
+        if self.runs == 1:
+            return None
+        left = self.radius_um - self.radius_um.mean(axis=1, keepdims=True)
+        left = left - left.mean(axis=0, keepdims=True)
+        return float(np.sqrt((left**2).sum() / self.freedom))
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom of the repeatability."""
+        return (len(self) - 1) * (self.runs - 1)
+
+    @cached_property
+    def listed(self) -> IndexArray:
+        """One reading of each direction as it was written, in the order of the file."""
+        directions = np.column_stack([self.readings.alpha_deg, self.readings.beta_deg])
+        return np.sort(np.unique(directions, axis=0, return_index=True)[1])
+
+    def reading_of(self, cell: int) -> int:
+        """Give the first reading of a direction, for a message."""
+        return int(np.flatnonzero(self.cell_of == cell)[0])
+
+    def fault(self, cell: int, column: str, message: str) -> InputError:
+        """Give the error that complains of a direction."""
+        reading = self.reading_of(cell)
+        return self.readings.fault(reading, column, f"{self.readings.named(reading)}: {message}")
+
+
+def read_map(path: Path, *, outside: bool) -> ProbeMap:
+    """Read RADII.csv: alpha_deg, beta_deg, run, radius_um.
+
+    Raises:
+        InputError: The file is wrong, a direction lacks a run, there are too few directions, or
+            directions are missing.
+    """
+    rows = read_columns(path, COLUMNS)
+    _refuse_repeats(rows)
+    sign = -1.0 if outside else 1.0
+    readings = Readings(
+        alpha_deg=rows.values["alpha_deg"],
+        beta_deg=rows.values["beta_deg"],
+        run=rows.values["run"],
+        radius_um=sign * rows.values["radius_um"],
+        path=path,
+        line=rows.lines,
+    )
+    return map_of(readings, outside=outside)
+
+
+def map_of(readings: Readings, *, outside: bool) -> ProbeMap:
+    """Sort readings into a map.
+
+    Raises:
+        InputError: A direction lacks a run, there are too few directions, or some are missing.
+    """
+    cells = firmware.Map.from_readings(readings.alpha_deg, readings.beta_deg, readings.radius_um)
+    cell_of = _nearest(cells, readings)
+    try:
+        cells.check()
+    except firmware.PretravelError as error:
+        raise _incomplete(readings, error) from error
+    radius_um = _by_run(readings, len(cells), cell_of)
+    return ProbeMap(cells, radius_um, outside, readings, cell_of)
+
+
+def _incomplete(readings: Readings, error: firmware.PretravelError) -> InputError:
+    """Say in the file's terms why a map cannot be used."""
+    if error.gap is None:
+        directions = len(np.unique([readings.alpha_deg, readings.beta_deg], axis=1)[0])
+        return readings.fault(0, "alpha_deg", f"{error}: {directions} directions")
+    gap = error.gap
+    near = np.hypot(readings.alpha_deg - gap.alpha_deg, readings.beta_deg - gap.beta_deg)
+    return readings.fault(
+        int(np.argmin(near)),
+        "alpha_deg",
+        f"a gap in the map: no direction for {gap.width_deg:g} deg after alpha "
+        f"{gap.alpha_deg:g}, beta {gap.beta_deg:g}",
+    )
+
+
+def _nearest(cells: firmware.Map, readings: Readings) -> IndexArray:
+    """Give the cell of each reading, shape (k,); at the pole every azimuth is the same."""
+    turn = np.abs(readings.alpha_deg[:, None] - cells.alpha_deg) % TURN_DEG
+    azimuth = np.minimum(turn, TURN_DEG - turn) * np.cos(np.radians(cells.beta_deg))
+    rise = np.abs(readings.beta_deg[:, None] - cells.beta_deg)
+    return np.asarray(np.argmin(azimuth + rise, axis=1))
+
+
+def _refuse_repeats(rows: Rows) -> None:
+    columns = [rows.values[name].tolist() for name in ("alpha_deg", "beta_deg", "run")]
+    first: dict[tuple[float, ...], int] = {}
+    for row, key in enumerate(zip(*columns, strict=True)):
+        if key in first:
+            line = int(rows.lines[first[key]])
+            raise rows.fault(row, "run", f"this direction and run stand already in line {line}")
+        first[key] = row
+
+
+def _by_run(readings: Readings, directions: int, cell_of: IndexArray) -> FloatArray:
+    """Give the radii, shape (directions, runs): the mean where a run has several readings."""
+    runs, of_run = np.unique(readings.run, return_inverse=True)
+    shape = (directions, len(runs))
+    place = np.ravel_multi_index((cell_of, of_run.ravel()), shape)
+    count = np.bincount(place, minlength=directions * len(runs)).reshape(shape)
+    lacking = np.argwhere(count == 0)
+    if lacking.size:
+        cell, run = lacking[0]
+        reading = int(np.flatnonzero(cell_of == cell)[-1])
+        raise readings.fault(
+            reading,
+            "run",
+            f"a gap in the map: {readings.named(reading)} has no run {runs[run]}, "
+            "which other directions have",
+        )
+    total = np.bincount(place, readings.radius_um, directions * len(runs)).reshape(shape)
+    return np.asarray(total / count)
