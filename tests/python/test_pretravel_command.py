@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import numpy as np
+import pytest
 from click.testing import CliRunner, Result
 
 from skiplatch import cli
@@ -71,3 +73,55 @@ def test_an_unknown_rig_is_refused_with_the_known_ones() -> None:
 
     assert result.exit_code == 2
     assert "omp40-2" in result.output
+
+
+def test_a_table_from_the_recorded_campaign_closes_the_loop(tmp_path: Path) -> None:
+    """Recorded, compensated, and measured again with other random numbers."""
+    recorded, table = str(tmp_path / "rec"), str(tmp_path / "table.csv")
+    assert run("--rig", "haas", "--record", recorded).exit_code == 0
+    arguments = ["compensate", "--from-campaign", f"{recorded}/before", "--v0", "100"]
+    assert CliRunner().invoke(cli.group, [*arguments, "--out", table]).exit_code == 0
+
+    closed = str(tmp_path / "closed.json")
+    assert run("--rig", "haas", "--seed", "2", "--table", table, "--json", closed).exit_code == 0
+
+    found = json.loads(Path(closed).read_text())
+    assert found["vr_before_um"] > 19.0
+    assert found["vr_after_um"] < 2.7
+    assert abs(found["time_increase"] - 0.046) < 0.005
+
+
+def test_the_radii_and_speeds_recorded_give_the_table_of_the_campaign(tmp_path: Path) -> None:
+    assert run("--rig", "haas", "--record", str(tmp_path)).exit_code == 0
+    common = ["compensate", "--v0", "100"]
+    radii = [f"{tmp_path}/radii_before.csv", "--tau-from", f"{tmp_path}/speeds.csv"]
+    one, two = tmp_path / "one.csv", tmp_path / "two.csv"
+
+    CliRunner().invoke(cli.group, [*common, *radii, "--out", str(one)])
+    campaign = ["--from-campaign", f"{tmp_path}/before"]
+    CliRunner().invoke(cli.group, [*common, *campaign, "--out", str(two)])
+
+    tables = [np.loadtxt(path, delimiter=",", skiprows=1) for path in (one, two)]
+    (beta_deg, feeds), (_, campaign_feeds) = (table.T[1:] for table in tables)
+    above = beta_deg > 0.0
+    assert feeds[above] == pytest.approx(campaign_feeds[above], rel=0.002)
+    # In the campaign half of the repeats at the equator are those of the ring: 0.28 µm, 1.2 mm/min.
+    assert feeds[~above] == pytest.approx(campaign_feeds[~above], abs=5.0)
+
+
+def test_a_table_of_another_rig_is_refused(tmp_path: Path) -> None:
+    table = tmp_path / "table.csv"
+    table.write_text("alpha_deg,beta_deg,feed_mm_min\n0,0,50\n")
+
+    result = run("--rig", "haas", "--table", str(table))
+
+    assert "table.csv: no feed for alpha 10, beta 0" in str(result.exception)
+
+
+def test_a_table_and_iterations_exclude_each_other(tmp_path: Path) -> None:
+    table = str(tmp_path / "table.csv")
+
+    result = run("--rig", "haas", "--table", table, "--iterations", "2")
+
+    assert result.exit_code == 2
+    assert "no --iterations with it" in result.output

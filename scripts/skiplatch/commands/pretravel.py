@@ -14,6 +14,9 @@ from skiplatch.files import refuse_occupied
 EPILOG = """\b
 Example:
   skiplatch pretravel --rig haas --seed 1 --record build/haas
+  skiplatch diagnose build/haas/before
+  skiplatch compensate --from-campaign build/haas/before --v0 100 --out build/table.csv
+  skiplatch pretravel --rig haas --seed 2 --table build/table.csv --record build/closed
 """
 PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
 
@@ -42,6 +45,13 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
     help="How often the feeds are worked out and measured again.",
 )
 @click.option(
+    "--table",
+    "table_path",
+    type=click.Path(path_type=Path, dir_okay=False),
+    metavar="TABLE.csv",
+    help="Measure at the feeds of this table of 'skiplatch compensate' afterwards.",
+)
+@click.option(
     "--trials",
     type=click.IntRange(1, 1000),
     default=1,
@@ -52,7 +62,7 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
     "--record",
     "folder",
     type=click.Path(path_type=Path, file_okay=False),
-    help="Write the first trial's campaigns 'before' and 'after' into this folder.",
+    help="Write campaigns 'before' and 'after', radii and speeds (of the first trial) there.",
 )
 @seed_option
 @jobs_option
@@ -61,6 +71,7 @@ def command(
     name: str,
     path: str,
     iterations: int,
+    table_path: Path | None,
     trials: int,
     folder: Path | None,
     seed: int,
@@ -73,11 +84,22 @@ def command(
     firmware's mathematics; every touch goes through the firmware's latch. The table has the
     document's figures beside ours, and says which of them the simulation was set up to give.
     """
+    if table_path is not None and iterations > 1:
+        raise click.UsageError("--table says at which feeds to measure: no --iterations with it")
     if folder is not None:
         for part in (campaigns.BEFORE, campaigns.AFTER):
             refuse_occupied(folder / part)
+    rig = RIGS[name]
+    table = None if table_path is None else campaigns.read_feeds(table_path, rig.directions)
     results = [
-        run(RIGS[name], seed=trial, jobs=jobs, path=PATHS[path], iterations=iterations)
+        run(
+            rig,
+            seed=trial,
+            jobs=jobs,
+            path=PATHS[path],
+            iterations=iterations,
+            table_mm_min=table,
+        )
         for trial in range(seed, seed + trials)
     ]
     figures = paper.figures(results)
@@ -95,4 +117,4 @@ def command(
     )
     if folder is not None:
         campaigns.record(folder, results[0])
-        click.echo(f"\nwrote {folder / campaigns.BEFORE} and {folder / campaigns.AFTER}")
+        click.echo(f"\nwrote {folder}: campaigns before and after, their radii, and speeds.csv")

@@ -103,12 +103,12 @@ class Session:
     """Measurements on one rig, one after the other."""
 
     def __init__(self, rig: Rig, station: Station) -> None:
-        self._rig = rig
+        self.rig = rig
         self._station = station
 
     def ring(self) -> list[Recording]:
         """Touch the ring, so often at each of its feeds."""
-        rig = self._rig
+        rig = self.rig
         return [
             self._station.touch(
                 rig.ring,
@@ -121,21 +121,26 @@ class Session:
 
     def survey(self, feed_mm_min: FloatArray, *, runs: int) -> Survey:
         """Map the trigger radii at a feed for each direction."""
-        rig = self._rig
+        rig = self.rig
         recording = self._station.touch(rig.target, rig.directions, feed_mm_min, runs=runs)
         return evaluate(recording, feed_mm_min)
 
 
+def ring_radii_um(rings: Sequence[Recording]) -> FloatArray:
+    """Give the mean trigger radius of each run on the ring; shape (feeds, runs)."""
+    return np.array(
+        [
+            [firmware.fit(points, firmware.Shape.CIRCLE).radius_um for points in ring.points_um]
+            for ring in rings
+        ]
+    )
+
+
 def delay(rings: Sequence[Recording], feeds_mm_min: Sequence[float]) -> firmware.Tau:
     """Find the delay: the slope of the ring's mean trigger radius over the feed, run by run."""
-    radii_um = [
-        [firmware.fit(points_um, firmware.Shape.CIRCLE).radius_um for points_um in ring.points_um]
-        for ring in rings
-    ]
-    runs = len(radii_um[0])
-    return firmware.estimate_tau(
-        np.repeat(feeds_mm_min, runs), np.ravel(radii_um), rings[0].target.side
-    )
+    radii_um = ring_radii_um(rings)
+    feeds = np.repeat(feeds_mm_min, radii_um.shape[1])
+    return firmware.estimate_tau(feeds, radii_um.ravel(), rings[0].target.side)
 
 
 def evaluate(recording: Recording, feed_mm_min: FloatArray) -> Survey:
@@ -169,6 +174,7 @@ def run(
     jobs: int = 1,
     path: InputPath = InputPath.SKIP,
     iterations: int = 1,
+    table_mm_min: FloatArray | None = None,
 ) -> Result:
     """Make the whole experiment on a rig.
 
@@ -178,18 +184,21 @@ def run(
         jobs: Threads to simulate on.
         path: Which input latches.
         iterations: How often the feeds are worked out and measured again.
+        table_mm_min: Feeds to measure at in place of those, shape (n,).
 
     Raises:
         SimulationError: A touch was not latched, or the firmware's mathematics refuses what was
             measured.
     """
     try:
-        return _run(rig, seed=seed, jobs=jobs, path=path, iterations=iterations)
+        return _run(rig, path, seed, jobs, iterations, table_mm_min)
     except firmware.PretravelError as error:
         raise SimulationError(f"{rig.title}: {error}") from error
 
 
-def _run(rig: Rig, *, seed: int, jobs: int, path: InputPath, iterations: int) -> Result:
+def _run(
+    rig: Rig, path: InputPath, seed: int, jobs: int, iterations: int, table: FloatArray | None
+) -> Result:
     def session(nominal: Nominal, seat: Seat | None) -> Session:
         return Session(rig, Station(nominal, seat, path=path, seed=seed, jobs=jobs))
 
@@ -197,10 +206,11 @@ def _run(rig: Rig, *, seed: int, jobs: int, path: InputPath, iterations: int) ->
     rings = noisy.ring()
     tau = delay(rings, rig.ring_feeds_mm_min)
     constant = np.full(len(rig.directions), rig.feed_mm_min)
-    before = after = noisy.survey(constant, runs=rig.runs)
-    target_um = float(before.mean_um.mean())
-    for _ in range(iterations):
-        after = noisy.survey(feeds(rig, after, tau.tau_ms, target_um), runs=rig.runs)
+    before = noisy.survey(constant, runs=rig.runs)
+    if table is None:
+        after = _iterated(noisy, before, tau.tau_ms, iterations)
+    else:
+        after = noisy.survey(table, runs=rig.runs)
     silent = _with_probe(rig.nominal, repeatability_um=0.0)
     even = _with_probe(rig.nominal, pretravel_um=EVEN_PRETRAVEL_UM)
     return Result(
@@ -214,6 +224,16 @@ def _run(rig: Rig, *, seed: int, jobs: int, path: InputPath, iterations: int) ->
         systematic_after_um=session(silent, rig.seat).survey(after.feed_mm_min, runs=1).vr_um,
         floor_um=session(even, None).survey(constant, runs=rig.runs).vr_um,
     )
+
+
+def _iterated(session: Session, before: Survey, tau_ms: float, iterations: int) -> Survey:
+    target_um = float(before.mean_um.mean())
+    survey = before
+    for _ in range(iterations):
+        survey = session.survey(
+            feeds(session.rig, survey, tau_ms, target_um), runs=session.rig.runs
+        )
+    return survey
 
 
 def feeds(rig: Rig, survey: Survey, tau_ms: float, target_um: float) -> FloatArray:
