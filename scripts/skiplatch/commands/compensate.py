@@ -18,7 +18,7 @@ from skiplatch.compensation.compensate import Compensation, Limits, Target, comp
 from skiplatch.compensation.delay import Delay, estimate_delay
 from skiplatch.compensation.firmware import Target as Rule
 from skiplatch.compensation.formats import c_header, header_of, nc_program, read_table, table_csv
-from skiplatch.compensation.from_campaign import recorded
+from skiplatch.compensation.from_campaign import Recorded, recorded
 from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures
 from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
@@ -38,7 +38,7 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 SIZE = SizeType()
 PATHS = ("skip", "plc")
 PER_CENT = 100.0
-DEFAULT_DIVISIONS = 8
+DEFAULT_DIVISIONS = 16
 MOST_DIVISIONS = 32
 FIRST_VARIABLE = 500
 
@@ -181,9 +181,9 @@ class _Result:
 @click.option("--html", type=FILE, metavar="PAGE.html", help="The report, one page with pictures.")
 @click.option(
     "--after",
-    type=FILE,
-    metavar="RADII.csv",
-    help="Radii measured with a table, to be shown beside the predicted ones.",
+    type=click.Path(path_type=Path),
+    metavar="RADII.csv|DIR",
+    help="Radii measured with a table, or a campaign of them, to be shown beside the predicted.",
 )
 def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  # noqa: ANN401
     """Find the feeds at which a probe's pretravel is the same in every direction.
@@ -244,9 +244,7 @@ def _result(radii: Path | None, given: Mapping[str, Any]) -> _Result:
         resolution_um=given["resolution"] or 0.0,
         feed_error=(given["feed_error"] or 0.0) / PER_CENT,
     )
-    after_map = None
-    if given["after"] is not None:
-        after_map = read_map(given["after"], outside=not given["map_inside"])
+    after_map = _after(given)
     return _Result(
         done=done,
         figures=probe_figures(probe_map),
@@ -254,6 +252,16 @@ def _result(radii: Path | None, given: Mapping[str, Any]) -> _Result:
         after_map=after_map,
         after=None if after_map is None else probe_figures(after_map),
     )
+
+
+def _after(given: Mapping[str, Any]) -> ProbeMap | None:
+    """Read what was measured with a table, if it was."""
+    path: Path | None = given["after"]
+    if path is None:
+        return None
+    if path.is_dir():
+        return _recorded(path, given).as_measured(fit_centre=given["centre"] == "fit")
+    return read_map(path, outside=not given["map_inside"])
 
 
 def _delay(given: Mapping[str, Any]) -> Delay | None:
@@ -271,11 +279,15 @@ def _from_files(radii: Path, given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]
     return probe_map, delay
 
 
-def _from_campaign(given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:
+def _recorded(folder: Path, given: Mapping[str, Any]) -> Recorded:
     column = COLUMNS["path"]
     assert isinstance(column, ChoiceColumn)  # noqa: S101  for the type checker
     path = None if given["path"] is None else InputPath(column.codes[given["path"]])
-    found = recorded(read_campaign(given["campaign"]), path)
+    return recorded(read_campaign(folder), path)
+
+
+def _from_campaign(given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:
+    found = _recorded(given["campaign"], given)
     delay = _delay(given) or estimate_delay(found.speeds())
     return found.probe_map(delay, given["v0"], fit_centre=given["centre"] == "fit"), delay
 

@@ -13,6 +13,8 @@ from skiplatch.compensation.probe_map import ProbeMap
 
 FloatArray = NDArray[np.float64]
 
+HINTS = {"TOO_SLOW": "; map the probe at a higher feed, or give --target max"}
+"""What to do about an error of the firmware, by its name."""
 US_PER_MS = 1e3
 UM_PER_MM = 1e3
 
@@ -96,7 +98,8 @@ def compensate(
     try:
         table = firmware.speed_table(probe_map.mean_um, before_mm_min, plan)
     except firmware.PretravelError as error:
-        raise probe_map.fault(error.index or 0, "radius_um", str(error)) from error
+        hint = HINTS.get(error.name, "")
+        raise probe_map.fault(error.index or 0, "radius_um", f"{error}{hint}") from error
     feed_mm_min = rounded(table.speed_mm_min)
     predicted_um = firmware.predict_um(probe_map.mean_um, before_mm_min, feed_mm_min, delay.tau_ms)
     base = np.full_like(feed_mm_min, base_mm_min)

@@ -1,12 +1,14 @@
 """The speed table as files: TABLE.csv, a header for the target, the variables of a controller."""
 
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.compensation.columns_csv import ALPHA, BETA, FEED, read_columns
+from skiplatch.compensation.firmware import Lookup, PretravelError
 from skiplatch.compensation.probe_map import ProbeMap
 from skiplatch.errors import InputError
 
@@ -17,9 +19,7 @@ COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "feed_mm_min": FEED}
 NC_RANGES = ((500, 999), (10_000, 10_999))
 """Common variables that keep their values when the control is switched off (Fanuc, Haas)."""
 
-UNITS_PER_MM_MIN = (1000, 100, 10, 1)
-MOST_UNITS = 32_767
-"""Of a vertex; see ``firmware/comp/pretravel_lookup.h``."""
+NM_PER_MM = 1e6
 PER_LINE = 12
 
 
@@ -83,30 +83,30 @@ class Header:
 
     Attributes:
         divisions: How fine its grid is; see ``firmware/comp/pretravel_lookup.h``.
-        units_per_mm_min: How many units of the table are one mm/min.
-        vertices: Speeds in that unit.
+        unit_nm_min: What a looked-up speed is counted in.
+        vertices: Speeds in 128 of that unit.
     """
 
     divisions: int
-    units_per_mm_min: int
-    vertices: NDArray[np.uint16]
+    unit_nm_min: int
+    vertices: NDArray[np.uint8]
 
 
 def header_of(probe_map: ProbeMap, feed_mm_min: FloatArray, divisions: int) -> Header:
     """Lay the feeds, shape (n,), out for the firmware's lookup, in the finest unit that holds them.
 
     Raises:
-        ValueError: They do not fit into its numbers.
+        ValueError: They do not fit into its numbers, or there is no such division.
     """
-    most = float(feed_mm_min.max())
-    for units in UNITS_PER_MM_MIN:
-        if most * units <= MOST_UNITS:
-            found = probe_map.cells.lookup(
-                feed_mm_min, divisions=divisions, unit_mm_min=1.0 / units
-            )
-            return Header(divisions, units, found.vertices)
-    message = f"a feed of {most:g} mm/min does not fit into the table of a target"
-    raise ValueError(message)
+    finest_mm_min = Lookup.finest_unit_mm_min(feed_mm_min)
+    unit_nm_min = ceil(finest_mm_min * NM_PER_MM)
+    try:
+        found = probe_map.cells.lookup(
+            feed_mm_min, divisions=divisions, unit_mm_min=unit_nm_min / NM_PER_MM
+        )
+    except PretravelError as error:
+        raise ValueError(str(error)) from error
+    return Header(divisions, unit_nm_min, found.vertices)
 
 
 def c_header(header: Header, *, name: str, note: str) -> str:
@@ -138,13 +138,15 @@ def c_header(header: Header, *, name: str, note: str) -> str:
             "",
             '#include "comp/pretravel_lookup.h"',
             "",
-            f"#define {upper}_UNITS_PER_MM_MIN {header.units_per_mm_min}u",
+            "/* What pretravel_lookup() counts in, in nm/min. */",
+            f"#define {upper}_UNIT_NM_MIN {header.unit_nm_min}u",
             "",
-            f"static const uint16_t {name}_vertices[{len(cells)}] = {{",
+            f"static const uint8_t {name}_vertices[{len(cells)}] = {{",
             *body,
             "};",
             "",
-            f"static const pretravel_lookup_t {name} = {{{name}_vertices, {header.divisions}u}};",
+            f"static const pretravel_lookup_t {name} = {{",
+            f"    {name}_vertices + {len(cells) // 2}, {header.divisions}u}};",
             "",
             "#endif",
             "",

@@ -7,7 +7,7 @@ transducer, transmission, filter and latch.
 """
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,15 +110,20 @@ class Recorded:
         here = self.feed_mm_min == feed_mm_min
         whole = bool((self._touched > 0).all()) or not here.any()
         used = self._repeated(np.ones_like(here) if whole else here)
-        count = len(used.feed_mm_min)
+        to_feed = np.full(len(used.feed_mm_min), feed_mm_min)
         at_feed_um = firmware.predict_um(
-            used.readings.radius_um, used.feed_mm_min, np.full(count, feed_mm_min), delay.tau_ms
+            used.readings.radius_um, used.feed_mm_min, to_feed, delay.tau_ms
         )
-        found = map_of(_with_radii(used.readings, at_feed_um), outside=False)
-        if not fit_centre:
-            return found
-        shift_um = (about_centre(found) - (found.mean_um - found.mean_um.mean()))[found.cell_of]
-        return map_of(_with_radii(used.readings, at_feed_um + shift_um), outside=False)
+        return _map_of(replace(used.readings, radius_um=at_feed_um), fit_centre=fit_centre)
+
+    def as_measured(self, *, fit_centre: bool) -> ProbeMap:
+        """Give the map at the feeds as they were: of touches made with a table.
+
+        Raises:
+            InputError: Directions are missing.
+        """
+        used = self._repeated(np.ones_like(self.feed_mm_min, dtype=np.bool_))
+        return _map_of(used.readings, fit_centre=fit_centre)
 
     def _repeated(self, rows: BoolArray) -> "Recorded":
         """Give as many repeats of each direction as most have; one with fewer is left out."""
@@ -140,15 +145,13 @@ class Recorded:
         return InputError(self.readings.path, None, column, message)
 
 
-def _with_radii(readings: Readings, radius_um: FloatArray) -> Readings:
-    return Readings(
-        alpha_deg=readings.alpha_deg,
-        beta_deg=readings.beta_deg,
-        run=readings.run,
-        radius_um=radius_um,
-        path=readings.path,
-        line=readings.line,
-    )
+def _map_of(readings: Readings, *, fit_centre: bool) -> ProbeMap:
+    found = map_of(readings, outside=False)
+    if not fit_centre:
+        return found
+    shift_um = about_centre(found) - (found.mean_um - found.mean_um.mean())
+    centred = replace(readings, radius_um=readings.radius_um + shift_um[found.cell_of])
+    return map_of(centred, outside=False)
 
 
 def recorded(campaign: Campaign, path: InputPath | None = None) -> Recorded:

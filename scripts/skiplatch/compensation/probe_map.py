@@ -6,6 +6,7 @@ the centre, and it falls. A map holds what grows: a radius measured outside chan
 that the difference of two is one of pretravels.
 """
 
+import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from skiplatch.compensation import firmware
 from skiplatch.compensation.columns_csv import ALPHA, BETA, RADIUS, RUN, Rows, read_columns
-from skiplatch.errors import InputError
+from skiplatch.errors import CampaignWarning, InputError
 
 FloatArray = NDArray[np.float64]
 IndexArray = NDArray[np.intp]
@@ -23,7 +24,9 @@ IndexArray = NDArray[np.intp]
 COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "run": RUN, "radius_um": RADIUS}
 
 TURN_DEG = 360.0
-POLE_DEG = 90.0
+SAME_DEG = 1e-3
+LOBES_NEED = 7
+"""Azimuths at the equator: more than two for each of three lobes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,24 +159,46 @@ def map_of(readings: Readings, *, outside: bool) -> ProbeMap:
     try:
         cells.check()
     except firmware.PretravelError as error:
-        raise _incomplete(readings, error) from error
+        raise _incomplete(cells, readings, error) from error
     radius_um = _by_run(readings, len(cells), cell_of)
-    return ProbeMap(cells, radius_um, outside, readings, cell_of)
+    found = ProbeMap(cells, radius_um, outside, readings, cell_of)
+    _warn_of_hidden_lobes(found)
+    return found
 
 
-def _incomplete(readings: Readings, error: firmware.PretravelError) -> InputError:
+def _incomplete(
+    cells: firmware.Map, readings: Readings, error: firmware.PretravelError
+) -> InputError:
     """Say in the file's terms why a map cannot be used."""
-    if error.gap is None:
-        directions = len(np.unique([readings.alpha_deg, readings.beta_deg], axis=1)[0])
-        return readings.fault(0, "alpha_deg", f"{error}: {directions} directions")
     gap = error.gap
+    if gap is None:
+        return readings.fault(0, "alpha_deg", f"{error}; got {len(cells)} directions")
+    row = np.abs(cells.beta_deg - gap.beta_deg) < SAME_DEG
+    steps = np.diff(cells.alpha_deg[row], append=cells.alpha_deg[row][0] + TURN_DEG)
+    in_azimuth = gap.width_deg > np.median(steps) + SAME_DEG
     near = np.hypot(readings.alpha_deg - gap.alpha_deg, readings.beta_deg - gap.beta_deg)
     return readings.fault(
         int(np.argmin(near)),
-        "alpha_deg",
-        f"a gap in the map: no direction for {gap.width_deg:g} deg after alpha "
-        f"{gap.alpha_deg:g}, beta {gap.beta_deg:g}",
+        "alpha_deg" if in_azimuth else "beta_deg",
+        f"a gap in the map: no direction for {gap.width_deg:g} deg of "
+        f"{'alpha' if in_azimuth else 'beta'} from alpha {gap.alpha_deg:g}, beta {gap.beta_deg:g} "
+        "on",
     )
+
+
+def _warn_of_hidden_lobes(found: "ProbeMap") -> None:
+    """Tell of rings whose azimuths may all stand where three lobes are zero, or alike."""
+    betas, azimuths = np.unique(found.cells.beta_deg, return_counts=True)
+    needed = np.ceil(LOBES_NEED * np.cos(np.radians(betas)))
+    few = np.flatnonzero(azimuths < needed)
+    if few.size:
+        readings, ring = found.readings, few[0]
+        message = (
+            f"{azimuths[ring]} azimuths at beta {betas[ring]:g} may not show the three lobes of a "
+            f"probe; {needed[ring]:g} do"
+        )
+        warning = CampaignWarning(readings.path, None, "alpha_deg", message)
+        warnings.warn(warning, stacklevel=3)
 
 
 def _nearest(cells: firmware.Map, readings: Readings) -> IndexArray:

@@ -20,6 +20,8 @@ HOLE = 0.6
 """Width of the empty middle, as a share of the scale: no radius in a picture is below nothing."""
 MARGIN = 0.08
 TICKS = 3
+LABEL_DEG = 15.0
+"""Where around the axis the scale is written, above all curves."""
 LEAST_SPAN_UM = 1e-3
 
 
@@ -107,12 +109,12 @@ def _dress(axes: PolarAxes, unit: str) -> None:
     low, high = axes.get_ylim()
     ticks = MaxNLocator(TICKS).tick_values(low, high)
     shown = [float(tick) for tick in ticks if low <= tick <= high]
-    labels = [f"{tick:g}" for tick in shown[:-1]] + [f"{shown[-1]:g} {unit}"]
-    axes.set_yticks(shown, labels)
-    axes.set_rlabel_position(15.0)
-    axes.tick_params(axis="y", labelsize=7.0)
-    for text in axes.yaxis.get_ticklabels():
-        text.set_bbox({"facecolor": theme.PAPER, "edgecolor": "none", "pad": 0.6})
+    axes.set_yticks(shown, [""] * len(shown))
+    for tick in shown:
+        words = f"{tick:g} {unit}" if tick == shown[-1] else f"{tick:g}"
+        box = {"facecolor": theme.PAPER, "edgecolor": "none", "pad": 0.6}
+        angle = float(np.radians(LABEL_DEG))
+        axes.text(angle, tick, words, fontsize=7.0, ha="center", va="center", bbox=box)
     axes.spines["polar"].set_color(theme.GRID)
 
 
