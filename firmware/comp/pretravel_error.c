@@ -22,7 +22,7 @@ static const char *const SENTENCES[] = {
     [-PRETRAVEL_ERR_FEW_POINTS] = "too few points: a circle wants 3, a sphere 4",
     [-PRETRAVEL_ERR_CENTRE] = "the points do not tell where the centre is",
     [-PRETRAVEL_ERR_SCALE] = "a speed does not fit into the units of the table",
-    [-PRETRAVEL_ERR_DIVISIONS] = "the divisions of the table are out of range: 1 to 32",
+    [-PRETRAVEL_ERR_DIVISIONS] = "the table can be divided by 2, 4, 8, 16 or 32 only",
 };
 
 const char *pretravel_error(int code)

@@ -22,20 +22,20 @@ static double vertex_speed(const pretravel_cell_t *cells, const double *speed_mm
     return pretravel_map_at(cells, speed_mm_min, count, alpha_deg, beta_deg);
 }
 
-static int write_vertex(double units, uint16_t *vertex)
+static int write_vertex(double units, uint8_t *vertex)
 {
-    if (!(units >= 0.5 && units < (double)PRETRAVEL_SPEED_MAX + 0.5)) {
+    if (!(units >= 0.5 && units < (double)PRETRAVEL_VERTEX_MAX + 0.5)) {
         return PRETRAVEL_ERR_SCALE;
     }
-    *vertex = (uint16_t)(units + 0.5);
+    *vertex = (uint8_t)(units + 0.5);
     return PRETRAVEL_OK;
 }
 
 int pretravel_grid_build(const pretravel_cell_t *cells, const double *speed_mm_min, uint32_t count,
-                         uint8_t divisions, double unit_mm_min, uint16_t *vertices)
+                         uint8_t divisions, double unit_mm_min, uint8_t *vertices)
 {
     int m = divisions;
-    if (m < 1 || m > PRETRAVEL_DIVISIONS_MAX) {
+    if (m < 2 || m > PRETRAVEL_DIVISIONS_MAX || (m & (m - 1)) != 0) { /* a power of two */
         return PRETRAVEL_ERR_DIVISIONS;
     }
     if (!(unit_mm_min > 0.0)) {

@@ -154,7 +154,7 @@ def range_um(radius_um: ArrayLike) -> float:
 
 
 def pretravel_um(transducer_um: float, speed_mm_min: float, tau_ms: float) -> float:
-    """w = w_T + v·τ."""
+    """Give w = w_T + v·τ."""
     return float(mathematics().library.pretravel_um(transducer_um, speed_mm_min, tau_ms))
 
 
@@ -273,31 +273,33 @@ class Map:
             [at(rows, given, len(self), a, b) for a, b in zip(alpha, beta, strict=True)]
         )
 
-    def lookup(self, speed_mm_min: ArrayLike, *, divisions: int, unit_mm_min: float) -> "Lookup":
+    def lookup(
+        self, speed_mm_min: ArrayLike, *, divisions: int, unit_mm_min: float | None = None
+    ) -> "Lookup":
         """Lay speeds, one a cell, out for the controller; map without gaps.
 
         Args:
             speed_mm_min: Shape (count,).
-            divisions: M, 1 to 32: the table has 2·M² + 2·M + 1 vertices.
-            unit_mm_min: What a vertex is counted in; 32767 of them are the most.
+            divisions: M: 2, 4, 8, 16 or 32; the table has 2·M² + 2·M + 1 vertices.
+            unit_mm_min: What a looked-up speed is counted in; the finest if it is not given.
 
         Raises:
             PretravelError: DIVISIONS, LIMIT or SCALE.
         """
         c = mathematics()
         speeds = _in(speed_mm_min)
-        size = c.library.pretravel_grid_size(divisions)
-        vertices = np.zeros(size, dtype=np.uint16)
+        unit = Lookup.finest_unit_mm_min(speeds) if unit_mm_min is None else unit_mm_min
+        vertices = np.zeros(c.library.pretravel_grid_size(divisions), dtype=np.uint8)
         code = c.library.pretravel_grid_build(
             self._rows(c),
             _doubles(c, speeds),
             len(self),
             divisions,
-            unit_mm_min,
-            c.ffi.from_buffer("uint16_t[]", vertices, require_writable=True),
+            unit * c.library.PRETRAVEL_LOOKUP_PARTS,
+            c.ffi.from_buffer("uint8_t[]", vertices, require_writable=True),
         )
         _check(c, code)
-        return Lookup(vertices, divisions, unit_mm_min)
+        return Lookup(vertices, divisions, unit)
 
     def _rows(self, c: Mathematics) -> CData:
         return c.ffi.from_buffer("pretravel_cell_t[]", self._cells)
@@ -307,10 +309,18 @@ class Map:
 class Lookup:
     """The controller's table."""
 
-    vertices: NDArray[np.uint16]
-    """Speeds in units, row by row; see ``pretravel_lookup.h``."""
+    vertices: NDArray[np.uint8]
+    """Speeds in 128 units, row by row; see ``pretravel_lookup.h``."""
     divisions: int
     unit_mm_min: float
+    """What a looked-up speed is counted in."""
+
+    @staticmethod
+    def finest_unit_mm_min(speed_mm_min: ArrayLike) -> float:
+        """Smallest unit in which all of these speeds, shape (count,), fit into a table."""
+        library = mathematics().library
+        units = library.PRETRAVEL_VERTEX_MAX * library.PRETRAVEL_LOOKUP_PARTS
+        return float(np.max(_in(speed_mm_min))) / float(units)
 
     def speed_mm_min(self, directions: ArrayLike) -> FloatArray:
         """Speeds as the controller finds them, in fixed point; 0 below the equator.
@@ -319,8 +329,9 @@ class Lookup:
             directions: Vectors of 16-bit integers, shape (n, 3).
         """
         c = mathematics()
-        held = c.ffi.from_buffer("uint16_t[]", self.vertices)
-        table = c.ffi.new("pretravel_lookup_t *", (held, self.divisions))
+        held = c.ffi.from_buffer("uint8_t[]", self.vertices)
+        pole = held + len(self.vertices) // 2
+        table = c.ffi.new("pretravel_lookup_t *", (pole, self.divisions))
         find = c.library.pretravel_lookup
         vectors = np.asarray(directions, dtype=np.int16)
         return self.unit_mm_min * np.array([find(table, *vector) for vector in vectors.tolist()])

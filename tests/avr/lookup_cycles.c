@@ -1,0 +1,117 @@
+/*
+ * Runs the controller's lookup on an ATmega328P and tells over the serial line, as decimal numbers
+ * in one line: directions, most cycles of a call, mean cycles, the direction that took most, and a
+ * checksum of all speeds. tests/python/test_lookup_avr.py runs it in simavr and computes the
+ * checksum again on the host.
+ */
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#include "comp/pretravel_lookup.h"
+
+#define VERTICES   (2u * DIVISIONS * DIVISIONS + 2u * DIVISIONS + 1u)
+#define DIRECTIONS 16384u
+
+typedef struct {
+    int16_t dx;
+    int16_t dy;
+    int16_t dz;
+} direction_t;
+
+typedef struct {
+    uint32_t    sum;
+    uint16_t    most;
+    direction_t worst;
+    uint32_t    checksum;
+} outcome_t;
+
+static uint8_t  vertices[VERTICES];
+static uint32_t random_state = 1u;
+
+static uint16_t next_random(void)
+{
+    random_state = random_state * 1664525u + 1013904223u;
+    return (uint16_t)(random_state >> 16);
+}
+
+/*
+ * Every other direction is any, long or short. The rest lie where the long division subtracts most
+ * often, near x = y on the equator, with both signs negative.
+ */
+static direction_t next_direction(bool is_any)
+{
+    uint8_t  shift = (uint8_t)(next_random() % 14u);
+    uint16_t length = next_random();
+    if (is_any) {
+        return (direction_t){
+            .dx = (int16_t)((int16_t)length >> shift),
+            .dy = (int16_t)((int16_t)next_random() >> shift),
+            .dz = (int16_t)((next_random() & 0x7FFFu) >> shift),
+        };
+    }
+    uint16_t side = (uint16_t)((length & 0x7FFFu) | 0x4000u);
+    return (direction_t){
+        .dx = (int16_t)-(int16_t)(side - (next_random() & 0xFFu)),
+        .dy = (int16_t)-(int16_t)(side - (next_random() & 0xFFu)),
+        .dz = (int16_t)(next_random() >> (shift + 2u)),
+    };
+}
+
+/* The library's call lies between two readings of a counter that runs at the processor's clock. */
+static uint16_t timed_lookup(const pretravel_lookup_t *lookup, direction_t direction,
+                             uint16_t *cycles)
+{
+    uint16_t start = TCNT1;
+    __asm__ volatile("" ::: "memory");
+    uint16_t speed = pretravel_lookup(lookup, direction.dx, direction.dy, direction.dz);
+    __asm__ volatile("" : "+r"(speed)::"memory");
+    *cycles = (uint16_t)(TCNT1 - start);
+    return speed;
+}
+
+static void tell(uint32_t value)
+{
+    char digits[12];
+    ultoa(value, digits, 10);
+    for (const char *digit = digits; *digit != '\0'; digit++) {
+        UDR0 = (uint8_t)*digit;
+    }
+    UDR0 = ' ';
+}
+
+int main(void)
+{
+    const pretravel_lookup_t lookup = {.pole = vertices + VERTICES / 2u, .divisions = DIVISIONS};
+    outcome_t                outcome = {0};
+    TCCR1B = (uint8_t)(1u << CS10);
+    UCSR0B = (uint8_t)(1u << TXEN0);
+    for (uint16_t i = 0; i < VERTICES; i++) {
+        vertices[i] = (uint8_t)next_random();
+    }
+    for (uint16_t i = 0; i < DIRECTIONS; i++) {
+        uint16_t    cycles = 0u;
+        direction_t direction = next_direction((i & 1u) != 0u);
+        uint16_t    speed = timed_lookup(&lookup, direction, &cycles);
+        outcome.checksum = outcome.checksum * 31u + speed;
+        outcome.sum += cycles;
+        if (cycles > outcome.most) {
+            outcome.most = cycles;
+            outcome.worst = direction;
+        }
+    }
+    tell(DIRECTIONS);
+    tell(outcome.most);
+    tell(outcome.sum / DIRECTIONS);
+    tell((uint32_t)labs(outcome.worst.dx));
+    tell((uint32_t)labs(outcome.worst.dy));
+    tell((uint32_t)labs(outcome.worst.dz));
+    tell(outcome.checksum);
+    UDR0 = '\n';
+    cli();
+    sleep_mode();
+    return 0;
+}
