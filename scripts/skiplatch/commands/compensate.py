@@ -15,7 +15,7 @@ from skiplatch.campaign.column_kinds import ChoiceColumn
 from skiplatch.commands.options import SizeType, json_option, json_text, seed_option
 from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
-from skiplatch.compensation.delay import Delay, estimate_delay
+from skiplatch.compensation.delay import S_PER_MIN, Delay, estimate_delay
 from skiplatch.compensation.firmware import Target as Rule
 from skiplatch.compensation.formats import c_header, header_of, nc_program, read_table, table_csv
 from skiplatch.compensation.from_campaign import Recorded, recorded
@@ -38,8 +38,8 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 SIZE = SizeType()
 PATHS = ("skip", "plc")
 PER_CENT = 100.0
+DIVISIONS = (2, 4, 8, 16, 32)
 DEFAULT_DIVISIONS = 16
-MOST_DIVISIONS = 32
 FIRST_VARIABLE = 500
 
 
@@ -165,10 +165,10 @@ class _Result:
 @click.option("--header", type=FILE, metavar="FILE.h", help="The table for the target, in C.")
 @click.option(
     "--divisions",
-    type=click.IntRange(1, MOST_DIVISIONS),
+    type=click.Choice(DIVISIONS),
     default=DEFAULT_DIVISIONS,
     show_default=True,
-    help="How fine the target's table is: 2·M² + 2·M + 1 numbers.",
+    help="How fine the target's table is: M of them make 2·M² + 2·M + 1 bytes.",
 )
 @click.option("--nc", type=FILE, metavar="FILE.nc", help="The table as variables of a control.")
 @click.option(
@@ -198,12 +198,14 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     """
     _check_options(radii, given)
     result = _result(radii, given)
-    texts = _texts(result, radii, given)
+    texts, remarks = _texts(result, radii, given)
     if json_path is not None:
         found = text.as_json(result.done, result.figures, result.known, result.after)
         texts.append((json_path, json_text(found)))
     _write(texts)
     click.echo(text.as_text(result.done, result.figures, result.known, result.after))
+    for remark in remarks:
+        click.echo(remark)
     for path, _ in texts:
         click.echo(f"wrote {path}")
 
@@ -305,17 +307,25 @@ def _limits(given: Mapping[str, Any]) -> Limits:
     )
 
 
-def _texts(result: _Result, radii: Path | None, given: Mapping[str, Any]) -> list[tuple[Path, str]]:
-    """Give the files that are wanted, JSON apart, and what shall stand in them."""
+def _texts(
+    result: _Result, radii: Path | None, given: Mapping[str, Any]
+) -> tuple[list[tuple[Path, str]], list[str]]:
+    """Give the files that are wanted, JSON apart, and what shall stand in them; and remarks."""
     done = result.done
     source = (radii or given["campaign"]).resolve().name
     note = f"{source}: tau {done.delay.tau_ms:.3f} ms, map at {given['v0']:g} mm/min"
     texts = [(given["out"], table_csv(done.probe_map, done.feed_mm_min))]
+    remarks: list[str] = []
     try:
         if given["header"] is not None:
             header = header_of(done.probe_map, done.feed_mm_min, given["divisions"])
             name = _identifier(given["header"].stem)
             texts.append((given["header"], c_header(header, name=name, note=note)))
+            off_um = header.error_mm_min * done.delay.tau_ms / S_PER_MIN
+            remarks.append(
+                f"{given['header']}: within {header.error_mm_min:.2f} mm/min of the table, "
+                f"{off_um:.2f} µm of radius"
+            )
         if given["nc"] is not None:
             program = nc_program(
                 done.probe_map, done.feed_mm_min, first_variable=given["nc_first"], note=note
@@ -325,7 +335,7 @@ def _texts(result: _Result, radii: Path | None, given: Mapping[str, Any]) -> lis
         raise click.UsageError(str(error)) from error
     if given["html"] is not None:
         texts.append((given["html"], _page(result, source)))
-    return texts
+    return texts, remarks
 
 
 def _identifier(stem: str) -> str:

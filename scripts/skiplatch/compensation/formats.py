@@ -21,6 +21,7 @@ NC_RANGES = ((500, 999), (10_000, 10_999))
 
 NM_PER_MM = 1e6
 PER_LINE = 12
+VECTOR_LENGTH = 16_000.0
 
 
 def rounded(feed_mm_min: FloatArray) -> FloatArray:
@@ -85,11 +86,14 @@ class Header:
         divisions: How fine its grid is; see ``firmware/comp/pretravel_lookup.h``.
         unit_nm_min: What a looked-up speed is counted in.
         vertices: Speeds in 128 of that unit.
+        error_mm_min: By how much a looked-up feed leaves that of the table, at the worst of its
+            directions: vertices are bytes, and lie between directions.
     """
 
     divisions: int
     unit_nm_min: int
     vertices: NDArray[np.uint8]
+    error_mm_min: float
 
 
 def header_of(probe_map: ProbeMap, feed_mm_min: FloatArray, divisions: int) -> Header:
@@ -106,7 +110,16 @@ def header_of(probe_map: ProbeMap, feed_mm_min: FloatArray, divisions: int) -> H
         )
     except PretravelError as error:
         raise ValueError(str(error)) from error
-    return Header(divisions, unit_nm_min, found.vertices)
+    looked_up = found.speed_mm_min(_vectors(probe_map))
+    worst_mm_min = float(np.abs(looked_up - feed_mm_min).max())
+    return Header(divisions, unit_nm_min, found.vertices, worst_mm_min)
+
+
+def _vectors(probe_map: ProbeMap) -> NDArray[np.int16]:
+    """Give the directions as a controller does, shape (n, 3)."""
+    alpha, beta = np.radians(probe_map.cells.alpha_deg), np.radians(probe_map.cells.beta_deg)
+    unit = [np.cos(beta) * np.cos(alpha), np.cos(beta) * np.sin(alpha), np.sin(beta)]
+    return np.round(VECTOR_LENGTH * np.column_stack(unit)).astype(np.int16)
 
 
 def c_header(header: Header, *, name: str, note: str) -> str:

@@ -126,16 +126,21 @@ class Recorded:
         return _map_of(used.readings, fit_centre=fit_centre)
 
     def _repeated(self, rows: BoolArray) -> "Recorded":
-        """Give as many repeats of each direction as most have; one with fewer is left out."""
+        """Give equally many repeats of each direction.
+
+        A direction with half of the usual repeats or fewer is left out; of the others, what goes
+        beyond the fewest.
+        """
         part = self.select(rows, self.readings.run)
         counts = np.bincount(part.direction, minlength=int(self.direction.max()) + 1)
-        runs = int(np.argmax(np.bincount(counts[counts > 0])))
+        usual = int(np.argmax(np.bincount(counts[counts > 0])))
+        runs = int(counts[2 * counts > usual].min())
         nth = _occurrence(part.direction)
         kept = (nth < runs) & (counts[part.direction] >= runs)
         if not kept.all():
             message = (
-                f"{int((~kept).sum())} touches are no part of the map, in which most directions "
-                f"have {runs} repeats"
+                f"{int((~kept).sum())} touches are no part of the map, in which each direction "
+                f"has {runs} repeats"
             )
             warning = CampaignWarning(self.readings.path, None, None, message)
             warnings.warn(warning, stacklevel=3)
