@@ -183,16 +183,16 @@ def test_several_trials_give_a_mean_and_an_interval() -> None:
     assert tau.low < tau.ours < tau.high
 
 
-@pytest.fixture(scope="module")
-def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("recorded")
-    campaigns.record(folder, run(quick(RIGS["haas"]), seed=1))
-    return folder
+@cache
+def quick_result(name: str) -> Result:
+    return run(quick(RIGS[name]), seed=1)
 
 
-def test_the_lobes_of_a_recorded_probe_are_diagnosed(recorded: Path) -> None:
+def test_the_lobes_of_a_recorded_probe_are_diagnosed(tmp_path: Path) -> None:
     """The probe is played by its mechanics, not by the effect that is named."""
-    found = diagnose(read_campaign(recorded / campaigns.BEFORE), seed=1, jobs=2)
+    campaigns.record(tmp_path, quick_result("haas"))
+
+    found = diagnose(read_campaign(tmp_path / campaigns.BEFORE), seed=1, jobs=2)
 
     assert [named.effect.id for named in found.effects] == ["pretravel_lobing"]
     assert 5.0 < found.effects[0].effect.parameters["amplitude_um"] < 9.0
@@ -200,7 +200,22 @@ def test_the_lobes_of_a_recorded_probe_are_diagnosed(recorded: Path) -> None:
     assert found.effects[0].effect.parameters["azimuth_deg"] == pytest.approx(azimuth_deg, abs=3.0)
 
 
-def test_compensated_it_shows_no_gap(recorded: Path) -> None:
-    found = diagnose(read_campaign(recorded / campaigns.AFTER), seed=1, jobs=2)
+@pytest.mark.parametrize("name", ["omp60", "haas"])
+def test_compensated_it_shows_no_gap(name: str, tmp_path: Path) -> None:
+    campaigns.record(tmp_path, quick_result(name))
+
+    found = diagnose(read_campaign(tmp_path / campaigns.AFTER), seed=1, jobs=2)
 
     assert found.verdict is Verdict.NO_GAP
+
+
+@pytest.mark.parametrize("name", ["omp60", "haas"])
+def test_recorded_deviations_are_those_of_the_map(name: str, tmp_path: Path) -> None:
+    """About the centre that was found, also where that is far off for the artefact's size."""
+    result = quick_result(name)
+    campaigns.record(tmp_path, result)
+
+    touches = read_campaign(tmp_path / campaigns.AFTER).touches
+    recorded_um = touches.deviation_um.reshape(result.rig.runs, -1).mean(axis=0)
+
+    assert recorded_um == pytest.approx(result.after.mean_um, abs=0.002)

@@ -15,7 +15,12 @@ from numpy.typing import NDArray
 from skiplatch.campaign import Nominal, Touches, write_campaign
 from skiplatch.compensation import firmware
 from skiplatch.compensation.columns_csv import ALPHA, BETA, FEED, RADIUS, RUN
-from skiplatch.compensation.experiment import Result, Survey, ring_radii_um
+from skiplatch.compensation.experiment import (
+    Result,
+    Survey,
+    pretravels_um,
+    ring_radii_um,
+)
 from skiplatch.compensation.formats import read_table
 from skiplatch.compensation.probe_map import Readings, map_of
 from skiplatch.compensation.rigs import US_PER_MS
@@ -94,12 +99,13 @@ def _csv(header: Sequence[str], columns: Sequence[Iterable[str]]) -> str:
 
 
 def _about_own_centre(ring: Recording) -> Touches:
-    found = firmware.fit(ring.points_um.mean(axis=0), firmware.Shape.CIRCLE)
-    return ring.about(found.centre_um)
+    mean_um = ring.points_um.mean(axis=0)
+    centre = firmware.fit(mean_um, firmware.Shape.CIRCLE)
+    return ring.about(pretravels_um(ring.target, mean_um, centre))
 
 
 def _map(survey: Survey) -> Touches:
-    return survey.recording.about(survey.centre_um)
+    return survey.recording.about(survey.mean_um)
 
 
 def _believed(result: Result, pretravel_um: float, tau_ms: float) -> Nominal:

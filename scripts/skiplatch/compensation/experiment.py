@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.compensation import firmware
 from skiplatch.compensation.rigs import US_PER_MS, Rig
-from skiplatch.compensation.touching import Recording, Station
+from skiplatch.compensation.touching import Recording, Station, Target
 from skiplatch.simulator import UM_PER_MM, Seat, SimulationError
 
 FloatArray = NDArray[np.float64]
@@ -29,7 +29,6 @@ class Survey:
 
     Attributes:
         recording: The touches.
-        centre_um: Best fit of the mean trigger points; shape (3,).
         feed_mm_min: Shape (n,).
         mean_um: Of the mean trigger points about their own centre; shape (n,).
         single_um: Of each run about its own centre; shape (m, n).
@@ -37,7 +36,6 @@ class Survey:
     """
 
     recording: Recording
-    centre_um: FloatArray
     feed_mm_min: FloatArray
     mean_um: FloatArray
     single_um: FloatArray
@@ -143,27 +141,26 @@ def delay(rings: Sequence[Recording], feeds_mm_min: Sequence[float]) -> firmware
     return firmware.estimate_tau(feeds, radii_um.ravel(), rings[0].target.side)
 
 
+def pretravels_um(target: Target, points_um: FloatArray, centre: firmware.Fit) -> FloatArray:
+    """Give the radii of n trigger points, shape (n, 3), as pretravels about a centre."""
+    nominal_um = target.radius_mm * UM_PER_MM
+    radii_um = firmware.radii_um(points_um, centre)
+    return np.array([firmware.from_radius_um(r, nominal_um, target.side) for r in radii_um])
+
+
 def evaluate(recording: Recording, feed_mm_min: FloatArray) -> Survey:
     """Work out the radii of a map."""
-    points_um = recording.points_um
+    target, points_um = recording.target, recording.points_um
     mean_um = points_um.mean(axis=0)
     centre = firmware.fit(mean_um, firmware.Shape.SPHERE)
-    target = recording.target
-
-    def pretravel_um(points_um: FloatArray, centre: firmware.Fit) -> FloatArray:
-        nominal_um = target.radius_mm * UM_PER_MM
-        radii_um = firmware.radii_um(points_um, centre)
-        return np.array([firmware.from_radius_um(r, nominal_um, target.side) for r in radii_um])
-
     return Survey(
         recording=recording,
-        centre_um=centre.centre_um,
         feed_mm_min=feed_mm_min,
-        mean_um=pretravel_um(mean_um, centre),
+        mean_um=pretravels_um(target, mean_um, centre),
         single_um=np.stack(
-            [pretravel_um(p, firmware.fit(p, firmware.Shape.SPHERE)) for p in points_um]
+            [pretravels_um(target, p, firmware.fit(p, firmware.Shape.SPHERE)) for p in points_um]
         ),
-        all_um=np.stack([pretravel_um(p, centre) for p in points_um]),
+        all_um=np.stack([pretravels_um(target, p, centre) for p in points_um]),
     )
 
 

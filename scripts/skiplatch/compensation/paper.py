@@ -192,7 +192,7 @@ def _errors(result: Result) -> list[Figure]:
 def as_text(results: Sequence[Result], rows: Sequence[Figure]) -> str:
     """Lay out the table, and below it what the simulation was given."""
     rig = results[0].rig
-    header = ("figure", "unit", "document", "ours", "95 % of trials", "difference", "")
+    header = ("figure", "unit", "document", "ours", "95 % of trials", "difference", "is")
     lines = [
         (
             row.name,

@@ -100,22 +100,30 @@ class Recording:
     def points_um(self) -> FloatArray:
         """Trigger points, shape (m, n, 3)."""
         pushed = self.directions.unit
-        ways_um = (self.touches.approach_mm * UM_PER_MM + self.touches.deviation_um).reshape(
-            -1, len(pushed), 1
-        )
         starts_um = self.target.starts_mm(pushed) * UM_PER_MM
+        ways_um = self._ways_um[..., np.newaxis]
         return np.asarray(starts_um + ways_um * self.target.motion(pushed))
 
-    def about(self, centre_um: FloatArray) -> Touches:
-        """Give the touches as recorded by somebody who takes this for the artefact's centre."""
-        found = replace(self.target, offset_mm=tuple(centre_um / UM_PER_MM))
-        approach_mm = np.resize(found.approach_mm(self.directions.unit), len(self.touches))
-        ways_um = self.touches.approach_mm * UM_PER_MM + self.touches.deviation_um
+    def about(self, mean_um: FloatArray) -> Touches:
+        """Give the touches as recorded by somebody who has found the artefact's centre.
+
+        Args:
+            mean_um: Mean deviation of each direction from where that centre puts the surface;
+                shape (n,).
+        """
+        ways_um = self._ways_um
+        approach_um = ways_um.mean(axis=0) - mean_um
         return replace(
             self.touches,
-            approach_mm=approach_mm,
-            deviation_um=ways_um - approach_mm * UM_PER_MM,
+            approach_mm=np.resize(approach_um / UM_PER_MM, ways_um.size),
+            deviation_um=(ways_um - approach_um).ravel(),
         )
+
+    @property
+    def _ways_um(self) -> FloatArray:
+        """From the start of the move to the trigger point, shape (m, n)."""
+        ways_um = self.touches.approach_mm * UM_PER_MM + self.touches.deviation_um
+        return np.asarray(ways_um.reshape(-1, len(self.directions)))
 
 
 class Station:
