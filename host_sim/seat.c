@@ -35,10 +35,10 @@ double sim_seat_pretravel_um(const sim_seat_t *seat, double alpha_deg, double be
 double sim_seat_reseat_um(const sim_seat_t *seat, sim_rest_t *rest, double alpha_deg,
                           double beta_deg)
 {
-    double alpha = alpha_deg * RAD_PER_DEG;
-    double beta = beta_deg * RAD_PER_DEG;
-    double push[3] = {cos(beta) * cos(alpha), cos(beta) * sin(alpha), sin(beta)};
-    double turn_cosine = 0.0;
+    double       alpha = alpha_deg * RAD_PER_DEG;
+    double       beta = beta_deg * RAD_PER_DEG;
+    const double push[3] = {cos(beta) * cos(alpha), cos(beta) * sin(alpha), sin(beta)};
+    double       turn_cosine = 0.0;
     for (int i = 0; i < 3; ++i) {
         turn_cosine += push[i] * rest->pushed[i];
         rest->pushed[i] = push[i];
