@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from skiplatch.compensation import firmware
 from skiplatch.compensation.experiment import Result
+from skiplatch.compensation.rigs import US_PER_MS
 from skiplatch.tables import NOTHING, number, table
 
 PERCENT = 100.0
-US_PER_MS = 1000.0
-MS_PER_MIN = 60_000.0
-UM_PER_MM = 1000.0
 TOP_DEG = 80.0
 MIDDLE_PERCENT = (2.5, 97.5)
 
@@ -122,12 +121,13 @@ def _radii(result: Result) -> list[Figure]:
 def _feeds(result: Result) -> list[Figure]:
     reported = result.rig.reported
     low, high = float(result.after.feed_mm_min.min()), float(result.after.feed_mm_min.max())
-    span = (reported.feed_max_mm_min - reported.feed_min_mm_min) * reported.tau_ms
-    ours = (high - low) * result.tau.tau_ms
+    width = reported.feed_max_mm_min - reported.feed_min_mm_min
+    span_um = firmware.pretravel_um(0.0, width, reported.tau_ms)
+    ours_um = firmware.pretravel_um(0.0, high - low, result.tau.tau_ms)
     rows = [
         ("slowest feed", "mm/min", reported.feed_min_mm_min, low),
         ("fastest feed", "mm/min", reported.feed_max_mm_min, high),
-        ("(v_max − v_min)·tau", "µm", span * UM_PER_MM / MS_PER_MIN, ours * UM_PER_MM / MS_PER_MIN),
+        ("(v_max − v_min)·tau", "µm", span_um, ours_um),
     ]
     increase = reported.time_increase
     return [
