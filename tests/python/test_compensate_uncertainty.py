@@ -150,6 +150,7 @@ def test_figures_of_the_probe_are_ranges_about_ring_and_sphere(tmp_path: Path) -
     first = found.rings[0]
     assert first.mean_um == pytest.approx(np.ptp(by_run[:12].mean(axis=1)), abs=1e-5)
     assert first.worst_run_um == pytest.approx(np.ptp(by_run[:12], axis=0).max(), abs=1e-5)
+    assert first.all_um == pytest.approx(np.ptp(by_run[:12]), abs=1e-5)
     assert found.sphere is not None
     assert found.sphere.points == 109
     assert found.sphere.fitted_um < found.sphere.mean_um  # a centre takes the cosine away

@@ -28,6 +28,7 @@ class Form:
         mean_um: Range of the mean radii.
         worst_run_um: Largest range of the radii of a single run.
         fitted_um: Range of the mean radii about the centre that fits them best.
+        all_um: Range of all single radii of all runs.
     """
 
     beta_deg: float | None
@@ -35,6 +36,7 @@ class Form:
     mean_um: float
     worst_run_um: float
     fitted_um: float
+    all_um: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +94,7 @@ def _form(probe_map: ProbeMap, chosen: NDArray[np.intp], beta_deg: float | None)
         mean_um=firmware.range_um(mean_um),
         worst_run_um=max(firmware.range_um(run) for run in by_run.T),
         fitted_um=firmware.range_um(fitted_um),
+        all_um=firmware.range_um(by_run.ravel()),
     )
 
 

@@ -13,11 +13,12 @@ from skiplatch.tables import number, table, whole, with_interval
 PER_CENT = 100.0
 BUDGET_HEADER = ("source", "type", "distribution", "u", "unit", "c, µm per unit", "u·c, µm")
 FORM_HEADER = (
-    "",
+    "V_r, µm",
     "points",
-    "V_r of the mean, µm",
-    "about its best-fit centre, µm",
-    "worst run, µm",
+    "mean of the runs",
+    "about its best-fit centre",
+    "worst run",
+    "all touches",
 )
 SIMULATED_HEADER = ("", "mean", "95 % interval")
 
@@ -98,7 +99,7 @@ def form_rows(found: ProbeFigures) -> list[tuple[str, ...]]:
 
 def _form_row(form: Form) -> tuple[str, ...]:
     name = "sphere" if form.beta_deg is None else f"ring, β {form.beta_deg:g}°"
-    figures = (form.mean_um, form.fitted_um, form.worst_run_um)
+    figures = (form.mean_um, form.fitted_um, form.worst_run_um, form.all_um)
     return (name, str(form.points), *(f"{figure:.2f}" for figure in figures))
 
 
