@@ -99,6 +99,9 @@ static uint16_t speed_at(const pretravel_lookup_t *lookup, place_t at, bool is_l
     } else {
         corner += row;
     }
+    if (near == WHOLE) { /* a vertex, on the rim perhaps, beyond which there is none */
+        return (uint16_t)(*corner * WHOLE);
+    }
     return (uint16_t)(*corner * near + corner[(int8_t)to_x] * at.way_x +
                       corner[(int8_t)to_y] * at.way_y);
 }

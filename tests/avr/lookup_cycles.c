@@ -1,8 +1,7 @@
 /*
- * Runs the controller's lookup on an ATmega328P and tells over the serial line, as decimal numbers
- * in one line: directions, most cycles of a call, mean cycles, the direction that took most, and a
- * checksum of all speeds. tests/python/test_lookup_avr.py runs it in simavr and computes the
- * checksum again on the host.
+ * Runs the controller's lookup on an ATmega328P and tells over the serial line, in one line:
+ * directions, the most cycles of a call and the mean, the direction that took most, and a checksum
+ * of all speeds. tests/python/test_lookup_avr.py runs it in simavr and plays the same on the host.
  */
 #include <avr/interrupt.h>
 #include <avr/io.h>
@@ -13,8 +12,13 @@
 
 #include "comp/pretravel_lookup.h"
 
+#ifndef DIVISIONS
+#define DIVISIONS 16u
+#endif
 #define VERTICES   (2u * DIVISIONS * DIVISIONS + 2u * DIVISIONS + 1u)
 #define DIRECTIONS 16384u
+
+#define NOTHING_CYCLES 10u /* its call, its return, and its result of 0 */
 
 typedef struct {
     int16_t dx;
@@ -45,32 +49,43 @@ static uint16_t next_random(void)
 static direction_t next_direction(bool is_any)
 {
     uint8_t  shift = (uint8_t)(next_random() % 14u);
-    uint16_t length = next_random();
+    uint16_t x = next_random();
+    uint16_t y = next_random();
+    uint16_t z = next_random();
     if (is_any) {
-        return (direction_t){
-            .dx = (int16_t)((int16_t)length >> shift),
-            .dy = (int16_t)((int16_t)next_random() >> shift),
-            .dz = (int16_t)((next_random() & 0x7FFFu) >> shift),
-        };
+        return (direction_t){(int16_t)((int16_t)x >> shift), (int16_t)((int16_t)y >> shift),
+                             (int16_t)((z & 0x7FFFu) >> shift)};
     }
-    uint16_t side = (uint16_t)((length & 0x7FFFu) | 0x4000u);
-    return (direction_t){
-        .dx = (int16_t)-(int16_t)(side - (next_random() & 0xFFu)),
-        .dy = (int16_t)-(int16_t)(side - (next_random() & 0xFFu)),
-        .dz = (int16_t)(next_random() >> (shift + 2u)),
-    };
+    uint16_t side = (uint16_t)((x & 0x3FFFu) | 0x4000u);
+    return (direction_t){(int16_t)-side, (int16_t)-(int16_t)(side - (y & 0xFFu)),
+                         (int16_t)(z >> (shift + 2u))};
 }
 
-/* The library's call lies between two readings of a counter that runs at the processor's clock. */
-static uint16_t timed_lookup(const pretravel_lookup_t *lookup, direction_t direction,
-                             uint16_t *cycles)
+typedef uint16_t (*lookup_t)(const pretravel_lookup_t *lookup, int16_t dx, int16_t dy, int16_t dz);
+
+__attribute__((noinline)) static uint16_t nothing(const pretravel_lookup_t *lookup, int16_t dx,
+                                                  int16_t dy, int16_t dz)
+{
+    __asm__ volatile("" ::"r"(lookup), "r"(dx), "r"(dy), "r"(dz));
+    return 0u;
+}
+
+/* Between two readings of a counter that runs at the processor's clock. */
+__attribute__((noinline, noclone)) static uint16_t time_call(lookup_t                  call,
+                                                             const pretravel_lookup_t *lookup,
+                                                             direction_t direction, uint16_t *speed)
 {
     uint16_t start = TCNT1;
-    __asm__ volatile("" ::: "memory");
-    uint16_t speed = pretravel_lookup(lookup, direction.dx, direction.dy, direction.dz);
-    __asm__ volatile("" : "+r"(speed)::"memory");
-    *cycles = (uint16_t)(TCNT1 - start);
-    return speed;
+    *speed = call(lookup, direction.dx, direction.dy, direction.dz);
+    return (uint16_t)(TCNT1 - start);
+}
+
+/* What a function that does nothing takes is the timing's, but for the cycles of its own. */
+static uint16_t cycles_of(const pretravel_lookup_t *lookup, direction_t direction, uint16_t *speed)
+{
+    uint16_t empty = time_call(nothing, lookup, direction, speed);
+    uint16_t full = time_call(pretravel_lookup, lookup, direction, speed);
+    return (uint16_t)(full - empty + NOTHING_CYCLES);
 }
 
 static void tell(uint32_t value)
@@ -93,9 +108,9 @@ int main(void)
         vertices[i] = (uint8_t)next_random();
     }
     for (uint16_t i = 0; i < DIRECTIONS; i++) {
-        uint16_t    cycles = 0u;
         direction_t direction = next_direction((i & 1u) != 0u);
-        uint16_t    speed = timed_lookup(&lookup, direction, &cycles);
+        uint16_t    speed = 0u;
+        uint16_t    cycles = cycles_of(&lookup, direction, &speed);
         outcome.checksum = outcome.checksum * 31u + speed;
         outcome.sum += cycles;
         if (cycles > outcome.most) {
