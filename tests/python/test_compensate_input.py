@@ -72,7 +72,7 @@ def ended(
         (line(5, "30,0,2"), "radii.csv:5: expected 4 cells, got 3"),
         (line(5, "30,0,1,1"), "radii.csv:5: run: this direction and run stand already in line 4"),
         (line(5, "30,0,x,1"), "radii.csv:5: run: expected a whole number"),
-        (line(1, "alpha_deg,beta_deg,run,radius"), 'radii.csv:1: unknown column "radius"'),
+        (line(1, "alpha_deg,beta_deg,run,radius"), 'radii.csv:1: missing column "radius_um"'),
         (line(1, "alpha_deg,beta_deg,run,run"), 'radii.csv:1: column "run" stands twice'),
         (lambda lines: lines[:1], "radii.csv:1: expected rows after the header, got none"),
     ],
@@ -218,6 +218,41 @@ def test_empty_file_is_told(
     error = ended(monkeypatch, capsys, path, "--v0", V0, "--tau", TAU, "--out", "t.csv")
 
     assert "radii.csv:1: expected a header row, got an empty file" in error
+
+
+def test_unknown_column_is_warned_of_and_ignored(radii_csv: Path, tmp_path: Path) -> None:
+    plain, more = tmp_path / "plain.csv", tmp_path / "more.csv"
+    base = ["compensate", str(radii_csv), "--v0", V0, "--tau", TAU, "--out"]
+    CliRunner().invoke(cli.group, [*base, str(plain)])
+    edit(radii_csv, lambda lines: [f"note,{lines[0]}", *(f"x,{rest}" for rest in lines[1:])])
+
+    with pytest.warns(CampaignWarning, match='unknown column "note" is ignored'):
+        CliRunner().invoke(cli.group, [*base, str(more)])
+
+    assert more.read_text() == plain.read_text()
+
+
+def test_delay_that_is_lost_in_the_scatter_is_warned_of(radii_csv: Path, tmp_path: Path) -> None:
+    speeds = write_speeds(tmp_path / "speeds.csv", 300.0, sigma_um=400.0)
+    arguments = [str(radii_csv), "--v0", "5000", "--tau-from", str(speeds)]
+
+    with pytest.warns(CampaignWarning, match="less than three times its standard uncertainty"):
+        CliRunner().invoke(cli.group, ["compensate", *arguments, "--out", str(tmp_path / "t.csv")])
+
+
+def test_delay_too_uncertain_for_a_prediction_is_told(
+    radii_csv: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    out = tmp_path / "t.csv"
+    delay = ["--tau", TAU, "--tau-uncertainty", "100"]
+
+    error = ended(monkeypatch, capsys, radii_csv, "--v0", V0, *delay, "--out", out)
+
+    assert "tau of 12.68 ms with a standard uncertainty of 100 ms: in " in error
+    assert not out.exists()
 
 
 def test_few_azimuths_are_warned_of(tmp_path: Path) -> None:

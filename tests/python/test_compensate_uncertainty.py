@@ -116,7 +116,7 @@ def test_wrong_delay_leaves_a_share_of_the_range(tmp_path: Path) -> None:
 
 
 def test_tables_that_cannot_be_made_are_counted(tmp_path: Path) -> None:
-    done = compensated(tmp_path, Delay(TAU, 0.5 * TAU), sigma_um=0.0, runs=1)
+    done = compensated(tmp_path, Delay(TAU, 0.3 * TAU), sigma_um=0.0, runs=1)
 
     drawn = assess(done, Inputs(), seed=1).monte_carlo
 

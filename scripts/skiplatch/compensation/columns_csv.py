@@ -1,5 +1,6 @@
 """Reading a small CSV table of which every column is required, for radii, speeds and feeds."""
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from skiplatch.campaign.column_kinds import CellError, Column, NumberColumn, SerialColumn, Values
 from skiplatch.campaign.constraints import ANY_NUMBER, POSITIVE, Range
 from skiplatch.campaign.csv_text import Row, read_rows
-from skiplatch.errors import InputError, hint, quoted
+from skiplatch.errors import CampaignWarning, InputError, hint, quoted
 
 MAX_ROWS = 100_000
 
@@ -58,8 +59,10 @@ class Rows:
 def read_columns(path: Path, columns: Mapping[str, Column]) -> Rows:
     """Read a table; spaces around cells are ignored, and so are blank lines.
 
+    Unknown columns are ignored with a `CampaignWarning`.
+
     Raises:
-        InputError: The file cannot be read, has other columns, or holds a wrong cell.
+        InputError: The file cannot be read, lacks a column, or holds a wrong cell.
     """
     rows = read_rows(path)
     header_line, header = next(rows, (1, []))
@@ -88,12 +91,13 @@ def _check_header(path: Path, line: int, header: list[str], columns: Mapping[str
     for name in header:
         if header.count(name) > 1:
             raise InputError(path, line, None, f"column {quoted(name)} stands twice")
-        if name not in columns:
-            message = f"unknown column {quoted(name)}{hint(name, columns)}"
-            raise InputError(path, line, None, message)
     missing = [quoted(name) for name in columns if name not in header]
     if missing:
         raise InputError(path, line, None, f"missing column {', '.join(missing)}")
+    for name in header:
+        if name not in columns:
+            message = f"unknown column {quoted(name)} is ignored{hint(name, columns)}"
+            warnings.warn(CampaignWarning(path, line, None, message), stacklevel=4)
 
 
 def _body(path: Path, rows: Iterator[Row], width: int) -> list[Row]:

@@ -1,12 +1,15 @@
 """The delay tau: given, or from mean trigger radii at several feeds."""
 
+import warnings
 from dataclasses import dataclass
 
 from skiplatch.compensation import firmware
 from skiplatch.compensation.speeds import Speeds
-from skiplatch.errors import InputError
+from skiplatch.errors import CampaignWarning, InputError
 
 S_PER_MIN = 60.0
+CLEAR = 3.0
+"""Standard uncertainties from which on a delay is more than scatter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +41,9 @@ def estimate_delay(speeds: Speeds) -> Delay:
         fit = firmware.estimate_tau(speeds.feed_mm_min, speeds.radius_um, speeds.side)
     except firmware.PretravelError as error:
         raise InputError(speeds.path, None, None, _complaint(speeds, error)) from error
+    if fit.tau_ms < CLEAR * fit.tau_uncertainty_ms:
+        message = f"tau of {fit.tau_ms:.3g} ms is less than three times its standard uncertainty"
+        warnings.warn(CampaignWarning(speeds.path, None, None, message), stacklevel=2)
     freedom = len(speeds.feed_mm_min) - 2
     return Delay(fit.tau_ms, fit.tau_uncertainty_ms, freedom, fit, speeds)
 

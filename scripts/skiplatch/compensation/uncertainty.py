@@ -17,11 +17,14 @@ from skiplatch.compensation import firmware
 from skiplatch.compensation.compensate import Compensation, Limits, Target, plan_of
 from skiplatch.compensation.delay import S_PER_MIN, Delay
 from skiplatch.compensation.probe_map import ProbeMap
+from skiplatch.errors import InputError
 from skiplatch.statistics import CONFIDENCE, Interval
 
 FloatArray = NDArray[np.float64]
 
 DRAWS = 2000
+MOST_FAILED = 0.1
+"""Share of draws without a table from which on the others would tell too rosy a story."""
 COVERAGE = 2.0  # k
 UM_MIN_PER_MM_MS = 1.0 / S_PER_MIN  # µm = mm/min · ms / 60
 UNIFORM = math.sqrt(3.0)  # half width over standard deviation
@@ -134,7 +137,11 @@ class Uncertainty:
 
 
 def assess(done: Compensation, inputs: Inputs, *, seed: int) -> Uncertainty:
-    """Give the budget and the Monte Carlo of a table."""
+    """Give the budget and the Monte Carlo of a table.
+
+    Raises:
+        InputError: The delay is so uncertain that most draws allow no table.
+    """
     measured = done.probe_map.repeatability_um
     given = inputs.repeatability_um
     known = replace(inputs, repeatability_um=(measured or 0.0) if given is None else given)
@@ -249,6 +256,8 @@ def _monte_carlo(done: Compensation, inputs: Inputs, random: np.random.Generator
         one = int(random.integers(runs_um.size))
         between_um = float(random.normal(0.0, bend_um))
         touches.append(float(runs_um.flat[one] - runs_um.mean()) + between_um)
+    if failed > MOST_FAILED * DRAWS:
+        raise _too_uncertain(done, failed)
     touch_um = np.array(touches)
     return MonteCarlo(
         draws=len(touches),
@@ -261,6 +270,15 @@ def _monte_carlo(done: Compensation, inputs: Inputs, random: np.random.Generator
         example_um=example_um,
         tau_ms=_tau_draws(done.delay, random),
     )
+
+
+def _too_uncertain(done: Compensation, failed: int) -> InputError:
+    delay = done.delay
+    message = (
+        f"tau of {delay.tau_ms:g} ms with a standard uncertainty of {delay.uncertainty_ms:g} ms: "
+        f"in {failed} of {DRAWS} draws no table can be made"
+    )
+    return InputError(done.probe_map.readings.path, None, None, message)
 
 
 def _noise(shape: tuple[int, ...], inputs: Inputs, random: np.random.Generator) -> FloatArray:
