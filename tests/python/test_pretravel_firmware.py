@@ -16,9 +16,12 @@ SPEED = 50.0
 
 
 def lobes_um() -> np.ndarray:
-    """Three lobes with a cusp, as a seat of three contacts has them; shape (109,)."""
-    psi = np.radians((ALPHA + 60.0) % 120.0 - 60.0)
-    return 12.0 + 16.0 * (1.0 - np.cos(psi)) * np.cos(np.radians(BETA))
+    """The seat of three contacts of an OMP40-2, 50 mm, with its sharp edges; shape (109,)."""
+    psi, beta = np.radians((ALPHA + 60.0) % 120.0 - 60.0), np.radians(BETA)
+    lever, c = 0.0855, 0.121
+    across = np.cos(beta) * ((1.0 - c) * np.cos(psi) + 0.827 * c)
+    force = 5.85 * lever / (across + lever * np.sin(beta))
+    return np.asarray(force * (20.67 * np.cos(beta) ** 2 + 2.17 * np.sin(beta) ** 2))
 
 
 def sphere(radius_um: np.ndarray, centre_um: tuple[float, float, float]) -> np.ndarray:
@@ -59,9 +62,12 @@ def test_the_sphere_is_that_of_a_general_optimiser() -> None:
     rng = np.random.default_rng(3)
     points = sphere(12_500.0 + lobes_um() + rng.normal(0.0, 1.0, 109), (40.0, -25.0, 8.0))
 
+    def residuals(guess: np.ndarray) -> np.ndarray:
+        return np.asarray(np.linalg.norm(points - guess[:3], axis=1) - guess[3])
+
     ours = firmware.fit(points, Shape.SPHERE)
     theirs = least_squares(
-        lambda p: np.linalg.norm(points - p[:3], axis=1) - p[3],
+        residuals,
         [*points.mean(axis=0), 12_000.0],
         x_scale="jac",
         xtol=1e-15,
@@ -180,7 +186,9 @@ def directions(n: int) -> np.ndarray:
     return np.asarray(np.round(32_767.0 * vectors), dtype=np.int16)
 
 
-@pytest.mark.parametrize(("divisions", "most", "typical"), [(8, 8.0, 2.0), (16, 4.0, 0.7)])
+@pytest.mark.parametrize(
+    ("divisions", "most", "typical"), [(8, 11.0, 2.5), (16, 5.5, 1.0), (32, 3.0, 0.5)]
+)
 def test_what_the_controller_finds_is_the_map_within_what_is_stated(
     divisions: int, most: float, typical: float
 ) -> None:
@@ -196,7 +204,7 @@ def test_what_the_controller_finds_is_the_map_within_what_is_stated(
     percent = 100.0 * off / np.ptp(speeds)
     assert np.max(np.abs(percent)) < most
     assert np.sqrt(np.mean(percent**2)) < typical
-    assert abs(np.mean(percent)) < 0.2
+    assert abs(np.mean(percent)) < 0.5
 
 
 def test_the_map_between_directions_is_bilinear() -> None:

@@ -78,14 +78,23 @@ static double worst_um(uint8_t divisions)
     return worst;
 }
 
-/* As the header has it, in percent of V_r: 20 mm/min of lobes are a V_r of 8.45 µm. */
-void test_the_error_against_the_map_is_what_is_stated(void)
+/* In percent of V_r; these lobes are round, and 20 mm/min of them are a V_r of 8.45 µm. */
+void test_the_error_against_the_map_shrinks_with_the_divisions(void)
 {
     double vr_um = 40.0 * TAU_MS / 60.0;
 
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, 7.5, 100.0 * worst_um(8u) / vr_um);
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, 3.5, 100.0 * worst_um(16u) / vr_um);
-    TEST_ASSERT_DOUBLE_WITHIN(0.5, 1.5, 100.0 * worst_um(32u) / vr_um);
+    TEST_ASSERT_TRUE(100.0 * worst_um(8u) / vr_um < 9.0);
+    TEST_ASSERT_TRUE(100.0 * worst_um(16u) / vr_um < 4.0);
+    TEST_ASSERT_TRUE(100.0 * worst_um(32u) / vr_um < 2.0);
+}
+
+void test_no_speed_of_a_table_leaves_the_range_of_the_map(void)
+{
+    TEST_ASSERT_EQUAL(PRETRAVEL_OK, build(8u));
+    for (uint32_t i = 0; i < pretravel_grid_size(8u); i++) {
+        TEST_ASSERT_TRUE(room[GUARD + i] * UNIT >= 31.0 - 0.5 * UNIT);
+        TEST_ASSERT_TRUE(room[GUARD + i] * UNIT <= 71.0 + 0.5 * UNIT);
+    }
 }
 
 void test_at_the_axes_and_diagonals_vertices_are_found_as_they_are(void)
@@ -97,8 +106,8 @@ void test_at_the_axes_and_diagonals_vertices_are_found_as_they_are(void)
         int16_t dy = (int16_t)(8000 * signs[i / 3u % 3u]);
         int16_t dz = (int16_t)(8000 * (int)(i / 9u));
         if (dx != 0 || dy != 0 || dz != 0) {
-            /* half a unit of rounding, and the 128th of a side that is cut off */
-            TEST_ASSERT_DOUBLE_WITHIN(0.5 * UNIT + 0.05, exact_mm_min(dx, dy, dz),
+            /* what bends near a vertex moves it a little */
+            TEST_ASSERT_DOUBLE_WITHIN(0.03 * 40.0, exact_mm_min(dx, dy, dz),
                                       found_mm_min(dx, dy, dz));
         }
     }
