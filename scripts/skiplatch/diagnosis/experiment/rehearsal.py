@@ -17,7 +17,7 @@ from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.simulator import Outcomes
 
-REHEARSALS = 1
+REHEARSALS = 2
 """Of an experiment, with each model as the truth: every one costs a fit of every rival."""
 APART = 10.0
 """Nats that a rival has to be expected behind: the difference of two log-likelihoods varies by the
