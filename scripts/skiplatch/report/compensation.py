@@ -69,8 +69,8 @@ def as_html(
 
 
 def _headline(done: Compensation, known: Uncertainty, after: After | None) -> str:
-    if after is not None and after.figures.sphere is not None:
-        left = f"{after.figures.sphere.mean_um:.1f} µm, as measured"
+    if after is not None:
+        left = f"{np.ptp(after.probe_map.mean_um):.1f} µm, as measured"
     else:
         left = f"{known.monte_carlo.vr_after_um.value:.1f} µm, as predicted"
     return f"Trigger radius varies by {done.vr_before_um:.1f} µm; with the speed table, {left}"
