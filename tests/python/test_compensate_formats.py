@@ -80,7 +80,7 @@ def test_header_gives_the_feeds_of_the_table_on_the_target(tmp_path: Path) -> No
     slope = np.abs(np.diff(table[:108].reshape(9, 12), axis=1)).max() / 30.0
     worst = float(np.abs(found - table).max())
     assert worst < slope * 3.6 / 2.0 + table.max() / 255.0
-    assert f"within {worst:.2f} mm/min of the table, {worst * TAU / 60.0:.2f} µm" in output
+    assert f"within {worst:.2f} mm/min of the table, {worst * TAU / 60.0:.2f} µm of" in output
 
 
 def test_coarser_header_is_smaller_and_less_exact(tmp_path: Path) -> None:

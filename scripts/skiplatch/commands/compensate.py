@@ -17,7 +17,14 @@ from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
 from skiplatch.compensation.delay import S_PER_MIN, Delay, estimate_delay
 from skiplatch.compensation.firmware import Target as Rule
-from skiplatch.compensation.formats import c_header, header_of, nc_program, read_table, table_csv
+from skiplatch.compensation.formats import (
+    Header,
+    c_header,
+    header_of,
+    nc_program,
+    read_table,
+    table_csv,
+)
 from skiplatch.compensation.from_campaign import Recorded, recorded
 from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures
 from skiplatch.compensation.probe_map import ProbeMap, read_map
@@ -321,11 +328,7 @@ def _texts(
             header = header_of(done.probe_map, done.feed_mm_min, given["divisions"])
             name = _identifier(given["header"].stem)
             texts.append((given["header"], c_header(header, name=name, note=note)))
-            off_um = header.error_mm_min * done.delay.tau_ms / S_PER_MIN
-            remarks.append(
-                f"{given['header']}: within {header.error_mm_min:.2f} mm/min of the table, "
-                f"{off_um:.2f} µm of radius"
-            )
+            remarks.append(_nearness(header, done.delay.tau_ms))
         if given["nc"] is not None:
             program = nc_program(
                 done.probe_map, done.feed_mm_min, first_variable=given["nc_first"], note=note
@@ -336,6 +339,17 @@ def _texts(
     if given["html"] is not None:
         texts.append((given["html"], _page(result, source)))
     return texts, remarks
+
+
+def _nearness(header: Header, tau_ms: float) -> str:
+    """Say how near the target's table comes to TABLE.csv, in its directions."""
+    um_per_mm_min = tau_ms / S_PER_MIN
+    worst, rms = header.error_mm_min, header.rms_error_mm_min
+    return (
+        f"the header's feeds are within {worst:.2f} mm/min of the table, "
+        f"{worst * um_per_mm_min:.2f} µm of radius; "
+        f"root mean square {rms:.2f} mm/min, {rms * um_per_mm_min:.2f} µm"
+    )
 
 
 def _identifier(stem: str) -> str:

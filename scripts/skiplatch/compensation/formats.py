@@ -88,12 +88,14 @@ class Header:
         vertices: Speeds in 128 of that unit.
         error_mm_min: By how much a looked-up feed leaves that of the table, at the worst of its
             directions: vertices are bytes, and lie between directions.
+        rms_error_mm_min: The same, root mean square.
     """
 
     divisions: int
     unit_nm_min: int
     vertices: NDArray[np.uint8]
     error_mm_min: float
+    rms_error_mm_min: float
 
 
 def header_of(probe_map: ProbeMap, feed_mm_min: FloatArray, divisions: int) -> Header:
@@ -111,8 +113,9 @@ def header_of(probe_map: ProbeMap, feed_mm_min: FloatArray, divisions: int) -> H
     except PretravelError as error:
         raise ValueError(str(error)) from error
     looked_up = found.speed_mm_min(_vectors(probe_map))
-    worst_mm_min = float(np.abs(looked_up - feed_mm_min).max())
-    return Header(divisions, unit_nm_min, found.vertices, worst_mm_min)
+    off_mm_min = looked_up - feed_mm_min
+    worst, rms = float(np.abs(off_mm_min).max()), float(np.sqrt(np.mean(off_mm_min**2)))
+    return Header(divisions, unit_nm_min, found.vertices, worst, rms)
 
 
 def _vectors(probe_map: ProbeMap) -> NDArray[np.int16]:
