@@ -75,7 +75,7 @@ static bool do_fit(const double *speed_mm_min, uint32_t count, double unit_mm_mi
 {
     for (uint32_t i = 0; i < count; i++) {
         double units = speed_mm_min[i] / unit_mm_min;
-        if (!(units >= 0.5 && units < PRETRAVEL_VERTEX_MAX + 0.5)) {
+        if (!(units >= 0.5 && units < (double)PRETRAVEL_VERTEX_MAX + 0.5)) {
             return false;
         }
     }

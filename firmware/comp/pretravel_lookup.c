@@ -43,7 +43,8 @@ static lengths_t lengths_of(int16_t dx, int16_t dy, int16_t dz)
     return lengths;
 }
 
-/* Long division, one binary digit of the quotient. */
+/* Long division, one binary digit of the quotient. A function would not be taken in by a compiler
+   that looks for small code, and cost four times as many cycles. */
 #define DIVIDE_ON(rest, sum, quotient)           \
     do {                                         \
         (rest) = (uint16_t)((rest) << 1);        \
@@ -52,23 +53,30 @@ static lengths_t lengths_of(int16_t dx, int16_t dy, int16_t dz)
             (rest) = (uint16_t)((rest) - (sum)); \
             (quotient)++;                        \
         }                                        \
-    } while (0)
+    } while (false)
 
 /* A 1 that is shifted along with the digits of x says when there are enough of them. */
-static place_t place_of(lengths_t lengths, uint8_t divisions)
+static void find_corner(lengths_t *lengths, uint8_t divisions, place_t *place)
 {
-    place_t place = {.x = 1u, .y = 0u, .way_x = 1u, .way_y = 0u};
+    place->x = 1u;
+    place->y = 0u;
     do {
-        DIVIDE_ON(lengths.x, lengths.sum, place.x);
-        DIVIDE_ON(lengths.y, lengths.sum, place.y);
-    } while (place.x < divisions);
+        DIVIDE_ON(lengths->x, lengths->sum, place->x);
+        DIVIDE_ON(lengths->y, lengths->sum, place->y);
+    } while (place->x < divisions);
+    place->x = (uint8_t)(place->x - divisions);
+}
+
+/* The digits that follow. */
+static void find_way(lengths_t *lengths, place_t *place)
+{
+    place->way_x = 1u;
+    place->way_y = 0u;
     do {
-        DIVIDE_ON(lengths.x, lengths.sum, place.way_x);
-        DIVIDE_ON(lengths.y, lengths.sum, place.way_y);
-    } while (place.way_x < WHOLE);
-    place.x = (uint8_t)(place.x - divisions);
-    place.way_x = (uint8_t)(place.way_x - WHOLE);
-    return place;
+        DIVIDE_ON(lengths->x, lengths->sum, place->way_x);
+        DIVIDE_ON(lengths->y, lengths->sum, place->way_y);
+    } while (place->way_x < WHOLE);
+    place->way_x = (uint8_t)(place->way_x - WHOLE);
 }
 
 /* Row y begins y·(2·M + 1 − y) vertices from the pole, at x = 0; the next one 2·(M − y) later. */
@@ -84,7 +92,7 @@ static uint16_t speed_at(const pretravel_lookup_t *lookup, place_t at, bool is_l
         to_x = (uint8_t)(0u - to_x);
         to_y = (uint8_t)(0u - to_y);
     }
-    uint8_t        longest = (uint8_t)(lookup->divisions + lookup->divisions + 1u);
+    uint8_t        longest = (uint8_t)((lookup->divisions << 1) + 1);
     uint16_t       row = (uint16_t)(at.y * (uint8_t)(longest - at.y));
     const uint8_t *corner = lookup->pole;
     if (is_left) {
@@ -115,5 +123,8 @@ uint16_t pretravel_lookup(const pretravel_lookup_t *lookup, int16_t dx, int16_t 
     if (lengths.sum == 0u) {
         return PRETRAVEL_NO_SPEED;
     }
-    return speed_at(lookup, place_of(lengths, lookup->divisions), dx < 0, dy < 0);
+    place_t place;
+    find_corner(&lengths, lookup->divisions, &place);
+    find_way(&lengths, &place);
+    return speed_at(lookup, place, dx < 0, dy < 0);
 }

@@ -146,7 +146,7 @@ def test_limits_reach_the_firmware_under_their_names() -> None:
     refused = {
         "TOO_FAST": Plan(tau_ms=TAU_MS, speed_max_mm_min=fastest[index] - 1e-6),
         "OVERTRAVEL": Plan(tau_ms=TAU_MS, overtravel_speed_mm_min=fastest[index] - 1e-6),
-        "RAMP": Plan(tau_ms=TAU_MS, accel_mm_s2=1.0, approach_mm=fastest[index] ** 2 / 7200.0),
+        "RAMP": Plan(tau_ms=TAU_MS, accel_mm_s2=1.0, approach_mm=fastest[index] ** 2 / 7201.0),
         "TAU": Plan(tau_ms=0.0),
         "LIMIT": Plan(tau_ms=TAU_MS, accel_mm_s2=-1.0),
     }
