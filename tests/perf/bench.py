@@ -1,6 +1,7 @@
 """``make bench``: how fast the simulation is, beside a bare loop and beside SimPy, in one run.
 
-Then how fast the diagnosis is, beside pyABC; see ``diagnosis_bench``.
+Then how fast a probe is compensated, see ``compensation_bench``, and how fast the diagnosis is,
+beside pyABC, see ``diagnosis_bench``.
 
 Absolute times depend on the machine and on its mood. What counts are the ratios of things timed in
 turn, and their medians.
@@ -11,6 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
+import compensation_bench
 import diagnosis_bench
 import numpy as np
 import simpy_chain
@@ -81,7 +83,7 @@ class Rows:
         self.binding = simulator._binding()
         self.ffi = self.binding.ffi
         self.n = len(touches)
-        self.chain = simulator._chain(self.binding, nominal)
+        self.chain = simulator._chain(self.binding, nominal, None)
         controller = simulator.Controller.for_campaign(nominal, touches)
         self.controller = simulator._controller(self.binding, controller)
         self._touches = simulator._touches(self.binding, touches, 0.0)
@@ -145,11 +147,12 @@ def bench_path(path: InputPath, nominal: Nominal, floor: simulator.CData) -> Non
 
 
 def main() -> None:
-    """Run the benchmark of both paths, and that of the diagnosis."""
+    """Run the benchmark of both paths, of the compensation and of the diagnosis."""
     nominal = read_nominal(NOMINAL)
     floor = floor_library()
     for path in InputPath:
         bench_path(path, nominal, floor)
+    compensation_bench.bench_compensation()
     diagnosis_bench.bench_diagnosis()
 
 
