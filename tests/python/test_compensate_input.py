@@ -1,5 +1,6 @@
 """Bad input of ``skiplatch compensate``: named with its place, exit status 2, nothing written."""
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -313,9 +314,10 @@ def test_spaces_blank_lines_a_full_turn_and_many_poles_are_taken(tmp_path: Path)
     path.write_text("alpha_deg, beta_deg, run, radius_um\n\n" + "\n".join(rows) + "\n")
     out = tmp_path / "t.csv"
 
-    result = CliRunner().invoke(
-        cli.group, ["compensate", str(path), "--v0", V0, "--tau", TAU, "--out", str(out)]
-    )
+    found = tmp_path / "o.json"
+
+    arguments = ["--v0", V0, "--tau", TAU, "--out", str(out), "--json", str(found)]
+    result = CliRunner().invoke(cli.group, ["compensate", str(path), *arguments])
 
     assert result.exit_code == 0, result.output
     lines = out.read_text().splitlines()
@@ -323,3 +325,6 @@ def test_spaces_blank_lines_a_full_turn_and_many_poles_are_taken(tmp_path: Path)
         [str(a), str(b)] for b in (0, 45, 90) for a in azimuths
     ]
     assert len({row.split(",")[2] for row in lines[-12:]}) == 1
+    inverse = [50.0 / float(row.split(",")[2]) for row in lines[1:]]
+    expected = sum(inverse) / len(inverse) - 1.0
+    assert json.loads(found.read_text())["time_increase"] == pytest.approx(expected, abs=1e-12)

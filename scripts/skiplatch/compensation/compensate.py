@@ -65,7 +65,7 @@ class Compensation:
         predicted_um: Radii at these feeds, were there no random error.
         vr_before_um: Greatest less least mean radius.
         vr_systematic_um: The same of `predicted_um`: what rounding leaves.
-        time_increase: Of the approaches, as a fraction of the time at `base_mm_min`.
+        time_increase: Of the approaches of the table, as a fraction of the time at `base_mm_min`.
     """
 
     probe_map: ProbeMap
@@ -102,7 +102,7 @@ def compensate(
         raise probe_map.fault(error.index or 0, "radius_um", f"{error}{hint}") from error
     feed_mm_min = rounded(table.speed_mm_min)
     predicted_um = firmware.predict_um(probe_map.mean_um, before_mm_min, feed_mm_min, delay.tau_ms)
-    base = np.full_like(feed_mm_min, base_mm_min)
+    written = feed_mm_min[probe_map.cell_of[probe_map.listed]]  # the pole may stand there often
     return Compensation(
         probe_map=probe_map,
         delay=delay,
@@ -113,7 +113,7 @@ def compensate(
         predicted_um=predicted_um,
         vr_before_um=firmware.range_um(probe_map.mean_um),
         vr_systematic_um=firmware.range_um(predicted_um),
-        time_increase=firmware.time_increase(base, feed_mm_min),
+        time_increase=firmware.time_increase(base_mm_min, written),
     )
 
 
