@@ -142,7 +142,7 @@ def test_slope_against_the_side_is_a_delay_below_zero(
         monkeypatch, capsys, radii_csv, "--v0", V0, "--tau-from", speeds, side, "--out", out
     )
 
-    assert "speeds.csv: tau <= 0" in error
+    assert "speeds.csv: mean_radius_um: tau <= 0" in error
     assert hint in error
     assert not out.exists()
 
@@ -189,6 +189,7 @@ def test_refusal_leaves_no_file_at_all(
         (["--tau-from", "s.csv", "--tau-uncertainty", "1"], "--tau-uncertainty goes with --tau"),
         (["--tau", TAU, "--nc", "x.nc", "--nc-first", "900"], "do not fit in #500 to #999"),
         (["--tau", TAU, "--nc", "t.csv"], "t.csv is named for two outputs"),
+        (["--tau", TAU, "--nc", "radii.csv"], "radii.csv is an input, and would be overwritten"),
     ],
 )
 def test_bad_option_is_told_and_ends_with_2(

@@ -209,7 +209,8 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     if json_path is not None:
         found = text.as_json(result.done, result.figures, result.known, result.after)
         texts.append((json_path, json_text(found)))
-    _write(texts)
+    _refuse_clashes([path for path, _ in texts], radii, given)
+    atomic_write_texts(dict(texts))
     click.echo(text.as_text(result.done, result.figures, result.known, result.after))
     for remark in remarks:
         click.echo(remark)
@@ -368,9 +369,13 @@ def _page(result: _Result, name: str) -> str:
     return as_html(result.done, result.figures, result.known, after, name=name)
 
 
-def _write(texts: list[tuple[Path, str]]) -> None:
-    paths = [path.resolve() for path, _ in texts]
-    for path, _ in texts:
-        if paths.count(path.resolve()) > 1:
+def _refuse_clashes(outputs: list[Path], radii: Path | None, given: Mapping[str, Any]) -> None:
+    """Refuse a file that is named for two outputs, or that was read."""
+    inputs = [radii, *(given[name] for name in ("tau_from", "previous", "after"))]
+    read = [path.resolve() for path in inputs if path is not None]
+    written = [path.resolve() for path in outputs]
+    for path, resolved in zip(outputs, written, strict=True):
+        if written.count(resolved) > 1:
             raise click.UsageError(f"{path} is named for two outputs")
-    atomic_write_texts(dict(texts))
+        if resolved in read:
+            raise click.UsageError(f"{path} is an input, and would be overwritten")

@@ -40,10 +40,10 @@ def estimate_delay(speeds: Speeds) -> Delay:
     try:
         fit = firmware.estimate_tau(speeds.feed_mm_min, speeds.radius_um, speeds.side)
     except firmware.PretravelError as error:
-        raise InputError(speeds.path, None, None, _complaint(speeds, error)) from error
+        raise InputError(speeds.path, None, "mean_radius_um", _complaint(speeds, error)) from error
     if fit.tau_ms < CLEAR * fit.tau_uncertainty_ms:
         message = f"tau of {fit.tau_ms:.3g} ms is less than three times its standard uncertainty"
-        warnings.warn(CampaignWarning(speeds.path, None, None, message), stacklevel=2)
+        warnings.warn(CampaignWarning(speeds.path, None, "mean_radius_um", message), stacklevel=2)
     freedom = len(speeds.feed_mm_min) - 2
     return Delay(fit.tau_ms, fit.tau_uncertainty_ms, freedom, fit, speeds)
 
