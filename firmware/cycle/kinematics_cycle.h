@@ -1,0 +1,188 @@
+/*
+ * Cycle 451, MEASURE KINEMATICS, as a polled state machine: probes a calibration sphere at several
+ * positions of each rotary axis, has the kinematics evaluated and, if told so, corrected.
+ *
+ * The cycle asks for one thing after the other, and the caller carries it out: kinematics_cycle_
+ * start(), then poll with the outcome of the request taken last, and take the next request, until
+ * the state is KINEMATICS_CYCLE_DONE or KINEMATICS_CYCLE_FAILED. There is never more than one
+ * request on its way. Moving, and latching a touch with a touch_cycle, is the caller's work.
+ *
+ * Positions are readings of the three linear axes in mm, in machine coordinates, with the centre of
+ * the probe's tip in the point meant; so a centre of the sphere is what the linear axes read when
+ * the tip is concentric with it, on a table and on a head alike. Angles are readings of the rotary
+ * axes in degrees, in the order A, B, C; axes that the machine has not stand at 0. An inch program
+ * changes nothing here: all lengths are mm.
+ */
+#ifndef CYCLE_KINEMATICS_CYCLE_H
+#define CYCLE_KINEMATICS_CYCLE_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "cycle/kinematics_plan.h"
+#include "cycle/kinematics_settings.h"
+#include "cycle/sphere_probe.h"
+
+typedef enum {
+    KINEMATICS_CYCLE_IDLE,
+    KINEMATICS_CYCLE_RUNNING,
+    KINEMATICS_CYCLE_DONE,
+    KINEMATICS_CYCLE_FAILED /* the machine stops where it is; kinematics_cycle_fault_t says why */
+} kinematics_cycle_state_t;
+
+/* Up to NOTHING nothing has moved when the error comes. */
+typedef enum {
+    KINEMATICS_CYCLE_OK,
+    KINEMATICS_CYCLE_ERR_SETTING,     /* out of its limits: see kinematics_settings_check() */
+    KINEMATICS_CYCLE_ERR_NO_FEED,     /* Q253 is 0: no axis would move */
+    KINEMATICS_CYCLE_ERR_OPTION,      /* Q406 = 2 or 3 without KinematicsComp (option 52) */
+    KINEMATICS_CYCLE_ERR_NOT_STACKED, /* Q406 = 3 needs two measured axes, one upon the other */
+    KINEMATICS_CYCLE_ERR_RETRACT,     /* Q408 = 0 with a Hirth axis, an M function or no option 2 */
+    KINEMATICS_CYCLE_ERR_TCPM,        /* M128 or TCPM is on */
+    KINEMATICS_CYCLE_ERR_NOT_AT_ZERO, /* an M function positions, and a rotary axis is not at 0° */
+    KINEMATICS_CYCLE_ERR_MACHINE,     /* a value of kinematics_cycle_machine_t is out of its range */
+    KINEMATICS_CYCLE_ERR_NOTHING,     /* no axis that is there has a position to measure */
+    KINEMATICS_CYCLE_ERR_REQUEST,     /* the caller could not carry out what it was asked for */
+    KINEMATICS_CYCLE_ERR_NO_SPHERE,   /* no sphere passes through the touched points */
+    KINEMATICS_CYCLE_ERR_BALL_RADIUS, /* off Q407 by more than maxDevCalBall */
+    KINEMATICS_CYCLE_ERR_REFUSED      /* a change above maxModification was not acknowledged */
+} kinematics_cycle_error_t;
+
+typedef struct {
+    kinematics_cycle_error_t     error;
+    kinematics_setting_t parameter; /* at fault, KINEMATICS_SETTINGS if none is */
+} kinematics_cycle_fault_t;
+
+typedef struct {
+    kinematics_plan_axis_t axes[ROTARY_AXES];
+    double                 angle_deg[ROTARY_AXES];          /* at the start of the cycle */
+    double                 position_mm[LINEAR_AXES]; /* the same */
+    double                 preset_mm[LINEAR_AXES];   /* the active preset */
+    double                 tool_axis[LINEAR_AXES]; /* from tip to spindle, length 1 */
+    double  tip_radius_mm;            /* the calibrated tip, ≥ 0 */
+    double  set_up_mm;                /* SET_UP of the probe table; Q320 comes on top; ≥ 0 */
+    double  probe_feed_max_mm_min;    /* FMAX of the probe table, > 0 */
+    double  rapid_mm_min;             /* Q253 FMAX */
+    double  tool_feed_mm_min;         /* Q253 FAUTO */
+    double  global_feed_mm_min;       /* Q253 PREDEF */
+    double  global_clearance_mm;      /* Q320 PREDEF, ≥ 0 */
+    double  max_modification_mm;      /* 204801, > 0 */
+    double  max_dev_cal_ball_mm;      /* 204802, > 0; 0: the radius is not watched */
+    int32_t strobe_rot_ax_pos;        /* 204803: M function that positions; -1: none */
+    bool    has_kinematics_comp;      /* option 52 */
+    bool    has_advanced_functions_2; /* option 2 */
+    bool    is_tcpm_on;
+    bool    is_stacked; /* two rotary axes, both in the table or both in the head */
+} kinematics_cycle_machine_t;
+
+typedef enum {
+    /* Delete SPA, SPB and SPC of the active preset: no basic rotation, 2-D or 3-D. */
+    KINEMATICS_CYCLE_CANCEL_ROTATION,
+    /* Spindle axis to retract_height_mm in the untilted workpiece system, then the other two linear
+     * axes to the preset. The probe is not watched. */
+    KINEMATICS_CYCLE_RETRACT,
+    /* Turn `axis` alone to angle_deg[axis]; `follow`: the tip follows the sphere as the active
+     * kinematics believe, at stand_off_mm along the tool axis. Not watched. Answer: centre_mm and
+     * tool_axis at angle_deg, see there. */
+    KINEMATICS_CYCLE_TURN,
+    /* The same by an M function, that of strobe_rot_ax_pos. */
+    KINEMATICS_CYCLE_TURN_BY_M_FUNCTION,
+    /* All linear axes at once, straight, to target_mm. The probe is watched. */
+    KINEMATICS_CYCLE_MOVE,
+    /* One touch of touch_cycle: from target_mm (where the tip stands) along `direction`; nominal
+     * surface after stand_off_mm, and back to target_mm. Answer: touched_mm. */
+    KINEMATICS_CYCLE_TOUCH,
+    /* The active preset becomes centre_mm, read with the rotary axes at angle_deg. */
+    KINEMATICS_CYCLE_SET_PRESET,
+    /* Fit, for Q406, the plan's measurements, see kinematics_cycle_measurements(). Answer:
+     * change_mm. Nothing is changed yet. */
+    KINEMATICS_CYCLE_EVALUATE,
+    /* Show a warning: change_mm is above maxModification. Carried out once NC start is pressed. */
+    KINEMATICS_CYCLE_ACKNOWLEDGE,
+    /* Write the evaluated kinematics into the active description. */
+    KINEMATICS_CYCLE_APPLY
+} kinematics_cycle_request_kind_t;
+
+typedef struct {
+    kinematics_cycle_request_kind_t kind;
+    rotary_axis_t         axis;                                 /* that turns */
+    double                    angle_deg[ROTARY_AXES];           /* all axes, after turning */
+    double                    from_angle_deg[ROTARY_AXES];      /* TURN: sphere_mm holds here */
+    double                    sphere_mm[LINEAR_AXES];    /* its centre, as measured */
+    double                    target_mm[LINEAR_AXES];    /* MOVE, TOUCH */
+    double                    direction[LINEAR_AXES];    /* TOUCH, length 1 */
+    double                    stand_off_mm;                         /* TURN, TOUCH */
+    double                    retract_height_mm;                    /* RETRACT */
+    double                    change_mm;                            /* ACKNOWLEDGE */
+    double                    feed_mm_min;                          /* of motions; deg/min alike */
+    int32_t                   m_function;                           /* TURN_BY_M_FUNCTION */
+    bool                      follow;                               /* TURN */
+} kinematics_cycle_request_t;
+
+typedef enum {
+    KINEMATICS_CYCLE_BUSY,        /* with the request; the rest of the input does not matter */
+    KINEMATICS_CYCLE_CARRIED_OUT, /* the answer is here; also the outcome of the first poll */
+    KINEMATICS_CYCLE_IMPOSSIBLE   /* no touch, a collision, a limit switch, or an operator's "no" */
+} kinematics_cycle_outcome_t;
+
+/* What the cycle has to know at each poll; what was not asked for is not looked at. */
+typedef struct {
+    kinematics_cycle_outcome_t outcome;
+    double touched_mm[LINEAR_AXES]; /* TOUCH: the latched position */
+    /* TURN: where the active kinematics expect the centre at request.angle_deg, when it was in
+     * sphere_mm at from_angle_deg. */
+    double centre_mm[LINEAR_AXES];
+    double tool_axis[LINEAR_AXES]; /* TURN: from tip to spindle, length 1 */
+    double change_mm; /* EVALUATE: the largest change of the location of an axis */
+} kinematics_cycle_input_t;
+
+/* What the cycle does next, once the request on its way is carried out. */
+typedef enum {
+    KINEMATICS_STEP_CANCEL_ROTATION,
+    KINEMATICS_STEP_FIRST_SEARCH, /* Q431 = 1 or 3: where the sphere roughly is */
+    KINEMATICS_STEP_PRESET,       /* the same again, exactly */
+    KINEMATICS_STEP_STATION,      /* go to the next station */
+    KINEMATICS_STEP_TURN,
+    KINEMATICS_STEP_PROBE,
+    KINEMATICS_STEP_EVALUATE,
+    KINEMATICS_STEP_ACKNOWLEDGE,
+    KINEMATICS_STEP_APPLY,
+    KINEMATICS_STEP_PRESET_AFTER,
+    KINEMATICS_STEP_END
+} kinematics_cycle_step_t;
+
+/* Owned by the caller; the fields are for this module. Start from all zeros. */
+typedef struct {
+    kinematics_settings_t      settings;
+    kinematics_cycle_machine_t machine;
+    kinematics_plan_t          plan;
+    sphere_probe_t             probe;
+    kinematics_cycle_request_t request;
+    kinematics_cycle_fault_t   fault;
+    kinematics_cycle_state_t   state;
+    kinematics_cycle_step_t    step;
+    bool                       has_request;
+} kinematics_cycle_t;
+
+/*
+ * Begin a cycle. Task. KINEMATICS_CYCLE_OK, or the error that also stands in the fault; nothing moves
+ * then.
+ */
+kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t          *cycle,
+                                          const kinematics_settings_t *settings,
+                                          const kinematics_cycle_machine_t  *machine);
+
+/* One step. Task. */
+kinematics_cycle_state_t kinematics_cycle_poll(kinematics_cycle_t       *cycle,
+                                         const kinematics_cycle_input_t *input);
+
+/* Take what to do now. False if there is nothing. Task. */
+bool kinematics_cycle_take_request(kinematics_cycle_t *cycle, kinematics_cycle_request_t *request);
+
+/* KINEMATICS_CYCLE_OK unless the state is KINEMATICS_CYCLE_FAILED. Task. */
+const kinematics_cycle_fault_t *kinematics_cycle_fault(const kinematics_cycle_t *cycle);
+
+/* What was measured up to now, in the order of measuring. Task. */
+const kinematics_plan_t *kinematics_cycle_measurements(const kinematics_cycle_t *cycle);
+
+#endif

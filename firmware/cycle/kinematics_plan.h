@@ -1,0 +1,61 @@
+/*
+ * Where cycle 451 measures: the measuring positions of each rotary axis, from start, end, number and
+ * Hirth grid, and the stations that all of them give.
+ */
+#ifndef CYCLE_KINEMATICS_PLAN_H
+#define CYCLE_KINEMATICS_PLAN_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "cycle/kinematics_settings.h"
+
+typedef enum { ROTARY_A, ROTARY_B, ROTARY_C, ROTARY_AXES } rotary_axis_t;
+
+#define LINEAR_AXES             3 /* X, Y, Z */
+#define KINEMATICS_POINTS_MAX   12
+#define KINEMATICS_STATIONS_MAX (ROTARY_AXES * (1 + 2 * KINEMATICS_POINTS_MAX))
+
+typedef struct {
+    bool   is_present; /* what stands in the settings for an absent axis is ignored */
+    double grid_deg;   /* of a Hirth coupling, below 360; 0: the axis stands anywhere */
+} kinematics_plan_axis_t;
+
+/* One measurement of the sphere. */
+typedef struct {
+    double  angle_deg[ROTARY_AXES];
+    double  come_from_deg; /* `axis` passes through this angle on its way here, for its backlash */
+    uint8_t axis;          /* rotary_axis_t that is being measured */
+    uint8_t serves;        /* bit 1 << axis of every axis whose measurement this is */
+    int8_t  approach;      /* 1 with rising angle, −1 with falling angle, 0 as it comes */
+    bool    is_reference;  /* `axis` at 0° */
+    double  centre_mm[LINEAR_AXES]; /* as measured */
+    double  radius_mm;              /* of the sphere, as measured */
+} kinematics_station_t;
+
+typedef struct {
+    kinematics_station_t stations[KINEMATICS_STATIONS_MAX];
+    uint8_t              count;
+    uint8_t              measured; /* the first ones have a centre and a radius */
+} kinematics_plan_t;
+
+/*
+ * Write the measuring positions from `start_deg` to `end_deg` in equal steps of (end − start) /
+ * (points − 1), rounded to the grid (a tie away from 0°), and return how many there are. A position
+ * at 0°, or a full turn from it, is that of the reference and left out. One point alone is at the
+ * start. `points` ≤ KINEMATICS_POINTS_MAX. Any context.
+ */
+uint8_t kinematics_plan_positions(double start_deg, double end_deg, uint8_t points, double grid_deg,
+                                  double *positions_deg);
+
+/*
+ * Plan a whole cycle: axis A, then B, then C; of each the reference at 0° and its positions, with
+ * the other axes at their incidence angles (on their grid). A reference that stands in the plan
+ * already is not measured again. If Q432 is not 0, every position of an axis without a grid, and
+ * that is `may_reverse`, is approached from both sides, Q432 away, first as its sign says; the
+ * reference from the first side. `settings` are sound. Any context.
+ */
+void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *settings,
+                          const kinematics_plan_axis_t *axes, bool may_reverse);
+
+#endif
