@@ -1,0 +1,32 @@
+/* What the controller believes of a five-axis machine, and what it expects by that. */
+#ifndef PROGRAMS_FIVE_AXIS_BELIEF_H
+#define PROGRAMS_FIVE_AXIS_BELIEF_H
+
+#include "comp/kinematics.h"
+#include "five_axis.h"
+
+typedef struct {
+    sim_machine_t        machine; /* without any error */
+    kinematics_machine_t chain;   /* the same in the firmware's terms */
+} five_axis_belief_t;
+
+/* Believe the axes of `machine`, and that they have no error. */
+void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine);
+
+/* Where the linear axes should read the centre of a sphere that stands at `sphere_mm` at zero. */
+void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3],
+                      const double angle_deg[3], double reading_mm[3]);
+
+/* Where it stands at zero, by where it was read. */
+void five_axis_turn_back(const five_axis_belief_t *belief, const double angle_deg[3],
+                         const double reading_mm[3], double sphere_mm[3]);
+
+/* From the tip to the spindle. */
+void five_axis_tool_axis(const five_axis_belief_t *belief, const double angle_deg[3],
+                         double axis[3]);
+
+/* Where the linear axes of a machine really read when the tip is in the sphere's centre. */
+void five_axis_concentric(const sim_machine_t *machine, const sim_stance_t *stance,
+                          double reading_mm[3]);
+
+#endif

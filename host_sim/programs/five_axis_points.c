@@ -1,0 +1,70 @@
+#include "programs/five_axis_points.h"
+
+#include <stdbool.h>
+
+#include "cycle/sphere_probe.h"
+#include "programs/five_axis_belief.h"
+#include "programs/five_axis_rig.h"
+
+/* All touches of one sphere; false when one failed, or no sphere fits. */
+static bool probe_sphere(five_axis_rig_t *rig, const sphere_probe_config_t *config,
+                         double travel_mm, sim_sphere_t *sphere)
+{
+    sphere_probe_t      probe;
+    sphere_probe_step_t step;
+    double              touched_mm[3];
+
+    sphere_probe_start(&probe, config);
+    while (sphere_probe_next(&probe, &step)) {
+        if (!step.is_touch) {
+            continue;
+        }
+        if (!five_axis_touch(rig, step.target_mm, step.direction, travel_mm, touched_mm)) {
+            return false;
+        }
+        sphere_probe_touched(&probe, touched_mm);
+    }
+    return sphere_probe_solve(&probe, sphere->centre_mm, &sphere->contact_mm);
+}
+
+static void turn_to(five_axis_rig_t *rig, const double angle_deg[3])
+{
+    for (int32_t axis = 0; axis < SIM_ROTARIES; ++axis) {
+        five_axis_turn(rig, axis, angle_deg[axis]);
+    }
+}
+
+uint32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
+                              const sim_probing_t *probing, const sim_chain_t *chain,
+                              const sim_controller_t *controller, const sim_setting_t *settings,
+                              uint32_t settings_count, uint64_t seed, uint64_t replicate,
+                              sim_sphere_t *spheres, uint32_t n)
+{
+    five_axis_rig_t       rig;
+    five_axis_belief_t    belief;
+    sphere_probe_config_t config = {
+        .contact_mm = truth->sphere_radius_mm + truth->tip_radius_mm,
+        .stand_off_mm = probing->stand_off_mm,
+        .reference_deg = probing->reference_deg,
+        .touches = (uint8_t)probing->touches,
+    };
+    five_axis_believe(&belief, believed);
+    five_axis_boot(&rig, truth, chain, controller, settings, settings_count, probing->path,
+                   probing->feed_mm_min, seed, replicate);
+    for (uint32_t i = 0; i < n; ++i) {
+        turn_to(&rig, spheres[i].angle_deg);
+        if (i == 0u) { /* the operator has found it */
+            five_axis_concentric(truth, &rig.stance, config.centre_mm);
+        } else {
+            double sphere_mm[3];
+            five_axis_turn_back(&belief, spheres[i - 1u].angle_deg, spheres[i - 1u].centre_mm,
+                                sphere_mm);
+            five_axis_expect(&belief, sphere_mm, spheres[i].angle_deg, config.centre_mm);
+        }
+        five_axis_tool_axis(&belief, spheres[i].angle_deg, config.tool_axis);
+        if (!probe_sphere(&rig, &config, probing->stand_off_mm + probing->search_mm, &spheres[i])) {
+            return i;
+        }
+    }
+    return n;
+}
