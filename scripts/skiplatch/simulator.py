@@ -32,6 +32,9 @@ HEADERS = (
     ROOT / "firmware" / "comp" / "pretravel_map.h",
     ROOT / "firmware" / "comp" / "pretravel_lookup.h",
     ROOT / "firmware" / "comp" / "pretravel_grid.h",
+    ROOT / "host_sim" / "five_axis.h",
+    ROOT / "host_sim" / "programs" / "five_axis_points.h",
+    ROOT / "host_sim" / "programs" / "five_axis_cycle.h",
 )
 
 FloatArray = NDArray[np.float64]
@@ -234,6 +237,29 @@ def mathematics() -> Mathematics:
     """Give the firmware's own mathematics of compensation."""
     binding = _binding()
     return Mathematics(binding.ffi, binding.library, binding.pretravel_cell)
+
+
+def library() -> tuple[CData, CData]:
+    """Give cffi's door and the library itself, for modules that bind more of it.
+
+    Raises:
+        SimulationError: The library is not built.
+    """
+    binding = _binding()
+    return binding.ffi, binding.library
+
+
+def rig_arguments(
+    nominal: Nominal, controller: Controller, switched_on: Sequence[Effect] = ()
+) -> tuple[CData, CData, CData, int]:
+    """Give what all functions of the library that play a rig take: chain, controller, effects."""
+    binding = _binding()
+    return (
+        _chain(binding, nominal, None),
+        _controller(binding, controller),
+        _settings(binding, switched_on),
+        len(switched_on),
+    )
 
 
 def _chain(binding: _Binding, nominal: Nominal, seat: Seat | None) -> CData:

@@ -1,0 +1,109 @@
+/*
+ * Cycle 451 of the firmware on a five-axis machine: what a controller does around it. Every request
+ * of the cycle is carried out here, but for those that the caller answers: evaluate, acknowledge,
+ * apply. Python reads this header too: no more of the preprocessor than what can be left out.
+ */
+#ifndef PROGRAMS_FIVE_AXIS_CYCLE_H
+#define PROGRAMS_FIVE_AXIS_CYCLE_H
+
+#include <stdint.h>
+
+#include "chain.h"
+#include "five_axis.h"
+
+#pragma GCC visibility push(default)
+
+typedef struct sim_451 sim_451_t;
+
+/* How the controller is set up, and where the operator has left the machine. */
+typedef struct {
+    double  hirth_deg[3];  /* grid of A, B, C; 0: none */
+    double  tip_radius_mm; /* as calibrated */
+    double  set_up_mm;
+    double  probe_feed_max_mm_min;
+    double  rapid_mm_min;
+    double  tool_feed_mm_min;
+    double  global_feed_mm_min;
+    double  global_clearance_mm;
+    double  max_modification_mm;
+    double  max_dev_cal_ball_mm;
+    double  start_deg[3];      /* rotary axes at the start */
+    double  preset_miss_mm[3]; /* the operator's preset is so far off the sphere's centre */
+    double  start_above_mm;    /* the tip stands so far above the top of the sphere */
+    double  touch_feed_mm_min;
+    double  search_mm;         /* a touch goes on so far past the nominal surface */
+    int32_t strobe_rot_ax_pos; /* number of the M function that positions; -1: none */
+    int32_t has_kinematics_comp;
+    int32_t has_advanced_functions_2;
+    int32_t is_tcpm_on;
+    int32_t path; /* SIM_PATH_* of every touch */
+} sim_control_t;
+
+/* One measurement of the sphere. */
+typedef struct {
+    double  angle_deg[3];
+    double  come_from_deg;
+    double  centre_mm[3];
+    double  radius_mm;
+    int32_t axis;   /* SIM_ROTARY_* being measured */
+    int32_t serves; /* bit 1 << axis of all axes whose measurement this is */
+    int32_t approach;
+    int32_t is_reference;
+} sim_station_t;
+
+/* Why sim_451_run() came back. */
+enum {
+    SIM_451_EVALUATE = 0,
+    SIM_451_ACKNOWLEDGE = 1,
+    SIM_451_APPLY = 2,
+    SIM_451_DONE = 3,
+    SIM_451_FAILED = 4
+};
+
+/* What the cycle has done so far. */
+typedef struct {
+    double  preset_mm[3];
+    double  change_mm; /* that waits for its acknowledgement */
+    double  duration_s;
+    int64_t touches;
+    int32_t error;       /* kinematics_cycle_error_t */
+    int32_t parameter;   /* at fault: 406 for Q406; 0: none */
+    int32_t touch_error; /* touch_error_t of the last touch */
+    int32_t cancelled_rotation;
+    int32_t presets;
+} sim_451_report_t;
+
+/*
+ * Switch on a machine that is as `truth` and is believed to be as `believed`, the errors of which
+ * are not looked at. NULL without memory. What it is given is copied.
+ */
+sim_451_t *sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
+                        const sim_chain_t *chain, const sim_controller_t *controller,
+                        const sim_setting_t *settings, uint32_t settings_count,
+                        const sim_control_t *control, uint64_t seed, uint64_t replicate);
+void       sim_451_close(sim_451_t *play);
+
+/*
+ * Set Q<id> to a number, or with `word` (kinematics_word_t, not 0) to a word. Returns
+ * kinematics_setting_error_t; sim_451_phrase() says it in words.
+ */
+int         sim_451_set(sim_451_t *play, uint16_t id, double value, int32_t word);
+const char *sim_451_phrase(int setting_error);
+
+/* Limits of Q<id> and its name; NULL if the cycle has no such parameter. */
+const char *sim_451_limits(uint16_t id, double *low, double *high);
+
+/* Start the cycle (once), respectively answer what it came back for, and run on. */
+int sim_451_run(sim_451_t *play);
+int sim_451_answer(sim_451_t *play, double change_mm, int32_t is_possible);
+
+/* From now on the controller believes this of its axes. */
+void sim_451_believe(sim_451_t *play, const sim_machine_t *believed);
+
+/* Write up to `capacity` measurements, and return how many there are. */
+uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity);
+void     sim_451_report(const sim_451_t *play, sim_451_report_t *report);
+
+#pragma GCC visibility pop
+
+#endif
