@@ -33,46 +33,47 @@ typedef enum {
 /* Up to NOTHING nothing has moved when the error comes. */
 typedef enum {
     KINEMATICS_CYCLE_OK,
-    KINEMATICS_CYCLE_ERR_SETTING,     /* out of its limits: see kinematics_settings_check() */
-    KINEMATICS_CYCLE_ERR_NO_FEED,     /* Q253 is 0: no axis would move */
-    KINEMATICS_CYCLE_ERR_OPTION,      /* Q406 = 2 or 3 without KinematicsComp (option 52) */
-    KINEMATICS_CYCLE_ERR_NOT_STACKED, /* Q406 = 3 needs two measured axes, one upon the other */
-    KINEMATICS_CYCLE_ERR_RETRACT,     /* Q408 = 0 with a Hirth axis, an M function or no option 2 */
-    KINEMATICS_CYCLE_ERR_TCPM,        /* M128 or TCPM is on */
-    KINEMATICS_CYCLE_ERR_NOT_AT_ZERO, /* an M function positions, and a rotary axis is not at 0° */
-    KINEMATICS_CYCLE_ERR_MACHINE,     /* a value of kinematics_cycle_machine_t is out of its range */
-    KINEMATICS_CYCLE_ERR_NOTHING,     /* no axis that is there has a position to measure */
-    KINEMATICS_CYCLE_ERR_REQUEST,     /* the caller could not carry out what it was asked for */
-    KINEMATICS_CYCLE_ERR_NO_SPHERE,   /* no sphere passes through the touched points */
+    KINEMATICS_CYCLE_ERR_SETTING,      /* out of its limits: see kinematics_settings_check() */
+    KINEMATICS_CYCLE_ERR_NO_FEED,      /* Q253 is 0: no axis would move */
+    KINEMATICS_CYCLE_ERR_NO_CLEARANCE, /* Q320 and SET_UP are 0: a touch would begin touching */
+    KINEMATICS_CYCLE_ERR_OPTION,       /* Q406 = 2 or 3 without KinematicsComp (option 52) */
+    KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs two measured axes, one upon the other */
+    KINEMATICS_CYCLE_ERR_RETRACT,      /* Q408 = 0 with a Hirth axis that turns, or no option 2 */
+    KINEMATICS_CYCLE_ERR_TCPM,         /* M128 or TCPM is on */
+    KINEMATICS_CYCLE_ERR_NOT_AT_ZERO,  /* an M function positions, and a rotary axis is not at 0° */
+    KINEMATICS_CYCLE_ERR_MACHINE,   /* a value of kinematics_cycle_machine_t is out of its range */
+    KINEMATICS_CYCLE_ERR_NOTHING,   /* no axis that is there has a position to measure */
+    KINEMATICS_CYCLE_ERR_REQUEST,   /* the caller could not carry out what it was asked for */
+    KINEMATICS_CYCLE_ERR_NO_SPHERE, /* no sphere passes through the touched points */
     KINEMATICS_CYCLE_ERR_BALL_RADIUS, /* off Q407 by more than maxDevCalBall */
     KINEMATICS_CYCLE_ERR_REFUSED      /* a change above maxModification was not acknowledged */
 } kinematics_cycle_error_t;
 
 typedef struct {
-    kinematics_cycle_error_t     error;
-    kinematics_setting_t parameter; /* at fault, KINEMATICS_SETTINGS if none is */
+    kinematics_cycle_error_t error;
+    kinematics_setting_t     parameter; /* at fault, KINEMATICS_SETTINGS if none is */
 } kinematics_cycle_fault_t;
 
 typedef struct {
     kinematics_plan_axis_t axes[ROTARY_AXES];
-    double                 angle_deg[ROTARY_AXES];          /* at the start of the cycle */
+    double                 angle_deg[ROTARY_AXES];   /* at the start of the cycle */
     double                 position_mm[LINEAR_AXES]; /* the same */
-    double                 preset_mm[LINEAR_AXES];   /* the active preset */
+    double                 preset_mm[LINEAR_AXES]; /* the tip in the active preset, at angle_deg */
     double                 tool_axis[LINEAR_AXES]; /* from tip to spindle, length 1 */
-    double  tip_radius_mm;            /* the calibrated tip, ≥ 0 */
-    double  set_up_mm;                /* SET_UP of the probe table; Q320 comes on top; ≥ 0 */
-    double  probe_feed_max_mm_min;    /* FMAX of the probe table, > 0 */
-    double  rapid_mm_min;             /* Q253 FMAX */
-    double  tool_feed_mm_min;         /* Q253 FAUTO */
-    double  global_feed_mm_min;       /* Q253 PREDEF */
-    double  global_clearance_mm;      /* Q320 PREDEF, ≥ 0 */
-    double  max_modification_mm;      /* 204801, > 0 */
-    double  max_dev_cal_ball_mm;      /* 204802, > 0; 0: the radius is not watched */
-    int32_t strobe_rot_ax_pos;        /* 204803: M function that positions; -1: none */
-    bool    has_kinematics_comp;      /* option 52 */
-    bool    has_advanced_functions_2; /* option 2 */
-    bool    is_tcpm_on;
-    bool    is_stacked; /* two rotary axes, both in the table or both in the head */
+    double                 tip_radius_mm;          /* the calibrated tip, ≥ 0 */
+    double                 set_up_mm; /* SET_UP of the probe table; Q320 comes on top; ≥ 0 */
+    double                 probe_feed_max_mm_min; /* FMAX of the probe table, > 0 */
+    double                 rapid_mm_min;          /* Q253 FMAX */
+    double                 tool_feed_mm_min;      /* Q253 FAUTO */
+    double                 global_feed_mm_min;    /* Q253 PREDEF */
+    double                 global_clearance_mm;   /* Q320 PREDEF, ≥ 0 */
+    double                 max_modification_mm;   /* 204801, ≥ 0 */
+    double                 max_dev_cal_ball_mm;   /* 204802, ≥ 0; 0: the radius is not watched */
+    int32_t                strobe_rot_ax_pos;     /* 204803: M function that positions; -1: none */
+    bool                   has_kinematics_comp;   /* option 52 */
+    bool                   has_advanced_functions_2; /* option 2 */
+    bool                   is_tcpm_on;
+    bool                   is_stacked; /* two rotary axes, both in the table or both in the head */
 } kinematics_cycle_machine_t;
 
 typedef enum {
@@ -85,16 +86,16 @@ typedef enum {
      * kinematics believe, at stand_off_mm along the tool axis. Not watched. Answer: centre_mm and
      * tool_axis at angle_deg, see there. */
     KINEMATICS_CYCLE_TURN,
-    /* The same by an M function, that of strobe_rot_ax_pos. */
+    /* The same, turned by `m_function`. */
     KINEMATICS_CYCLE_TURN_BY_M_FUNCTION,
     /* All linear axes at once, straight, to target_mm. The probe is watched. */
     KINEMATICS_CYCLE_MOVE,
     /* One touch of touch_cycle: from target_mm (where the tip stands) along `direction`; nominal
      * surface after stand_off_mm, and back to target_mm. Answer: touched_mm. */
     KINEMATICS_CYCLE_TOUCH,
-    /* The active preset becomes centre_mm, read with the rotary axes at angle_deg. */
+    /* The active preset becomes sphere_mm, read with the rotary axes at angle_deg. */
     KINEMATICS_CYCLE_SET_PRESET,
-    /* Fit, for Q406, the plan's measurements, see kinematics_cycle_measurements(). Answer:
+    /* Fit kinematics to the measurements, see kinematics_cycle_plan(), as Q406 says. Answer:
      * change_mm. Nothing is changed yet. */
     KINEMATICS_CYCLE_EVALUATE,
     /* Show a warning: change_mm is above maxModification. Carried out once NC start is pressed. */
@@ -105,18 +106,18 @@ typedef enum {
 
 typedef struct {
     kinematics_cycle_request_kind_t kind;
-    rotary_axis_t         axis;                                 /* that turns */
-    double                    angle_deg[ROTARY_AXES];           /* all axes, after turning */
-    double                    from_angle_deg[ROTARY_AXES];      /* TURN: sphere_mm holds here */
-    double                    sphere_mm[LINEAR_AXES];    /* its centre, as measured */
-    double                    target_mm[LINEAR_AXES];    /* MOVE, TOUCH */
-    double                    direction[LINEAR_AXES];    /* TOUCH, length 1 */
-    double                    stand_off_mm;                         /* TURN, TOUCH */
-    double                    retract_height_mm;                    /* RETRACT */
-    double                    change_mm;                            /* ACKNOWLEDGE */
-    double                    feed_mm_min;                          /* of motions; deg/min alike */
-    int32_t                   m_function;                           /* TURN_BY_M_FUNCTION */
-    bool                      follow;                               /* TURN */
+    rotary_axis_t                   axis;                        /* that turns */
+    double                          angle_deg[ROTARY_AXES];      /* all axes, after turning */
+    double                          from_angle_deg[ROTARY_AXES]; /* TURN: sphere_mm holds here */
+    double                          sphere_mm[LINEAR_AXES];      /* its centre: TURN, SET_PRESET */
+    double                          target_mm[LINEAR_AXES];      /* MOVE, TOUCH */
+    double                          direction[LINEAR_AXES];      /* TOUCH, length 1 */
+    double                          stand_off_mm;                /* TURN, TOUCH */
+    double                          retract_height_mm;           /* RETRACT */
+    double                          change_mm;                   /* ACKNOWLEDGE */
+    double                          feed_mm_min;                 /* of motions; deg/min alike */
+    int32_t                         m_function;                  /* TURN_BY_M_FUNCTION */
+    bool                            follow;                      /* TURN */
 } kinematics_cycle_request_t;
 
 typedef enum {
@@ -128,27 +129,28 @@ typedef enum {
 /* What the cycle has to know at each poll; what was not asked for is not looked at. */
 typedef struct {
     kinematics_cycle_outcome_t outcome;
-    double touched_mm[LINEAR_AXES]; /* TOUCH: the latched position */
+    double                     touched_mm[LINEAR_AXES]; /* TOUCH: the latched position */
     /* TURN: where the active kinematics expect the centre at request.angle_deg, when it was in
      * sphere_mm at from_angle_deg. */
     double centre_mm[LINEAR_AXES];
     double tool_axis[LINEAR_AXES]; /* TURN: from tip to spindle, length 1 */
-    double change_mm; /* EVALUATE: the largest change of the location of an axis */
+    double change_mm;              /* EVALUATE: the largest change of the location of an axis */
 } kinematics_cycle_input_t;
 
-/* What the cycle does next, once the request on its way is carried out. */
+/* What the cycle is at: what the request on its way belongs to. */
 typedef enum {
     KINEMATICS_STEP_CANCEL_ROTATION,
-    KINEMATICS_STEP_FIRST_SEARCH, /* Q431 = 1 or 3: where the sphere roughly is */
-    KINEMATICS_STEP_PRESET,       /* the same again, exactly */
-    KINEMATICS_STEP_STATION,      /* go to the next station */
+    KINEMATICS_STEP_SEARCH, /* Q431 = 1 or 3: roughly where the sphere is, then exactly */
+    KINEMATICS_STEP_LOCATE,
+    KINEMATICS_STEP_PRESET_BEFORE,
+    KINEMATICS_STEP_LEAVE, /* to the retract height, or above the sphere */
     KINEMATICS_STEP_TURN,
-    KINEMATICS_STEP_PROBE,
+    KINEMATICS_STEP_MEASURE,
+    KINEMATICS_STEP_WITHDRAW, /* as LEAVE, after the last station */
     KINEMATICS_STEP_EVALUATE,
     KINEMATICS_STEP_ACKNOWLEDGE,
     KINEMATICS_STEP_APPLY,
-    KINEMATICS_STEP_PRESET_AFTER,
-    KINEMATICS_STEP_END
+    KINEMATICS_STEP_PRESET_AFTER
 } kinematics_cycle_step_t;
 
 /* Owned by the caller; the fields are for this module. Start from all zeros. */
@@ -161,28 +163,40 @@ typedef struct {
     kinematics_cycle_fault_t   fault;
     kinematics_cycle_state_t   state;
     kinematics_cycle_step_t    step;
+    double                     angle_deg[ROTARY_AXES]; /* where the rotary axes stand */
+    double                     tool_axis[LINEAR_AXES];
+    double                     expected_mm[LINEAR_AXES]; /* the centre, at angle_deg */
+    double                     sphere_mm[LINEAR_AXES];   /* as measured last, at sphere_deg */
+    double                     sphere_deg[ROTARY_AXES];
+    double                     contact_mm; /* sphere and tip as measured last */
+    double                     change_mm;
+    bool                       is_located;  /* the sphere, where the axes still stand */
+    bool                       has_come_by; /* come_from_deg of the station */
     bool                       has_request;
 } kinematics_cycle_t;
 
 /*
- * Begin a cycle. Task. KINEMATICS_CYCLE_OK, or the error that also stands in the fault; nothing moves
- * then.
+ * Begin a cycle. Task. KINEMATICS_CYCLE_OK, or the error that also stands in the fault; nothing
+ * moves then.
  */
-kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t          *cycle,
-                                          const kinematics_settings_t *settings,
-                                          const kinematics_cycle_machine_t  *machine);
+kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t               *cycle,
+                                                const kinematics_settings_t      *settings,
+                                                const kinematics_cycle_machine_t *machine);
 
 /* One step. Task. */
-kinematics_cycle_state_t kinematics_cycle_poll(kinematics_cycle_t       *cycle,
-                                         const kinematics_cycle_input_t *input);
+kinematics_cycle_state_t kinematics_cycle_poll(kinematics_cycle_t             *cycle,
+                                               const kinematics_cycle_input_t *input);
 
 /* Take what to do now. False if there is nothing. Task. */
 bool kinematics_cycle_take_request(kinematics_cycle_t *cycle, kinematics_cycle_request_t *request);
 
+/* A phrase like "the axes would not move". Any context. */
+const char *kinematics_cycle_phrase(kinematics_cycle_error_t error);
+
 /* KINEMATICS_CYCLE_OK unless the state is KINEMATICS_CYCLE_FAILED. Task. */
 const kinematics_cycle_fault_t *kinematics_cycle_fault(const kinematics_cycle_t *cycle);
 
-/* What was measured up to now, in the order of measuring. Task. */
-const kinematics_plan_t *kinematics_cycle_measurements(const kinematics_cycle_t *cycle);
+/* The stations, and what was measured there up to now. Task. */
+const kinematics_plan_t *kinematics_cycle_plan(const kinematics_cycle_t *cycle);
 
 #endif

@@ -1,6 +1,6 @@
 /*
- * Where cycle 451 measures: the measuring positions of each rotary axis, from start, end, number and
- * Hirth grid, and the stations that all of them give.
+ * Where cycle 451 measures: the measuring positions of each rotary axis, from start, end, number
+ * and Hirth grid, and the stations that all of them give.
  */
 #ifndef CYCLE_KINEMATICS_PLAN_H
 #define CYCLE_KINEMATICS_PLAN_H
@@ -57,5 +57,9 @@ uint8_t kinematics_plan_positions(double start_deg, double end_deg, uint8_t poin
  */
 void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *settings,
                           const kinematics_plan_axis_t *axes, bool may_reverse);
+
+/* Whether an axis that stands at `angle_deg` need not turn, and all of them. Any context. */
+bool kinematics_plan_is_there(double angle_deg, double target_deg);
+bool kinematics_plan_is_pose(const double *angles_deg, const double *others_deg);
 
 #endif

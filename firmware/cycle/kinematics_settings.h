@@ -81,7 +81,7 @@ void kinematics_settings_reset(kinematics_settings_t *settings);
 
 /* Check one parameter, respectively set it once it is sound. Any context. */
 kinematics_setting_error_t kinematics_settings_check(const kinematics_settings_t *settings,
-                                                     kinematics_setting_t parameter);
+                                                     kinematics_setting_t         parameter);
 kinematics_setting_error_t kinematics_settings_set(kinematics_settings_t *settings, uint16_t id,
                                                    double value);
 kinematics_setting_error_t kinematics_settings_set_word(kinematics_settings_t *settings,

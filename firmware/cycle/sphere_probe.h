@@ -1,7 +1,7 @@
 /*
  * Probing a sphere: where the tip goes for one measurement of its centre and radius, and both from
- * the touched points. One touch along the tool axis, on the pole, then 3 to 8 around the equator, in
- * equal steps from the reference angle (Q380). All lengths in mm.
+ * the touched points. One touch along the tool axis, on the pole, then 3 to 8 around the equator,
+ * in equal steps from the reference angle (Q380). All lengths in mm.
  */
 #ifndef CYCLE_SPHERE_PROBE_H
 #define CYCLE_SPHERE_PROBE_H

@@ -1,0 +1,152 @@
+#include "cycle/kinematics_settings.h"
+
+#include <stddef.h>
+
+#define ANY   false
+#define WHOLE true
+
+#define TURN 359.9999 /* the largest angle of the document */
+#define FEED (KINEMATICS_FMAX | KINEMATICS_FAUTO | KINEMATICS_PREDEF)
+
+static const kinematics_setting_description_t TABLE[KINEMATICS_SETTINGS] = {
+    {406u, "MODE", "", 0.0, 3.0, 0.0, WHOLE, 0u},
+    {407u, "SPHERE RADIUS", "mm", 0.0001, 99.9999, 12.5, ANY, 0u},
+    {320u, "SET-UP CLEARANCE", "mm", 0.0, 99999.9999, 0.0, ANY, KINEMATICS_PREDEF},
+    {408u, "RETR. HEIGHT", "mm", 0.0, 99999.9999, 0.0, ANY, 0u},
+    {253u, "F PRE-POSITIONING", "mm/min", 0.0, 99999.9999, 750.0, ANY, FEED},
+    {380u, "REFERENCE ANGLE", "deg", 0.0, 360.0, 0.0, ANY, 0u},
+    {411u, "START ANGLE A AXIS", "deg", -TURN, TURN, -90.0, ANY, 0u},
+    {412u, "END ANGLE A AXIS", "deg", -TURN, TURN, 90.0, ANY, 0u},
+    {413u, "INCID. ANGLE A AXIS", "deg", -TURN, TURN, 0.0, ANY, 0u},
+    {414u, "MEAS. POINTS A AXIS", "", 0.0, 12.0, 0.0, WHOLE, 0u},
+    {415u, "START ANGLE B AXIS", "deg", -TURN, TURN, -90.0, ANY, 0u},
+    {416u, "END ANGLE B AXIS", "deg", -TURN, TURN, 90.0, ANY, 0u},
+    {417u, "INCID. ANGLE B AXIS", "deg", -359.999, 360.0, 0.0, ANY, 0u},
+    {418u, "MEAS. POINTS B AXIS", "", 0.0, 12.0, 2.0, WHOLE, 0u},
+    {419u, "START ANGLE C AXIS", "deg", -TURN, TURN, -90.0, ANY, 0u},
+    {420u, "END ANGLE C AXIS", "deg", -TURN, TURN, 90.0, ANY, 0u},
+    {421u, "INCID. ANGLE C AXIS", "deg", -TURN, TURN, 0.0, ANY, 0u},
+    {422u, "MEAS. POINTS C AXIS", "", 0.0, 12.0, 2.0, WHOLE, 0u},
+    {423u, "NO. OF PROBE POINTS", "", 3.0, 8.0, 4.0, WHOLE, 0u},
+    {431u, "PRESET", "", 0.0, 3.0, 0.0, WHOLE, 0u},
+    {432u, "BACKLASH, ANG. RANGE", "deg", -3.0, 3.0, 0.0, ANY, 0u},
+};
+
+const kinematics_setting_description_t *kinematics_settings_describe(uint32_t setting)
+{
+    return setting < KINEMATICS_SETTINGS ? &TABLE[setting] : NULL;
+}
+
+kinematics_setting_t kinematics_settings_find(uint16_t id)
+{
+    uint32_t setting = 0u;
+    while (setting < KINEMATICS_SETTINGS && TABLE[setting].id != id) {
+        setting++;
+    }
+    return (kinematics_setting_t)setting;
+}
+
+void kinematics_settings_reset(kinematics_settings_t *settings)
+{
+    for (uint32_t i = 0u; i < KINEMATICS_SETTINGS; i++) {
+        settings->value[i] = TABLE[i].initial;
+        settings->word[i] = KINEMATICS_NUMBER;
+    }
+}
+
+static kinematics_setting_error_t check_value(const kinematics_setting_description_t *row,
+                                              double                                  value)
+{
+    if (!(value - value >= 0.0)) { /* infinities and NaN alone */
+        return KINEMATICS_SETTING_NOT_FINITE;
+    }
+    if (value < row->low) {
+        return KINEMATICS_SETTING_LOW;
+    }
+    if (value > row->high) {
+        return KINEMATICS_SETTING_HIGH;
+    }
+    /* Within limits of at most 12, so that it fits an int of 16 bits. */
+    bool is_broken = row->is_whole && value - (int)value > 0.0;
+    return is_broken ? KINEMATICS_SETTING_NOT_WHOLE : KINEMATICS_SETTING_OK;
+}
+
+static bool is_word(const kinematics_setting_description_t *row, kinematics_word_t word)
+{
+    bool is_one = word == KINEMATICS_FMAX || word == KINEMATICS_FAUTO || word == KINEMATICS_PREDEF;
+    return is_one && (row->words & (uint8_t)word) != 0u;
+}
+
+kinematics_setting_error_t kinematics_settings_check(const kinematics_settings_t *settings,
+                                                     kinematics_setting_t         setting)
+{
+    if (setting >= KINEMATICS_SETTINGS) {
+        return KINEMATICS_SETTING_UNKNOWN;
+    }
+    if (settings->word[setting] == KINEMATICS_NUMBER) {
+        return check_value(&TABLE[setting], settings->value[setting]);
+    }
+    bool is_allowed = is_word(&TABLE[setting], settings->word[setting]);
+    return is_allowed ? KINEMATICS_SETTING_OK : KINEMATICS_SETTING_WORD;
+}
+
+kinematics_setting_error_t kinematics_settings_set(kinematics_settings_t *settings, uint16_t id,
+                                                   double value)
+{
+    kinematics_setting_t setting = kinematics_settings_find(id);
+    if (setting == KINEMATICS_SETTINGS) {
+        return KINEMATICS_SETTING_UNKNOWN;
+    }
+    kinematics_setting_error_t error = check_value(&TABLE[setting], value);
+    if (error == KINEMATICS_SETTING_OK) {
+        settings->value[setting] = value;
+        settings->word[setting] = KINEMATICS_NUMBER;
+    }
+    return error;
+}
+
+kinematics_setting_error_t kinematics_settings_set_word(kinematics_settings_t *settings,
+                                                        uint16_t id, kinematics_word_t word)
+{
+    kinematics_setting_t setting = kinematics_settings_find(id);
+    if (setting == KINEMATICS_SETTINGS) {
+        return KINEMATICS_SETTING_UNKNOWN;
+    }
+    if (!is_word(&TABLE[setting], word)) {
+        return KINEMATICS_SETTING_WORD;
+    }
+    settings->word[setting] = word;
+    return KINEMATICS_SETTING_OK;
+}
+
+kinematics_setting_t kinematics_settings_fault(const kinematics_settings_t *settings)
+{
+    uint32_t setting = 0u;
+    while (setting < KINEMATICS_SETTINGS &&
+           kinematics_settings_check(settings, (kinematics_setting_t)setting) ==
+               KINEMATICS_SETTING_OK) {
+        setting++;
+    }
+    return (kinematics_setting_t)setting;
+}
+
+const char *kinematics_settings_phrase(kinematics_setting_error_t error)
+{
+    switch (error) {
+    case KINEMATICS_SETTING_OK:
+        return "is sound";
+    case KINEMATICS_SETTING_UNKNOWN:
+        return "is no parameter of cycle 451";
+    case KINEMATICS_SETTING_LOW:
+        return "is below its lower limit";
+    case KINEMATICS_SETTING_HIGH:
+        return "is above its upper limit";
+    case KINEMATICS_SETTING_NOT_WHOLE:
+        return "is not a whole number";
+    case KINEMATICS_SETTING_NOT_FINITE:
+        return "is not a finite number";
+    case KINEMATICS_SETTING_WORD:
+    default:
+        return "does not take this word";
+    }
+}
