@@ -90,6 +90,9 @@ void       sim_451_close(sim_451_t *play);
 int         sim_451_set(sim_451_t *play, uint16_t id, double value, int32_t word);
 const char *sim_451_phrase(int setting_error);
 
+/* A phrase for sim_451_report_t.error. */
+const char *sim_451_fault_phrase(int error);
+
 /* Limits of Q<id> and its name; NULL if the cycle has no such parameter. */
 const char *sim_451_limits(uint16_t id, double *low, double *high);
 

@@ -1,0 +1,208 @@
+"""NC programs with touch-probe cycles, as HEIDENHAIN's documents print them.
+
+A cycle is a block ``12 TCH PROBE 450 NAME ~`` and its parameters, ``Q410=+0 ;MODE ~``: ``~`` says
+that the block goes on. The documents break a parameter before its comment and put empty lines
+between; both are read. What a parameter means, and its range, is the cycle's affair.
+"""
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from skiplatch.errors import InputError, quoted
+from skiplatch.files import failures_named, refuse_special_or_large
+
+MOST_BYTES = 1_000_000
+MM_PER_INCH = 25.4
+
+BLOCK = re.compile(r"(?P<number>\d+)\s+(?P<text>\S.*)")
+CYCLE = re.compile(r"TCH PROBE (?P<cycle>\d+)\b[^~;]*")
+TOOL = re.compile(r'TOOL CALL\s+(?:"(?P<name>[^"]*)"|(?P<index>\d+))\s*(?P<axis>[XYZ]?).*')
+BEGIN = re.compile(r"BEGIN PGM\s+(?P<name>\S+)\s+(?P<unit>MM|INCH)")
+END = re.compile(r"END PGM\b.*")
+PARAMETER = re.compile(r"(?P<kind>QS?)(?P<number>\d+)\s*=\s*(?P<value>\"[^\"]*\"|[^\s;~]+)")
+WORDS = {"FMAX", "FAUTO", "PREDEF"}
+CYCLES = (450, 451)
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """What a parameter was given, and where.
+
+    Attributes:
+        value: A number, a name in quotes (without them), or ``FMAX``, ``FAUTO``, ``PREDEF``.
+        line: Line in the file, from 1.
+        column: Character position in the line, from 1.
+    """
+
+    value: float | str
+    line: int
+    column: int
+
+
+@dataclass(frozen=True, slots=True)
+class Cycle:
+    """A call of a cycle: its number and its parameters by the number of the Q parameter."""
+
+    number: int
+    line: int
+    parameters: Mapping[int, Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """What a program says: the probe that was called, and the cycles in their order.
+
+    Attributes:
+        path: The file.
+        tool: Name or number of the tool that was called last, empty when none was.
+        is_inch: Lengths of the parameters are in inches.
+        cycles: The calls.
+    """
+
+    path: Path
+    tool: str
+    is_inch: bool
+    cycles: tuple[Cycle, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    number: int
+    text: str
+    indent: int
+
+
+class _Reader:
+    """Goes through the lines of one program."""
+
+    def __init__(self, path: Path, text: str) -> None:
+        self._path = path
+        self._lines = [
+            _Line(i, line.strip(), len(line) - len(line.lstrip()))
+            for i, line in enumerate(text.splitlines(), start=1)
+            if line.strip()
+        ]
+        self._at = 0
+        self.tool = ""
+        self.is_inch = False
+        self.cycles: list[Cycle] = []
+
+    def _fail(self, line: _Line, column: int, message: str) -> InputError:
+        return InputError(self._path, line.number, line.indent + column, message)
+
+    def read(self) -> Program:
+        while self._at < len(self._lines):
+            self._block()
+        if not self.cycles:
+            raise InputError(self._path, None, None, "no TCH PROBE cycle in this program")
+        return Program(self._path, self.tool, self.is_inch, tuple(self.cycles))
+
+    def _block(self) -> None:
+        line = self._lines[self._at]
+        self._at += 1
+        if line.text.startswith(";"):
+            return
+        block = BLOCK.fullmatch(line.text)
+        column = block.start("text") + 1 if block else 1
+        text = block["text"] if block else line.text
+        if cycle := CYCLE.match(text):
+            self._cycle(line, column, int(cycle["cycle"]), text[cycle.end() :])
+        elif tool := TOOL.fullmatch(text):
+            self.tool = tool["name"] if tool["name"] is not None else tool["index"]
+        elif begin := BEGIN.fullmatch(text):
+            self.is_inch = begin["unit"] == "INCH"
+        elif not END.fullmatch(text):
+            expected = "expected a block TOOL CALL, TCH PROBE 450 or 451, BEGIN PGM or END PGM"
+            raise self._fail(line, column, f"{expected}, got {quoted(text)}")
+
+    def _cycle(self, line: _Line, column: int, number: int, rest: str) -> None:
+        if number not in CYCLES:
+            raise self._fail(line, column, f"expected cycle 450 or 451, got {number}")
+        parameters: dict[int, Value] = {}
+        goes_on = rest.strip() == "~"
+        while goes_on and self._at < len(self._lines):
+            given = self._lines[self._at]
+            if not given.text.startswith("Q"):
+                break
+            goes_on = self._parameter(given, parameters)
+        if goes_on:
+            last = self._lines[self._at - 1]
+            message = 'expected a parameter such as "Q406=+0" after "~"'
+            raise self._fail(last, len(last.text), message)
+        self.cycles.append(Cycle(number, line.number, parameters))
+
+    def _parameter(self, line: _Line, parameters: dict[int, Value]) -> bool:
+        """Read one parameter with its comment; tell whether the block goes on."""
+        given = PARAMETER.match(line.text)
+        if given is None:
+            expected = 'expected a parameter such as "Q406=+0"'
+            raise self._fail(line, 1, f"{expected}, got {quoted(line.text)}")
+        number = int(given["number"])
+        if number in parameters:
+            message = f"Q{number} is given twice, first in line {parameters[number].line}"
+            raise self._fail(line, 1, message)
+        column = given.start("value") + 1
+        parameters[number] = Value(
+            self._value(line, column, given["kind"], given["value"]),
+            line.number,
+            line.indent + column,
+        )
+        rest = line.text[given.end() :].strip()
+        self._at += 1
+        if not rest and self._at < len(self._lines) and self._lines[self._at].text[0] == ";":
+            rest = self._lines[self._at].text
+            self._at += 1
+        if rest and rest != "~" and not rest.startswith(";"):
+            message = f'expected ";" and a comment, or "~", got {quoted(rest)}'
+            raise self._fail(line, given.end() + 1, message)
+        return rest.endswith("~")
+
+    def _value(self, line: _Line, column: int, kind: str, text: str) -> float | str:
+        if text.startswith('"'):
+            return text[1:-1]
+        if text in WORDS:
+            return text
+        try:
+            if kind == "Q":
+                return _number(text)
+        except ValueError:
+            pass
+        expected = "a name in quotes" if kind == "QS" else "a number"
+        raise self._fail(line, column, f"expected {expected}, got {quoted(text)}")
+
+
+def _number(text: str) -> float:
+    """Read digits with a point, and a sign where there is one; nothing else that Python takes."""
+    if not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)", text, flags=re.ASCII):
+        raise ValueError(text)
+    return float(text)
+
+
+def read_program(path: Path) -> Program:
+    """Read a program.
+
+    Raises:
+        InputError: It cannot be read, or is not such a program.
+    """
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, MOST_BYTES)
+        data = path.read_bytes()
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise InputError(path, line, None, "expected text in UTF-8") from None
+    return _Reader(path, text).read()
+
+
+def texts(program: Program) -> Iterator[str]:
+    """Give each cycle in one line, as it was understood."""
+    for cycle in program.cycles:
+        given = " ".join(f"Q{n}={_shown(v.value)}" for n, v in cycle.parameters.items())
+        yield f"TCH PROBE {cycle.number} {given}"
+
+
+def _shown(value: float | str) -> str:
+    return f"{value:+g}" if isinstance(value, float) else value
