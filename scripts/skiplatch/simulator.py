@@ -32,6 +32,8 @@ HEADERS = (
     ROOT / "firmware" / "comp" / "pretravel_map.h",
     ROOT / "firmware" / "comp" / "pretravel_lookup.h",
     ROOT / "firmware" / "comp" / "pretravel_grid.h",
+    ROOT / "firmware" / "comp" / "kinematics.h",
+    ROOT / "host_sim" / "programs" / "kinematics_fit.h",
     ROOT / "host_sim" / "five_axis.h",
     ROOT / "host_sim" / "programs" / "five_axis_points.h",
     ROOT / "host_sim" / "programs" / "five_axis_cycle.h",
@@ -260,6 +262,16 @@ def rig_arguments(
         _settings(binding, switched_on),
         len(switched_on),
     )
+
+
+def connection() -> tuple[CData, CData]:
+    """Give cffi's interface and the library, for modules that bind a part of it.
+
+    Raises:
+        SimulationError: The library is not built.
+    """
+    binding = _binding()
+    return binding.ffi, binding.library
 
 
 def _chain(binding: _Binding, nominal: Nominal, seat: Seat | None) -> CData:

@@ -21,7 +21,9 @@ class Position:
 
 
 def key_positions(text: str) -> dict[KeyPath, Position]:
-    """Find the first place of each section and of each key of a section in valid TOML.
+    """Find the first place of each section and of each key, down to a key of a subsection.
+
+    The text has to be valid TOML.
 
     Keys inside of inline tables or written with escapes are not found, and a multi-line string
     may feign some.
@@ -38,7 +40,7 @@ def key_positions(text: str) -> dict[KeyPath, Position]:
             path = section + _parts(match["path"])
         else:
             continue
-        for depth in range(1, min(len(path), 2) + 1):
+        for depth in range(1, min(len(path), 3) + 1):
             positions.setdefault(path[:depth], position)
     return positions
 
