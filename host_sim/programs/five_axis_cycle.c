@@ -292,6 +292,14 @@ int sim_451_answer(sim_451_t *play, double change_mm, int32_t is_possible)
     return run_on(play);
 }
 
+void sim_machine_expect(const sim_machine_t *believed, const double sphere_mm[3],
+                        const double angle_deg[3], double reading_mm[3])
+{
+    five_axis_belief_t belief;
+    five_axis_believe(&belief, believed);
+    five_axis_expect(&belief, sphere_mm, angle_deg, reading_mm);
+}
+
 uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity)
 {
     const kinematics_plan_t *plan = kinematics_cycle_plan(&play->cycle);

@@ -103,6 +103,13 @@ int sim_451_answer(sim_451_t *play, double change_mm, int32_t is_possible);
 /* From now on the controller believes this of its axes. */
 void sim_451_believe(sim_451_t *play, const sim_machine_t *believed);
 
+/*
+ * What a sphere that stands at `sphere_mm` at zero should read at these angles of A, B, C, by
+ * firmware/comp.
+ */
+void sim_machine_expect(const sim_machine_t *believed, const double sphere_mm[3],
+                        const double angle_deg[3], double reading_mm[3]);
+
 /* Write up to `capacity` measurements, and return how many there are. */
 uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity);
 void     sim_451_report(const sim_451_t *play, sim_451_report_t *report);

@@ -1,0 +1,257 @@
+"""Cycle 451 of the firmware on the simulated machine, with the evaluation by ``firmware/comp``."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign import InputPath, Nominal
+from skiplatch.kinematics.firmware import Machine
+from skiplatch.kinematics.five_axis import (
+    CONTROLLER,
+    DEFAULT_RIG,
+    FEED_MM_MIN,
+    LETTERS,
+    Truth,
+    machine_structure,
+    path_code,
+)
+from skiplatch.simulator import Effect, SimulationError, library, rig_arguments
+
+FloatArray = NDArray[np.float64]
+CData = Any
+WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}
+MOST_STATIONS = 256
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Control:
+    """How the controller is set up; see ``sim_control_t``."""
+
+    hirth_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tip_radius_mm: float = 3.0
+    set_up_mm: float = 6.0
+    probe_feed_max_mm_min: float = 3000.0
+    rapid_mm_min: float = 15_000.0
+    tool_feed_mm_min: float = 1000.0
+    global_feed_mm_min: float = 1000.0
+    global_clearance_mm: float = 2.0
+    max_modification_mm: float = 1.0
+    max_dev_cal_ball_mm: float = 0.1
+    start_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    preset_miss_mm: tuple[float, float, float] = (0.05, -0.03, 0.02)
+    start_above_mm: float = 10.0
+    touch_feed_mm_min: float = FEED_MM_MIN
+    search_mm: float = 6.0
+    strobe_rot_ax_pos: int = -1
+    has_kinematics_comp: bool = True
+    has_advanced_functions_2: bool = True
+    is_tcpm_on: bool = False
+    path: InputPath = InputPath.SKIP
+
+
+@dataclass(frozen=True, slots=True)
+class Stations:
+    """The measurements of one cycle, n of them.
+
+    Attributes:
+        angle_deg: What A, B, C were told, shape (n, 3).
+        centre_mm: The sphere's centre, shape (n, 3).
+        radius_mm: Its radius, shape (n,).
+        axis: Index of the axis that was being measured, shape (n,).
+        serves: Bits of the axes whose measurement it is, shape (n,).
+        approach: 1 or -1 for the sense in which the axis came, 0 as it comes, shape (n,).
+        is_reference: The axis stood at 0°, shape (n,).
+    """
+
+    angle_deg: FloatArray
+    centre_mm: FloatArray
+    radius_mm: FloatArray
+    axis: NDArray[np.int64]
+    serves: NDArray[np.int64]
+    approach: NDArray[np.int64]
+    is_reference: NDArray[np.bool_]
+
+    def of(self, letter: str) -> NDArray[np.bool_]:
+        """Tell which measurements are those of an axis; shape (n,)."""
+        return np.asarray((self.serves >> LETTERS.index(letter)) & 1 == 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What came of a cycle; see ``sim_451_report_t``."""
+
+    preset_mm: tuple[float, ...]
+    change_mm: float
+    duration_s: float
+    touches: int
+    error: int
+    parameter: int
+    touch_error: int
+    cancelled_rotation: int
+    presets: int
+
+
+class CycleRefusedError(Exception):
+    """The firmware refused a parameter, or ended the cycle.
+
+    Attributes:
+        parameter: Number of the Q parameter at fault, 0 for none.
+    """
+
+    def __init__(self, parameter: int, message: str) -> None:
+        super().__init__(message)
+        self.parameter = parameter
+
+
+@dataclass(slots=True)
+class Play:
+    """One cycle on one machine; `opened` gives it."""
+
+    _handle: CData
+    _asked: int = field(default=0)
+
+    def set(self, number: int, value: float | str) -> None:
+        """Give Q<number> a number or a word.
+
+        Raises:
+            CycleRefusedError: The cycle does not admit it.
+        """
+        ffi, lib = library()
+        word = WORDS.get(value, 0) if isinstance(value, str) else 0
+        code = lib.sim_451_set(
+            self._handle, number, 0.0 if isinstance(value, str) else float(value), word
+        )
+        if code != 0:
+            phrase = ffi.string(lib.sim_451_phrase(code)).decode()
+            raise CycleRefusedError(number, f"Q{number} {phrase}{_limits(number)}")
+
+    def begin(self) -> bool:
+        """Start and run until the measurements wait for their evaluation; False if it failed."""
+        _, lib = library()
+        self._asked = lib.sim_451_run(self._handle)
+        return bool(self._asked == lib.SIM_451_EVALUATE)
+
+    def answer(self, change_mm: float = 0.0, *, is_possible: bool = True) -> None:
+        """Answer what the cycle came back for, and run on."""
+        _, lib = library()
+        self._asked = lib.sim_451_answer(self._handle, change_mm, int(is_possible))
+
+    @property
+    def asks(self) -> str:
+        """What the cycle came back for: evaluate, acknowledge, apply, done or failed."""
+        return ("evaluate", "acknowledge", "apply", "done", "failed")[self._asked]
+
+    def believe(self, machine: Machine, truth: Truth) -> None:
+        """Let the controller believe something else of its axes."""
+        _, lib = library()
+        lib.sim_451_believe(self._handle, machine_structure(machine, truth))
+
+    def stations(self) -> Stations:
+        """Give what was measured so far."""
+        ffi, lib = library()
+        rows = ffi.new("sim_station_t[]", MOST_STATIONS)
+        measured = rows[0 : lib.sim_451_stations(self._handle, rows, MOST_STATIONS)]
+        return Stations(
+            np.array([list(row.angle_deg) for row in measured]).reshape(-1, 3),
+            np.array([list(row.centre_mm) for row in measured]).reshape(-1, 3),
+            np.array([row.radius_mm for row in measured]),
+            np.array([row.axis for row in measured], dtype=np.int64),
+            np.array([row.serves for row in measured], dtype=np.int64),
+            np.array([row.approach for row in measured], dtype=np.int64),
+            np.array([row.is_reference != 0 for row in measured], dtype=np.bool_),
+        )
+
+    def report(self) -> Report:
+        """Give what the cycle did."""
+        ffi, lib = library()
+        filled = ffi.new("sim_451_report_t *")
+        lib.sim_451_report(self._handle, filled)
+        values = {f.name: getattr(filled, f.name) for f in fields(Report)}
+        values["preset_mm"] = tuple(filled.preset_mm)
+        return Report(**values)
+
+    def raise_failure(self) -> None:
+        """Say why the cycle failed.
+
+        Raises:
+            CycleRefusedError: Always.
+        """
+        ffi, lib = library()
+        report = self.report()
+        phrase = ffi.string(lib.sim_451_fault_phrase(report.error)).decode()
+        named = f"Q{report.parameter}: " if report.parameter else ""
+        raise CycleRefusedError(report.parameter, f"{named}{phrase}")
+
+
+def _limits(number: int) -> str:
+    ffi, lib = library()
+    low, high = ffi.new("double *"), ffi.new("double *")
+    name = lib.sim_451_limits(number, low, high)
+    return f" ({ffi.string(name).decode()}: {low[0]:g} to {high[0]:g})" if name else ""
+
+
+@contextmanager
+def opened(
+    machine: Machine,
+    truth: Truth,
+    control: Control,
+    parameters: Mapping[int, float | str],
+    *,
+    seed: int,
+    replicate: int = 0,
+    rig: Nominal = DEFAULT_RIG,
+    switched_on: Sequence[Effect] = (),
+) -> Iterator[Play]:
+    """Switch a machine on, with the parameters of cycle 451 set.
+
+    Raises:
+        CycleRefusedError: A parameter is not admitted.
+        SimulationError: A value of the rig is out of range.
+    """
+    _, lib = library()
+    structure = machine_structure(machine, truth)
+    handle = lib.sim_451_open(
+        structure,
+        structure,
+        *rig_arguments(rig, CONTROLLER, switched_on),
+        _control(control),
+        seed,
+        replicate,
+    )
+    if not handle:
+        raise SimulationError("out of memory")
+    try:
+        play = Play(handle)
+        for number, value in parameters.items():
+            play.set(number, value)
+        yield play
+    finally:
+        lib.sim_451_close(handle)
+
+
+def _control(control: Control) -> CData:
+    ffi, _ = library()
+    filled = ffi.new("sim_control_t *")
+    for item in fields(Control):
+        value = getattr(control, item.name)
+        setattr(filled, item.name, list(value) if isinstance(value, tuple) else value)
+    filled.path = path_code(control.path)
+    return filled
+
+
+def expected_mm(
+    machine: Machine, truth: Truth, sphere_mm: FloatArray, angles_deg: FloatArray
+) -> FloatArray:
+    """Give what a sphere should read at n positions, by ``firmware/comp``; shape (n, 3)."""
+    ffi, lib = library()
+    structure = machine_structure(machine, truth)
+    reading = ffi.new("double[3]")
+    rows = []
+    for angles in angles_deg:
+        lib.sim_machine_expect(structure, list(map(float, sphere_mm)), list(angles), reading)
+        rows.append(list(reading))
+    return np.array(rows).reshape(-1, 3)
