@@ -156,7 +156,7 @@ static void stretch(const sim_machine_t *machine, const double reading_mm[3], do
 void sim_machine_tip(const sim_machine_t *machine, const sim_stance_t *stance,
                      const double reading_mm[3], double tip_mm[3])
 {
-    double from_ram_mm[3] = {0.0, 0.0, 0.0};
+    double from_ram_mm[3] = {machine->tool_mm[0], machine->tool_mm[1], machine->tool_mm[2]};
     carry_all(machine, machine->head, stance, true, from_ram_mm);
     stretch(machine, reading_mm, tip_mm);
     for (int i = 0; i < 3; ++i) {

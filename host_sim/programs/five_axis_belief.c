@@ -42,12 +42,13 @@ void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
     list_axes(machine, machine->head, 1, &belief->chain);
 }
 
-/* The tip is at the origin while all axes are at zero. */
 void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3],
                       const double angle_deg[3], double reading_mm[3])
 {
-    double unknowns[KINEMATICS_UNKNOWNS_MAX] = {sphere_mm[0], sphere_mm[1], sphere_mm[2]};
-    double angles_deg[KINEMATICS_AXES_MAX] = {0.0, 0.0, 0.0};
+    const double *tool_mm = belief->machine.tool_mm;
+    double        unknowns[KINEMATICS_UNKNOWNS_MAX] = {sphere_mm[0], sphere_mm[1], sphere_mm[2],
+                                                       tool_mm[0],   tool_mm[1],   tool_mm[2]};
+    double        angles_deg[KINEMATICS_AXES_MAX] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; i < belief->chain.axes_count; ++i) {
         angles_deg[i] = angle_deg[belief->chain.axes[i].letter - 'A'];
     }

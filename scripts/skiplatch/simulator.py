@@ -241,16 +241,6 @@ def mathematics() -> Mathematics:
     return Mathematics(binding.ffi, binding.library, binding.pretravel_cell)
 
 
-def library() -> tuple[CData, CData]:
-    """Give cffi's door and the library itself, for modules that bind more of it.
-
-    Raises:
-        SimulationError: The library is not built.
-    """
-    binding = _binding()
-    return binding.ffi, binding.library
-
-
 def rig_arguments(
     nominal: Nominal, controller: Controller, switched_on: Sequence[Effect] = ()
 ) -> tuple[CData, CData, CData, int]:

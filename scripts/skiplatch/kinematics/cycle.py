@@ -9,17 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.campaign import InputPath, Nominal
-from skiplatch.kinematics.firmware import Machine
 from skiplatch.kinematics.five_axis import (
     CONTROLLER,
     DEFAULT_RIG,
     FEED_MM_MIN,
-    LETTERS,
     Truth,
     machine_structure,
     path_code,
 )
-from skiplatch.simulator import Effect, SimulationError, library, rig_arguments
+from skiplatch.kinematics.machine import LETTERS, Machine
+from skiplatch.simulator import Effect, SimulationError, connection, rig_arguments
 
 FloatArray = NDArray[np.float64]
 CData = Any
@@ -120,7 +119,7 @@ class Play:
         Raises:
             CycleRefusedError: The cycle does not admit it.
         """
-        ffi, lib = library()
+        ffi, lib = connection()
         word = WORDS.get(value, 0) if isinstance(value, str) else 0
         code = lib.sim_451_set(
             self._handle, number, 0.0 if isinstance(value, str) else float(value), word
@@ -131,13 +130,13 @@ class Play:
 
     def begin(self) -> bool:
         """Start and run until the measurements wait for their evaluation; False if it failed."""
-        _, lib = library()
+        _, lib = connection()
         self._asked = lib.sim_451_run(self._handle)
         return bool(self._asked == lib.SIM_451_EVALUATE)
 
     def answer(self, change_mm: float = 0.0, *, is_possible: bool = True) -> None:
         """Answer what the cycle came back for, and run on."""
-        _, lib = library()
+        _, lib = connection()
         self._asked = lib.sim_451_answer(self._handle, change_mm, int(is_possible))
 
     @property
@@ -147,12 +146,12 @@ class Play:
 
     def believe(self, machine: Machine, truth: Truth) -> None:
         """Let the controller believe something else of its axes."""
-        _, lib = library()
+        _, lib = connection()
         lib.sim_451_believe(self._handle, machine_structure(machine, truth))
 
     def stations(self) -> Stations:
         """Give what was measured so far."""
-        ffi, lib = library()
+        ffi, lib = connection()
         rows = ffi.new("sim_station_t[]", MOST_STATIONS)
         measured = rows[0 : lib.sim_451_stations(self._handle, rows, MOST_STATIONS)]
         return Stations(
@@ -167,7 +166,7 @@ class Play:
 
     def report(self) -> Report:
         """Give what the cycle did."""
-        ffi, lib = library()
+        ffi, lib = connection()
         filled = ffi.new("sim_451_report_t *")
         lib.sim_451_report(self._handle, filled)
         values = {f.name: getattr(filled, f.name) for f in fields(Report)}
@@ -180,7 +179,7 @@ class Play:
         Raises:
             CycleRefusedError: Always.
         """
-        ffi, lib = library()
+        ffi, lib = connection()
         report = self.report()
         phrase = ffi.string(lib.sim_451_fault_phrase(report.error)).decode()
         named = f"Q{report.parameter}: " if report.parameter else ""
@@ -188,7 +187,7 @@ class Play:
 
 
 def _limits(number: int) -> str:
-    ffi, lib = library()
+    ffi, lib = connection()
     low, high = ffi.new("double *"), ffi.new("double *")
     name = lib.sim_451_limits(number, low, high)
     return f" ({ffi.string(name).decode()}: {low[0]:g} to {high[0]:g})" if name else ""
@@ -212,7 +211,7 @@ def opened(
         CycleRefusedError: A parameter is not admitted.
         SimulationError: A value of the rig is out of range.
     """
-    _, lib = library()
+    _, lib = connection()
     structure = machine_structure(machine, truth)
     handle = lib.sim_451_open(
         structure,
@@ -234,7 +233,7 @@ def opened(
 
 
 def _control(control: Control) -> CData:
-    ffi, _ = library()
+    ffi, _ = connection()
     filled = ffi.new("sim_control_t *")
     for item in fields(Control):
         value = getattr(control, item.name)
@@ -247,7 +246,7 @@ def expected_mm(
     machine: Machine, truth: Truth, sphere_mm: FloatArray, angles_deg: FloatArray
 ) -> FloatArray:
     """Give what a sphere should read at n positions, by ``firmware/comp``; shape (n, 3)."""
-    ffi, lib = library()
+    ffi, lib = connection()
     structure = machine_structure(machine, truth)
     reading = ffi.new("double[3]")
     rows = []

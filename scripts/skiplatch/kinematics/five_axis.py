@@ -24,12 +24,11 @@ from skiplatch.campaign import (
     ReportNominal,
     SkipNominal,
 )
-from skiplatch.kinematics.firmware import Machine
-from skiplatch.simulator import Controller, Effect, SimulationError, library, rig_arguments
+from skiplatch.kinematics.machine import LETTERS, Machine
+from skiplatch.simulator import Controller, Effect, SimulationError, connection, rig_arguments
 
 FloatArray = NDArray[np.float64]
 CData = Any
-LETTERS = "ABC"
 UM_PER_MM = 1000.0
 ARCSEC_PER_DEG = 3600.0
 
@@ -103,7 +102,7 @@ class Probing:
 
 def machine_structure(machine: Machine, truth: Truth) -> CData:
     """Fill sim_machine_t: what is believed, and beside it what is true."""
-    ffi, _ = library()
+    ffi, _ = connection()
     filled = ffi.new("sim_machine_t *")
     filled.table = _list(machine, is_head=False)
     filled.head = _list(machine, is_head=True)
@@ -114,6 +113,7 @@ def machine_structure(machine: Machine, truth: Truth) -> CData:
         rotary = filled.axes[LETTERS.index(axis.letter)]
         rotary.direction = list(axis.direction)
         rotary.point_mm = list(axis.point_mm)
+    filled.tool_mm = list(machine.tool_mm or (0.0, 0.0, 0.0))
     filled.sphere_mm = list(truth.sphere_mm)
     filled.sphere_radius_mm = truth.sphere_radius_mm
     filled.tip_radius_mm = truth.tip_radius_mm
@@ -123,7 +123,7 @@ def machine_structure(machine: Machine, truth: Truth) -> CData:
 
 
 def _list(machine: Machine, *, is_head: bool) -> list[int]:
-    listed = [LETTERS.index(a.letter) for a in machine.axes if a.is_head == is_head]
+    listed = [LETTERS.index(a.letter) for a in machine.axes if a.in_head == is_head]
     return listed + [-1] * (len(LETTERS) - len(listed))
 
 
@@ -167,7 +167,7 @@ def probe_points(
     Raises:
         SimulationError: A touch failed, or a value is out of range.
     """
-    ffi, lib = library()
+    ffi, lib = connection()
     spheres = ffi.new("sim_sphere_t[]", len(angles_deg))
     for sphere, angles in zip(spheres, angles_deg, strict=True):
         sphere.angle_deg = [float(angle) for angle in angles]
@@ -194,5 +194,5 @@ def probe_points(
 
 def path_code(path: InputPath) -> int:
     """Give the simulator's code of an input path."""
-    _, lib = library()
+    _, lib = connection()
     return int(lib.SIM_PATH_PLC if path == InputPath.PLC else lib.SIM_PATH_SKIP)
