@@ -149,6 +149,19 @@ static bool fit_circle(const sphere_probe_t *probe, double *centre, double *heig
     return true;
 }
 
+/*
+ * Of the sphere through the circle and the pole, with no radius taken as known: r² + (h − z)² =
+ * d² + (p − z)², d the pole's distance from the axis of the circle.
+ */
+static double radius_through(double circle_radius, double circle_height, double pole_off_square,
+                             double pole_height)
+{
+    double circle = circle_radius * circle_radius + circle_height * circle_height;
+    double pole = pole_off_square + pole_height * pole_height;
+    double below = circle_height - (pole - circle) / (2.0 * (pole_height - circle_height));
+    return sqrt(circle_radius * circle_radius + below * below);
+}
+
 bool sphere_probe_solve(const sphere_probe_t *probe, double *centre_mm, double *contact_mm)
 {
     const sphere_probe_config_t *config = &probe->config;
@@ -168,13 +181,12 @@ bool sphere_probe_solve(const sphere_probe_t *probe, double *centre_mm, double *
         return false;
     }
     centre[2] = pole[2] - sqrt(rise);
-    double below = height - centre[2];
     for (uint8_t i = 0u; i < 3u; i++) {
         centre_mm[i] =
             config->centre_mm[i] + config->contact_mm * (centre[0] * probe->in_plane[0][i] +
                                                          centre[1] * probe->in_plane[1][i] +
                                                          centre[2] * config->tool_axis[i]);
     }
-    *contact_mm = config->contact_mm * sqrt(radius * radius + below * below);
-    return *contact_mm > 0.0; /* not so with a NaN among the heights */
+    *contact_mm = config->contact_mm * radius_through(radius, height, du * du + dv * dv, pole[2]);
+    return *contact_mm - *contact_mm <= 0.0; /* not so with a NaN among the heights */
 }

@@ -45,9 +45,10 @@ bool sphere_probe_next(sphere_probe_t *probe, sphere_probe_step_t *step);
 void sphere_probe_touched(sphere_probe_t *probe, const double *touched_mm);
 
 /*
- * Centre, and radius of sphere and tip together, from all touches: the circle of least squares
- * around the tool axis, then the pole, with the radius as configured for its height. False if the
- * points fit no sphere.
+ * Centre, and radius of sphere and tip together, from all touches. The circle of least squares
+ * around the tool axis, then the height below the pole: of the centre for the radius as configured,
+ * which scatters less; the radius itself is that of the sphere through circle and pole. False if
+ * the points lie on no sphere.
  */
 bool sphere_probe_solve(const sphere_probe_t *probe, double *centre_mm, double *contact_mm);
 
