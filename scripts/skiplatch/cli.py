@@ -25,6 +25,7 @@ COMMANDS = {
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "pretravel": "Map a simulated probe, compensate it by variable feeds, and map it again.",
     "compensate": "Map a probe's errors and even them out by the measuring feed.",
+    "kinematics": "Find the location errors of rotary axes from touches of a sphere.",
     "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }

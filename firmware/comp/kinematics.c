@@ -1,0 +1,152 @@
+#include "comp/kinematics.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "comp/kinematics_chain.h"
+#include "comp/kinematics_coverage.h"
+#include "comp/kinematics_problem.h"
+
+#define UM_PER_MM      1000.0
+#define ARCSEC_PER_RAD 206264.80624709636
+#define SHARE_SEEN     1.0e-3 /* a smaller part of one parameter in another is not told */
+
+static bool is_zero_error(int32_t unknown)
+{
+    return (unknown - KINEMATICS_NUISANCES) % KINEMATICS_OF_AXIS == CHAIN_ZERO;
+}
+
+static void describe(const kinematics_machine_t *machine, kinematics_result_t *result)
+{
+    result->parameters_count = KINEMATICS_OF_AXIS * machine->axes_count;
+    for (int32_t i = 0; i < result->parameters_count; i++) {
+        const kinematics_axis_t *axis = &machine->axes[i / KINEMATICS_OF_AXIS];
+        int32_t                  which = i % KINEMATICS_OF_AXIS;
+        kinematics_parameter_t  *parameter = &result->parameters[i];
+        parameter->is_angle = which >= CHAIN_TILT;
+        parameter->name[0] =
+            (char)((parameter->is_angle ? 'A' : 'X') + chain_coordinate(axis, which));
+        parameter->name[1] = 'O';
+        parameter->name[2] = (char)axis->letter;
+    }
+}
+
+static double unit_of(const kinematics_parameter_t *parameter)
+{
+    return parameter->is_angle ? ARCSEC_PER_RAD / PROBLEM_LEVER_MM : UM_PER_MM;
+}
+
+static bool shares_any(const rank_t *rank, int32_t first, int32_t column)
+{
+    bool any = false;
+    for (int32_t k = 0; k < 3; k++) {
+        any = any || fabs(rank->share[first + k][column]) > SHARE_SEEN;
+    }
+    return any;
+}
+
+/* The direction in which the dependent column and those it depends on cancel. */
+static void tell_blind(const rank_t *rank, int32_t index, kinematics_result_t *result)
+{
+    int32_t             column = KINEMATICS_NUISANCES + index;
+    kinematics_blind_t *blind = &result->blind[result->blind_count++];
+    blind->parameter = index;
+    blind->with_sphere = shares_any(rank, 0, column);
+    blind->with_tip = shares_any(rank, 3, column);
+    for (int32_t i = 0; i < result->parameters_count; i++) {
+        double share = rank->share[KINEMATICS_NUISANCES + i][column];
+        blind->named[i] = i == index || fabs(share) > SHARE_SEEN;
+    }
+}
+
+void problem_tell_amounts(const rank_t *rank, kinematics_result_t *result)
+{
+    for (int32_t b = 0; b < result->blind_count; b++) {
+        kinematics_blind_t *blind = &result->blind[b];
+        double              own_unit = unit_of(&result->parameters[blind->parameter]);
+        for (int32_t i = 0; i < result->parameters_count; i++) {
+            double share =
+                rank->share[KINEMATICS_NUISANCES + i][KINEMATICS_NUISANCES + blind->parameter];
+            blind->per_unit[i] = -share * unit_of(&result->parameters[i]) / own_unit;
+        }
+        blind->per_unit[blind->parameter] = 1.0;
+    }
+}
+
+static void tell_states(const rank_t *rank, kinematics_result_t *result)
+{
+    for (int32_t i = 0; i < result->parameters_count; i++) {
+        int32_t column = KINEMATICS_NUISANCES + i;
+        if (rank->depends[column]) {
+            tell_blind(rank, i, result);
+            continue;
+        }
+        result->parameters[i].state = KINEMATICS_DETERMINED;
+        for (int32_t d = 0; d < result->parameters_count; d++) {
+            int32_t other = KINEMATICS_NUISANCES + d;
+            if (!is_zero_error(other) && fabs(rank->share[column][other]) > SHARE_SEEN) {
+                result->parameters[i].state = KINEMATICS_COMBINED;
+            }
+        }
+    }
+}
+
+void problem_describe(const kinematics_machine_t *machine, const rank_t *rank, int32_t points,
+                      kinematics_result_t *result)
+{
+    memset(result, 0, sizeof *result);
+    describe(machine, result);
+    tell_states(rank, result);
+    result->unknowns =
+        3 + (problem_tip_is_unknown(machine) ? 3 : 0) + KINEMATICS_OF_AXIS * machine->axes_count;
+    result->rank = rank->rank;
+    result->freedom = 3 * points - rank->rank;
+    problem_tell_amounts(rank, result);
+}
+
+static void tell_values(const rank_t *rank, const triangle_t *triangle, const double *unknowns,
+                        kinematics_result_t *result)
+{
+    double variances[KINEMATICS_UNKNOWNS_MAX];
+    double scatter_mm = sqrt(triangle->left_over / (double)result->freedom);
+    double widened_mm = scatter_mm * coverage_factor(result->freedom);
+    triangle_variances(triangle, variances);
+    result->residual_um = UM_PER_MM * scatter_mm;
+    memcpy(result->sphere_mm, unknowns, sizeof result->sphere_mm);
+    for (int32_t i = 0; i < rank->rank; i++) {
+        int32_t column = rank->pivots[i];
+        if (column >= KINEMATICS_NUISANCES) {
+            kinematics_parameter_t *parameter = &result->parameters[column - KINEMATICS_NUISANCES];
+            parameter->value = unknowns[column] * problem_scale(column) * unit_of(parameter);
+            parameter->uncertainty = widened_mm * sqrt(variances[i]) * unit_of(parameter);
+        }
+    }
+}
+
+int kinematics_fit(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
+                   kinematics_result_t *result)
+{
+    double     unknowns[KINEMATICS_UNKNOWNS_MAX] = {0.0};
+    triangle_t triangle;
+    rank_t     rank;
+    int        code = problem_check(machine, points, n);
+    if (code == KINEMATICS_OK) {
+        code = problem_start(machine, points, n, unknowns, &triangle);
+    }
+    if (code != KINEMATICS_OK) {
+        return code;
+    }
+    problem_rank(machine, unknowns, points, n, &rank);
+    if (3 * n <= rank.rank) {
+        return KINEMATICS_ERR_TOO_FEW;
+    }
+    code = problem_solve(machine, points, n, &rank, unknowns, &triangle);
+    if (code == KINEMATICS_OK) {
+        problem_describe(machine, &rank, n, result);
+        tell_values(&rank, &triangle, unknowns, result);
+        problem_shares(machine, unknowns, points, n, &rank);
+        problem_tell_amounts(&rank, result);
+    }
+    return code;
+}

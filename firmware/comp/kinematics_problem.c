@@ -1,0 +1,227 @@
+#include "comp/kinematics_problem.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "comp/kinematics_chain.h"
+
+#define UNIT_TOLERANCE 1.0e-4
+#define OWN_MIN        0.5 /* cosine of 60° */
+#define STEPS_MAX      50
+#define SETTLED_MM     1.0e-8
+#define FAR_MM         1000.0
+#define FAR_RAD        0.5235987755982988
+
+static bool is_finite(double value)
+{
+    return fabs(value) <= DBL_MAX;
+}
+
+static bool all_finite(const double *values, int32_t n)
+{
+    bool good = true;
+    for (int32_t i = 0; i < n; i++) {
+        good = good && is_finite(values[i]);
+    }
+    return good;
+}
+
+static bool axis_is_good(const kinematics_axis_t *axis)
+{
+    const double *d = axis->direction;
+    if (axis->letter < 'A' || axis->letter > 'C' || !all_finite(d, 3) ||
+        !all_finite(axis->point_mm, 3)) {
+        return false;
+    }
+    double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    return fabs(length - 1.0) <= UNIT_TOLERANCE && fabs(d[axis->letter - 'A']) >= OWN_MIN;
+}
+
+static bool machine_is_good(const kinematics_machine_t *machine)
+{
+    bool seen[3] = {false, false, false};
+    if (machine->axes_count < 1 || machine->axes_count > KINEMATICS_AXES_MAX ||
+        (machine->tool_is_known && !all_finite(machine->tool_mm, 3))) {
+        return false;
+    }
+    for (int32_t j = 0; j < machine->axes_count; j++) {
+        const kinematics_axis_t *axis = &machine->axes[j];
+        if (!axis_is_good(axis) || seen[axis->letter - 'A']) {
+            return false;
+        }
+        seen[axis->letter - 'A'] = true;
+    }
+    return true;
+}
+
+int problem_check(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n)
+{
+    if (!machine_is_good(machine)) {
+        return KINEMATICS_ERR_MACHINE;
+    }
+    for (int32_t i = 0; i < n; i++) {
+        if (!all_finite(points[i].angle_deg, machine->axes_count) ||
+            !all_finite(points[i].position_mm, 3)) {
+            return KINEMATICS_ERR_POINT;
+        }
+    }
+    return n >= 1 ? KINEMATICS_OK : KINEMATICS_ERR_TOO_FEW;
+}
+
+int32_t problem_columns(const kinematics_machine_t *machine)
+{
+    return KINEMATICS_NUISANCES + KINEMATICS_OF_AXIS * machine->axes_count;
+}
+
+bool problem_tip_is_unknown(const kinematics_machine_t *machine)
+{
+    bool any_head = false;
+    for (int32_t j = 0; j < machine->axes_count; j++) {
+        any_head = any_head || machine->axes[j].is_head;
+    }
+    return any_head && !machine->tool_is_known;
+}
+
+double problem_scale(int32_t column)
+{
+    int32_t which = (column - KINEMATICS_NUISANCES) % KINEMATICS_OF_AXIS;
+    return column >= KINEMATICS_NUISANCES && which >= CHAIN_TILT ? PROBLEM_LEVER_MM : 1.0;
+}
+
+void problem_rows(const kinematics_machine_t *machine, const double *unknowns,
+                  const kinematics_point_t *point, double rows[3][KINEMATICS_UNKNOWNS_MAX + 1])
+{
+    double  expected_mm[3];
+    double  slopes[3][KINEMATICS_UNKNOWNS_MAX];
+    int32_t columns = problem_columns(machine);
+    bool    tip_is_unknown = problem_tip_is_unknown(machine);
+    chain_slopes(machine, unknowns, point->angle_deg, expected_mm, slopes);
+    for (int32_t k = 0; k < 3; k++) {
+        for (int32_t i = 0; i < columns; i++) {
+            bool is_tip = i >= 3 && i < KINEMATICS_NUISANCES;
+            rows[k][i] = is_tip && !tip_is_unknown ? 0.0 : slopes[k][i] / problem_scale(i);
+        }
+        rows[k][columns] = point->position_mm[k] - expected_mm[k];
+    }
+}
+
+void problem_add_all(const kinematics_machine_t *machine, const double *unknowns,
+                     const kinematics_point_t *points, int32_t n, triangle_t *triangle)
+{
+    double rows[3][KINEMATICS_UNKNOWNS_MAX + 1];
+    for (int32_t i = 0; i < n; i++) {
+        problem_rows(machine, unknowns, &points[i], rows);
+        for (int32_t k = 0; k < 3; k++) {
+            triangle_add(triangle, rows[k]);
+        }
+    }
+}
+
+void problem_rank_of(const kinematics_machine_t *machine, const triangle_t *triangle, int32_t n,
+                     rank_t *rank)
+{
+    int32_t classes[KINEMATICS_UNKNOWNS_MAX] = {0};
+    for (int32_t i = KINEMATICS_NUISANCES; i < problem_columns(machine); i++) {
+        classes[i] = (i - KINEMATICS_NUISANCES) % KINEMATICS_OF_AXIS == CHAIN_ZERO ? 2 : 1;
+    }
+    rank_find(triangle, classes, PROBLEM_TOLERANCE * sqrt(3.0 * (double)n), rank);
+}
+
+static void triangle_of(const kinematics_machine_t *machine, const double *unknowns,
+                        const kinematics_point_t *points, int32_t n, triangle_t *triangle)
+{
+    triangle_init(triangle, problem_columns(machine));
+    problem_add_all(machine, unknowns, points, n, triangle);
+}
+
+void problem_rank(const kinematics_machine_t *machine, const double *unknowns,
+                  const kinematics_point_t *points, int32_t n, rank_t *rank)
+{
+    triangle_t triangle;
+    triangle_of(machine, unknowns, points, n, &triangle);
+    problem_rank_of(machine, &triangle, n, rank);
+}
+
+void problem_shares(const kinematics_machine_t *machine, const double *unknowns,
+                    const kinematics_point_t *points, int32_t n, rank_t *rank)
+{
+    triangle_t triangle;
+    int32_t    classes[KINEMATICS_UNKNOWNS_MAX];
+    triangle_of(machine, unknowns, points, n, &triangle);
+    for (int32_t i = 0; i < problem_columns(machine); i++) {
+        classes[i] = rank->depends[i] ? 2 : 0;
+    }
+    rank_find(&triangle, classes, 0.0, rank);
+}
+
+/* One step: the triangle of the picked columns, its solution added to the unknowns. */
+static double step(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
+                   const rank_t *rank, double *unknowns, triangle_t *triangle)
+{
+    double rows[3][KINEMATICS_UNKNOWNS_MAX + 1];
+    double picked[KINEMATICS_UNKNOWNS_MAX + 1];
+    double change[KINEMATICS_UNKNOWNS_MAX];
+    double largest = 0.0;
+    triangle_init(triangle, rank->rank);
+    for (int32_t i = 0; i < n; i++) {
+        problem_rows(machine, unknowns, &points[i], rows);
+        for (int32_t k = 0; k < 3; k++) {
+            for (int32_t c = 0; c < rank->rank; c++) {
+                picked[c] = rows[k][rank->pivots[c]];
+            }
+            picked[rank->rank] = rows[k][problem_columns(machine)];
+            triangle_add(triangle, picked);
+        }
+    }
+    triangle_solve(triangle, change);
+    for (int32_t c = 0; c < rank->rank; c++) {
+        unknowns[rank->pivots[c]] += change[c] / problem_scale(rank->pivots[c]);
+        largest = fmax(largest, fabs(change[c]));
+    }
+    return largest;
+}
+
+static bool is_near(const kinematics_machine_t *machine, const double *unknowns)
+{
+    bool near = true;
+    for (int32_t i = KINEMATICS_NUISANCES; i < problem_columns(machine); i++) {
+        double limit = problem_scale(i) > 1.0 ? FAR_RAD : FAR_MM;
+        near = near && fabs(unknowns[i]) <= limit;
+    }
+    return near;
+}
+
+int problem_solve(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
+                  const rank_t *rank, double *unknowns, triangle_t *triangle)
+{
+    for (int32_t i = 0; i < STEPS_MAX && is_near(machine, unknowns); i++) {
+        if (step(machine, points, n, rank, unknowns, triangle) < SETTLED_MM) {
+            return is_near(machine, unknowns) ? KINEMATICS_OK : KINEMATICS_ERR_NO_FIT;
+        }
+    }
+    return KINEMATICS_ERR_NO_FIT;
+}
+
+/* Only the columns of sphere and tip may be picked; they do not depend on where these are. */
+static void rank_of_places(const kinematics_machine_t *machine, const triangle_t *triangle,
+                           int32_t n, rank_t *rank)
+{
+    int32_t classes[KINEMATICS_UNKNOWNS_MAX];
+    for (int32_t i = 0; i < problem_columns(machine); i++) {
+        classes[i] = i < KINEMATICS_NUISANCES ? 0 : 2;
+    }
+    rank_find(triangle, classes, PROBLEM_TOLERANCE * sqrt(3.0 * (double)n), rank);
+}
+
+int problem_start(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
+                  double *unknowns, triangle_t *triangle)
+{
+    rank_t rank;
+    if (machine->tool_is_known) {
+        memcpy(&unknowns[3], machine->tool_mm, sizeof machine->tool_mm);
+    }
+    triangle_of(machine, unknowns, points, n, triangle);
+    rank_of_places(machine, triangle, n, &rank);
+    return problem_solve(machine, points, n, &rank, unknowns, triangle);
+}

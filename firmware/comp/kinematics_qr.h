@@ -1,0 +1,47 @@
+/*
+ * Least squares in fixed memory: rows are turned into a triangle one at a time (Givens), and a
+ * rank analysis with column pivoting says which columns depend on which. Task.
+ * Source: Golub, Van Loan, Matrix Computations, 5.1.8 and 5.4.1.
+ */
+#ifndef COMP_KINEMATICS_QR_H
+#define COMP_KINEMATICS_QR_H
+
+#include "comp/kinematics.h"
+
+typedef struct {
+    int32_t columns;
+    double  r[KINEMATICS_UNKNOWNS_MAX][KINEMATICS_UNKNOWNS_MAX + 1]; /* and the right-hand side */
+    double  left_over;                                               /* sum of squared residuals */
+} triangle_t;
+
+/* Begin with no row; 1 to KINEMATICS_UNKNOWNS_MAX columns. */
+void triangle_init(triangle_t *triangle, int32_t columns);
+
+/* Take in one row: `columns` values and the right-hand side; `row` is used up. */
+void triangle_add(triangle_t *triangle, double *row);
+
+/* The solution; no column may depend on others. */
+void triangle_solve(const triangle_t *triangle, double *solution);
+
+/* Diagonal of (RᵀR)⁻¹: variances for a residual variance of 1; no column may depend on others. */
+void triangle_variances(const triangle_t *triangle, double *variances);
+
+/* Solve Rᵀ·y = row: the squared length of y is the variance that the solution gives that row. */
+void triangle_whiten(const triangle_t *triangle, const double *row, double *y);
+
+typedef struct {
+    int32_t rank;
+    int32_t pivots[KINEMATICS_UNKNOWNS_MAX]; /* independent columns */
+    int32_t depends[KINEMATICS_UNKNOWNS_MAX];
+    double  share[KINEMATICS_UNKNOWNS_MAX][KINEMATICS_UNKNOWNS_MAX]; /* [i][c] of column i in the
+                                                                        dependent column c */
+} rank_t;
+
+/*
+ * Pick independent columns: those of class 0 before those of class 1, within a class the longest
+ * first. A column of which less than `tolerance` is left depends on those picked; columns of class
+ * 2 are never picked.
+ */
+void rank_find(const triangle_t *triangle, const int32_t *classes, double tolerance, rank_t *rank);
+
+#endif

@@ -1,0 +1,181 @@
+"""What is believed of a machine's rotary axes: ``MACHINE.toml``."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skiplatch.campaign.toml_positions import KeyPath, key_positions
+from skiplatch.campaign.toml_text import parse_toml, read_toml_text
+from skiplatch.errors import InputError, hint, quoted
+
+LETTERS = ("A", "B", "C")
+DEFAULT_TRAVEL_DEG = {"A": (-90.0, 90.0), "B": (-90.0, 90.0), "C": (-180.0, 180.0)}
+AXIS_KEYS = ("direction", "point_mm", "range_deg")
+TOP_KEYS = ("table", "head", "tool_mm", "axes")
+UNIT_TOLERANCE = 1e-4
+OWN_COSINE_MIN = 0.5
+FARTHEST_MM = 1e5
+TURNS_MAX_DEG = 3600.0
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class RotaryAxis:
+    """A rotary axis as believed, with every axis at 0.
+
+    Attributes:
+        letter: ``A``, ``B`` or ``C``.
+        in_head: It carries the tool, not the sphere.
+        direction: Unit vector in machine coordinates; the sense of positive angles.
+        point_mm: A point of the axis line, in machine coordinates.
+        travel_deg: Lowest and highest angle, for recommended positions.
+    """
+
+    letter: str
+    in_head: bool
+    direction: Vector
+    point_mm: Vector
+    travel_deg: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """The chain: table axes from the bed outwards, then head axes from the ram to the tool.
+
+    Attributes:
+        axes: The rotary axes.
+        tool_mm: The probe's tip with every axis at 0, or None where it is not known.
+    """
+
+    axes: tuple[RotaryAxis, ...]
+    tool_mm: Vector | None
+
+    @property
+    def letters(self) -> tuple[str, ...]:
+        """The names of the axes, in the order of the chain."""
+        return tuple(axis.letter for axis in self.axes)
+
+
+class _Reader:
+    """Takes values out of the parsed file, and knows where they stand."""
+
+    def __init__(self, path: Path) -> None:
+        text = read_toml_text(path)
+        self._path = path
+        self._places = key_positions(text)
+        self.document = parse_toml(path, text)
+
+    def fail(self, key: KeyPath, message: str) -> InputError:
+        place = self._places.get(key)
+        if place is None:
+            return InputError(self._path, None, None, f"{'.'.join(key)}: {message}")
+        column = place.key_column if place.value_column is None else place.value_column
+        return InputError(self._path, place.line, column, f"{'.'.join(key)}: {message}")
+
+    def letters(self, key: str) -> list[str]:
+        value = self.document.get(key, [])
+        if not isinstance(value, list) or not all(letter in LETTERS for letter in value):
+            raise self.fail((key,), 'expected a list of "A", "B" and "C"')
+        return value
+
+    def numbers(self, table: Mapping[str, Any], key: KeyPath, count: int) -> list[float]:
+        value = table[key[-1]]
+        if not isinstance(value, list) or len(value) != count or not all(map(_is_number, value)):
+            raise self.fail(key, f"expected a list of {count} finite numbers")
+        return [float(number) for number in value]
+
+    def vector(self, table: Mapping[str, Any], key: KeyPath) -> Vector:
+        x, y, z = self.numbers(table, key, 3)
+        if max(abs(x), abs(y), abs(z)) > FARTHEST_MM:
+            raise self.fail(key, f"expected coordinates of at most {FARTHEST_MM:g}")
+        return x, y, z
+
+    def refuse_slips(
+        self, table: Mapping[str, Any], prefix: KeyPath, known: tuple[str, ...]
+    ) -> None:
+        for key in table.keys() - set(known):
+            if near := hint(key, known):
+                raise self.fail((*prefix, key), f"unknown key{near}")
+
+
+def _is_number(value: object) -> bool:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_number and math.isfinite(value)  # type: ignore[arg-type]
+
+
+def read_machine(path: Path) -> Machine:
+    """Read ``MACHINE.toml``; keys that it has beside those known are left to others.
+
+    Raises:
+        InputError: The file cannot be read, or a value is wrong.
+    """
+    reader = _Reader(path)
+    document = reader.document
+    reader.refuse_slips(document, (), TOP_KEYS)
+    table, head = reader.letters("table"), reader.letters("head")
+    chain = [*table, *head]
+    if not chain:
+        raise reader.fail(("table",), 'expected at least one axis in "table" or "head"')
+    for letter in sorted(set(chain)):
+        if chain.count(letter) > 1:
+            key = "table" if letter in table else "head"
+            raise reader.fail((key,), f"axis {letter} stands in the chain twice")
+    axes = _axes(reader, chain)
+    tool_mm = reader.vector(document, ("tool_mm",)) if "tool_mm" in document else None
+    rotary = (
+        _axis(reader, axes[name], name, place >= len(table)) for place, name in enumerate(chain)
+    )
+    return Machine(tuple(rotary), tool_mm)
+
+
+def _axes(reader: _Reader, chain: list[str]) -> dict[str, dict[str, Any]]:
+    axes = reader.document.get("axes", {})
+    if not isinstance(axes, dict):
+        raise reader.fail(("axes",), "expected a table for each axis, such as [axes.A]")
+    for letter in chain:
+        if not isinstance(axes.get(letter), dict):
+            raise reader.fail(("axes", letter), f"axis {letter} has no table [axes.{letter}]")
+    for letter in axes:
+        if letter not in chain:
+            message = f'axis {quoted(letter)} is neither in "table" nor in "head"'
+            raise reader.fail(("axes", letter), message)
+    return axes
+
+
+def _axis(reader: _Reader, table: Mapping[str, Any], letter: str, in_head: bool) -> RotaryAxis:  # noqa: FBT001
+    section = ("axes", letter)
+    reader.refuse_slips(table, section, AXIS_KEYS)
+    for key in ("direction", "point_mm"):
+        if key not in table:
+            raise reader.fail(section, f'missing key "{key}"')
+    travel = DEFAULT_TRAVEL_DEG[letter]
+    if "range_deg" in table:
+        travel = _travel(reader, table, (*section, "range_deg"))
+    return RotaryAxis(
+        letter,
+        in_head,
+        _direction(reader, table, (*section, "direction"), letter),
+        reader.vector(table, (*section, "point_mm")),
+        travel,
+    )
+
+
+def _direction(reader: _Reader, table: Mapping[str, Any], key: KeyPath, letter: str) -> Vector:
+    x, y, z = reader.vector(table, key)
+    length = math.hypot(x, y, z)
+    if abs(length - 1.0) > UNIT_TOLERANCE:
+        raise reader.fail(key, f"expected a unit vector, got one of length {length:.6g}")
+    own = LETTERS.index(letter)
+    if abs((x, y, z)[own]) < OWN_COSINE_MIN:
+        raise reader.fail(key, f"axis {letter} has to turn about {'XYZ'[own]}, within 60°")
+    return x / length, y / length, z / length
+
+
+def _travel(reader: _Reader, table: Mapping[str, Any], key: KeyPath) -> tuple[float, float]:
+    low, high = reader.numbers(table, key, 2)
+    if not -TURNS_MAX_DEG <= low < high <= TURNS_MAX_DEG:
+        raise reader.fail(key, "expected the lowest and the highest angle in degrees")
+    return low, high

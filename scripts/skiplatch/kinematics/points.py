@@ -1,0 +1,105 @@
+"""Recorded centres of a sphere: ``POINTS.csv``."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign.csv_text import read_rows
+from skiplatch.errors import InputError, hint, quoted
+from skiplatch.kinematics.machine import LETTERS, Machine
+
+POSITION_COLUMNS = ("x_mm", "y_mm", "z_mm")
+LARGEST = 1e6
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """Where a sphere was found.
+
+    Attributes:
+        angles_deg: Shape (n, axes), in the order of the machine's axes.
+        positions_mm: Shape (n, 3), what the linear axes read at the sphere's centre.
+    """
+
+    angles_deg: NDArray[np.float64]
+    positions_mm: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.positions_mm)
+
+
+def angle_column(letter: str) -> str:
+    """Name the column with the angles of an axis."""
+    return f"{letter.lower()}_deg"
+
+
+def columns_of(machine: Machine) -> tuple[str, ...]:
+    """Name the columns that the points of a machine have."""
+    return (*(angle_column(letter) for letter in machine.letters), *POSITION_COLUMNS)
+
+
+def read_points(path: Path, machine: Machine) -> Points:
+    """Read the centres; columns may stand in any order, and foreign ones are not looked at.
+
+    Raises:
+        InputError: The file cannot be read, a column is missing or of an axis that the machine
+            does not have, or a value is no finite number.
+    """
+    rows = read_rows(path)
+    line, header = next(rows, (None, []))
+    if line is None:
+        raise InputError(path, None, None, "empty; expected a header and a row for each position")
+    names = [name.strip() for name in header]
+    places = _places(path, line, names, machine)
+    wanted = columns_of(machine)
+    values = np.array(
+        [_values(path, number, cells, len(names), wanted, places) for number, cells in rows]
+    ).reshape(-1, len(wanted))
+    count = len(machine.axes)
+    return Points(values[:, :count], values[:, count:])
+
+
+def _places(path: Path, line: int, names: Sequence[str], machine: Machine) -> list[int]:
+    for letter in LETTERS:
+        name = angle_column(letter)
+        if name in names and letter not in machine.letters:
+            raise InputError(path, line, name, f"the machine has no axis {letter}")
+    for name in columns_of(machine):
+        if name not in names:
+            raise InputError(path, line, name, f"column missing{_near(name, names)}")
+        if names.count(name) > 1:
+            raise InputError(path, line, name, "the column stands here twice")
+    return [names.index(name) for name in columns_of(machine)]
+
+
+def _near(name: str, names: Sequence[str]) -> str:
+    return f"; is it {quoted(names[0])}?" if len(names) == 1 else hint(name, names)
+
+
+def _values(
+    path: Path,
+    line: int,
+    cells: Sequence[str],
+    count: int,
+    wanted: Sequence[str],
+    places: Sequence[int],
+) -> list[float]:
+    if len(cells) != count:
+        raise InputError(path, line, None, f"expected {count} cells, got {len(cells)}")
+    return [_value(path, line, name, cells[i]) for name, i in zip(wanted, places, strict=True)]
+
+
+def _value(path: Path, line: int, name: str, cell: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not abs(value) <= LARGEST:
+        unit = name.rpartition("_")[2]
+        message = f"expected a number in {unit}, at most {LARGEST:g}, got {quoted(cell)}"
+        raise InputError(path, line, name, message)
+    return value

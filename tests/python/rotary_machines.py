@@ -1,0 +1,144 @@
+"""Machines with planted location errors, by full rotation matrices and with nothing of the fit.
+
+A machine's true axis lines are shifted and tilted, and every measured centre follows from turning
+whole points about whole lines, one after the other.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+OWN = {"A": 0, "B": 1, "C": 2}
+ARCSEC_PER_DEG = 3600.0
+UM_PER_MM = 1000.0
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A type of machine: its axes from the bed outwards and from the ram to the tool."""
+
+    table: str
+    head: str
+
+    @property
+    def axes(self) -> str:
+        return self.table + self.head
+
+
+TABLE_TABLE = Kind("AC", "")
+HEAD_HEAD = Kind("", "CA")
+TABLE_HEAD = Kind("C", "B")
+KINDS = {"table-table": TABLE_TABLE, "head-head": HEAD_HEAD, "table-head": TABLE_HEAD}
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line in space: a point in mm and a unit vector."""
+
+    point: Array
+    direction: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Planted:
+    """A machine as believed and as it is, and the difference by the names of ISO 230-7."""
+
+    kind: Kind
+    believed: dict[str, Line]
+    actual: dict[str, Line]
+    errors: dict[str, float]
+    sphere: Array
+    tip: Array
+
+
+def names_of(letter: str) -> tuple[list[str], list[str]]:
+    """Give the names of the two offsets and the two tilts of an axis."""
+    others = [i for i in range(3) if i != OWN[letter]]
+    return [f"{'XYZ'[i]}O{letter}" for i in others], [f"{'ABC'[i]}O{letter}" for i in others]
+
+
+def plant(kind: Kind, rng: np.random.Generator, *, scale: float = 1.0) -> Planted:
+    """Make a machine with errors of up to ± 0.5 mm and ± 0.05°."""
+    believed, actual, errors = {}, {}, {}
+    for letter in kind.axes:
+        line = Line(rng.uniform(-60.0, 60.0, 3), np.eye(3)[OWN[letter]])
+        offsets, tilts = names_of(letter)
+        point, turn = line.point.copy(), Rotation.identity()
+        for name in offsets:
+            shift_mm = scale * rng.uniform(-0.5, 0.5)
+            point["XYZ".index(name[0])] += shift_mm
+            errors[name] = shift_mm * UM_PER_MM
+        for name in tilts:
+            tilt_deg = scale * rng.uniform(-0.05, 0.05)
+            turn = (
+                Rotation.from_euler(
+                    name[0].replace("A", "x").replace("B", "y").replace("C", "z"),
+                    tilt_deg,
+                    degrees=True,
+                )
+                * turn
+            )
+            errors[name] = tilt_deg * ARCSEC_PER_DEG
+        believed[letter] = line
+        actual[letter] = Line(point, turn.apply(line.direction))
+    sphere = np.array([rng.uniform(80, 200), rng.uniform(-150, 150), rng.uniform(20, 120)])
+    tip = np.array([rng.uniform(-5, 5), rng.uniform(-5, 5), rng.uniform(-300, -180)])
+    return Planted(kind, believed, actual, errors, sphere, tip)
+
+
+def positions(kind: Kind) -> Array:
+    """Give the angles of a thorough measurement, shape (n, axes): the whole grid."""
+    tilting = np.arange(-90.0, 91.0, 30.0)
+    turning = np.arange(0.0, 360.0, 45.0)
+    grids = [turning if letter == "C" else tilting for letter in kind.axes]
+    return np.stack(np.meshgrid(*grids, indexing="ij"), axis=-1).reshape(-1, len(grids))
+
+
+def turned(line: Line, angle_deg: float, place: Array) -> Array:
+    """Turn a place about a line."""
+    turn = Rotation.from_rotvec(np.radians(angle_deg) * line.direction)
+    return np.asarray(line.point + turn.apply(place - line.point))
+
+
+def centres(
+    machine: Planted, angles_deg: Array, rng: np.random.Generator, noise_mm: float
+) -> Array:
+    """Give what the linear axes read with the tip in the sphere's centre, shape (n, 3)."""
+    read = []
+    for angles in angles_deg:
+        at = dict(zip(machine.kind.axes, angles, strict=True))
+        sphere, tip = machine.sphere, machine.tip
+        for letter in reversed(machine.kind.table):
+            sphere = turned(machine.actual[letter], at[letter], sphere)
+        for letter in reversed(machine.kind.head):
+            tip = turned(machine.actual[letter], at[letter], tip)
+        read.append(sphere - (tip - machine.tip))
+    return np.array(read) + rng.normal(0.0, noise_mm, (len(read), 3))
+
+
+def write_machine(path: Path, machine: Planted) -> None:
+    """Write MACHINE.toml as believed."""
+    chains = [
+        f"{key} = {list(letters)}"
+        for key, letters in (("table", machine.kind.table), ("head", machine.kind.head))
+    ]
+    lines = [chain.replace("'", '"') for chain in chains]
+    for letter, line in machine.believed.items():
+        lines += [
+            f"[axes.{letter}]",
+            f"direction = {line.direction.tolist()}",
+            f"point_mm = {line.point.tolist()}",
+        ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def write_points(path: Path, machine: Planted, angles_deg: Array, read_mm: Array) -> None:
+    """Write POINTS.csv."""
+    header = [*(f"{letter.lower()}_deg" for letter in machine.kind.axes), "x_mm", "y_mm", "z_mm"]
+    rows = np.hstack([angles_deg, read_mm])
+    np.savetxt(path, rows, fmt="%.9g", delimiter=",", header=",".join(header), comments="")
