@@ -1,12 +1,24 @@
 """``skiplatch kinematics``: location errors of rotary axes."""
 
+from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 
+from skiplatch.commands.kinematics_run import run_command
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
-from skiplatch.kinematics.firmware import Estimate, Fit, NoFitError, Undetermined, fit, recommend
+from skiplatch.kinematics.firmware import (
+    Circle,
+    Estimate,
+    Fit,
+    NoFitError,
+    Undetermined,
+    circles,
+    fit,
+    recommend,
+)
 from skiplatch.kinematics.machine import Machine, read_machine
 from skiplatch.kinematics.points import Points, columns_of, read_points
 from skiplatch.tables import number, table
@@ -22,6 +34,9 @@ Example:
 @click.group(name="kinematics")
 def command() -> None:
     """Find the location errors of rotary axes from touches of a sphere."""
+
+
+command.add_command(run_command)
 
 
 @command.command(name="fit", epilog=EPILOG)
@@ -77,15 +92,16 @@ def fit_command(
         advice = recommend(machine, points, RECOMMENDED_MAX) if with_positions else None
     except NoFitError as error:
         raise InputError(points_path, len(points) + 1, None, str(error)) from error
-    click.echo(_text(found))
-    result = _json(found)
+    turns = circles(machine, points)
+    click.echo(_text(found, turns))
+    result = _json(found, turns)
     if advice is not None:
         click.echo(_advice_text(machine, *advice))
         result["recommended"] = _advice_json(machine, *advice)
     write_json(json_path, result)
 
 
-def _text(found: Fit) -> str:
+def _text(found: Fit, turns: Sequence[Circle]) -> str:
     rows = [
         (name, number(e.value, 4), number(e.uncertainty, 2), e.unit) for name, e in _named(found)
     ]
@@ -96,6 +112,10 @@ def _text(found: Fit) -> str:
         _quality(found),
         "undetermined, left as believed:",
         *(f"  {_why(u)}" for u in found.undetermined),
+        *(
+            f"circle of {c.letter}: radius {number(c.radius_mm, 6)} mm, {c.positions} positions"
+            for c in turns
+        ),
     ]
     return "\n".join(lines)
 
@@ -117,7 +137,7 @@ def _why(undetermined: Undetermined) -> str:
     )
 
 
-def _json(found: Fit) -> dict[str, object]:
+def _json(found: Fit, turns: Sequence[Circle]) -> dict[str, object]:
     return {
         "parameters": {name: _estimate(e) for name, e in found.parameters.items()},
         "combinations": {
@@ -127,6 +147,7 @@ def _json(found: Fit) -> dict[str, object]:
         "undetermined": [u.name for u in found.undetermined],
         "undetermined_against": {u.name: list(u.against) for u in found.undetermined},
         "residual_um": found.residual_um,
+        "circles": [asdict(circle) for circle in turns],
         "sphere_mm": list(found.sphere_mm),
         "unknowns": found.unknowns,
         "rank": found.rank,

@@ -27,6 +27,7 @@ VARIABLES = {
     "plc-light": theme.PLC_LIGHT,
     "third": theme.THIRD,
     "fourth": theme.FOURTH,
+    "red": theme.RED,
 }
 """The page's variables of style, and the colours of the light scheme that they stand for."""
 

@@ -31,6 +31,7 @@ PLC = "#b84a00"
 PLC_LIGHT = "#f6c59d"
 THIRD = "#6f42c1"
 FOURTH = "#1a7f37"
+RED = "#c9252d"
 
 DARK = {
     PAPER: "#0d1117",
@@ -43,6 +44,7 @@ DARK = {
     PLC_LIGHT: "#6b3a12",
     THIRD: "#c4a5ff",
     FOURTH: "#56d364",
+    RED: "#ff7b72",
 }
 
 STYLE: dict[RcKeyType, Any] = {

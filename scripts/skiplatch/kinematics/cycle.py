@@ -200,12 +200,24 @@ def opened(
     control: Control,
     parameters: Mapping[int, float | str],
     *,
+    believed: Machine | None = None,
     seed: int,
     replicate: int = 0,
     rig: Nominal = DEFAULT_RIG,
     switched_on: Sequence[Effect] = (),
 ) -> Iterator[Play]:
     """Switch a machine on, with the parameters of cycle 451 set.
+
+    Args:
+        machine: The description that the truth stands beside.
+        truth: How the machine truly is.
+        control: How the controller is set up.
+        parameters: Numbers and words by the number of the Q parameter.
+        believed: What the controller believes, None for `machine`.
+        seed: Picks the random numbers, with the replicate.
+        replicate: Which of many runs.
+        rig: Probe, input, axes.
+        switched_on: Effects of the table on every touch.
 
     Raises:
         CycleRefusedError: A parameter is not admitted.
@@ -215,7 +227,7 @@ def opened(
     structure = machine_structure(machine, truth)
     handle = lib.sim_451_open(
         structure,
-        structure,
+        machine_structure(believed or machine, truth),
         *rig_arguments(rig, CONTROLLER, switched_on),
         _control(control),
         seed,

@@ -92,7 +92,7 @@ class Evaluation:
 
     @property
     def shift_mm(self) -> Vector:
-        """Q147 to Q149: shift of the line of the last axis of the chain that has that coordinate."""
+        """Q147 to Q149: shift of the line of the last axis that has that coordinate."""
         found = [0.0, 0.0, 0.0]
         for before, after in zip(self.believed.axes, self.corrected.axes, strict=True):
             for i in range(3):
@@ -240,7 +240,9 @@ def _slopes(machine: Machine, truth: Truth, stations: Stations, place: int) -> F
     for angle_deg, centre_mm in zip(stations.angle_deg, stations.centre_mm, strict=True):
         sphere_mm = _turned_back(machine, truth, angle_deg, centre_mm)
         step = SLOPE_STEP_DEG * np.eye(3)[place]
-        ends = expected_mm(machine, truth, sphere_mm, np.array([angle_deg - step, angle_deg + step]))
+        ends = expected_mm(
+            machine, truth, sphere_mm, np.array([angle_deg - step, angle_deg + step])
+        )
         rows.append((ends[1] - ends[0]) / (2.0 * SLOPE_STEP_DEG))
     return np.array(rows)
 

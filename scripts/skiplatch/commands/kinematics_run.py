@@ -1,0 +1,215 @@
+"""``skiplatch kinematics run``: an NC program on the simulated five-axis machine."""
+
+import csv
+import io
+from collections.abc import Sequence
+from dataclasses import asdict
+from datetime import UTC, datetime
+from pathlib import Path
+
+import click
+import numpy as np
+
+from skiplatch.campaign import InputPath
+from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
+from skiplatch.files import atomic_write_text
+from skiplatch.kinematics.five_axis import Truth
+from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
+from skiplatch.kinematics.memory import Memory, format_machine
+from skiplatch.kinematics.points import columns_of
+from skiplatch.kinematics.program import Program, read_program
+from skiplatch.kinematics.run import Outcome, Run, Setup, run_program
+from skiplatch.kinematics.truth import draw_truth, read_truth
+from skiplatch.report.kinematics import Logged, as_html
+from skiplatch.simulator import ROOT, Effect
+from skiplatch.tables import table
+
+LOG_NAME = "TCHPRAUTO.html"
+DEFAULT_MACHINE = ROOT / "scripts" / "samples" / "kinematics" / "machine_bc.toml"
+FILE = click.Path(path_type=Path, dir_okay=False)
+UM_PER_MM = 1000.0
+
+EPILOG = """\b
+Example:
+  skiplatch kinematics run scripts/samples/kinematics/optimise_positions.h \\
+      --truth scripts/samples/kinematics/truth_bc.toml --html build/TCHPRAUTO.html
+"""
+
+
+@click.command(name="run", epilog=EPILOG)
+@click.argument("program_path", metavar="PROGRAM", type=FILE)
+@click.option(
+    "--machine",
+    "machine_path",
+    type=FILE,
+    default=DEFAULT_MACHINE,
+    show_default="a table with B and C",
+    help="The rotary axes as believed; see 'skiplatch kinematics fit --help'.",
+)
+@click.option(
+    "--truth",
+    "truth_path",
+    type=FILE,
+    help="How the simulated machine truly is; drawn by the seed when not given.",
+)
+@click.option(
+    "--path",
+    "path_name",
+    type=click.Choice([path.name.lower() for path in InputPath]),
+    default=InputPath.SKIP.name.lower(),
+    show_default=True,
+    help="Input path that latches the touches.",
+)
+@click.option(
+    "--effect",
+    "switched_on",
+    type=EffectType(),
+    multiple=True,
+    help="An effect on every touch, ID:NAME=VALUE,…; several are possible.",
+)
+@click.option(
+    "--acknowledge",
+    "acknowledged",
+    is_flag=True,
+    help="Press NC start where a change exceeds maxModification.",
+)
+@click.option(
+    "--html", "html_path", type=FILE, help=f"The log.  [default: {LOG_NAME} beside PROGRAM]"
+)
+@click.option("--points", "points_path", type=FILE, help="Write the sphere centres as POINTS.csv.")
+@click.option("--corrected", "corrected_path", type=FILE, help="Write the kinematics at the end.")
+@click.option(
+    "--memory",
+    "memory_path",
+    type=click.Path(path_type=Path, file_okay=False),
+    help="Folder of cycle 450.  [default: kinematics beside PROGRAM]",
+)
+@seed_option
+@json_option
+def run_command(
+    program_path: Path,
+    machine_path: Path,
+    truth_path: Path | None,
+    path_name: str,
+    switched_on: Sequence[Effect],
+    acknowledged: bool,  # noqa: FBT001
+    html_path: Path | None,
+    points_path: Path | None,
+    corrected_path: Path | None,
+    memory_path: Path | None,
+    seed: int,
+    json_path: Path | None,
+) -> None:
+    """Run cycles 450 and 451 of PROGRAM, and write their log.
+
+    PROGRAM is a HEIDENHAIN program with blocks TOOL CALL and TCH PROBE 450 or 451 and their Q
+    lines. Every measurement of the sphere is made of touches that the firmware latches, on a
+    simulated machine with errors of its own; what is found is fitted by the firmware too.
+    """
+    program = read_program(program_path)
+    machine = read_machine(machine_path)
+    truth = draw_truth(machine, seed) if truth_path is None else read_truth(truth_path, machine)
+    setup = Setup(
+        machine=machine,
+        truth=truth,
+        path=InputPath[path_name.upper()],
+        seed=seed,
+        acknowledged=acknowledged,
+        switched_on=switched_on,
+    )
+    memory = Memory(memory_path or program_path.parent / "kinematics")
+    outcome = run_program(program, setup, memory)
+    log_path = html_path or program_path.parent / LOG_NAME
+    if outcome.runs:
+        atomic_write_text(log_path, _log(program, machine_path, outcome))
+    if points_path is not None:
+        atomic_write_text(points_path, _points(machine, outcome))
+    if corrected_path is not None:
+        atomic_write_text(corrected_path, format_machine(outcome.machine))
+    write_json(json_path, _json(outcome, truth))
+    click.echo("\n".join([*outcome.said, *(_text(run) for run in outcome.runs)]))
+    if outcome.runs:
+        click.echo(f"log: {log_path}")
+
+
+def _log(program: Program, machine_path: Path, outcome: Outcome) -> str:
+    logged = [
+        Logged(run.evaluation, run.parameters, run.report.touches, run.report.duration_s, run.notes)
+        for run in outcome.runs
+    ]
+    return as_html(
+        logged,
+        when=datetime.now(UTC).astimezone(),
+        program=program.path.resolve(),
+        tool=program.tool,
+        kinematics=machine_path.stem,
+    )
+
+
+def _text(run: Run) -> str:
+    evaluation = run.evaluation
+    rows = []
+    for axis in evaluation.axes:
+        backlash = "—" if axis.backlash_arcsec is None else f"{axis.backlash_arcsec:.2f}"
+        lengths_mm = (axis.scatter_before_mm, axis.scatter_after_mm, axis.greatest_after_mm)
+        lengths = [f"{UM_PER_MM * length:.2f}" for length in lengths_mm]
+        rows.append((axis.letter, str(len(axis.angle_deg)), *lengths, backlash))
+    header = ("axis", "positions", "scatter before, µm", "after, µm", "greatest, µm", "backlash, ″")
+    found = [
+        f"{name} {e.value:+.2f} ± {e.uncertainty:.2f} {e.unit}"
+        for name, e in evaluation.fit.parameters.items()
+    ]
+    left = ", ".join(u.name for u in evaluation.fit.undetermined)
+    return "\n".join(
+        [
+            f"cycle 451, mode {evaluation.mode}, {run.report.touches} touches",
+            *run.notes,
+            table(header, rows),
+            *found,
+            f"undetermined, left as believed: {left}",
+        ]
+    )
+
+
+def _points(machine: Machine, outcome: Outcome) -> str:
+    """Write all measured centres of all runs as POINTS.csv."""
+    places = [LETTERS.index(letter) for letter in machine.letters]
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns_of(machine))
+    for run in outcome.runs:
+        rows = np.hstack([run.stations.angle_deg[:, places], run.stations.centre_mm])
+        writer.writerows([f"{value:.6f}" for value in row] for row in rows)
+    return text.getvalue()
+
+
+def _json(outcome: Outcome, truth: Truth) -> dict[str, object]:
+    return {"runs": [_run_json(run) for run in outcome.runs], "truth": asdict(truth)}
+
+
+def _run_json(run: Run) -> dict[str, object]:
+    evaluation = run.evaluation
+    return {
+        "mode": evaluation.mode,
+        "touches": run.report.touches,
+        "preset_mm": list(run.report.preset_mm),
+        "q": {f"Q{q}": value for q, value in evaluation.q_parameters().items()},
+        "parameters": {
+            name: {"value": e.value, "uncertainty": e.uncertainty, "unit": e.unit}
+            for name, e in evaluation.fit.parameters.items()
+        },
+        "undetermined": [u.name for u in evaluation.fit.undetermined],
+        "residual_um": evaluation.fit.residual_um,
+        "axes": {
+            axis.letter: {
+                "angle_deg": axis.angle_deg.tolist(),
+                "radius_mm": axis.radius_mm,
+                "backlash_arcsec": axis.backlash_arcsec,
+                "scatter_before_um": UM_PER_MM * axis.scatter_before_mm,
+                "scatter_after_um": UM_PER_MM * axis.scatter_after_mm,
+                "before_um": (UM_PER_MM * axis.before_mm).tolist(),
+                "after_um": (UM_PER_MM * axis.after_mm).tolist(),
+            }
+            for axis in evaluation.axes
+        },
+    }

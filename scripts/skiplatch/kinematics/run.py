@@ -1,0 +1,140 @@
+"""Running an NC program with cycles 450 and 451 on the simulated five-axis machine."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from skiplatch.campaign import InputPath
+from skiplatch.errors import InputError
+from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
+from skiplatch.kinematics.evaluate import Evaluation, evaluate
+from skiplatch.kinematics.firmware import NoFitError
+from skiplatch.kinematics.five_axis import Truth
+from skiplatch.kinematics.machine import Machine
+from skiplatch.kinematics.memory import Memory, run_450
+from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
+from skiplatch.simulator import Effect
+
+LENGTHS = (407, 320, 408, 253)
+"""Parameters that are in inches in an inch program."""
+SPHERE_RADIUS = 407
+MODE = 406
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """What a program is run on.
+
+    Attributes:
+        machine: The description that the truth stands beside, and that is believed at first.
+        truth: How the machine truly is.
+        path: How touches are latched.
+        seed: Picks the random numbers.
+        acknowledged: The operator presses NC start where a change exceeds maxModification.
+        switched_on: Effects on every touch.
+    """
+
+    machine: Machine
+    truth: Truth
+    path: InputPath
+    seed: int
+    acknowledged: bool
+    switched_on: Sequence[Effect] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """One run of cycle 451."""
+
+    parameters: Mapping[int, float | str]
+    stations: Stations
+    evaluation: Evaluation
+    report: Report
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outcome:
+    """What came of a program: its runs of 451, what 450 said, the kinematics at the end."""
+
+    runs: tuple[Run, ...]
+    said: tuple[str, ...]
+    machine: Machine
+
+
+def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
+    """Run the cycles in their order; each begins with what the one before left.
+
+    Raises:
+        InputError: A cycle refused a parameter, or ended with an error; nothing is stored then
+            but what a cycle 450 before it stored.
+    """
+    believed = setup.machine
+    runs: list[Run] = []
+    said: list[str] = []
+    for cycle in program.cycles:
+        if cycle.number == 450:
+            believed, words = run_450(program, cycle, believed, memory)
+            said.append(words)
+        else:
+            runs.append(_run_451(program, cycle, setup, believed, len(runs)))
+            if runs[-1].evaluation.mode > 0:
+                believed = runs[-1].evaluation.corrected
+    return Outcome(tuple(runs), tuple(said), believed)
+
+
+def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
+    scale = MM_PER_INCH if program.is_inch else 1.0
+    return {
+        number: given.value * scale
+        if isinstance(given.value, float) and number in LENGTHS
+        else given.value
+        for number, given in cycle.parameters.items()
+    }
+
+
+def _run_451(program: Program, cycle: Cycle, setup: Setup, believed: Machine, place: int) -> Run:
+    parameters = _parameters(program, cycle)
+    try:
+        with opened(
+            setup.machine,
+            setup.truth,
+            Control(path=setup.path, tip_radius_mm=setup.truth.tip_radius_mm),
+            parameters,
+            believed=believed,
+            seed=setup.seed,
+            replicate=place,
+            switched_on=setup.switched_on,
+        ) as play:
+            return _measured(play, parameters, setup, believed)
+    except CycleRefusedError as error:
+        given = cycle.parameters.get(error.parameter)
+        line, column = (given.line, given.column) if given else (cycle.line, None)
+        raise InputError(program.path, line, column, f"cycle 451: {error}") from error
+    except NoFitError as error:
+        raise InputError(program.path, cycle.line, None, f"cycle 451: {error}") from error
+
+
+def _measured(
+    play: Play, parameters: Mapping[int, float | str], setup: Setup, believed: Machine
+) -> Run:
+    notes: list[str] = []
+    if not play.begin():
+        play.raise_failure()
+    stations = play.stations()
+    mode = int(parameters.get(MODE, 0.0))
+    evaluation = evaluate(believed, setup.truth, stations, mode)
+    play.answer(evaluation.change_mm)
+    while play.asks in ("acknowledge", "apply"):
+        if play.asks == "acknowledge":
+            change_mm = play.report().change_mm
+            notes.append(f"Warning: a change of {change_mm:.4f} mm exceeds maxModification.")
+            play.answer(is_possible=setup.acknowledged)
+        else:
+            play.believe(evaluation.corrected, setup.truth)
+            play.answer()
+    if play.asks != "done":
+        play.raise_failure()
+    report = play.report()
+    if report.cancelled_rotation:
+        notes.append("A basic rotation has been cancelled; set it again, and the preset.")
+    return Run(parameters, stations, evaluation, report, tuple(notes))

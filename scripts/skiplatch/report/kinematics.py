@@ -1,0 +1,244 @@
+"""The log of cycle 451, TCHPRAUTO.html: no script, nothing from elsewhere, light and dark."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from skiplatch.figures.inline import VARIABLES, Drawing
+from skiplatch.figures.kinematics import draw_axis
+from skiplatch.figures.theme import DARK
+from skiplatch.kinematics.evaluate import ANGLES, CHECK, AxisResult, Evaluation
+from skiplatch.kinematics.machine import LETTERS, RotaryAxis
+from skiplatch.report.page import environment
+
+TEMPLATE = "kinematics.html"
+MODES = (
+    "check",
+    "optimise positions",
+    "optimise positions and angles",
+    "optimise origin and angles",
+)
+PARAMETERS_OF_AXIS = {
+    "A": (411, 412, 413, 414),
+    "B": (415, 416, 417, 418),
+    "C": (419, 420, 421, 422),
+}
+UM_PER_MM = 1000.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Logged:
+    """One run of the cycle.
+
+    Attributes:
+        evaluation: What it found.
+        parameters: Q parameters by number, as the cycle had them.
+        touches: How often the probe touched.
+        duration_s: Virtual time of the whole cycle.
+        notes: What the operator should know, a sentence each.
+    """
+
+    evaluation: Evaluation
+    parameters: Mapping[int, float | str]
+    touches: int
+    duration_s: float
+    notes: Sequence[str] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """A table of the page."""
+
+    header: tuple[str, ...]
+    rows: Sequence[tuple[str, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class AxisSection:
+    """What the page says of one axis."""
+
+    letter: str
+    facts: list[tuple[str, str]]
+    positions: Rows
+    drawings: list[Drawing]
+
+
+def as_html(
+    logged: Sequence[Logged], *, when: datetime, program: Path, tool: str, kinematics: str
+) -> str:
+    """Lay out the log of all runs of a program.
+
+    Args:
+        logged: The runs, in their order.
+        when: Date and time of the log.
+        program: The NC program.
+        tool: Name of the probe.
+        kinematics: Name of the active kinematics.
+    """
+    return (
+        environment()
+        .get_template(TEMPLATE)
+        .render(
+            when=when.strftime("%Y-%m-%d %H:%M:%S"),
+            program=str(program),
+            tool=tool or "—",
+            kinematics=kinematics,
+            runs=[_run(run, i) for i, run in enumerate(logged)],
+            light=VARIABLES,
+            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
+        )
+    )
+
+
+def _run(logged: Logged, place: int) -> dict[str, object]:
+    evaluation = logged.evaluation
+    return {
+        "mode": f"{evaluation.mode} = {MODES[evaluation.mode]}",
+        "mode_words": MODES[evaluation.mode],
+        "incidence": _incidence(logged),
+        "touches": logged.touches,
+        "minutes": f"{logged.duration_s / 60.0:.1f} min",
+        "notes": [*logged.notes, *_undetermined(evaluation)],
+        "lead": _lead(evaluation),
+        "axes": [_section(logged, axis, place) for axis in evaluation.axes],
+        "results": _results(evaluation),
+        "errors": _location_errors(evaluation),
+        "is_check": evaluation.mode == CHECK,
+        "id": f"run-{place + 1}",
+    }
+
+
+def _lead(evaluation: Evaluation) -> str:
+    parts = [
+        f"{axis.letter} {UM_PER_MM * axis.scatter_before_mm:.2f} → "
+        f"{UM_PER_MM * axis.scatter_after_mm:.2f} µm"
+        for axis in evaluation.axes
+    ]
+    would = "would go" if evaluation.mode == CHECK else "goes"
+    return f"Scatter {would} from the active to the corrected kinematics: {'; '.join(parts)}."
+
+
+def _undetermined(evaluation: Evaluation) -> list[str]:
+    names = [u.name for u in evaluation.fit.undetermined]
+    if not names:
+        return []
+    return [f"The positions do not determine {', '.join(names)}: left as believed."]
+
+
+def _incidence(logged: Logged) -> str:
+    given = [
+        f"{letter} {_number(logged.parameters.get(PARAMETERS_OF_AXIS[letter][2]))}°"
+        for letter in LETTERS
+        if letter in {axis.letter for axis in logged.evaluation.believed.axes}
+    ]
+    return ", ".join(given)
+
+
+def _number(value: float | str | None) -> str:
+    if value is None:
+        return "—"
+    return f"{value:g}" if isinstance(value, float) else value
+
+
+def _section(logged: Logged, axis: AxisResult, place: int) -> AxisSection:
+    return AxisSection(
+        axis.letter,
+        _facts(logged, axis),
+        _positions(axis),
+        draw_axis(axis, f"run{place + 1}"),
+    )
+
+
+def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
+    start, end, _, count = (logged.parameters.get(q) for q in PARAMETERS_OF_AXIS[axis.letter])
+    evaluation = logged.evaluation
+    before, after = (
+        next(a for a in machine.axes if a.letter == axis.letter)
+        for machine in (evaluation.believed, evaluation.corrected)
+    )
+    would = "possible" if evaluation.mode == CHECK else "optimised"
+    facts = [
+        ("start angle", f"{_number(start)}°"),
+        ("end angle", f"{_number(end)}°"),
+        ("measuring points", f"{_number(count)} (measured besides 0°: {len(axis.angle_deg)})"),
+        ("radius of the measuring circle", f"{axis.radius_mm:.4f} mm"),
+    ]
+    positioning = (
+        f"{axis.positioning_arcsec:+.2f}″, standard deviation "
+        f"{axis.positioning_scatter_arcsec:.2f}″"
+    )
+    if logged.parameters.get(432, 0.0) != 0.0:
+        facts.append(("mean backlash", _backlash(axis)))
+    facts += [
+        ("scatter (standard deviation), measured", f"{axis.scatter_before_mm:.4f} mm"),
+        (f"scatter, {would}", f"{axis.scatter_after_mm:.4f} mm"),
+        ("greatest error, measured", f"{axis.greatest_before_mm:.4f} mm"),
+        (f"greatest error, {would}", f"{axis.greatest_after_mm:.4f} mm"),
+        ("position of the axis before", _vector(before.point_mm)),
+        (f"position of the axis, {would}", _vector(after.point_mm)),
+        ("compensation in X, Y, Z (shift of the preset)", _vector(_shift(before, after))),
+        ("mean positioning error relative to 0°", positioning),
+    ]
+    if evaluation.mode >= ANGLES or evaluation.mode == CHECK:
+        facts.insert(-1, ("angular location errors", _tilts(evaluation, axis.letter)))
+    return facts
+
+
+def _backlash(axis: AxisResult) -> str:
+    if axis.backlash_arcsec is None:
+        return "not computed: Hirth axis, M function, or a circle of less than 1 mm"
+    return f"{axis.backlash_arcsec:.2f}″ = {axis.backlash_arcsec / 3600.0:.5f}°"
+
+
+def _tilts(evaluation: Evaluation, letter: str) -> str:
+    found = [
+        f"{name} {e.value:+.2f}″ ± {e.uncertainty:.2f}″"
+        for name, e in evaluation.fit.parameters.items()
+        if e.unit == "arcsec" and name[2:3] == letter
+    ]
+    return ", ".join(found) or "not determined"
+
+
+def _shift(before: RotaryAxis, after: RotaryAxis) -> tuple[float, ...]:
+    return tuple(a - b for a, b in zip(after.point_mm, before.point_mm, strict=True))
+
+
+def _vector(values: Sequence[float]) -> str:
+    return (
+        ", ".join(f"{name} {value:+.4f}" for name, value in zip("XYZ", values, strict=True)) + " mm"
+    )
+
+
+def _positions(axis: AxisResult) -> Rows:
+    header = (
+        f"{axis.letter}, deg",
+        *(f"E{c}{axis.letter} before, mm" for c in "XYZ"),
+        *(f"E{c}{axis.letter} after, mm" for c in "XYZ"),
+    )
+    rows = [
+        (f"{angle:g}", *(f"{v:+.4f}" for v in (*before, *after)))
+        for angle, before, after in zip(axis.angle_deg, axis.before_mm, axis.after_mm, strict=True)
+    ]
+    return Rows(header, rows)
+
+
+def _results(evaluation: Evaluation) -> Rows:
+    meanings = {
+        **{141 + i: f"standard deviation of {x}, measured" for i, x in enumerate(LETTERS)},
+        **{144 + i: f"standard deviation of {x}, optimised" for i, x in enumerate(LETTERS)},
+        **{147 + i: f"offset in {x}" for i, x in enumerate("XYZ")},
+    }
+    rows = [
+        (f"Q{q}", "−1" if value == -1.0 else f"{value:.4f}", meanings[q])
+        for q, value in evaluation.q_parameters().items()
+    ]
+    return Rows(("parameter", "mm", "meaning"), rows)
+
+
+def _location_errors(evaluation: Evaluation) -> Rows:
+    rows = [
+        (name, f"{e.value:+.2f}", f"{e.uncertainty:.2f}", e.unit)
+        for name, e in evaluation.fit.parameters.items()
+    ]
+    return Rows(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)
