@@ -13,3 +13,9 @@ int32_t sim_kinematics_recommend(const kinematics_machine_t *machine,
 {
     return kinematics_recommend(machine, points, n, travel, max, more, after);
 }
+
+int sim_kinematics_circle(const double direction[3], int32_t axis, const kinematics_point_t *points,
+                          int32_t n, kinematics_circle_t *circle)
+{
+    return kinematics_circle_fit(direction, axis, points, n, circle);
+}

@@ -33,6 +33,7 @@ HEADERS = (
     ROOT / "firmware" / "comp" / "pretravel_lookup.h",
     ROOT / "firmware" / "comp" / "pretravel_grid.h",
     ROOT / "firmware" / "comp" / "kinematics.h",
+    ROOT / "firmware" / "comp" / "kinematics_circle.h",
     ROOT / "host_sim" / "programs" / "kinematics_fit.h",
     ROOT / "host_sim" / "five_axis.h",
     ROOT / "host_sim" / "programs" / "five_axis_points.h",

@@ -99,26 +99,24 @@ def positions(kind: Kind) -> Array:
     return np.stack(np.meshgrid(*grids, indexing="ij"), axis=-1).reshape(-1, len(grids))
 
 
-def turned(line: Line, angle_deg: float, place: Array) -> Array:
-    """Turn a place about a line."""
-    turn = Rotation.from_rotvec(np.radians(angle_deg) * line.direction)
-    return np.asarray(line.point + turn.apply(place - line.point))
+def turned(line: Line, angles_deg: Array, places: Array) -> Array:
+    """Turn places, shape (n, 3), about a line by n angles."""
+    turns = Rotation.from_rotvec(np.radians(angles_deg)[:, None] * line.direction)
+    return np.asarray(line.point + turns.apply(places - line.point))
 
 
 def centres(
     machine: Planted, angles_deg: Array, rng: np.random.Generator, noise_mm: float
 ) -> Array:
     """Give what the linear axes read with the tip in the sphere's centre, shape (n, 3)."""
-    read = []
-    for angles in angles_deg:
-        at = dict(zip(machine.kind.axes, angles, strict=True))
-        sphere, tip = machine.sphere, machine.tip
-        for letter in reversed(machine.kind.table):
-            sphere = turned(machine.actual[letter], at[letter], sphere)
-        for letter in reversed(machine.kind.head):
-            tip = turned(machine.actual[letter], at[letter], tip)
-        read.append(sphere - (tip - machine.tip))
-    return np.array(read) + rng.normal(0.0, noise_mm, (len(read), 3))
+    at = dict(zip(machine.kind.axes, angles_deg.T, strict=True))
+    sphere = np.tile(machine.sphere, (len(angles_deg), 1))
+    tip = np.tile(machine.tip, (len(angles_deg), 1))
+    for letter in reversed(machine.kind.table):
+        sphere = turned(machine.actual[letter], at[letter], sphere)
+    for letter in reversed(machine.kind.head):
+        tip = turned(machine.actual[letter], at[letter], tip)
+    return sphere - (tip - machine.tip) + rng.normal(0.0, noise_mm, sphere.shape)
 
 
 def write_machine(path: Path, machine: Planted) -> None:

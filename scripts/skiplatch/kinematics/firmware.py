@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.kinematics.machine import Machine
 from skiplatch.kinematics.points import Points
@@ -14,6 +15,7 @@ CData = Any
 """What cffi hands out has no static type."""
 
 AXES_MAX = 3
+UM_PER_MM = 1000.0
 SHARE_MIN = 1e-9
 
 
@@ -104,6 +106,28 @@ class Fit:
     freedom: int
 
 
+@dataclass(frozen=True, slots=True)
+class Circle:
+    """The circle that the readings run round while one axis turns and the others stand still.
+
+    Attributes:
+        letter: The axis.
+        others_deg: Where the others stand, by their letters.
+        positions: How many there are.
+        centre_mm: Its centre, in machine coordinates.
+        radius_mm: Its radius.
+        uncertainty_um: Standard uncertainty of a coordinate of the centre and of the radius; 0
+            with two positions.
+    """
+
+    letter: str
+    others_deg: Mapping[str, float]
+    positions: int
+    centre_mm: tuple[float, float, float]
+    radius_mm: float
+    uncertainty_um: float
+
+
 def combination(amounts: Mapping[str, float]) -> str:
     """Write a sum of location errors, such as ``YOA-YOC`` or ``YOC+0.5*ZOA``."""
     text = ""
@@ -161,6 +185,38 @@ def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]
     return new, _fit(ffi, library, after)
 
 
+def circles(machine: Machine, points: Points) -> list[Circle]:
+    """Give each axis's circle where it turns most often with the others standing still.
+
+    It is fitted by itself, in closed form; an axis that never turns alone has none.
+    """
+    found = []
+    for place, letter in enumerate(machine.letters):
+        others = np.delete(points.angles_deg, place, axis=1)
+        stands, which = np.unique(others, axis=0, return_inverse=True)
+        turns = [len(np.unique(points.angles_deg[which == i, place])) for i in range(len(stands))]
+        best = int(np.argmax(turns))
+        alone = which == best
+        if turns[best] > 1 and (circle := _circle(machine, place, points, alone)):
+            others_of = machine.letters[:place] + machine.letters[place + 1 :]
+            standing = dict(zip(others_of, map(float, stands[best]), strict=True))
+            found.append(Circle(letter, standing, int(np.sum(alone)), *circle))
+    return found
+
+
+def _circle(
+    machine: Machine, place: int, points: Points, alone: NDArray[np.bool_]
+) -> tuple[tuple[float, float, float], float, float] | None:
+    ffi, library = connection()
+    rows = _rows(Points(points.angles_deg[alone], points.positions_mm[alone]))
+    given = ffi.from_buffer("kinematics_point_t[]", rows)
+    circle = ffi.new("kinematics_circle_t *")
+    direction = ffi.new("double[3]", machine.axes[place].direction)
+    if library.sim_kinematics_circle(direction, place, given, len(rows), circle) != 0:
+        return None
+    return tuple(circle.centre_mm), circle.radius_mm, UM_PER_MM * circle.uncertainty_mm
+
+
 def _machine(ffi: CData, machine: Machine) -> CData:
     given = ffi.new("kinematics_machine_t *")
     given.axes_count = len(machine.axes)
@@ -175,7 +231,7 @@ def _machine(ffi: CData, machine: Machine) -> CData:
     return given
 
 
-def _rows(points: Points) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def _rows(points: Points) -> NDArray[np.float64]:
     """Lay the points out as kinematics_point_t: shape (n, AXES_MAX + 3)."""
     rows = np.zeros((len(points), AXES_MAX + 3))
     rows[:, : points.angles_deg.shape[1]] = points.angles_deg
