@@ -16,7 +16,7 @@ enum {
 
 enum { VALID = 0xA5, WIPED = 0x00 };
 enum { IS_ACTIVE, IS_NUMBER, IS_NAME }; /* first byte of a designation */
-enum { STEP_IDLE, STEP_CLEAN_BEFORE, STEP_BODY, STEP_MARK, STEP_CLEAN_AFTER, STEP_DELETE };
+enum { STEP_IDLE, STEP_CLEAN, STEP_BODY, STEP_MARK, STEP_DELETE };
 
 #define NO_SLOT KINEMATICS_STORE_SLOTS
 
@@ -108,7 +108,7 @@ static bool counts(const kinematics_store_t *store, uint8_t slot)
     return newest(store, &designation) == slot;
 }
 
-/* A valid slot that a newer one has taken the place of: left by a power cut, or by this save. */
+/* A valid slot that a newer one has taken the place of; NO_SLOT if there is none. */
 static uint8_t outdated(const kinematics_store_t *store)
 {
     uint8_t slot = 0u;
@@ -247,7 +247,7 @@ static void plan_write(kinematics_store_t *store, const kinematics_designation_t
     put(image + AT_CHECKSUM, 2u, checksum(image, length));
     store->image_length = (uint16_t)(AT_PAYLOAD + length);
     store->written = AT_CHECKSUM;
-    store->step = STEP_CLEAN_BEFORE;
+    store->step = STEP_CLEAN;
 }
 
 static void write_byte(kinematics_store_write_t *write, uint8_t slot, uint8_t mark)
@@ -270,8 +270,7 @@ static bool wipe_outdated(const kinematics_store_t *store, kinematics_store_writ
 static void write_body(kinematics_store_t *store, kinematics_store_write_t *write)
 {
     uint16_t left = (uint16_t)(store->image_length - store->written);
-
-    uint8_t length =
+    uint8_t  length =
         (uint8_t)(left < KINEMATICS_STORE_WRITE_MAX ? left : KINEMATICS_STORE_WRITE_MAX);
 
     write->length = length;
@@ -319,21 +318,15 @@ static bool delete_next(kinematics_store_t *store, kinematics_store_write_t *wri
 bool kinematics_store_next_write(kinematics_store_t *store, kinematics_store_write_t *write)
 {
     switch (store->step) {
-    case STEP_CLEAN_BEFORE:
+    case STEP_CLEAN:
         return begin_body(store, write);
     case STEP_BODY:
         write_body(store, write);
         return true;
     case STEP_MARK:
         write_byte(write, store->slot, VALID);
-        store->step = STEP_CLEAN_AFTER;
-        return true;
-    case STEP_CLEAN_AFTER:
-        if (wipe_outdated(store, write)) {
-            return true;
-        }
         store->step = STEP_IDLE;
-        return false;
+        return true;
     case STEP_DELETE:
         return delete_next(store, write);
     case STEP_IDLE:

@@ -406,19 +406,45 @@ void test_a_damaged_slot_is_used_again(void)
     TEST_ASSERT_EQUAL(KINEMATICS_STORE_RECORDS, count());
 }
 
+void test_a_damaged_slot_loses_its_mark_before_it_is_filled(void)
+{
+    kinematics_store_write_t write;
+
+    activate("first");
+    memory[30]++;
+    TEST_ASSERT_EQUAL(KINEMATICS_STORE_OK,
+                      kinematics_store_activate(&store, (const uint8_t *)"second", 6));
+    TEST_ASSERT_TRUE(kinematics_store_next_write(&store, &write));
+
+    TEST_ASSERT_EQUAL(0u, write.offset);
+    TEST_ASSERT_EQUAL(1u, write.length);
+    TEST_ASSERT_NOT_EQUAL(0xA5, write.bytes[0]);
+}
+
 /* ---- power cuts ---- */
 
 typedef enum { SAVE_NEW, SAVE_OVER, RESTORE, ACTIVATE, DELETE, OPERATIONS } operation_t;
 
-/* Records 1 and 2, and an active description, in a store that has been written to before. */
+#define CROWD (KINEMATICS_STORE_RECORDS - 3) /* with them a third record fills the store */
+
+static int crowd; /* further records */
+
+/* Records 1 and 2, and an active description; the deleted record 3 is left in a free slot. */
 static void fill(void)
 {
+    kinematics_designation_t three = number(3);
+
     setUp();
     activate("one");
     save_as(number(1));
     activate("two");
     save_as(number(2));
     activate("old");
+    save_as(three);
+    for (int i = 0; i < crowd; i++) {
+        save_as(number(100u + (uint32_t)i));
+    }
+    finish(start(KINEMATICS_STORE_DELETE, &three));
 }
 
 static kinematics_store_error_t operate(operation_t operation)
@@ -445,25 +471,25 @@ static kinematics_store_error_t operate(operation_t operation)
 static bool is_old(operation_t operation)
 {
     (void)operation;
-    return count() == 2 && saved_is(number(1), "one") && active_is("old");
+    return count() == 2 + crowd && saved_is(number(1), "one") && active_is("old");
 }
 
 static bool is_new(operation_t operation)
 {
     switch (operation) {
     case SAVE_NEW:
-        return count() == 3 && saved_is(number(4), "old") && saved_is(number(1), "one") &&
+        return count() == 3 + crowd && saved_is(number(4), "old") && saved_is(number(1), "one") &&
                active_is("old");
     case SAVE_OVER:
-        return count() == 2 && saved_is(number(1), "old") && active_is("old");
+        return count() == 2 + crowd && saved_is(number(1), "old") && active_is("old");
     case RESTORE:
-        return count() == 2 && saved_is(number(1), "one") && active_is("one");
+        return count() == 2 + crowd && saved_is(number(1), "one") && active_is("one");
     case DELETE:
-        return count() == 1 && !is_saved(number(1)) && active_is("old");
+        return count() == 1 + crowd && !is_saved(number(1)) && active_is("old");
     case ACTIVATE:
     case OPERATIONS:
     default:
-        return count() == 2 && saved_is(number(1), "one") && active_is("new");
+        return count() == 2 + crowd && saved_is(number(1), "one") && active_is("new");
     }
 }
 
@@ -485,8 +511,10 @@ static void check_after_a_cut(operation_t operation, bool was_complete)
 
 void test_a_power_cut_after_any_byte_leaves_the_old_or_the_new(void)
 {
-    for (int operation = SAVE_NEW; operation < OPERATIONS; operation++) {
+    for (int i = 0; i < 2 * OPERATIONS; i++) {
+        int  operation = i / 2;
         bool is_complete = false;
+        crowd = i % 2 == 0 ? 0 : CROWD;
         for (int bytes = 0; !is_complete; bytes++) {
             fill();
             TEST_ASSERT_TRUE(is_old((operation_t)operation));
@@ -499,6 +527,7 @@ void test_a_power_cut_after_any_byte_leaves_the_old_or_the_new(void)
 
 void test_a_second_power_cut_while_doing_it_again_does_no_harm(void)
 {
+    crowd = 0;
     for (int operation = SAVE_NEW; operation < OPERATIONS; operation++) {
         bool first_complete = false;
         for (int bytes = 0; !first_complete; bytes++) {
@@ -522,11 +551,27 @@ void test_a_second_power_cut_while_doing_it_again_does_no_harm(void)
     }
 }
 
+void test_what_was_saved_over_does_not_come_back_when_the_new_one_is_deleted(void)
+{
+    kinematics_designation_t one = number(1);
+
+    crowd = 0;
+    for (int bytes = 0; bytes < KINEMATICS_STORE_SLOT_BYTES; bytes++) {
+        fill();
+        operate(SAVE_OVER);
+        write_until(bytes);
+        kinematics_store_mount(&store, memory);
+        finish(start(KINEMATICS_STORE_DELETE, &one));
+        TEST_ASSERT_TRUE(is_new(DELETE));
+    }
+}
+
 /* A byte that power fails in may hold anything. */
 void test_a_byte_left_half_written_does_no_harm(void)
 {
     for (int operation = SAVE_NEW; operation < OPERATIONS; operation++) {
         bool is_complete = false;
+        crowd = CROWD;
         for (int steps = 0; !is_complete; steps++) {
             for (int garbage = 0; garbage <= 0xFF; garbage += 0x33) {
                 kinematics_store_write_t write;
