@@ -160,7 +160,7 @@ void sim_machine_tip(const sim_machine_t *machine, const sim_stance_t *stance,
     carry_all(machine, machine->head, stance, true, from_ram_mm);
     stretch(machine, reading_mm, tip_mm);
     for (int i = 0; i < 3; ++i) {
-        tip_mm[i] += from_ram_mm[i];
+        tip_mm[i] += from_ram_mm[i] - machine->tool_mm[i];
     }
 }
 

@@ -3,9 +3,10 @@
  * rotary axes under the sphere (table) or above the probe (head), each with location errors and
  * errors of its own. Python reads this header; plain declarations only.
  *
- * Coordinates are those of the machine in mm. The lines of the axes are given with all rotary axes
- * at zero, those of a head, and the tip, also with the linear axes at the reading 0. A positive
- * angle turns right-handed about the direction.
+ * Coordinates are those of the machine in mm. A reading of the linear axes is where the tip is
+ * while all rotary axes stand at zero. The lines of the axes are given in that state too; those of
+ * a head, and where the tip is seen from them, in any one frame that travels with the ram. A
+ * positive angle turns right-handed about the direction.
  */
 #ifndef SIM_FIVE_AXIS_H
 #define SIM_FIVE_AXIS_H
@@ -36,7 +37,7 @@ typedef struct {
     sim_rotary_t axes[3];
     int32_t      table[3];     /* SIM_ROTARY_*, from the bed outwards; -1 ends the list */
     int32_t      head[3];      /* SIM_ROTARY_*, from the ram to the tool; -1 ends the list */
-    double       tool_mm[3];   /* tip at the reading 0, all rotary axes at zero */
+    double       tool_mm[3];   /* the tip among the lines of the head, all rotary axes at zero */
     double       sphere_mm[3]; /* centre of the sphere, all rotary axes truly at zero */
     double       sphere_radius_mm;
     double       tip_radius_mm;
