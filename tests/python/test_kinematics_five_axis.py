@@ -1,6 +1,7 @@
 """The simulated five-axis machine, touched through the firmware, against turned whole points."""
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from skiplatch.kinematics.five_axis import (
     Truth,
     probe_points,
 )
-from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis
+from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
 from skiplatch.kinematics.points import Points
 from skiplatch.simulator import SimulationError
 from tests.python.rotary_machines import KINDS, Array, Kind, Planted, centres, plant
@@ -57,7 +58,9 @@ def truth(planted: Planted) -> Truth:
     for letter in planted.kind.axes:
         offsets = [planted.errors.get(f"{x}O{letter}", 0.0) for x in "XYZ"]
         tilts = [planted.errors.get(f"{x}O{letter}", 0.0) for x in LETTERS]
-        axes[letter] = RotaryTruth(offset_um=tuple(offsets), tilt_arcsec=tuple(tilts))
+        axes[letter] = RotaryTruth(
+            offset_um=cast(Vector, tuple(offsets)), tilt_arcsec=cast(Vector, tuple(tilts))
+        )
     return Truth(axes=axes, sphere_mm=tuple(planted.sphere))
 
 
@@ -124,16 +127,16 @@ def test_positioning_and_geometric_errors_show_at_their_angles() -> None:
     angles_deg = np.array([[0.0, 0.0, c] for c in (0.0, 90.0, 180.0)])
     plain = probe_points(PLAIN_BC, Truth(), angles_deg, seed=1, rig=quiet_rig())
 
-    def changed(**errors: float) -> Array:
-        other = Truth(axes={"C": RotaryTruth(**errors)})
+    def changed(rotary: RotaryTruth) -> Array:
+        other = Truth(axes={"C": rotary})
         return probe_points(PLAIN_BC, other, angles_deg, seed=1, rig=quiet_rig()) - plain
 
     arc_mm = np.radians(10.0 / ARCSEC_PER_DEG) * np.hypot(120.0, 60.0)
-    once = np.linalg.norm(changed(once_arcsec=10.0), axis=1)
+    once = np.linalg.norm(changed(RotaryTruth(once_arcsec=10.0)), axis=1)
     assert once == pytest.approx([0.0, arc_mm, 0.0], abs=3e-5)
-    assert changed(axial_um=5.0)[:, 2] == pytest.approx([0.0, 0.005, 0.0], abs=3e-5)
+    assert changed(RotaryTruth(axial_um=5.0))[:, 2] == pytest.approx([0.0, 0.005, 0.0], abs=3e-5)
     # The line is at q = (-r, 0) then: it carries the sphere by q minus q turned by 90°.
-    assert changed(radial_um=5.0)[1] == pytest.approx([-0.005, 0.005, 0.0], abs=3e-5)
+    assert changed(RotaryTruth(radial_um=5.0))[1] == pytest.approx([-0.005, 0.005, 0.0], abs=3e-5)
 
 
 def test_long_and_askew_linear_axes_read_otherwise() -> None:

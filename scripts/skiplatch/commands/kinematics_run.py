@@ -25,6 +25,7 @@ from skiplatch.simulator import ROOT, Effect
 from skiplatch.tables import table
 
 LOG_NAME = "TCHPRAUTO.html"
+MEMORY_NAME = "kinematics.bin"
 DEFAULT_MACHINE = ROOT / "scripts" / "samples" / "kinematics" / "machine_bc.toml"
 FILE = click.Path(path_type=Path, dir_okay=False)
 UM_PER_MM = 1000.0
@@ -81,8 +82,8 @@ Example:
 @click.option(
     "--memory",
     "memory_path",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Folder of cycle 450.  [default: kinematics beside PROGRAM]",
+    type=FILE,
+    help=f"The store of cycle 450.  [default: {MEMORY_NAME} beside PROGRAM]",
 )
 @seed_option
 @json_option
@@ -117,7 +118,7 @@ def run_command(
         acknowledged=acknowledged,
         switched_on=switched_on,
     )
-    memory = Memory(memory_path or program_path.parent / "kinematics")
+    memory = Memory(memory_path or program_path.parent / MEMORY_NAME)
     outcome = run_program(program, setup, memory)
     log_path = html_path or program_path.parent / LOG_NAME
     if outcome.runs:

@@ -1,96 +1,163 @@
-"""Cycle 450: kinematics saved, restored, shown and deleted by number or name."""
+"""Cycle 450: kinematics saved, restored, shown and deleted by the firmware's store, in a file."""
 
-import re
+import os
+import struct
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any, cast
 
-from skiplatch.errors import InputError, quoted
-from skiplatch.files import atomic_write_text, failures_named
-from skiplatch.kinematics.machine import Machine, read_machine
-from skiplatch.kinematics.program import Cycle, Program
+from skiplatch.errors import InputError
+from skiplatch.files import atomic_write_bytes, failures_named, refuse_special_or_large
+from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector
+from skiplatch.kinematics.program import Cycle, Program, Value
+from skiplatch.simulator import SimulationError, connection
 
-SAVE, RESTORE, SHOW, DELETE = range(4)
+CData = Any
 MODE, DESIGNATION = 410, 409
-NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+SAVE, RESTORE, SHOW, DELETE = range(4)
+DONE = {SAVE: "saved as", RESTORE: "restored from", DELETE: "deleted:"}
+HEAD = struct.Struct("<BB3d")
+AXIS = struct.Struct("<cB8d")
+
+
+class StoreRefusedError(Exception):
+    """The store refused an operation."""
 
 
 class Memory:
-    """A folder with a description of the kinematics for each number or name."""
+    """The store in a file; every write of the firmware's reaches the disk before the next."""
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, path: Path) -> None:
+        _, lib = connection()
+        self._path = path
+        size = lib.sim_450_bytes()
+        if not path.exists():
+            with failures_named(path.parent, "write"):
+                path.parent.mkdir(parents=True, exist_ok=True)
+            atomic_write_bytes(path, bytes(size))
+        with failures_named(path, "read"):
+            refuse_special_or_large(path, size)
+            if path.stat().st_size != size:
+                raise InputError(path, None, None, f"no store of kinematics: not {size} bytes")
 
-    def _path(self, name: str) -> Path:
-        return self._folder / f"{name}.toml"
+    @contextmanager
+    def _mounted(self) -> Iterator[CData]:
+        ffi, lib = connection()
+        with failures_named(self._path, "read"):
+            handle = lib.sim_450_open(ffi.from_buffer("uint8_t[]", self._path.read_bytes()))
+        if not handle:
+            raise SimulationError("out of memory")
+        try:
+            yield handle
+        finally:
+            lib.sim_450_close(handle)
 
-    def save(self, name: str, machine: Machine) -> None:
-        """Save, in place of what was there; a power cut leaves the old or the new."""
-        with failures_named(self._folder, "write"):
-            self._folder.mkdir(parents=True, exist_ok=True)
-        atomic_write_text(self._path(name), format_machine(machine))
+    def activate(self, machine: Machine) -> None:
+        """Make a description the active one."""
+        _, lib = connection()
+        payload = pack(machine)
+        with self._mounted() as handle:
+            _refuse(lib.sim_450_activate(handle, payload, len(payload)))
+            self._carry_out(handle)
 
-    def restore(self, name: str) -> Machine:
-        """Give what was saved.
+    def run(self, mode: float, designation: float | str) -> Machine:
+        """Run cycle 450; give the description that is then active.
 
         Raises:
-            InputError: Nothing was, or it cannot be read.
+            StoreRefusedError: A parameter is wrong, or there is no such record.
         """
-        return read_machine(self._path(name))
+        ffi, lib = connection()
+        number = designation if isinstance(designation, float) else 0.0
+        name = ffi.NULL if isinstance(designation, float) else designation.encode()
+        payload = ffi.new("uint8_t[]", lib.SIM_450_PAYLOAD_MAX)
+        with self._mounted() as handle:
+            _refuse(lib.sim_450_start(handle, mode, number, name))
+            self._carry_out(handle)
+            length = lib.sim_450_active(handle, payload)
+        return unpack(bytes(ffi.buffer(payload, length)))
 
     def names(self) -> list[str]:
-        """Name what is there."""
-        return sorted(path.stem for path in self._folder.glob("*.toml"))
+        """Name what is saved."""
+        ffi, lib = connection()
+        text = ffi.new("char[]", lib.SIM_450_TEXT_MAX)
+        found: list[str] = []
+        with self._mounted() as handle:
+            while lib.sim_450_show(handle, len(found), text):
+                found.append(ffi.string(text).decode())
+        return sorted(found)
 
-    def delete(self, name: str) -> None:
-        """Delete what was saved."""
-        with failures_named(self._path(name), "delete"):
-            self._path(name).unlink()
+    def _carry_out(self, handle: CData) -> None:
+        ffi, lib = connection()
+        offset = ffi.new("uint32_t *")
+        data = ffi.new("uint8_t[]", lib.SIM_450_WRITE_MAX)
+        with failures_named(self._path, "write"), self._path.open("r+b", buffering=0) as file:
+            while length := lib.sim_450_next_write(handle, offset, data):
+                os.pwrite(file.fileno(), bytes(ffi.buffer(data, length)), offset[0])
+                os.fsync(file.fileno())
+
+
+def _refuse(code: int) -> None:
+    ffi, lib = connection()
+    if code != 0:
+        raise StoreRefusedError(ffi.string(lib.sim_450_phrase(code)).decode())
 
 
 def run_450(
     program: Program, cycle: Cycle, machine: Machine, memory: Memory
 ) -> tuple[Machine, str]:
-    """Run cycle 450; give the kinematics that are then active, and what was done.
+    """Run cycle 450 of a program; give the kinematics that are then active, and what was done.
 
     Raises:
-        InputError: A parameter is wrong, or the kinematics are not there.
+        InputError: The store refused it.
     """
-    mode = _mode(program, cycle)
-    name = _designation(program, cycle)
-    if mode == SAVE:
-        memory.save(name, machine)
-        return machine, f"cycle 450: kinematics saved as {name}"
-    if mode == RESTORE:
-        return memory.restore(name), f"cycle 450: kinematics {name} restored"
-    if mode == DELETE:
-        memory.delete(name)
-        return machine, f"cycle 450: kinematics {name} deleted"
-    return machine, f"cycle 450: saved are {', '.join(memory.names()) or 'none'}"
-
-
-def _mode(program: Program, cycle: Cycle) -> int:
-    given = cycle.parameters.get(MODE)
-    if given is None:
-        return SAVE
-    if given.value not in range(4):
-        message = f"cycle 450: Q{MODE}: expected a mode from 0 to 3, got {given.value}"
-        raise InputError(program.path, given.line, given.column, message)
-    return int(given.value)
-
-
-def _designation(program: Program, cycle: Cycle) -> str:
+    mode = cycle.parameters.get(MODE, Value(float(SAVE), cycle.line, 1))
     given = cycle.parameters.get(DESIGNATION)
-    if given is None:
-        message = f"cycle 450: Q{DESIGNATION}: no number or name to save under"
+    if isinstance(mode.value, str):
+        message = f"cycle 450: Q{MODE}: expected a number"
+        raise InputError(program.path, mode.line, mode.column, message)
+    if given is None and mode.value != SHOW:
+        message = f"cycle 450: Q{DESIGNATION}: no number or name given"
         raise InputError(program.path, cycle.line, None, message)
-    value = given.value
-    name = f"{value:g}" if isinstance(value, float) else value
-    if not NAME.fullmatch(name) or (isinstance(value, float) and not value >= 0.0):
-        message = (
-            f"cycle 450: Q{DESIGNATION}: expected a number from 0, or a name of letters, digits, "
-            f"_ and -, got {quoted(name)}"
-        )
-        raise InputError(program.path, given.line, given.column, message)
-    return name
+    designation = given.value if given else 0.0
+    memory.activate(machine)
+    try:
+        active = memory.run(mode.value, designation)
+    except StoreRefusedError as error:
+        raise InputError(program.path, cycle.line, None, f"cycle 450: {error}") from error
+    shown = f"{designation:g}" if isinstance(designation, float) else designation
+    if mode.value == SHOW:
+        return active, f"cycle 450: saved are {', '.join(memory.names()) or 'none'}"
+    return active, f"cycle 450: kinematics {DONE[int(mode.value)]} {shown}"
+
+
+def pack(machine: Machine) -> bytes:
+    """Write a description in as many bytes as the store has for one."""
+    tool_mm = machine.tool_mm or (0.0, 0.0, 0.0)
+    parts = [HEAD.pack(len(machine.axes), machine.tool_mm is not None, *tool_mm)]
+    parts += [
+        AXIS.pack(a.letter.encode(), a.in_head, *a.direction, *a.point_mm, *a.travel_deg)
+        for a in machine.axes
+    ]
+    return b"".join(parts)
+
+
+def unpack(payload: bytes) -> Machine:
+    """Read what `pack` wrote."""
+    count, has_tool, *tool_mm = HEAD.unpack_from(payload)
+    axes = [_axis(AXIS.unpack_from(payload, HEAD.size + i * AXIS.size)) for i in range(count)]
+    return Machine(tuple(axes), cast(Vector, tuple(tool_mm)) if has_tool else None)
+
+
+def _axis(values: tuple[Any, ...]) -> RotaryAxis:
+    letter, in_head, *numbers = values
+    return RotaryAxis(
+        letter.decode(),
+        bool(in_head),
+        cast(Vector, tuple(numbers[:3])),
+        cast(Vector, tuple(numbers[3:6])),
+        (numbers[6], numbers[7]),
+    )
 
 
 def format_machine(machine: Machine) -> str:
@@ -111,6 +178,6 @@ def format_machine(machine: Machine) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _list(values: list[str] | tuple[float, ...]) -> str:
+def _list(values: Sequence[str] | Sequence[float]) -> str:
     texts = [f'"{v}"' if isinstance(v, str) else repr(float(v)) for v in values]
     return f"[{', '.join(texts)}]"

@@ -79,6 +79,7 @@ def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
             runs.append(_run_451(program, cycle, setup, believed, len(runs)))
             if runs[-1].evaluation.mode > 0:
                 believed = runs[-1].evaluation.corrected
+                memory.activate(believed)
     return Outcome(tuple(runs), tuple(said), believed)
 
 

@@ -1,0 +1,43 @@
+/*
+ * The firmware's store of kinematics (cycle 450) for users of the shared library, who keep its
+ * memory: they carry out each write, in its order, before they ask for the next. Python reads this
+ * header too: no more of the preprocessor than what can be left out.
+ */
+#ifndef PROGRAMS_KINEMATICS_MEMORY_H
+#define PROGRAMS_KINEMATICS_MEMORY_H
+
+#include <stdint.h>
+
+#pragma GCC visibility push(default)
+
+enum { SIM_450_WRITE_MAX = 32, SIM_450_PAYLOAD_MAX = 256, SIM_450_TEXT_MAX = 17 };
+
+typedef struct sim_450 sim_450_t;
+
+/* Size of the memory. */
+uint32_t sim_450_bytes(void);
+
+/* Mount a copy of sim_450_bytes() of memory; NULL without memory for that. */
+sim_450_t *sim_450_open(const uint8_t *memory);
+void       sim_450_close(sim_450_t *play);
+
+/*
+ * Begin cycle 450 with Q410 and Q409 = number, or with a `name` that is not NULL QS409. Returns
+ * kinematics_store_error_t; sim_450_phrase() says it in words.
+ */
+int         sim_450_start(sim_450_t *play, double mode, double number, const char *name);
+int         sim_450_activate(sim_450_t *play, const uint8_t *payload, uint16_t length);
+const char *sim_450_phrase(int error);
+
+/* The next write: up to SIM_450_WRITE_MAX `bytes` at `offset`. Returns how many, 0 at the end. */
+uint32_t sim_450_next_write(sim_450_t *play, uint32_t *offset, uint8_t *bytes);
+
+/* The active description, up to SIM_450_PAYLOAD_MAX bytes. Returns how many, 0 for none. */
+uint32_t sim_450_active(const sim_450_t *play, uint8_t *payload);
+
+/* Designation of saved record `index` as text, SIM_450_TEXT_MAX bytes. 0 past the last. */
+int sim_450_show(const sim_450_t *play, uint8_t index, char *text);
+
+#pragma GCC visibility pop
+
+#endif
