@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from skiplatch.statistics import Interval
+if TYPE_CHECKING:  # loads scipy
+    from skiplatch.statistics import Interval
 
 GAP = "  "
 FINEST = 6  # decimals
@@ -36,7 +38,7 @@ def whole(value: int) -> str:
     return f"{value:,}".replace(",", " ")
 
 
-def with_interval(figure: Interval) -> tuple[str, str]:
+def with_interval(figure: "Interval") -> tuple[str, str]:
     """Give the number, and its interval, with two digits of the interval's width."""
     width = figure.high - figure.low
     if width <= 0.0:

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from importlib import import_module
 from pathlib import Path
 
 import click
 
-from skiplatch.commands.kinematics_run import run_command
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.kinematics.firmware import (
@@ -31,12 +31,22 @@ Example:
 """
 
 
-@click.group(name="kinematics")
+class _Group(click.Group):
+    """Loads ``run``, with its reports and pictures, only when it is called."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return [*super().list_commands(ctx), "run"]
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name != "run":
+            return super().get_command(ctx, cmd_name)
+        run: click.Command = import_module("skiplatch.commands.kinematics_run").run_command
+        return run
+
+
+@click.group(name="kinematics", cls=_Group)
 def command() -> None:
     """Find the location errors of rotary axes from touches of a sphere."""
-
-
-command.add_command(run_command)
 
 
 @command.command(name="fit", epilog=EPILOG)

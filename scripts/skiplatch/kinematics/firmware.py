@@ -191,16 +191,15 @@ def circles(machine: Machine, points: Points) -> list[Circle]:
     It is fitted by itself, in closed form; an axis that never turns alone has none.
     """
     found = []
+    distinct = np.unique(points.angles_deg, axis=0)
     for place, letter in enumerate(machine.letters):
-        others = np.delete(points.angles_deg, place, axis=1)
-        stands, which = np.unique(others, axis=0, return_inverse=True)
-        turns = [len(np.unique(points.angles_deg[which == i, place])) for i in range(len(stands))]
-        best = int(np.argmax(turns))
-        alone = which == best
-        if turns[best] > 1 and (circle := _circle(machine, place, points, alone)):
-            others_of = machine.letters[:place] + machine.letters[place + 1 :]
-            standing = dict(zip(others_of, map(float, stands[best]), strict=True))
-            found.append(Circle(letter, standing, int(np.sum(alone)), *circle))
+        stands, turns = np.unique(np.delete(distinct, place, axis=1), axis=0, return_counts=True)
+        stand = stands[np.argmax(turns)]
+        alone = np.all(np.delete(points.angles_deg, place, axis=1) == stand, axis=1)
+        if np.max(turns) > 1 and (circle := _circle(machine, place, points, alone)):
+            others = machine.letters[:place] + machine.letters[place + 1 :]
+            others_deg = dict(zip(others, map(float, stand), strict=True))
+            found.append(Circle(letter, others_deg, int(np.sum(alone)), *circle))
     return found
 
 
