@@ -78,7 +78,7 @@ static bool presets_after(const kinematics_cycle_t *cycle)
 
 static bool is_length(double mm)
 {
-    return mm >= 0.0 && mm - mm <= 0.0; /* neither NaN nor infinite */
+    return isfinite(mm) && mm >= 0.0;
 }
 
 static bool is_sound(const kinematics_cycle_machine_t *machine)
@@ -405,7 +405,7 @@ static void take_evaluation(kinematics_cycle_t *cycle, double change_mm)
     if (whole(cycle, KINEMATICS_Q406_MODE) == MODE_CHECK) {
         finish(cycle);
     } else if (change_mm <= cycle->machine.max_modification_mm) {
-        ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
+        (void)ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
     } else {
         ask(cycle, KINEMATICS_STEP_ACKNOWLEDGE, KINEMATICS_CYCLE_ACKNOWLEDGE)->change_mm =
             change_mm;
@@ -455,13 +455,13 @@ static void advance(kinematics_cycle_t *cycle, const kinematics_cycle_input_t *i
         turn_or_measure(cycle);
         break;
     case KINEMATICS_STEP_WITHDRAW:
-        ask(cycle, KINEMATICS_STEP_EVALUATE, KINEMATICS_CYCLE_EVALUATE);
+        (void)ask(cycle, KINEMATICS_STEP_EVALUATE, KINEMATICS_CYCLE_EVALUATE);
         break;
     case KINEMATICS_STEP_EVALUATE:
         take_evaluation(cycle, input->change_mm);
         break;
     case KINEMATICS_STEP_ACKNOWLEDGE:
-        ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
+        (void)ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
         break;
     case KINEMATICS_STEP_APPLY:
         finish(cycle);
@@ -519,7 +519,7 @@ kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t              
     }
     expect_sphere(cycle);
     cycle->state = KINEMATICS_CYCLE_RUNNING;
-    ask(cycle, KINEMATICS_STEP_CANCEL_ROTATION, KINEMATICS_CYCLE_CANCEL_ROTATION);
+    (void)ask(cycle, KINEMATICS_STEP_CANCEL_ROTATION, KINEMATICS_CYCLE_CANCEL_ROTATION);
     return KINEMATICS_CYCLE_OK;
 }
 

@@ -10,8 +10,9 @@
 
 #include "cycle/kinematics_settings.h"
 
-typedef enum { ROTARY_A, ROTARY_B, ROTARY_C, ROTARY_AXES } rotary_axis_t;
+typedef enum { ROTARY_A, ROTARY_B, ROTARY_C } rotary_axis_t;
 
+#define ROTARY_AXES             3
 #define LINEAR_AXES             3 /* X, Y, Z */
 #define KINEMATICS_POINTS_MAX   12
 #define KINEMATICS_STATIONS_MAX (ROTARY_AXES * (1 + 2 * KINEMATICS_POINTS_MAX))

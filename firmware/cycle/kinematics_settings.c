@@ -1,5 +1,6 @@
 #include "cycle/kinematics_settings.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define ANY   false
@@ -9,27 +10,27 @@
 #define FEED (KINEMATICS_FMAX | KINEMATICS_FAUTO | KINEMATICS_PREDEF)
 
 static const kinematics_setting_description_t TABLE[KINEMATICS_SETTINGS] = {
-    {406u, "MODE", "", 0.0, 3.0, 0.0, WHOLE, 0u},
-    {407u, "SPHERE RADIUS", "mm", 0.0001, 99.9999, 12.5, ANY, 0u},
-    {320u, "SET-UP CLEARANCE", "mm", 0.0, 99999.9999, 0.0, ANY, KINEMATICS_PREDEF},
-    {408u, "RETR. HEIGHT", "mm", 0.0, 99999.9999, 0.0, ANY, 0u},
-    {253u, "F PRE-POSITIONING", "mm/min", 0.0, 99999.9999, 750.0, ANY, FEED},
-    {380u, "REFERENCE ANGLE", "deg", 0.0, 360.0, 0.0, ANY, 0u},
-    {411u, "START ANGLE A AXIS", "deg", -TURN, TURN, -90.0, ANY, 0u},
-    {412u, "END ANGLE A AXIS", "deg", -TURN, TURN, 90.0, ANY, 0u},
-    {413u, "INCID. ANGLE A AXIS", "deg", -TURN, TURN, 0.0, ANY, 0u},
-    {414u, "MEAS. POINTS A AXIS", "", 0.0, 12.0, 0.0, WHOLE, 0u},
-    {415u, "START ANGLE B AXIS", "deg", -TURN, TURN, -90.0, ANY, 0u},
-    {416u, "END ANGLE B AXIS", "deg", -TURN, TURN, 90.0, ANY, 0u},
-    {417u, "INCID. ANGLE B AXIS", "deg", -359.999, 360.0, 0.0, ANY, 0u},
-    {418u, "MEAS. POINTS B AXIS", "", 0.0, 12.0, 2.0, WHOLE, 0u},
-    {419u, "START ANGLE C AXIS", "deg", -TURN, TURN, -90.0, ANY, 0u},
-    {420u, "END ANGLE C AXIS", "deg", -TURN, TURN, 90.0, ANY, 0u},
-    {421u, "INCID. ANGLE C AXIS", "deg", -TURN, TURN, 0.0, ANY, 0u},
-    {422u, "MEAS. POINTS C AXIS", "", 0.0, 12.0, 2.0, WHOLE, 0u},
-    {423u, "NO. OF PROBE POINTS", "", 3.0, 8.0, 4.0, WHOLE, 0u},
-    {431u, "PRESET", "", 0.0, 3.0, 0.0, WHOLE, 0u},
-    {432u, "BACKLASH, ANG. RANGE", "deg", -3.0, 3.0, 0.0, ANY, 0u},
+    {406u, WHOLE, 0u, "MODE", "", 0.0, 3.0, 0.0},
+    {407u, ANY, 0u, "SPHERE RADIUS", "mm", 0.0001, 99.9999, 12.5},
+    {320u, ANY, KINEMATICS_PREDEF, "SET-UP CLEARANCE", "mm", 0.0, 99999.9999, 0.0},
+    {408u, ANY, 0u, "RETR. HEIGHT", "mm", 0.0, 99999.9999, 0.0},
+    {253u, ANY, FEED, "F PRE-POSITIONING", "mm/min", 0.0, 99999.9999, 750.0},
+    {380u, ANY, 0u, "REFERENCE ANGLE", "deg", 0.0, 360.0, 0.0},
+    {411u, ANY, 0u, "START ANGLE A AXIS", "deg", -TURN, TURN, -90.0},
+    {412u, ANY, 0u, "END ANGLE A AXIS", "deg", -TURN, TURN, 90.0},
+    {413u, ANY, 0u, "INCID. ANGLE A AXIS", "deg", -TURN, TURN, 0.0},
+    {414u, WHOLE, 0u, "MEAS. POINTS A AXIS", "", 0.0, 12.0, 0.0},
+    {415u, ANY, 0u, "START ANGLE B AXIS", "deg", -TURN, TURN, -90.0},
+    {416u, ANY, 0u, "END ANGLE B AXIS", "deg", -TURN, TURN, 90.0},
+    {417u, ANY, 0u, "INCID. ANGLE B AXIS", "deg", -359.999, 360.0, 0.0},
+    {418u, WHOLE, 0u, "MEAS. POINTS B AXIS", "", 0.0, 12.0, 2.0},
+    {419u, ANY, 0u, "START ANGLE C AXIS", "deg", -TURN, TURN, -90.0},
+    {420u, ANY, 0u, "END ANGLE C AXIS", "deg", -TURN, TURN, 90.0},
+    {421u, ANY, 0u, "INCID. ANGLE C AXIS", "deg", -TURN, TURN, 0.0},
+    {422u, WHOLE, 0u, "MEAS. POINTS C AXIS", "", 0.0, 12.0, 2.0},
+    {423u, WHOLE, 0u, "NO. OF PROBE POINTS", "", 3.0, 8.0, 4.0},
+    {431u, WHOLE, 0u, "PRESET", "", 0.0, 3.0, 0.0},
+    {432u, ANY, 0u, "BACKLASH, ANG. RANGE", "deg", -3.0, 3.0, 0.0},
 };
 
 const kinematics_setting_description_t *kinematics_settings_describe(uint32_t setting)
@@ -57,7 +58,7 @@ void kinematics_settings_reset(kinematics_settings_t *settings)
 static kinematics_setting_error_t check_value(const kinematics_setting_description_t *row,
                                               double                                  value)
 {
-    if (!(value - value >= 0.0)) { /* infinities and NaN alone */
+    if (!isfinite(value)) {
         return KINEMATICS_SETTING_NOT_FINITE;
     }
     if (value < row->low) {

@@ -45,13 +45,13 @@ typedef enum {
 
 typedef struct {
     uint16_t    id; /* 406 for Q406 */
+    bool        is_whole;
+    uint8_t     words; /* the kinematics_word_t that are allowed, or-ed */
     const char *name;
     const char *unit; /* "mm", "mm/min", "deg" or "" */
     double      low;
     double      high; /* still allowed, as low is */
     double      initial;
-    bool        is_whole;
-    uint8_t     words; /* the kinematics_word_t that are allowed, or-ed */
 } kinematics_setting_description_t;
 
 /* Indexed by kinematics_setting_t. */
@@ -70,8 +70,8 @@ typedef enum {
     KINEMATICS_SETTING_WORD /* this word is not allowed here */
 } kinematics_setting_error_t;
 
-/* Row `parameter` of the table, or NULL past its end. Any context. */
-const kinematics_setting_description_t *kinematics_settings_describe(uint32_t parameter);
+/* Row `setting` of the table, or NULL past its end. Any context. */
+const kinematics_setting_description_t *kinematics_settings_describe(uint32_t setting);
 
 /* Index of Q<id>, KINEMATICS_SETTINGS if the cycle has no such parameter. Any context. */
 kinematics_setting_t kinematics_settings_find(uint16_t id);
@@ -81,7 +81,7 @@ void kinematics_settings_reset(kinematics_settings_t *settings);
 
 /* Check one parameter, respectively set it once it is sound. Any context. */
 kinematics_setting_error_t kinematics_settings_check(const kinematics_settings_t *settings,
-                                                     kinematics_setting_t         parameter);
+                                                     kinematics_setting_t         setting);
 kinematics_setting_error_t kinematics_settings_set(kinematics_settings_t *settings, uint16_t id,
                                                    double value);
 kinematics_setting_error_t kinematics_settings_set_word(kinematics_settings_t *settings,

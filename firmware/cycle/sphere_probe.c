@@ -188,5 +188,5 @@ bool sphere_probe_solve(const sphere_probe_t *probe, double *centre_mm, double *
                                                          centre[2] * config->tool_axis[i]);
     }
     *contact_mm = config->contact_mm * radius_through(radius, height, du * du + dv * dv, pole[2]);
-    return *contact_mm - *contact_mm <= 0.0; /* not so with a NaN among the heights */
+    return isfinite(*contact_mm); /* not so with a NaN among the heights */
 }
