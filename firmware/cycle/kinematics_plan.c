@@ -117,6 +117,7 @@ static void add_axis(const planner_t *planner)
         kinematics_station_t first = station_at(planner, positions[i], planner->first_side_deg);
         kinematics_station_t second = station_at(planner, positions[i], -planner->first_side_deg);
         append(planner->plan, &first);
+        second.is_second = true;
         if (first.approach != 0) {
             append(planner->plan, &second);
         }

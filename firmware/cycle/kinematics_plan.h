@@ -30,6 +30,7 @@ typedef struct {
     uint8_t serves;        /* bit 1 << axis of every axis whose measurement this is */
     int8_t  approach;      /* 1 with rising angle, −1 with falling angle, 0 as it comes */
     bool    is_reference;  /* `axis` at 0° */
+    bool    is_second;     /* of the two approaches; the first one stands just before */
     double  centre_mm[LINEAR_AXES]; /* as measured */
     double  radius_mm;              /* of the sphere, as measured */
 } kinematics_station_t;

@@ -212,6 +212,9 @@ void test_backlash_takes_two_approaches_and_one_reference(void)
     check_station(2, 0, 0, -90, -1);
     check_station(3, 0, 0, 90, 1);
     check_station(4, 0, 0, 90, -1);
+    for (int i = 0; i < 5; i++) {
+        TEST_ASSERT_EQUAL(i == 2 || i == 4, plan.stations[i].is_second);
+    }
     TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -0.5, plan.stations[0].come_from_deg);
     TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -90.5, plan.stations[1].come_from_deg);
     TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -89.5, plan.stations[2].come_from_deg);
