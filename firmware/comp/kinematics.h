@@ -108,18 +108,19 @@ typedef struct {
 int kinematics_fit(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
                    kinematics_result_t *result);
 
-/* How far the axes may be driven when positions are recommended. */
+/* How far the axes may be driven when positions are recommended: low to high within 1e6. */
 typedef struct {
     double low_deg[KINEMATICS_AXES_MAX];
     double high_deg[KINEMATICS_AXES_MAX];
 } kinematics_travel_t;
 
 /*
- * Recommend further positions, on a grid of 30° within the travel: always the one that tells most
- * (D-optimal), until every parameter that the grid can determine would be known to twice the noise
- * of a coordinate (tilts: at 100 mm), or `max` are found. Writes angles and expected coordinates to
- * `more`; `after` tells what the old and new positions determine together, without values.
- * Returns the number of positions or an error; `n` of 0 is an error, one point is enough.
+ * Recommend further positions, on a grid of 30° within the travel (a turn of it about 0): always
+ * the one that tells most (D-optimal), until every parameter that the grid can determine would be
+ * known to twice the noise of a coordinate (tilts: at 100 mm), or `max` are found. Writes angles
+ * and expected coordinates to `more`; `after` tells what the old and new positions determine
+ * together, without values. Returns the number of positions or an error; `n` of 0 is an error, one
+ * point is enough.
  */
 int32_t kinematics_recommend(const kinematics_machine_t *machine, const kinematics_point_t *points,
                              int32_t n, const kinematics_travel_t *travel, int32_t max,

@@ -1,15 +1,17 @@
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "comp/kinematics.h"
 #include "comp/kinematics_chain.h"
 #include "comp/kinematics_problem.h"
 
-#define GRID_DEG    30.0
-#define TURN_DEG    360.0
-#define GOAL        4.0    /* variance of a parameter over that of a coordinate */
-#define BARELY      1.0e-3 /* what is known of every unknown before the first point: 1 m */
-#define FREEDOM_MIN 6      /* to tell the noise as well */
+#define GRID_DEG       30.0
+#define TURN_DEG       360.0
+#define TRAVEL_MAX_DEG 1.0e6
+#define GOAL           4.0    /* variance of a parameter over that of a coordinate */
+#define BARELY         1.0e-3 /* what is known of every unknown before the first point: 1 m */
+#define FREEDOM_MIN    6      /* to tell the noise as well */
 
 /* Positions of the grid are numbered; an axis has at most a turn of them. */
 typedef struct {
@@ -18,18 +20,31 @@ typedef struct {
     int32_t count;
 } grid_t;
 
+/* Of a travel of more than a turn the turn about 0 counts, as far as it is within. */
 static grid_t grid_of(const kinematics_machine_t *machine, const kinematics_travel_t *travel)
 {
     grid_t grid = {.count = 1};
     for (int32_t j = 0; j < machine->axes_count; j++) {
-        double high_deg = fmin(travel->high_deg[j], travel->low_deg[j] + TURN_DEG - 1.0);
-        double first = ceil(travel->low_deg[j] / GRID_DEG);
+        double about_0_deg = fmin(-0.5 * TURN_DEG, travel->high_deg[j] - TURN_DEG);
+        double low_deg = fmax(travel->low_deg[j], about_0_deg);
+        double high_deg = fmin(travel->high_deg[j], low_deg + TURN_DEG - 1.0);
+        double first = ceil(low_deg / GRID_DEG);
         double last = floor(high_deg / GRID_DEG);
-        grid.first_deg[j] = last >= first ? first * GRID_DEG : travel->low_deg[j];
+        grid.first_deg[j] = last >= first ? first * GRID_DEG : low_deg;
         grid.steps[j] = last >= first ? (int32_t)(last - first) + 1 : 1;
         grid.count *= grid.steps[j];
     }
     return grid;
+}
+
+static bool travel_is_good(const kinematics_machine_t *machine, const kinematics_travel_t *travel)
+{
+    bool good = true;
+    for (int32_t j = 0; j < machine->axes_count; j++) {
+        good = good && travel->low_deg[j] >= -TRAVEL_MAX_DEG &&
+               travel->low_deg[j] <= travel->high_deg[j] && travel->high_deg[j] <= TRAVEL_MAX_DEG;
+    }
+    return good;
 }
 
 static void grid_point(const kinematics_machine_t *machine, const grid_t *grid, int32_t number,

@@ -310,6 +310,45 @@ void test_recommended_positions_determine_what_was_not(void)
     }
 }
 
+static double farthest_deg(double low_deg, double high_deg)
+{
+    const kinematics_travel_t travel = {.low_deg = {low_deg}, .high_deg = {high_deg}};
+    kinematics_point_t        more[24];
+    double                    farthest = 0.0;
+    play_c(1, 0.0, 0.0, 0.0);
+    int32_t found = kinematics_recommend(&machine, points, 1, &travel, 24, more, &result);
+    TEST_ASSERT_GREATER_THAN(2, found);
+    for (int i = 0; i < found; i++) {
+        TEST_ASSERT_TRUE(more[i].angle_deg[0] >= low_deg && more[i].angle_deg[0] <= high_deg);
+        farthest = fmax(farthest, fabs(more[i].angle_deg[0]));
+    }
+    return farthest;
+}
+
+void test_a_travel_of_several_turns_is_used_about_0(void)
+{
+    TEST_ASSERT_TRUE(farthest_deg(-720.0, 720.0) <= 180.0);
+    TEST_ASSERT_TRUE(farthest_deg(0.0, 3600.0) <= 360.0);
+    TEST_ASSERT_TRUE(farthest_deg(-3600.0, 0.0) <= 360.0);
+    TEST_ASSERT_TRUE(farthest_deg(1000.0, 1300.0) >= 1000.0);
+}
+
+void test_a_travel_that_is_none_is_refused(void)
+{
+    const kinematics_travel_t turned = {.low_deg = {10.0}, .high_deg = {-10.0}};
+    const kinematics_travel_t endless = {.low_deg = {0.0}, .high_deg = {INFINITY}};
+    const kinematics_travel_t none = {.low_deg = {NAN}, .high_deg = {10.0}};
+    kinematics_point_t        more[2];
+    play_c(1, 0.0, 0.0, 0.0);
+
+    TEST_ASSERT_EQUAL(KINEMATICS_ERR_MACHINE,
+                      kinematics_recommend(&machine, points, 1, &turned, 2, more, &result));
+    TEST_ASSERT_EQUAL(KINEMATICS_ERR_MACHINE,
+                      kinematics_recommend(&machine, points, 1, &endless, 2, more, &result));
+    TEST_ASSERT_EQUAL(KINEMATICS_ERR_MACHINE,
+                      kinematics_recommend(&machine, points, 1, &none, 2, more, &result));
+}
+
 void test_enough_positions_need_no_more(void)
 {
     const kinematics_travel_t travel = {.low_deg = {-90.0, -180.0}, .high_deg = {90.0, 180.0}};
