@@ -6,6 +6,7 @@ from typing import cast
 import numpy as np
 import pytest
 
+from rotary_machines import KINDS, Array, Kind, Planted, centres, plant
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.kinematics.firmware import fit
 from skiplatch.kinematics.five_axis import (
@@ -18,7 +19,6 @@ from skiplatch.kinematics.five_axis import (
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
 from skiplatch.kinematics.points import Points
 from skiplatch.simulator import SimulationError
-from tests.python.rotary_machines import KINDS, Array, Kind, Planted, centres, plant
 
 ARCSEC_PER_DEG = 3600.0
 UM_PER_MM = 1000.0

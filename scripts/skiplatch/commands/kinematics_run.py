@@ -160,6 +160,10 @@ def _text(run: Run) -> str:
         f"{name} {e.value:+.2f} ± {e.uncertainty:.2f} {e.unit}"
         for name, e in evaluation.fit.parameters.items()
     ]
+    found += [
+        f"{c.name} {c.estimate.value:+.2f} ± {c.estimate.uncertainty:.2f} {c.estimate.unit}"
+        for c in evaluation.fit.combinations
+    ]
     left = ", ".join(u.name for u in evaluation.fit.undetermined)
     return "\n".join(
         [

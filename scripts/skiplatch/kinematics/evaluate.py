@@ -149,14 +149,12 @@ def evaluate(machine: Machine, truth: Truth, stations: Stations, mode: int) -> E
 def correct(machine: Machine, found: Fit, *, angles: bool) -> Machine:
     """Put the determined location errors into the description; the others are left alone.
 
-    A combination goes to the axis that it names first.
-
     Args:
         machine: As believed.
         found: The location errors.
         angles: Correct the directions too, not only the points.
     """
-    amounts = {name[:3]: estimate.value for name, estimate in found.parameters.items()}
+    amounts = {name: estimate.value for name, estimate in found.parameters.items()}
     return replace(machine, axes=tuple(_corrected(a, amounts, angles) for a in machine.axes))
 
 

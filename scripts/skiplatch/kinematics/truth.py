@@ -1,6 +1,6 @@
 """How a simulated machine truly is: TRUTH.toml, or drawn by a seed."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, cast
@@ -65,11 +65,17 @@ class _Reader:
         column = (place.value_column or place.key_column) if place else None
         return InputError(self._path, line, column, f"{'.'.join(key)}: {message}")
 
+    def _unknown(self, key: KeyPath, known: Sequence[str]) -> InputError:
+        place = self._places.get(key)
+        line, column = (place.line, place.key_column) if place else (None, None)
+        message = f"{'.'.join(key)}: unknown key{hint(key[-1], known)}"
+        return InputError(self._path, line, column, message)
+
     def truth(self, machine: Machine) -> Truth:
         values: dict[str, Any] = {}
         for key, value in self._document.items():
             if key not in TOP_KEYS:
-                raise self._fail((key,), f"unknown key{hint(key, TOP_KEYS)}")
+                raise self._unknown((key,), TOP_KEYS)
             if key == "axes":
                 values[key] = self._axes(value, machine)
             elif key.endswith("radius_mm"):
@@ -91,7 +97,7 @@ class _Reader:
         values: dict[str, float] = {}
         for name, value in table.items():
             if name not in known:
-                raise self._fail(("axes", letter, name), f"unknown key{hint(name, known)}")
+                raise self._unknown(("axes", letter, name), known)
             values[name] = self._number(("axes", letter, name), value)
         return RotaryTruth(
             offset_um=_three(values, [f"{x}O{letter}_um" for x in "XYZ"]),

@@ -9,6 +9,7 @@ from skiplatch.figures.inline import VARIABLES, Drawing
 from skiplatch.figures.kinematics import draw_axis
 from skiplatch.figures.theme import DARK
 from skiplatch.kinematics.evaluate import ANGLES, CHECK, AxisResult, Evaluation
+from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis
 from skiplatch.report.page import environment
 
@@ -236,9 +237,15 @@ def _results(evaluation: Evaluation) -> Rows:
     return Rows(("parameter", "mm", "meaning"), rows)
 
 
+def _estimates(evaluation: Evaluation) -> list[tuple[str, Estimate]]:
+    """Give the determined location errors, and sums of others that are determined."""
+    fit = evaluation.fit
+    return [*fit.parameters.items(), *((c.name, c.estimate) for c in fit.combinations)]
+
+
 def _location_errors(evaluation: Evaluation) -> Rows:
     rows = [
         (name, f"{e.value:+.2f}", f"{e.uncertainty:.2f}", e.unit)
-        for name, e in evaluation.fit.parameters.items()
+        for name, e in _estimates(evaluation)
     ]
     return Rows(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)

@@ -1,0 +1,288 @@
+"""NC programs with cycles 450 and 451, run on the simulated machine, and their log."""
+
+import json
+import re
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from skiplatch.cli import group
+from skiplatch.errors import InputError
+from skiplatch.kinematics.machine import read_machine
+from skiplatch.kinematics.memory import Memory, StoreRefusedError, format_machine, pack, unpack
+from skiplatch.kinematics.points import read_points
+from skiplatch.kinematics.program import Program, read_program, texts
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples" / "kinematics"
+MACHINE = SAMPLES / "machine_bc.toml"
+LOCATIONS = SAMPLES / "truth_bc_locations.toml"
+TRUTH = SAMPLES / "truth_bc.toml"
+
+
+def program_of(folder: Path, text: str) -> Path:
+    path = folder / "program.h"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(program: Path, folder: Path, *more: str, truth: Path = LOCATIONS) -> Result:
+    files = {"--html": "log.html", "--memory": "store.bin", "--json": "out.json"}
+    options = [text for flag, name in files.items() for text in (flag, str(folder / name))]
+    arguments = ["kinematics", "run", str(program), "--truth", str(truth), *options, *more]
+    return CliRunner().invoke(group, arguments)
+
+
+def test_programs_are_read_as_the_document_prints_them() -> None:
+    first = read_program(SAMPLES / "save_and_check.h")
+    second = read_program(SAMPLES / "optimise_positions.h")
+
+    assert first.tool == second.tool == "TOUCH_PROBE"
+    assert [cycle.number for cycle in first.cycles] == [450, 451]
+    assert next(texts(first)) == "TCH PROBE 450 Q410=+0 Q409=+5"
+    expected = (
+        "TCH PROBE 451 Q406=+1 Q407=+12.5 Q320=+0 Q408=+0 Q253=+750 Q380=+0 Q411=-90 Q412=+90 "
+        "Q413=+0 Q414=+0 Q415=-90 Q416=+90 Q417=+0 Q418=+4 Q419=+90 Q420=+270 Q421=+0 Q422=+3 "
+        "Q423=+3 Q431=+1 Q432=+0.5"
+    )
+    assert list(texts(second)) == [expected]
+
+
+def test_parameters_may_stand_with_their_comment_or_without(tmp_path: Path) -> None:
+    text = '12 TCH PROBE 450 SAVE ~\n  Q410=+0 ;MODE ~\nQS409="old one"~\nQ9=-.5\n'
+
+    program: Program = read_program(program_of(tmp_path, text))
+
+    (cycle,) = program.cycles
+    assert {n: v.value for n, v in cycle.parameters.items()} == {410: 0.0, 409: "old one", 9: -0.5}
+    assert (cycle.parameters[410].line, cycle.parameters[410].column) == (2, 8)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "no TCH PROBE cycle"),
+        ("12 TCH PROBE 452 X\n", ":1:4: expected cycle 450 or 451, got 452"),
+        ("12 L X+0\n", ":1:4: expected a block"),
+        ("12 TCH PROBE 450 X ~\n", ':1:20: expected a parameter such as "Q406=+0" after "~"'),
+        ("12 TCH PROBE 450 X ~\nQ410=1,5\n", ':2:6: expected a number, got "1,5"'),
+        ("12 TCH PROBE 450 X ~\nQ410=nan\n", ':2:6: expected a number, got "nan"'),
+        ("12 TCH PROBE 450 X ~\nQ410=1 ~\nQ410=2\n", ":3:1: Q410 is given twice, first in line 2"),
+        ("12 TCH PROBE 450 X ~\nQ410=1 MODE\n", ':2:7: expected ";" and a comment'),
+    ],
+)
+def test_a_slip_is_named_with_its_place(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        read_program(program_of(tmp_path, text))
+
+
+def test_a_refused_parameter_is_named_where_it_stands(tmp_path: Path) -> None:
+    text = (SAMPLES / "optimise_positions.h").read_text(encoding="utf-8")
+    program = program_of(tmp_path, text.replace("Q423=+3", "Q423=+9"))
+    line = text[: text.index("Q423")].count("\n") + 1
+
+    result = run(program, tmp_path)
+
+    assert isinstance(result.exception, InputError)
+    assert f":{line}:6: cycle 451: Q423" in str(result.exception)
+    assert not (tmp_path / "log.html").exists()
+
+
+def test_bad_input_is_one_line_and_status_2(tmp_path: Path) -> None:
+    program = program_of(tmp_path, "12 TCH PROBE 450 X ~\nQ410=x\n")
+    command = [sys.executable, "-m", "skiplatch.cli", "kinematics", "run", str(program)]
+
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert len(done.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(("path", "floor_um"), [("skip", 1.0), ("plc", 10.0)])
+def test_a_check_after_the_optimisation_shows_the_noise_floor(
+    tmp_path: Path, path: str, floor_um: float
+) -> None:
+    result = run(SAMPLES / "optimise_then_check.h", tmp_path, "--path", path)
+
+    assert result.exit_code == 0, result.output
+    optimised, checked = json.loads((tmp_path / "out.json").read_text())["runs"]
+    assert (optimised["mode"], checked["mode"]) == (2, 0)
+    for letter in "BC":
+        assert optimised["axes"][letter]["scatter_before_um"] > 50.0
+        assert 0.1 < checked["axes"][letter]["scatter_before_um"] < floor_um
+
+
+def test_mode_1_moves_the_axes_and_leaves_their_directions(tmp_path: Path) -> None:
+    corrected = tmp_path / "corrected.toml"
+
+    result = run(SAMPLES / "optimise_positions.h", tmp_path, "--corrected", str(corrected))
+
+    assert result.exit_code == 0, result.output
+    before, after = read_machine(MACHINE), read_machine(corrected)
+    assert [a.direction for a in after.axes] == [a.direction for a in before.axes]
+    b, c = (np.array(axis.point_mm) * 1000.0 for axis in after.axes)
+    assert b == pytest.approx([-45.0, 0.0, 70.0], abs=1.5)
+    assert c == pytest.approx([120.0, -80.0, 0.0], abs=1.5)
+    q = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
+    assert (q["Q141"], q["Q144"]) == (-1.0, -1.0)
+    assert (q["Q147"], q["Q148"], q["Q149"]) == pytest.approx((0.12, -0.08, 0.07), abs=1.5e-3)
+
+
+def test_a_check_changes_nothing(tmp_path: Path) -> None:
+    corrected = tmp_path / "corrected.toml"
+
+    result = run(SAMPLES / "save_and_check.h", tmp_path, "--corrected", str(corrected))
+
+    assert result.exit_code == 0, result.output
+    assert read_machine(corrected) == read_machine(MACHINE)
+    q = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
+    assert q["Q142"] > 0.05
+    assert {q["Q144"], q["Q145"], q["Q146"]} == {-1.0}
+
+
+def test_backlash_of_each_axis_comes_back(tmp_path: Path) -> None:
+    result = run(SAMPLES / "optimise_positions.h", tmp_path, truth=TRUTH)
+
+    assert result.exit_code == 0, result.output
+    axes = json.loads((tmp_path / "out.json").read_text())["runs"][0]["axes"]
+    assert axes["B"]["backlash_arcsec"] == pytest.approx(6.0, abs=0.8)
+    assert axes["C"]["backlash_arcsec"] == pytest.approx(4.0, abs=0.8)
+
+
+def test_recorded_points_give_the_same_location_errors(tmp_path: Path) -> None:
+    points = tmp_path / "points.csv"
+    run(SAMPLES / "save_and_check.h", tmp_path, "--points", str(points))
+
+    fit = ["kinematics", "fit", str(points), "--machine", str(MACHINE)]
+    result = CliRunner().invoke(group, [*fit, "--json", str(tmp_path / "fit.json")])
+
+    assert result.exit_code == 0, result.output
+    assert len(read_points(points, read_machine(MACHINE))) == 5
+    fitted = json.loads((tmp_path / "fit.json").read_text())["parameters"]
+    logged = json.loads((tmp_path / "out.json").read_text())["runs"][0]["parameters"]
+    assert fitted.keys() == logged.keys()
+    for name, estimate in fitted.items():
+        assert estimate["value"] == pytest.approx(logged[name]["value"], abs=0.01)
+
+
+def test_a_change_above_the_limit_waits_for_nc_start(tmp_path: Path) -> None:
+    far = tmp_path / "far.toml"
+    far.write_text("[axes.C]\nXOC_um = 2500\n", encoding="utf-8")
+
+    refused = run(SAMPLES / "optimise_positions.h", tmp_path, truth=far)
+    pressed = run(SAMPLES / "optimise_positions.h", tmp_path, "--acknowledge", truth=far)
+
+    assert isinstance(refused.exception, InputError)
+    assert pressed.exit_code == 0
+    assert "exceeds maxModification" in pressed.output
+
+
+def test_the_store_keeps_restores_and_deletes(tmp_path: Path) -> None:
+    machine = read_machine(MACHINE)
+    memory = Memory(tmp_path / "store.bin")
+    memory.activate(machine)
+
+    memory.run(0.0, "before")
+    memory.run(0.0, 5.0)
+    assert Memory(tmp_path / "store.bin").names() == ["5", "before"]
+    assert memory.run(1.0, "before") == machine
+    memory.run(3.0, "before")
+    assert memory.names() == ["5"]
+    with pytest.raises(StoreRefusedError):
+        memory.run(1.0, "before")
+
+
+def test_a_description_survives_store_and_file(tmp_path: Path) -> None:
+    machine = read_machine(MACHINE)
+    path = tmp_path / "machine.toml"
+    path.write_text(format_machine(machine), encoding="utf-8")
+
+    assert unpack(pack(machine)) == machine
+    assert read_machine(path) == machine
+
+
+def test_a_foreign_file_is_no_store(tmp_path: Path) -> None:
+    path = tmp_path / "store.bin"
+    path.write_bytes(b"something else")
+
+    with pytest.raises(InputError, match="no store of kinematics"):
+        Memory(path)
+    assert path.read_bytes() == b"something else"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("[axes.C]\nXOB_um = 1\n", "2:1: axes.C.XOB_um: unknown key"),
+        ("[axes.C]\nbacklash_arcsec = -1\n", "axes.C.backlash_arcsec: expected a number of at"),
+        ("[axes.A]\nYOA_um = 1\n", "axes.A: expected a table of an axis of the machine"),
+        ("sphere_mm = [1, 2]\n", "sphere_mm: expected a list of 3 numbers"),
+        ("sphere_radius_mm = 0\n", "sphere_radius_mm: expected a number above 0"),
+    ],
+)
+def test_a_slip_in_the_truth_is_named(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "truth.toml"
+    path.write_text(text, encoding="utf-8")
+
+    result = run(SAMPLES / "save_and_check.h", tmp_path, truth=path)
+
+    assert isinstance(result.exception, InputError)
+    assert message in str(result.exception)
+
+
+class _Page(HTMLParser):
+    """What a reader of the log gets: text, names of the pictures, and what it would load."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.pictures: list[str] = []
+        self.loads: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        if tag == "svg":
+            self.pictures.append(given.get("aria-label") or "")
+        if tag in ("script", "img", "iframe"):
+            self.loads.append(tag)
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+
+def test_the_log_lists_what_the_document_lists(tmp_path: Path) -> None:
+    assert run(SAMPLES / "optimise_positions.h", tmp_path).exit_code == 0
+
+    page = _Page((tmp_path / "log.html").read_text(encoding="utf-8"))
+
+    text = " ".join(" ".join(page.words).split())
+    for wanted in (
+        "date and time",
+        str(SAMPLES / "optimise_positions.h"),
+        "TOUCH_PROBE",
+        "machine_bc",
+        "1 = optimise positions",
+        "incidence angles",
+        "start angle",
+        "end angle",
+        "measuring points",
+        "radius of the measuring circle",
+        "mean backlash",
+        "position of the axis before",
+        "scatter",
+        "greatest error",
+        "compensation in X, Y, Z",
+        "mean positioning error relative to 0°",
+        *(f"Q{q}" for q in range(141, 150)),
+    ):
+        assert wanted in text, wanted
+    names = [picture.split(",")[0] for picture in page.pictures]
+    assert names == ["EXB", "EYB", "EZB", "EXC", "EYC", "EZC"]
+    assert all("in red" in p and "in green" in p for p in page.pictures)
+    assert page.loads == []
