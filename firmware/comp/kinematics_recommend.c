@@ -179,6 +179,9 @@ int32_t kinematics_recommend(const kinematics_machine_t *machine, const kinemati
     double   unknowns[KINEMATICS_UNKNOWNS_MAX] = {0.0};
     design_t design = {.machine = machine, .unknowns = unknowns};
     int      code = problem_check(machine, points, n);
+    if (code == KINEMATICS_OK && !travel_is_good(machine, travel)) {
+        code = KINEMATICS_ERR_MACHINE;
+    }
     if (code == KINEMATICS_OK) {
         code = problem_start(machine, points, n, unknowns, &design.known);
     }
