@@ -308,7 +308,7 @@ static void turn(kinematics_cycle_t *cycle, uint8_t axis, double angle_deg)
     request->axis = (rotary_axis_t)axis;
     copy(request->from_angle_deg, cycle->sphere_deg);
     copy(request->sphere_mm, cycle->sphere_mm);
-    request->stand_off_mm = stand_off(cycle);
+    request->stand_off_mm = contact(cycle) + stand_off(cycle);
     request->feed_mm_min = positioning_feed(cycle);
     request->m_function = cycle->machine.strobe_rot_ax_pos;
     request->follow = !has_retract_height(cycle);

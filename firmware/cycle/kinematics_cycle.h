@@ -82,9 +82,9 @@ typedef enum {
     /* Spindle axis to retract_height_mm in the untilted workpiece system, then the other two linear
      * axes to the preset. The probe is not watched. */
     KINEMATICS_CYCLE_RETRACT,
-    /* Turn `axis` alone to angle_deg[axis]; `follow`: the tip follows the sphere as the active
-     * kinematics believe, at stand_off_mm along the tool axis. Not watched. Answer: centre_mm and
-     * tool_axis at angle_deg, see there. */
+    /* Turn `axis` alone to angle_deg[axis]; `follow`: the tip goes along with the sphere, as the
+     * active kinematics believe it goes, stand_off_mm from its centre along the tool axis. Not
+     * watched. Answer: centre_mm and tool_axis at angle_deg, see there. */
     KINEMATICS_CYCLE_TURN,
     /* The same, turned by `m_function`. */
     KINEMATICS_CYCLE_TURN_BY_M_FUNCTION,

@@ -3,131 +3,102 @@
 #include <math.h>
 #include <string.h>
 
-#include "comp/kinematics_circle.h"
-
 #define DEG_PER_RAD (180.0 / 3.14159265358979323846)
 
 enum { SCATTER_BEFORE = 0, SCATTER_AFTER = 3, OFFSET = 6 }; /* places in q_mm */
 
-static bool serves(const kinematics_station_t *station, uint8_t axis)
+static double dot(const double *a, const double *b)
 {
-    return ((unsigned)station->serves >> axis & 1u) != 0u;
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* ---- scatter ---- */
+static void subtract(const double *a, const double *b, double *difference)
+{
+    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
+        difference[i] = a[i] - b[i];
+    }
+}
 
+/* The angle of a small motion along `slope_mm`; 0 where the sphere stands in the axis. */
+static double angle_deg(const double *motion_mm, const double *slope_mm)
+{
+    double square = dot(slope_mm, slope_mm);
+    return square > 0.0 ? dot(motion_mm, slope_mm) / square * DEG_PER_RAD : 0.0;
+}
+
+/* Sums over the positions of one axis. */
 typedef struct {
-    double  square_sum;
-    double  greatest;
-    uint8_t count;
-} errors_t;
+    double  square_before;
+    double  square_after;
+    double  radius;
+    double  angle;
+    double  square_angle;
+    double  backlash;
+    uint8_t pairs;
+} sums_t;
 
-static double error_mm(const kinematics_station_t *station, const double *expected_mm)
+static void add_position(sums_t *sums, kinematics_axis_report_t *report, const double *centre_mm,
+                         const kinematics_expectation_t *expected, uint8_t index)
 {
-    double square = 0.0;
-    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        double off = station->centre_mm[i] - expected_mm[i];
-        square += off * off;
-    }
-    return sqrt(square);
+    double before[LINEAR_AXES];
+    double after[LINEAR_AXES];
+
+    subtract(centre_mm, expected->before_mm[index], before);
+    subtract(centre_mm, expected->after_mm[index], after);
+    double angle = angle_deg(after, expected->slope_mm[index]);
+    sums->square_before += dot(before, before);
+    sums->square_after += dot(after, after);
+    sums->radius += sqrt(dot(expected->slope_mm[index], expected->slope_mm[index]));
+    sums->angle += angle;
+    sums->square_angle += angle * angle;
+    report->greatest_before_mm = fmax(report->greatest_before_mm, sqrt(dot(before, before)));
+    report->greatest_after_mm = fmax(report->greatest_after_mm, sqrt(dot(after, after)));
+    report->positions++;
 }
 
-static errors_t errors_of(const kinematics_plan_t *plan, const double (*expected_mm)[LINEAR_AXES],
-                          uint8_t                  axis)
+static void add_pair(sums_t *sums, const kinematics_station_t *first,
+                     const kinematics_station_t *second, const double *slope_mm)
 {
-    errors_t errors = {0};
-    for (uint8_t i = 0u; i < plan->measured; i++) {
-        const kinematics_station_t *station = &plan->stations[i];
-        if (serves(station, axis) && !station->is_reference && !station->is_second) {
-            double error = error_mm(station, expected_mm[i]);
-            errors.square_sum += error * error;
-            errors.greatest = fmax(errors.greatest, error);
-            errors.count++;
-        }
-    }
-    return errors;
+    double moved[LINEAR_AXES];
+
+    subtract(second->centre_mm, first->centre_mm, moved);
+    double ahead = angle_deg(moved, slope_mm);
+    sums->backlash += second->approach < 0 ? ahead : -ahead;
+    sums->pairs++;
 }
 
-static double scatter_of(const errors_t *errors)
+static void conclude(kinematics_axis_report_t *report, const sums_t *sums)
 {
-    return sqrt(errors->square_sum / errors->count);
+    double n = report->positions;
+    double spread = sums->square_angle - sums->angle * sums->angle / n;
+
+    report->radius_mm = sums->radius / n;
+    report->scatter_before_mm = sqrt(sums->square_before / n);
+    report->scatter_after_mm = sqrt(sums->square_after / n);
+    report->positioning_deg = sums->angle / n;
+    report->positioning_scatter_deg = n > 1.0 ? sqrt(fmax(spread, 0.0) / (n - 1.0)) : 0.0;
+    report->has_backlash = sums->pairs > 0u && report->radius_mm >= KINEMATICS_CIRCLE_LEAST_MM;
+    report->backlash_deg = report->has_backlash ? sums->backlash / sums->pairs : 0.0;
 }
-
-/* ---- circle and backlash ---- */
-
-static bool fit_circle(const kinematics_plan_t *plan, uint8_t axis, const double *direction,
-                       kinematics_circle_t *circle)
-{
-    kinematics_point_t points[1 + KINEMATICS_POINTS_MAX];
-    int32_t            count = 0;
-
-    for (uint8_t i = 0u; i < plan->measured; i++) {
-        const kinematics_station_t *station = &plan->stations[i];
-        if (serves(station, axis) && !station->is_second) {
-            memcpy(points[count].angle_deg, station->angle_deg, sizeof station->angle_deg);
-            memcpy(points[count].position_mm, station->centre_mm, sizeof station->centre_mm);
-            count++;
-        }
-    }
-    return kinematics_circle_fit(direction, axis, points, count, circle) == KINEMATICS_OK;
-}
-
-/* By how much about `direction` `to` is ahead of `from`; small against a turn. */
-static double ahead_deg(const kinematics_circle_t *circle, const double *n, const double *from,
-                        const double *to)
-{
-    double along = 0.0;
-    double radius[LINEAR_AXES];
-
-    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        radius[i] = from[i] - circle->centre_mm[i];
-    }
-    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        uint8_t j = (uint8_t)((i + 1u) % LINEAR_AXES);
-        uint8_t k = (uint8_t)((i + 2u) % LINEAR_AXES);
-        along += (n[j] * radius[k] - n[k] * radius[j]) * (to[i] - from[i]);
-    }
-    return along / (circle->radius_mm * circle->radius_mm) * DEG_PER_RAD;
-}
-
-static void report_backlash(kinematics_axis_report_t *report, const kinematics_plan_t *plan,
-                            uint8_t axis, const kinematics_circle_t *circle, const double *n)
-{
-    double  sum_deg = 0.0;
-    uint8_t pairs = 0u;
-
-    for (uint8_t i = 1u; i < plan->measured; i++) {
-        const kinematics_station_t *second = &plan->stations[i];
-        if (second->axis == axis && second->is_second) {
-            double ahead = ahead_deg(circle, n, second[-1].centre_mm, second->centre_mm);
-            sum_deg += second->approach < 0 ? ahead : -ahead;
-            pairs++;
-        }
-    }
-    report->has_backlash = pairs > 0u && circle->radius_mm >= KINEMATICS_CIRCLE_LEAST_MM;
-    report->backlash_deg = report->has_backlash ? sum_deg / pairs : 0.0;
-}
-
-/* ---- report ---- */
 
 static void report_axis(kinematics_axis_report_t *report, const kinematics_plan_t *plan,
                         const kinematics_expectation_t *expected, uint8_t axis)
 {
-    errors_t            before = errors_of(plan, expected->before_mm, axis);
-    errors_t            after = errors_of(plan, expected->after_mm, axis);
-    kinematics_circle_t circle;
+    sums_t sums = {0};
 
-    if (before.count == 0u) {
-        return;
+    for (uint8_t i = 0u; i < plan->measured; i++) {
+        const kinematics_station_t *station = &plan->stations[i];
+        if (station->axis != axis || station->is_reference) {
+            continue;
+        }
+        if (station->is_second) {
+            add_pair(&sums, station - 1, station, expected->slope_mm[i]);
+        } else {
+            add_position(&sums, report, station->centre_mm, expected, i);
+        }
     }
-    report->positions = before.count;
-    report->scatter_before_mm = scatter_of(&before);
-    report->scatter_after_mm = scatter_of(&after);
-    report->greatest_before_mm = before.greatest;
-    report->greatest_after_mm = after.greatest;
-    if (fit_circle(plan, axis, expected->direction[axis], &circle)) {
-        report->radius_mm = circle.radius_mm;
-        report_backlash(report, plan, axis, &circle, expected->direction[axis]);
+    if (report->positions > 0u) {
+        conclude(report, &sums);
     }
 }
 

@@ -133,6 +133,7 @@ void test_without_a_retract_height_the_tip_follows_the_sphere(void)
 
     TEST_ASSERT_EQUAL(0, asked(KINEMATICS_CYCLE_RETRACT));
     TEST_ASSERT_TRUE(machine.log[first(KINEMATICS_CYCLE_TURN)].follow);
+    TEST_ASSERT_EQUAL_DOUBLE(15 + 3, machine.log[first(KINEMATICS_CYCLE_TURN)].stand_off_mm);
     /* Above the pole, before the first turn. */
     const kinematics_cycle_request_t *move = &machine.log[first(KINEMATICS_CYCLE_MOVE)];
     TEST_ASSERT_EQUAL_DOUBLE(80, move->target_mm[0]);

@@ -1,9 +1,7 @@
 /* What cycle 451 reports: scatter, backlash, Q141 to Q149, with planted errors. */
 /* LINK: firmware/cycle/kinematics_cycle.c firmware/cycle/kinematics_plan.c
  *       firmware/cycle/kinematics_report.c firmware/cycle/kinematics_settings.c
- *       firmware/cycle/sphere_probe.c firmware/comp/kinematics_circle.c
- *       firmware/comp/kinematics_coverage.c
- *       tests/support/cycle451_machine.c */
+ *       firmware/cycle/sphere_probe.c tests/support/cycle451_machine.c */
 #include <math.h>
 #include <string.h>
 
@@ -19,15 +17,16 @@ static kinematics_report_t      report;
 static kinematics_expectation_t expected;
 static double                   before_mm[KINEMATICS_STATIONS_MAX][LINEAR_AXES];
 static double                   after_mm[KINEMATICS_STATIONS_MAX][LINEAR_AXES];
+static double                   slope_mm[KINEMATICS_STATIONS_MAX][LINEAR_AXES];
 
-/* Axes about X, Y and Z, the incidence angles 0; nothing optimised. */
+/* The incidence angles are 0; nothing is optimised. */
 void setUp(void)
 {
     cycle451_set_up(&machine);
     expected = (kinematics_expectation_t){
         .before_mm = (const double (*)[LINEAR_AXES])before_mm,
         .after_mm = (const double (*)[LINEAR_AXES])after_mm,
-        .direction = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+        .slope_mm = (const double (*)[LINEAR_AXES])slope_mm,
         .offset_mm = {0.01, -0.02, 0.03},
     };
 }
@@ -41,6 +40,19 @@ static const kinematics_plan_t *plan(void)
     return kinematics_cycle_plan(&machine.cycle);
 }
 
+/* Axis × place, the axes about X, Y and Z through 0 and all but one at 0. */
+static void tell_slope(const kinematics_station_t *station, double *slope)
+{
+    int    u = (station->axis + 1) % 3;
+    int    v = (station->axis + 2) % 3;
+    double centre[LINEAR_AXES];
+
+    cycle451_centre(&machine, station->angle_deg, centre);
+    slope[station->axis] = 0.0;
+    slope[u] = -centre[v];
+    slope[v] = centre[u];
+}
+
 /* Expect what was measured, `off_mm` away along X before and along Z after the optimisation. */
 static void expect(double off_before_mm, double off_after_mm)
 {
@@ -49,6 +61,7 @@ static void expect(double off_before_mm, double off_after_mm)
         memcpy(after_mm[i], plan()->stations[i].centre_mm, sizeof after_mm[i]);
         before_mm[i][0] += off_before_mm;
         after_mm[i][2] += off_after_mm;
+        tell_slope(&plan()->stations[i], slope_mm[i]);
     }
 }
 
@@ -133,6 +146,47 @@ void test_the_radius_is_that_of_the_circle_of_each_axis(void)
     TEST_ASSERT_DOUBLE_WITHIN(TINY_MM, hypot(20, 40), report.axes[ROTARY_A].radius_mm);
     TEST_ASSERT_DOUBLE_WITHIN(TINY_MM, hypot(80, 40), report.axes[ROTARY_B].radius_mm);
     TEST_ASSERT_DOUBLE_WITHIN(TINY_MM, hypot(80, 20), report.axes[ROTARY_C].radius_mm);
+}
+
+void test_positioning_errors_are_those_along_the_motion(void)
+{
+    measure();
+    expect(0.0, 0.01); /* along Z: across the motion of C */
+    double off_mm[2] = {0.003, -0.001};
+    for (int i = 0; i < 2; i++) { /* C at −90° and 90° */
+        for (int k = 0; k < 3; k++) {
+            after_mm[3 + i][k] -= off_mm[i] * slope_mm[3 + i][k] / hypot(80, 20);
+        }
+    }
+    make();
+
+    double deg_per_mm = 180.0 / M_PI / hypot(80, 20);
+    TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, 0.001 * deg_per_mm, report.axes[ROTARY_C].positioning_deg);
+    TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, sqrt(2) * 0.002 * deg_per_mm,
+                              report.axes[ROTARY_C].positioning_scatter_deg);
+}
+
+void test_one_position_has_no_positioning_scatter(void)
+{
+    cycle451_set(&machine, 422, 1);
+    measure();
+    expect(0.0, 0.01);
+    make();
+
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, report.axes[ROTARY_C].positioning_scatter_deg);
+}
+
+void test_a_sphere_in_the_axis_has_no_angle(void)
+{
+    machine.sphere_mm[0] = machine.data.preset_mm[0] = 0.0;
+    machine.sphere_mm[1] = machine.data.preset_mm[1] = 0.0;
+    cycle451_set(&machine, 418, 0);
+    measure();
+    memset(slope_mm, 0, sizeof slope_mm);
+    make();
+
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, report.axes[ROTARY_C].radius_mm);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, report.axes[ROTARY_C].positioning_deg);
 }
 
 /* ---- backlash ---- */
