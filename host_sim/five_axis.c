@@ -15,12 +15,12 @@ static double dot(const double a[3], const double b[3])
 /* Turn `v` by a unit quaternion (w, x, y, z). */
 static void turn(const double q[4], double v[3])
 {
-    double t[3] = {
+    const double t[3] = {
         2.0 * (q[2] * v[2] - q[3] * v[1]),
         2.0 * (q[3] * v[0] - q[1] * v[2]),
         2.0 * (q[1] * v[1] - q[2] * v[0]),
     };
-    double turned[3] = {
+    const double turned[3] = {
         v[0] + q[0] * t[0] + q[2] * t[2] - q[3] * t[1],
         v[1] + q[0] * t[1] + q[3] * t[0] - q[1] * t[2],
         v[2] + q[0] * t[2] + q[1] * t[1] - q[2] * t[0],

@@ -15,7 +15,8 @@ static void copy(double to[3], const double from[3])
 static void list_axes(const sim_machine_t *machine, const int32_t list[3], int32_t is_head,
                       kinematics_machine_t *chain)
 {
-    for (int i = 0; i < SIM_ROTARIES && list[i] >= 0; ++i) {
+    for (int i = 0; i < SIM_ROTARIES && list[i] >= 0 && chain->axes_count < KINEMATICS_AXES_MAX;
+         ++i) {
         kinematics_axis_t *axis = &chain->axes[chain->axes_count];
         ++chain->axes_count;
         axis->letter = 'A' + list[i];
