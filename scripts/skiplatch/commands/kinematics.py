@@ -95,7 +95,19 @@ def fit_command(
     carried and the place of the sphere: they are taken as believed and named as undetermined.
     Uncertainties are standard uncertainties; three of them hold 99.73 %.
     """
-    machine = read_machine(machine_path)
+    fit_points(
+        points_path, read_machine(machine_path), with_positions=with_positions, json_path=json_path
+    )
+
+
+def fit_points(
+    points_path: Path, machine: Machine, *, with_positions: bool, json_path: Path | None
+) -> Fit:
+    """Fit recorded centres; say what was found, and write it.
+
+    Raises:
+        InputError: The points cannot be used.
+    """
     points = read_points(points_path, machine)
     try:
         found = fit(machine, points)
@@ -109,6 +121,7 @@ def fit_command(
         click.echo(_advice_text(machine, *advice))
         result["recommended"] = _advice_json(machine, *advice)
     write_json(json_path, result)
+    return found
 
 
 def _text(found: Fit, turns: Sequence[Circle]) -> str:
