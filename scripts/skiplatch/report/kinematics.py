@@ -5,13 +5,12 @@ from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
-from skiplatch.figures.inline import VARIABLES, Drawing
+from skiplatch.figures.inline import Drawing
 from skiplatch.figures.kinematics import draw_axis
-from skiplatch.figures.theme import DARK
 from skiplatch.kinematics.evaluate import ANGLES, CHECK, AxisResult, Evaluation
 from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis
-from skiplatch.report.page import environment
+from skiplatch.report.layout import render
 
 TEMPLATE = "kinematics.html"
 MODES = (
@@ -77,18 +76,13 @@ def as_html(
         tool: Name of the probe.
         kinematics: Name of the active kinematics.
     """
-    return (
-        environment()
-        .get_template(TEMPLATE)
-        .render(
-            when=when.strftime("%Y-%m-%d %H:%M:%S"),
-            program=str(program),
-            tool=tool or "—",
-            kinematics=kinematics,
-            runs=[_run(run, i) for i, run in enumerate(logged)],
-            light=VARIABLES,
-            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
-        )
+    return render(
+        TEMPLATE,
+        when=when.strftime("%Y-%m-%d %H:%M:%S"),
+        program=str(program),
+        tool=tool or "—",
+        kinematics=kinematics,
+        runs=[_run(run, i) for i, run in enumerate(logged)],
     )
 
 

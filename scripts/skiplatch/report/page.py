@@ -59,44 +59,6 @@ def as_html(
         left=words.left_table(diagnosis),
         next_experiment=(next_experiment or "").splitlines(),
         notes=diagnosis.notes,
-    return (
-        environment()
-        .get_template(TEMPLATE)
-        .render(
-            name=name,
-            kind=campaign.nominal.kind.value,
-            touches=diagnosis.touches,
-            verdict=diagnosis.verdict.value,
-            headline=words.headline(diagnosis),
-            lead=words.lead(diagnosis, evidence.telling),
-            found=[words.found(named) for named in diagnosis.effects],
-            chain=steps,
-            chain_described=chain.described(steps),
-            distributions=_distributions(evidence),
-            residuals=_residuals(evidence),
-            shrink=_shrink(diagnosis),
-            gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
-            missed=words.missed_table(evidence.missed),
-            ranking=words.ranking(diagnosis),
-            no_gain=words.no_gain(diagnosis),
-            where=words.where_table(diagnosis),
-            left=words.left_table(diagnosis),
-            next_experiment=(next_experiment or "").splitlines(),
-            notes=diagnosis.notes,
-            light=VARIABLES,
-            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
-        )
-    )
-
-
-def environment() -> Environment:
-    """Give what fills the templates of this package."""
-    return Environment(
-        loader=PackageLoader("skiplatch.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
     )
 
 
