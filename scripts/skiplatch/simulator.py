@@ -22,6 +22,9 @@ from skiplatch.campaign.nominal import KEYS
 ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "build" / "host" / "libskiplatch_sim.so"
 HEADERS = (
+    ROOT / "firmware" / "comp" / "pulse_judge.h",
+    ROOT / "firmware" / "comp" / "phase_meter.h",
+    ROOT / "firmware" / "comp" / "transmission.h",
     ROOT / "host_sim" / "chain.h",
     ROOT / "host_sim" / "effects" / "description.h",
     ROOT / "host_sim" / "law.h",
@@ -39,6 +42,7 @@ HEADERS = (
     ROOT / "host_sim" / "programs" / "five_axis_points.h",
     ROOT / "host_sim" / "programs" / "five_axis_cycle.h",
     ROOT / "host_sim" / "programs" / "kinematics_memory.h",
+    ROOT / "host_sim" / "programs" / "trains.h",
 )
 
 FloatArray = NDArray[np.float64]
@@ -191,6 +195,7 @@ class _Binding:
     law: np.dtype[np.void]
     extra: np.dtype[np.void]
     pretravel_cell: np.dtype[np.void]
+    trains_point: np.dtype[np.void]
 
 
 def _declarations(header: Path) -> str:
@@ -201,7 +206,13 @@ def _declarations(header: Path) -> str:
 
 def _layout(ffi: CData, name: str) -> np.dtype[np.void]:
     """Give the numpy type of an array of structures, aligned as the compiler does it."""
-    codes = {"double": "f8", "int32_t": "i4", "uint32_t": "u4", "uint64_t": "u8"}
+    codes = {
+        "double": "f8",
+        "int32_t": "i4",
+        "int64_t": "i8",
+        "uint32_t": "u4",
+        "uint64_t": "u8",
+    }
     members = ffi.typeof(name).fields
     layout = np.dtype([(member, codes[f.type.cname]) for member, f in members], align=True)
     if layout.itemsize != ffi.sizeof(name):
@@ -224,6 +235,7 @@ def _binding() -> _Binding:
         law=_layout(ffi, "sim_law_t"),
         extra=_layout(ffi, "sim_extra_t"),
         pretravel_cell=_layout(ffi, "pretravel_cell_t"),
+        trains_point=_layout(ffi, "sim_trains_point_t"),
     )
 
 
@@ -441,3 +453,90 @@ def _fill(rows: NDArray[np.void], source: object) -> None:
     """Give structures the values of the attributes that are named like their fields."""
     for name in rows.dtype.fields or ():
         rows[name] = getattr(source, name)
+
+
+@dataclass(frozen=True, slots=True)
+class TrainsSetup:
+    """What ``firmware/comp/transmission.h`` wants to know; see there."""
+
+    method: str
+    """An enumerator of ``transmission_method_t``."""
+    lines1: int
+    lines2: int
+    ratio_over: int
+    ratio_under: int
+    range: int
+    meter_ticks: int
+    tick_ns: int
+
+
+class Trains:
+    """The firmware's transmission error, fed with blocks of pulses; ``programs/trains.h``."""
+
+    def __init__(self, setup: TrainsSetup) -> None:
+        """Begin a run.
+
+        Raises:
+            SimulationError: The firmware refuses the set-up; ends in the name of its code.
+        """
+        self._binding = _binding()
+        ffi = self._binding.ffi
+        self._trains = ffi.new("sim_trains_t *")
+        values = asdict(setup)
+        tick_ns = values.pop("tick_ns")
+        values["method"] = getattr(self._binding.library, setup.method)
+        try:
+            config = ffi.new("transmission_config_t *", values)
+            code = self._binding.library.sim_trains_begin(self._trains, config, tick_ns)
+        except OverflowError as error:
+            raise SimulationError(f"more than 32 bits: {error}") from error
+        if code != 0:
+            raise SimulationError(ffi.string(ffi.cast("transmission_error_t", code)).decode())
+
+    def feed(
+        self, channel: NDArray[np.uint8], t_ns: NDArray[np.int64]
+    ) -> tuple[NDArray[np.void], int]:
+        """Take in a block.
+
+        Args:
+            channel: Shape (n,), see ``transmission.h``.
+            t_ns: Shape (n,), never falling, not below that of the block before.
+
+        Returns:
+            Fields t_ns, line, delta_nas of the points, and a negative code ``SIM_TRAINS_ERR_...``
+            if the block was taken in only as far as `pulses`, else 0.
+        """
+        ffi, library = self._binding.ffi, self._binding.library
+        points = np.empty(len(t_ns) + library.TRANSMISSION_PENDING, self._binding.trains_point)
+        count = ffi.new("uint64_t *")
+        code = library.sim_trains_feed(
+            self._trains,
+            ffi.from_buffer("uint8_t[]", np.ascontiguousarray(channel, dtype=np.uint8)),
+            ffi.from_buffer("int64_t[]", np.ascontiguousarray(t_ns, dtype=np.int64)),
+            len(t_ns),
+            ffi.from_buffer("sim_trains_point_t[]", points, require_writable=True),
+            count,
+        )
+        return points[: count[0]], int(code)
+
+    @property
+    def pulses(self) -> int:
+        """How many pulses have been taken in."""
+        return int(self._trains.pulses)
+
+    @property
+    def gate_is_output(self) -> bool:
+        """Whether the points stand at the output's lines."""
+        return bool(self._trains.core.gate_is_output)
+
+    def counters(self, channel: int) -> dict[str, int]:
+        """Give pulse_counters_t of a train."""
+        return _as_dict(self._binding.library.sim_trains_counters(self._trains, channel))
+
+    def index(self, channel: int) -> dict[str, int]:
+        """Give transmission_index_t of a shaft."""
+        return _as_dict(self._binding.library.sim_trains_index(self._trains, channel))
+
+
+def _as_dict(structure: CData) -> dict[str, int]:
+    return {name: int(getattr(structure, name)) for name in dir(structure)}

@@ -1,0 +1,78 @@
+#include "comp/pulse_judge.h"
+
+/* The pulses that were left out were lines after all: the shaft has changed its speed, or leapt. */
+static uint8_t slip(pulse_train_t *train)
+{
+    uint8_t lines = (uint8_t)(1u + train->rejected);
+    train->counters.extra -= train->rejected;
+    train->rejected = 0u;
+    train->steady = 0u;
+    ++train->counters.slips;
+    return lines;
+}
+
+static uint8_t reject(pulse_train_t *train)
+{
+    if (train->rejected == PULSE_REJECTED_MAX) {
+        return slip(train);
+    }
+    ++train->rejected;
+    ++train->counters.extra;
+    return 0u;
+}
+
+uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line)
+{
+    uint32_t slack = line / 4u;
+    if (advance < line - slack) {
+        return reject(train);
+    }
+    if (advance <= line + slack) {
+        train->rejected = 0u;
+        return 1u;
+    }
+    uint32_t lines = advance / line;
+    uint32_t over = advance % line;
+    if (over > line - slack) {
+        ++lines;
+        over = 0u;
+    }
+    if (lines > PULSE_MISSING_MAX || over > slack) {
+        return slip(train);
+    }
+    train->counters.missing += lines - 1u;
+    train->rejected = 0u;
+    return (uint8_t)lines;
+}
+
+static bool is_even(uint32_t interval_ticks, uint32_t before_ticks)
+{
+    uint32_t slack = before_ticks / 4u;
+    return interval_ticks >= before_ticks - slack &&
+           interval_ticks - before_ticks + slack <= 2u * slack;
+}
+
+uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
+{
+    uint32_t before_ticks = train->period_ticks;
+    if (train->steady < PULSE_STEADY) {
+        bool even = before_ticks != 0u && is_even(interval_ticks, before_ticks);
+        train->steady = even ? (uint8_t)(train->steady + 1u) : 0u;
+        train->period_ticks = interval_ticks;
+        return 1u;
+    }
+    uint8_t lines = pulse_judge(train, interval_ticks, before_ticks);
+    if (lines == 1u) {
+        train->period_ticks = interval_ticks;
+    } else if (lines > 1u) {
+        train->period_ticks = interval_ticks / lines;
+    }
+    return lines;
+}
+
+void pulse_forget(pulse_train_t *train)
+{
+    train->period_ticks = 0u;
+    train->steady = 0u;
+    train->rejected = 0u;
+}

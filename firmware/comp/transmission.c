@@ -1,0 +1,399 @@
+#include "comp/transmission.h"
+
+#include <stddef.h>
+
+#define ONE_Q32      INT64_C(4294967296)
+#define LINES_MAX    (UINT32_C(1) << 24)
+#define STEP_MAX     (UINT32_C(1) << 20) /* denser train's lines in a gate line */
+#define FRACTION_MAX INT32_MAX
+#define TURN_NAS     UINT64_C(1296000000000000)
+#define JUDGE_BITS   24
+
+/* ---- setting up ---- */
+
+static uint64_t common_divisor(uint64_t a, uint64_t b)
+{
+    while (b != 0u) {
+        uint64_t rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* a * b / c without what would not fit into 64 bits on the way; c ≤ 2^62, result ≤ 2^63. */
+static uint64_t scaled(uint64_t a, uint32_t b, uint64_t c)
+{
+    uint64_t whole = 0u;
+    uint64_t rest = 0u;
+    for (uint32_t bit = UINT32_C(1) << 31; bit != 0u; bit >>= 1) {
+        whole *= 2u;
+        rest *= 2u;
+        if ((b & bit) != 0u) {
+            whole += a / c;
+            rest += a % c;
+        }
+        whole += rest / c;
+        rest %= c;
+    }
+    return whole;
+}
+
+static int check(const transmission_config_t *config)
+{
+    if (config->lines1 == 0u || config->lines1 > LINES_MAX || config->lines2 == 0u ||
+        config->lines2 > LINES_MAX) {
+        return TRANSMISSION_ERR_LINES;
+    }
+    if (config->ratio_over == 0u || config->ratio_under == 0u) {
+        return TRANSMISSION_ERR_RATIO;
+    }
+    if (config->method > TRANSMISSION_PHASE_ANALOG) {
+        return TRANSMISSION_ERR_METHOD;
+    }
+    if (config->range == 0u || config->meter_ticks == 0u) {
+        return TRANSMISSION_ERR_METER;
+    }
+    return TRANSMISSION_OK;
+}
+
+/* over : under are pulses of the denser train to pulses of the gate. */
+static int set_step(transmission_t *t, uint64_t over, uint64_t under)
+{
+    uint64_t divisor = common_divisor(over, under);
+    over /= divisor;
+    under /= divisor;
+    if (over > FRACTION_MAX || over / under >= STEP_MAX) {
+        return TRANSMISSION_ERR_RANGE;
+    }
+    if (over > FRACTION_MAX / t->config.range) {
+        return TRANSMISSION_ERR_METER;
+    }
+    t->step_lines = (uint32_t)(over / under);
+    t->step_over = (uint32_t)(over % under);
+    t->step_under = (uint32_t)under;
+    t->under_inverse = UINT64_MAX / under;
+    phase_meter_init(&t->meter, (uint32_t)over * t->config.range, (uint32_t)under * t->config.range,
+                     t->config.meter_ticks);
+    return TRANSMISSION_OK;
+}
+
+static int64_t fraction_q32(const transmission_t *t, uint32_t over)
+{
+    return (int64_t)((over * t->under_inverse) >> 32);
+}
+
+static int64_t step_q32(const transmission_t *t)
+{
+    return (int64_t)t->step_lines * ONE_Q32 + fraction_q32(t, t->step_over);
+}
+
+static void set_judge(transmission_t *t)
+{
+    uint64_t line = (uint64_t)step_q32(t);
+    for (t->judge_shift = 0u; line >> t->judge_shift >= UINT64_C(1) << JUDGE_BITS;) {
+        ++t->judge_shift;
+    }
+    t->judge_line = (uint32_t)(line >> t->judge_shift);
+}
+
+int transmission_init(transmission_t *t, const transmission_config_t *config)
+{
+    *t = (transmission_t){.config = *config};
+    int error = check(config);
+    if (error != TRANSMISSION_OK) {
+        return error;
+    }
+    uint64_t input = (uint64_t)config->lines1 * config->ratio_over;
+    uint64_t output = (uint64_t)config->lines2 * config->ratio_under;
+    t->gate_is_output = input >= output;
+    if (t->gate_is_output) {
+        error = set_step(t, input, output);
+        t->line_nas = (int64_t)scaled(TURN_NAS, config->ratio_under, input);
+    } else {
+        error = set_step(t, output, input);
+        t->line_nas = (int64_t)(TURN_NAS / config->lines2);
+    }
+    set_judge(t);
+    return error;
+}
+
+/* ---- counting ---- */
+
+/* The gate moves on by a line, the way it turns. */
+static void add_step(transmission_t *t)
+{
+    uint32_t room = t->step_under - t->step_over;
+    if (t->gate.sense > 0) {
+        bool carries = t->remainder >= room;
+        t->remainder = carries ? t->remainder - room : t->remainder + t->step_over;
+        t->lines += (int32_t)t->step_lines + carries;
+    } else {
+        bool borrows = t->remainder < t->step_over;
+        t->remainder = borrows ? t->remainder + room : t->remainder - t->step_over;
+        t->lines -= (int32_t)t->step_lines + borrows;
+    }
+}
+
+/* Gate minus denser train, in lines of the latter, when that has gone on by `passed` of a line. */
+static int64_t difference_q32(const transmission_t *t, int64_t passed_q32)
+{
+    return (int64_t)t->lines * ONE_Q32 + fraction_q32(t, t->remainder) -
+           t->dense.sense * passed_q32;
+}
+
+/* Lines that a gate pulse stands for: as many as the other train has moved on by. */
+static uint8_t judge_gate(transmission_t *t, int64_t passed_q32)
+{
+    int64_t  moved_q32 = t->gate.sense * (t->reference_q32 - difference_q32(t, passed_q32));
+    uint64_t advance = moved_q32 < 0 ? 0u : (uint64_t)moved_q32 >> t->judge_shift;
+    return pulse_judge(&t->gate, advance > UINT32_MAX ? UINT32_MAX : (uint32_t)advance,
+                       t->judge_line);
+}
+
+/* ---- points ---- */
+
+static int64_t to_nas(const transmission_t *t, int64_t lines_q32)
+{
+    uint32_t rest = (uint32_t)(uint64_t)lines_q32;
+    int64_t  whole = (lines_q32 - (int64_t)rest) / ONE_Q32;
+    uint64_t line = (uint64_t)t->line_nas;
+    uint64_t part = (line >> 32) * rest + (((line & UINT32_MAX) * rest) >> 32);
+    int64_t  nas = whole * t->line_nas + (int64_t)part;
+    return t->gate_is_output ? nas : -nas;
+}
+
+/* The phase within a line says nothing of whole lines: the nearest one is taken. */
+static int64_t unroll(transmission_t *t, int64_t difference)
+{
+    uint32_t phase = (uint32_t)(uint64_t)difference;
+    uint32_t turned = phase - t->phase_q32;
+    t->phase_q32 = phase;
+    t->unrolled_q32 += turned < UINT32_C(1) << 31 ? (int64_t)turned : (int64_t)turned - ONE_Q32;
+    return t->unrolled_q32;
+}
+
+/* A lag of the gate, from the middle of its range. */
+static int64_t lag_in_lines(const transmission_t *t, uint32_t lag_q32, int8_t sense)
+{
+    return sense * (ONE_Q32 / 2 - (int64_t)lag_q32) * (int64_t)t->meter.dense_divider;
+}
+
+static bool compare_phases(transmission_t *t, uint8_t lines, uint32_t ticks, int64_t *value)
+{
+    uint32_t lag_q32 = 0u;
+    if (!phase_meter_on_gate(&t->meter, lines, ticks)) {
+        return false;
+    }
+    bool has_lag = t->config.method == TRANSMISSION_PHASE_DIGITAL
+                       ? phase_meter_digital(&t->meter, ticks, &lag_q32)
+                       : phase_meter_analog(&t->meter, &lag_q32);
+    *value = lag_in_lines(t, lag_q32, t->gate.sense);
+    return has_lag;
+}
+
+/* What the method makes of the gate's line now; false if nothing. */
+static bool measure(transmission_t *t, uint8_t lines, uint32_t ticks, uint8_t dense_lines,
+                    int64_t *value)
+{
+    switch (t->config.method) {
+    case TRANSMISSION_DIRECT:
+        *value = difference_q32(t, dense_lines * (ONE_Q32 / 2));
+        return true;
+    case TRANSMISSION_PHASE_SUBDIVIDED:
+        *value = unroll(t, t->reference_q32);
+        return true;
+    case TRANSMISSION_PHASE_DIGITAL:
+    case TRANSMISSION_PHASE_ANALOG:
+        return compare_phases(t, lines, ticks, value);
+    case TRANSMISSION_SUBDIVIDED:
+    default:
+        *value = t->reference_q32;
+        return true;
+    }
+}
+
+/* ---- the gate's pulses ---- */
+
+/* Nothing that was is to be compared with what comes. */
+static void forget_phase(transmission_t *t)
+{
+    t->has_reference = false;
+    pulse_forget(&t->gate);
+    phase_meter_init(&t->meter, t->meter.dense_divider, t->meter.gate_divider,
+                     t->meter.time_constant_ticks);
+}
+
+/* True if the shaft still turns as before; when it has just turned back, it is at the same line. */
+static bool keeps_sense(transmission_t *t, int8_t sense)
+{
+    if (t->gate.sense == sense) {
+        return true;
+    }
+    t->gate.sense = sense;
+    forget_phase(t);
+    return false;
+}
+
+static void count_lines(transmission_t *t, uint8_t lines)
+{
+    for (uint8_t i = 0u; i < lines; ++i) {
+        add_step(t);
+    }
+    t->gate.line += t->gate.sense * lines;
+}
+
+/* Count a gate pulse that came while the denser train moved on by `dense_lines` in `interval`. */
+static void place(transmission_t *t, uint8_t i, uint32_t interval_ticks, uint8_t dense_lines)
+{
+    uint32_t ticks = t->pending_ticks[i];
+    uint64_t since = (uint64_t)(ticks - t->dense.ticks) << 32;
+    int64_t  passed = (int64_t)(interval_ticks == 0u ? 0u : since / interval_ticks) * dense_lines;
+    uint8_t  lines = keeps_sense(t, t->pending_sense[i]) ? 1u : 0u;
+    if (t->has_reference) {
+        lines = judge_gate(t, passed);
+        if (lines == 0u) {
+            return;
+        }
+    }
+    count_lines(t, lines);
+    t->reference_q32 = difference_q32(t, passed);
+    t->has_reference = true;
+    int64_t value = 0;
+    if (measure(t, lines, ticks, dense_lines, &value)) {
+        t->ready[t->ready_count] = (transmission_point_t){
+            .delta_nas = to_nas(t, value), .line = t->gate.line, .ticks = ticks};
+        ++t->ready_count;
+    }
+}
+
+/* Count the pulses that wait without making points of them. */
+static void give_up_pending(transmission_t *t)
+{
+    for (uint8_t i = 0u; i < t->pending; ++i) {
+        count_lines(t, keeps_sense(t, t->pending_sense[i]) ? 1u : 0u);
+    }
+    t->pending = 0u;
+    forget_phase(t);
+}
+
+static void on_gate(transmission_t *t, uint32_t ticks, int8_t sense)
+{
+    ++t->gate.counters.pulses;
+    if (t->dense.sense == 0) {
+        return; /* nothing to compare it with yet */
+    }
+    if (t->pending == TRANSMISSION_PENDING) {
+        give_up_pending(t);
+    }
+    t->pending_ticks[t->pending] = ticks;
+    t->pending_sense[t->pending] = sense;
+    ++t->pending;
+}
+
+/* ---- the denser train's pulses ---- */
+
+static void turn_dense(transmission_t *t, uint32_t ticks, int8_t sense)
+{
+    give_up_pending(t);
+    pulse_forget(&t->dense);
+    t->dense.sense = sense;
+    t->dense.ticks = ticks;
+}
+
+static void on_dense(transmission_t *t, uint32_t ticks, int8_t sense)
+{
+    ++t->dense.counters.pulses;
+    if (sense != t->dense.sense) {
+        turn_dense(t, ticks, sense);
+        return;
+    }
+    uint32_t interval = ticks - t->dense.ticks;
+    uint8_t  lines = t->rested ? 1u : pulse_judge_ticks(&t->dense, interval);
+    if (lines == 0u) {
+        return;
+    }
+    if (t->rested) {
+        t->rested = false;
+        give_up_pending(t);
+    }
+    for (uint8_t i = 0u; i < t->pending; ++i) {
+        place(t, i, interval, lines);
+    }
+    t->pending = 0u;
+    phase_meter_on_dense(&t->meter, lines, ticks, interval);
+    t->lines -= sense * lines;
+    t->dense.line += sense * lines;
+    t->dense.ticks = ticks;
+}
+
+/* ---- from outside ---- */
+
+static void on_index(transmission_t *t, bool is_output, int8_t sense)
+{
+    bool                  is_gate = is_output == t->gate_is_output;
+    const pulse_train_t  *train = is_gate ? &t->gate : &t->dense;
+    transmission_index_t *index = &t->index[is_output];
+    uint32_t              turn = is_output ? t->config.lines2 : t->config.lines1;
+    /* Of the two lines beside it the one that is lower in count, whichever way it was passed. */
+    int32_t line = train->line + (is_gate ? sense * t->pending : 0) - (sense < 0);
+    if (index->count != 0u && (line - index->line) % (int32_t)turn != 0) {
+        ++index->slips;
+    }
+    index->line = line;
+    ++index->count;
+}
+
+uint8_t transmission_on_pulse(transmission_t *t, uint8_t channel, uint32_t ticks)
+{
+    int8_t sense = (channel & TRANSMISSION_BACKWARD) != 0u ? -1 : 1;
+    bool   is_output = false;
+    t->ready_count = 0u;
+    switch (channel & (uint8_t)~TRANSMISSION_BACKWARD) {
+    case TRANSMISSION_OUTPUT:
+        is_output = true; /* fall through */
+    case TRANSMISSION_INPUT:
+        if (is_output == t->gate_is_output) {
+            on_gate(t, ticks, sense);
+        } else {
+            on_dense(t, ticks, sense);
+        }
+        break;
+    case TRANSMISSION_INPUT_INDEX:
+        on_index(t, false, sense);
+        break;
+    case TRANSMISSION_OUTPUT_INDEX:
+        on_index(t, true, sense);
+        break;
+    default:
+        break;
+    }
+    return t->ready_count;
+}
+
+transmission_point_t transmission_point(const transmission_t *t, uint8_t i)
+{
+    return t->ready[i];
+}
+
+void transmission_pause(transmission_t *t)
+{
+    give_up_pending(t);
+    pulse_forget(&t->dense);
+    t->rested = true;
+}
+
+static const pulse_train_t *train_of(const transmission_t *t, uint8_t channel)
+{
+    return (channel == TRANSMISSION_OUTPUT) == t->gate_is_output ? &t->gate : &t->dense;
+}
+
+pulse_counters_t transmission_counters(const transmission_t *t, uint8_t channel)
+{
+    return train_of(t, channel)->counters;
+}
+
+transmission_index_t transmission_index(const transmission_t *t, uint8_t channel)
+{
+    return t->index[channel == TRANSMISSION_OUTPUT];
+}

@@ -1,0 +1,184 @@
+"""The firmware's five methods of measuring transmission error, fed with blocks of pulses."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.simulator import SimulationError, Trains, TrainsSetup
+
+INPUT = 1
+OUTPUT = 2
+INPUT_INDEX = 3
+OUTPUT_INDEX = 4
+BACKWARD = 128
+"""Added to a channel: the shaft turns backward."""
+
+NAS_PER_ARCSEC = 1e9
+NS_PER_S = 1e9
+
+
+class Method(StrEnum):
+    """The five methods; see ``firmware/comp/transmission.h``."""
+
+    SUBDIVIDED = "subdivided"
+    DIRECT = "direct"
+    PHASE_SUBDIVIDED = "phase-subdivided"
+    PHASE_DIGITAL = "phase-digital"
+    PHASE_ANALOG = "phase-analog"
+
+
+class TransmissionError(Exception):
+    """The set-up makes no sense, or a pulse is wrong.
+
+    Attributes:
+        pulse: Number of the pulse at fault over all blocks, from 0; None for the set-up.
+    """
+
+    def __init__(self, message: str, pulse: int | None = None) -> None:
+        """Remember the pulse."""
+        super().__init__(message)
+        self.pulse = pulse
+
+
+SETUP_FAULTS = {
+    "TRANSMISSION_ERR_LINES": "lines per turn: expected 1 to 16777216",
+    "TRANSMISSION_ERR_RATIO": "ratio: expected more than 0",
+    "TRANSMISSION_ERR_RANGE": (
+        "ratio: lines1 times the ratio over lines2 has more than 31 bits as a fraction, "
+        "or one train has a million times the pulses of the other"
+    ),
+    "TRANSMISSION_ERR_METHOD": "method: unknown",
+    "TRANSMISSION_ERR_METER": "range or time constant of the meter: zero, or too large",
+}
+PULSE_FAULTS = {
+    -1: "channel: expected 1 or 2, or 3 or 4 for an index, plus 128 for backward",
+    -2: "time: earlier than the pulse before",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Counters:
+    """What was found in one train."""
+
+    pulses: int
+    """As they came."""
+    missing: int
+    """Lines without a pulse; they were added to the count."""
+    extra: int
+    """Pulses without a line; they were left out."""
+    slips: int
+    """Advances that fit no whole number of lines: taken as they came."""
+
+
+@dataclass(frozen=True, slots=True)
+class Index:
+    """What is known of the index pulses of one shaft."""
+
+    count: int
+    slips: int
+    """Those that were not a whole number of turns after the one before."""
+    line: int
+    """The line of its train that had passed at the last one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Points:
+    """Transmission error at n instants, in order of time; each array has the shape (n,)."""
+
+    t_ns: NDArray[np.int64]
+    line: NDArray[np.int64]
+    """Line of the gating train, counted with its sign from its first pulse."""
+    turn: NDArray[np.float64]
+    """The same as turns of the output; of the mean motion where the input gates."""
+    delta_arcsec: NDArray[np.float64]
+    """theta2 - theta1/i at the output; its zero is where counting began."""
+
+
+class Transmission:
+    """One run of one method over two trains; keeps no pulses."""
+
+    def __init__(
+        self,
+        lines1: int,
+        lines2: int,
+        ratio: Fraction,
+        method: Method = Method.SUBDIVIDED,
+        *,
+        tick_ns: int = 1,
+        phase_range: int = 2,
+        meter_s: float = 0.1,
+    ) -> None:
+        """Begin.
+
+        Args:
+            lines1: Lines of the input's encoder, a turn.
+            lines2: Lines of the output's.
+            ratio: Input turns in an output turn.
+            method: Which of the five.
+            tick_ns: Period of the clock that subdivides.
+            phase_range: How many periods of the lowest common frequency the range of digital and
+                analog phase comparison holds.
+            meter_s: Time constant of the analog meter.
+
+        Raises:
+            TransmissionError: The set-up makes no sense.
+            SimulationError: The library is not built.
+        """
+        if ratio <= 0:
+            raise TransmissionError(SETUP_FAULTS["TRANSMISSION_ERR_RATIO"])
+        if tick_ns < 1:
+            raise TransmissionError("period of the clock: expected at least 1 ns")
+        setup = TrainsSetup(
+            method="TRANSMISSION_" + method.name,
+            lines1=lines1,
+            lines2=lines2,
+            ratio_over=ratio.numerator,
+            ratio_under=ratio.denominator,
+            range=phase_range,
+            meter_ticks=round(meter_s * NS_PER_S / tick_ns),
+            tick_ns=tick_ns,
+        )
+        try:
+            self._trains = Trains(setup)
+        except SimulationError as error:
+            if str(error) not in SETUP_FAULTS:
+                raise
+            raise TransmissionError(SETUP_FAULTS[str(error)]) from error
+        self._lines_per_turn = float(lines2 if self.gate_is_output else lines1 * ratio)
+
+    @property
+    def gate_is_output(self) -> bool:
+        """Whether points stand at the output's lines: where it has fewer pulses than the input."""
+        return self._trains.gate_is_output
+
+    def feed(self, channel: NDArray[np.uint8], t_ns: NDArray[np.int64]) -> Points:
+        """Take in a block of n pulses and give the points that are ready.
+
+        Args:
+            channel: Shape (n,): INPUT, OUTPUT, INPUT_INDEX, OUTPUT_INDEX, each perhaps plus
+                BACKWARD.
+            t_ns: Shape (n,), in order of time, over all blocks.
+
+        Raises:
+            TransmissionError: A channel that is none, or time running back.
+        """
+        points, code = self._trains.feed(channel, t_ns)
+        if code != 0:
+            raise TransmissionError(PULSE_FAULTS[code], self._trains.pulses)
+        return Points(
+            t_ns=np.ascontiguousarray(points["t_ns"]),
+            line=np.ascontiguousarray(points["line"]),
+            turn=points["line"] / self._lines_per_turn,
+            delta_arcsec=points["delta_nas"] / NAS_PER_ARCSEC,
+        )
+
+    def counters(self, channel: int) -> Counters:
+        """What was found so far in the train of INPUT or OUTPUT."""
+        return Counters(**self._trains.counters(channel))
+
+    def index(self, channel: int) -> Index:
+        """What is known so far of the index of INPUT or OUTPUT."""
+        return Index(**self._trains.index(channel))
