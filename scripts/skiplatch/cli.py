@@ -22,6 +22,7 @@ COMMANDS = {
     "design": "Say which touches or which column would settle a diagnosis, and write them.",
     "settle": "Say what those touches leave of a tie.",
     "effects": "List the effects that a simulation can be given.",
+    "transmission": "Measure the error of a drive chain from the pulses of two encoders.",
     "plan": "Find the best probing strategy for a wanted uncertainty.",
     "pretravel": "Map a simulated probe, compensate it by variable feeds, and map it again.",
     "compensate": "Map a probe's errors and even them out by the measuring feed.",

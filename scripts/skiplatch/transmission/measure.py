@@ -1,0 +1,129 @@
+"""From a file of pulses to the transmission error: the firmware counts, Python evaluates."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from skiplatch.errors import InputError
+from skiplatch.transmission.firmware import (
+    BACKWARD,
+    INPUT,
+    OUTPUT,
+    Counters,
+    Method,
+    Points,
+    Transmission,
+    TransmissionError,
+)
+from skiplatch.transmission.pulses import Pulses, read_pulses
+from skiplatch.transmission.spectrum import FloatArray
+from skiplatch.transmission.train import GearTrain
+from skiplatch.transmission.values import Backlash, Evaluation, IntArray, Values
+
+NAMES = {INPUT: "input", OUTPUT: "output"}
+
+
+@dataclass(frozen=True, slots=True)
+class Chain:
+    """The encoders, and what is between them."""
+
+    lines1: int
+    lines2: int
+    ratio: Fraction
+    """Turns of the input in a turn of the output."""
+    meter_s: float
+    """Time constant of the meter of analog phase comparison."""
+
+    def pitch_turns(self, train: GearTrain | None) -> float:
+        """One tooth pitch in output turns; of a train that is not described, an input turn."""
+        teeth = train.mesh_order if train is not None else None
+        return 1.0 / (teeth or max(float(self.ratio), 1.0))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Measurement:
+    """What one method says of two trains."""
+
+    values: Values
+    backlash: Backlash | None
+    """Of a run in both senses."""
+    counters: dict[int, Counters]
+    """By channel."""
+
+
+def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -> Measurement:
+    """Read a file of pulses and evaluate it, a block at a time.
+
+    Raises:
+        InputError: The file is wrong, or the trains in it give no transmission error.
+    """
+    try:
+        firmware = Transmission(
+            chain.lines1, chain.lines2, chain.ratio, method, meter_s=chain.meter_s
+        )
+    except TransmissionError as error:
+        raise InputError(path, None, None, str(error)) from error
+    lines = float(chain.lines2 if firmware.gate_is_output else chain.lines1 * chain.ratio)
+    evaluation = Evaluation(lines, chain.pitch_turns(train))
+    spans = _Spans(path)
+    blocks = (_fed(path, firmware, spans, pulses) for pulses in read_pulses(path))
+    evaluation.take(_signed(blocks))
+    spans.refuse_apart()
+    values = evaluation.values()
+    if values is None:
+        message = "the trains are too short: no point of the transmission error came of them"
+        raise InputError(path, None, None, message)
+    counters = {channel: firmware.counters(channel) for channel in NAMES}
+    return Measurement(values, evaluation.backlash(), counters)
+
+
+def _fed(path: Path, firmware: Transmission, spans: "_Spans", pulses: Pulses) -> Points:
+    spans.add(pulses)
+    try:
+        return firmware.feed(pulses.channel, pulses.t_ns)
+    except TransmissionError as error:
+        raise InputError(path, None, None, f"pulse {error.pulse}: {error}") from error
+
+
+def _signed(blocks: Iterator[Points]) -> Iterator[tuple[IntArray, FloatArray, IntArray]]:
+    """Give line, error and the sense in which each line was passed."""
+    before: int | None = None
+    for points in blocks:
+        if len(points.line):
+            start = points.line[0] - 1 if before is None else before
+            sense = np.sign(np.diff(points.line, prepend=start))
+            before = int(points.line[-1])
+            yield points.line, points.delta_arcsec, sense
+
+
+class _Spans:
+    """From when to when each train lasts."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._first: dict[int, int] = {}
+        self._last: dict[int, int] = {}
+
+    def add(self, pulses: Pulses) -> None:
+        base = pulses.channel & ~np.uint8(BACKWARD)
+        for channel in NAMES:
+            seen = np.flatnonzero(base == channel)
+            if len(seen):
+                self._first.setdefault(channel, int(pulses.t_ns[seen[0]]))
+                self._last[channel] = int(pulses.t_ns[seen[-1]])
+
+    def refuse_apart(self) -> None:
+        """Raise InputError where a train is missing, or both do not overlap in time."""
+        for channel, name in NAMES.items():
+            if channel not in self._first:
+                message = f"no pulse of the {name} (channel {channel})"
+                raise InputError(self._path, None, None, message)
+        if max(self._first.values()) >= min(self._last.values()):
+            spans = ", ".join(
+                f"{name} from {self._first[channel]} to {self._last[channel]} ns"
+                for channel, name in NAMES.items()
+            )
+            raise InputError(self._path, None, None, f"the trains do not overlap: {spans}")

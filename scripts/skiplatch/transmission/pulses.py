@@ -1,0 +1,232 @@
+"""Reading and writing trains of pulses, a block at a time; the layouts are in docs/TRANSMISSION.md.
+
+CSV has the columns ``channel`` (1 input, 2 output, 3 and 4 their index pulses), ``t_ns`` and, if
+the machine turned both ways, ``sense`` (1 or -1). A binary file has a head of 16 bytes and 8 bytes a
+pulse.
+"""
+
+import os
+import struct
+import warnings
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.errors import InputError, quoted
+from skiplatch.files import failures_named
+
+INPUT, OUTPUT, INPUT_INDEX, OUTPUT_INDEX = 1, 2, 3, 4
+BACKWARD = 128
+MAGIC = b"SKLPULS1"
+HEAD = struct.Struct("<8sQ")
+WORD_BYTES = 8
+TIME_BITS = 61
+CHANNEL_SHIFT = np.uint64(TIME_BITS)
+CHANNEL_MASK = np.uint64(3)
+REVERSE_SHIFT = np.uint64(63)
+TIME_MASK = np.uint64((1 << TIME_BITS) - 1)
+LATEST_NS = (1 << TIME_BITS) - 1
+
+BLOCK_PULSES = 1 << 19
+BLOCK_BYTES = 8 << 20
+COLUMNS = ("channel", "t_ns")
+SENSE = "sense"
+MOST_HEADER_BYTES = 4096
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pulses:
+    """Pulses in order of time; every array has the shape (n,)."""
+
+    channel: NDArray[np.uint8]
+    """`INPUT`, `OUTPUT`, `INPUT_INDEX` or `OUTPUT_INDEX`, plus `BACKWARD` when turning back."""
+    t_ns: NDArray[np.int64]
+    """Not negative."""
+
+    def __len__(self) -> int:
+        return len(self.t_ns)
+
+
+def read_pulses(path: Path) -> Iterator[Pulses]:
+    """Yield the pulses of a file in blocks; memory does not grow with the file.
+
+    Raises:
+        InputError: The file cannot be read, is truncated, holds something else, or its time goes
+            back.
+    """
+    with failures_named(path, "read"), path.open("rb") as file:
+        is_binary = file.read(len(MAGIC)) == MAGIC
+        file.seek(0)
+        blocks = _binary(path, file) if is_binary else _csv(path, file)
+        yield from _in_order(path, blocks, is_binary=is_binary)
+
+
+def write_binary(path: Path, blocks: Iterable[Pulses]) -> int:
+    """Write a binary file, and give the number of pulses; the head is written last."""
+    count = 0
+    with failures_named(path, "write"), path.open("wb") as file:
+        file.write(bytes(HEAD.size))
+        for block in blocks:
+            file.write(_words(block).tobytes())
+            count += len(block)
+        file.seek(0)
+        file.write(HEAD.pack(MAGIC, count))
+    return count
+
+
+def write_csv(path: Path, blocks: Iterable[Pulses]) -> int:
+    """Write a CSV file with the column `sense`, and give the number of pulses."""
+    count = 0
+    with failures_named(path, "write"), path.open("w", encoding="utf-8") as file:
+        file.write(",".join((*COLUMNS, SENSE)) + "\n")
+        for block in blocks:
+            sense = np.where(block.channel & BACKWARD, -1, 1)
+            rows = np.column_stack([block.channel & ~np.uint8(BACKWARD), block.t_ns, sense])
+            np.savetxt(file, rows, fmt="%d", delimiter=",")
+            count += len(block)
+    return count
+
+
+def _words(block: Pulses) -> NDArray[np.uint64]:
+    words = block.t_ns.astype("<u8")
+    channel = block.channel.astype(np.uint64)
+    words |= ((channel - np.uint64(INPUT)) & CHANNEL_MASK) << CHANNEL_SHIFT
+    words |= (channel >= np.uint64(BACKWARD)).astype(np.uint64) << REVERSE_SHIFT
+    return words
+
+
+def _binary(path: Path, file: BinaryIO) -> Iterator[Pulses]:
+    _refuse_truncated(path, file)
+    while data := file.read(BLOCK_PULSES * WORD_BYTES):
+        words = np.frombuffer(data, dtype="<u8")
+        channel = ((words >> CHANNEL_SHIFT) & CHANNEL_MASK).astype(np.uint8) + np.uint8(INPUT)
+        channel |= (words >> REVERSE_SHIFT).astype(np.uint8) * np.uint8(BACKWARD)
+        yield Pulses(channel, (words & TIME_MASK).astype(np.int64))
+
+
+def _refuse_truncated(path: Path, file: BinaryIO) -> None:
+    head = file.read(HEAD.size)
+    if len(head) < HEAD.size:
+        raise InputError(path, None, None, f"truncated: the head has {HEAD.size} bytes")
+    count = HEAD.unpack(head)[1]
+    there = os.fstat(file.fileno()).st_size - HEAD.size
+    if there != count * WORD_BYTES:
+        is_short = there < count * WORD_BYTES
+        message = f"the head announces {count} pulses, the file holds {there / WORD_BYTES:g}"
+        raise InputError(path, None, None, f"truncated: {message}" if is_short else message)
+
+
+def _csv(path: Path, file: BinaryIO) -> Iterator[Pulses]:
+    header = file.readline(MOST_HEADER_BYTES).decode("utf-8-sig", "replace")
+    places = _places(path, header)
+    line = 2
+    while text := file.read(BLOCK_BYTES):
+        text += file.readline()
+        table = _table(path, text, places.width, line)
+        yield _checked(path, table, places, line)
+        line += text.count(b"\n")
+
+
+@dataclass(frozen=True, slots=True)
+class _Places:
+    channel: int
+    t_ns: int
+    sense: int | None
+    width: int
+
+
+def _places(path: Path, header: str) -> _Places:
+    names = [name.strip().strip('"') for name in header.split(",")]
+    for name in COLUMNS:
+        if names.count(name) != 1:
+            message = f"expected the columns channel,t_ns, found {quoted(header.strip())}"
+            raise InputError(path, 1, None, message)
+    sense = names.index(SENSE) if SENSE in names else None
+    return _Places(names.index("channel"), names.index("t_ns"), sense, len(names))
+
+
+def _table(path: Path, text: bytes, width: int, first_line: int) -> NDArray[np.int64]:
+    """Parse rows of whole numbers; shape (n, width). What is not so plain goes row by row."""
+    plain = text.replace(b"\r", b"").strip(b"\n")
+    rows = plain.count(b"\n") + 1 if plain else 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)  # numpy stops at what is no number
+        try:
+            flat = np.fromstring(plain.replace(b"\n", b","), dtype=np.int64, sep=",")
+        except (DeprecationWarning, ValueError):
+            flat = np.empty(0, dtype=np.int64)
+    commas = plain.count(b",")
+    if len(flat) == rows * width and commas == rows * (width - 1):
+        return flat.reshape(rows, width)
+    return _row_by_row(path, text, width, first_line)
+
+
+def _row_by_row(path: Path, text: bytes, width: int, first_line: int) -> NDArray[np.int64]:
+    rows = []
+    for line, raw in enumerate(text.splitlines(), first_line):
+        cells = raw.decode("utf-8", "replace").split(",")
+        if cells == [""]:
+            continue
+        if len(cells) != width:
+            message = f"expected {width} cells, found {len(cells)}: truncated?"
+            raise InputError(path, line, None, message)
+        try:
+            rows.append([_whole(cell) for cell in cells])
+        except (ValueError, OverflowError):
+            message = f"expected whole numbers, found {quoted(','.join(cells))}"
+            raise InputError(path, line, None, message) from None
+    return np.array(rows, dtype=np.int64).reshape(-1, width)
+
+
+def _whole(cell: str) -> int:
+    try:
+        value = int(cell)
+    except ValueError:
+        value = round(float(cell))  # fractions of a nanosecond are nothing to any capture unit
+    if not -LATEST_NS <= value <= LATEST_NS:
+        raise OverflowError
+    return value
+
+
+def _checked(path: Path, table: NDArray[np.int64], places: _Places, first_line: int) -> Pulses:
+    channel, t_ns = table[:, places.channel], table[:, places.t_ns]
+    sense = np.ones_like(t_ns) if places.sense is None else table[:, places.sense]
+    checks = (
+        (
+            (channel < INPUT) | (channel > OUTPUT_INDEX),
+            "channel",
+            channel,
+            "1 (input), 2 (output), 3 or 4 (their index)",
+        ),
+        ((t_ns < 0) | (t_ns > LATEST_NS), "t_ns", t_ns, "a time from 0 on"),
+        (np.abs(sense) != 1, "sense", sense, "1 or -1"),
+    )
+    for wrong, name, values, expected in checks:
+        if wrong.any():
+            at = int(np.argmax(wrong))
+            message = f"expected {expected}, found {values[at]}"
+            raise InputError(path, first_line + at, name, message)
+    coded = channel + BACKWARD * (sense < 0)
+    return Pulses(coded.astype(np.uint8), t_ns.copy())
+
+
+def _in_order(path: Path, blocks: Iterable[Pulses], *, is_binary: bool) -> Iterator[Pulses]:
+    """Refuse time that goes back: nobody can say by how much a clock that wrapped was late."""
+    before, passed = np.int64(0), 0
+    for block in blocks:
+        steps = np.diff(block.t_ns, prepend=before)
+        if (steps < 0).any():
+            at = int(np.argmax(steps < 0))
+            place = f"pulse {passed + at + 1}"
+            message = (
+                f"{place}: time goes back by {-steps[at]} ns to {block.t_ns[at]} ns: "
+                "the clock wrapped, or the pulses are not in order of time"
+            )
+            raise InputError(path, None if is_binary else passed + at + 2, None, message)
+        if len(block):
+            before, passed = block.t_ns[-1], passed + len(block)
+            yield block
