@@ -4,7 +4,7 @@
 #define LN2_Q31   UINT32_C(1488522236)
 #define LOG2E_Q31 UINT32_C(3098164010)
 #define TERMS     10u
-#define WARM_UP   5u
+#define WARM_UP   8u
 
 void phase_meter_init(phase_meter_t *m, uint32_t dense_divider, uint32_t gate_divider,
                       uint32_t time_constant_ticks)
@@ -14,7 +14,8 @@ void phase_meter_init(phase_meter_t *m, uint32_t dense_divider, uint32_t gate_di
         .gate_divider = gate_divider,
         .time_constant_ticks = time_constant_ticks,
         .dense_left = dense_divider / 2u + 1u,
-        .gate_left = 1u,
+        .gate_left = gate_divider,
+        .needle_q31 = ONE_Q31 / 2u,
     };
 }
 

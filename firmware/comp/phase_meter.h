@@ -42,7 +42,7 @@ bool phase_meter_on_gate(phase_meter_t *m, uint32_t lines, uint32_t ticks);
  */
 bool phase_meter_digital(const phase_meter_t *m, uint32_t ticks, uint32_t *lag_q32);
 
-/* The needle's reading of the same; false until five time constants have passed. */
+/* The needle's reading of the same; false until eight time constants have passed. */
 bool phase_meter_analog(const phase_meter_t *m, uint32_t *lag_q32);
 
 #endif

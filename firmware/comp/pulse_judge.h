@@ -9,9 +9,9 @@
 #include <stdint.h>
 
 enum {
-    PULSE_MISSING_MAX = 32, /* more at once are not believed: the shaft may have rested */
-    PULSE_REJECTED_MAX = 3, /* more in a row are not believed: the shaft runs faster */
-    PULSE_STEADY = 4        /* even intervals in a row after which time is believed */
+    PULSE_MISSING_MAX = 32,  /* more at once are not believed: the shaft may have rested */
+    PULSE_REJECTED_MAX = 16, /* more in a row are not believed: the shaft runs faster */
+    PULSE_STEADY = 4         /* even intervals in a row after which time is believed */
 };
 
 typedef struct {

@@ -243,28 +243,62 @@ static void count_lines(transmission_t *t, uint8_t lines)
     t->gate.line += t->gate.sense * lines;
 }
 
+static void release(transmission_t *t)
+{
+    if (t->has_held) {
+        t->ready[t->ready_count] = t->held;
+        ++t->ready_count;
+    }
+    t->has_held = false;
+}
+
+/* Of two pulses for one line the one that comes nearer to what was expected is kept. */
+static bool is_nearer(const transmission_t *t, int64_t difference)
+{
+    int64_t early = t->reference_q32 - t->expected_q32;
+    int64_t late = difference - t->expected_q32;
+    return (late < 0 ? -late : late) < (early < 0 ? -early : early);
+}
+
+/* Part of an interval of the denser train that had passed; below 0 where its begin was mended. */
+static int64_t passed_q32(const transmission_t *t, uint32_t ticks, uint32_t interval_ticks)
+{
+    uint32_t since = ticks - t->dense.ticks;
+    if (interval_ticks == 0u) {
+        return 0;
+    }
+    if (since > INT32_MAX) {
+        return -(int64_t)(((uint64_t)(t->dense.ticks - ticks) << 32) / interval_ticks);
+    }
+    return (int64_t)(((uint64_t)since << 32) / interval_ticks);
+}
+
 /* Count a gate pulse that came while the denser train moved on by `dense_lines` in `interval`. */
 static void place(transmission_t *t, uint8_t i, uint32_t interval_ticks, uint8_t dense_lines)
 {
     uint32_t ticks = t->pending_ticks[i];
-    uint64_t since = (uint64_t)(ticks - t->dense.ticks) << 32;
-    int64_t  passed = (int64_t)(interval_ticks == 0u ? 0u : since / interval_ticks) * dense_lines;
+    int64_t  passed = passed_q32(t, ticks, interval_ticks) * dense_lines;
     uint8_t  lines = keeps_sense(t, t->pending_sense[i]) ? 1u : 0u;
+    bool     replaces = false;
     if (t->has_reference) {
         lines = judge_gate(t, passed);
-        if (lines == 0u) {
+        replaces = lines == 0u;
+        if (replaces && !is_nearer(t, difference_q32(t, passed))) {
             return;
         }
     }
-    count_lines(t, lines);
+    if (!replaces) {
+        release(t);
+        count_lines(t, lines);
+        t->expected_q32 = t->has_reference ? t->reference_q32 : difference_q32(t, passed);
+    }
     t->reference_q32 = difference_q32(t, passed);
     t->has_reference = true;
     int64_t value = 0;
-    if (measure(t, lines, ticks, dense_lines, &value)) {
-        t->ready[t->ready_count] = (transmission_point_t){
-            .delta_nas = to_nas(t, value), .line = t->gate.line, .ticks = ticks};
-        ++t->ready_count;
-    }
+    t->has_held = measure(t, lines, ticks, dense_lines, &value);
+    t->held =
+        (transmission_point_t){.delta_nas = to_nas(t, value), .line = t->gate.line, .ticks = ticks};
+    t->held_is_fresh = true;
 }
 
 /* Count the pulses that wait without making points of them. */
@@ -274,6 +308,7 @@ static void give_up_pending(transmission_t *t)
         count_lines(t, keeps_sense(t, t->pending_sense[i]) ? 1u : 0u);
     }
     t->pending = 0u;
+    release(t);
     forget_phase(t);
 }
 
@@ -301,6 +336,39 @@ static void turn_dense(transmission_t *t, uint32_t ticks, int8_t sense)
     t->dense.ticks = ticks;
 }
 
+/*
+ * A pulse was left out: of it and the one that was counted for its line, the one that comes nearer
+ * to what was expected is kept.
+ */
+static void mend_dense(transmission_t *t, uint32_t ticks)
+{
+    uint32_t shift = ticks - t->dense.ticks;
+    uint32_t early = t->expected_ticks - t->dense.ticks;
+    if (early > t->dense.period_ticks || shift >= 2u * early) {
+        return; /* it was late, or not early enough */
+    }
+    t->dense.ticks = ticks;
+    t->dense.period_ticks += shift;
+    if (t->held_is_fresh) {
+        t->has_held = false; /* its fraction was taken of too short a line */
+    }
+}
+
+/* The denser train has moved on by `lines` to `ticks`. */
+static void move_dense(transmission_t *t, uint32_t ticks, uint8_t lines)
+{
+    uint32_t interval = ticks - t->dense.ticks;
+    t->held_is_fresh = false;
+    for (uint8_t i = 0u; i < t->pending; ++i) {
+        place(t, i, interval, lines);
+    }
+    t->pending = 0u;
+    phase_meter_on_dense(&t->meter, lines, ticks, interval);
+    t->lines -= t->dense.sense * lines;
+    t->dense.line += t->dense.sense * lines;
+    t->dense.ticks = ticks;
+}
+
 static void on_dense(transmission_t *t, uint32_t ticks, int8_t sense)
 {
     ++t->dense.counters.pulses;
@@ -308,26 +376,32 @@ static void on_dense(transmission_t *t, uint32_t ticks, int8_t sense)
         turn_dense(t, ticks, sense);
         return;
     }
-    uint32_t interval = ticks - t->dense.ticks;
-    uint8_t  lines = t->rested ? 1u : pulse_judge_ticks(&t->dense, interval);
-    if (lines == 0u) {
-        return;
-    }
     if (t->rested) {
         t->rested = false;
         give_up_pending(t);
+        move_dense(t, ticks, 1u);
+        return;
     }
-    for (uint8_t i = 0u; i < t->pending; ++i) {
-        place(t, i, interval, lines);
+    uint32_t period = t->dense.period_ticks;
+    uint8_t  lines = pulse_judge_ticks(&t->dense, ticks - t->dense.ticks);
+    if (lines == 0u) {
+        mend_dense(t, ticks);
+        return;
     }
-    t->pending = 0u;
-    phase_meter_on_dense(&t->meter, lines, ticks, interval);
-    t->lines -= sense * lines;
-    t->dense.line += sense * lines;
-    t->dense.ticks = ticks;
+    t->expected_ticks = t->dense.ticks + lines * period;
+    move_dense(t, ticks, lines);
 }
 
 /* ---- from outside ---- */
+
+static void on_line(transmission_t *t, bool is_output, uint32_t ticks, int8_t sense)
+{
+    if (is_output == t->gate_is_output) {
+        on_gate(t, ticks, sense);
+    } else {
+        on_dense(t, ticks, sense);
+    }
+}
 
 static void on_index(transmission_t *t, bool is_output, int8_t sense)
 {
@@ -347,17 +421,13 @@ static void on_index(transmission_t *t, bool is_output, int8_t sense)
 uint8_t transmission_on_pulse(transmission_t *t, uint8_t channel, uint32_t ticks)
 {
     int8_t sense = (channel & TRANSMISSION_BACKWARD) != 0u ? -1 : 1;
-    bool   is_output = false;
     t->ready_count = 0u;
     switch (channel & (uint8_t)~TRANSMISSION_BACKWARD) {
-    case TRANSMISSION_OUTPUT:
-        is_output = true; /* fall through */
     case TRANSMISSION_INPUT:
-        if (is_output == t->gate_is_output) {
-            on_gate(t, ticks, sense);
-        } else {
-            on_dense(t, ticks, sense);
-        }
+        on_line(t, false, ticks, sense);
+        break;
+    case TRANSMISSION_OUTPUT:
+        on_line(t, true, ticks, sense);
         break;
     case TRANSMISSION_INPUT_INDEX:
         on_index(t, false, sense);

@@ -82,16 +82,21 @@ typedef struct {
     uint32_t              judge_line;    /* a gate line in the unit in which its train is judged */
     uint8_t               judge_shift;
     bool                  has_reference;
-    bool                  rested;        /* since the last pulse of the denser train */
-    int32_t               lines;         /* gate minus denser train, in the latter's lines: ... */
-    uint32_t              remainder;     /* ... lines + remainder / step_under */
-    int64_t               reference_q32; /* the same with its fraction, at the last point */
+    uint32_t              expected_ticks; /* when the last good pulse of the denser train was due */
+    bool                  rested;         /* since the last pulse of the denser train */
+    int32_t               lines;          /* gate minus denser train, in the latter's lines: ... */
+    uint32_t              remainder;      /* ... lines + remainder / step_under */
+    int64_t               reference_q32;  /* the same with its fraction, at the last point */
     int64_t               unrolled_q32; /* phase comparison: turns of phase since the first point */
     uint32_t              phase_q32;
     pulse_train_t         gate;
     pulse_train_t         dense;
     phase_meter_t         meter;
     transmission_index_t  index[2]; /* input, output */
+    transmission_point_t  held;     /* until the next gate pulse shows that it was none too many */
+    bool                  has_held;
+    bool                  held_is_fresh; /* from the last interval of the denser train */
+    int64_t               expected_q32;  /* the reference that the held point was judged by */
     uint32_t              pending_ticks[TRANSMISSION_PENDING];
     int8_t                pending_sense[TRANSMISSION_PENDING];
     uint8_t               pending;
@@ -104,9 +109,9 @@ int transmission_init(transmission_t *t, const transmission_config_t *config);
 
 /*
  * A pulse of `channel` at `ticks`, in order of time; a wrapping counter will do, as long as neither
- * train rests for 2^32 ticks without transmission_pause(). Returns how many points there are now,
- * and they stay until the next pulse; a point comes out with a later pulse of the denser train.
- * Any other channel is taken for no pulse. Task or ISR, one of them.
+ * train rests for 2^31 ticks without transmission_pause(). Returns how many points there are now,
+ * and they stay until the next pulse; a point comes out when the next gate pulse has shown that it
+ * was none too many. Any other channel is taken for no pulse. Task or ISR, one of them.
  */
 uint8_t transmission_on_pulse(transmission_t *t, uint8_t channel, uint32_t ticks);
 

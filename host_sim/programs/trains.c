@@ -2,7 +2,7 @@
 
 #include <stdbool.h>
 
-#define TICKS_AROUND INT64_C(4294967296)
+#define REST_TICKS INT64_C(2147483648) /* half way round: beyond, before and after are alike */
 
 int sim_trains_begin(sim_trains_t *trains, const transmission_config_t *config, uint32_t tick_ns)
 {
@@ -22,7 +22,7 @@ static int check(const sim_trains_t *trains, uint8_t channel, int64_t t_ns)
     return t_ns < trains->last_ns ? SIM_TRAINS_ERR_ORDER : SIM_TRAINS_OK;
 }
 
-/* A train that has rested for longer than the counter of ticks goes round. */
+/* A train that has rested for too long for the counter of ticks. */
 static void notice_rest(sim_trains_t *trains, uint8_t channel, int64_t t_ns)
 {
     uint8_t base = channel & (uint8_t)~TRANSMISSION_BACKWARD;
@@ -31,7 +31,7 @@ static void notice_rest(sim_trains_t *trains, uint8_t channel, int64_t t_ns)
     }
     int64_t *last_ns = &trains->train_ns[base - TRANSMISSION_INPUT];
     if (trains->pulses != 0u &&
-        (uint64_t)t_ns - (uint64_t)*last_ns >= (uint64_t)TICKS_AROUND * trains->tick_ns) {
+        (uint64_t)t_ns - (uint64_t)*last_ns >= (uint64_t)REST_TICKS * trains->tick_ns) {
         transmission_pause(&trains->core);
     }
     *last_ns = t_ns;
