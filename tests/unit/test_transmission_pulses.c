@@ -1,0 +1,320 @@
+/* Pulses that are missing or too many, and shafts that start, stop and turn back. */
+/* LINK: firmware/comp/transmission.c firmware/comp/pulse_judge.c firmware/comp/phase_meter.c
+ *       tests/support/encoders.c tests/support/chain_run.c */
+#include <math.h>
+
+#include "chain_run.h"
+#include "unity.h"
+
+#define LINES  400.0 /* of the output in a run */
+#define WITHIN 0.02
+
+static const encoders_setup_t CHAIN = {
+    .lines1 = 1024.0,
+    .lines2 = 3600.0,
+    .ratio = 40.7,
+    .input_rev_per_s = 5.0,
+    .error_arcsec = 9.57 / 2.0,
+    .tick_s = 1.0e-7,
+    .start_ticks = 4294000000u, /* the clock goes round in between */
+};
+static const transmission_config_t CONFIG = {
+    .lines1 = 1024u,
+    .lines2 = 3600u,
+    .ratio_over = 407u,
+    .ratio_under = 10u,
+    .range = 2u,
+    .meter_ticks = 1u,
+};
+
+static chain_run_t run;
+static encoders_t  encoders;
+
+void setUp(void)
+{
+    chain_run_start(&run, &CHAIN, &CONFIG);
+    encoders_start(&encoders, &run.setup);
+}
+
+void tearDown(void)
+{
+}
+
+static void check_found(uint8_t channel, uint32_t missing, uint32_t extra)
+{
+    pulse_counters_t found = transmission_counters(&run.core, channel);
+    TEST_ASSERT_EQUAL_UINT32(missing, found.missing);
+    TEST_ASSERT_EQUAL_UINT32(extra, found.extra);
+    TEST_ASSERT_EQUAL_UINT32(0u, found.slips);
+}
+
+/* Nothing was integrated, and no point shows that anything was wrong. */
+static void check_unharmed(void)
+{
+    TEST_ASSERT_TRUE(run.points > 0.9 * LINES);
+    TEST_ASSERT_DOUBLE_WITHIN(WITHIN, 0.0, chain_run_off(&run));
+}
+
+/* Play all but `count` pulses of a train from `first` on. */
+static void lose(uint8_t channel, double first, double count)
+{
+    encoders_pulse_t pulse;
+    while (encoders.next_line[1] < LINES && encoders_next(&encoders, &pulse)) {
+        if (pulse.channel != channel || pulse.line < first || pulse.line >= first + count) {
+            chain_run_pulse(&run, pulse.channel, pulse.ticks);
+        }
+    }
+}
+
+/* Play all pulses and one more, when `ticks` have passed since the start. */
+static void add(uint8_t channel, uint32_t ticks, uint32_t count)
+{
+    encoders_pulse_t pulse;
+    while (encoders.next_line[1] < LINES && encoders_next(&encoders, &pulse)) {
+        for (; count > 0u && pulse.ticks - run.setup.start_ticks >= ticks; --count) {
+            chain_run_pulse(&run, channel, run.setup.start_ticks + ticks);
+            ticks += 3u;
+        }
+        chain_run_pulse(&run, pulse.channel, pulse.ticks);
+    }
+}
+
+/* ---- missing and extra pulses ---- */
+
+void test_missing_input_pulses_are_counted_and_put_right(void)
+{
+    for (double count = 1.0; count <= 12.0; count += 1.0) {
+        setUp();
+
+        lose(TRANSMISSION_INPUT, 2000.0, count);
+
+        check_found(TRANSMISSION_INPUT, (uint32_t)count, 0u);
+        check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+        check_unharmed();
+    }
+}
+
+void test_missing_output_pulses_are_counted_and_put_right(void)
+{
+    for (double count = 1.0; count <= 12.0; count += 1.0) {
+        setUp();
+
+        lose(TRANSMISSION_OUTPUT, 200.0, count);
+
+        check_found(TRANSMISSION_INPUT, 0u, 0u);
+        check_found(TRANSMISSION_OUTPUT, (uint32_t)count, 0u);
+        check_unharmed();
+    }
+}
+
+/* Two lines of the input take 3906 ticks: whatever the place, also beside a pulse of the output. */
+void test_an_extra_input_pulse_anywhere_in_a_line_is_left_out(void)
+{
+    for (uint32_t ticks = 4000000u; ticks < 4000000u + 3906u; ticks += 31u) {
+        setUp();
+
+        add(TRANSMISSION_INPUT, ticks, 1u);
+
+        check_found(TRANSMISSION_INPUT, 0u, 1u);
+        check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+        check_unharmed();
+    }
+}
+
+void test_an_extra_output_pulse_anywhere_in_a_line_is_left_out(void)
+{
+    for (uint32_t ticks = 4000000u; ticks < 4000000u + 2u * 22612u; ticks += 211u) {
+        setUp();
+
+        add(TRANSMISSION_OUTPUT, ticks, 1u);
+
+        check_found(TRANSMISSION_INPUT, 0u, 0u);
+        check_found(TRANSMISSION_OUTPUT, 0u, 1u);
+        check_unharmed();
+    }
+}
+
+void test_a_burst_of_extra_pulses_is_left_out(void)
+{
+    add(TRANSMISSION_INPUT, 4000000u, 12u);
+
+    check_found(TRANSMISSION_INPUT, 0u, 12u);
+    check_unharmed();
+}
+
+void test_extra_and_missing_pulses_of_all_methods_leave_no_step(void)
+{
+    static const transmission_method_t METHODS[] = {TRANSMISSION_DIRECT,
+                                                    TRANSMISSION_PHASE_SUBDIVIDED};
+    for (int i = 0; i < 2; ++i) {
+        transmission_config_t config = CONFIG;
+        config.method = METHODS[i];
+        chain_run_start(&run, &CHAIN, &config);
+        encoders_start(&encoders, &run.setup);
+        chain_run_lines(&run, &encoders, LINES / 2.0);
+        double before = chain_run_mean_off(&run);
+        lose(TRANSMISSION_INPUT, encoders.next_line[0] + 5.0, 3.0);
+        chain_run_look_again(&run);
+
+        chain_run_lines(&run, &encoders, 1.5 * LINES);
+
+        check_found(TRANSMISSION_INPUT, 3u, 0u);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, before, chain_run_mean_off(&run));
+    }
+}
+
+/* ---- starting and stopping ---- */
+
+/* Evenly faster from rest: line k is reached at sqrt(k). */
+static uint32_t from_rest(double lines, double first_ticks)
+{
+    return (uint32_t)(first_ticks * sqrt(lines));
+}
+
+void test_shafts_that_start_from_rest_and_stop_lack_no_pulses(void)
+{
+    const double gate = 3600.0 / (1024.0 * 40.7); /* output lines to an input line */
+    const double half = 3000.0;
+    const double ticks = 2.0e5;
+    double       output = 0.3;
+    for (double input = 0.0; input < 2.0 * half; input += 1.0) {
+        bool     stopping = input > half;
+        uint32_t whole = 2u * from_rest(half, ticks);
+        for (; output / gate < input; output += 1.0) {
+            double at = output / gate;
+            chain_run_pulse(&run, TRANSMISSION_OUTPUT,
+                            at > half ? whole - from_rest(2.0 * half - at, ticks)
+                                      : from_rest(at, ticks));
+        }
+        chain_run_pulse(&run, TRANSMISSION_INPUT,
+                        stopping ? whole - from_rest(2.0 * half - input, ticks)
+                                 : from_rest(input, ticks));
+    }
+
+    check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+    pulse_counters_t found = transmission_counters(&run.core, TRANSMISSION_INPUT);
+    TEST_ASSERT_EQUAL_UINT32(0u, found.missing);
+    TEST_ASSERT_EQUAL_UINT32(0u, found.extra);
+}
+
+void test_a_pause_keeps_the_count(void)
+{
+    chain_run_lines(&run, &encoders, LINES / 2.0);
+
+    transmission_pause(&run.core);
+    run.setup.start_ticks += 2000000000u;
+    chain_run_lines(&run, &encoders, LINES);
+
+    check_found(TRANSMISSION_INPUT, 0u, 0u);
+    check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+    check_unharmed();
+}
+
+/* ---- the other sense ---- */
+
+static void there_and_back(double standstill_s)
+{
+    run.setup.turning_turns = 5.25;
+    run.setup.backlash_arcsec = 75.0;
+    run.setup.standstill_s = standstill_s;
+    encoders_pulse_t pulse;
+    double           there = NAN;
+    while (encoders_next(&encoders, &pulse)) {
+        if (encoders.back && isnan(there)) {
+            there = chain_run_mean_off(&run);
+            TEST_ASSERT_DOUBLE_WITHIN(WITHIN, 0.0, chain_run_off(&run));
+        }
+        if (run.last.line == 440 && encoders.back) {
+            chain_run_look_again(&run);
+        }
+        chain_run_pulse(&run, pulse.channel, pulse.ticks);
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(WITHIN, 0.0, chain_run_off(&run));
+    TEST_ASSERT_DOUBLE_WITHIN(WITHIN, 75.0, chain_run_mean_off(&run) - there);
+    TEST_ASSERT_INT32_WITHIN(2, 0, run.last.line);
+}
+
+void test_both_senses_tell_the_backlash(void)
+{
+    there_and_back(0.0);
+
+    check_found(TRANSMISSION_INPUT, 0u, 0u);
+    check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+}
+
+void test_a_standstill_at_the_turning_point_does_no_harm(void)
+{
+    there_and_back(3.3);
+
+    check_found(TRANSMISSION_INPUT, 0u, 0u);
+    check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+}
+
+void test_turning_back_and_forth_does_not_drift(void)
+{
+    double first = NAN;
+    for (int cycle = 0; cycle < 50; ++cycle) {
+        run.setup.turning_turns = 5.25;
+        encoders_start(&encoders, &run.setup);
+        encoders_pulse_t pulse;
+        chain_run_look_again(&run);
+        while (encoders_next(&encoders, &pulse)) {
+            chain_run_pulse(&run, pulse.channel, pulse.ticks);
+        }
+        run.setup.start_ticks += 30000000u;
+        first = isnan(first) ? chain_run_mean_off(&run) : first;
+    }
+
+    TEST_ASSERT_DOUBLE_WITHIN(0.005, first, chain_run_mean_off(&run));
+    TEST_ASSERT_DOUBLE_WITHIN(WITHIN, 0.0, chain_run_off(&run));
+}
+
+/* ---- index ---- */
+
+/* An index pulse at every `every`th line of the input, on the way there and back. */
+static void play_with_index(double every)
+{
+    encoders_pulse_t pulse;
+    run.setup.turning_turns = 5.25;
+    while (encoders_next(&encoders, &pulse)) {
+        bool at_index = fmod(pulse.line, every) == (encoders.back ? 1.0 : 0.0);
+        chain_run_pulse(&run, pulse.channel, pulse.ticks);
+        if (at_index && (pulse.channel & 127u) == TRANSMISSION_INPUT) {
+            chain_run_pulse(&run, (uint8_t)(pulse.channel + 2u), pulse.ticks + 1u);
+        }
+    }
+}
+
+void test_index_pulses_a_turn_apart_are_good(void)
+{
+    play_with_index(1024.0);
+
+    transmission_index_t index = transmission_index(&run.core, TRANSMISSION_INPUT);
+    TEST_ASSERT_EQUAL_UINT32(12u, index.count);
+    TEST_ASSERT_EQUAL_UINT32(0u, index.slips);
+    TEST_ASSERT_EQUAL_INT32(0, index.line);
+    TEST_ASSERT_EQUAL_UINT32(0u, transmission_index(&run.core, TRANSMISSION_OUTPUT).count);
+}
+
+void test_index_pulses_less_than_a_turn_apart_are_slips(void)
+{
+    play_with_index(1023.0);
+
+    transmission_index_t index = transmission_index(&run.core, TRANSMISSION_INPUT);
+    TEST_ASSERT_EQUAL_UINT32(12u, index.count);
+    TEST_ASSERT_EQUAL_UINT32(10u, index.slips);
+}
+
+/* ---- what is no pulse ---- */
+
+void test_a_pulse_of_no_channel_changes_nothing(void)
+{
+    chain_run_lines(&run, &encoders, LINES / 2.0);
+
+    TEST_ASSERT_EQUAL_UINT8(0u, transmission_on_pulse(&run.core, 0u, 1u));
+    TEST_ASSERT_EQUAL_UINT8(0u, transmission_on_pulse(&run.core, 5u, 1u));
+    TEST_ASSERT_EQUAL_UINT8(0u, transmission_on_pulse(&run.core, 128u, 1u));
+    chain_run_lines(&run, &encoders, LINES);
+
+    check_unharmed();
+}
