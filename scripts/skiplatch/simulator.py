@@ -27,6 +27,7 @@ HEADERS = (
     ROOT / "firmware" / "comp" / "transmission.h",
     ROOT / "host_sim" / "chain.h",
     ROOT / "host_sim" / "effects" / "description.h",
+    ROOT / "host_sim" / "gear_train.h",
     ROOT / "host_sim" / "law.h",
     ROOT / "host_sim" / "programs" / "batch.h",
     ROOT / "firmware" / "cycle" / "overtravel.h",
@@ -477,7 +478,8 @@ class Trains:
         """Begin a run.
 
         Raises:
-            SimulationError: The firmware refuses the set-up; ends in the name of its code.
+            SimulationError: The firmware refuses the set-up; the name of its code.
+            OverflowError: A value has more than 32 bits.
         """
         self._binding = _binding()
         ffi = self._binding.ffi
@@ -485,13 +487,10 @@ class Trains:
         values = asdict(setup)
         tick_ns = values.pop("tick_ns")
         values["method"] = getattr(self._binding.library, setup.method)
-        try:
-            config = ffi.new("transmission_config_t *", values)
-            code = self._binding.library.sim_trains_begin(self._trains, config, tick_ns)
-        except OverflowError as error:
-            raise SimulationError(f"more than 32 bits: {error}") from error
+        config = ffi.new("transmission_config_t *", values)
+        code = self._binding.library.sim_trains_begin(self._trains, config, tick_ns)
         if code != 0:
-            raise SimulationError(ffi.string(ffi.cast("transmission_error_t", code)).decode())
+            raise SimulationError(ffi.string(ffi.cast("transmission_error_t", code)))
 
     def feed(
         self, channel: NDArray[np.uint8], t_ns: NDArray[np.int64]
@@ -540,3 +539,37 @@ class Trains:
 
 def _as_dict(structure: CData) -> dict[str, int]:
     return {name: int(getattr(structure, name)) for name in dir(structure)}
+
+
+class GearPulses:
+    """Pulses of a simulated gear train, a block at a time; ``host_sim/gear_train.h``."""
+
+    def __init__(self, train: Mapping[str, object]) -> None:
+        """Begin a run.
+
+        Args:
+            train: Fields of ``sim_gear_train_t``, structures in it as mappings; what is not given
+                is 0.
+
+        Raises:
+            SimulationError: The train refuses to turn; says why.
+        """
+        self._binding = _binding()
+        self._run = self._binding.ffi.new("sim_gear_run_t *")
+        given = self._binding.ffi.new("sim_gear_train_t *", train)
+        code = self._binding.library.sim_gear_start(self._run, given)
+        if code != 0:
+            said = self._binding.library.sim_gear_error(code)
+            raise SimulationError(self._binding.ffi.string(said).decode())
+
+    def take(self, n: int) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+        """Give channels and times in ns of the next n pulses; fewer at the end of the way."""
+        ffi = self._binding.ffi
+        channels, t_ns = np.empty(n, dtype=np.uint8), np.empty(n, dtype=np.int64)
+        count = self._binding.library.sim_gear_pulses(
+            self._run,
+            n,
+            ffi.from_buffer("uint8_t[]", channels, require_writable=True),
+            ffi.from_buffer("int64_t[]", t_ns, require_writable=True),
+        )
+        return channels[:count], t_ns[:count]

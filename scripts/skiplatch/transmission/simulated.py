@@ -1,0 +1,79 @@
+"""Trains of pulses from the simulated gear train: gears, screw, load, encoders, clock."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+
+from skiplatch.simulator import GearPulses
+from skiplatch.transmission.pulses import BLOCK_PULSES, Pulses
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Gear:
+    """A gear and its errors, as ways along its pitch circle."""
+
+    teeth: float
+    eccentricity_um: float = 0.0
+    eccentricity_phase_deg: float = 0.0
+    mesh_um: float = 0.0
+    mesh_phase_deg: float = 0.0
+    pitch_rms_um: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GearStage:
+    """Two gears that mesh."""
+
+    driver: Gear
+    driven: Gear
+    module_mm: float = 1.0
+    play_um: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Encoder:
+    """Lines on a track, its mounting, and the time jitter of its pulses."""
+
+    lines: float
+    eccentricity_um: float = 0.0
+    eccentricity_phase_deg: float = 0.0
+    radius_mm: float = 25.0
+    jitter_ns: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Machine:
+    """The whole rig; see ``host_sim/gear_train.h`` for each field."""
+
+    stages: Sequence[GearStage]
+    input: Encoder = field(default_factory=lambda: Encoder(lines=1024))
+    output: Encoder = field(default_factory=lambda: Encoder(lines=3600))
+    screw_lead_mm: float = 0.0
+    screw_error_um: float = 0.0
+    screw_error_phase_deg: float = 0.0
+    screw_lead_error_ppm: float = 0.0
+    stiffness_nm_per_rad: float = 0.0
+    load_nm: float = 0.0
+    load_ripple_nm: float = 0.0
+    load_ripple_order: float = 0.0
+    speed_rev_s: float = 5.0
+    speed_ripple: float = 0.0
+    speed_ripple_hz: float = 0.0
+    turns: float = 1.0
+    """Of the input, in each sense."""
+    clock_hz: float = 10e6
+    seed: int = 1
+    both_senses: bool = False
+
+
+def simulated_pulses(machine: Machine) -> Iterator[Pulses]:
+    """Yield the pulses of a run in blocks.
+
+    Raises:
+        SimulationError: The machine is none that could turn.
+    """
+    run = GearPulses({**asdict(machine), "stage_count": len(machine.stages)})
+    while True:
+        channel, t_ns = run.take(BLOCK_PULSES)
+        if not len(t_ns):
+            return
+        yield Pulses(channel, t_ns)
