@@ -89,7 +89,7 @@ def command(
     lines2: int,
     ratio: Fraction,
     method: str,
-    all_methods: bool,
+    all_methods: bool,  # noqa: FBT001
     meter_ms: float,
     train_path: Path | None,
     json_path: Path | None,

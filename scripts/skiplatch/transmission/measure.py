@@ -23,6 +23,8 @@ from skiplatch.transmission.spectrum import FloatArray
 from skiplatch.transmission.train import GearTrain
 from skiplatch.transmission.values import Backlash, Evaluation, IntArray, Values
 
+PENDING = 64
+"""More gating pulses than wait for a point at the end of a block."""
 NAMES = {INPUT: "input", OUTPUT: "output"}
 
 
@@ -69,8 +71,11 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     lines = float(chain.lines2 if firmware.gate_is_output else chain.lines1 * chain.ratio)
     evaluation = Evaluation(lines, chain.pitch_turns(train))
     spans = _Spans(path)
-    blocks = (_fed(path, firmware, spans, pulses) for pulses in read_pulses(path))
-    evaluation.take(_signed(blocks))
+    gate = _Gate(OUTPUT if firmware.gate_is_output else INPUT)
+    evaluation.take(
+        gate.placed(pulses, _fed(path, firmware, pulses))
+        for pulses in spans.watched(read_pulses(path))
+    )
     spans.refuse_apart()
     values = evaluation.values()
     if values is None:
@@ -80,23 +85,36 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     return Measurement(values, evaluation.backlash(), counters)
 
 
-def _fed(path: Path, firmware: Transmission, spans: "_Spans", pulses: Pulses) -> Points:
-    spans.add(pulses)
+def _fed(path: Path, firmware: Transmission, pulses: Pulses) -> Points:
     try:
         return firmware.feed(pulses.channel, pulses.t_ns)
     except TransmissionError as error:
         raise InputError(path, None, None, f"pulse {error.pulse}: {error}") from error
 
 
-def _signed(blocks: Iterator[Points]) -> Iterator[tuple[IntArray, FloatArray, IntArray]]:
-    """Give line, error and the sense in which each line was passed."""
-    before: int | None = None
-    for points in blocks:
-        if len(points.line):
-            start = points.line[0] - 1 if before is None else before
-            sense = np.sign(np.diff(points.line, prepend=start))
-            before = int(points.line[-1])
-            yield points.line, points.delta_arcsec, sense
+class _Gate:
+    """The pulses at which points stand: the first of all is line 0, each has a sense."""
+
+    def __init__(self, channel: int) -> None:
+        self._channel = channel
+        self._seen = 0
+        self._zero: int | None = None
+        self._t_ns = np.empty(0, dtype=np.int64)
+        self._sense = np.empty(0, dtype=np.int64)
+
+    def placed(self, pulses: Pulses, points: Points) -> tuple[IntArray, FloatArray, IntArray]:
+        """Give line, error and sense of each point that a block of pulses has brought."""
+        gating = (pulses.channel & ~np.uint8(BACKWARD)) == self._channel
+        sense = np.where(pulses.channel[gating] & BACKWARD, -1, 1)
+        t_ns = np.append(self._t_ns, pulses.t_ns[gating])
+        senses = np.append(self._sense, sense)
+        at = np.minimum(np.searchsorted(t_ns, points.t_ns), max(len(t_ns) - 1, 0))
+        if self._zero is None and len(at):
+            before = self._seen - len(self._t_ns) + int(at[0])
+            self._zero = int(points.line[0]) - int(senses[at[0]]) * before
+        self._seen += int(gating.sum())
+        self._t_ns, self._sense = t_ns[-PENDING:], senses[-PENDING:]
+        return points.line - (self._zero or 0), points.delta_arcsec, senses[at]
 
 
 class _Spans:
@@ -107,7 +125,13 @@ class _Spans:
         self._first: dict[int, int] = {}
         self._last: dict[int, int] = {}
 
-    def add(self, pulses: Pulses) -> None:
+    def watched(self, blocks: Iterator[Pulses]) -> Iterator[Pulses]:
+        """Pass blocks on."""
+        for pulses in blocks:
+            self._add(pulses)
+            yield pulses
+
+    def _add(self, pulses: Pulses) -> None:
         base = pulses.channel & ~np.uint8(BACKWARD)
         for channel in NAMES:
             seen = np.flatnonzero(base == channel)

@@ -1,8 +1,8 @@
 """Reading and writing trains of pulses, a block at a time; the layouts are in docs/TRANSMISSION.md.
 
 CSV has the columns ``channel`` (1 input, 2 output, 3 and 4 their index pulses), ``t_ns`` and, if
-the machine turned both ways, ``sense`` (1 or -1). A binary file has a head of 16 bytes and 8 bytes a
-pulse.
+the machine turned both ways, ``sense`` (1 or -1). A binary file has a head of 16 bytes and 8 bytes
+a pulse.
 """
 
 import os

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, signal
+from threadpoolctl import threadpool_limits
 
 FloatArray = NDArray[np.float64]
 
@@ -24,11 +25,11 @@ APART_BINS = 2.5
 ROUNDS = 8
 SMALLEST_SHARE = 0.02
 """Of the highest peak of a round: what is lower waits until the higher ones are fitted."""
-ITERATIONS = 8
+ITERATIONS = 5
 CONVERGED_BINS = 1e-5
 DRIFT_TURNS = 3.0
 """From so many turns on a drift is told from the slowest order."""
-CHUNK = 1 << 15
+CHUNK = 1 << 13
 """Samples of which the sines are held at a time."""
 
 
@@ -71,6 +72,11 @@ def fit_orders(turns: FloatArray, delta_arcsec: FloatArray, per_turn: float) -> 
         delta_arcsec: The samples.
         per_turn: Places of the grid in a turn.
     """
+    with threadpool_limits(1):  # threads that wait for one another cost more than they bring
+        return _fitted(turns, delta_arcsec, per_turn)
+
+
+def _fitted(turns: FloatArray, delta_arcsec: FloatArray, per_turn: float) -> Fit:
     fit = refit(turns, delta_arcsec, np.empty(0))
     for _ in range(ROUNDS):
         more = _peaks(turns, residual(fit, turns, delta_arcsec), per_turn)
@@ -140,7 +146,7 @@ def _solve(
     waves: NDArray[np.complex128] | None,
 ) -> FloatArray:
     """Solve the normal equations: sines, cosines, mean, drift, and steps of the orders if asked."""
-    with_drift = np.ptp(turns) >= DRIFT_TURNS
+    with_drift = bool(np.ptp(turns) >= DRIFT_TURNS)
     size = 2 * len(orders) + 1 + int(with_drift) + (len(orders) if waves is not None else 0)
     square, right = np.zeros((size, size)), np.zeros(size)
     half = max(0.5 * float(np.ptp(turns)), 1e-12)
@@ -220,7 +226,7 @@ def _vertex(power: FloatArray, tops: NDArray[np.intp]) -> FloatArray:
     low, top, high = (np.log(power[at + k] + 1e-300) for k in (-1, 0, 1))
     bend = low - 2.0 * top + high
     shift = np.divide(0.5 * (low - high), bend, out=np.zeros(len(at)), where=bend < 0.0)
-    return at + np.clip(shift, -0.5, 0.5)
+    return np.asarray(at + np.clip(shift, -0.5, 0.5))
 
 
 def _chunks(n: int) -> Iterator[slice]:

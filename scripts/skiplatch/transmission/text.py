@@ -2,25 +2,30 @@
 
 from collections.abc import Mapping
 
-from skiplatch.tables import compact, number, table, whole
+from skiplatch.tables import NOTHING, compact, number, table, whole
 from skiplatch.transmission.firmware import INPUT, OUTPUT
 from skiplatch.transmission.measure import Chain, Measurement
 from skiplatch.transmission.train import GearTrain
 
 SHOWN_ORDERS = 12
 ARCSEC_PER_TURN = 1_296_000.0
-LIMITS = {
-    "subdivided": "any ratio and phase; the clock is the quantum",
-    "direct": "quantum of a whole line of the denser train",
-    "phase-subdivided": "any ratio and phase; may change by less than half a line a point",
-    "phase-digital": "one frequency after dividers; range one period; speed ripple shows",
-    "phase-analog": "the same, behind a meter that averages over its time constant",
-}
-"""What the document says of each method; see docs/TRANSMISSION.md."""
 
 
 def as_text(name: str, method: str, found: Measurement, train: GearTrain | None) -> str:
     """Tell a measurement."""
+    values = found.values
+    turns = f"{whole(values.points)} points over {compact(values.turns)} turns of the output"
+    parts = [
+        f"{name}: {turns}, {method}",
+        table(("", "arcsec"), size_rows(found)),
+        _orders_text(found, train),
+        f"missing pulses {_missing(found)}, extra pulses {_extra(found)}",
+    ]
+    return "\n\n".join(part for part in parts if part)
+
+
+def size_rows(found: Measurement) -> list[tuple[str, str]]:
+    """Give the rows of the table of values."""
     values = found.values
     rows = [
         ("total F'i", number(values.total_arcsec)),
@@ -28,35 +33,35 @@ def as_text(name: str, method: str, found: Measurement, train: GearTrain | None)
         ("long wave f'l", number(values.long_wave_arcsec)),
         ("short wave f'k", number(values.short_wave_arcsec)),
         ("noise (rms)", number(values.noise_arcsec)),
-        ("drift a turn", number(values.drift_arcsec_per_turn)),
+        ("drift a turn", number(values.drift_arcsec_per_turn, 2)),
     ]
     if found.backlash is not None:
         rows.append(("backlash", number(found.backlash.mean_arcsec)))
-    parts = [
-        f"{name}: {whole(values.points)} points over {compact(values.turns)} turns of the output, "
-        f"{method}",
-        table(("", "arcsec"), rows),
-        _orders_text(found, train),
-        f"missing pulses {_missing(found)}, extra pulses {_extra(found)}",
-    ]
-    return "\n\n".join(part for part in parts if part)
+    return rows
 
 
-def _orders_text(found: Measurement, train: GearTrain | None) -> str:
-    shown = found.values.orders[:SHOWN_ORDERS]
-    if not shown:
-        return "No order stands out of the noise."
+def orders_table(
+    found: Measurement, train: GearTrain | None
+) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+    """Give header and rows of the largest orders, with their parts if the train is described."""
     header = ("order per turn", "arcsec", "phase, deg") + (("part",) if train else ())
     rows = [
         (
             compact(order.order, 7),
             number(order.amplitude_arcsec),
             f"{order.phase_deg:.1f}",
-            *((train.named(order) or "—",) if train else ()),
+            *((train.named(order) or NOTHING,) if train else ()),
         )
-        for order in shown
+        for order in found.values.orders[:SHOWN_ORDERS]
     ]
-    more = len(found.values.orders) - len(shown)
+    return header, rows
+
+
+def _orders_text(found: Measurement, train: GearTrain | None) -> str:
+    header, rows = orders_table(found, train)
+    if not rows:
+        return "No order stands out of the noise."
+    more = len(found.values.orders) - len(rows)
     return table(header, rows) + (f"\n… and {more} smaller ones" if more else "")
 
 
@@ -94,24 +99,22 @@ def as_json(method: str, found: Measurement, train: GearTrain | None) -> dict[st
 
 def methods_text(name: str, chain: Chain, results: Mapping[str, Measurement]) -> str:
     """Put the methods side by side."""
-    header = ("method", "points", "quantum ″", "total ″", "noise ″", "largest order", "limit")
-    rows = []
-    for method, found in results.items():
-        largest = found.values.orders[0] if found.values.orders else None
-        rows.append(
-            (
-                method,
-                whole(found.values.points),
-                number(_quantum(method, chain)) if _quantum(method, chain) else "—",
-                number(found.values.total_arcsec),
-                number(found.values.noise_arcsec),
-                f"{compact(largest.order, 6)}: {number(largest.amplitude_arcsec)}″"
-                if largest
-                else "—",
-                LIMITS[method],
-            )
-        )
+    header = ("method", "points", "total ″", "noise ″", "largest order", "limit")
+    rows = [_method_row(method, chain, found) for method, found in results.items()]
     return f"{name}\n\n{table(header, rows)}"
+
+
+def _method_row(method: str, chain: Chain, found: Measurement) -> tuple[str, ...]:
+    values = found.values
+    largest = values.orders[0] if values.orders else None
+    return (
+        method,
+        whole(values.points),
+        number(values.total_arcsec),
+        number(values.noise_arcsec),
+        f"{compact(largest.order, 6)}: {number(largest.amplitude_arcsec)}″" if largest else "—",
+        _limit(method, chain),
+    )
 
 
 def methods_json(chain: Chain, results: Mapping[str, Measurement]) -> dict[str, object]:
@@ -119,19 +122,32 @@ def methods_json(chain: Chain, results: Mapping[str, Measurement]) -> dict[str, 
     methods = [
         {
             **as_json(method, found, None),
-            "quantum_arcsec": _quantum(method, chain),
-            "limit": LIMITS[method],
+            "quantum_arcsec": _quantum_arcsec(chain) if method == "direct" else None,
+            "limit": _limit(method, chain),
         }
         for method, found in results.items()
     ]
     return {"format": "skiplatch-transmission-methods/1", "methods": methods}
 
 
-def _quantum(method: str, chain: Chain) -> float | None:
-    """A line of the denser train at the output, where whole lines are counted."""
-    if method != "direct":
-        return None
+def _quantum_arcsec(chain: Chain) -> float:
+    """A line of the denser train at the output: what counting alone resolves."""
     return ARCSEC_PER_TURN / max(float(chain.lines1 * chain.ratio), float(chain.lines2))
+
+
+def _limit(method: str, chain: Chain) -> str:
+    """Say the limit that the document states of a method, for this chain."""
+    quantum = number(_quantum_arcsec(chain))
+    divided = chain.lines1 * chain.ratio / chain.lines2
+    period = ARCSEC_PER_TURN * divided.denominator / chain.lines2
+    by = f"one frequency only: divided by {divided.numerator} and {divided.denominator}"
+    return {
+        "subdivided": "any ratio, any phase; the clock is the quantum",
+        "direct": f"quantum of a line, {quantum}″",
+        "phase-subdivided": f"any ratio; may change by less than {quantum}″/2 a point",
+        "phase-digital": f"{by}; range below 2π, {number(period)}″ a period; speed ripple shows",
+        "phase-analog": f"{by}; a meter of {compact(1e3 * chain.meter_s)} ms smooths",
+    }[method]
 
 
 def _missing(found: Measurement) -> int:

@@ -27,9 +27,10 @@ from skiplatch.transmission.spectrum import Order
 
 MAX_BYTES = 1 << 20
 MOST_HARMONIC = 4
-NEAR = 2e-3
+MESH = "mesh of "
+NEAR = 5e-4
 """An order belongs to a part that is as near as that share of it, or as `NEAR_ABSOLUTE`."""
-NEAR_ABSOLUTE = 5e-3
+NEAR_ABSOLUTE = 2e-3
 KEYS = {"driver_teeth", "driven_teeth", "name"}
 
 
@@ -79,7 +80,7 @@ class GearTrain:
         turning = "screw" if self.lead_mm is not None else f"shaft {count + 1} (output)"
         parts.append(Part(1.0, turning))
         for number, stage in reversed(list(enumerate(self.stages, 1))):
-            parts.append(Part(float(speed * stage.driven_teeth), f"mesh of {stage.name}"))
+            parts.append(Part(float(speed * stage.driven_teeth), MESH + stage.name))
             speed *= Fraction(stage.driven_teeth, stage.driver_teeth)
             end = " (input)" if number == 1 else ""
             parts.append(Part(float(speed), f"shaft {number}{end}"))
@@ -91,17 +92,26 @@ class GearTrain:
         return float(self.stages[-1].driven_teeth) if self.stages else None
 
     def named(self, order: Order) -> str | None:
-        """Say which part an order belongs to, with its harmonic; None where there is none."""
-        found: list[tuple[int, float, str]] = []
-        for part in self.parts:
-            for harmonic in range(1, MOST_HARMONIC + 1):
-                off = abs(order.order - harmonic * part.order)
-                if off <= max(NEAR * order.order, NEAR_ABSOLUTE):
-                    found.append((harmonic, off, part.name))
-        if not found:
-            return None
-        harmonic, _, name = min(found)
-        return name if harmonic == 1 else f"{name}, harmonic {harmonic}"
+        """Say which parts an order belongs to; None where there is none.
+
+        It may be that of a part, a harmonic, or a mesh and a shaft beside it (a side band).
+        """
+        near = max(NEAR * order.order, NEAR_ABSOLUTE)
+        for harmonic in range(1, MOST_HARMONIC + 1):
+            names = [p.name for p in self.parts if abs(order.order - harmonic * p.order) <= near]
+            if names:
+                joined = " and ".join(names)
+                return joined if harmonic == 1 else f"{joined}, harmonic {harmonic}"
+        for mesh, shaft in self._side_bands():
+            for sign, word in ((1, "+"), (-1, "−")):
+                if abs(order.order - mesh.order - sign * shaft.order) <= near:
+                    return f"{mesh.name} {word} {shaft.name}"
+        return None
+
+    def _side_bands(self) -> list[tuple[Part, Part]]:
+        meshes = [part for part in self.parts if part.name.startswith(MESH)]
+        shafts = [part for part in self.parts if not part.name.startswith(MESH)]
+        return [(mesh, shaft) for mesh in meshes for shaft in shafts]
 
 
 def read_train(path: Path) -> GearTrain:

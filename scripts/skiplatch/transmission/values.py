@@ -16,7 +16,7 @@ from skiplatch.transmission.spectrum import Fit, FloatArray, Order, fit_orders, 
 
 IntArray = NDArray[np.int64]
 
-BLOCK_POINTS = 1 << 18
+BLOCK_POINTS = 1 << 17
 LEAST_SHARE = 0.25
 """A last block with less than that of a block's points does not move the orders."""
 MOST_BINS = 3600
@@ -24,12 +24,14 @@ MOST_BINS = 3600
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """The error over one output turn, of all turns; every array has the shape (bins,)."""
+    """The error over the output turn: the range of all turns, shape (bins,), and the first, (m,)."""
 
     turn: FloatArray
     mean_arcsec: FloatArray
     low_arcsec: FloatArray
     high_arcsec: FloatArray
+    first_turn: FloatArray
+    first_arcsec: FloatArray
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,7 +99,8 @@ class Evaluation:
         self, blocks: Iterable[tuple[IntArray, FloatArray, IntArray]]
     ) -> Iterator[tuple[IntArray, FloatArray]]:
         for places, delta, sense in blocks:
-            self._sense = self._sense or int(sense[0])
+            if not self._sense and len(sense):
+                self._sense = int(sense[0])
             same = sense == self._sense
             yield places[same], delta[same]
             self._fold_back.add(places[sense == -self._sense], delta[sense == -self._sense])
@@ -208,11 +211,15 @@ class _Fold:
 
     def __init__(self, lines: float) -> None:
         self._lines = lines
+        self._first = (np.empty(0), np.empty(0))
         self._bins = bins = max(min(int(lines), MOST_BINS), 1)
         self._count, self._sum = np.zeros(bins), np.zeros(bins)
         self._low, self._high = np.full(bins, np.inf), np.full(bins, -np.inf)
 
     def add(self, places: IntArray, delta: FloatArray) -> None:
+        if not len(self._first[0]):
+            turns = (places - places[:1]) / self._lines
+            self._first = (places[turns < 1.0] / self._lines % 1.0, delta[turns < 1.0])
         at = (places % self._lines * (self._bins / self._lines)).astype(np.int64)
         at = np.minimum(at, self._bins - 1)
         self._count += np.bincount(at, minlength=self._bins)
@@ -223,12 +230,13 @@ class _Fold:
     def mean(self) -> FloatArray:
         """Give the mean at each place, NaN where no point was."""
         none = np.full(self._bins, np.nan)
-        return np.divide(self._sum, self._count, out=none, where=self._count > 0)
+        return np.asarray(np.divide(self._sum, self._count, out=none, where=self._count > 0))
 
     def curve(self) -> Curve:
         seen = np.flatnonzero(self._count)
         mean = self._sum[seen] / self._count[seen]
-        return Curve(seen / self._bins, mean, self._low[seen], self._high[seen])
+        low, high = self._low[seen], self._high[seen]
+        return Curve(seen / self._bins, mean, low, high, *self._first)
 
 
 class _Spectrum:

@@ -1,0 +1,70 @@
+"""A transmission error as one page of HTML: no script, nothing from elsewhere, light and dark."""
+
+from skiplatch.figures.inline import VARIABLES
+from skiplatch.figures.theme import DARK
+from skiplatch.figures.transmission import draw_orders, draw_turn
+from skiplatch.report.page import environment
+from skiplatch.report.words import Table
+from skiplatch.tables import compact, number
+from skiplatch.transmission.measure import Chain, Measurement
+from skiplatch.transmission.text import orders_table, size_rows
+from skiplatch.transmission.train import GearTrain
+
+TEMPLATE = "transmission.html"
+
+
+def as_html(
+    name: str, method: str, chain: Chain, found: Measurement, train: GearTrain | None
+) -> str:
+    """Lay out a measurement.
+
+    Args:
+        name: What the file of pulses is called.
+        method: How the trains were compared.
+        chain: The encoders and the ratio.
+        found: What came of it.
+        train: The gears, if they are described.
+    """
+    values = found.values
+    header, rows = orders_table(found, train)
+    drawings = [draw_turn(values)]
+    if values.orders:
+        drawings.append(draw_orders(values))
+    return (
+        environment()
+        .get_template(TEMPLATE)
+        .render(
+            name=name,
+            method=method,
+            chain=chain,
+            turns=compact(values.turns),
+            headline=f"Transmission error {number(values.total_arcsec)}″ peak to peak",
+            lead=_lead(found, train),
+            drawings=drawings,
+            sizes=Table(("value", "arcsec"), size_rows(found)),
+            orders=Table(header, rows),
+            pulses=_pulses(found),
+            light=VARIABLES,
+            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
+        )
+    )
+
+
+def _lead(found: Measurement, train: GearTrain | None) -> str:
+    orders = found.values.orders
+    if not orders:
+        return "No order stands out of the noise."
+    part = train.named(orders[0]) if train is not None else None
+    whose = f" ({part})" if part else ""
+    return (
+        f"The largest order is {compact(orders[0].order, 6)} a turn of the output{whose}, "
+        f"{number(orders[0].amplitude_arcsec)}″."
+    )
+
+
+def _pulses(found: Measurement) -> Table:
+    rows = [
+        (name, str(counters.pulses), str(counters.missing), str(counters.extra))
+        for name, counters in zip(("input", "output"), found.counters.values(), strict=True)
+    ]
+    return Table(("train", "pulses", "missing", "extra"), rows)
