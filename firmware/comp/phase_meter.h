@@ -10,16 +10,17 @@
 
 /* Fields are for firmware/comp. */
 typedef struct {
+    uint64_t now_ticks;    /* at the denser train's last pulse, since it began */
+    uint64_t set_ticks;    /* at its last divided pulse */
+    uint64_t period_ticks; /* between the last two of those; 0: not known yet */
+    uint64_t needle_ticks; /* up to where the needle has moved */
+    uint64_t warm_ticks;   /* when it was switched on */
+    uint32_t needle_q31;   /* 0 … 2^31 */
+    uint32_t time_constant_ticks;
     uint32_t dense_divider; /* lines of each train in a period */
     uint32_t gate_divider;
-    uint32_t time_constant_ticks;
     uint32_t dense_left; /* lines until the divided pulse */
     uint32_t gate_left;
-    uint32_t set_ticks;    /* last divided pulse of the denser train */
-    uint32_t period_ticks; /* between the last two; 0: not known yet */
-    uint32_t needle_q31;   /* 0 … 2^31 */
-    uint32_t needle_ticks; /* when it stood there */
-    uint64_t warm_ticks;   /* since it was switched on */
     bool     has_begun;
     bool     has_set;
     bool     is_set; /* the flip-flop */
@@ -29,18 +30,20 @@ typedef struct {
 void phase_meter_init(phase_meter_t *m, uint32_t dense_divider, uint32_t gate_divider,
                       uint32_t time_constant_ticks);
 
-/* `lines` lines of the denser train have passed, evenly, in `interval_ticks` until `ticks`. */
-void phase_meter_on_dense(phase_meter_t *m, uint32_t lines, uint32_t ticks,
-                          uint32_t interval_ticks);
-
-/* `lines` lines of the gating train have passed at `ticks`. True at a divided pulse. */
-bool phase_meter_on_gate(phase_meter_t *m, uint32_t lines, uint32_t ticks);
+/* `lines` lines of the denser train have passed, evenly, in the last `interval_ticks`. */
+void phase_meter_on_dense(phase_meter_t *m, uint32_t lines, uint32_t interval_ticks);
 
 /*
- * At a divided pulse of the gate, at `ticks`: its lag over the period before, in 2^-32 of a period
- * and without whole periods. False before there was a period.
+ * `lines` lines of the gating train have passed, `since_ticks` after the denser train's last
+ * pulse. True at a divided pulse.
  */
-bool phase_meter_digital(const phase_meter_t *m, uint32_t ticks, uint32_t *lag_q32);
+bool phase_meter_on_gate(phase_meter_t *m, uint32_t lines, int32_t since_ticks);
+
+/*
+ * At a divided pulse of the gate: its lag over the period before, in 2^-32 of a period and without
+ * whole periods. False before there was a period.
+ */
+bool phase_meter_digital(const phase_meter_t *m, int32_t since_ticks, uint32_t *lag_q32);
 
 /* The needle's reading of the same; false until eight time constants have passed. */
 bool phase_meter_analog(const phase_meter_t *m, uint32_t *lag_q32);

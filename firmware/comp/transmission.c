@@ -1,124 +1,13 @@
 #include "comp/transmission.h"
 
-#include <stddef.h>
+#define ONE_Q32 INT64_C(4294967296)
 
-#define ONE_Q32      INT64_C(4294967296)
-#define LINES_MAX    (UINT32_C(1) << 24)
-#define STEP_MAX     (UINT32_C(1) << 20) /* denser train's lines in a gate line */
-#define FRACTION_MAX INT32_MAX
-#define TURN_NAS     UINT64_C(1296000000000000)
-#define JUDGE_BITS   24
-
-/* ---- setting up ---- */
-
-static uint64_t common_divisor(uint64_t a, uint64_t b)
-{
-    while (b != 0u) {
-        uint64_t rest = a % b;
-        a = b;
-        b = rest;
-    }
-    return a;
-}
-
-/* a * b / c without what would not fit into 64 bits on the way; c ≤ 2^62, result ≤ 2^63. */
-static uint64_t scaled(uint64_t a, uint32_t b, uint64_t c)
-{
-    uint64_t whole = 0u;
-    uint64_t rest = 0u;
-    for (uint32_t bit = UINT32_C(1) << 31; bit != 0u; bit >>= 1) {
-        whole *= 2u;
-        rest *= 2u;
-        if ((b & bit) != 0u) {
-            whole += a / c;
-            rest += a % c;
-        }
-        whole += rest / c;
-        rest %= c;
-    }
-    return whole;
-}
-
-static int check(const transmission_config_t *config)
-{
-    if (config->lines1 == 0u || config->lines1 > LINES_MAX || config->lines2 == 0u ||
-        config->lines2 > LINES_MAX) {
-        return TRANSMISSION_ERR_LINES;
-    }
-    if (config->ratio_over == 0u || config->ratio_under == 0u) {
-        return TRANSMISSION_ERR_RATIO;
-    }
-    if (config->method > TRANSMISSION_PHASE_ANALOG) {
-        return TRANSMISSION_ERR_METHOD;
-    }
-    if (config->range == 0u || config->meter_ticks == 0u) {
-        return TRANSMISSION_ERR_METER;
-    }
-    return TRANSMISSION_OK;
-}
-
-/* over : under are pulses of the denser train to pulses of the gate. */
-static int set_step(transmission_t *t, uint64_t over, uint64_t under)
-{
-    uint64_t divisor = common_divisor(over, under);
-    over /= divisor;
-    under /= divisor;
-    if (over > FRACTION_MAX || over / under >= STEP_MAX) {
-        return TRANSMISSION_ERR_RANGE;
-    }
-    if (over > FRACTION_MAX / t->config.range) {
-        return TRANSMISSION_ERR_METER;
-    }
-    t->step_lines = (uint32_t)(over / under);
-    t->step_over = (uint32_t)(over % under);
-    t->step_under = (uint32_t)under;
-    t->under_inverse = UINT64_MAX / under;
-    phase_meter_init(&t->meter, (uint32_t)over * t->config.range, (uint32_t)under * t->config.range,
-                     t->config.meter_ticks);
-    return TRANSMISSION_OK;
-}
+/* ---- counting ---- */
 
 static int64_t fraction_q32(const transmission_t *t, uint32_t over)
 {
     return (int64_t)((over * t->under_inverse) >> 32);
 }
-
-static int64_t step_q32(const transmission_t *t)
-{
-    return (int64_t)t->step_lines * ONE_Q32 + fraction_q32(t, t->step_over);
-}
-
-static void set_judge(transmission_t *t)
-{
-    uint64_t line = (uint64_t)step_q32(t);
-    for (t->judge_shift = 0u; line >> t->judge_shift >= UINT64_C(1) << JUDGE_BITS;) {
-        ++t->judge_shift;
-    }
-    t->judge_line = (uint32_t)(line >> t->judge_shift);
-}
-
-int transmission_init(transmission_t *t, const transmission_config_t *config)
-{
-    *t = (transmission_t){.config = *config};
-    int error = check(config);
-    if (error != TRANSMISSION_OK) {
-        return error;
-    }
-    uint64_t input = (uint64_t)config->lines1 * config->ratio_over;
-    uint64_t output = (uint64_t)config->lines2 * config->ratio_under;
-    t->gate_is_output = input >= output;
-    if (t->gate_is_output) {
-        error = set_step(t, input, output);
-        t->line_nas = (int64_t)scaled(TURN_NAS, config->ratio_under, input);
-    } else {
-        error = set_step(t, output, input);
-        t->line_nas = (int64_t)(TURN_NAS / config->lines2);
-    }
-    set_judge(t);
-    return error;
-}
-
-/* ---- counting ---- */
 
 /* The gate moves on by a line, the way it turns. */
 static void add_step(transmission_t *t)
@@ -181,12 +70,13 @@ static int64_t lag_in_lines(const transmission_t *t, uint32_t lag_q32, int8_t se
 
 static bool compare_phases(transmission_t *t, uint8_t lines, uint32_t ticks, int64_t *value)
 {
+    int32_t  since_ticks = (int32_t)(ticks - t->dense.ticks);
     uint32_t lag_q32 = 0u;
-    if (!phase_meter_on_gate(&t->meter, lines, ticks)) {
+    if (!phase_meter_on_gate(&t->meter, lines, since_ticks)) {
         return false;
     }
     bool has_lag = t->config.method == TRANSMISSION_PHASE_DIGITAL
-                       ? phase_meter_digital(&t->meter, ticks, &lag_q32)
+                       ? phase_meter_digital(&t->meter, since_ticks, &lag_q32)
                        : phase_meter_analog(&t->meter, &lag_q32);
     *value = lag_in_lines(t, lag_q32, t->gate.sense);
     return has_lag;
@@ -349,6 +239,7 @@ static void mend_dense(transmission_t *t, uint32_t ticks)
     }
     t->dense.ticks = ticks;
     t->dense.period_ticks += shift;
+    phase_meter_on_dense(&t->meter, 0u, shift);
     if (t->held_is_fresh) {
         t->has_held = false; /* its fraction was taken of too short a line */
     }
@@ -363,7 +254,7 @@ static void move_dense(transmission_t *t, uint32_t ticks, uint8_t lines)
         place(t, i, interval, lines);
     }
     t->pending = 0u;
-    phase_meter_on_dense(&t->meter, lines, ticks, interval);
+    phase_meter_on_dense(&t->meter, lines, interval);
     t->lines -= t->dense.sense * lines;
     t->dense.line += t->dense.sense * lines;
     t->dense.ticks = ticks;

@@ -29,8 +29,9 @@ typedef enum {
     TRANSMISSION_OK = 0,
     TRANSMISSION_ERR_LINES = -1,  /* not 1 … 2^24 */
     TRANSMISSION_ERR_RATIO = -2,  /* zero above or below the bar */
-    TRANSMISSION_ERR_RANGE = -3,  /* the fraction i*lines1/lines2 does not fit into 31 bits, or one
-                                     train has a million times the pulses of the other */
+    TRANSMISSION_ERR_RANGE = -3,  /* the fraction i*lines1/lines2 does not fit into 31 bits, one
+                                     train has a million times the pulses of the other, or a line
+                                     is less than 0.001" */
     TRANSMISSION_ERR_METHOD = -4, /* none of transmission_method_t */
     TRANSMISSION_ERR_METER = -5   /* range or time constant of 0, or a range that is too large */
 } transmission_error_t;
@@ -59,7 +60,7 @@ typedef struct {
 
 typedef struct {
     int64_t  delta_nas; /* nanoarcseconds at the output; its zero is where counting began */
-    int32_t  line;      /* of the gating train, counted from its first pulse in the run; signed */
+    int32_t  line;      /* of the gating train: 0 is its first pulse after the denser one's */
     uint32_t ticks;     /* when that line passed */
 } transmission_point_t;
 
@@ -72,46 +73,50 @@ typedef struct {
 
 /* Owned by the caller; the fields are for these modules. One context only. */
 typedef struct {
+    /* set once */
+    uint64_t              under_inverse; /* 2^64 / step_under */
+    int64_t               line_nas;      /* a line of the denser train, at the output */
     transmission_config_t config;
-    bool                  gate_is_output;
     uint32_t              step_lines; /* denser train's lines in a gate line: step_lines + ... */
     uint32_t              step_over;  /* ... step_over / step_under */
     uint32_t              step_under;
-    uint64_t              under_inverse; /* 2^64 / step_under */
-    int64_t               line_nas;      /* a line of the denser train, at the output */
-    uint32_t              judge_line;    /* a gate line in the unit in which its train is judged */
-    uint8_t               judge_shift;
-    bool                  has_reference;
-    uint32_t              expected_ticks; /* when the last good pulse of the denser train was due */
-    bool                  rested;         /* since the last pulse of the denser train */
-    int32_t               lines;          /* gate minus denser train, in the latter's lines: ... */
-    uint32_t              remainder;      /* ... lines + remainder / step_under */
-    int64_t               reference_q32;  /* the same with its fraction, at the last point */
-    int64_t               unrolled_q32; /* phase comparison: turns of phase since the first point */
-    uint32_t              phase_q32;
-    pulse_train_t         gate;
-    pulse_train_t         dense;
-    phase_meter_t         meter;
-    transmission_index_t  index[2]; /* input, output */
-    transmission_point_t  held;     /* until the next gate pulse shows that it was none too many */
-    bool                  has_held;
-    bool                  held_is_fresh; /* from the last interval of the denser train */
-    int64_t               expected_q32;  /* the reference that the held point was judged by */
-    uint32_t              pending_ticks[TRANSMISSION_PENDING];
-    int8_t                pending_sense[TRANSMISSION_PENDING];
-    uint8_t               pending;
-    transmission_point_t  ready[TRANSMISSION_PENDING];
-    uint8_t               ready_count;
+    uint32_t              judge_line; /* a gate line in the unit in which its train is judged */
+    /* where the trains are */
+    uint32_t             remainder;     /* gate minus denser train, in the latter's lines: ... */
+    int32_t              lines;         /* ... lines + remainder / step_under */
+    int64_t              reference_q32; /* the same with its fraction, at the last point */
+    int64_t              expected_q32;  /* and at the point before: what was expected of it */
+    int64_t              unrolled_q32;  /* phase comparison: turns of phase since the first point */
+    uint32_t             phase_q32;
+    uint32_t             expected_ticks; /* when the denser train's last good pulse was due */
+    pulse_train_t        gate;
+    pulse_train_t        dense;
+    phase_meter_t        meter;
+    transmission_index_t index[2]; /* input, output */
+    /* points */
+    transmission_point_t held; /* until the next gate pulse shows that it was none too many */
+    transmission_point_t ready[TRANSMISSION_PENDING];
+    uint32_t             pending_ticks[TRANSMISSION_PENDING];
+    int8_t               pending_sense[TRANSMISSION_PENDING];
+    uint8_t              pending;
+    uint8_t              ready_count;
+    uint8_t              judge_shift;
+    bool                 gate_is_output;
+    bool                 has_reference;
+    bool                 rested; /* since the last pulse of the denser train */
+    bool                 has_held;
+    bool                 held_is_fresh; /* from the last interval of the denser train */
 } transmission_t;
 
 /* Before first use. TRANSMISSION_OK or a negative code, and then *t is not to be used. Task. */
 int transmission_init(transmission_t *t, const transmission_config_t *config);
 
 /*
- * A pulse of `channel` at `ticks`, in order of time; a wrapping counter will do, as long as neither
- * train rests for 2^31 ticks without transmission_pause(). Returns how many points there are now,
- * and they stay until the next pulse; a point comes out when the next gate pulse has shown that it
- * was none too many. Any other channel is taken for no pulse. Task or ISR, one of them.
+ * A pulse of `channel` at `ticks`, in order of time; a wrapping counter will do, as long as the
+ * denser train does not rest for 2^31 ticks without transmission_pause(). Returns how many points
+ * there are now, and they stay until the next pulse; a point comes out when the next gate pulse has
+ * shown that it was none too many. Any other channel is taken for no pulse. Task or ISR, one of
+ * them.
  */
 uint8_t transmission_on_pulse(transmission_t *t, uint8_t channel, uint32_t ticks);
 

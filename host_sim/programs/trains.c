@@ -6,7 +6,7 @@
 
 int sim_trains_begin(sim_trains_t *trains, const transmission_config_t *config, uint32_t tick_ns)
 {
-    *trains = (sim_trains_t){.tick_ns = tick_ns, .last_ns = INT64_MIN};
+    *trains = (sim_trains_t){.tick_ns = tick_ns, .last_ns = INT64_MIN, .dense_ns = INT64_MIN};
     if (tick_ns == 0u) {
         return SIM_TRAINS_ERR_TICK;
     }
@@ -22,19 +22,18 @@ static int check(const sim_trains_t *trains, uint8_t channel, int64_t t_ns)
     return t_ns < trains->last_ns ? SIM_TRAINS_ERR_ORDER : SIM_TRAINS_OK;
 }
 
-/* A train that has rested for too long for the counter of ticks. */
+/* The denser train has rested for too long for the counter of ticks. */
 static void notice_rest(sim_trains_t *trains, uint8_t channel, int64_t t_ns)
 {
-    uint8_t base = channel & (uint8_t)~TRANSMISSION_BACKWARD;
-    if (base > TRANSMISSION_OUTPUT) {
+    uint8_t dense = trains->core.gate_is_output ? TRANSMISSION_INPUT : TRANSMISSION_OUTPUT;
+    if ((channel & (uint8_t)~TRANSMISSION_BACKWARD) != dense) {
         return;
     }
-    int64_t *last_ns = &trains->train_ns[base - TRANSMISSION_INPUT];
-    if (trains->pulses != 0u &&
-        (uint64_t)t_ns - (uint64_t)*last_ns >= (uint64_t)REST_TICKS * trains->tick_ns) {
+    if (trains->dense_ns != INT64_MIN &&
+        (uint64_t)t_ns - (uint64_t)trains->dense_ns >= (uint64_t)REST_TICKS * trains->tick_ns) {
         transmission_pause(&trains->core);
     }
-    *last_ns = t_ns;
+    trains->dense_ns = t_ns;
 }
 
 static sim_trains_point_t widened(sim_trains_t *trains, transmission_point_t point, int64_t t_ns,

@@ -28,10 +28,10 @@ typedef struct {
 typedef struct {
     transmission_t core;
     uint32_t       tick_ns;
-    int64_t        last_ns;     /* of any pulse */
-    int64_t        train_ns[2]; /* of the last pulse of input and output */
-    int64_t        line;        /* of the last point */
-    uint64_t       pulses;      /* taken in */
+    int64_t        last_ns;  /* of any pulse */
+    int64_t        dense_ns; /* of the last pulse of the denser train; INT64_MIN: none */
+    int64_t        line;     /* of the last point */
+    uint64_t       pulses;   /* taken in */
 } sim_trains_t;
 
 /* SIM_TRAINS_OK, SIM_TRAINS_ERR_TICK or a code of transmission_error_t. */

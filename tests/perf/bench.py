@@ -2,6 +2,8 @@
 
 Then how fast a probe is compensated, see ``compensation_bench``, and how fast the diagnosis is,
 beside pyABC, see ``diagnosis_bench``.
+Then how fast the diagnosis is, beside pyABC; see ``diagnosis_bench``. Then how fast the firmware
+measures transmission error; see ``transmission_bench``.
 
 Absolute times depend on the machine and on its mood. What counts are the ratios of things timed in
 turn, and their medians.
@@ -16,6 +18,7 @@ import compensation_bench
 import diagnosis_bench
 import numpy as np
 import simpy_chain
+import transmission_bench
 
 from skiplatch import simulator
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
@@ -148,12 +151,14 @@ def bench_path(path: InputPath, nominal: Nominal, floor: simulator.CData) -> Non
 
 def main() -> None:
     """Run the benchmark of both paths, of the compensation and of the diagnosis."""
+    """Run the benchmark of both paths, and those of the diagnosis and of transmission error."""
     nominal = read_nominal(NOMINAL)
     floor = floor_library()
     for path in InputPath:
         bench_path(path, nominal, floor)
     compensation_bench.bench_compensation()
     diagnosis_bench.bench_diagnosis()
+    transmission_bench.bench_transmission()
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ SETUP_FAULTS = {
     "TRANSMISSION_ERR_RATIO": "ratio: expected more than 0",
     "TRANSMISSION_ERR_RANGE": (
         "ratio: lines1 times the ratio over lines2 has more than 31 bits as a fraction, "
-        "or one train has a million times the pulses of the other"
+        'one train has a million times the pulses of the other, or a line is less than 0.001"'
     ),
     "TRANSMISSION_ERR_METHOD": "method: unknown",
     "TRANSMISSION_ERR_METER": "range or time constant of the meter: zero, or too large",
@@ -143,6 +143,8 @@ class Transmission:
         )
         try:
             self._trains = Trains(setup)
+        except OverflowError as error:
+            raise TransmissionError(f"more than 32 bits: {error}") from error
         except SimulationError as error:
             if str(error) not in SETUP_FAULTS:
                 raise
