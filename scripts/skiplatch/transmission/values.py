@@ -24,7 +24,7 @@ MOST_BINS = 3600
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """The error over the output turn: the range of all turns, shape (bins,), and the first, (m,)."""
+    """Over the output turn: the range of all turns, shape (bins,), and the first one, (m,)."""
 
     turn: FloatArray
     mean_arcsec: FloatArray

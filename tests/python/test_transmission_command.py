@@ -1,0 +1,285 @@
+"""``skiplatch transmission``: planted errors found, gear trains told apart, bad files named."""
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.typing import NDArray
+
+from skiplatch import cli
+from skiplatch.errors import InputError
+from skiplatch.transmission.pulses import Pulses, read_pulses, write_binary, write_csv
+from skiplatch.transmission.simulated import Encoder, Gear, GearStage, Machine, simulated_pulses
+from skiplatch.transmission.spectrum import fit_orders
+
+ARCSEC_PER_TURN = 1_296_000.0
+ARCSEC_PER_RAD = 206_264.806
+RATIO, LINES1, LINES2, SPEED = 40.7, 1024, 3600, 5.0
+OPTIONS = ("--lines1", "1024", "--lines2", "3600", "--ratio", "407/10")
+PLANTED = ((1.0, 4.0, 20.0), (40.7, 0.785, 100.0))
+"""Order, amplitude in arcsec, phase in degrees: 9.57 arcsec peak to peak."""
+
+TRAIN = """
+[[stage]]
+name = "worm and wheel"
+driver_teeth = 1
+driven_teeth = 37
+
+[[stage]]
+name = "spur gears"
+driver_teeth = 10
+driven_teeth = 11
+"""
+
+
+def planted(
+    turns: float, waves: Sequence[tuple[float, float, float]] = PLANTED, tick_ns: int = 100
+) -> Pulses:
+    """Pulses of a train with an error that is known, straight from what it means."""
+    input_s = np.arange(int(turns * RATIO * LINES1)) / LINES1 / SPEED
+    turn = np.arange(int(turns * LINES2)) / LINES2
+    error = sum(a * np.sin(2.0 * np.pi * o * turn + np.deg2rad(p)) for o, a, p in waves)
+    output_s = (turn - error / ARCSEC_PER_TURN) * RATIO / SPEED
+    return merged(input_s + 0.001, output_s + 0.001, tick_ns)
+
+
+def merged(
+    input_s: NDArray[np.float64], output_s: NDArray[np.float64], tick_ns: int = 100
+) -> Pulses:
+    channel = np.concatenate([np.full(len(input_s), 1), np.full(len(output_s), 2)])
+    t_s = np.concatenate([input_s, output_s])
+    t_ns = (np.floor(t_s * 1e9 / tick_ns) * tick_ns).astype(np.int64)
+    order = np.argsort(t_ns, kind="stable")
+    return Pulses(channel[order].astype(np.uint8), t_ns[order])
+
+
+def run(folder: Path, *options: str, pulses: str = "pulses.bin") -> dict[str, Any]:
+    out = folder / "out.json"
+    arguments = ["transmission", str(folder / pulses), *OPTIONS, "--json", str(out), *options]
+    result = CliRunner().invoke(cli.group, arguments, catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    found: dict[str, Any] = json.loads(out.read_text())
+    return found
+
+
+def nearest(found: dict[str, Any], order: float) -> dict[str, Any]:
+    orders: list[dict[str, Any]] = found["orders"]
+    return min(orders, key=lambda each: abs(each["order"] - order))
+
+
+@pytest.mark.parametrize("write", [write_csv, write_binary])
+def test_planted_orders_are_found_where_they_are(
+    tmp_path: Path, write: Callable[[Path, Sequence[Pulses]], int]
+) -> None:
+    write(tmp_path / "pulses.bin", [planted(6.0)])
+
+    found = run(tmp_path)
+
+    for order, amplitude, phase in PLANTED:
+        seen = nearest(found, order)
+        assert seen["order"] == pytest.approx(order, abs=1e-4)
+        assert seen["amplitude_arcsec"] == pytest.approx(amplitude, rel=0.02)
+        assert seen["phase_deg"] == pytest.approx(phase, abs=0.5)
+    assert found["orders"][0]["order"] == pytest.approx(1.0, abs=1e-4)
+    assert found["total_arcsec"] == pytest.approx(9.57, abs=0.04)  # 0.02 on either side
+    assert found["noise_arcsec"] < 0.02
+    assert (found["missing_pulses"], found["extra_pulses"]) == (0, 0)
+
+
+def test_direct_counting_stays_within_its_quantum(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(3.0)])
+
+    direct, subdivided = run(tmp_path, "--method", "direct"), run(tmp_path)
+
+    quantum = ARCSEC_PER_TURN / (RATIO * LINES1)
+    assert 1.0 < direct["noise_arcsec"] < quantum
+    assert subdivided["total_arcsec"] < direct["total_arcsec"] < 9.6 + 1.01 * quantum
+
+
+def test_equal_lines_of_a_straight_drive_suit_all_five_methods(tmp_path: Path) -> None:
+    turn = np.arange(40_000) / 1000
+    error = 30.0 * np.sin(2.0 * np.pi * turn) / ARCSEC_PER_TURN
+    write_binary(tmp_path / "pulses.bin", [merged(turn / SPEED, (turn - error) / SPEED + 1e-4, 1)])
+    options = ("--lines1", "1000", "--lines2", "1000", "--ratio", "1", "--meter-ms", "4")
+    out = tmp_path / "methods.json"
+    arguments = ["transmission", str(tmp_path / "pulses.bin"), *options, "--all-methods"]
+    result = CliRunner().invoke(cli.group, [*arguments, "--json", str(out)])
+    assert result.exit_code == 0, result.output
+
+    methods = {each["method"]: each for each in json.loads(out.read_text())["methods"]}
+
+    assert len(methods) == 5
+    for name, found in methods.items():
+        if name != "direct":  # whose line is of 1296 arcsec
+            assert found["orders"][0]["order"] == pytest.approx(1.0, abs=1e-3), name
+            assert found["orders"][0]["amplitude_arcsec"] == pytest.approx(30.0, rel=0.05), name
+
+
+def test_a_missing_and_an_extra_pulse_are_told_and_not_integrated(tmp_path: Path) -> None:
+    clean = planted(4.0)
+    inputs = np.flatnonzero(clean.channel == 1)
+    dropped = np.delete(np.arange(len(clean)), inputs[50_000])
+    at = int(np.searchsorted(dropped, inputs[90_000]))
+    channel, t_ns = clean.channel[dropped], clean.t_ns[dropped]
+    middle = (t_ns[at] + clean.t_ns[inputs[90_001]]) // 2
+    place = int(np.searchsorted(t_ns, middle))
+    spoilt = Pulses(np.insert(channel, place, np.uint8(1)), np.insert(t_ns, place, middle))
+    write_binary(tmp_path / "pulses.bin", [spoilt])
+
+    found = run(tmp_path)
+
+    assert (found["missing_pulses"], found["extra_pulses"]) == (1, 1)
+    assert found["total_arcsec"] == pytest.approx(9.57, abs=0.04)
+    assert abs(found["drift_arcsec_per_turn"]) < 0.01
+
+
+def test_a_gear_train_shows_its_eccentricity_its_mesh_and_its_play(tmp_path: Path) -> None:
+    stages = (
+        GearStage(
+            driver=Gear(teeth=1),
+            driven=Gear(teeth=37, eccentricity_um=10.0, mesh_um=1.5),
+            module_mm=2.0,
+            play_um=10.0,
+        ),
+        GearStage(driver=Gear(teeth=10), driven=Gear(teeth=11), module_mm=2.0),
+    )
+    machine = Machine(
+        stages=stages, turns=244.2, both_senses=True, speed_ripple=0.02, speed_ripple_hz=7.3
+    )
+    write_binary(tmp_path / "pulses.bin", simulated_pulses(machine))
+    (tmp_path / "train.toml").write_text(TRAIN)
+
+    found = run(tmp_path, "--train", str(tmp_path / "train.toml"))
+
+    at_output = ARCSEC_PER_RAD / 37_000.0 * 10.0 / 11.0  # of a µm on the wheel's pitch circle
+    wheel, mesh = nearest(found, 1.1), nearest(found, 40.7)
+    assert wheel["order"] == pytest.approx(1.1, abs=1e-4)
+    assert wheel["amplitude_arcsec"] == pytest.approx(10.0 * at_output, rel=0.02)
+    assert wheel["part"] == "shaft 2"
+    assert mesh["order"] == pytest.approx(40.7, abs=1e-4)
+    assert mesh["amplitude_arcsec"] == pytest.approx(1.5 * at_output, rel=0.02)
+    assert mesh["part"].startswith("mesh of worm and wheel")
+    assert found["backlash_arcsec"] == pytest.approx(10.0 * at_output, rel=0.02)
+
+
+def test_a_screw_a_load_and_an_encoder_show_at_their_own_orders(tmp_path: Path) -> None:
+    machine = Machine(
+        stages=(GearStage(driver=Gear(teeth=10), driven=Gear(teeth=407)),),
+        output=Encoder(lines=3600, jitter_ns=20.0),
+        input=Encoder(lines=1024, eccentricity_um=20.0, radius_mm=25.0),
+        screw_lead_mm=10.0,
+        screw_error_um=0.5,
+        stiffness_nm_per_rad=1e6,
+        load_nm=50.0,
+        load_ripple_nm=20.0,
+        load_ripple_order=6.0,
+        turns=162.8,
+    )
+    write_binary(tmp_path / "pulses.bin", simulated_pulses(machine))
+
+    found = run(tmp_path)
+
+    expected = {
+        1.0: 0.5 / 10_000.0 * ARCSEC_PER_TURN,
+        6.0: 20.0 / 1e6 * ARCSEC_PER_RAD,
+        40.7: 20.0 / 25_000.0 * ARCSEC_PER_RAD / RATIO,
+    }
+    for order, amplitude in expected.items():
+        assert nearest(found, order)["order"] == pytest.approx(order, abs=1e-4)
+        assert nearest(found, order)["amplitude_arcsec"] == pytest.approx(amplitude, rel=0.02)
+
+
+def test_the_page_needs_nothing_else(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(3.0)])
+
+    run(tmp_path, "--html", str(tmp_path / "page.html"))
+
+    page = (tmp_path / "page.html").read_text()
+    assert page.count("<svg") == 2
+    assert "<script" not in page
+    assert "src=" not in page
+
+
+def test_uneven_samples_with_holes_do_not_move_an_order() -> None:
+    random = np.random.default_rng(1)
+    place = np.flatnonzero(random.random(36_000) > 0.2)
+    turns = place / 3600.0
+    samples = 3.0 * np.sin(2.0 * np.pi * 11.577 * turns + 0.3) + random.normal(0.0, 0.1, len(turns))
+
+    fit = fit_orders(turns, samples, 3600.0)
+
+    assert len(fit.orders) == 1
+    assert fit.orders[0] == pytest.approx(11.577, abs=1e-4)
+    assert abs(fit.waves[0]) == pytest.approx(3.0, rel=0.02)
+    assert fit.noise_arcsec == pytest.approx(0.1, rel=0.05)
+
+
+def test_noise_alone_has_no_order() -> None:
+    noise = np.random.default_rng(2).normal(0.0, 1.0, 20_000)
+
+    assert len(fit_orders(np.arange(20_000) / 3600.0, noise, 3600.0).orders) == 0
+
+
+def test_both_layouts_hold_the_same(tmp_path: Path) -> None:
+    block = Pulses(
+        np.array([1, 2, 3, 4, 129, 130], dtype=np.uint8), np.arange(0, 600, 100, dtype=np.int64)
+    )
+    write_csv(tmp_path / "pulses.csv", [block])
+    write_binary(tmp_path / "pulses.bin", [block])
+
+    for name in ("pulses.csv", "pulses.bin"):
+        (read,) = read_pulses(tmp_path / name)
+        assert read.channel.tolist() == block.channel.tolist()
+        assert read.t_ns.tolist() == block.t_ns.tolist()
+
+
+OVERLAP = "channel,t_ns\n" + "".join(f"1,{t}\n" for t in range(100)) + "2,200\n2,300\n2,400\n"
+BAD = {
+    "time goes back by 150 ns": "channel,t_ns\n1,100\n1,200\n2,50\n",
+    "do not overlap": OVERLAP,
+    "no pulse of the output": "channel,t_ns\n1,100\n1,200\n",
+    ":3: expected whole numbers": "channel,t_ns\n1,100\n2,1x\n",
+    ":3: expected 2 cells, found 1": "channel,t_ns\n1,100\n2",
+    ":3: channel: expected 1": "channel,t_ns\n1,100\n7,200\n",
+    ":2: t_ns: expected": "channel,t_ns\n1,-100\n2,200\n",
+    ":1: expected the columns": "time\n1\n",
+    "truncated: the head has 16 bytes": "SKLPULS1",
+    "truncated: the head announces": "SKLPULS1" + "\x01" * 8,
+}
+
+
+@pytest.mark.parametrize(("message", "text"), BAD.items(), ids=BAD.keys())
+def test_a_bad_file_is_named(tmp_path: Path, message: str, text: str) -> None:
+    path = tmp_path / "pulses.csv"
+    path.write_text(text)
+    out = tmp_path / "out.json"
+
+    with pytest.raises(InputError) as caught:
+        cli.group(["transmission", str(path), *OPTIONS, "--json", str(out)], standalone_mode=False)
+
+    assert str(caught.value).startswith(str(path))
+    assert message in str(caught.value)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("ratio", ["0", "-3", "1/0", "much"])
+def test_a_ratio_that_is_none_ends_with_status_2(tmp_path: Path, ratio: str) -> None:
+    options = ["--lines1", "10", "--lines2", "10", f"--ratio={ratio}"]
+
+    result = CliRunner().invoke(cli.group, ["transmission", str(tmp_path / "x.csv"), *options])
+
+    assert result.exit_code == cli.BAD_INPUT
+    assert "--ratio" in result.output
+
+
+def test_teeth_that_make_another_ratio_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "train.toml"
+    path.write_text(TRAIN.replace("37", "36"))
+    options = [*OPTIONS, "--train", str(path)]
+
+    with pytest.raises(InputError, match="ratio of 198/5"):
+        cli.group(["transmission", str(tmp_path / "x.csv"), *options], standalone_mode=False)
