@@ -22,6 +22,8 @@ BANDS = 32
 """Stretches of the spectrum that each have a noise floor of their own."""
 APART_BINS = 2.5
 """Peaks nearer than that to a higher one are its side lobes; the next round looks again."""
+SLOWEST_BINS = 0.9
+"""What has fewer periods in the samples is not told from a drift."""
 ROUNDS = 8
 SMALLEST_SHARE = 0.02
 """Of the highest peak of a round: what is lower waits until the higher ones are fitted."""
@@ -83,10 +85,10 @@ def _fitted(turns: FloatArray, delta_arcsec: FloatArray, per_turn: float) -> Fit
         if not len(more):
             break
         orders = np.append(fit.orders, more)[:MOST_ORDERS]
-        before = len(fit.orders)
-        fit = _significant(turns, delta_arcsec, _refined(turns, delta_arcsec, orders))
-        if len(fit.orders) <= before:
+        better = _significant(turns, delta_arcsec, _refined(turns, delta_arcsec, orders))
+        if better.noise_arcsec >= fit.noise_arcsec:
             break
+        fit = better
     return fit
 
 
@@ -119,18 +121,20 @@ def residual(fit: Fit, turns: FloatArray, delta_arcsec: FloatArray) -> FloatArra
 
 
 def _refined(turns: FloatArray, delta: FloatArray, orders: FloatArray) -> FloatArray:
-    """Fit the orders along with the rest; each stays within a bin of where it was."""
+    """Fit the orders along with the rest; what leaves its bin, or is but a drift, is dropped."""
     bin_width = 1.0 / float(np.ptp(turns))
+    start = orders
     k = len(orders)
     waves = refit(turns, delta, orders).waves
     for _ in range(ITERATIONS):
         solved = _solve(turns, delta, orders, waves)
         waves = solved[:k] + 1j * solved[k : 2 * k]
         step = np.clip(solved[-k:], -0.5 * bin_width, 0.5 * bin_width)
-        orders = np.abs(orders + step)
+        orders = orders + step
         if np.max(np.abs(step)) < CONVERGED_BINS * bin_width:
             break
-    return _distinct(orders, 0.5 * bin_width)
+    stays = (np.abs(orders - start) <= bin_width) & (orders >= SLOWEST_BINS * bin_width)
+    return _distinct(orders[stays], 0.5 * bin_width)
 
 
 def _distinct(orders: FloatArray, apart: float) -> FloatArray:
@@ -207,7 +211,7 @@ def _peaks(turns: FloatArray, left: FloatArray, per_turn: float) -> FloatArray:
     floor_least = (1e-12 * float(np.max(np.abs(left), initial=0.0)) * len(grid)) ** 2
     stands_out = np.log(len(grid) / FALSE_ALARM) * np.maximum(floor, floor_least)
     tops, _ = signal.find_peaks(power, distance=max(round(APART_BINS * fold), 1))
-    tops = tops[(power[tops] > stands_out[tops]) & (tops >= 0.5 * fold)]
+    tops = tops[(power[tops] > stands_out[tops]) & (tops >= SLOWEST_BINS * fold)]
     tops = tops[power[tops] > SMALLEST_SHARE**2 * np.max(power[tops], initial=0.0)]
     highest = tops[np.argsort(-power[tops])]
     return np.asarray(_vertex(power, highest) / length * per_turn)
