@@ -52,20 +52,30 @@ static bool is_even(uint32_t interval_ticks, uint32_t before_ticks)
            interval_ticks - before_ticks + slack <= 2u * slack;
 }
 
+static void learn(pulse_train_t *train, uint32_t period_ticks)
+{
+    uint64_t period_q8 = (uint64_t)period_ticks << 8;
+    train->period_ticks = period_ticks;
+    train->mean_q8 = train->steady == 0u ? period_q8 : (3u * train->mean_q8 + period_q8) / 4u;
+}
+
+/* The mean tells more where the lines are uneven, the last line where the speed changes. */
 uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
 {
-    uint32_t before_ticks = train->period_ticks;
-    if (train->steady < PULSE_STEADY) {
-        bool even = before_ticks != 0u && is_even(interval_ticks, before_ticks);
-        train->steady = even ? (uint8_t)(train->steady + 1u) : 0u;
-        train->period_ticks = interval_ticks;
-        return 1u;
+    uint32_t mean_ticks = (uint32_t)(train->mean_q8 >> 8);
+    uint8_t  lines = 1u;
+    bool     even = train->period_ticks != 0u && (is_even(interval_ticks, train->period_ticks) ||
+                                                  is_even(interval_ticks, mean_ticks));
+    if (even) {
+        train->rejected = 0u;
+        train->steady = train->steady < PULSE_STEADY ? (uint8_t)(train->steady + 1u) : PULSE_STEADY;
+    } else if (train->steady == PULSE_STEADY && mean_ticks != 0u) {
+        lines = pulse_judge(train, interval_ticks, mean_ticks);
+    } else {
+        train->steady = 0u;
     }
-    uint8_t lines = pulse_judge(train, interval_ticks, before_ticks);
-    if (lines == 1u) {
-        train->period_ticks = interval_ticks;
-    } else if (lines > 1u) {
-        train->period_ticks = interval_ticks / lines;
+    if (lines != 0u) {
+        learn(train, interval_ticks / lines);
     }
     return lines;
 }
@@ -73,6 +83,7 @@ uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
 void pulse_forget(pulse_train_t *train)
 {
     train->period_ticks = 0u;
+    train->mean_q8 = 0u;
     train->steady = 0u;
     train->rejected = 0u;
 }

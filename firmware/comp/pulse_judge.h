@@ -24,10 +24,11 @@ typedef struct {
 /* One train. Fields are for firmware/comp. */
 typedef struct {
     pulse_counters_t counters;
-    int32_t          line;  /* of the last good pulse, from 0 */
-    uint32_t         ticks; /* of that pulse */
-    uint32_t         period_ticks;
-    int8_t           sense; /* +1, -1; 0 before the first pulse */
+    int32_t          line;         /* of the last good pulse, from 0 */
+    uint32_t         ticks;        /* of that pulse */
+    uint32_t         period_ticks; /* of the last line */
+    uint64_t         mean_q8;      /* of the last few, in 2^-8 ticks */
+    int8_t           sense;        /* +1, -1; 0 before the first pulse */
     uint8_t          steady;
     uint8_t          rejected; /* in a row */
 } pulse_train_t;

@@ -132,6 +132,19 @@ void test_a_speed_that_changes_by_a_fifth_a_line_is_followed(void)
     check_counters(0u, 0u, 0u);
 }
 
+/* By turns 0.85 and 1.15 of a line: more than a quarter off the one before, but not off the mean.
+ */
+void test_lines_of_two_lengths_by_turns_are_good(void)
+{
+    run_evenly(LINE);
+    for (int i = 0; i < 50; ++i) {
+        TEST_ASSERT_EQUAL_UINT8(1u, pulse_judge_ticks(&train, i % 2 == 0 ? 850u : 1150u));
+    }
+
+    TEST_ASSERT_EQUAL_UINT8(2u, pulse_judge_ticks(&train, 2u * LINE));
+    check_counters(1u, 0u, 0u);
+}
+
 void test_forgetting_believes_the_next_pulses_again(void)
 {
     run_evenly(LINE);

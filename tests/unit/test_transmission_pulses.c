@@ -1,10 +1,11 @@
 /* Pulses that are missing or too many, and shafts that start, stop and turn back. */
 /* LINK: firmware/comp/transmission.c firmware/comp/transmission_setup.c
  *       firmware/comp/pulse_judge.c firmware/comp/phase_meter.c
- *       tests/support/encoders.c tests/support/chain_run.c */
+ *       tests/support/encoders.c tests/support/chain_run.c tests/support/dice.c */
 #include <math.h>
 
 #include "chain_run.h"
+#include "dice.h"
 #include "unity.h"
 
 #define LINES  400.0 /* of the output in a run */
@@ -162,6 +163,24 @@ void test_extra_and_missing_pulses_of_all_methods_leave_no_step(void)
         check_found(TRANSMISSION_INPUT, 3u, 0u);
         TEST_ASSERT_DOUBLE_WITHIN(1.0, before, chain_run_mean_off(&run));
     }
+}
+
+/* Lines of the input take 1953 ticks: each pulse comes by up to 4 % of that too early or too late.
+ */
+void test_uneven_lines_are_not_taken_for_missing_or_extra_ones(void)
+{
+    dice_t           dice = dice_seed(8u);
+    encoders_pulse_t pulse;
+    while (encoders.next_line[1] < LINES && encoders_next(&encoders, &pulse)) {
+        bool lost = pulse.channel == TRANSMISSION_INPUT && fmod(pulse.line, 100.0) == 99.0;
+        if (!lost) {
+            chain_run_pulse(&run, pulse.channel, pulse.ticks + dice_below(&dice, 156u));
+        }
+    }
+
+    check_found(TRANSMISSION_INPUT, (uint32_t)(encoders.next_line[0] / 100.0), 0u);
+    check_found(TRANSMISSION_OUTPUT, 0u, 0u);
+    TEST_ASSERT_DOUBLE_WITHIN(0.08 * 31.1, 0.0, chain_run_off(&run));
 }
 
 /* ---- starting and stopping ---- */
