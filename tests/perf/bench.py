@@ -1,9 +1,8 @@
 """``make bench``: how fast the simulation is, beside a bare loop and beside SimPy, in one run.
 
 Then how fast a probe is compensated, see ``compensation_bench``, and how fast the diagnosis is,
-beside pyABC, see ``diagnosis_bench``.
-Then how fast the diagnosis is, beside pyABC; see ``diagnosis_bench``. Then how fast the firmware
-measures transmission error; see ``transmission_bench``.
+beside pyABC, see ``diagnosis_bench``. Then how fast the firmware measures transmission error, see
+``transmission_bench``.
 
 Absolute times depend on the machine and on its mood. What counts are the ratios of things timed in
 turn, and their medians.
@@ -150,8 +149,7 @@ def bench_path(path: InputPath, nominal: Nominal, floor: simulator.CData) -> Non
 
 
 def main() -> None:
-    """Run the benchmark of both paths, of the compensation and of the diagnosis."""
-    """Run the benchmark of both paths, and those of the diagnosis and of transmission error."""
+    """Run the benchmarks: both paths, compensation, diagnosis, transmission error."""
     nominal = read_nominal(NOMINAL)
     floor = floor_library()
     for path in InputPath:

@@ -1,9 +1,7 @@
 """A transmission error as one page of HTML: no script, nothing from elsewhere, light and dark."""
 
-from skiplatch.figures.inline import VARIABLES
-from skiplatch.figures.theme import DARK
 from skiplatch.figures.transmission import draw_orders, draw_turn
-from skiplatch.report.page import environment
+from skiplatch.report.layout import render
 from skiplatch.report.words import Table
 from skiplatch.tables import compact, number
 from skiplatch.transmission.measure import Chain, Measurement
@@ -30,23 +28,18 @@ def as_html(
     drawings = [draw_turn(values)]
     if values.orders:
         drawings.append(draw_orders(values))
-    return (
-        environment()
-        .get_template(TEMPLATE)
-        .render(
-            name=name,
-            method=method,
-            chain=chain,
-            turns=compact(values.turns),
-            headline=f"Transmission error {number(values.total_arcsec)}″ peak to peak",
-            lead=_lead(found, train),
-            drawings=drawings,
-            sizes=Table(("value", "arcsec"), size_rows(found)),
-            orders=Table(header, rows),
-            pulses=_pulses(found),
-            light=VARIABLES,
-            dark={variable: DARK[colour] for variable, colour in VARIABLES.items()},
-        )
+    return render(
+        TEMPLATE,
+        name=name,
+        method=method,
+        chain=chain,
+        turns=compact(values.turns),
+        headline=f"Transmission error {number(values.total_arcsec)}″ peak to peak",
+        lead=_lead(found, train),
+        drawings=drawings,
+        sizes=Table(("value", "arcsec"), size_rows(found)),
+        orders=Table(header, rows),
+        pulses=_pulses(found),
     )
 
 
