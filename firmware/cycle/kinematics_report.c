@@ -91,8 +91,8 @@ static void report_axis(kinematics_axis_report_t *report, const kinematics_plan_
         if (station->axis != axis || station->is_reference) {
             continue;
         }
-        if (station->is_second) {
-            add_pair(&sums, station - 1, station, expected->slope_mm[i]);
+        if (station->is_second && i > 0u) {
+            add_pair(&sums, &plan->stations[i - 1u], station, expected->slope_mm[i]);
         } else {
             add_position(&sums, report, station->centre_mm, expected, i);
         }

@@ -7,7 +7,7 @@
 #include "programs/five_axis_belief.h"
 #include "programs/five_axis_rig.h"
 
-#define CLEARANCE_S 1.0 /* of a motion of the linear axes */
+#define MOVE_S 1.0 /* of a motion of the linear axes */
 
 struct sim_451 {
     five_axis_rig_t          rig;
@@ -79,7 +79,7 @@ static bool move(sim_451_t *play, const double target_mm[3])
                                                             play->position_mm, way)
                                   : length;
     copy(play->position_mm, target_mm);
-    play->rig.touch.time_s += CLEARANCE_S;
+    play->rig.touch.time_s += MOVE_S;
     return !(free_mm > 0.0 && free_mm < length);
 }
 
@@ -243,9 +243,9 @@ void sim_451_close(sim_451_t *play)
 int sim_451_set(sim_451_t *play, uint16_t id, double value, int32_t word)
 {
     if (word != KINEMATICS_NUMBER) {
-        return kinematics_settings_set_word(&play->settings, id, (kinematics_word_t)word);
+        return (int)kinematics_settings_set_word(&play->settings, id, (kinematics_word_t)word);
     }
-    return kinematics_settings_set(&play->settings, id, value);
+    return (int)kinematics_settings_set(&play->settings, id, value);
 }
 
 const char *sim_451_phrase(int setting_error)
@@ -312,6 +312,7 @@ uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32
             .serves = from->serves,
             .approach = from->approach,
             .is_reference = from->is_reference,
+            .is_second = from->is_second,
         };
         copy(stations[i].angle_deg, from->angle_deg);
         copy(stations[i].centre_mm, from->centre_mm);

@@ -49,6 +49,7 @@ typedef struct {
     int32_t serves; /* bit 1 << axis of all axes whose measurement this is */
     int32_t approach;
     int32_t is_reference;
+    int32_t is_second; /* of two approaches to one position */
 } sim_station_t;
 
 /* Why sim_451_run() came back. */

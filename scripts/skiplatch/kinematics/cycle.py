@@ -64,6 +64,7 @@ class Stations:
         serves: Bits of the axes whose measurement it is, shape (n,).
         approach: 1 or -1 for the sense in which the axis came, 0 as it comes, shape (n,).
         is_reference: The axis stood at 0°, shape (n,).
+        is_second: It is the second of two approaches to one position, shape (n,).
     """
 
     angle_deg: FloatArray
@@ -73,6 +74,7 @@ class Stations:
     serves: NDArray[np.int64]
     approach: NDArray[np.int64]
     is_reference: NDArray[np.bool_]
+    is_second: NDArray[np.bool_]
 
     def of(self, letter: str) -> NDArray[np.bool_]:
         """Tell which measurements are those of an axis; shape (n,)."""
@@ -162,6 +164,7 @@ class Play:
             np.array([row.serves for row in measured], dtype=np.int64),
             np.array([row.approach for row in measured], dtype=np.int64),
             np.array([row.is_reference != 0 for row in measured], dtype=np.bool_),
+            np.array([row.is_second != 0 for row in measured], dtype=np.bool_),
         )
 
     def report(self) -> Report:
@@ -266,3 +269,73 @@ def expected_mm(
         lib.sim_machine_expect(structure, list(map(float, sphere_mm)), list(angles), reading)
         rows.append(list(reading))
     return np.array(rows).reshape(-1, 3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expectation:
+    """What the firmware's report compares n stations with; see ``kinematics_expectation_t``.
+
+    Attributes:
+        before_mm: Where the sphere was expected with the kinematics as they were, shape (n, 3).
+        after_mm: The same with the optimised kinematics, shape (n, 3).
+        slope_mm: How that moves while the station's axis turns, mm/rad, shape (n, 3).
+        offset_mm: Q147 to Q149.
+        is_optimised: Q406 is not 0.
+    """
+
+    before_mm: FloatArray
+    after_mm: FloatArray
+    slope_mm: FloatArray
+    offset_mm: tuple[float, float, float]
+    is_optimised: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Results:
+    """What the firmware reports of one axis; see ``kinematics_axis_report_t``."""
+
+    positions: int
+    has_backlash: int
+    radius_mm: float
+    scatter_before_mm: float
+    scatter_after_mm: float
+    greatest_before_mm: float
+    greatest_after_mm: float
+    positioning_deg: float
+    positioning_scatter_deg: float
+    backlash_deg: float
+
+
+def results(
+    stations: Stations, expected: Expectation
+) -> tuple[dict[str, Results], dict[int, float]]:
+    """Give the firmware's report on each measured axis, and Q141 to Q149 in mm."""
+    ffi, lib = connection()
+    tables = [
+        ffi.from_buffer("double[][3]", np.ascontiguousarray(table, dtype=np.float64))
+        for table in (expected.before_mm, expected.after_mm, expected.slope_mm)
+    ]
+    filled = ffi.new("sim_expectation_t *")
+    filled.before_mm, filled.after_mm, filled.slope_mm = tables
+    filled.offset_mm = list(expected.offset_mm)
+    filled.is_optimised = expected.is_optimised
+    axes, q_mm = ffi.new("sim_axis_result_t[3]"), ffi.new("double[9]")
+    if lib.sim_451_results(_rows(stations), len(stations.axis), filled, axes, q_mm) != 0:
+        raise SimulationError("more stations than a cycle has")
+    found = {
+        letter: Results(**{f.name: getattr(axis, f.name) for f in fields(Results)})
+        for letter, axis in zip(LETTERS, axes, strict=True)
+        if axis.positions
+    }
+    return found, dict(zip(range(141, 150), q_mm, strict=True))
+
+
+def _rows(stations: Stations) -> CData:
+    ffi, _ = connection()
+    rows = ffi.new("sim_station_t[]", len(stations.axis))
+    for i, row in enumerate(rows):
+        row.angle_deg = list(stations.angle_deg[i])
+        row.centre_mm = list(stations.centre_mm[i])
+        for name in ("radius_mm", "axis", "serves", "approach", "is_reference", "is_second"):
+            setattr(row, name, getattr(stations, name)[i].item())
+    return rows

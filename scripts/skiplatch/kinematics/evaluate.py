@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from skiplatch.kinematics.cycle import Stations, expected_mm
+from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
 from skiplatch.kinematics.firmware import Fit, fit
 from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, UM_PER_MM, Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
@@ -21,10 +21,7 @@ from skiplatch.kinematics.points import Points
 FloatArray = NDArray[np.float64]
 CHECK, POSITIONS, ANGLES, ORIGIN = range(4)
 """The modes of Q406."""
-LEAST_CIRCLE_MM = 1.0
-"""Radius below which no backlash is computed."""
 SLOPE_STEP_DEG = 1e-3
-NOT_MEASURED = -1.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,42 +31,57 @@ class AxisResult:
     Attributes:
         letter: The axis.
         angle_deg: Its positions, shape (n,).
-        radius_mm: Radius of the circle on which the sphere or the tip went.
-        backlash_arcsec: Mean over the positions; None when not measured or not computed.
         before_mm: Errors with the kinematics as they were, shape (n, 3).
         after_mm: Errors with the corrected kinematics, shape (n, 3).
-        positioning_arcsec: Mean positioning error relative to 0°, corrected kinematics.
-        positioning_scatter_arcsec: Its standard deviation; 0 with a single position.
+        results: What the firmware reports of it.
     """
 
     letter: str
     angle_deg: FloatArray
-    radius_mm: float
-    backlash_arcsec: float | None
     before_mm: FloatArray
     after_mm: FloatArray
-    positioning_arcsec: float
-    positioning_scatter_arcsec: float
+    results: Results
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of the circle on which the sphere or the tip went."""
+        return self.results.radius_mm
+
+    @property
+    def backlash_arcsec(self) -> float | None:
+        """Mean over the positions; None when not measured or not computed."""
+        found = self.results
+        return found.backlash_deg * ARCSEC_PER_DEG if found.has_backlash else None
+
+    @property
+    def positioning_arcsec(self) -> float:
+        """Mean positioning error relative to 0°, corrected kinematics."""
+        return self.results.positioning_deg * ARCSEC_PER_DEG
+
+    @property
+    def positioning_scatter_arcsec(self) -> float:
+        """Its standard deviation; 0 with a single position."""
+        return self.results.positioning_scatter_deg * ARCSEC_PER_DEG
 
     @property
     def scatter_before_mm(self) -> float:
         """Root mean square of the errors in space; with one position its error."""
-        return _scatter(self.before_mm)
+        return self.results.scatter_before_mm
 
     @property
     def scatter_after_mm(self) -> float:
         """The same with the corrected kinematics."""
-        return _scatter(self.after_mm)
+        return self.results.scatter_after_mm
 
     @property
     def greatest_before_mm(self) -> float:
         """Greatest error in space."""
-        return float(np.max(np.linalg.norm(self.before_mm, axis=1)))
+        return self.results.greatest_before_mm
 
     @property
     def greatest_after_mm(self) -> float:
         """The same with the corrected kinematics."""
-        return float(np.max(np.linalg.norm(self.after_mm, axis=1)))
+        return self.results.greatest_after_mm
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,6 +94,7 @@ class Evaluation:
         corrected: As they are, or in mode 0 would be, corrected.
         fit: The firmware's fit of the location errors.
         axes: Each measured axis.
+        q_mm: Q141 to Q149.
     """
 
     mode: int
@@ -89,16 +102,7 @@ class Evaluation:
     corrected: Machine
     fit: Fit
     axes: tuple[AxisResult, ...]
-
-    @property
-    def shift_mm(self) -> Vector:
-        """Q147 to Q149: shift of the line of the last axis that has that coordinate."""
-        found = [0.0, 0.0, 0.0]
-        for before, after in zip(self.believed.axes, self.corrected.axes, strict=True):
-            for i in range(3):
-                if abs(before.direction[i]) < 0.5:
-                    found[i] = after.point_mm[i] - before.point_mm[i]
-        return found[0], found[1], found[2]
+    q_mm: Mapping[int, float]
 
     @property
     def change_mm(self) -> float:
@@ -110,17 +114,17 @@ class Evaluation:
 
     def q_parameters(self) -> dict[int, float]:
         """Give Q141 to Q149 in mm."""
-        found = dict.fromkeys(range(141, 147), NOT_MEASURED)
-        for axis in self.axes:
-            place = LETTERS.index(axis.letter)
-            found[141 + place] = axis.scatter_before_mm
-            if self.mode != CHECK:
-                found[144 + place] = axis.scatter_after_mm
-        return found | dict(zip(range(147, 150), self.shift_mm, strict=True))
+        return dict(self.q_mm)
 
 
-def _scatter(errors_mm: FloatArray) -> float:
-    return float(np.sqrt(np.mean(np.sum(errors_mm**2, axis=1))))
+def _shift_mm(believed: Machine, corrected: Machine) -> Vector:
+    """Give Q147 to Q149: shift of the line of the last axis that has that coordinate."""
+    found = [0.0, 0.0, 0.0]
+    for before, after in zip(believed.axes, corrected.axes, strict=True):
+        for i in range(3):
+            if abs(before.direction[i]) < 0.5:
+                found[i] = after.point_mm[i] - before.point_mm[i]
+    return found[0], found[1], found[2]
 
 
 def evaluate(machine: Machine, truth: Truth, stations: Stations, mode: int) -> Evaluation:
@@ -133,17 +137,21 @@ def evaluate(machine: Machine, truth: Truth, stations: Stations, mode: int) -> E
         NoFitError: The positions are too few.
     """
     known = replace(machine, tool_mm=machine.tool_mm or (0.0, 0.0, 0.0))
-    forward = _forward(stations)
+    first = ~stations.is_second
     order = [LETTERS.index(letter) for letter in machine.letters]
-    points = Points(stations.angle_deg[forward][:, order], stations.centre_mm[forward])
+    points = Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
     found = fit(known, points)
     corrected = correct(machine, found, angles=mode != POSITIONS)
-    axes = tuple(
-        _axis(letter, machine, corrected, truth, stations)
-        for letter in LETTERS
-        if letter in machine.letters and np.any(stations.of(letter) & ~stations.is_reference)
+    expected = Expectation(
+        before_mm=_expected(machine, truth, stations),
+        after_mm=_expected(corrected, truth, stations),
+        slope_mm=_slopes(corrected, truth, stations),
+        offset_mm=_shift_mm(machine, corrected),
+        is_optimised=mode != CHECK,
     )
-    return Evaluation(mode, machine, corrected, found, axes)
+    reports, q_mm = results(stations, expected)
+    axes = tuple(_axis(letter, stations, expected, report) for letter, report in reports.items())
+    return Evaluation(mode, machine, corrected, found, axes, q_mm)
 
 
 def correct(machine: Machine, found: Fit, *, angles: bool) -> Machine:
@@ -176,51 +184,31 @@ def _corrected(axis: RotaryAxis, amounts: Mapping[str, float], angles: bool) -> 
     )
 
 
-def _forward(stations: Stations) -> NDArray[np.bool_]:
-    """Tell which measurements came from the side of the reference, or as it came."""
-    sides = stations.approach[stations.is_reference & (stations.approach != 0)]
-    side = sides[0] if len(sides) else 1
-    return np.asarray((stations.approach == 0) | (stations.approach == side))
-
-
-def _axis(
-    letter: str, machine: Machine, corrected: Machine, truth: Truth, stations: Stations
-) -> AxisResult:
-    own = stations.of(letter)
-    reference = np.flatnonzero(own & stations.is_reference)[0]
-    measured = np.flatnonzero(own & ~stations.is_reference & _forward(stations))
-    place = LETTERS.index(letter)
-    slopes = _slopes(corrected, truth, stations, place)
-    after_mm = _errors(corrected, truth, stations, reference, measured)
-    along_deg = _along(after_mm, slopes[measured])
-    radius_mm = float(np.mean(np.linalg.norm(slopes[measured], axis=1)) / radians(1.0))
-    backlash_deg = _backlash(stations, own, slopes, place) if radius_mm >= LEAST_CIRCLE_MM else None
-    scatter_deg = float(np.std(along_deg, ddof=1)) if len(along_deg) > 1 else 0.0
+def _axis(letter: str, stations: Stations, expected: Expectation, report: Results) -> AxisResult:
+    own = stations.of(letter) & ~stations.is_reference & ~stations.is_second
     return AxisResult(
         letter,
-        stations.angle_deg[measured, place],
-        radius_mm,
-        None if backlash_deg is None else backlash_deg * ARCSEC_PER_DEG,
-        _errors(machine, truth, stations, reference, measured),
-        after_mm,
-        float(np.mean(along_deg)) * ARCSEC_PER_DEG,
-        scatter_deg * ARCSEC_PER_DEG,
+        stations.angle_deg[own, LETTERS.index(letter)],
+        (stations.centre_mm - expected.before_mm)[own],
+        (stations.centre_mm - expected.after_mm)[own],
+        report,
     )
 
 
-def _errors(
-    machine: Machine,
-    truth: Truth,
-    stations: Stations,
-    reference: np.intp,
-    measured: NDArray[np.intp],
-) -> FloatArray:
-    """Give measured minus expected in mm, from a sphere put where the reference was measured."""
-    sphere_mm = _turned_back(
-        machine, truth, stations.angle_deg[reference], stations.centre_mm[reference]
-    )
-    expected = expected_mm(machine, truth, sphere_mm, stations.angle_deg[measured])
-    return stations.centre_mm[measured] - expected
+def _expected(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
+    """Give where the sphere is expected when it stands where the reference was measured, (n, 3)."""
+    expected = stations.centre_mm.copy()
+    for axis in range(len(LETTERS)):
+        own = stations.of(LETTERS[axis])
+        if np.any(own):
+            reference = np.flatnonzero(own & stations.is_reference)[0]
+            sphere_mm = _turned_back(
+                machine, truth, stations.angle_deg[reference], stations.centre_mm[reference]
+            )
+            others = own & ~stations.is_reference
+            angles_deg = stations.angle_deg[others]
+            expected[others] = expected_mm(machine, truth, sphere_mm, angles_deg)
+    return expected
 
 
 def _turned_back(
@@ -232,35 +220,16 @@ def _turned_back(
     return np.linalg.solve(np.transpose(images - origin), centre_mm - origin)
 
 
-def _slopes(machine: Machine, truth: Truth, stations: Stations, place: int) -> FloatArray:
-    """Give how the expected reading changes with the axis's angle, mm a degree; shape (n, 3)."""
+def _slopes(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
+    """Give how the expected reading moves while the station's axis turns, mm/rad; shape (n, 3)."""
     rows = []
-    for angle_deg, centre_mm in zip(stations.angle_deg, stations.centre_mm, strict=True):
+    for angle_deg, centre_mm, axis in zip(
+        stations.angle_deg, stations.centre_mm, stations.axis, strict=True
+    ):
         sphere_mm = _turned_back(machine, truth, angle_deg, centre_mm)
-        step = SLOPE_STEP_DEG * np.eye(3)[place]
+        step = SLOPE_STEP_DEG * np.eye(3)[axis]
         ends = expected_mm(
             machine, truth, sphere_mm, np.array([angle_deg - step, angle_deg + step])
         )
-        rows.append((ends[1] - ends[0]) / (2.0 * SLOPE_STEP_DEG))
-    return np.array(rows)
-
-
-def _along(errors_mm: FloatArray, slopes: FloatArray) -> FloatArray:
-    """Give the angles in degrees that the errors are along the motion; shape (n,)."""
-    squares = np.sum(slopes**2, axis=1)
-    return np.asarray(np.sum(errors_mm * slopes, axis=1) / np.maximum(squares, 1e-12))
-
-
-def _backlash(
-    stations: Stations, own: NDArray[np.bool_], slopes: FloatArray, place: int
-) -> float | None:
-    """Give how far the falling approach is ahead of the rising one in degrees, on average."""
-    rising = np.flatnonzero(own & (stations.approach > 0) & ~stations.is_reference)
-    falling = np.flatnonzero(own & (stations.approach < 0) & ~stations.is_reference)
-    angles = stations.angle_deg[:, place]
-    pairs = [(r, f) for r in rising for f in falling if angles[r] == angles[f]]
-    if not pairs:
-        return None
-    first, second = np.array(pairs).T
-    moved_mm = stations.centre_mm[second] - stations.centre_mm[first]
-    return float(np.mean(_along(moved_mm, slopes[first])))
+        rows.append((ends[1] - ends[0]) / radians(2.0 * SLOPE_STEP_DEG))
+    return np.array(rows).reshape(-1, 3)
