@@ -161,6 +161,9 @@ static kinematics_cycle_fault_t check_plan(const kinematics_cycle_t *cycle)
     if (cycle->machine.is_tcpm_on) {
         return fault_of(KINEMATICS_CYCLE_ERR_TCPM, KINEMATICS_SETTINGS);
     }
+    if (cycle->machine.is_turning) {
+        return fault_of(KINEMATICS_CYCLE_ERR_TURNING, KINEMATICS_SETTINGS);
+    }
     if (has_m_function(cycle) && !is_at_zero(cycle)) {
         return fault_of(KINEMATICS_CYCLE_ERR_NOT_AT_ZERO, KINEMATICS_SETTINGS);
     }
@@ -563,6 +566,7 @@ const char *kinematics_cycle_phrase(kinematics_cycle_error_t error)
         [KINEMATICS_CYCLE_ERR_RETRACT] = "a retract height above 0 is needed: an axis with a Hirth "
                                          "coupling turns, or option 2 is not there",
         [KINEMATICS_CYCLE_ERR_TCPM] = "M128 or TCPM is on",
+        [KINEMATICS_CYCLE_ERR_TURNING] = "FUNCTION MODE MILL is not active",
         [KINEMATICS_CYCLE_ERR_NOT_AT_ZERO] = "an M function positions the rotary axes, and not all "
                                              "of them are at 0°",
         [KINEMATICS_CYCLE_ERR_MACHINE] = "the machine's data are not sound",

@@ -40,6 +40,7 @@ typedef enum {
     KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs two measured axes, one upon the other */
     KINEMATICS_CYCLE_ERR_RETRACT,      /* Q408 = 0 with a Hirth axis that turns, or no option 2 */
     KINEMATICS_CYCLE_ERR_TCPM,         /* M128 or TCPM is on */
+    KINEMATICS_CYCLE_ERR_TURNING,      /* the cycle is one of FUNCTION MODE MILL */
     KINEMATICS_CYCLE_ERR_NOT_AT_ZERO,  /* an M function positions, and a rotary axis is not at 0° */
     KINEMATICS_CYCLE_ERR_MACHINE,   /* a value of kinematics_cycle_machine_t is out of its range */
     KINEMATICS_CYCLE_ERR_NOTHING,   /* no axis that is there has a position to measure */
@@ -73,6 +74,7 @@ typedef struct {
     bool                   has_kinematics_comp;   /* option 52 */
     bool                   has_advanced_functions_2; /* option 2 */
     bool                   is_tcpm_on;
+    bool                   is_turning; /* FUNCTION MODE TURN is active */
     bool                   is_stacked; /* two rotary axes, both in the table or both in the head */
 } kinematics_cycle_machine_t;
 

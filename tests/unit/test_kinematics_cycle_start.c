@@ -120,6 +120,12 @@ void test_tcpm_must_be_off(void)
     check_refused(KINEMATICS_CYCLE_ERR_TCPM, KINEMATICS_SETTINGS);
 }
 
+void test_turning_mode_must_be_off(void)
+{
+    machine.data.is_turning = true;
+    check_refused(KINEMATICS_CYCLE_ERR_TURNING, KINEMATICS_SETTINGS);
+}
+
 void test_with_an_m_function_all_axes_start_at_zero(void)
 {
     machine.data.strobe_rot_ax_pos = 0; /* M0 is a function, too */
