@@ -20,9 +20,10 @@
 #define LANE_PITCH  1u
 #define PAUSE_S     0.1 /* standing before it turns back */
 
+/* Whole turns are left out first: thousands of them would cost digits. */
 static double sine(double turns, double phase_deg)
 {
-    return sin(2.0 * PI * (turns - floor(turns)) + phase_deg * RAD_PER_DEG);
+    return sim_wave(turns - floor(turns), phase_deg);
 }
 
 /* ---- gears: ways along the pitch circle ------------------------------------------------------ */

@@ -48,8 +48,8 @@ double effect_backlash(const sim_effect_call_t *call, double position_um)
 double effect_transmission_error(const sim_effect_call_t *call, double position_um)
 {
     double turn = coordinate_mm(call, position_um) / call->parameters[1];
-    double first = sin(2.0 * PI * turn + call->parameters[2] * RAD_PER_DEG);
-    double second = sin(4.0 * PI * turn + call->parameters[4] * RAD_PER_DEG);
+    double first = sim_wave(turn, call->parameters[2]);
+    double second = sim_wave(2.0 * turn, call->parameters[4]);
     double error_um = call->parameters[0] * first + call->parameters[3] * second;
     return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[5]);
 }

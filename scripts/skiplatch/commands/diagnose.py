@@ -1,5 +1,6 @@
 """``skiplatch diagnose``: where the gap lies, what causes it, how far it shrinks."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -18,6 +19,7 @@ from skiplatch.diagnosis.experiment import experiment_json, experiment_text, nex
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect
+from skiplatch.transmission.source import periodic_sources, read_axis_train
 
 EPILOG = """\b
 Example:
@@ -67,6 +69,13 @@ Example:
     help="An effect that a simulated campaign has; puts the shrink that the truth reaches beside "
     "that of the finding. The diagnosis itself does not look at it.",
 )
+@click.option(
+    "--train",
+    "train_path",
+    type=click.Path(path_type=Path),
+    help="Description of the drive in TOML (docs/TRANSMISSION.md); a transmission error that is "
+    "found is then given its order and its shaft.",
+)
 def command(
     campaign: Path,
     seed: int,
@@ -77,6 +86,7 @@ def command(
     material_us: float | None,
     material_um: float | None,
     truth: tuple[Effect, ...],
+    train_path: Path | None,
 ) -> None:
     """Say where the gap of a CAMPAIGN lies, which effects cause it, and how far it shrinks.
 
@@ -85,6 +95,7 @@ def command(
     beyond what its parameters are worth, or less than 1 nat on others unless it gains 15 in all,
     and none that changes every stretch of the chain by less than is material (root mean square).
     """
+    train = read_axis_train(train_path) if train_path is not None else None
     recorded = read_campaign(campaign)
     materiality = Materiality(material_fraction, material_us, material_um)
     diagnosis = diagnose(
@@ -92,10 +103,16 @@ def command(
     )
     click.echo(f"{campaign}: {recorded.nominal.kind} campaign, {len(recorded.touches)} touches\n")
     click.echo(as_text(diagnosis))
+    sources = periodic_sources([named.effect for named in diagnosis.effects], train)
+    for source in sources:
+        click.echo(f"\n{source.text}")
     experiment = next_experiment(recorded, diagnosis, seed=seed, jobs=jobs)
     words = experiment_text(experiment)
     click.echo(f"\nNext experiment\n{words}")
-    write_json(json_path, {**as_json(diagnosis), "next_experiment": experiment_json(experiment)})
+    document = {**as_json(diagnosis), "next_experiment": experiment_json(experiment)}
+    if train is not None:
+        document["transmission"] = [asdict(source) for source in sources]
+    write_json(json_path, document)
     if html_path is not None:
         page = _page(recorded, diagnosis, campaign.resolve().name, words, seed, jobs)
         atomic_write_text(html_path, page)

@@ -47,7 +47,7 @@ def _lead(found: Measurement, train: GearTrain | None) -> str:
     orders = found.values.orders
     if not orders:
         return "No order stands out of the noise."
-    part = train.named(orders[0]) if train is not None else None
+    part = train.named(orders[0].order) if train is not None else None
     whose = f" ({part})" if part else ""
     return (
         f"The largest order is {compact(orders[0].order, 6)} a turn of the output{whose}, "

@@ -50,7 +50,7 @@ def orders_table(
             compact(order.order, 7),
             number(order.amplitude_arcsec),
             f"{order.phase_deg:.1f}",
-            *((train.named(order) or NOTHING,) if train else ()),
+            *((train.named(order.order) or NOTHING,) if train else ()),
         )
         for order in found.values.orders[:SHOWN_ORDERS]
     ]
@@ -73,7 +73,7 @@ def as_json(method: str, found: Measurement, train: GearTrain | None) -> dict[st
             "order": order.order,
             "amplitude_arcsec": order.amplitude_arcsec,
             "phase_deg": order.phase_deg,
-            **({"part": train.named(order)} if train is not None else {}),
+            **({"part": train.named(order.order)} if train is not None else {}),
         }
         for order in values.orders
     ]

@@ -23,13 +23,14 @@ from pathlib import Path
 
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
-from skiplatch.transmission.spectrum import Order
 
 MAX_BYTES = 1 << 20
 MOST_HARMONIC = 4
 MESH = "mesh of "
 NEAR = 5e-4
 """An order belongs to a part that is as near as that share of it, or as `NEAR_ABSOLUTE`."""
+AXIS_NEAR = 0.02
+"""The same of a period along an axis, which touches tell less sharply."""
 NEAR_ABSOLUTE = 2e-3
 KEYS = {"driver_teeth", "driven_teeth", "name"}
 
@@ -91,20 +92,32 @@ class GearTrain:
         """Teeth that the last stage passes in an output turn."""
         return float(self.stages[-1].driven_teeth) if self.stages else None
 
-    def named(self, order: Order) -> str | None:
+    def of_period(self, period_mm: float) -> tuple[float, str | None]:
+        """Give the order of an error along the axis, and the part it belongs to.
+
+        Raises:
+            InputError: The description has no screw.
+        """
+        if self.lead_mm is None:
+            message = "an axis needs [screw] lead_mm to have orders"
+            raise InputError(self.path or "train", None, None, message)
+        order = self.lead_mm / period_mm
+        return order, self.named(order, AXIS_NEAR)
+
+    def named(self, order: float, near_share: float = NEAR) -> str | None:
         """Say which parts an order belongs to; None where there is none.
 
         It may be that of a part, a harmonic, or a mesh and a shaft beside it (a side band).
         """
-        near = max(NEAR * order.order, NEAR_ABSOLUTE)
+        near = max(near_share * order, NEAR_ABSOLUTE)
         for harmonic in range(1, MOST_HARMONIC + 1):
-            names = [p.name for p in self.parts if abs(order.order - harmonic * p.order) <= near]
+            names = [p.name for p in self.parts if abs(order - harmonic * p.order) <= near]
             if names:
                 joined = " and ".join(names)
                 return joined if harmonic == 1 else f"{joined}, harmonic {harmonic}"
         for mesh, shaft in self._side_bands():
             for sign, word in ((1, "+"), (-1, "−")):
-                if abs(order.order - mesh.order - sign * shaft.order) <= near:
+                if abs(order - mesh.order - sign * shaft.order) <= near:
                     return f"{mesh.name} {word} {shaft.name}"
         return None
 

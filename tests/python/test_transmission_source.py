@@ -1,0 +1,91 @@
+"""A periodic error of an axis gets the order and the shaft of its drive."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from effects_rig import MACHINE, mixed_touches
+from skiplatch import cli
+from skiplatch.campaign import Campaign, Status, write_campaign
+from skiplatch.errors import InputError
+from skiplatch.simulator import Controller, Effect, play
+from skiplatch.transmission.source import periodic_sources, read_axis_train
+
+BELT_AND_SCREW = """
+[[stage]]
+name = "belt"
+driver_teeth = 20
+driven_teeth = 50
+
+[screw]
+lead_mm = 10.0
+"""
+
+
+def error(period_mm: float, amplitude2_um: float = 0.0) -> Effect:
+    parameters = {"amplitude_um": 6.0, "period_mm": period_mm, "phase_deg": 70.0}
+    return Effect("transmission_error", {**parameters, "amplitude2_um": amplitude2_um})
+
+
+@pytest.fixture
+def description(tmp_path: Path) -> Path:
+    path = tmp_path / "train.toml"
+    path.write_text(BELT_AND_SCREW)
+    return path
+
+
+@pytest.mark.parametrize(
+    ("period_mm", "order", "part"),
+    [
+        (10.0, 1.0, "screw"),
+        (5.0, 2.0, "screw, harmonic 2"),
+        (4.0, 2.5, "shaft 1 (input)"),
+        (0.2, 50.0, "mesh of belt"),
+        (7.3, 1.37, None),
+    ],
+)
+def test_a_period_is_an_order_of_the_screw_and_has_its_part(
+    description: Path, period_mm: float, order: float, part: str | None
+) -> None:
+    (source,) = periodic_sources([error(period_mm)], read_axis_train(description))
+
+    assert source.order == pytest.approx(order, rel=1e-3)
+    assert source.part == part
+
+
+def test_a_second_order_is_named_by_itself(description: Path) -> None:
+    sources = periodic_sources([error(8.0, amplitude2_um=2.0)], read_axis_train(description))
+
+    assert [source.part for source in sources] == [None, "shaft 1 (input)"]
+
+
+def test_a_train_without_a_screw_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "train.toml"
+    path.write_text(BELT_AND_SCREW.split("[screw]", maxsplit=1)[0])
+
+    with pytest.raises(InputError, match="lead_mm"):
+        read_axis_train(path)
+
+
+def test_a_diagnosis_names_the_shaft(tmp_path: Path, description: Path) -> None:
+    touches = mixed_touches(600, seed=5)
+    controller = Controller.for_campaign(MACHINE, touches)
+    played = play(MACHINE, controller, touches, seed=5, switched_on=[error(4.0)])
+    status = np.where(played.ok[0], Status.OK, Status.MISSED).astype(np.int8)
+    columns = {"latch_us": played.latch_us[0], "deviation_um": played.deviation_um[0]}
+    campaign = Campaign(MACHINE, replace(touches, status=status, **columns), tmp_path / "made")
+    write_campaign(tmp_path / "made", campaign.nominal, campaign.touches)
+    out = tmp_path / "out.json"
+    options = ["--train", str(description), "--json", str(out)]
+
+    result = CliRunner().invoke(cli.group, ["diagnose", str(tmp_path / "made"), *options])
+
+    assert result.exit_code == 0, result.output
+    named = json.loads(out.read_text())["transmission"][0]
+    assert named["part"] == "shaft 1 (input)"
+    assert named["order"] == pytest.approx(2.5, rel=0.02)
+    assert "order 2.5" in result.output
