@@ -13,7 +13,7 @@ void phase_meter_init(phase_meter_t *m, uint32_t dense_divider, uint32_t gate_di
         .dense_divider = dense_divider,
         .gate_divider = gate_divider,
         .time_constant_ticks = time_constant_ticks,
-        .dense_left = dense_divider / 2u + 1u,
+        .dense_left = (dense_divider + 1u) / 2u,
         .gate_left = gate_divider,
         .needle_q31 = ONE_Q31 / 2u,
     };

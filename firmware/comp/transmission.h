@@ -33,7 +33,7 @@ typedef enum {
                                      train has a million times the pulses of the other, or a line
                                      is less than 0.001" */
     TRANSMISSION_ERR_METHOD = -4, /* none of transmission_method_t */
-    TRANSMISSION_ERR_METER = -5   /* range or time constant of 0, or a range that is too large */
+    TRANSMISSION_ERR_METER = -5   /* a time constant of 0, or a range that is too large */
 } transmission_error_t;
 
 typedef enum {
@@ -47,15 +47,19 @@ typedef enum {
     TRANSMISSION_PHASE_ANALOG      /* the same, by a flip-flop and a low-pass meter */
 } transmission_method_t;
 
+/*
+ * With `range` both dividers divide so many times further, for so many times the range. 0 is just
+ * enough for four lines of the denser train: the lag of any two trains then begins away from the
+ * ends.
+ */
 typedef struct {
     transmission_method_t method;
     uint32_t              lines1;      /* of the input encoder, a turn */
     uint32_t              lines2;      /* of the output encoder, a turn */
     uint32_t              ratio_over;  /* i = input turns in an output turn, as a fraction */
     uint32_t              ratio_under; /* 407/10: over 407, under 10 */
-    uint32_t              range;       /* phase comparison by dividers: both divide so many times
-                                          further, for so many times the range; 1 or more */
-    uint32_t meter_ticks;              /* time constant of the analog meter; 1 or more */
+    uint32_t              range;       /* of digital and analog phase comparison; see below */
+    uint32_t              meter_ticks; /* time constant of the analog meter; 1 or more */
 } transmission_config_t;
 
 typedef struct {

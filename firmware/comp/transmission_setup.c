@@ -4,6 +4,7 @@
 #define LINES_MAX    (UINT32_C(1) << 24)
 #define STEP_MAX     (UINT32_C(1) << 20) /* denser train's lines in a gate line */
 #define FRACTION_MAX INT32_MAX
+#define LINES_LEAST  4u /* of the denser train in a period of comparison */
 #define TURN_NAS     UINT64_C(1296000000000000)
 #define LINE_NAS_MIN INT64_C(1000000) /* so that its rounding does not show */
 #define JUDGE_BITS   24
@@ -48,7 +49,7 @@ static int check(const transmission_config_t *config)
     if (config->method > TRANSMISSION_PHASE_ANALOG) {
         return TRANSMISSION_ERR_METHOD;
     }
-    if (config->range == 0u || config->meter_ticks == 0u) {
+    if (config->meter_ticks == 0u) {
         return TRANSMISSION_ERR_METER;
     }
     return TRANSMISSION_OK;
@@ -65,9 +66,12 @@ static void set_judge(transmission_t *t, uint32_t over, uint32_t under)
 }
 
 /* The dividers' range is of no concern to the other methods. */
-static uint32_t range_of(const transmission_config_t *config)
+static uint32_t range_of(const transmission_config_t *config, uint64_t over)
 {
-    return config->method >= TRANSMISSION_PHASE_DIGITAL ? config->range : 1u;
+    if (config->range != 0u && config->method >= TRANSMISSION_PHASE_DIGITAL) {
+        return config->range;
+    }
+    return over >= LINES_LEAST ? 1u : LINES_LEAST;
 }
 
 /* over : under are pulses of the denser train to pulses of the gate. */
@@ -79,7 +83,7 @@ static int set_step(transmission_t *t, uint64_t over, uint64_t under)
     if (over > FRACTION_MAX || over / under >= STEP_MAX) {
         return TRANSMISSION_ERR_RANGE;
     }
-    uint32_t range = range_of(&t->config);
+    uint32_t range = range_of(&t->config, over);
     if (over > FRACTION_MAX / range) {
         return TRANSMISSION_ERR_METER;
     }

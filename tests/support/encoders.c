@@ -2,8 +2,7 @@
 
 #include <math.h>
 
-#define TWO_PI       6.283185307179586
-#define OUTPUT_PHASE 0.3 /* of a line: where the output's first line lies */
+#define TWO_PI 6.283185307179586
 
 void encoders_start(encoders_t *e, const encoders_setup_t *setup)
 {
@@ -12,7 +11,7 @@ void encoders_start(encoders_t *e, const encoders_setup_t *setup)
 
 static double output_turns(const encoders_setup_t *setup, double line)
 {
-    return (line + OUTPUT_PHASE) / setup->lines2;
+    return (line + setup->phase) / setup->lines2;
 }
 
 double encoders_error_arcsec(const encoders_setup_t *setup, double line)

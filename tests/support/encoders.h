@@ -19,6 +19,7 @@ typedef struct {
     double   error_arcsec;    /* amplitude of the planted error, once in an output turn */
     double   ripple;          /* of the speed, once in an input turn: part of the mean */
     double   backlash_arcsec; /* how far the output stays behind on the way back */
+    double   phase;           /* of a line: where the output's first line lies */
     double   tick_s;
     double   turning_turns; /* input angle at which the shafts turn back; 0: never */
     double   standstill_s;  /* there */

@@ -64,13 +64,13 @@ void test_a_divided_pulse_that_is_missing_is_put_where_it_must_have_been(void)
     phase_meter_init(&meter, 10u, 1u, TAU);
     (void)phase_meter_on_gate(&meter, 0u, 0);
     for (uint32_t i = 1u; i <= 24u; ++i) {
-        phase_meter_on_dense(&meter, 1u, 100u); /* the divided ones at 600 and 1600 */
+        phase_meter_on_dense(&meter, 1u, 100u); /* the divided ones at 500 and 1500 */
     }
-    phase_meter_on_dense(&meter, 4u, 400u); /* at 2800; 2600 was missing */
+    phase_meter_on_dense(&meter, 4u, 400u); /* at 2800; 2500 was missing */
 
     TEST_ASSERT_TRUE(phase_meter_on_gate(&meter, 1u, 50));
     TEST_ASSERT_TRUE(phase_meter_digital(&meter, 50, &lag_q32));
-    TEST_ASSERT_DOUBLE_WITHIN(1.0, 0.25 * ONE, lag_q32);
+    TEST_ASSERT_DOUBLE_WITHIN(1.0, 0.35 * ONE, lag_q32);
 }
 
 /* At a clock of 1 GHz a period may take longer than its counter goes round. */
@@ -87,10 +87,10 @@ void test_a_period_may_be_longer_than_the_clock_goes_round(void)
         }
     }
 
-    TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.425 * ONE, lag_q32); /* set at 6, 16, …; reset at 10.25 */
+    TEST_ASSERT_DOUBLE_WITHIN(2.0, 0.525 * ONE, lag_q32); /* set at 5, 15, …; reset at 10.25 */
     TEST_ASSERT_TRUE(phase_meter_analog(&meter, &lag_q32));
-    double rise = exp(-4.25 * 2.0e9 / UINT32_MAX);
-    double fall = exp(-5.75 * 2.0e9 / UINT32_MAX);
+    double rise = exp(-5.25 * 2.0e9 / UINT32_MAX);
+    double fall = exp(-4.75 * 2.0e9 / UINT32_MAX);
     TEST_ASSERT_DOUBLE_WITHIN(1e-8 * ONE, (1.0 - rise) / (1.0 - rise * fall) * ONE, lag_q32);
 }
 

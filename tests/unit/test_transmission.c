@@ -19,6 +19,7 @@ static const encoders_setup_t CHAIN = {
     .ratio = 40.7,
     .input_rev_per_s = 5.0,
     .error_arcsec = AMPLITUDE,
+    .phase = 0.3,
     .tick_s = 1.0e-7,
 };
 static const transmission_config_t CONFIG = {
@@ -36,6 +37,7 @@ static const encoders_setup_t EVEN_CHAIN = {
     .ratio = 40.0,
     .input_rev_per_s = 5.0,
     .error_arcsec = 40.0,
+    .phase = 0.3,
     .tick_s = 1.0e-7,
 };
 static const transmission_config_t EVEN_CONFIG = {
@@ -241,6 +243,24 @@ void test_the_range_is_bought_with_points(void)
     TEST_ASSERT_DOUBLE_WITHIN(10.0, 1600.0, run.highest - run.lowest);
 }
 
+/* Wherever the lines of the two encoders lie to each other. */
+void test_without_a_range_of_its_own_equal_trains_are_not_folded(void)
+{
+    encoders_setup_t chain = EVEN_CHAIN;
+    chain.lines1 = TURN;
+    chain.ratio = 1.0;
+    transmission_config_t config = {
+        .lines1 = 3600u, .lines2 = 3600u, .ratio_over = 1u, .ratio_under = 1u, .meter_ticks = 1u};
+    for (int shift = 0; shift < 8; ++shift) {
+        chain.phase = shift / 8.0;
+        start(&chain, &config, TRANSMISSION_PHASE_DIGITAL);
+
+        chain_run_lines(&run, &encoders, 2.0 * TURN);
+
+        TEST_ASSERT_DOUBLE_WITHIN(2.0, 80.0, run.highest - run.lowest);
+    }
+}
+
 /* The lag is held against the period before: a change of speed shows as an error. */
 void test_digital_phase_comparison_takes_speed_ripple_for_an_error(void)
 {
@@ -308,7 +328,8 @@ void test_a_set_up_without_sense_is_refused(void)
     config.ratio_under = 0u;
     check_refused(TRANSMISSION_ERR_RATIO, config);
     config = CONFIG;
-    config.range = 0u;
+    config.range = UINT32_MAX;
+    config.method = TRANSMISSION_PHASE_DIGITAL;
     check_refused(TRANSMISSION_ERR_METER, config);
     config = CONFIG;
     config.meter_ticks = 0u;

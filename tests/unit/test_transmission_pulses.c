@@ -17,6 +17,7 @@ static const encoders_setup_t CHAIN = {
     .ratio = 40.7,
     .input_rev_per_s = 5.0,
     .error_arcsec = 9.57 / 2.0,
+    .phase = 0.3,
     .tick_s = 1.0e-7,
     .start_ticks = 4294000000u, /* the clock goes round in between */
 };

@@ -51,7 +51,7 @@ SETUP_FAULTS = {
         'one train has a million times the pulses of the other, or a line is less than 0.001"'
     ),
     "TRANSMISSION_ERR_METHOD": "method: unknown",
-    "TRANSMISSION_ERR_METER": "range or time constant of the meter: zero, or too large",
+    "TRANSMISSION_ERR_METER": "time constant of the meter: zero, or the range too large",
 }
 PULSE_FAULTS = {
     -1: "channel: expected 1 or 2, or 3 or 4 for an index, plus 128 for backward",
@@ -108,7 +108,7 @@ class Transmission:
         method: Method = Method.SUBDIVIDED,
         *,
         tick_ns: int = 1,
-        phase_range: int = 2,
+        phase_range: int = 0,
         meter_s: float = 0.1,
     ) -> None:
         """Begin.
@@ -119,8 +119,8 @@ class Transmission:
             ratio: Input turns in an output turn.
             method: Which of the five.
             tick_ns: Period of the clock that subdivides.
-            phase_range: How many periods of the lowest common frequency the range of digital and
-                analog phase comparison holds.
+            phase_range: How many periods of the highest common frequency the range of digital and
+                analog phase comparison holds; 0: enough for four lines of the denser train.
             meter_s: Time constant of the analog meter.
 
         Raises:
