@@ -54,15 +54,21 @@ static bool is_even(uint32_t interval_ticks, uint32_t before_ticks)
 
 static void learn(pulse_train_t *train, uint32_t period_ticks)
 {
-    uint64_t period_q8 = (uint64_t)period_ticks << 8;
     train->period_ticks = period_ticks;
-    train->mean_q8 = train->steady == 0u ? period_q8 : (3u * train->mean_q8 + period_q8) / 4u;
+    if (period_ticks > UINT32_MAX >> 4) {
+        train->mean_q4 = UINT32_MAX;
+        train->steady = 0u;
+    } else if (train->steady == 0u) {
+        train->mean_q4 = period_ticks << 4;
+    } else {
+        train->mean_q4 += (period_ticks << 2) - (train->mean_q4 >> 2);
+    }
 }
 
 /* The mean tells more where the lines are uneven, the last line where the speed changes. */
 uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
 {
-    uint32_t mean_ticks = (uint32_t)(train->mean_q8 >> 8);
+    uint32_t mean_ticks = train->mean_q4 >> 4;
     uint8_t  lines = 1u;
     bool     even = train->period_ticks != 0u && (is_even(interval_ticks, train->period_ticks) ||
                                                   is_even(interval_ticks, mean_ticks));
@@ -75,7 +81,7 @@ uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
         train->steady = 0u;
     }
     if (lines != 0u) {
-        learn(train, interval_ticks / lines);
+        learn(train, lines == 1u ? interval_ticks : interval_ticks / lines); /* dividing is slow */
     }
     return lines;
 }
@@ -83,7 +89,7 @@ uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
 void pulse_forget(pulse_train_t *train)
 {
     train->period_ticks = 0u;
-    train->mean_q8 = 0u;
+    train->mean_q4 = 0u;
     train->steady = 0u;
     train->rejected = 0u;
 }

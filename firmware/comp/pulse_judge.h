@@ -27,7 +27,7 @@ typedef struct {
     int32_t          line;         /* of the last good pulse, from 0 */
     uint32_t         ticks;        /* of that pulse */
     uint32_t         period_ticks; /* of the last line */
-    uint64_t         mean_q8;      /* of the last few, in 2^-8 ticks */
+    uint32_t         mean_q4;      /* of the last few, in 2^-4 ticks */
     int8_t           sense;        /* +1, -1; 0 before the first pulse */
     uint8_t          steady;
     uint8_t          rejected; /* in a row */
@@ -39,7 +39,10 @@ typedef struct {
  */
 uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line);
 
-/* The same by time alone; learns how long a line takes. Everything is good until it runs evenly. */
+/*
+ * The same by time alone; learns how long a line takes. Everything is good until it runs evenly,
+ * and where a line takes 2^28 ticks or more.
+ */
 uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks);
 
 /* Forget how long a line takes. */

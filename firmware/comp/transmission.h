@@ -58,7 +58,7 @@ typedef struct {
     uint32_t              lines2;      /* of the output encoder, a turn */
     uint32_t              ratio_over;  /* i = input turns in an output turn, as a fraction */
     uint32_t              ratio_under; /* 407/10: over 407, under 10 */
-    uint32_t              range;       /* of digital and analog phase comparison; see below */
+    uint32_t              range;       /* of digital and analog phase comparison; see above */
     uint32_t              meter_ticks; /* time constant of the analog meter; 1 or more */
 } transmission_config_t;
 

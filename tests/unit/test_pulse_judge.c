@@ -145,6 +145,20 @@ void test_lines_of_two_lengths_by_turns_are_good(void)
     check_counters(1u, 0u, 0u);
 }
 
+void test_lines_that_take_too_long_are_not_judged(void)
+{
+    const uint32_t longest = (1u << 28) - 1u;
+    run_evenly(longest);
+    TEST_ASSERT_EQUAL_UINT8(2u, pulse_judge_ticks(&train, 2u * longest));
+    check_counters(1u, 0u, 0u);
+    setUp();
+
+    run_evenly(longest + 1u);
+
+    TEST_ASSERT_EQUAL_UINT8(1u, pulse_judge_ticks(&train, 2u * longest));
+    check_counters(0u, 0u, 0u);
+}
+
 void test_forgetting_believes_the_next_pulses_again(void)
 {
     run_evenly(LINE);
