@@ -235,6 +235,28 @@ def test_a_slip_in_the_truth_is_named(tmp_path: Path, text: str, message: str) -
     assert message in str(result.exception)
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("is_tcpm_on = true", "cycle 451: "),
+        ("has_kinematics_comp = false", "cycle 451: Q406"),
+        ("max_dev_cal_ball_mm = -1", "16:1: control.max_dev_cal_ball_mm: expected a number from 0"),
+        ("is_tcpm_on = 1", "16:1: control.is_tcpm_on: expected true or false"),
+        ("hirth_deg = [0, -3, 0]", "16:1: control.hirth_deg: expected a list of 3 numbers from 0"),
+        ("hirth_dg = 3", '16:1: control.hirth_dg: unknown key; did you mean "hirth_deg"?'),
+    ],
+)
+def test_the_controller_of_the_machine_file_counts(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "machine.toml"
+    machine = MACHINE.read_text(encoding="utf-8")
+    path.write_text(f"{machine}\n[control]\n{text}\n", encoding="utf-8")
+
+    result = run(SAMPLES / "optimise_then_check.h", tmp_path, "--machine", str(path))
+
+    assert isinstance(result.exception, InputError)
+    assert message in str(result.exception)
+
+
 class _Page(HTMLParser):
     """What a reader of the log gets: text, names of the pictures, and what it would load."""
 

@@ -11,14 +11,16 @@ import click
 import numpy as np
 
 from skiplatch.campaign import InputPath
+from skiplatch.commands.kinematics import fit_points
 from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
 from skiplatch.files import atomic_write_text
+from skiplatch.kinematics.control import read_control
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
 from skiplatch.kinematics.memory import Memory, format_machine
 from skiplatch.kinematics.points import columns_of
 from skiplatch.kinematics.program import Program, read_program
-from skiplatch.kinematics.run import Outcome, Run, Setup, run_program
+from skiplatch.kinematics.run import Outcome, Run, Setup, asked_mode, correct_as, run_program
 from skiplatch.kinematics.truth import draw_truth, read_truth
 from skiplatch.report.kinematics import Logged, as_html
 from skiplatch.simulator import ROOT, Effect
@@ -77,6 +79,12 @@ Example:
 @click.option(
     "--html", "html_path", type=FILE, help=f"The log.  [default: {LOG_NAME} beside PROGRAM]"
 )
+@click.option(
+    "--from-points",
+    "recorded_path",
+    type=FILE,
+    help="Fit these sphere centres of a real machine and simulate nothing; see 'fit'.",
+)
 @click.option("--points", "points_path", type=FILE, help="Write the sphere centres as POINTS.csv.")
 @click.option("--corrected", "corrected_path", type=FILE, help="Write the kinematics at the end.")
 @click.option(
@@ -95,6 +103,7 @@ def run_command(
     switched_on: Sequence[Effect],
     acknowledged: bool,  # noqa: FBT001
     html_path: Path | None,
+    recorded_path: Path | None,
     points_path: Path | None,
     corrected_path: Path | None,
     memory_path: Path | None,
@@ -109,11 +118,20 @@ def run_command(
     """
     program = read_program(program_path)
     machine = read_machine(machine_path)
+    if recorded_path is not None:
+        mode = asked_mode(program)
+        found = fit_points(recorded_path, machine, with_positions=False, json_path=json_path)
+        if corrected_path is not None:
+            atomic_write_text(corrected_path, format_machine(correct_as(mode, machine, found)))
+        return
     truth = draw_truth(machine, seed) if truth_path is None else read_truth(truth_path, machine)
+    control = read_control(
+        machine_path, input_path=InputPath[path_name.upper()], tip_radius_mm=truth.tip_radius_mm
+    )
     setup = Setup(
         machine=machine,
         truth=truth,
-        path=InputPath[path_name.upper()],
+        control=control,
         seed=seed,
         acknowledged=acknowledged,
         switched_on=switched_on,

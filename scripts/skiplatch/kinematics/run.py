@@ -3,11 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from skiplatch.campaign import InputPath
 from skiplatch.errors import InputError
 from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
-from skiplatch.kinematics.evaluate import Evaluation, evaluate
-from skiplatch.kinematics.firmware import NoFitError
+from skiplatch.kinematics.evaluate import CHECK, ORIGIN, POSITIONS, Evaluation, correct, evaluate
+from skiplatch.kinematics.firmware import Fit, NoFitError
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import Machine
 from skiplatch.kinematics.memory import Memory, run_450
@@ -27,7 +26,7 @@ class Setup:
     Attributes:
         machine: The description that the truth stands beside, and that is believed at first.
         truth: How the machine truly is.
-        path: How touches are latched.
+        control: How the controller is set up.
         seed: Picks the random numbers.
         acknowledged: The operator presses NC start where a change exceeds maxModification.
         switched_on: Effects on every touch.
@@ -35,7 +34,7 @@ class Setup:
 
     machine: Machine
     truth: Truth
-    path: InputPath
+    control: Control
     seed: int
     acknowledged: bool
     switched_on: Sequence[Effect] = ()
@@ -83,6 +82,29 @@ def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
     return Outcome(tuple(runs), tuple(said), believed)
 
 
+def asked_mode(program: Program) -> int:
+    """Give Q406 of the last cycle 451.
+
+    Raises:
+        InputError: There is no cycle 451, or its mode is none.
+    """
+    cycles = [cycle for cycle in program.cycles if cycle.number == 451]
+    if not cycles:
+        raise InputError(program.path, None, None, "no cycle 451 says what to correct")
+    given = cycles[-1].parameters.get(MODE)
+    if given is None:
+        return CHECK
+    if given.value not in range(ORIGIN + 1):
+        message = f"Q{MODE}: expected a mode from 0 to {ORIGIN}"
+        raise InputError(program.path, given.line, given.column, message)
+    return int(given.value)
+
+
+def correct_as(mode: int, machine: Machine, found: Fit) -> Machine:
+    """Correct the description by location errors as a mode says."""
+    return machine if mode == CHECK else correct(machine, found, angles=mode != POSITIONS)
+
+
 def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
     scale = MM_PER_INCH if program.is_inch else 1.0
     return {
@@ -99,7 +121,7 @@ def _run_451(program: Program, cycle: Cycle, setup: Setup, believed: Machine, pl
         with opened(
             setup.machine,
             setup.truth,
-            Control(path=setup.path, tip_radius_mm=setup.truth.tip_radius_mm),
+            setup.control,
             parameters,
             believed=believed,
             seed=setup.seed,
