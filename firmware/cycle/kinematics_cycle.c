@@ -303,7 +303,6 @@ static void leave(kinematics_cycle_t *cycle, kinematics_cycle_step_t step)
 static void turn(kinematics_cycle_t *cycle, uint8_t axis, double angle_deg)
 {
     cycle->angle_deg[axis] = angle_deg;
-    cycle->is_located = false;
 
     kinematics_cycle_request_t *request =
         ask(cycle, KINEMATICS_STEP_TURN,

@@ -245,6 +245,17 @@ void test_a_preset_elsewhere_does_not_spare_the_reference(void)
                              machine.log[first(KINEMATICS_CYCLE_SET_PRESET)].angle_deg[ROTARY_C]);
 }
 
+void test_the_same_position_again_is_measured_again(void)
+{
+    cycle451_set(&machine, 431, 1);
+    cycle451_set(&machine, 418, 0);
+    cycle451_set(&machine, 419, 90);
+    cycle451_set(&machine, 422, 3); /* 90° three times */
+    check_done();
+
+    TEST_ASSERT_EQUAL((2 + 3) * PROBING, asked(KINEMATICS_CYCLE_TOUCH));
+}
+
 void test_presetting_after_uses_the_reference(void)
 {
     cycle451_set(&machine, 431, 2);

@@ -86,6 +86,7 @@ void test_twelve_points_fit(void)
 void test_a_tie_goes_away_from_zero_whatever_rounding_did(void)
 {
     CHECK_POSITIONS(4.5, -4.5, 2, 3, 6, -6);
+    CHECK_POSITIONS(0.3, 0.7, 2, 0.2, 0.4, 0.8);      /* 0.3 / 0.2 comes out below 1.5 */
     CHECK_POSITIONS(0.3, 0.9, 3, 0.4, 0.4, 0.8, 0.8); /* 0.3, 0.6 (a tie), 0.9 */
 }
 
@@ -166,6 +167,21 @@ void test_references_at_other_incidence_angles_are_each_measured(void)
     check_station(0, 0, 0, 30, 0);
     check_station(3, 0, 0, 0, 0);
     TEST_ASSERT_TRUE(plan.stations[3].is_reference);
+}
+
+void test_a_position_of_one_axis_is_not_the_reference_of_another(void)
+{
+    set(415, 30);
+    set(418, 1);
+    set(417, 30); /* of B while C is measured */
+    make();
+
+    TEST_ASSERT_EQUAL(5, plan.count);
+    check_station(1, 0, 30, 0, 0);
+    check_station(2, 0, 30, 0, 0);
+    TEST_ASSERT_EQUAL(1u << ROTARY_B, plan.stations[1].serves);
+    TEST_ASSERT_EQUAL(1u << ROTARY_C, plan.stations[2].serves);
+    TEST_ASSERT_TRUE(plan.stations[2].is_reference);
 }
 
 void test_incidence_angles_of_a_coupling_are_on_its_grid(void)
