@@ -1,7 +1,7 @@
 /*
  * Location errors of rotary axes (ISO 230-7) from the centres of a sphere measured at several
  * positions of the axes: Gauss-Newton over the chain, with a rank analysis that names what the
- * positions cannot determine. No clock, no HAL; task context, about 16 kB of stack.
+ * positions cannot determine. No clock, no HAL; task context, 20 kB of stack (to recommend: 32 kB).
  *
  * The chain. A table axis at θ carries the sphere: y ↦ q + R(n, θ)·(y − q); a head axis carries the
  * tool likewise. n and q are direction and a point of the axis average line with every axis at 0,

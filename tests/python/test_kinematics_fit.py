@@ -181,6 +181,24 @@ def test_a_skew_axis_comes_back() -> None:
     assert all(abs(z) <= 4.0 for z in errors_in_sigma(planted, found).values())
 
 
+@pytest.mark.parametrize(
+    ("kind", "rank", "unknowns"),
+    [(Kind("ABC", ""), 15, 18), (Kind("BC", "A"), 15, 21), (Kind("A", "BC"), 15, 21)],
+)
+def test_three_axes_in_any_order(kind: Kind, rank: int, unknowns: int) -> None:
+    off = []
+    for seed in range(60):
+        rng = np.random.default_rng([9, seed])
+        planted = plant(kind, rng)
+        points = measured(planted, rng.uniform(-90.0, 90.0, (60, 3)), rng)
+        found = fit(believed(planted), points)
+        off += list(errors_in_sigma(planted, found).values())
+        assert (found.rank, found.unknowns) == (rank, unknowns)
+
+    assert np.mean(np.abs(off) <= 3.0) >= 0.99
+    assert np.std(off) == pytest.approx(1.0, abs=0.1)
+
+
 def test_recommended_positions_settle_what_was_open() -> None:
     rng = np.random.default_rng(6)
     planted = plant(TABLE_TABLE, rng)

@@ -85,6 +85,19 @@ def test_a_head_leaves_its_pivot_open_and_says_what_would_tell(
     assert "tool_mm would say it" in capsys.readouterr().out
 
 
+def test_a_known_tip_determines_the_pivot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    planted = written(tmp_path, HEAD_HEAD, 3)
+    path = tmp_path / "machine.toml"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(f"tool_mm = {planted.tip.tolist()}\n{text}", encoding="utf-8")
+    parameters = fitted(tmp_path, monkeypatch)["parameters"]
+
+    assert isinstance(parameters, dict)
+    assert parameters.keys() == planted.errors.keys()
+    for name, parameter in parameters.items():
+        assert abs(parameter["value"] - planted.errors[name]) <= 4.0 * parameter["uncertainty"]
+
+
 def test_positions_are_recommended_within_the_travel(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
