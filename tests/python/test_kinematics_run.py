@@ -133,6 +133,38 @@ def test_mode_1_moves_the_axes_and_leaves_their_directions(tmp_path: Path) -> No
     assert (q["Q147"], q["Q148"], q["Q149"]) == pytest.approx((0.12, -0.08, 0.07), abs=1.5e-3)
 
 
+HEAD_HEAD = """table = []
+head = ["C", "A"]
+tool_mm = [0, 0, 0]
+[axes.C]
+direction = [0, 0, 1]
+point_mm = [0, 0, 0]
+[axes.A]
+direction = [1, 0, 0]
+point_mm = [0, 0, 250]
+"""
+
+
+def test_a_tilt_that_is_only_just_determined_is_not_corrected(tmp_path: Path) -> None:
+    """The tip stands on the line of C, but for its offset: hardly anything tells its tilt."""
+    machine, truth = tmp_path / "machine.toml", tmp_path / "truth.toml"
+    machine.write_text(HEAD_HEAD, encoding="utf-8")
+    truth.write_text("[axes.C]\nYOC_um = 90\nBOC_arcsec = 5\n", encoding="utf-8")
+    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
+    text = text.replace("Q406=+0", "Q406=+2")  # the second time C is off the tip by its offset
+    for b, a in (("Q415=-90", "Q411=-60"), ("Q416=+90", "Q412=+60"), ("Q417", "Q413")):
+        text = text.replace(b, a)
+    program = program_of(tmp_path, text.replace("Q418", "Q414"))
+    corrected = tmp_path / "corrected.toml"
+
+    more = ("--machine", str(machine), "--corrected", str(corrected))
+    result = run(program, tmp_path, *more, truth=truth)
+
+    assert result.exit_code == 0, result.output
+    direction = read_machine(corrected).axes[0].direction
+    assert np.hypot(*direction[:2]) < np.radians(30.0 / 3600.0)
+
+
 def test_a_check_changes_nothing(tmp_path: Path) -> None:
     corrected = tmp_path / "corrected.toml"
 

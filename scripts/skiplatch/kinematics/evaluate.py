@@ -22,6 +22,8 @@ FloatArray = NDArray[np.float64]
 CHECK, POSITIONS, ANGLES, ORIGIN = range(4)
 """The modes of Q406."""
 SLOPE_STEP_DEG = 1e-3
+SIGNIFICANT = 2.0
+"""Standard uncertainties that an estimate has to exceed to be corrected."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,12 +159,19 @@ def evaluate(machine: Machine, truth: Truth, stations: Stations, mode: int) -> E
 def correct(machine: Machine, found: Fit, *, angles: bool) -> Machine:
     """Put the determined location errors into the description; the others are left alone.
 
+    So is what cannot be told from nothing: an estimate below twice its uncertainty, which may be
+    wild where the positions determine it only just.
+
     Args:
         machine: As believed.
         found: The location errors.
         angles: Correct the directions too, not only the points.
     """
-    amounts = {name: estimate.value for name, estimate in found.parameters.items()}
+    amounts = {
+        name: estimate.value
+        for name, estimate in found.parameters.items()
+        if abs(estimate.value) > SIGNIFICANT * estimate.uncertainty
+    }
     return replace(machine, axes=tuple(_corrected(a, amounts, angles) for a in machine.axes))
 
 
