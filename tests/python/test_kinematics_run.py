@@ -340,3 +340,25 @@ def test_the_log_lists_what_the_document_lists(tmp_path: Path) -> None:
     assert names == ["EXB", "EYB", "EZB", "EXC", "EYC", "EZC"]
     assert all("in red" in p and "in green" in p for p in page.pictures)
     assert page.loads == []
+
+
+def test_an_inch_program_measures_the_same_in_mm(tmp_path: Path) -> None:
+    text = (SAMPLES / "save_and_check.h").read_text(encoding="utf-8")
+    inches = text.replace("Q407=+12.5", f"Q407=+{12.5 / 25.4:.9f}").replace("Q253=+750", "Q253=+30")
+    program = program_of(tmp_path, f"BEGIN PGM X INCH\n{inches}END PGM X INCH\n")
+
+    assert run(program, tmp_path).exit_code == 0
+    in_inches = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
+    assert run(SAMPLES / "save_and_check.h", tmp_path).exit_code == 0
+    in_mm = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
+
+    assert in_inches == pytest.approx(in_mm, abs=1e-6)
+
+
+def test_the_same_seed_gives_the_same_result(tmp_path: Path) -> None:
+    results = []
+    for seed in ("3", "3", "4"):
+        assert run(SAMPLES / "save_and_check.h", tmp_path, "--seed", seed).exit_code == 0
+        results.append((tmp_path / "out.json").read_text())
+
+    assert results[0] == results[1] != results[2]
