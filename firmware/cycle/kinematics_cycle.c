@@ -3,186 +3,18 @@
 #include <math.h>
 #include <string.h>
 
-#define NO_M_FUNCTION (-1)
-
-enum { MODE_CHECK, MODE_POSITIONS, MODE_ANGLES, MODE_DATUM };                /* Q406 */
-enum { PRESET_NEVER, PRESET_BEFORE, PRESET_AFTER, PRESET_BEFORE_AND_AFTER }; /* Q431 */
-
 /* ---- what the settings come to ---- */
-
-static uint8_t whole(const kinematics_cycle_t *cycle, kinematics_setting_t setting)
-{
-    return (uint8_t)cycle->settings.value[setting];
-}
-
-static double number(const kinematics_cycle_t *cycle, kinematics_setting_t setting)
-{
-    return cycle->settings.value[setting];
-}
-
-static double positioning_feed(const kinematics_cycle_t *cycle)
-{
-    switch (cycle->settings.word[KINEMATICS_Q253_FEED]) {
-    case KINEMATICS_FMAX:
-        return cycle->machine.rapid_mm_min;
-    case KINEMATICS_FAUTO:
-        return cycle->machine.tool_feed_mm_min;
-    case KINEMATICS_PREDEF:
-        return cycle->machine.global_feed_mm_min;
-    case KINEMATICS_NUMBER:
-    default:
-        return number(cycle, KINEMATICS_Q253_FEED);
-    }
-}
-
-/* While the probe is watched, its own limit counts as well. */
-static double watched_feed(const kinematics_cycle_t *cycle)
-{
-    return fmin(positioning_feed(cycle), cycle->machine.probe_feed_max_mm_min);
-}
-
-static double stand_off(const kinematics_cycle_t *cycle)
-{
-    bool is_global = cycle->settings.word[KINEMATICS_Q320_CLEARANCE] == KINEMATICS_PREDEF;
-    return cycle->machine.set_up_mm + (is_global ? cycle->machine.global_clearance_mm
-                                                 : number(cycle, KINEMATICS_Q320_CLEARANCE));
-}
-
-static double contact(const kinematics_cycle_t *cycle)
-{
-    return number(cycle, KINEMATICS_Q407_SPHERE_RADIUS) + cycle->machine.tip_radius_mm;
-}
-
-static bool has_retract_height(const kinematics_cycle_t *cycle)
-{
-    return number(cycle, KINEMATICS_Q408_RETRACT_HEIGHT) > 0.0;
-}
-
-static bool has_m_function(const kinematics_cycle_t *cycle)
-{
-    return cycle->machine.strobe_rot_ax_pos != NO_M_FUNCTION;
-}
 
 static bool presets_before(const kinematics_cycle_t *cycle)
 {
-    uint8_t preset = whole(cycle, KINEMATICS_Q431_PRESET);
-    return preset == PRESET_BEFORE || preset == PRESET_BEFORE_AND_AFTER;
+    uint8_t preset = kinematics_conditions_whole(&cycle->job, KINEMATICS_Q431_PRESET);
+    return preset == KINEMATICS_PRESET_BEFORE || preset == KINEMATICS_PRESET_BEFORE_AND_AFTER;
 }
 
 static bool presets_after(const kinematics_cycle_t *cycle)
 {
-    return whole(cycle, KINEMATICS_Q431_PRESET) >= PRESET_AFTER;
-}
-
-/* ---- before anything moves ---- */
-
-static bool is_length(double mm)
-{
-    return isfinite(mm) && mm >= 0.0;
-}
-
-static bool is_sound(const kinematics_cycle_machine_t *machine)
-{
-    double square = 0.0;
-    bool sound = is_length(machine->tip_radius_mm) && is_length(machine->set_up_mm) &&
-                 is_length(machine->global_clearance_mm) &&
-                 is_length(machine->max_modification_mm) &&
-                 is_length(machine->max_dev_cal_ball_mm) && machine->probe_feed_max_mm_min > 0.0 &&
-                 machine->strobe_rot_ax_pos >= NO_M_FUNCTION;
-    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        sound = sound && is_length(fabs(machine->position_mm[i])) &&
-                is_length(fabs(machine->preset_mm[i]));
-        square += machine->tool_axis[i] * machine->tool_axis[i];
-    }
-    for (uint8_t i = 0u; i < ROTARY_AXES; i++) {
-        const kinematics_plan_axis_t *axis = &machine->axes[i];
-        sound = sound && is_length(axis->grid_deg) && axis->grid_deg < 360.0 &&
-                is_length(fabs(machine->angle_deg[i]));
-    }
-    return sound && fabs(square - 1.0) < 1e-6;
-}
-
-static bool is_at_zero(const kinematics_cycle_t *cycle)
-{
-    const double zero[ROTARY_AXES] = {0.0, 0.0, 0.0};
-    return kinematics_plan_is_pose(cycle->angle_deg, zero);
-}
-
-/* A Hirth coupling is lifted to turn, and no linear axis can go along with that. */
-static bool turns_a_coupling(const kinematics_cycle_t *cycle)
-{
-    for (uint8_t i = 0u; i < cycle->plan.count; i++) {
-        for (uint8_t axis = 0u; axis < ROTARY_AXES; axis++) {
-            if (cycle->machine.axes[axis].grid_deg > 0.0 &&
-                !kinematics_plan_is_there(cycle->machine.angle_deg[axis],
-                                          cycle->plan.stations[i].angle_deg[axis])) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-static kinematics_cycle_fault_t fault_of(kinematics_cycle_error_t error,
-                                         kinematics_setting_t     parameter)
-{
-    return (kinematics_cycle_fault_t){error, parameter};
-}
-
-static kinematics_cycle_fault_t check_settings(const kinematics_cycle_t *cycle)
-{
-    kinematics_setting_t setting = kinematics_settings_fault(&cycle->settings);
-    if (setting != KINEMATICS_SETTINGS) {
-        return fault_of(KINEMATICS_CYCLE_ERR_SETTING, setting);
-    }
-    if (!(positioning_feed(cycle) > 0.0)) {
-        return fault_of(KINEMATICS_CYCLE_ERR_NO_FEED, KINEMATICS_Q253_FEED);
-    }
-    if (!(stand_off(cycle) > 0.0)) {
-        return fault_of(KINEMATICS_CYCLE_ERR_NO_CLEARANCE, KINEMATICS_Q320_CLEARANCE);
-    }
-    uint8_t mode = whole(cycle, KINEMATICS_Q406_MODE);
-    if (mode >= MODE_ANGLES && !cycle->machine.has_kinematics_comp) {
-        return fault_of(KINEMATICS_CYCLE_ERR_OPTION, KINEMATICS_Q406_MODE);
-    }
-    if (mode == MODE_DATUM && !cycle->machine.is_stacked) {
-        return fault_of(KINEMATICS_CYCLE_ERR_NOT_STACKED, KINEMATICS_Q406_MODE);
-    }
-    return fault_of(KINEMATICS_CYCLE_OK, KINEMATICS_SETTINGS);
-}
-
-/* The settings are sound, and the plan is made of them. */
-static kinematics_cycle_fault_t check_plan(const kinematics_cycle_t *cycle)
-{
-    bool may_follow = cycle->machine.has_advanced_functions_2 && !turns_a_coupling(cycle);
-    if (!has_retract_height(cycle) && !may_follow) {
-        return fault_of(KINEMATICS_CYCLE_ERR_RETRACT, KINEMATICS_Q408_RETRACT_HEIGHT);
-    }
-    if (cycle->machine.is_tcpm_on) {
-        return fault_of(KINEMATICS_CYCLE_ERR_TCPM, KINEMATICS_SETTINGS);
-    }
-    if (cycle->machine.is_turning) {
-        return fault_of(KINEMATICS_CYCLE_ERR_TURNING, KINEMATICS_SETTINGS);
-    }
-    if (has_m_function(cycle) && !is_at_zero(cycle)) {
-        return fault_of(KINEMATICS_CYCLE_ERR_NOT_AT_ZERO, KINEMATICS_SETTINGS);
-    }
-    return fault_of(cycle->plan.count > 0u ? KINEMATICS_CYCLE_OK : KINEMATICS_CYCLE_ERR_NOTHING,
-                    KINEMATICS_SETTINGS);
-}
-
-static kinematics_cycle_fault_t prepare(kinematics_cycle_t *cycle)
-{
-    kinematics_cycle_fault_t fault = check_settings(cycle);
-    if (fault.error != KINEMATICS_CYCLE_OK) {
-        return fault;
-    }
-    if (!is_sound(&cycle->machine)) {
-        return fault_of(KINEMATICS_CYCLE_ERR_MACHINE, KINEMATICS_SETTINGS);
-    }
-    kinematics_plan_make(&cycle->plan, &cycle->settings, cycle->machine.axes,
-                         !has_m_function(cycle));
-    return check_plan(cycle);
+    return kinematics_conditions_whole(&cycle->job, KINEMATICS_Q431_PRESET) >=
+           KINEMATICS_PRESET_AFTER;
 }
 
 /* ---- requests ---- */
@@ -207,7 +39,7 @@ static kinematics_cycle_request_t *ask(kinematics_cycle_t *cycle, kinematics_cyc
 static void fail(kinematics_cycle_t *cycle, kinematics_cycle_error_t error,
                  kinematics_setting_t parameter)
 {
-    cycle->fault = fault_of(error, parameter);
+    cycle->fault = (kinematics_cycle_fault_t){error, parameter};
     cycle->state = KINEMATICS_CYCLE_FAILED;
 }
 
@@ -219,17 +51,17 @@ static void ask_probe_step(kinematics_cycle_t *cycle, const sphere_probe_step_t 
         ask(cycle, cycle->step, motion->is_touch ? KINEMATICS_CYCLE_TOUCH : KINEMATICS_CYCLE_MOVE);
     copy(request->target_mm, motion->target_mm);
     copy(request->direction, motion->direction);
-    request->stand_off_mm = stand_off(cycle);
-    request->feed_mm_min = watched_feed(cycle);
+    request->stand_off_mm = kinematics_conditions_stand_off(&cycle->job);
+    request->feed_mm_min = kinematics_conditions_watched_feed(&cycle->job);
 }
 
 static void begin_probing(kinematics_cycle_t *cycle, kinematics_cycle_step_t step)
 {
     sphere_probe_config_t config = {
-        .contact_mm = contact(cycle),
-        .stand_off_mm = stand_off(cycle),
-        .reference_deg = number(cycle, KINEMATICS_Q380_REFERENCE_ANGLE),
-        .touches = whole(cycle, KINEMATICS_Q423_TOUCHES),
+        .contact_mm = kinematics_conditions_contact(&cycle->job),
+        .stand_off_mm = kinematics_conditions_stand_off(&cycle->job),
+        .reference_deg = cycle->job.settings.value[KINEMATICS_Q380_REFERENCE_ANGLE],
+        .touches = kinematics_conditions_whole(&cycle->job, KINEMATICS_Q423_TOUCHES),
     };
     sphere_probe_step_t motion;
 
@@ -244,14 +76,15 @@ static void begin_probing(kinematics_cycle_t *cycle, kinematics_cycle_step_t ste
 /* One sphere, unless the cycle only searches for it, is the one of Q407. */
 static bool take_sphere(kinematics_cycle_t *cycle)
 {
-    double limit = cycle->machine.max_dev_cal_ball_mm;
+    double limit = cycle->job.machine.max_dev_cal_ball_mm;
 
     if (!sphere_probe_solve(&cycle->probe, cycle->sphere_mm, &cycle->contact_mm)) {
         fail(cycle, KINEMATICS_CYCLE_ERR_NO_SPHERE, KINEMATICS_SETTINGS);
         return false;
     }
     bool is_watched = cycle->step != KINEMATICS_STEP_SEARCH && limit > 0.0;
-    if (is_watched && !(fabs(cycle->contact_mm - contact(cycle)) <= limit)) {
+    if (is_watched &&
+        !(fabs(cycle->contact_mm - kinematics_conditions_contact(&cycle->job)) <= limit)) {
         fail(cycle, KINEMATICS_CYCLE_ERR_BALL_RADIUS, KINEMATICS_Q407_SPHERE_RADIUS);
         return false;
     }
@@ -286,18 +119,20 @@ static void leave(kinematics_cycle_t *cycle, kinematics_cycle_step_t step)
 {
     kinematics_cycle_request_t *request;
 
-    if (has_retract_height(cycle)) {
+    if (kinematics_conditions_has_retract_height(&cycle->job)) {
         request = ask(cycle, step, KINEMATICS_CYCLE_RETRACT);
-        request->retract_height_mm = number(cycle, KINEMATICS_Q408_RETRACT_HEIGHT);
-        request->feed_mm_min = positioning_feed(cycle);
+        request->retract_height_mm = cycle->job.settings.value[KINEMATICS_Q408_RETRACT_HEIGHT];
+        request->feed_mm_min = kinematics_conditions_feed(&cycle->job);
         return;
     }
     request = ask(cycle, step, KINEMATICS_CYCLE_MOVE);
     for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        double above = (contact(cycle) + stand_off(cycle)) * cycle->tool_axis[i];
+        double above = (kinematics_conditions_contact(&cycle->job) +
+                        kinematics_conditions_stand_off(&cycle->job)) *
+                       cycle->tool_axis[i];
         request->target_mm[i] = cycle->expected_mm[i] + above;
     }
-    request->feed_mm_min = watched_feed(cycle);
+    request->feed_mm_min = kinematics_conditions_watched_feed(&cycle->job);
 }
 
 static void turn(kinematics_cycle_t *cycle, uint8_t axis, double angle_deg)
@@ -306,14 +141,16 @@ static void turn(kinematics_cycle_t *cycle, uint8_t axis, double angle_deg)
 
     kinematics_cycle_request_t *request =
         ask(cycle, KINEMATICS_STEP_TURN,
-            has_m_function(cycle) ? KINEMATICS_CYCLE_TURN_BY_M_FUNCTION : KINEMATICS_CYCLE_TURN);
+            kinematics_conditions_has_m_function(&cycle->job) ? KINEMATICS_CYCLE_TURN_BY_M_FUNCTION
+                                                              : KINEMATICS_CYCLE_TURN);
     request->axis = (rotary_axis_t)axis;
     copy(request->from_angle_deg, cycle->sphere_deg);
     copy(request->sphere_mm, cycle->sphere_mm);
-    request->stand_off_mm = contact(cycle) + stand_off(cycle);
-    request->feed_mm_min = positioning_feed(cycle);
-    request->m_function = cycle->machine.strobe_rot_ax_pos;
-    request->follow = !has_retract_height(cycle);
+    request->stand_off_mm =
+        kinematics_conditions_contact(&cycle->job) + kinematics_conditions_stand_off(&cycle->job);
+    request->feed_mm_min = kinematics_conditions_feed(&cycle->job);
+    request->m_function = cycle->job.machine.strobe_rot_ax_pos;
+    request->follow = !kinematics_conditions_has_retract_height(&cycle->job);
 }
 
 /* A first, then B, then C; the measured axis by way of its come_from_deg. False: all are there. */
@@ -341,7 +178,7 @@ static void take_station(kinematics_cycle_t *cycle)
     kinematics_station_t *here = station(cycle);
 
     copy(here->centre_mm, cycle->sphere_mm);
-    here->radius_mm = cycle->contact_mm - cycle->machine.tip_radius_mm;
+    here->radius_mm = cycle->contact_mm - cycle->job.machine.tip_radius_mm;
     cycle->plan.measured++;
     cycle->has_come_by = false;
 }
@@ -404,9 +241,9 @@ static void finish(kinematics_cycle_t *cycle)
 static void take_evaluation(kinematics_cycle_t *cycle, double change_mm)
 {
     cycle->change_mm = change_mm;
-    if (whole(cycle, KINEMATICS_Q406_MODE) == MODE_CHECK) {
+    if (kinematics_conditions_whole(&cycle->job, KINEMATICS_Q406_MODE) == KINEMATICS_MODE_CHECK) {
         finish(cycle);
-    } else if (change_mm <= cycle->machine.max_modification_mm) {
+    } else if (change_mm <= cycle->job.machine.max_modification_mm) {
         (void)ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
     } else {
         ask(cycle, KINEMATICS_STEP_ACKNOWLEDGE, KINEMATICS_CYCLE_ACKNOWLEDGE)->change_mm =
@@ -480,8 +317,10 @@ static void advance(kinematics_cycle_t *cycle, const kinematics_cycle_input_t *i
 /* The preset is the sphere's centre, or the probe has been put above it by hand. */
 static void expect_sphere(kinematics_cycle_t *cycle)
 {
-    const kinematics_cycle_machine_t *machine = &cycle->machine;
-    double above = presets_before(cycle) ? contact(cycle) + stand_off(cycle) : 0.0;
+    const kinematics_cycle_machine_t *machine = &cycle->job.machine;
+    double above = presets_before(cycle) ? kinematics_conditions_contact(&cycle->job) +
+                                               kinematics_conditions_stand_off(&cycle->job)
+                                         : 0.0;
 
     for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
         cycle->expected_mm[i] = presets_before(cycle)
@@ -495,7 +334,7 @@ static void expect_sphere(kinematics_cycle_t *cycle)
 /* An axis that is not there stands at 0°, whatever else is said of it. */
 static void place(kinematics_cycle_t *cycle)
 {
-    kinematics_cycle_machine_t *machine = &cycle->machine;
+    kinematics_cycle_machine_t *machine = &cycle->job.machine;
     for (uint8_t i = 0u; i < ROTARY_AXES; i++) {
         if (!machine->axes[i].is_present) {
             machine->axes[i].grid_deg = 0.0;
@@ -511,10 +350,10 @@ kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t              
                                                 const kinematics_cycle_machine_t *machine)
 {
     memset(cycle, 0, sizeof *cycle); /* too large to be copied by way of the stack */
-    cycle->settings = *settings;
-    cycle->machine = *machine;
+    cycle->job.settings = *settings;
+    cycle->job.machine = *machine;
     place(cycle);
-    cycle->fault = prepare(cycle);
+    cycle->fault = kinematics_conditions_check(&cycle->job, &cycle->plan);
     if (cycle->fault.error != KINEMATICS_CYCLE_OK) {
         cycle->state = KINEMATICS_CYCLE_FAILED;
         return cycle->fault.error;
@@ -551,33 +390,6 @@ bool kinematics_cycle_take_request(kinematics_cycle_t *cycle, kinematics_cycle_r
         cycle->has_request = false;
     }
     return taken;
-}
-
-const char *kinematics_cycle_phrase(kinematics_cycle_error_t error)
-{
-    static const char *const PHRASES[] = {
-        [KINEMATICS_CYCLE_OK] = "no error",
-        [KINEMATICS_CYCLE_ERR_SETTING] = "a parameter is out of its limits",
-        [KINEMATICS_CYCLE_ERR_NO_FEED] = "the feed for pre-positioning is 0",
-        [KINEMATICS_CYCLE_ERR_NO_CLEARANCE] = "set-up clearance and SET_UP are both 0",
-        [KINEMATICS_CYCLE_ERR_OPTION] = "modes 2 and 3 need KinematicsComp (option 52)",
-        [KINEMATICS_CYCLE_ERR_NOT_STACKED] = "mode 3 needs one rotary axis upon another",
-        [KINEMATICS_CYCLE_ERR_RETRACT] = "a retract height above 0 is needed: an axis with a Hirth "
-                                         "coupling turns, or option 2 is not there",
-        [KINEMATICS_CYCLE_ERR_TCPM] = "M128 or TCPM is on",
-        [KINEMATICS_CYCLE_ERR_TURNING] = "FUNCTION MODE MILL is not active",
-        [KINEMATICS_CYCLE_ERR_NOT_AT_ZERO] = "an M function positions the rotary axes, and not all "
-                                             "of them are at 0°",
-        [KINEMATICS_CYCLE_ERR_MACHINE] = "the machine's data are not sound",
-        [KINEMATICS_CYCLE_ERR_NOTHING] = "no rotary axis that is there has a position to measure",
-        [KINEMATICS_CYCLE_ERR_REQUEST] = "a motion, a touch or another request failed",
-        [KINEMATICS_CYCLE_ERR_NO_SPHERE] = "the touched points do not lie on a sphere",
-        [KINEMATICS_CYCLE_ERR_BALL_RADIUS] = "the measured radius of the sphere is off by more "
-                                             "than maxDevCalBall (204802)",
-        [KINEMATICS_CYCLE_ERR_REFUSED] = "a change above maxModification (204801) was not "
-                                         "acknowledged; the kinematics are unchanged",
-    };
-    return PHRASES[error];
 }
 
 const kinematics_cycle_fault_t *kinematics_cycle_fault(const kinematics_cycle_t *cycle)

@@ -19,6 +19,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "cycle/kinematics_conditions.h"
 #include "cycle/kinematics_plan.h"
 #include "cycle/kinematics_settings.h"
 #include "cycle/sphere_probe.h"
@@ -29,54 +30,6 @@ typedef enum {
     KINEMATICS_CYCLE_DONE,
     KINEMATICS_CYCLE_FAILED /* the machine stops where it is; kinematics_cycle_fault_t says why */
 } kinematics_cycle_state_t;
-
-/* Up to NOTHING nothing has moved when the error comes. */
-typedef enum {
-    KINEMATICS_CYCLE_OK,
-    KINEMATICS_CYCLE_ERR_SETTING,      /* out of its limits: see kinematics_settings_check() */
-    KINEMATICS_CYCLE_ERR_NO_FEED,      /* Q253 is 0: no axis would move */
-    KINEMATICS_CYCLE_ERR_NO_CLEARANCE, /* Q320 and SET_UP are 0: a touch would begin touching */
-    KINEMATICS_CYCLE_ERR_OPTION,       /* Q406 = 2 or 3 without KinematicsComp (option 52) */
-    KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs two measured axes, one upon the other */
-    KINEMATICS_CYCLE_ERR_RETRACT,      /* Q408 = 0 with a Hirth axis that turns, or no option 2 */
-    KINEMATICS_CYCLE_ERR_TCPM,         /* M128 or TCPM is on */
-    KINEMATICS_CYCLE_ERR_TURNING,      /* the cycle is one of FUNCTION MODE MILL */
-    KINEMATICS_CYCLE_ERR_NOT_AT_ZERO,  /* an M function positions, and a rotary axis is not at 0° */
-    KINEMATICS_CYCLE_ERR_MACHINE,   /* a value of kinematics_cycle_machine_t is out of its range */
-    KINEMATICS_CYCLE_ERR_NOTHING,   /* no axis that is there has a position to measure */
-    KINEMATICS_CYCLE_ERR_REQUEST,   /* the caller could not carry out what it was asked for */
-    KINEMATICS_CYCLE_ERR_NO_SPHERE, /* no sphere passes through the touched points */
-    KINEMATICS_CYCLE_ERR_BALL_RADIUS, /* off Q407 by more than maxDevCalBall */
-    KINEMATICS_CYCLE_ERR_REFUSED      /* a change above maxModification was not acknowledged */
-} kinematics_cycle_error_t;
-
-typedef struct {
-    kinematics_cycle_error_t error;
-    kinematics_setting_t     parameter; /* at fault, KINEMATICS_SETTINGS if none is */
-} kinematics_cycle_fault_t;
-
-typedef struct {
-    kinematics_plan_axis_t axes[ROTARY_AXES];
-    double                 angle_deg[ROTARY_AXES];   /* at the start of the cycle */
-    double                 position_mm[LINEAR_AXES]; /* the same */
-    double                 preset_mm[LINEAR_AXES]; /* the tip in the active preset, at angle_deg */
-    double                 tool_axis[LINEAR_AXES]; /* from tip to spindle, length 1 */
-    double                 tip_radius_mm;          /* the calibrated tip, ≥ 0 */
-    double                 set_up_mm; /* SET_UP of the probe table; Q320 comes on top; ≥ 0 */
-    double                 probe_feed_max_mm_min; /* FMAX of the probe table, > 0 */
-    double                 rapid_mm_min;          /* Q253 FMAX */
-    double                 tool_feed_mm_min;      /* Q253 FAUTO */
-    double                 global_feed_mm_min;    /* Q253 PREDEF */
-    double                 global_clearance_mm;   /* Q320 PREDEF, ≥ 0 */
-    double                 max_modification_mm;   /* 204801, ≥ 0 */
-    double                 max_dev_cal_ball_mm;   /* 204802, ≥ 0; 0: the radius is not watched */
-    int32_t                strobe_rot_ax_pos;     /* 204803: M function that positions; -1: none */
-    bool                   has_kinematics_comp;   /* option 52 */
-    bool                   has_advanced_functions_2; /* option 2 */
-    bool                   is_tcpm_on;
-    bool                   is_turning; /* FUNCTION MODE TURN is active */
-    bool                   is_stacked; /* two rotary axes, both in the table or both in the head */
-} kinematics_cycle_machine_t;
 
 typedef enum {
     /* Delete SPA, SPB and SPC of the active preset: no basic rotation, 2-D or 3-D. */
@@ -157,8 +110,7 @@ typedef enum {
 
 /* Owned by the caller; the fields are for this module. Start from all zeros. */
 typedef struct {
-    kinematics_settings_t      settings;
-    kinematics_cycle_machine_t machine;
+    kinematics_job_t           job;
     kinematics_plan_t          plan;
     sphere_probe_t             probe;
     kinematics_cycle_request_t request;
@@ -191,9 +143,6 @@ kinematics_cycle_state_t kinematics_cycle_poll(kinematics_cycle_t             *c
 
 /* Take what to do now. False if there is nothing. Task. */
 bool kinematics_cycle_take_request(kinematics_cycle_t *cycle, kinematics_cycle_request_t *request);
-
-/* A phrase like "the axes would not move". Any context. */
-const char *kinematics_cycle_phrase(kinematics_cycle_error_t error);
 
 /* KINEMATICS_CYCLE_OK unless the state is KINEMATICS_CYCLE_FAILED. Task. */
 const kinematics_cycle_fault_t *kinematics_cycle_fault(const kinematics_cycle_t *cycle);
