@@ -119,6 +119,15 @@ def test_equal_lines_of_a_straight_drive_suit_all_five_methods(tmp_path: Path) -
             assert found["orders"][0]["amplitude_arcsec"] == pytest.approx(30.0, rel=0.05), name
 
 
+def test_a_method_that_finds_no_point_says_so_beside_the_others(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(0.2)])
+
+    found = run(tmp_path, "--all-methods")
+
+    faults = {each["method"] for each in found["methods"] if "fault" in each}
+    assert faults == {"phase-digital", "phase-analog"}  # whose divided period is a third of a turn
+
+
 def test_a_missing_and_an_extra_pulse_are_told_and_not_integrated(tmp_path: Path) -> None:
     clean = planted(4.0)
     inputs = np.flatnonzero(clean.channel == 1)

@@ -8,7 +8,7 @@ import click
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.files import atomic_write_text
 from skiplatch.transmission.firmware import Method
-from skiplatch.transmission.measure import Chain, Measurement, measure
+from skiplatch.transmission.measure import Chain, Measurement, measure, measure_all
 from skiplatch.transmission.text import as_json, as_text, methods_json, methods_text
 from skiplatch.transmission.train import GearTrain, read_train
 
@@ -107,7 +107,7 @@ def command(
     if train is not None:
         train.refuse_other_ratio(ratio)
     if all_methods:
-        results = {each.value: measure(pulses, chain, each, train) for each in Method}
+        results = measure_all(pulses, chain, train)
         click.echo(methods_text(pulses.name, chain, results))
         write_json(json_path, methods_json(chain, results))
         return

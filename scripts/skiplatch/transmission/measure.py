@@ -28,6 +28,10 @@ PENDING = 64
 NAMES = {INPUT: "input", OUTPUT: "output"}
 
 
+class NotMeasurableError(InputError):
+    """The pulses are in order, but this method can do nothing with them."""
+
+
 @dataclass(frozen=True, slots=True)
 class Chain:
     """The encoders, and what is between them."""
@@ -56,18 +60,36 @@ class Measurement:
     """By channel."""
 
 
+def measure_all(
+    path: Path, chain: Chain, train: GearTrain | None
+) -> dict[str, Measurement | NotMeasurableError]:
+    """Measure by each method; what one of them cannot do stands in its place.
+
+    Raises:
+        InputError: The file is wrong.
+    """
+    results: dict[str, Measurement | NotMeasurableError] = {}
+    for method in Method:
+        try:
+            results[method.value] = measure(path, chain, method, train)
+        except NotMeasurableError as error:
+            results[method.value] = error
+    return results
+
+
 def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -> Measurement:
     """Read a file of pulses and evaluate it, a block at a time.
 
     Raises:
-        InputError: The file is wrong, or the trains in it give no transmission error.
+        NotMeasurableError: The trains in it give no transmission error by this method.
+        InputError: The file is wrong.
     """
     try:
         firmware = Transmission(
             chain.lines1, chain.lines2, chain.ratio, method, meter_s=chain.meter_s
         )
     except TransmissionError as error:
-        raise InputError(path, None, None, str(error)) from error
+        raise NotMeasurableError(path, None, None, str(error)) from error
     lines = float(chain.lines2 if firmware.gate_is_output else chain.lines1 * chain.ratio)
     evaluation = Evaluation(lines, chain.pitch_turns(train))
     spans = _Spans(path)
@@ -80,7 +102,7 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     values = evaluation.values()
     if values is None:
         message = "the trains are too short: no point of the transmission error came of them"
-        raise InputError(path, None, None, message)
+        raise NotMeasurableError(path, None, None, message)
     counters = {channel: firmware.counters(channel) for channel in NAMES}
     return Measurement(values, evaluation.backlash(), counters)
 

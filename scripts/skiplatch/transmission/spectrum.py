@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, signal
-from threadpoolctl import threadpool_limits
 
 FloatArray = NDArray[np.float64]
 
@@ -74,11 +73,6 @@ def fit_orders(turns: FloatArray, delta_arcsec: FloatArray, per_turn: float) -> 
         delta_arcsec: The samples.
         per_turn: Places of the grid in a turn.
     """
-    with threadpool_limits(1):  # threads that wait for one another cost more than they bring
-        return _fitted(turns, delta_arcsec, per_turn)
-
-
-def _fitted(turns: FloatArray, delta_arcsec: FloatArray, per_turn: float) -> Fit:
     fit = refit(turns, delta_arcsec, np.empty(0))
     for _ in range(ROUNDS):
         more = _peaks(turns, residual(fit, turns, delta_arcsec), per_turn)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from skiplatch.tables import NOTHING, compact, number, table, whole
 from skiplatch.transmission.firmware import INPUT, OUTPUT
-from skiplatch.transmission.measure import Chain, Measurement
+from skiplatch.transmission.measure import Chain, Measurement, NotMeasurableError
 from skiplatch.transmission.train import GearTrain
 
 SHOWN_ORDERS = 12
@@ -97,14 +97,20 @@ def as_json(method: str, found: Measurement, train: GearTrain | None) -> dict[st
     }
 
 
-def methods_text(name: str, chain: Chain, results: Mapping[str, Measurement]) -> str:
+def methods_text(
+    name: str, chain: Chain, results: Mapping[str, Measurement | NotMeasurableError]
+) -> str:
     """Put the methods side by side."""
     header = ("method", "points", "total ″", "noise ″", "largest order", "limit")
     rows = [_method_row(method, chain, found) for method, found in results.items()]
     return f"{name}\n\n{table(header, rows)}"
 
 
-def _method_row(method: str, chain: Chain, found: Measurement) -> tuple[str, ...]:
+def _method_row(
+    method: str, chain: Chain, found: Measurement | NotMeasurableError
+) -> tuple[str, ...]:
+    if isinstance(found, NotMeasurableError):
+        return (method, *([NOTHING] * 4), found.message)
     values = found.values
     largest = values.orders[0] if values.orders else None
     return (
@@ -117,17 +123,25 @@ def _method_row(method: str, chain: Chain, found: Measurement) -> tuple[str, ...
     )
 
 
-def methods_json(chain: Chain, results: Mapping[str, Measurement]) -> dict[str, object]:
+def methods_json(
+    chain: Chain, results: Mapping[str, Measurement | NotMeasurableError]
+) -> dict[str, object]:
     """Give the same as a JSON document."""
     methods = [
         {
-            **as_json(method, found, None),
+            **_method_json(method, found),
             "quantum_arcsec": _quantum_arcsec(chain) if method == "direct" else None,
             "limit": _limit(method, chain),
         }
         for method, found in results.items()
     ]
     return {"format": "skiplatch-transmission-methods/1", "methods": methods}
+
+
+def _method_json(method: str, found: Measurement | NotMeasurableError) -> dict[str, object]:
+    if isinstance(found, NotMeasurableError):
+        return {"method": method, "fault": found.message}
+    return as_json(method, found, None)
 
 
 def _quantum_arcsec(chain: Chain) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
+from threadpoolctl import threadpool_limits
 
 from skiplatch.transmission.spectrum import Fit, FloatArray, Order, fit_orders, refit
 
@@ -250,10 +251,11 @@ class _Spectrum:
 
     def add(self, places: IntArray, delta: FloatArray) -> None:
         turns = places / self._lines
-        if self._fits:
-            fit = refit(turns, delta, self._fits[0].orders)
-        else:
-            fit = fit_orders(turns, delta, self._lines / grid_step(places))
+        with threadpool_limits(1):  # threads that wait for one another cost more than they bring
+            if self._fits:
+                fit = refit(turns, delta, self._fits[0].orders)
+            else:
+                fit = fit_orders(turns, delta, self._lines / grid_step(places))
         self._fits.append(fit)
         self._middles.append(float(turns.mean()))
         self._weights.append(len(places))
