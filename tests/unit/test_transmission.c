@@ -106,6 +106,19 @@ void test_direct_counting_stays_within_its_quantum_and_needs_all_of_it(void)
     TEST_ASSERT_TRUE(chain_run_off(&run) > 0.49 * LINE_INPUT);
 }
 
+/* Half a line is added for the part that is not seen, so that on the whole nothing is off. */
+void test_direct_counting_is_right_in_the_mean(void)
+{
+    start(&CHAIN, &CONFIG, TRANSMISSION_SUBDIVIDED);
+    chain_run_lines(&run, &encoders, TURN);
+    double subdivided = chain_run_mean_off(&run);
+    start(&CHAIN, &CONFIG, TRANSMISSION_DIRECT);
+
+    chain_run_lines(&run, &encoders, TURN);
+
+    TEST_ASSERT_DOUBLE_WITHIN(0.1, subdivided, chain_run_mean_off(&run));
+}
+
 static void check_no_drift(transmission_method_t method, double turns, double within)
 {
     start(&CHAIN, &CONFIG, method);
