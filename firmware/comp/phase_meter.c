@@ -89,6 +89,15 @@ void phase_meter_on_dense(phase_meter_t *m, uint32_t lines, uint32_t interval_ti
     m->dense_left -= left;
 }
 
+void phase_meter_mend_dense(phase_meter_t *m, uint32_t shift_ticks)
+{
+    m->now_ticks += shift_ticks;
+    if (m->has_set && m->dense_left == m->dense_divider) {
+        m->set_ticks += shift_ticks;
+        m->period_ticks += m->period_ticks == 0u ? 0u : shift_ticks;
+    }
+}
+
 static uint64_t time_of(const phase_meter_t *m, int32_t since_ticks)
 {
     return m->now_ticks + (uint64_t)(int64_t)since_ticks;

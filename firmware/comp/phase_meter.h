@@ -33,6 +33,9 @@ void phase_meter_init(phase_meter_t *m, uint32_t dense_divider, uint32_t gate_di
 /* `lines` lines of the denser train have passed, evenly, in the last `interval_ticks`. */
 void phase_meter_on_dense(phase_meter_t *m, uint32_t lines, uint32_t interval_ticks);
 
+/* The denser train's last pulse was `shift_ticks` later than it was said to be. */
+void phase_meter_mend_dense(phase_meter_t *m, uint32_t shift_ticks);
+
 /*
  * `lines` lines of the gating train have passed, `since_ticks` after the denser train's last
  * pulse. True at a divided pulse.

@@ -239,7 +239,7 @@ static void mend_dense(transmission_t *t, uint32_t ticks)
     }
     t->dense.ticks = ticks;
     t->dense.period_ticks += shift;
-    phase_meter_on_dense(&t->meter, 0u, shift);
+    phase_meter_mend_dense(&t->meter, shift);
     if (t->held_is_fresh) {
         t->has_held = false; /* its fraction was taken of too short a line */
     }

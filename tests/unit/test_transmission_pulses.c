@@ -137,6 +137,28 @@ void test_an_extra_output_pulse_anywhere_in_a_line_is_left_out(void)
     }
 }
 
+/* i = 40 with 900 lines: a comparison at every line of the output, 22222 ticks. */
+void test_an_extra_input_pulse_does_not_shift_a_phase(void)
+{
+    encoders_setup_t      chain = CHAIN;
+    transmission_config_t config = CONFIG;
+    chain.lines1 = 900.0;
+    chain.ratio = 40.0;
+    config.lines1 = 900u;
+    config.ratio_over = 40u;
+    config.ratio_under = 1u;
+    config.method = TRANSMISSION_PHASE_DIGITAL;
+    for (uint32_t ticks = 4000000u; ticks < 4000000u + 22222u; ticks += 53u) {
+        chain_run_start(&run, &chain, &config);
+        encoders_start(&encoders, &run.setup);
+
+        add(TRANSMISSION_INPUT, ticks, 1u);
+
+        check_found(TRANSMISSION_INPUT, 0u, 1u);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, 0.0, chain_run_off(&run));
+    }
+}
+
 void test_a_burst_of_extra_pulses_is_left_out(void)
 {
     add(TRANSMISSION_INPUT, 4000000u, 12u);
