@@ -15,7 +15,7 @@ enum {
     SIM_TRAINS_OK = 0,
     SIM_TRAINS_ERR_CHANNEL = -1, /* a pulse of no channel */
     SIM_TRAINS_ERR_ORDER = -2,   /* a pulse before the one before */
-    SIM_TRAINS_ERR_TICK = -3     /* tick_ns of 0 */
+    SIM_TRAINS_ERR_TICK = -6     /* tick_ns of 0; beside the codes of transmission_error_t */
 };
 
 typedef struct {
