@@ -102,6 +102,8 @@ def command(
     theta2 - theta1/i, in arcsec; orders count periods in a turn of the output, and the phase is
     that of a sine at the first line of the output.
     """
+    if all_methods and html_path is not None:
+        raise click.UsageError("--html shows one method: leave out --all-methods")
     chain = Chain(lines1, lines2, ratio, meter_ms * 1e-3)
     train = read_train(train_path) if train_path is not None else None
     if train is not None:
