@@ -17,7 +17,8 @@ static double pin_us(const sim_chain_t *chain, const sim_touch_t *touch, sim_ran
     double approach_um = touch->approach_mm * UM_PER_MM;
     *speed = fmin(touch->feed_mm_min * UM_PER_MM / US_PER_MIN, sqrt(2.0 * accel * approach_um));
     *contact_us = touch->time_s * US_PER_S + approach_um / *speed + *speed / (2.0 * accel);
-    double pretravel_um = sim_probe_pretravel_um(chain, touch, random);
+    sim_rest_t rest = {0}; /* calibrated lobes remember no push */
+    double     pretravel_um = sim_probe_pretravel_um(chain, touch, &rest, random);
     return *contact_us + pretravel_um / *speed + chain->delay_us + chain->filter_us;
 }
 

@@ -14,6 +14,8 @@ PROGRAM = Path("build/boards/cortex_m3/firmware.elf")
 TOUCHES = 90  # on each path: half a second of virtual time, so that SysTick wraps
 EMULATED_SCAN_US = qemu_rig.BELIEVED.plc.scan_us  # QEMU's timers are a tick short
 SKIP_LATE_US = 1.2  # the longest stretch in which the port masks interrupts, and the handler
+SCAN_LATE_US = 5.0  # from the timer by way of the line, which is read first, to the clock
+SCAN_WAVERS_US = 2.0 * SKIP_LATE_US  # a more urgent interrupt may come before the line and after it
 
 
 @pytest.fixture(scope="module")
@@ -46,8 +48,8 @@ def test_the_skip_input_latches_at_once(recorded: list[Recorded]) -> None:
 def test_the_plc_task_latches_at_the_next_scan(recorded: list[Recorded]) -> None:
     late = late_us(recorded, InputPath.PLC)
 
-    assert late.min() > -SKIP_LATE_US  # the time is taken first, the line read afterwards
-    assert late.max() < EMULATED_SCAN_US + SKIP_LATE_US
+    assert late.min() > 0.0
+    assert late.max() < EMULATED_SCAN_US + SCAN_LATE_US
     assert np.ptp(late) > EMULATED_SCAN_US / 2.0  # false alarm: 90 · 2⁻⁸⁹
 
 
@@ -55,7 +57,7 @@ def test_the_scans_lie_on_one_lattice(recorded: list[Recorded]) -> None:
     latch = np.array([t.latch_us for t in recorded if t.path == InputPath.PLC])
     off = (latch - latch[0]) / EMULATED_SCAN_US
 
-    assert np.abs(off - np.round(off)).max() * EMULATED_SCAN_US < SKIP_LATE_US
+    assert np.abs(off - np.round(off)).max() * EMULATED_SCAN_US < SCAN_WAVERS_US
 
 
 def test_the_skip_input_latches_where_the_axis_is(recorded: list[Recorded]) -> None:
