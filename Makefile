@@ -202,7 +202,8 @@ $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.tom
 
 .PHONY: setup-build setup-test setup-lint
 setup-build: $(STAMPS)/system-build $(STAMPS)/gpiod $(VENV)
-setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock
+setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock \
+            $(STAMPS)/system-cross $(STAMPS)/system-emulators
 setup-lint: setup-test $(STAMPS)/system-lint $(STAMPS)/system-cross
 
 # Without the general tool that the diagnosis is compared with, the rest of the benchmark still runs.
