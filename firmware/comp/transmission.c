@@ -1,226 +1,12 @@
 #include "comp/transmission.h"
 
-#define ONE_Q32 INT64_C(4294967296)
-
-/* ---- counting ---- */
-
-static int64_t fraction_q32(const transmission_t *t, uint32_t over)
-{
-    return (int64_t)((over * t->under_inverse) >> 32);
-}
-
-/* The gate moves on by a line, the way it turns. */
-static void add_step(transmission_t *t)
-{
-    uint32_t room = t->step_under - t->step_over;
-    if (t->gate.sense > 0) {
-        bool carries = t->remainder >= room;
-        t->remainder = carries ? t->remainder - room : t->remainder + t->step_over;
-        t->lines += (int32_t)t->step_lines + carries;
-    } else {
-        bool borrows = t->remainder < t->step_over;
-        t->remainder = borrows ? t->remainder + room : t->remainder - t->step_over;
-        t->lines -= (int32_t)t->step_lines + borrows;
-    }
-}
-
-/* Gate minus denser train, in lines of the latter, when that has gone on by `passed` of a line. */
-static int64_t difference_q32(const transmission_t *t, int64_t passed_q32)
-{
-    return (int64_t)t->lines * ONE_Q32 + fraction_q32(t, t->remainder) -
-           t->dense.sense * passed_q32;
-}
-
-/* Lines that a gate pulse stands for: as many as the other train has moved on by. */
-static uint8_t judge_gate(transmission_t *t, int64_t passed_q32)
-{
-    int64_t  moved_q32 = t->gate.sense * (t->reference_q32 - difference_q32(t, passed_q32));
-    uint64_t advance = moved_q32 < 0 ? 0u : (uint64_t)moved_q32 >> t->judge_shift;
-    return pulse_judge(&t->gate, advance > UINT32_MAX ? UINT32_MAX : (uint32_t)advance,
-                       t->judge_line);
-}
-
-/* ---- points ---- */
-
-static int64_t to_nas(const transmission_t *t, int64_t lines_q32)
-{
-    uint32_t rest = (uint32_t)(uint64_t)lines_q32;
-    int64_t  whole = (lines_q32 - (int64_t)rest) / ONE_Q32;
-    uint64_t line = (uint64_t)t->line_nas;
-    uint64_t part = (line >> 32) * rest + (((line & UINT32_MAX) * rest) >> 32);
-    int64_t  nas = whole * t->line_nas + (int64_t)part;
-    return t->gate_is_output ? nas : -nas;
-}
-
-/* The phase within a line says nothing of whole lines: the nearest one is taken. */
-static int64_t unroll(transmission_t *t, int64_t difference)
-{
-    uint32_t phase = (uint32_t)(uint64_t)difference;
-    uint32_t turned = phase - t->phase_q32;
-    t->phase_q32 = phase;
-    t->unrolled_q32 += turned < UINT32_C(1) << 31 ? (int64_t)turned : (int64_t)turned - ONE_Q32;
-    return t->unrolled_q32;
-}
-
-/* A lag of the gate, from the middle of its range. */
-static int64_t lag_in_lines(const transmission_t *t, uint32_t lag_q32, int8_t sense)
-{
-    return sense * (ONE_Q32 / 2 - (int64_t)lag_q32) * (int64_t)t->meter.dense_divider;
-}
-
-static bool compare_phases(transmission_t *t, uint8_t lines, uint32_t ticks, int64_t *value)
-{
-    int32_t  since_ticks = (int32_t)(ticks - t->dense.ticks);
-    uint32_t lag_q32 = 0u;
-    if (!phase_meter_on_gate(&t->meter, lines, since_ticks)) {
-        return false;
-    }
-    bool has_lag = t->config.method == TRANSMISSION_PHASE_DIGITAL
-                       ? phase_meter_digital(&t->meter, since_ticks, &lag_q32)
-                       : phase_meter_analog(&t->meter, &lag_q32);
-    *value = lag_in_lines(t, lag_q32, t->gate.sense);
-    return has_lag;
-}
-
-/* What the method makes of the gate's line now; false if nothing. */
-static bool measure(transmission_t *t, uint8_t lines, uint32_t ticks, uint8_t dense_lines,
-                    int64_t *value)
-{
-    switch (t->config.method) {
-    case TRANSMISSION_DIRECT:
-        *value = difference_q32(t, dense_lines * (ONE_Q32 / 2));
-        return true;
-    case TRANSMISSION_PHASE_SUBDIVIDED:
-        *value = unroll(t, t->reference_q32);
-        return true;
-    case TRANSMISSION_PHASE_DIGITAL:
-    case TRANSMISSION_PHASE_ANALOG:
-        return compare_phases(t, lines, ticks, value);
-    case TRANSMISSION_SUBDIVIDED:
-    default:
-        *value = t->reference_q32;
-        return true;
-    }
-}
-
-/* ---- the gate's pulses ---- */
-
-/* Nothing that was is to be compared with what comes. */
-static void forget_phase(transmission_t *t)
-{
-    t->has_reference = false;
-    pulse_forget(&t->gate);
-    phase_meter_init(&t->meter, t->meter.dense_divider, t->meter.gate_divider,
-                     t->meter.time_constant_ticks);
-}
-
-/* True if the shaft still turns as before; when it has just turned back, it is at the same line. */
-static bool keeps_sense(transmission_t *t, int8_t sense)
-{
-    if (t->gate.sense == sense) {
-        return true;
-    }
-    t->gate.sense = sense;
-    forget_phase(t);
-    return false;
-}
-
-static void count_lines(transmission_t *t, uint8_t lines)
-{
-    for (uint8_t i = 0u; i < lines; ++i) {
-        add_step(t);
-    }
-    t->gate.line += t->gate.sense * lines;
-}
-
-static void release(transmission_t *t)
-{
-    if (t->has_held) {
-        t->ready[t->ready_count] = t->held;
-        ++t->ready_count;
-    }
-    t->has_held = false;
-}
-
-/* Of two pulses for one line the one that comes nearer to what was expected is kept. */
-static bool is_nearer(const transmission_t *t, int64_t difference)
-{
-    int64_t early = t->reference_q32 - t->expected_q32;
-    int64_t late = difference - t->expected_q32;
-    return (late < 0 ? -late : late) < (early < 0 ? -early : early);
-}
-
-/* Part of an interval of the denser train that had passed; below 0 where its begin was mended. */
-static int64_t passed_q32(const transmission_t *t, uint32_t ticks, uint32_t interval_ticks)
-{
-    uint32_t since = ticks - t->dense.ticks;
-    if (interval_ticks == 0u) {
-        return 0;
-    }
-    if (since > INT32_MAX) {
-        return -(int64_t)(((uint64_t)(t->dense.ticks - ticks) << 32) / interval_ticks);
-    }
-    return (int64_t)(((uint64_t)since << 32) / interval_ticks);
-}
-
-/* Count a gate pulse that came while the denser train moved on by `dense_lines` in `interval`. */
-static void place(transmission_t *t, uint8_t i, uint32_t interval_ticks, uint8_t dense_lines)
-{
-    uint32_t ticks = t->pending_ticks[i];
-    int64_t  passed = passed_q32(t, ticks, interval_ticks) * dense_lines;
-    uint8_t  lines = keeps_sense(t, t->pending_sense[i]) ? 1u : 0u;
-    bool     replaces = false;
-    if (t->has_reference) {
-        lines = judge_gate(t, passed);
-        replaces = lines == 0u;
-        if (replaces && !is_nearer(t, difference_q32(t, passed))) {
-            return;
-        }
-    }
-    if (!replaces) {
-        release(t);
-        count_lines(t, lines);
-        t->expected_q32 = t->has_reference ? t->reference_q32 : difference_q32(t, passed);
-    }
-    t->reference_q32 = difference_q32(t, passed);
-    t->has_reference = true;
-    int64_t value = 0;
-    t->has_held = measure(t, lines, ticks, dense_lines, &value);
-    t->held =
-        (transmission_point_t){.delta_nas = to_nas(t, value), .line = t->gate.line, .ticks = ticks};
-    t->held_is_fresh = true;
-}
-
-/* Count the pulses that wait without making points of them. */
-static void give_up_pending(transmission_t *t)
-{
-    for (uint8_t i = 0u; i < t->pending; ++i) {
-        count_lines(t, keeps_sense(t, t->pending_sense[i]) ? 1u : 0u);
-    }
-    t->pending = 0u;
-    release(t);
-    forget_phase(t);
-}
-
-static void on_gate(transmission_t *t, uint32_t ticks, int8_t sense)
-{
-    ++t->gate.counters.pulses;
-    if (t->dense.sense == 0) {
-        return; /* nothing to compare it with yet */
-    }
-    if (t->pending == TRANSMISSION_PENDING) {
-        give_up_pending(t);
-    }
-    t->pending_ticks[t->pending] = ticks;
-    t->pending_sense[t->pending] = sense;
-    ++t->pending;
-}
+#include "comp/transmission_gate.h"
 
 /* ---- the denser train's pulses ---- */
 
 static void turn_dense(transmission_t *t, uint32_t ticks, int8_t sense)
 {
-    give_up_pending(t);
+    transmission_gate_give_up(t);
     pulse_forget(&t->dense);
     t->dense.sense = sense;
     t->dense.ticks = ticks;
@@ -250,10 +36,9 @@ static void move_dense(transmission_t *t, uint32_t ticks, uint8_t lines)
 {
     uint32_t interval = ticks - t->dense.ticks;
     t->held_is_fresh = false;
-    for (uint8_t i = 0u; i < t->pending; ++i) {
-        place(t, i, interval, lines);
+    if (t->pending != 0u) {
+        transmission_gate_place(t, interval, lines);
     }
-    t->pending = 0u;
     phase_meter_on_dense(&t->meter, lines, interval);
     t->lines -= t->dense.sense * lines;
     t->dense.line += t->dense.sense * lines;
@@ -269,7 +54,7 @@ static void on_dense(transmission_t *t, uint32_t ticks, int8_t sense)
     }
     if (t->rested) {
         t->rested = false;
-        give_up_pending(t);
+        transmission_gate_give_up(t);
         move_dense(t, ticks, 1u);
         return;
     }
@@ -288,7 +73,7 @@ static void on_dense(transmission_t *t, uint32_t ticks, int8_t sense)
 static void on_line(transmission_t *t, bool is_output, uint32_t ticks, int8_t sense)
 {
     if (is_output == t->gate_is_output) {
-        on_gate(t, ticks, sense);
+        transmission_gate_on_pulse(t, ticks, sense);
     } else {
         on_dense(t, ticks, sense);
     }
@@ -339,9 +124,37 @@ transmission_point_t transmission_point(const transmission_t *t, uint8_t i)
 
 void transmission_pause(transmission_t *t)
 {
-    give_up_pending(t);
+    transmission_gate_give_up(t);
     pulse_forget(&t->dense);
     t->rested = true;
+}
+
+/* A train has no sense before its first pulse. */
+static void restart_train(pulse_train_t *train)
+{
+    pulse_forget(train);
+    train->line = 0;
+    train->sense = 0;
+}
+
+void transmission_restart(transmission_t *t)
+{
+    transmission_gate_give_up(t);
+    restart_train(&t->gate);
+    restart_train(&t->dense);
+    t->remainder = 0u;
+    t->lines = 0;
+    t->phase_q32 = 0u;
+    t->unrolled_q32 = 0;
+    t->index[0] = (transmission_index_t){0};
+    t->index[1] = (transmission_index_t){0};
+    t->ready_count = 0u;
+    t->rested = false;
+}
+
+uint8_t transmission_dense_channel(const transmission_t *t)
+{
+    return t->gate_is_output ? TRANSMISSION_INPUT : TRANSMISSION_OUTPUT;
 }
 
 static const pulse_train_t *train_of(const transmission_t *t, uint8_t channel)

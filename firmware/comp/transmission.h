@@ -133,6 +133,15 @@ transmission_point_t transmission_point(const transmission_t *t, uint8_t i);
  */
 void transmission_pause(transmission_t *t);
 
+/*
+ * Begin anew where nobody knows how far the shafts have turned: lines and delta count from 0 again,
+ * what was found in the trains goes on.
+ */
+void transmission_restart(transmission_t *t);
+
+/* The denser train: TRANSMISSION_INPUT or TRANSMISSION_OUTPUT. */
+uint8_t transmission_dense_channel(const transmission_t *t);
+
 /* What was found in the train of TRANSMISSION_INPUT or TRANSMISSION_OUTPUT. */
 pulse_counters_t transmission_counters(const transmission_t *t, uint8_t channel);
 

@@ -25,8 +25,7 @@ static int check(const sim_trains_t *trains, uint8_t channel, int64_t t_ns)
 /* The denser train has rested for too long for the counter of ticks. */
 static void notice_rest(sim_trains_t *trains, uint8_t channel, int64_t t_ns)
 {
-    uint8_t dense = trains->core.gate_is_output ? TRANSMISSION_INPUT : TRANSMISSION_OUTPUT;
-    if ((channel & (uint8_t)~TRANSMISSION_BACKWARD) != dense) {
+    if ((channel & (uint8_t)~TRANSMISSION_BACKWARD) != transmission_dense_channel(&trains->core)) {
         return;
     }
     if (trains->dense_ns != INT64_MIN &&

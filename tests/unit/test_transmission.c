@@ -1,5 +1,5 @@
 /* The five methods on trains whose error is known: how near they come, and that nothing drifts. */
-/* LINK: firmware/comp/transmission.c firmware/comp/transmission_setup.c
+/* LINK: firmware/comp/transmission*.c
  *       firmware/comp/pulse_judge.c firmware/comp/phase_meter.c
  *       tests/support/encoders.c tests/support/chain_run.c */
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Pulses that are missing or too many, and shafts that start, stop and turn back. */
-/* LINK: firmware/comp/transmission.c firmware/comp/transmission_setup.c
+/* LINK: firmware/comp/transmission*.c
  *       firmware/comp/pulse_judge.c firmware/comp/phase_meter.c
  *       tests/support/encoders.c tests/support/chain_run.c tests/support/dice.c */
 #include <math.h>
