@@ -1,20 +1,29 @@
 #include "port.h"
 
+#include <stddef.h>
+
 #include "hal_axis.h"
 #include "hal_bus.h"
 #include "hal_clock.h"
 #include "hal_critical.h"
 #include "hal_edge.h"
 #include "hal_error.h"
+#include "hal_pulse.h"
 
 #define CHANNELS 1u
 #define AXES     1u
 
-static _Thread_local sim_t *bound;
+static _Thread_local sim_t             *bound;
+static _Thread_local sim_pulse_input_t *bound_pulses;
 
 void sim_port_bind(sim_t *sim)
 {
     bound = sim;
+}
+
+void sim_port_bind_pulses(sim_pulse_input_t *input)
+{
+    bound_pulses = input;
 }
 
 uint32_t hal_clock_now_ticks(void)
@@ -89,6 +98,27 @@ int hal_bus_send(const uint8_t frame[HAL_BUS_FRAME_BYTES])
     }
     sim_bus_send(&bound->bus, frame, travel, bound->now);
     return HAL_OK;
+}
+
+int hal_pulse_start(void)
+{
+    if (bound_pulses == NULL) {
+        return HAL_ERR_CONFIG;
+    }
+    sim_pulse_input_start(bound_pulses);
+    return HAL_OK;
+}
+
+void hal_pulse_stop(void)
+{
+    if (bound_pulses != NULL) {
+        sim_pulse_input_stop(bound_pulses);
+    }
+}
+
+bool hal_pulse_take(hal_pulse_t *pulse)
+{
+    return bound_pulses != NULL && sim_pulse_input_take(bound_pulses, pulse);
 }
 
 /* Virtual time stands still while the firmware runs, so no interrupt can come in. */
