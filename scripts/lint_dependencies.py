@@ -17,6 +17,7 @@ ROOMS: dict[str, set[str]] = {
     r"firmware/comp/": {"own"},
     r"firmware/inject/": {"own"},
     r"firmware/report/": {"own", "hal/include/"},
+    r"firmware/transmission/": {"own", "firmware/comp/", "hal/include/"},
     r"firmware/input/": {"own", "firmware/report/", "hal/include/"},
     r"firmware/cycle/": {
         "own",
@@ -26,7 +27,7 @@ ROOMS: dict[str, set[str]] = {
         "hal/include/",
     },
     r"hal/include/": {"own"},
-    r"hal/ports/\w+/main\.c": {"own", "firmware/", "hal/include/"},
+    r"hal/ports/\w+/main\w*\.c": {"own", "firmware/", "hal/include/"},
     # The injector is a program beside the port: it drives the line that the port watches.
     r"hal/ports/linux/injector\w*\.[ch]": {"own", "firmware/inject/"},
     r"hal/ports/": {"own", "hal/include/"},
