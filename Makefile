@@ -148,6 +148,9 @@ CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
 PORTS.avr := $(wildcard hal/ports/atmega328p/*.c)
 PORTS.arm := $(wildcard hal/ports/cortex_m3/*.c)
 PORTS.boards/$(BOARD) := $(wildcard hal/ports/$(PORT)/*.c)
+# The programs of a port, the second one where it has that; the rest of it is a library.
+MAINS      := %/main.c %/main_transmission.c
+HAS_SECOND := $(filter %/main_transmission.c,$(PORTS.boards/$(BOARD)))
 TARGET    := $(if $(BOARD),$(wildcard tests/support/target_$(FAMILY).c))
 
 TESTS.unit     := $(wildcard tests/unit/test_*.c)
@@ -316,7 +319,7 @@ MEASURED := atmega328p cortex_m3
 boards: setup setup-test $(STAMPS)/system-cross $(STAMPS)/system-emulators ## measure the boards in their emulators, into build/boards
 	@$(INNER_MAKE) $(MEASURED:%=campaigns-%)
 
-.PHONY: $(MEASURED:%=campaigns-%) $(MEASURED:%=programs-%) campaigns board-programs
+.PHONY: $(MEASURED:%=campaigns-%) $(MEASURED:%=programs-%) campaigns board-programs transmission
 $(MEASURED:%=programs-%): programs-%:
 	@$(MAKE) VARIANT=boards/$* board-programs
 $(MEASURED:%=campaigns-%): campaigns-%:
@@ -360,7 +363,8 @@ distclean: clean ## remove .venv as well
 # ---- compiling -----------------------------------------------------------------------------------
 
 .PHONY: library program objects generated linked-board FORCE
-linked-board: $(OUT)/firmware.elf $(OUT)/obj/tests/boards/one_of_each.o
+linked-board: $(OUT)/firmware.elf $(OUT)/obj/tests/boards/one_of_each.o \
+              $(if $(HAS_SECOND),$(OUT)/transmission.elf)
 	@:
 library: $(OUT)/libskiplatch_sim.so
 	@:
@@ -497,13 +501,16 @@ $(OUT)/private/$1/%.o: %.c Makefile $1.c
 endef
 $(foreach test,$(TESTS:.c=),$(eval $(call test_rules,$(test))))
 
+# $(call under_test,test_hal_x,PORT): what stands between a contract suite and that port.
+under_test = $(if $(filter test_hal_pulse,$1),tests/support/pulse_lines_$2.c,\
+               tests/support/port_$2.c tests/support/edge_log.c)
+
 # The contract suites once more, on the Linux port.
 CONTRACT_LINUX := $(if $(LINUX),$(filter-out %/test_hal_error.c,$(TESTS.contract)))
 .PHONY: contract-linux-programs
 contract-linux-programs: $(CONTRACT_LINUX:tests/contract/%.c=$(OUT)/contract-linux/%)
 $(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
-                         $(OUT)/foreign/unity.o \
-                         $(call object_of,tests/support/port_linux.c tests/support/edge_log.c) \
+                         $(OUT)/foreign/unity.o $$(call object_of,$$(call under_test,$$*,linux)) \
                          $(OUT)/liblinux_port.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
@@ -520,11 +527,14 @@ NO_TOOLS.arm := no arm-none-eabi-gcc or qemu-system-arm here: scripts/setup_syst
 
 # The contract suites, and the unit tests of the firmware but for its mathematics, which wants a
 # double of 64 bits and the memory of a PC.
-OFF_BOARD   := host_sim/% hal/ports/% firmware/comp/% firmware/cycle/kinematics% \
+OFF_BOARD   := host_sim/% hal/ports/% firmware/comp/% firmware/transmission/% firmware/cycle/kinematics% \
                firmware/cycle/sphere%
 is_portable = $(if $(filter $(OFF_BOARD),$(LINK.$(1:.c=))),,$1)
 ON_BOARD    := $(TESTS.contract) $(foreach test,$(TESTS.unit),$(call is_portable,$(test)))
-on_board    = $(foreach test,$(ON_BOARD),$(RESULTS)/target-$1/$(basename $(notdir $(test))).log)
+# A board without pulse inputs leaves that header of the HAL out.
+no_pulses   = $(if $(wildcard hal/ports/$1/pulse.c),,%/test_hal_pulse.c)
+on_board    = $(foreach test,$(filter-out $(call no_pulses,$1),$(ON_BOARD)),\
+                $(RESULTS)/target-$1/$(basename $(notdir $(test))).log)
 target_results = $(if $(TOOLS.$(FAMILY.$1)),$(call on_board,$1),$(RESULTS)/target-$1/tools.check)
 
 .PHONY: $(ON_BOARDS:%=run-%)
@@ -535,11 +545,13 @@ $(ON_BOARDS:%=run-%): run-target-%: generated $$(addprefix linked-,$$(filter $$*
 	    scripts/run_check.sh $(RESULTS)/target-$*/tools.check target-$* \
 	    $(call skip,$(NO_TOOLS.$(FAMILY.$*))))
 
-$(OUT)/libboard.a: $(call object_of,$(filter-out %/main.c,$(PORTS.boards/$(BOARD))) $(FIRMWARE))
+$(OUT)/libboard.a: $(call object_of,$(filter-out $(MAINS),$(PORTS.boards/$(BOARD))) $(FIRMWARE))
 	@rm -f $@
 	@ar rcs $@ $^
 
 $(OUT)/firmware.elf: $(call object_of,$(filter %/main.c,$(PORTS.boards/$(BOARD)))) $(OUT)/libboard.a
+$(OUT)/transmission.elf: $(call object_of,$(HAS_SECOND)) $(OUT)/libboard.a
+$(OUT)/firmware.elf $(OUT)/transmission.elf:
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 
@@ -563,7 +575,8 @@ DISTURBANCE.atmega328p.prescaler        := -DCLOCK_PRESCALER=64
 DISTURBANCE.atmega328p.software_filter  := -DDISTURBANCE_FILTER_US=15
 # On the AVR, firmware-pin_change.elf and firmware-pin_change-….elf take edges the other way.
 names_of = $(subst -, ,$1)
-left_out = hal/ports/$(BOARD)/edge_$(if $(filter pin_change,$(call names_of,$1)),capture,pin_change).c
+left_out = hal/ports/$(BOARD)/edge_$(if $(filter pin_change,$(call names_of,$1)),capture,pin_change).c \
+           %/pulse.c %/main_transmission.c
 $(OUT)/firmware-%.elf: $(PORTS.boards/$(BOARD)) $(wildcard hal/ports/$(PORT)/*.h) Makefile \
                        $(call object_of,$(FIRMWARE))
 	$(SAY) 'link $@'
@@ -601,8 +614,12 @@ RIG.cortex_m3         := tests.boards.qemu_rig
 RIG_OPTIONS.cortex_m3.prescaler        := --tick-shift 9
 RIG_OPTIONS.cortex_m3.other_interrupt  := --paths s
 RIG_OPTIONS.cortex_m3.critical_section := --paths s
-campaigns: $(addprefix $(OUT)/campaigns/,$(addsuffix /touches.csv,$(BUILDS.$(BOARD))))
-board-programs: $(BUILDS.$(BOARD):%=$(OUT)/firmware-%.elf)
+campaigns: $(addprefix $(OUT)/campaigns/,$(addsuffix /touches.csv,$(BUILDS.$(BOARD)))) \
+           $(if $(HAS_SECOND),transmission)
+transmission: $(OUT)/transmission.elf $(SIMAVR_RIG)
+	@echo "$(BOARD), transmission error:" && $(VENV_PYTHON) -m tests.boards.transmission_rig $<
+board-programs: $(BUILDS.$(BOARD):%=$(OUT)/firmware-%.elf) \
+                $(if $(HAS_SECOND),$(OUT)/transmission.elf)
 	@:
 $(OUT)/campaigns/%/touches.csv: $(OUT)/firmware-%.elf $(if $(filter avr,$(FAMILY)),$(SIMAVR_RIG)) FORCE
 	@rm -rf $(@D)
@@ -614,8 +631,8 @@ SUITE_LDFLAGS.avr := -Wl,--defsym=__DATA_REGION_LENGTH__=0x3D00 -Wl,--defsym=__s
 $(OUT)/contract/% $(OUT)/tests/unit/%: LDFLAGS += $(SUITE_LDFLAGS.$(FAMILY))
 
 $(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
-                   $(OUT)/foreign/unity.o $(call object_of,tests/support/port_$(BOARD).c \
-                   tests/support/edge_log.c $(TARGET)) $(OUT)/libboard.a
+                   $(OUT)/foreign/unity.o $$(call object_of,$$(call under_test,$$*,$(BOARD)) $(TARGET)) \
+                   $(OUT)/libboard.a
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $^ -lm -o $@
 

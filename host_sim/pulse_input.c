@@ -1,8 +1,10 @@
 #include "pulse_input.h"
 
+/* Where there was no room, all are dropped until the task has caught up, as on a board. */
 static void note(sim_pulse_input_t *input, uint8_t channel, uint32_t ticks)
 {
-    if (input->noted - input->taken == SIM_PULSES_HELD) {
+    uint32_t kept = input->noted - input->taken;
+    if (kept == SIM_PULSES_HELD || (input->lost != 0u && kept != 0u)) {
         input->lost = (uint8_t)(input->lost + (input->lost < UINT8_MAX));
         return;
     }

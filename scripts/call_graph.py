@@ -10,10 +10,7 @@ from __future__ import annotations
 import re
 import subprocess
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from pathlib import Path
 
 HEADER = re.compile(r"^[0-9a-f]+ <([^>]+)>:$")
 INSTRUCTION = re.compile(r"^\s*[0-9a-f]+:\t[0-9a-f ]+\t([^.\s]\S*)\s*(.*)$")  # no .word
@@ -218,6 +215,13 @@ def read_call_graph(program: Path, objects: Path, processor: Processor) -> CallG
     functions = parse_disassembly(text, processor)
     stated_bytes = parse_stack_usage(objects, "firmware") | parse_stack_usage(objects, "hal")
     return CallGraph(functions, stated_bytes, processor.call_bytes)
+
+
+def programs(board: str) -> dict[str, Path]:
+    """Return the linked programs of a board by what docs/SIZE.md calls them."""
+    named = {"program": "firmware.elf", "transmission program": "transmission.elf"}
+    paths = {what: Path("build/boards", board, name) for what, name in named.items()}
+    return {what: path for what, path in paths.items() if what == "program" or path.is_file()}
 
 
 def task_root(graph: CallGraph) -> str:

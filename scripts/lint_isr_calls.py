@@ -1,6 +1,6 @@
-"""Refuse slow arithmetic in the interrupts of a linked program.
+"""Refuse slow arithmetic in the interrupts of linked programs.
 
-`lint_isr_calls.py BOARD...`, each `NAME:avr` or `NAME:arm`, its program in build/boards/NAME.
+`lint_isr_calls.py BOARD...`, each `NAME:avr` or `NAME:arm`, its programs in build/boards/NAME.
 Follows every interrupt handler through the call graph. Neither an AVR nor a Cortex-M0+ has a
 divider, and none of the boards has floating point, so either shows up as a call to a routine of the
 compiler that takes hundreds of cycles. Calls through pointers cannot be followed and are refused.
@@ -10,9 +10,8 @@ from __future__ import annotations
 
 import re
 import sys
-from pathlib import Path
 
-from call_graph import PROCESSORS, CallGraph, interrupt_roots, read_call_graph
+from call_graph import PROCESSORS, CallGraph, interrupt_roots, programs, read_call_graph
 
 DIVISION = re.compile(r"^__(?:aeabi_)?(?:u?[il])?u?(?:div|mod)(?!sf|df)\w*$")
 FLOATING_POINT = re.compile(
@@ -36,15 +35,18 @@ def faults_below(root: str, graph: CallGraph) -> list[str]:
 
 
 def check(board: str, family: str) -> list[str]:
-    """Return the faults of one board's program, after printing its handlers."""
-    program = Path("build/boards", board, "firmware.elf")
+    """Return the faults of one board's programs, after printing their handlers."""
     processor = PROCESSORS[family]
-    graph = read_call_graph(program, program.parent / "obj", processor)
-    roots = interrupt_roots(program, graph, processor)
-    print(f"{board}: {', '.join(roots)}")
-    if not roots:
-        return [f"{board}: no interrupt handlers found"]
-    return [f"{board}: {fault}" for root in roots for fault in faults_below(root, graph)]
+    faults = []
+    for what, program in programs(board).items():
+        graph = read_call_graph(program, program.parent / "obj", processor)
+        roots = interrupt_roots(program, graph, processor)
+        name = f"{board}, {what}"
+        print(f"{name}: {', '.join(roots)}")
+        if not roots:
+            faults.append(f"{name}: no interrupt handlers found")
+        faults += [f"{name}: {fault}" for root in roots for fault in faults_below(root, graph)]
+    return faults
 
 
 def main(arguments: list[str]) -> int:

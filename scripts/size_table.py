@@ -20,6 +20,7 @@ from call_graph import (
     compiled,
     interrupt_roots,
     parse_stack_usage,
+    programs,
     read_call_graph,
     run_tool,
     task_root,
@@ -54,6 +55,8 @@ more: a change that is worth it is recorded in the same commit.
   variables; the deepest path of the task and, on top of it, of the interrupts that can come
   together. On an AVR that is one interrupt, beside such as let others in; on a Cortex-M all of
   them, each with the nine words that the processor may push: a bound, as some share a priority.
+* **transmission program** is a second one, for a chip that does nothing else:
+  `main_transmission.c`, with docs/TRANSMISSION.md.
 * **input**, **report**, **cycle**, **inject** are the folders of `firmware/`, all that is compiled,
   whether a board needs it or not. RAM is one of each structure that a caller owns
   (`tests/boards/one_of_each.c`); stack is the deepest path inside the folder, 0 where the program
@@ -136,13 +139,22 @@ def folder_stack(objects: Path, room: str, graph: CallGraph) -> int:
     return max((graph.deepest(name, set(inside))[0] for name in inside), default=0)
 
 
-def measure(board: str, processor: Processor) -> Table:
-    """Return the rows of one board."""
-    program = Path("build/boards", board, "firmware.elf")
-    objects = program.parent / "obj"
+def program_size(program: Path, objects: Path, processor: Processor) -> Size:
+    """Return what a whole program takes."""
     graph = read_call_graph(program, objects, processor)
     stack = graph.deepest(task_root(graph))[0] + interrupt_bytes(program, graph, processor)
-    table = {(board, "program"): Size(*sections([program], processor), stack)}
+    return Size(*sections([program], processor), stack)
+
+
+def measure(board: str, processor: Processor) -> Table:
+    """Return the rows of one board."""
+    objects = Path("build/boards", board, "obj")
+    table = {
+        (board, what): program_size(path, objects, processor)
+        for what, path in programs(board).items()
+    }
+    program = programs(board)["program"]
+    graph = read_call_graph(program, objects, processor)
     owned = structures(objects, processor)
     for name in FOLDERS:
         room = f"firmware/{name}"
@@ -178,7 +190,9 @@ def format_record(table: Table, compilers: dict[str, str]) -> str:
     """Return docs/SIZE.md."""
     rows = [
         f"| {board} | {what} | {size.flash} | {size.ram} | {size.stack} |"
-        for (board, what), size in table.items()
+        for board in dict.fromkeys(board for board, _ in table)
+        for (of, what), size in table.items()
+        if of == board
     ]
     return TEXT.format(
         margin_bytes=MARGIN_BYTES,

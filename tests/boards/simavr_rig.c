@@ -4,10 +4,12 @@
  *   simavr_rig FIRMWARE.elf <STIMULI >EVENTS
  *
  * A stimulus is a line "CYCLE KIND VALUE", cycles rising: "e 1" and "e 0" raise and lower the
- * trigger line, "u 115" sends a byte to the UART, "q 0" ends the run. What comes back, one line
- * each:
+ * trigger line, "p 0" and "p 1" raise a pulse input and "l 0" and "l 1" lower it, "u 115" sends a
+ * byte to the UART, "q 0" ends the run. What comes back, one line each:
  *
  *   edge CYCLE LEVEL PULSES      the line was driven; pulses forward less backward on the step pin
+ *   pulse CYCLE CHANNEL          the edge of a pulse
+ *   note CYCLE CHANNEL OVERFLOWS TIMER LOST   what the firmware has noted of it ("pulse_notes")
  *   byte CYCLE VALUE             the last bit of a byte has left the UART
  *   check CYCLE PULSES COUNTS    after a touch, interrupts on: pulses on the pin, counts of the
  *                                firmware (symbol "axis_position"); they have to be the same
@@ -36,6 +38,9 @@
 #define CLOCK_HZ      16000000u
 #define TRIGGER_PIN   0
 #define STEP_PIN      2
+#define PULSE_PIN     2 /* of channel 0; channel 1 is the trigger line's */
+#define NOTE_BYTES    6u
+#define NOTES         128u
 #define DIRECTION_PIN 3
 #define BYTE_CYCLES   640u /* ten bits at 250 kBd */
 #define RETI_CYCLES   4u   /* simavr tells the end before it counts them */
@@ -64,6 +69,9 @@ typedef struct {
 static avr_t    *avr;
 static uint32_t  position_address;
 static uint32_t  lost_address;
+static uint32_t  notes_address;
+static uint32_t  noted_address;
+static uint8_t   noted;
 static bool      is_direction_back;
 static int32_t   pulses;
 static bool      wants_check;
@@ -207,6 +215,16 @@ static void drive(uint32_t level)
     avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), TRIGGER_PIN), level);
 }
 
+static void drive_pulse(uint32_t channel, uint32_t level)
+{
+    avr_irq_t *line = channel == 0u ? avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), PULSE_PIN)
+                                    : avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), TRIGGER_PIN);
+    if (level != 0u) {
+        printf("pulse %" PRIu64 " %" PRIu32 "\n", avr->cycle, channel);
+    }
+    avr_raise_irq(line, level);
+}
+
 /* Reads the next stimulus and asks to be called at its cycle, or ends the run. */
 static avr_cycle_count_t play(avr_t *of, avr_cycle_count_t when, void *param)
 {
@@ -218,6 +236,8 @@ static avr_cycle_count_t play(avr_t *of, avr_cycle_count_t when, void *param)
     do {
         if (kind == 'e') {
             drive(value);
+        } else if (kind == 'p' || kind == 'l') {
+            drive_pulse(value, kind == 'p');
         } else if (kind == 'u') {
             avr_raise_irq(avr_io_getirq(of, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT), value);
         } else if (kind == 'q') {
@@ -225,7 +245,7 @@ static avr_cycle_count_t play(avr_t *of, avr_cycle_count_t when, void *param)
             return 0u;
         }
         if (scanf("%" SCNu64 " %c %" SCNu32, &cycle, &kind, &value) != 3) {
-            fprintf(stderr, "simavr_rig: expected lines CYCLE e|u|q VALUE, and q at the end\n");
+            fprintf(stderr, "simavr_rig: expected lines CYCLE e|p|l|u|q VALUE, and q at the end\n");
             exit(EXIT_USAGE);
         }
     } while (cycle <= of->cycle);
@@ -244,12 +264,23 @@ static uint32_t read_ram(uint32_t address, unsigned bytes)
 /* The firmware's counter, at an instant when no interrupt is half through with it. */
 static void check_position(void)
 {
-    if (!wants_check || depth != 0u || avr->sreg[S_I] == 0u) {
+    if (position_address == 0u || !wants_check || depth != 0u || avr->sreg[S_I] == 0u) {
         return;
     }
     printf("check %" PRIu64 " %" PRId32 " %" PRId32 "\n", avr->cycle, pulses,
            (int32_t)read_ram(position_address, sizeof(int32_t)));
     wants_check = false;
+}
+
+/* What the firmware has noted since the last look: its count goes up when a note is whole. */
+static void tell_notes(void)
+{
+    while (noted_address != 0u && noted != avr->data[noted_address]) {
+        uint32_t note = notes_address + NOTE_BYTES * (noted % NOTES);
+        printf("note %" PRIu64 " %u %" PRIu32 " %" PRIu32 " %u\n", avr->cycle, avr->data[note + 4u],
+               read_ram(note + 2u, 2u), read_ram(note, 2u), avr->data[note + 5u]);
+        ++noted;
+    }
 }
 
 /* ---- start ---- */
@@ -277,9 +308,14 @@ static bool load(const char *path)
     }
     position_address = address_of(&firmware, "axis_position");
     lost_address = address_of(&firmware, "edge_line_lost");
+    notes_address = address_of(&firmware, "pulse_notes");
+    noted_address = address_of(&firmware, "pulse_noted");
+    if (notes_address != 0u) {
+        lost_address = address_of(&firmware, "transmission_unsent");
+    }
     avr = avr_make_mcu_by_name("atmega328p");
-    if (avr == NULL || position_address == 0u || lost_address == 0u) {
-        fprintf(stderr, "simavr_rig: %s: symbols axis_position, edge_line_lost not found\n", path);
+    if (avr == NULL || lost_address == 0u || (position_address == 0u && notes_address == 0u)) {
+        fprintf(stderr, "simavr_rig: %s: neither axis_position nor pulse_notes found\n", path);
         return false;
     }
     avr_init(avr);
@@ -303,6 +339,7 @@ int main(int argc, char **argv)
     while (state != cpu_Done && state != cpu_Crashed) {
         state = avr_run(avr);
         check_position();
+        tell_notes();
     }
     printf("end %" PRIu64 " %" PRIu64 " %" PRIu32 "\n", avr->cycle, busy,
            read_ram(lost_address, sizeof(uint16_t)));

@@ -109,6 +109,10 @@ class Events:
     """After each touch: pulses on the pin, counts of the firmware."""
     received: list[tuple[int, int]] = field(default_factory=list)
     """Bytes of the UART: when, and which."""
+    pulses: list[tuple[int, int]] = field(default_factory=list)
+    """Edges on the pulse inputs: when, and the channel."""
+    notes: list[tuple[int, int, int]] = field(default_factory=list)
+    """What the firmware has noted of them: channel, ticks of its clock, pulses lost before."""
     overflows: list[int] = field(default_factory=list)
     bodies: dict[int, Figures] = field(default_factory=dict)
     waits: dict[int, Figures] = field(default_factory=dict)
@@ -134,6 +138,13 @@ class Events:
     def _byte(self, values: Sequence[int]) -> None:
         self.received.append((values[0], values[1]))
 
+    def _pulse(self, values: Sequence[int]) -> None:
+        self.pulses.append((values[0], values[1]))
+
+    def _note(self, values: Sequence[int]) -> None:
+        _, channel, overflows, timer, lost = values
+        self.notes.append((channel, overflows * TIMER_TICKS + timer, lost))
+
     def _overflow(self, values: Sequence[int]) -> None:
         self.overflows.append(values[0])
 
@@ -156,6 +167,8 @@ _TAKERS = {
     "edge": Events._rise,
     "check": Events._check,
     "byte": Events._byte,
+    "pulse": Events._pulse,
+    "note": Events._note,
     "overflow": Events._overflow,
     "body": Events._body,
     "wait": Events._wait,

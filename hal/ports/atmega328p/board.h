@@ -6,6 +6,8 @@
  *   PD3                 direction, out          Timer2  scans of the PLC task
  *   PD4                 software interrupt: driven, left open
  *   PD0, PD1            UART, 250 kBd, 8N1
+ *
+ * In the program main_transmission.c PB0 and PD2 (INT0) are the two pulse inputs.
  */
 #ifndef ATMEGA328P_BOARD_H
 #define ATMEGA328P_BOARD_H

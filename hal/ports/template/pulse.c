@@ -1,11 +1,13 @@
-/* The functions of hal_pulse.h, for a board with two pulse inputs; any other leaves the file out. */
+/* The functions of hal_pulse.h, for a board with two pulse inputs; any other leaves the file out.
+ */
 #include "hal_pulse.h"
 
 #include "hal_error.h"
 
 int hal_pulse_start(void)
 {
-    /* Forget what is kept, choose rising edges, clear both flags, then switch both interrupts on. */
+    /* Forget what is kept, choose rising edges, clear both flags, then switch both interrupts on.
+     */
     return HAL_OK;
 }
 
@@ -18,7 +20,8 @@ bool hal_pulse_take(hal_pulse_t *pulse)
 {
     /*
      * The oldest of a ring that the interrupts fill: the capture register, or the clock read first
-     * thing. Where the ring is full they count, and the next pulse that finds room tells.
+     * thing. Where the ring is full they count and drop until the task has caught up; the next
+     * pulse tells.
      */
     (void)pulse;
     return false;
