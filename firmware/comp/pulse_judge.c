@@ -1,11 +1,21 @@
 #include "comp/pulse_judge.h"
 
+/* A line was found: what was in doubt before it was none. */
+static void settle(pulse_train_t *train)
+{
+    train->counters.extra += train->doubtful != 0u;
+    train->rejected = 0u;
+    train->doubtful = 0u;
+}
+
 /* The pulses that were left out were lines after all: the shaft has changed its speed, or leapt. */
 static uint8_t slip(pulse_train_t *train)
 {
-    uint8_t lines = (uint8_t)(1u + train->rejected);
-    train->counters.extra -= train->rejected;
+    uint8_t left_out = train->rejected;
+    uint8_t lines = (uint8_t)(1u + left_out + (train->doubtful != 0u));
+    train->counters.extra -= left_out;
     train->rejected = 0u;
+    train->doubtful = 0u;
     train->steady = 0u;
     ++train->counters.slips;
     return lines;
@@ -21,6 +31,24 @@ static uint8_t reject(pulse_train_t *train)
     return 0u;
 }
 
+/*
+ * An advance between two lines: a pulse without a line, where one or more are missing; or the shaft
+ * has changed its speed. The next pulse tells: a line follows soon upon the one without.
+ */
+static uint8_t doubt(pulse_train_t *train, uint32_t advance)
+{
+    if (train->rejected != 0u || train->doubtful != 0u) {
+        return slip(train);
+    }
+    train->doubtful = advance;
+    return 0u;
+}
+
+static bool is_refuted(const pulse_train_t *train, uint32_t advance, uint32_t soon)
+{
+    return train->doubtful != 0u && advance - train->doubtful >= soon;
+}
+
 uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line)
 {
     uint32_t slack = line / 4u;
@@ -28,7 +56,7 @@ uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line)
         return reject(train);
     }
     if (advance <= line + slack) {
-        train->rejected = 0u;
+        settle(train);
         return 1u;
     }
     uint32_t lines = advance / line;
@@ -37,11 +65,14 @@ uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line)
         ++lines;
         over = 0u;
     }
-    if (lines > PULSE_MISSING_MAX || over > slack) {
+    if (lines > PULSE_MISSING_MAX || is_refuted(train, advance, line - slack)) {
         return slip(train);
     }
+    if (over > slack) {
+        return doubt(train, advance);
+    }
     train->counters.missing += lines - 1u;
-    train->rejected = 0u;
+    settle(train);
     return (uint8_t)lines;
 }
 
@@ -73,7 +104,7 @@ uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
     bool     even = train->period_ticks != 0u && (is_even(interval_ticks, train->period_ticks) ||
                                                   is_even(interval_ticks, mean_ticks));
     if (even) {
-        train->rejected = 0u;
+        settle(train);
         train->steady = train->steady < PULSE_STEADY ? (uint8_t)(train->steady + 1u) : PULSE_STEADY;
     } else if (train->steady == PULSE_STEADY && mean_ticks != 0u) {
         lines = pulse_judge(train, interval_ticks, mean_ticks);
@@ -92,4 +123,5 @@ void pulse_forget(pulse_train_t *train)
     train->mean_q4 = 0u;
     train->steady = 0u;
     train->rejected = 0u;
+    train->doubtful = 0u;
 }

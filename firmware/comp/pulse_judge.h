@@ -28,6 +28,7 @@ typedef struct {
     uint32_t         ticks;        /* of that pulse */
     uint32_t         period_ticks; /* of the last line */
     uint32_t         mean_q4;      /* of the last few, in 2^-4 ticks */
+    uint32_t         doubtful;     /* advance of a pulse that may be a line, until the next; or 0 */
     int8_t           sense;        /* +1, -1; 0 before the first pulse */
     uint8_t          steady;
     uint8_t          rejected; /* in a row */
@@ -35,7 +36,8 @@ typedef struct {
 
 /*
  * How many lines a pulse stands for that has come `advance` after the last good one, in units of
- * which `line` (≥ 1) make a line: 1, more after missing ones, 0 for an extra one. Counts them.
+ * which `line` (≥ 1) make a line: 1, more after missing ones, 0 for an extra one. Counts them. One
+ * that comes between two lines is in doubt, and 0, until the next one shows whether it was extra.
  */
 uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line);
 

@@ -4,14 +4,6 @@
 
 /* ---- the denser train's pulses ---- */
 
-static void turn_dense(transmission_t *t, uint32_t ticks, int8_t sense)
-{
-    transmission_gate_give_up(t);
-    pulse_forget(&t->dense);
-    t->dense.sense = sense;
-    t->dense.ticks = ticks;
-}
-
 /*
  * A pulse was left out: of it and the one that was counted for its line, the one that comes nearer
  * to what was expected is kept.
@@ -42,6 +34,23 @@ static void move_dense(transmission_t *t, uint32_t ticks, uint8_t lines)
     phase_meter_on_dense(&t->meter, lines, interval);
     t->lines -= t->dense.sense * lines;
     t->dense.line += t->dense.sense * lines;
+    t->dense.ticks = ticks;
+}
+
+/* What comes next is not compared in time with what was. A pulse that is in doubt was a line. */
+static void end_stretch(transmission_t *t)
+{
+    if (t->dense.doubtful != 0u) {
+        move_dense(t, t->dense.ticks + t->dense.doubtful, 1u);
+    }
+    transmission_gate_give_up(t);
+    pulse_forget(&t->dense);
+}
+
+static void turn_dense(transmission_t *t, uint32_t ticks, int8_t sense)
+{
+    end_stretch(t);
+    t->dense.sense = sense;
     t->dense.ticks = ticks;
 }
 
@@ -124,8 +133,7 @@ transmission_point_t transmission_point(const transmission_t *t, uint8_t i)
 
 void transmission_pause(transmission_t *t)
 {
-    transmission_gate_give_up(t);
-    pulse_forget(&t->dense);
+    end_stretch(t);
     t->rested = true;
 }
 

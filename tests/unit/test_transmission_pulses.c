@@ -137,6 +137,110 @@ void test_an_extra_output_pulse_anywhere_in_a_line_is_left_out(void)
     }
 }
 
+/*
+ * Play all pulses but one of the input and the third one after it, and one more so many ticks after
+ * the line before.
+ */
+static void replace_input_pulse(double missing, uint32_t after_ticks)
+{
+    encoders_pulse_t pulse;
+    uint32_t         extra_ticks = 0u;
+    bool             is_due = false;
+    while (encoders.next_line[1] < LINES && encoders_next(&encoders, &pulse)) {
+        if (is_due && pulse.ticks - extra_ticks < UINT32_C(1) << 31) {
+            chain_run_pulse(&run, TRANSMISSION_INPUT, extra_ticks);
+            is_due = false;
+        }
+        bool is_input = pulse.channel == TRANSMISSION_INPUT;
+        if (is_input && pulse.line == missing - 1.0) {
+            extra_ticks = pulse.ticks + after_ticks;
+            is_due = true;
+        }
+        if (!is_input || (pulse.line != missing && pulse.line != missing + 3.0)) {
+            chain_run_pulse(&run, pulse.channel, pulse.ticks);
+        }
+        if (is_input && pulse.line == missing + 50.0) {
+            chain_run_look_again(&run); /* what lies about it may be off */
+        }
+    }
+}
+
+/* What lies between measured and planted in a run without a fault: where counting began. */
+static double zero_arcsec(void)
+{
+    setUp();
+    chain_run_lines(&run, &encoders, LINES);
+    double zero = chain_run_mean_off(&run);
+    setUp();
+    return zero;
+}
+
+/*
+ * A line of the input takes 1953 ticks. The extra one comes a half between two lines, where the
+ * judge has to wait for the next pulse, and must not be thrown out of its time by it.
+ */
+void test_an_extra_pulse_and_missing_ones_about_it_leave_no_step(void)
+{
+    double zero = zero_arcsec();
+    for (uint32_t ticks = 5u * 1953u / 4u + 20u; ticks < 7u * 1953u / 4u - 20u; ticks += 31u) {
+        setUp();
+
+        replace_input_pulse(2000.0, ticks);
+
+        check_found(TRANSMISSION_INPUT, 2u, 1u);
+        TEST_ASSERT_DOUBLE_WITHIN(WITHIN, zero, chain_run_mean_off(&run));
+        TEST_ASSERT_DOUBLE_WITHIN(WITHIN, 0.0, chain_run_off(&run));
+    }
+}
+
+/* One in 200 is lost and as many are added, at places that are drawn. */
+void test_a_train_with_many_missing_and_extra_pulses_keeps_its_count(void)
+{
+    double           zero = zero_arcsec();
+    dice_t           dice = dice_seed(4u);
+    uint32_t         lost = 0u;
+    uint32_t         added = 0u;
+    encoders_pulse_t pulse;
+    while (encoders.next_line[1] < 10.0 * LINES && encoders_next(&encoders, &pulse)) {
+        bool is_input = pulse.channel == TRANSMISSION_INPUT && pulse.line > 50.0;
+        bool is_lost = is_input && dice_below(&dice, 200u) == 0u;
+        lost += is_lost ? 1u : 0u;
+        if (!is_lost) {
+            chain_run_pulse(&run, pulse.channel, pulse.ticks);
+        }
+        if (is_input && dice_below(&dice, 200u) == 0u) {
+            uint32_t until = 140u; /* before the next pulse of either train */
+            chain_run_pulse(&run, TRANSMISSION_INPUT, pulse.ticks + 1u + dice_below(&dice, until));
+            ++added;
+        }
+    }
+    chain_run_look_again(&run);
+    chain_run_lines(&run, &encoders, 11.0 * LINES);
+
+    pulse_counters_t found = transmission_counters(&run.core, TRANSMISSION_INPUT);
+    TEST_ASSERT_GREATER_THAN_UINT32(200u, lost);
+    TEST_ASSERT_UINT32_WITHIN(lost / 50u, lost, found.missing);
+    TEST_ASSERT_UINT32_WITHIN(added / 50u, added, found.extra);
+    TEST_ASSERT_DOUBLE_WITHIN(WITHIN, zero, chain_run_mean_off(&run));
+}
+
+/* The shaft turns back when a pulse is still in doubt: it was a line. */
+void test_a_shaft_that_slows_and_turns_back_loses_no_line(void)
+{
+    uint32_t ticks = 0u;
+    for (uint32_t line = 0u; line < 200u; ++line) {
+        ticks += line == 199u ? 1400u : 1000u;
+        chain_run_pulse(&run, TRANSMISSION_INPUT, ticks);
+    }
+    for (uint32_t line = 0u; line < 200u; ++line) {
+        ticks += line == 0u ? 2800u : 1000u;
+        chain_run_pulse(&run, TRANSMISSION_INPUT | TRANSMISSION_BACKWARD, ticks);
+    }
+
+    TEST_ASSERT_EQUAL_INT32(0, run.core.dense.line);
+    check_found(TRANSMISSION_INPUT, 0u, 0u);
+}
+
 /* i = 40 with 900 lines: a comparison at every line of the output, 22222 ticks. */
 void test_an_extra_input_pulse_does_not_shift_a_phase(void)
 {
