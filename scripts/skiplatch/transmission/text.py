@@ -19,7 +19,7 @@ def as_text(name: str, method: str, found: Measurement, train: GearTrain | None)
         f"{name}: {turns}, {method}",
         table(("", "arcsec"), size_rows(found)),
         _orders_text(found, train),
-        f"missing pulses {_missing(found)}, extra pulses {_extra(found)}",
+        f"missing pulses {_missing(found)}, extra pulses {_extra(found)}, slips {_slips(found)}",
     ]
     return "\n\n".join(part for part in parts if part)
 
@@ -93,7 +93,7 @@ def as_json(method: str, found: Measurement, train: GearTrain | None) -> dict[st
         "backlash_arcsec": found.backlash.mean_arcsec if found.backlash is not None else None,
         "missing_pulses": _missing(found),
         "extra_pulses": _extra(found),
-        "slips": sum(counters.slips for counters in found.counters.values()),
+        "slips": _slips(found),
     }
 
 
@@ -170,3 +170,7 @@ def _missing(found: Measurement) -> int:
 
 def _extra(found: Measurement) -> int:
     return sum(found.counters[channel].extra for channel in (INPUT, OUTPUT))
+
+
+def _slips(found: Measurement) -> int:
+    return sum(found.counters[channel].slips for channel in (INPUT, OUTPUT))
