@@ -257,6 +257,8 @@ BAD = {
     ":2: t_ns: expected": "channel,t_ns\n1,-100\n2,200\n",
     ":1: expected the columns": "time\n1\n",
     "truncated: the head has 16 bytes": "SKLPULS1",
+    "the file is truncated": "channel,t_ns\n1,100\n2,150\n1,20",
+    "holds 1 and a part of one": "SKLPULS1" + "\x02" + "\0" * 7 + "\x01" * 13,
     "truncated: the head announces": "SKLPULS1" + "\x01" * 8,
 }
 

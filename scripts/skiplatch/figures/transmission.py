@@ -13,7 +13,7 @@ from skiplatch.transmission.values import Values
 HEIGHT_IN, WIDTH_IN = 2.6, 7.4
 NAMED_ORDERS = 5
 DEG_PER_TURN = 360.0
-APART = 1.3
+APART = 1.9
 """Smallest factor between two orders that both have their number beside them."""
 ROOM = 3.0
 """Above the highest order, for its name; a factor on the logarithmic axis."""

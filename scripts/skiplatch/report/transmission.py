@@ -57,7 +57,13 @@ def _lead(found: Measurement, train: GearTrain | None) -> str:
 
 def _pulses(found: Measurement) -> Table:
     rows = [
-        (name, str(counters.pulses), str(counters.missing), str(counters.extra))
+        (
+            name,
+            str(counters.pulses),
+            str(counters.missing),
+            str(counters.extra),
+            str(counters.slips),
+        )
         for name, counters in zip(("input", "output"), found.counters.values(), strict=True)
     ]
-    return Table(("train", "pulses", "missing", "extra"), rows)
+    return Table(("train", "pulses", "missing", "extra", "slips"), rows)

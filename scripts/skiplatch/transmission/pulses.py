@@ -116,7 +116,8 @@ def _refuse_truncated(path: Path, file: BinaryIO) -> None:
     there = os.fstat(file.fileno()).st_size - HEAD.size
     if there != count * WORD_BYTES:
         is_short = there < count * WORD_BYTES
-        message = f"the head announces {count} pulses, the file holds {there / WORD_BYTES:g}"
+        rest = " and a part of one" if there % WORD_BYTES else ""
+        message = f"the head announces {count} pulses, the file holds {there // WORD_BYTES}{rest}"
         raise InputError(path, None, None, f"truncated: {message}" if is_short else message)
 
 
@@ -222,9 +223,11 @@ def _in_order(path: Path, blocks: Iterable[Pulses], *, is_binary: bool) -> Itera
         if (steps < 0).any():
             at = int(np.argmax(steps < 0))
             place = f"pulse {passed + at + 1}"
+            is_last = not is_binary and at == len(block) - 1
             message = (
                 f"{place}: time goes back by {-steps[at]} ns to {block.t_ns[at]} ns: "
-                "the clock wrapped, or the pulses are not in order of time"
+                f"the clock wrapped, {'the file is truncated, ' if is_last else ''}"
+                "or the pulses are not in order of time"
             )
             raise InputError(path, None if is_binary else passed + at + 2, None, message)
         if len(block):

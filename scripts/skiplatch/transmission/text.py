@@ -160,7 +160,7 @@ def _limit(method: str, chain: Chain) -> str:
         "direct": f"quantum of a line, {quantum}″",
         "phase-subdivided": f"any ratio; may change by less than {quantum}″/2 a point",
         "phase-digital": f"{by}; range below 2π, {number(period)}″ a period; speed ripple shows",
-        "phase-analog": f"{by}; a meter of {compact(1e3 * chain.meter_s)} ms smooths",
+        "phase-analog": f"{by}, far faster than its meter of {compact(1e3 * chain.meter_s)} ms",
     }[method]
 
 
