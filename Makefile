@@ -144,6 +144,7 @@ PROGRAMS := $(filter-out $(MAIN),$(wildcard host_sim/programs/*.c))
 TEMPLATE := $(wildcard hal/ports/template/*.c)
 LINUX    := $(if $(GPIOD_LIB),$(wildcard hal/ports/linux/*.c))
 INJECTOR := $(filter hal/ports/linux/injector%,$(LINUX))
+RECORDER := $(filter hal/ports/linux/recorder%,$(LINUX))
 CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
 PORTS.avr := $(wildcard hal/ports/atmega328p/*.c)
 PORTS.arm := $(wildcard hal/ports/cortex_m3/*.c)
@@ -369,7 +370,7 @@ linked-board: $(OUT)/firmware.elf $(OUT)/obj/tests/boards/one_of_each.o \
 library: $(OUT)/libskiplatch_sim.so
 	@:
 program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(if $(LINUX),$(OUT)/skiplatch-controller) \
-         $(if $(INJECTOR),$(OUT)/skiplatch-injector)
+         $(if $(INJECTOR),$(OUT)/skiplatch-injector) $(if $(RECORDER),$(OUT)/skiplatch-recorder)
 	@:
 objects: $(call object_of,$(FIRMWARE) $(TEMPLATE) $(PORTS.$(VARIANT)))
 ifndef CROSS
@@ -414,13 +415,14 @@ $(OUT)/skiplatch-sim: $(call object_of,$(MAIN)) $(OUT)/libskiplatch_sim.a
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) $(LTO) $^ -lm -o $@
 
-$(OUT)/liblinux_port.a: $(call object_of,$(filter-out $(CONTROL) $(INJECTOR),$(LINUX)) $(FIRMWARE))
+$(OUT)/liblinux_port.a: $(call object_of,$(filter-out $(CONTROL) $(INJECTOR) $(RECORDER),$(LINUX)) $(FIRMWARE))
 	@rm -f $@
 	@ar rcs $@ $^
 
 $(OUT)/skiplatch-controller: $(call object_of,$(CONTROL)) $(OUT)/liblinux_port.a
 $(OUT)/skiplatch-injector: $(call object_of,$(INJECTOR)) $(OUT)/liblinux_port.a
-$(OUT)/skiplatch-controller $(OUT)/skiplatch-injector:
+$(OUT)/skiplatch-recorder: $(call object_of,$(RECORDER)) $(OUT)/liblinux_port.a
+$(OUT)/skiplatch-controller $(OUT)/skiplatch-injector $(OUT)/skiplatch-recorder:
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 

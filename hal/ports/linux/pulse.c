@@ -58,6 +58,20 @@ static struct gpiod_line_request *request_lines(struct gpiod_chip *chip)
     return made;
 }
 
+/* The line because of which both cannot be had, as far as can be seen. */
+static uint32_t offset_at_fault(struct gpiod_chip *chip)
+{
+    for (unsigned i = 0u; i < HAL_PULSE_CHANNELS; ++i) {
+        struct gpiod_line_info *info = gpiod_chip_get_line_info(chip, wanted.offsets[i]);
+        bool                    is_free = info != NULL && !gpiod_line_info_is_used(info);
+        gpiod_line_info_free(info);
+        if (!is_free) {
+            return wanted.offsets[i];
+        }
+    }
+    return wanted.offsets[0];
+}
+
 /* Request what is wanted; with `aloud`, say why it cannot be had. */
 static int open_wanted(bool aloud)
 {
@@ -71,8 +85,8 @@ static int open_wanted(bool aloud)
     }
     request = request_lines(chip);
     int why = request != NULL ? 0 : errno;
-    for (unsigned i = 0u; why != 0 && aloud && i < HAL_PULSE_CHANNELS; ++i) {
-        chip_explain_line(chip, wanted.chip, wanted.offsets[i], why);
+    if (why != 0 && aloud) {
+        chip_explain_line(chip, wanted.chip, offset_at_fault(chip), why);
     }
     gpiod_chip_close(chip);
     return why;
