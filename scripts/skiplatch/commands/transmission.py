@@ -74,7 +74,8 @@ class RatioType(click.ParamType[Fraction]):
     "--train",
     "train_path",
     type=click.Path(path_type=Path),
-    help="Description of the train in TOML; orders are then given their shaft.",
+    help="Description of the train in TOML: orders are then given their shaft, and the tooth "
+    "pitch is that of its last stage instead of a turn of the input.",
 )
 @json_option
 @click.option(
