@@ -12,9 +12,9 @@
 #define ARCSEC_PER_RAD 206264.80624709636
 #define SHARE_SEEN     1.0e-3 /* a smaller part of one parameter in another is not told */
 
-static bool is_zero_error(int32_t unknown)
+static bool is_zero_error(int32_t parameter)
 {
-    return (unknown - KINEMATICS_NUISANCES) % KINEMATICS_OF_AXIS == CHAIN_ZERO;
+    return parameter % KINEMATICS_OF_AXIS == CHAIN_ZERO;
 }
 
 static void describe(const kinematics_machine_t *machine, kinematics_result_t *result)
@@ -74,20 +74,31 @@ void problem_tell_amounts(const rank_t *rank, kinematics_result_t *result)
     }
 }
 
-static void tell_states(const rank_t *rank, kinematics_result_t *result)
+/* Whether a determined parameter goes with others that are free and not determined. */
+static bool is_combined(const kinematics_machine_t *machine, const rank_t *rank, int32_t index)
+{
+    bool combined = false;
+    for (int32_t i = 0; i < KINEMATICS_OF_AXIS * machine->axes_count; i++) {
+        double share = rank->share[KINEMATICS_NUISANCES + index][KINEMATICS_NUISANCES + i];
+        bool   goes_with = problem_is_free(machine, i) && fabs(share) > SHARE_SEEN;
+        combined = combined || (goes_with && !is_zero_error(i));
+    }
+    return combined;
+}
+
+/* A zero that is not fitted is not held, but no positions would determine it. */
+static void tell_states(const kinematics_machine_t *machine, const rank_t *rank,
+                        kinematics_result_t *result)
 {
     for (int32_t i = 0; i < result->parameters_count; i++) {
-        int32_t column = KINEMATICS_NUISANCES + i;
-        if (rank->depends[column]) {
+        kinematics_parameter_t *parameter = &result->parameters[i];
+        if (!rank->depends[KINEMATICS_NUISANCES + i]) {
+            parameter->state =
+                is_combined(machine, rank, i) ? KINEMATICS_COMBINED : KINEMATICS_DETERMINED;
+        } else if (problem_is_free(machine, i) || is_zero_error(i)) {
             tell_blind(rank, i, result);
-            continue;
-        }
-        result->parameters[i].state = KINEMATICS_DETERMINED;
-        for (int32_t d = 0; d < result->parameters_count; d++) {
-            int32_t other = KINEMATICS_NUISANCES + d;
-            if (!is_zero_error(other) && fabs(rank->share[column][other]) > SHARE_SEEN) {
-                result->parameters[i].state = KINEMATICS_COMBINED;
-            }
+        } else {
+            parameter->state = KINEMATICS_HELD;
         }
     }
 }
@@ -97,7 +108,7 @@ void problem_describe(const kinematics_machine_t *machine, const rank_t *rank, i
 {
     memset(result, 0, sizeof *result);
     describe(machine, result);
-    tell_states(rank, result);
+    tell_states(machine, rank, result);
     result->unknowns =
         3 + (problem_tip_is_unknown(machine) ? 3 : 0) + KINEMATICS_OF_AXIS * machine->axes_count;
     result->rank = rank->rank;

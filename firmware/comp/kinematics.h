@@ -16,7 +16,8 @@
  * AOC, BOC the right-handed turns about X and Y that carry the believed direction into the actual
  * one; COC is the error of the zero: at the reading 0 the axis stands at COC. A: YOA, ZOA, BOA,
  * COA, AOA. B: XOB, ZOB, AOB, COB, BOB. The zero cannot be told from the lines of the axes carried
- * and from the place of the sphere (or tip), so it is taken as believed and named undetermined.
+ * and from the place of the sphere (or tip), so it is taken as believed and named undetermined,
+ * unless `zero_is_free` and the tilt that it goes with is held.
  *
  * Python reads this header too: no more of the preprocessor than what can be left out.
  */
@@ -37,7 +38,7 @@ enum {
     KINEMATICS_OK = 0,
     KINEMATICS_ERR_MACHINE = -1, /* no axis or too many, letter not A to C or twice, not finite,
                                     a direction that is no unit vector (1e-4) or lies more than
-                                    60° from the letter's own coordinate */
+                                    60° from the letter's own coordinate, scatter below 0 */
     KINEMATICS_ERR_POINT = -2,   /* a value is not finite */
     KINEMATICS_ERR_TOO_FEW = -3, /* no more coordinates measured than unknowns determined */
     KINEMATICS_ERR_NO_FIT = -4   /* no solution within 30° and 1 m of what is believed */
@@ -48,6 +49,8 @@ typedef struct {
     int32_t is_head;      /* carries the tool, not the sphere */
     double  direction[3]; /* believed, of length 1; the sense of positive angles */
     double  point_mm[3];  /* believed point of the axis line */
+    int32_t is_held[4];   /* offsets and tilts, as named above: not fitted but as believed */
+    int32_t zero_is_free; /* to be fitted */
 } kinematics_axis_t;
 
 typedef struct {
@@ -56,6 +59,9 @@ typedef struct {
                                                     ram to the tool */
     int32_t tool_is_known;
     double  tool_mm[3]; /* the tip with all axes at 0; used only when known */
+    /* How many times a coordinate along the tool, which points along Z with all axes at 0, scatters
+     * as one across it; 0 counts as 1. */
+    double axial_scatter;
 } kinematics_machine_t;
 
 typedef struct {
@@ -66,8 +72,9 @@ typedef struct {
 enum {
     KINEMATICS_UNDETERMINED = 0, /* left alone: value and uncertainty are 0 */
     KINEMATICS_DETERMINED = 1,
-    KINEMATICS_COMBINED = 2 /* the value is that of a combination: of this parameter, less
-                               per_unit[this] of each undetermined one that it is named with */
+    KINEMATICS_COMBINED = 2, /* the value is that of a combination: of this parameter, less
+                                per_unit[this] of each undetermined one that it is named with */
+    KINEMATICS_HELD = 3      /* not fitted; value and uncertainty are 0 */
 };
 
 typedef struct {
@@ -96,7 +103,7 @@ typedef struct {
     int32_t unknowns; /* parameters, sphere and, with an axis in the head, an unknown tip */
     int32_t rank;
     int32_t freedom;      /* coordinates measured minus rank */
-    double  residual_um;  /* standard deviation of one coordinate */
+    double  residual_um;  /* standard deviation of one coordinate across the tool */
     double  sphere_mm[3]; /* with every axis at 0 */
 } kinematics_result_t;
 

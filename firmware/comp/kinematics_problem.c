@@ -12,6 +12,7 @@
 #define SETTLED_MM     1.0e-8
 #define FAR_MM         1000.0
 #define FAR_RAD        0.5235987755982988
+#define TIP_Z          5 /* place among the unknowns */
 
 static bool is_finite(double value)
 {
@@ -42,6 +43,7 @@ static bool machine_is_good(const kinematics_machine_t *machine)
 {
     bool seen[3] = {false, false, false};
     if (machine->axes_count < 1 || machine->axes_count > KINEMATICS_AXES_MAX ||
+        !is_finite(machine->axial_scatter) || machine->axial_scatter < 0.0 ||
         (machine->tool_is_known && !all_finite(machine->tool_mm, 3))) {
         return false;
     }
@@ -89,6 +91,21 @@ double problem_scale(int32_t column)
     return column >= KINEMATICS_NUISANCES && which >= CHAIN_TILT ? PROBLEM_LEVER_MM : 1.0;
 }
 
+/* Divide what lies along the tool by how much more it scatters. A tip that moves goes with the
+ * tool: its slopes are those of 1 minus the head's turn. */
+static void weigh(const kinematics_machine_t *machine, double slopes[3][KINEMATICS_UNKNOWNS_MAX],
+                  double rows[3][KINEMATICS_UNKNOWNS_MAX + 1])
+{
+    const double tool[3] = {-slopes[0][TIP_Z], -slopes[1][TIP_Z], 1.0 - slopes[2][TIP_Z]};
+    double       less = machine->axial_scatter > 0.0 ? 1.0 / machine->axial_scatter - 1.0 : 0.0;
+    for (int32_t i = 0; i <= problem_columns(machine); i++) {
+        double along = tool[0] * rows[0][i] + tool[1] * rows[1][i] + tool[2] * rows[2][i];
+        for (int32_t k = 0; k < 3; k++) {
+            rows[k][i] += less * along * tool[k];
+        }
+    }
+}
+
 void problem_rows(const kinematics_machine_t *machine, const double *unknowns,
                   const kinematics_point_t *point, double rows[3][KINEMATICS_UNKNOWNS_MAX + 1])
 {
@@ -104,6 +121,14 @@ void problem_rows(const kinematics_machine_t *machine, const double *unknowns,
         }
         rows[k][columns] = point->position_mm[k] - expected_mm[k];
     }
+    weigh(machine, slopes, rows);
+}
+
+bool problem_is_free(const kinematics_machine_t *machine, int32_t parameter)
+{
+    const kinematics_axis_t *axis = &machine->axes[parameter / KINEMATICS_OF_AXIS];
+    int32_t                  which = parameter % KINEMATICS_OF_AXIS;
+    return which == CHAIN_ZERO ? axis->zero_is_free != 0 : axis->is_held[which] == 0;
 }
 
 void problem_add_all(const kinematics_machine_t *machine, const double *unknowns,
@@ -123,7 +148,7 @@ void problem_rank_of(const kinematics_machine_t *machine, const triangle_t *tria
 {
     int32_t classes[KINEMATICS_UNKNOWNS_MAX] = {0};
     for (int32_t i = KINEMATICS_NUISANCES; i < problem_columns(machine); i++) {
-        classes[i] = (i - KINEMATICS_NUISANCES) % KINEMATICS_OF_AXIS == CHAIN_ZERO ? 2 : 1;
+        classes[i] = problem_is_free(machine, i - KINEMATICS_NUISANCES) ? 1 : 2;
     }
     rank_find(triangle, classes, PROBLEM_TOLERANCE * sqrt(3.0 * (double)n), rank);
 }

@@ -23,7 +23,11 @@ bool problem_tip_is_unknown(const kinematics_machine_t *machine);
 /* Scaled unknown per unknown in mm or rad. */
 double problem_scale(int32_t column);
 
-/* Rows of a point: slopes of all columns, scaled, then measured minus expected in mm. */
+/* Whether a parameter (0 is the first of the first axis) is to be fitted. */
+bool problem_is_free(const kinematics_machine_t *machine, int32_t parameter);
+
+/* Rows of a point: slopes of all columns, scaled, then measured minus expected in mm; across the
+ * tool, and along it as axial_scatter weighs that. */
 void problem_rows(const kinematics_machine_t *machine, const double *unknowns,
                   const kinematics_point_t *point, double rows[3][KINEMATICS_UNKNOWNS_MAX + 1]);
 
@@ -31,7 +35,7 @@ void problem_rows(const kinematics_machine_t *machine, const double *unknowns,
 void problem_add_all(const kinematics_machine_t *machine, const double *unknowns,
                      const kinematics_point_t *points, int32_t n, triangle_t *triangle);
 
-/* Which columns the `n` points in the triangle determine; the zeros of axes are never picked. */
+/* Which columns the `n` points in the triangle determine; what is not free is never picked. */
 void problem_rank_of(const kinematics_machine_t *machine, const triangle_t *triangle, int32_t n,
                      rank_t *rank);
 
