@@ -5,11 +5,60 @@
 
 #include "angle.h"
 
-#define PPM 1.0e-6
+#define PPM            1.0e-6
+#define UNIT_TOLERANCE 1.0e-4
 
 static double dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static bool are_finite(const double *values, int n)
+{
+    bool finite = true;
+    for (int i = 0; i < n; ++i) {
+        finite = finite && isfinite(values[i]);
+    }
+    return finite;
+}
+
+static bool is_rotary(const sim_rotary_t *axis)
+{
+    const double plain[] = {axis->datum_deg,        axis->zero_deg,       axis->backlash_deg,
+                            axis->once_deg,         axis->once_phase_deg, axis->twice_deg,
+                            axis->twice_phase_deg,  axis->radial_mm,      axis->axial_mm,
+                            axis->repeatability_deg};
+    return are_finite(plain, sizeof plain / sizeof *plain) && are_finite(axis->point_mm, 3) &&
+           are_finite(axis->offset_mm, 3) && are_finite(axis->tilt_rad, 3) &&
+           fabs(sqrt(dot(axis->direction, axis->direction)) - 1.0) <= UNIT_TOLERANCE &&
+           axis->backlash_deg >= 0.0 && axis->repeatability_deg >= 0.0;
+}
+
+/* Counts how often the lists name each axis; false for one that there is not. */
+static bool count_axes(const int32_t list[3], int32_t counts[3])
+{
+    bool good = true;
+    for (int i = 0; i < SIM_ROTARIES; ++i) {
+        good = good && list[i] >= -1 && list[i] < SIM_ROTARIES;
+        if (good && list[i] >= 0) {
+            ++counts[list[i]];
+        }
+    }
+    return good;
+}
+
+int32_t sim_machine_is_sound(const sim_machine_t *machine)
+{
+    int32_t counts[3] = {0, 0, 0};
+    bool    good = count_axes(machine->table, counts) && count_axes(machine->head, counts);
+    for (int i = 0; i < SIM_ROTARIES; ++i) {
+        good = good && counts[i] <= 1 && is_rotary(&machine->axes[i]);
+    }
+    return good && counts[0] + counts[1] + counts[2] > 0 && are_finite(machine->tool_mm, 3) &&
+           are_finite(machine->sphere_mm, 3) && are_finite(machine->scale_ppm, 3) &&
+           are_finite(machine->square_rad, 3) && isfinite(machine->sphere_radius_mm) &&
+           machine->sphere_radius_mm > 0.0 && isfinite(machine->tip_radius_mm) &&
+           machine->tip_radius_mm >= 0.0;
 }
 
 /* Turn `v` by a unit quaternion (w, x, y, z). */

@@ -19,6 +19,7 @@ enum { SIM_ROTARY_A = 0, SIM_ROTARY_B = 1, SIM_ROTARY_C = 2, SIM_ROTARIES = 3 };
 typedef struct {
     double direction[3];   /* believed; a unit vector */
     double point_mm[3];    /* believed; any point of the line */
+    double datum_deg;      /* believed; the control shows so much more than the encoder */
     double offset_mm[3];   /* location error: the line lies so far off, X0C, Y0C … */
     double tilt_rad[3];    /* location error: turned about X, then Y, then Z, A0C, B0C … */
     double zero_deg;       /* location error: true angle where the encoder shows 0 */
@@ -51,6 +52,13 @@ typedef struct {
     double pushed_deg[3];  /* what they show when a positive move has just used up the play */
     double load_deg[3];    /* true angles */
 } sim_stance_t;
+
+/*
+ * Whether it can be played: lists that hold an axis once and none that there is not, at least one
+ * in all; directions of length 1 (1e-4); radii above 0, the tip's at least 0; backlash and
+ * scatter at least 0; all finite.
+ */
+int32_t sim_machine_is_sound(const sim_machine_t *machine);
 
 /* Stand at zero, come there in the positive sense. */
 void sim_machine_home(const sim_machine_t *machine, sim_stance_t *stance);

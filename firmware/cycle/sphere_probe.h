@@ -9,7 +9,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#define SPHERE_TOUCHES_MAX 8 /* around the equator */
+#define SPHERE_TOUCHES_MIN 3 /* around the equator */
+#define SPHERE_TOUCHES_MAX 8
 
 typedef struct {
     double  centre_mm[3]; /* where it is expected */
@@ -17,7 +18,7 @@ typedef struct {
     double  contact_mm;   /* radius of sphere and tip together, > 0 */
     double  stand_off_mm; /* start of a touch to the nominal surface, > 0 */
     double  reference_deg;
-    uint8_t touches; /* around the equator, 3 to SPHERE_TOUCHES_MAX */
+    uint8_t touches; /* around the equator */
 } sphere_probe_config_t;
 
 typedef struct {

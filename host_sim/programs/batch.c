@@ -200,10 +200,8 @@ static int play_on_threads(job_t *job, uint32_t threads)
     return atomic_load(&job->result);
 }
 
-int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
-             const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
-             uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
-             uint32_t threads, sim_outcome_t *outcomes)
+int sim_play_check(const sim_chain_t *chain, const sim_controller_t *controller,
+                   const sim_setting_t *settings, uint32_t settings_count)
 {
     if (!is_chain(chain)) {
         return SIM_PLAY_ERR_CHAIN;
@@ -211,11 +209,20 @@ int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
     if (!is_controller(controller)) {
         return SIM_PLAY_ERR_CONTROL;
     }
+    return are_settings(settings, settings_count) ? SIM_PLAY_OK : SIM_PLAY_ERR_EFFECT;
+}
+
+int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
+             const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
+             uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
+             uint32_t threads, sim_outcome_t *outcomes)
+{
+    int wrong = sim_play_check(chain, controller, settings, settings_count);
+    if (wrong != SIM_PLAY_OK) {
+        return wrong;
+    }
     if (!are_touches(chain, touches, n)) {
         return SIM_PLAY_ERR_TOUCH;
-    }
-    if (!are_settings(settings, settings_count)) {
-        return SIM_PLAY_ERR_EFFECT;
     }
     /* An effect or a seat may remember the touch before, so its replicates are not cut up. */
     uint64_t block = settings_count == 0u && !sim_has_seat(chain) ? BLOCK_TOUCHES : n;
@@ -262,6 +269,8 @@ const char *sim_play_error(int code)
         return "the firmware refused to start the input path";
     case SIM_PLAY_ERR_EFFECT:
         return "an effect is unknown, one too many, or one of its parameters is out of range";
+    case SIM_PLAY_ERR_MACHINE:
+        return "the five-axis machine has an axis twice or none, or a value that is out of range";
     case SIM_PLAY_ERR_MEMORY:
         return "out of memory";
     default:

@@ -19,7 +19,8 @@ enum {
     SIM_PLAY_ERR_TOUCH = -3,   /* the same of a touch */
     SIM_PLAY_ERR_START = -4,   /* the firmware refused to start the input */
     SIM_PLAY_ERR_MEMORY = -5,
-    SIM_PLAY_ERR_EFFECT = -6 /* an effect that is not in the table, too many, or a bad parameter */
+    SIM_PLAY_ERR_EFFECT = -6, /* an effect that is not in the table, too many, or a bad parameter */
+    SIM_PLAY_ERR_MACHINE = -7 /* a five-axis machine, see sim_machine_is_sound() */
 };
 
 /*
@@ -33,6 +34,10 @@ int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
              const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
              uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
              uint32_t threads, sim_outcome_t *outcomes);
+
+/* The part of its check that is not of the touches: SIM_PLAY_OK, or what cannot be played. */
+int sim_play_check(const sim_chain_t *chain, const sim_controller_t *controller,
+                   const sim_setting_t *settings, uint32_t settings_count);
 
 /* Row `index` of the table of effects, or NULL past the end. */
 const sim_description_t *sim_effect_describe(uint32_t index);

@@ -30,7 +30,7 @@ void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
 {
     *belief = (five_axis_belief_t){.machine = *machine};
     for (int i = 0; i < SIM_ROTARIES; ++i) {
-        sim_rotary_t plain = {.zero_deg = 0.0};
+        sim_rotary_t plain = {.datum_deg = machine->axes[i].datum_deg};
         copy(plain.direction, machine->axes[i].direction);
         copy(plain.point_mm, machine->axes[i].point_mm);
         belief->machine.axes[i] = plain;
@@ -76,6 +76,11 @@ void five_axis_turn_back(const five_axis_belief_t *belief, const double angle_de
             sphere_mm[axis] += (image_mm[i] - origin_mm[i]) * (reading_mm[i] - origin_mm[i]);
         }
     }
+}
+
+double five_axis_encoder_deg(const five_axis_belief_t *belief, int32_t axis, double shown_deg)
+{
+    return shown_deg - belief->machine.axes[axis].datum_deg;
 }
 
 void five_axis_tool_axis(const five_axis_belief_t *belief, const double angle_deg[3],

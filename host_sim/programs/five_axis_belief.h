@@ -21,6 +21,9 @@ void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3
 void five_axis_turn_back(const five_axis_belief_t *belief, const double angle_deg[3],
                          const double reading_mm[3], double sphere_mm[3]);
 
+/* Where the encoder of an axis goes when the control shows `shown_deg`, by its datum. */
+double five_axis_encoder_deg(const five_axis_belief_t *belief, int32_t axis, double shown_deg);
+
 /* From the tip to the spindle. */
 void five_axis_tool_axis(const five_axis_belief_t *belief, const double angle_deg[3],
                          double axis[3]);

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "cycle/kinematics_cycle.h"
+#include "programs/batch.h"
 #include "programs/five_axis_belief.h"
 #include "programs/five_axis_rig.h"
 
@@ -47,6 +48,12 @@ void sim_451_believe(sim_451_t *play, const sim_machine_t *believed)
     five_axis_believe(&play->belief, believed);
 }
 
+/* The encoder goes to where the control, by its datum, shows `shown_deg`. */
+static void turn_axis(sim_451_t *play, int32_t axis, double shown_deg)
+{
+    five_axis_turn(&play->rig, axis, five_axis_encoder_deg(&play->belief, axis, shown_deg));
+}
+
 static void turn(sim_451_t *play, const kinematics_cycle_request_t *request)
 {
     double sphere_mm[3];
@@ -54,7 +61,7 @@ static void turn(sim_451_t *play, const kinematics_cycle_request_t *request)
 
     five_axis_turn_back(&play->belief, request->from_angle_deg, request->sphere_mm, sphere_mm);
     five_axis_expect(&play->belief, sphere_mm, request->angle_deg, goes_mm);
-    five_axis_turn(&play->rig, (int32_t)request->axis, request->angle_deg[request->axis]);
+    turn_axis(play, (int32_t)request->axis, request->angle_deg[request->axis]);
     copy(play->input.centre_mm, goes_mm);
     five_axis_tool_axis(&play->belief, request->angle_deg, play->input.tool_axis);
     if (request->follow) {
@@ -187,9 +194,9 @@ static kinematics_cycle_machine_t description(const sim_451_t *play)
         .is_tcpm_on = control->is_tcpm_on != 0,
         .is_stacked = is_stacked(&play->belief.machine),
     };
-    copy(machine.angle_deg, play->rig.stance.command_deg);
     copy(machine.position_mm, play->position_mm);
     copy(machine.preset_mm, play->preset_mm);
+    copy(machine.angle_deg, control->start_deg);
     five_axis_tool_axis(&play->belief, machine.angle_deg, machine.tool_axis);
     for (int32_t i = 0; i < SIM_ROTARIES; ++i) {
         machine.axes[i].is_present =
@@ -207,7 +214,7 @@ static void prepare(sim_451_t *play)
     double above_mm =
         play->truth.sphere_radius_mm + play->control.tip_radius_mm + play->control.start_above_mm;
     for (int32_t i = 0; i < SIM_ROTARIES; ++i) {
-        five_axis_turn(&play->rig, i, play->control.start_deg[i]);
+        turn_axis(play, i, play->control.start_deg[i]);
     }
     five_axis_concentric(&play->truth, &play->rig.stance, play->preset_mm);
     ahead(play->preset_mm, play->control.preset_miss_mm, 1.0, play->preset_mm);
@@ -215,14 +222,35 @@ static void prepare(sim_451_t *play)
     ahead(play->preset_mm, up, above_mm, play->position_mm);
 }
 
-sim_451_t *sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
-                        const sim_chain_t *chain, const sim_controller_t *controller,
-                        const sim_setting_t *settings, uint32_t settings_count,
-                        const sim_control_t *control, uint64_t seed, uint64_t replicate)
+/* What the firmware does not check itself; false for a NaN as well. */
+static bool is_control(const sim_control_t *control)
 {
+    bool finite = true;
+    for (int i = 0; i < 3; ++i) {
+        finite = finite && isfinite(control->start_deg[i]) && isfinite(control->preset_miss_mm[i]);
+    }
+    return finite && control->start_above_mm >= 0.0 && isfinite(control->start_above_mm) &&
+           control->touch_feed_mm_min > 0.0 && isfinite(control->touch_feed_mm_min) &&
+           control->search_mm >= 0.0 && isfinite(control->search_mm) &&
+           (control->path == SIM_PATH_SKIP || control->path == SIM_PATH_PLC);
+}
+
+int sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
+                 const sim_chain_t *chain, const sim_controller_t *controller,
+                 const sim_setting_t *settings, uint32_t settings_count,
+                 const sim_control_t *control, uint64_t seed, uint64_t replicate,
+                 sim_451_t **opened)
+{
+    int wrong = is_control(control)
+                    ? five_axis_check(truth, believed, chain, controller, settings, settings_count)
+                    : SIM_PLAY_ERR_CONTROL;
+    *opened = NULL;
+    if (wrong != SIM_PLAY_OK) {
+        return wrong;
+    }
     sim_451_t *play = calloc(1u, sizeof *play);
     if (play == NULL) {
-        return NULL;
+        return SIM_PLAY_ERR_MEMORY;
     }
     play->truth = *truth;
     play->chain = *chain;
@@ -232,7 +260,8 @@ sim_451_t *sim_451_open(const sim_machine_t *truth, const sim_machine_t *believe
     five_axis_boot(&play->rig, &play->truth, &play->chain, controller, settings, settings_count,
                    control->path, control->touch_feed_mm_min, seed, replicate);
     prepare(play);
-    return play;
+    *opened = play;
+    return SIM_PLAY_OK;
 }
 
 void sim_451_close(sim_451_t *play)

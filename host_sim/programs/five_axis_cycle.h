@@ -76,13 +76,15 @@ typedef struct {
 
 /*
  * Switch on a machine that is as `truth` and is believed to be as `believed`, the errors of which
- * are not looked at. NULL without memory. What it is given is copied.
+ * are not looked at. Returns SIM_PLAY_OK, or the SIM_PLAY_ERR_… of what cannot be played and NULL
+ * in `opened`. What it is given is copied.
  */
-sim_451_t *sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
-                        const sim_chain_t *chain, const sim_controller_t *controller,
-                        const sim_setting_t *settings, uint32_t settings_count,
-                        const sim_control_t *control, uint64_t seed, uint64_t replicate);
-void       sim_451_close(sim_451_t *play);
+int  sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
+                  const sim_chain_t *chain, const sim_controller_t *controller,
+                  const sim_setting_t *settings, uint32_t settings_count,
+                  const sim_control_t *control, uint64_t seed, uint64_t replicate,
+                  sim_451_t **opened);
+void sim_451_close(sim_451_t *play);
 
 /*
  * Set Q<id> to a number, or with `word` (kinematics_word_t, not 0) to a word. Returns

@@ -1,8 +1,10 @@
 #include "programs/five_axis_points.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 #include "cycle/sphere_probe.h"
+#include "programs/batch.h"
 #include "programs/five_axis_belief.h"
 #include "programs/five_axis_rig.h"
 
@@ -27,18 +29,44 @@ static bool probe_sphere(five_axis_rig_t *rig, const sphere_probe_config_t *conf
     return sphere_probe_solve(&probe, sphere->centre_mm, &sphere->contact_mm);
 }
 
-static void turn_to(five_axis_rig_t *rig, const double angle_deg[3])
+static void turn_to(five_axis_rig_t *rig, const five_axis_belief_t *belief,
+                    const double angle_deg[3])
 {
     for (int32_t axis = 0; axis < SIM_ROTARIES; ++axis) {
-        five_axis_turn(rig, axis, angle_deg[axis]);
+        five_axis_turn(rig, axis, five_axis_encoder_deg(belief, axis, angle_deg[axis]));
     }
 }
 
-uint32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
-                              const sim_probing_t *probing, const sim_chain_t *chain,
-                              const sim_controller_t *controller, const sim_setting_t *settings,
-                              uint32_t settings_count, uint64_t seed, uint64_t replicate,
-                              sim_sphere_t *spheres, uint32_t n)
+/* False for a NaN as well. */
+static bool is_probing(const sim_probing_t *probing)
+{
+    return probing->feed_mm_min > 0.0 && isfinite(probing->feed_mm_min) &&
+           probing->stand_off_mm > 0.0 && isfinite(probing->stand_off_mm) &&
+           probing->search_mm >= 0.0 && isfinite(probing->search_mm) &&
+           isfinite(probing->reference_deg) && probing->touches >= SPHERE_TOUCHES_MIN &&
+           probing->touches <= SPHERE_TOUCHES_MAX &&
+           (probing->path == SIM_PATH_SKIP || probing->path == SIM_PATH_PLC);
+}
+
+static int check(const sim_machine_t *truth, const sim_machine_t *believed,
+                 const sim_probing_t *probing, const sim_chain_t *chain,
+                 const sim_controller_t *controller, const sim_setting_t *settings,
+                 uint32_t settings_count, const sim_sphere_t *spheres, uint32_t n)
+{
+    bool good = is_probing(probing);
+    for (uint32_t i = 0; i < n; ++i) {
+        const double *at = spheres[i].angle_deg;
+        good = good && isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
+    }
+    return good ? five_axis_check(truth, believed, chain, controller, settings, settings_count)
+                : SIM_PLAY_ERR_CONTROL;
+}
+
+int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
+                             const sim_probing_t *probing, const sim_chain_t *chain,
+                             const sim_controller_t *controller, const sim_setting_t *settings,
+                             uint32_t settings_count, uint64_t seed, uint64_t replicate,
+                             sim_sphere_t *spheres, uint32_t n)
 {
     five_axis_rig_t       rig;
     five_axis_belief_t    belief;
@@ -48,11 +76,16 @@ uint32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *b
         .reference_deg = probing->reference_deg,
         .touches = (uint8_t)probing->touches,
     };
+    int wrong =
+        check(truth, believed, probing, chain, controller, settings, settings_count, spheres, n);
+    if (wrong != SIM_PLAY_OK) {
+        return wrong;
+    }
     five_axis_believe(&belief, believed);
     five_axis_boot(&rig, truth, chain, controller, settings, settings_count, probing->path,
                    probing->feed_mm_min, seed, replicate);
     for (uint32_t i = 0; i < n; ++i) {
-        turn_to(&rig, spheres[i].angle_deg);
+        turn_to(&rig, &belief, spheres[i].angle_deg);
         if (i == 0u) { /* the operator has found it */
             five_axis_concentric(truth, &rig.stance, config.centre_mm);
         } else {
@@ -63,8 +96,8 @@ uint32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *b
         }
         five_axis_tool_axis(&belief, spheres[i].angle_deg, config.tool_axis);
         if (!probe_sphere(&rig, &config, probing->stand_off_mm + probing->search_mm, &spheres[i])) {
-            return i;
+            return (int32_t)i;
         }
     }
-    return n;
+    return (int32_t)n;
 }

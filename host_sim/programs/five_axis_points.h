@@ -32,13 +32,14 @@ typedef struct {
 /*
  * Probe the sphere at the angles of `spheres` (n) one after the other, A turned first, then B, then
  * C; expected by `believed`, whose errors are not looked at, from the sphere before. Returns how
- * many were measured: fewer than n when a touch failed.
+ * many were measured: fewer than n when a touch failed; or the negative SIM_PLAY_ERR_… of what
+ * cannot be played.
  */
-uint32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
-                              const sim_probing_t *probing, const sim_chain_t *chain,
-                              const sim_controller_t *controller, const sim_setting_t *settings,
-                              uint32_t settings_count, uint64_t seed, uint64_t replicate,
-                              sim_sphere_t *spheres, uint32_t n);
+int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
+                             const sim_probing_t *probing, const sim_chain_t *chain,
+                             const sim_controller_t *controller, const sim_setting_t *settings,
+                             uint32_t settings_count, uint64_t seed, uint64_t replicate,
+                             sim_sphere_t *spheres, uint32_t n);
 
 #pragma GCC visibility pop
 

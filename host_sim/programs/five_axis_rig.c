@@ -3,10 +3,12 @@
 #include <math.h>
 
 #include "angle.h"
+#include "programs/batch.h"
 
 #define UM_PER_MM           1000.0
 #define LANE                9u
-#define CALIBRATION_TOUCHES 36
+#define CALIBRATION_POINTS  36
+#define CALIBRATION_TOUCHES (5 * CALIBRATION_POINTS)
 #define CALIBRATION_MM      5.0
 #define MOVE_S              1.0 /* between two touches; the rest of a second is random */
 #define TURN_DEG_PER_S      60.0
@@ -34,16 +36,29 @@ static double play(five_axis_rig_t *rig, double approach_mm, double overtravel_m
     return outcome.error == TOUCH_OK ? outcome.deviation_um / UM_PER_MM : (double)NAN;
 }
 
-/* As on a ring gauge: the mean way from contact to latch. */
+/*
+ * As on a ring gauge, 36 points in 5 runs: the mean way from contact to latch. What it is off by
+ * stands in the height of every sphere.
+ */
 static void calibrate(five_axis_rig_t *rig)
 {
     double sum_mm = 0.0;
     for (int i = 0; i < CALIBRATION_TOUCHES; ++i) {
-        double angle = 2.0 * PI * i / CALIBRATION_TOUCHES;
+        double angle = 2.0 * PI * i / CALIBRATION_POINTS;
         double in_probe[3] = {cos(angle), sin(angle), 0.0};
         sum_mm += play(rig, CALIBRATION_MM, CALIBRATION_MM, in_probe);
     }
     rig->calibrated_mm = sum_mm / CALIBRATION_TOUCHES;
+}
+
+int five_axis_check(const sim_machine_t *machine, const sim_machine_t *believed,
+                    const sim_chain_t *chain, const sim_controller_t *controller,
+                    const sim_setting_t *settings, uint32_t count)
+{
+    if (!sim_machine_is_sound(machine) || !sim_machine_is_sound(believed)) {
+        return SIM_PLAY_ERR_MACHINE;
+    }
+    return sim_play_check(chain, controller, settings, count);
 }
 
 void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_chain_t *chain,

@@ -25,6 +25,11 @@ typedef struct {
     bool                 is_broken;     /* the firmware refused to start its input */
 } five_axis_rig_t;
 
+/* SIM_PLAY_OK, or the code of what cannot be played: machine, believed machine, chain … */
+int five_axis_check(const sim_machine_t *machine, const sim_machine_t *believed,
+                    const sim_chain_t *chain, const sim_controller_t *controller,
+                    const sim_setting_t *settings, uint32_t count);
+
 /*
  * Switch on at the home position and calibrate the probe by touches of its own, all round.
  * `machine` and `chain` have to outlive it, and it has to stay in place.

@@ -131,3 +131,42 @@ void test_a_location_error_moves_and_tilts_the_line(void)
     double c = cos(2.0e-3);
     assert_vector(0.5 - c * 99.5 + s * 50.0, 0.0, s * 99.5 + c * 50.0, centre_mm);
 }
+
+/* ---- what cannot be played ---- */
+
+static void refuse(void)
+{
+    TEST_ASSERT_FALSE(sim_machine_is_sound(&machine));
+    setUp();
+    TEST_ASSERT_TRUE(sim_machine_is_sound(&machine));
+}
+
+void test_lists_name_axes_that_there_are_and_each_once(void)
+{
+    machine.table[0] = SIM_ROTARIES;
+    refuse();
+    machine.head[2] = -2;
+    refuse();
+    machine.head[0] = SIM_ROTARY_C;
+    refuse();
+    machine.table[0] = machine.table[1] = -1;
+    refuse();
+}
+
+void test_a_machine_is_of_finite_numbers_and_true_lengths(void)
+{
+    machine.axes[1].direction[1] = 1.001;
+    refuse();
+    machine.axes[0].point_mm[2] = NAN;
+    refuse();
+    machine.axes[2].backlash_deg = -1e-9;
+    refuse();
+    machine.axes[2].datum_deg = INFINITY;
+    refuse();
+    machine.sphere_mm[1] = NAN;
+    refuse();
+    machine.sphere_radius_mm = 0.0;
+    refuse();
+    machine.tip_radius_mm = -1.0;
+    refuse();
+}

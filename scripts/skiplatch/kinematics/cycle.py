@@ -16,6 +16,7 @@ from skiplatch.kinematics.five_axis import (
     Truth,
     machine_structure,
     path_code,
+    refuse,
 )
 from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.simulator import Effect, SimulationError, connection, rig_arguments
@@ -226,18 +227,20 @@ def opened(
         CycleRefusedError: A parameter is not admitted.
         SimulationError: A value of the rig is out of range.
     """
-    _, lib = connection()
+    ffi, lib = connection()
     structure = machine_structure(machine, truth)
-    handle = lib.sim_451_open(
+    place = ffi.new("sim_451_t **")
+    code = lib.sim_451_open(
         structure,
         machine_structure(believed or machine, truth),
         *rig_arguments(rig, CONTROLLER, switched_on),
         _control(control),
         seed,
         replicate,
+        place,
     )
-    if not handle:
-        raise SimulationError("out of memory")
+    refuse(code)
+    handle = place[0]
     try:
         play = Play(handle)
         for number, value in parameters.items():

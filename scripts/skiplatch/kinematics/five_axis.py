@@ -113,6 +113,7 @@ def machine_structure(machine: Machine, truth: Truth) -> CData:
         rotary = filled.axes[LETTERS.index(axis.letter)]
         rotary.direction = list(axis.direction)
         rotary.point_mm = list(axis.point_mm)
+        rotary.datum_deg = axis.datum_deg
     filled.tool_mm = list(machine.tool_mm or (0.0, 0.0, 0.0))
     filled.sphere_mm = list(truth.sphere_mm)
     filled.sphere_radius_mm = truth.sphere_radius_mm
@@ -187,9 +188,21 @@ def probe_points(
         spheres,
         len(angles_deg),
     )
+    refuse(min(measured, 0))
     if measured < len(angles_deg):
         raise SimulationError(f"position {measured + 1}: no sphere where it was expected")
     return np.array([list(sphere.centre_mm) for sphere in spheres]).reshape(-1, len(LETTERS))
+
+
+def refuse(code: int) -> None:
+    """Say what cannot be played.
+
+    Raises:
+        SimulationError: The code is one of an error.
+    """
+    ffi, lib = connection()
+    if code != 0:
+        raise SimulationError(ffi.string(lib.sim_play_error(code)).decode())
 
 
 def path_code(path: InputPath) -> int:

@@ -12,12 +12,13 @@ from skiplatch.errors import InputError, hint, quoted
 
 LETTERS = ("A", "B", "C")
 DEFAULT_TRAVEL_DEG = {"A": (-90.0, 90.0), "B": (-90.0, 90.0), "C": (-180.0, 180.0)}
-AXIS_KEYS = ("direction", "point_mm", "range_deg")
+AXIS_KEYS = ("direction", "point_mm", "range_deg", "datum_deg")
 TOP_KEYS = ("table", "head", "tool_mm", "axes")
 UNIT_TOLERANCE = 1e-4
 OWN_COSINE_MIN = 0.5
 FARTHEST_MM = 1e5
 TURNS_MAX_DEG = 3600.0
+DATUM_MAX_DEG = 360.0
 
 Vector = tuple[float, float, float]
 
@@ -32,6 +33,7 @@ class RotaryAxis:
         direction: Unit vector in machine coordinates; the sense of positive angles.
         point_mm: A point of the axis line, in machine coordinates.
         travel_deg: Lowest and highest angle, for recommended positions.
+        datum_deg: The control shows so much more than the axis's encoder.
     """
 
     letter: str
@@ -39,6 +41,7 @@ class RotaryAxis:
     direction: Vector
     point_mm: Vector
     travel_deg: tuple[float, float]
+    datum_deg: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,12 +157,17 @@ def _axis(reader: _Reader, table: Mapping[str, Any], letter: str, in_head: bool)
     travel = DEFAULT_TRAVEL_DEG[letter]
     if "range_deg" in table:
         travel = _travel(reader, table, (*section, "range_deg"))
+    datum_deg = table.get("datum_deg", 0.0)
+    if not _is_number(datum_deg) or abs(datum_deg) > DATUM_MAX_DEG:
+        message = f"expected a number of at most {DATUM_MAX_DEG:g}"
+        raise reader.fail((*section, "datum_deg"), message)
     return RotaryAxis(
         letter,
         in_head,
         _direction(reader, table, (*section, "direction"), letter),
         reader.vector(table, (*section, "point_mm")),
         travel,
+        float(datum_deg),
     )
 
 
