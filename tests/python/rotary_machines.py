@@ -4,11 +4,13 @@ A machine's true axis lines are shifted and tilted, and every measured centre fo
 whole points about whole lines, one after the other.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 OWN = {"A": 0, "B": 1, "C": 2}
@@ -109,14 +111,51 @@ def centres(
     machine: Planted, angles_deg: Array, rng: np.random.Generator, noise_mm: float
 ) -> Array:
     """Give what the linear axes read with the tip in the sphere's centre, shape (n, 3)."""
-    at = dict(zip(machine.kind.axes, angles_deg.T, strict=True))
-    sphere = np.tile(machine.sphere, (len(angles_deg), 1))
-    tip = np.tile(machine.tip, (len(angles_deg), 1))
-    for letter in reversed(machine.kind.table):
-        sphere = turned(machine.actual[letter], at[letter], sphere)
-    for letter in reversed(machine.kind.head):
-        tip = turned(machine.actual[letter], at[letter], tip)
-    return sphere - (tip - machine.tip) + rng.normal(0.0, noise_mm, sphere.shape)
+    read = readings(machine.kind, machine.actual, machine.sphere, machine.tip, angles_deg)
+    return read + rng.normal(0.0, noise_mm, read.shape)
+
+
+def readings(
+    kind: Kind, lines: Mapping[str, Line], sphere_mm: Array, tip_mm: Array, angles_deg: Array
+) -> Array:
+    """Give what they read on a machine whose axes are these lines, shape (n, 3)."""
+    at = dict(zip(kind.axes, angles_deg.T, strict=True))
+    sphere = np.tile(sphere_mm, (len(angles_deg), 1))
+    tip = np.tile(tip_mm, (len(angles_deg), 1))
+    for letter in reversed(kind.table):
+        sphere = turned(lines[letter], at[letter], sphere)
+    for letter in reversed(kind.head):
+        tip = turned(lines[letter], at[letter], tip)
+    return np.asarray(sphere - (tip - tip_mm))
+
+
+def best_offsets(
+    kind: Kind, lines: Mapping[str, Line], angles_deg: Array, read_mm: Array, *, weight_z: float
+) -> dict[str, Line]:
+    """Shift the lines of a table so that the readings fit best, with all directions as they are.
+
+    Args:
+        kind: The machine, without a head.
+        lines: As believed.
+        angles_deg: Shape (n, axes).
+        read_mm: Shape (n, 3).
+        weight_z: Of a residual in Z, against one in X or Y.
+    """
+    names = [name for letter in kind.axes for name in names_of(letter)[0]]
+
+    def shifted(offsets_mm: Array) -> dict[str, Line]:
+        found = {x: Line(line.point.copy(), line.direction) for x, line in lines.items()}
+        for name, offset_mm in zip(names, offsets_mm, strict=True):
+            found[name[-1]].point["XYZ".index(name[0])] += offset_mm
+        return found
+
+    def residuals(unknowns: Array) -> Array:
+        fitted = readings(kind, shifted(unknowns[3:]), unknowns[:3], np.zeros(3), angles_deg)
+        return np.ravel((read_mm - fitted) * (1.0, 1.0, weight_z))
+
+    start = np.concatenate([read_mm[0], np.zeros(len(names))])
+    found = least_squares(residuals, start, xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    return shifted(found.x[3:])
 
 
 def write_machine(path: Path, machine: Planted) -> None:

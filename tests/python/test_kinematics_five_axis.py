@@ -8,7 +8,7 @@ import pytest
 
 from rotary_machines import KINDS, Array, Kind, Planted, centres, plant
 from skiplatch.campaign import InputPath, Nominal
-from skiplatch.kinematics.firmware import fit
+from skiplatch.kinematics.cycle import Control, opened
 from skiplatch.kinematics.five_axis import (
     DEFAULT_RIG,
     Probing,
@@ -17,8 +17,7 @@ from skiplatch.kinematics.five_axis import (
     probe_points,
 )
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
-from skiplatch.kinematics.points import Points
-from skiplatch.simulator import SimulationError
+from skiplatch.simulator import Effect, SimulationError
 
 ARCSEC_PER_DEG = 3600.0
 UM_PER_MM = 1000.0
@@ -173,32 +172,26 @@ def test_a_sphere_that_is_not_where_it_is_believed_is_named() -> None:
         probe_points(PLAIN_BC, far_off, np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 90.0]]), seed=1)
 
 
-@pytest.mark.parametrize("path", InputPath)
-@pytest.mark.parametrize("name", KINDS)
-def test_planted_errors_come_back_from_touches(name: str, path: InputPath) -> None:
-    """Errors of ±0.5 mm and ±0.05° within 3 standard uncertainties: 99 % of all estimates."""
-    rng = np.random.default_rng(7)
-    held = total = 0
-    for machine in range(100):
-        planted = plant(KINDS[name], rng)
-        angles_deg = angles_of(planted.kind, rng, 24)
-        centre_mm = probe_points(
-            believed(planted),
-            truth(planted),
-            angles_deg,
-            seed=7,
-            replicate=machine,
-            probing=Probing(path=path),
-            rig=replace(DEFAULT_RIG, probe=replace(DEFAULT_RIG.probe, lobe_um=0.0)),
-        )
-        own = [LETTERS.index(letter) for letter in planted.kind.axes]
-        found = fit(believed(planted), Points(angles_deg[:, own], centre_mm))
-        for error, estimate in found.parameters.items():
-            if error in planted.errors:
-                total += 1
-                off = abs(estimate.value - planted.errors[error])
-                held += off <= 3.0 * estimate.uncertainty
+@pytest.mark.parametrize("filter_us", [-1.0, float("nan")])
+def test_a_rig_that_cannot_be_played_is_said_to_be_none(filter_us: float) -> None:
+    wrong = replace(DEFAULT_RIG, input=replace(DEFAULT_RIG.input, filter_us=filter_us))
 
-    assert total >= 700
-    # Of 800 estimates each outside with 0.27 %, more than 11 are with a chance of 1 in 100 000.
-    assert total - held <= 11
+    with pytest.raises(SimulationError, match="a value of the nominal chain is out of the range"):
+        probe_points(PLAIN_BC, Truth(), np.zeros((1, 3)), seed=1, rig=wrong)
+    with (
+        pytest.raises(SimulationError, match="a value of the nominal chain is out of the range"),
+        opened(PLAIN_BC, Truth(), Control(), {}, seed=1, rig=wrong),
+    ):
+        pass
+
+
+def test_an_effect_out_of_its_range_is_said_to_be_none() -> None:
+    wrong = Effect("backlash", {"backlash_um": 1e9})
+
+    with pytest.raises(SimulationError, match="one of its parameters is out of range"):
+        probe_points(PLAIN_BC, Truth(), np.zeros((1, 3)), seed=1, switched_on=[wrong])
+    with (
+        pytest.raises(SimulationError, match="one of its parameters is out of range"),
+        opened(PLAIN_BC, Truth(), Control(), {}, seed=1, switched_on=[wrong]),
+    ):
+        pass

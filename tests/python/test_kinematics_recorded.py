@@ -6,7 +6,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rotary_machines import TABLE_TABLE, centres, plant, positions, write_machine, write_points
+from rotary_machines import (
+    TABLE_TABLE,
+    Array,
+    Line,
+    Planted,
+    best_offsets,
+    centres,
+    plant,
+    positions,
+    readings,
+    write_machine,
+    write_points,
+)
 from skiplatch.cli import main
 from skiplatch.kinematics.machine import read_machine
 
@@ -32,47 +44,95 @@ def run(folder: Path, monkeypatch: pytest.MonkeyPatch, mode: str) -> int:
     return int(ended.value.code or 0)
 
 
-@pytest.mark.parametrize(
-    ("mode", "points_corrected", "directions_corrected"),
-    [("+0", False, False), ("+1", True, False), ("+2", True, True), ("+3", True, True)],
-)
-def test_the_mode_says_what_is_corrected(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    mode: str,
-    points_corrected: bool,
-    directions_corrected: bool,
-) -> None:
-    rng = np.random.default_rng(1)
+def recorded(folder: Path, seed: int) -> tuple[Planted, Array, Array]:
+    rng = np.random.default_rng(seed)
     planted = plant(TABLE_TABLE, rng)
     angles = positions(TABLE_TABLE)
-    write_machine(tmp_path / "machine.toml", planted)
-    write_points(tmp_path / "points.csv", planted, angles, centres(planted, angles, rng, 1e-4))
+    read_mm = centres(planted, angles, rng, 1e-4)
+    write_machine(folder / "machine.toml", planted)
+    write_points(folder / "points.csv", planted, angles, read_mm)
+    return planted, angles, read_mm
 
-    assert run(tmp_path, monkeypatch, mode) == 0
 
+def corrected(folder: Path) -> dict[str, Line]:
+    axes = read_machine(folder / "corrected.toml").axes
+    return {a.letter: Line(np.array(a.point_mm), np.array(a.direction)) for a in axes}
+
+
+def assert_lines(found: dict[str, Line], points: dict[str, Line], turns: dict[str, Line]) -> None:
+    for letter, line in found.items():
+        assert np.allclose(line.point, points[letter].point, atol=3e-4)
+        assert np.allclose(line.direction, turns[letter].direction, atol=3e-6)
+
+
+def test_a_check_corrects_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    planted, _, _ = recorded(tmp_path, 1)
+
+    assert run(tmp_path, monkeypatch, "+0") == 0
+
+    assert_lines(corrected(tmp_path), planted.believed, planted.believed)
     result = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
     assert result["parameters"].keys() == planted.errors.keys()
-    for axis in read_machine(tmp_path / "corrected.toml").axes:
-        true, before = planted.actual[axis.letter], planted.believed[axis.letter]
-        wanted_point = true.point if points_corrected else before.point
-        wanted_direction = true.direction if directions_corrected else before.direction
-        assert np.allclose(axis.point_mm, wanted_point, atol=3e-4)
-        assert np.allclose(axis.direction, wanted_direction, atol=3e-6)
     assert not (tmp_path / "TCHPRAUTO.html").exists()
+
+
+def test_mode_1_is_the_best_that_offsets_alone_can_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planted, angles, read_mm = recorded(tmp_path, 1)
+
+    assert run(tmp_path, monkeypatch, "+1") == 0
+
+    # A centre's height comes from one touch, its place in the plane from four around it.
+    best = best_offsets(TABLE_TABLE, planted.believed, angles, read_mm, weight_z=np.sqrt(0.5))
+    found = corrected(tmp_path)
+    for letter, line in best.items():
+        assert found[letter].point == pytest.approx(line.point, abs=1e-6)
+        assert found[letter].direction == pytest.approx(planted.believed[letter].direction)
+        # Tilts of ±0.05° are not negligible: the true offsets would be something else.
+        assert np.max(np.abs(line.point - planted.actual[letter].point)) > 0.002
+
+
+def test_mode_2_corrects_points_and_directions(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planted, _, _ = recorded(tmp_path, 1)
+
+    assert run(tmp_path, monkeypatch, "+2") == 0
+
+    assert_lines(corrected(tmp_path), planted.actual, planted.actual)
+
+
+def test_mode_3_sets_the_datum_of_the_carrier_instead_of_a_tilt(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planted, angles, read_mm = recorded(tmp_path, 1)
+
+    assert run(tmp_path, monkeypatch, "+3") == 0
+
+    a, c = read_machine(tmp_path / "corrected.toml").axes
+    assert c.direction[1] == pytest.approx(0.0, abs=1e-12)  # no AOC
+    assert a.datum_deg * 3600.0 == pytest.approx(planted.errors["AOC"], abs=1.0)
+    assert c.datum_deg == 0.0
+    shown = angles + np.array([a.datum_deg, 0.0])  # the axes stand where they were measured
+    lines = corrected(tmp_path)
+
+    def read_from(sphere_mm: Array) -> Array:
+        return readings(TABLE_TABLE, lines, sphere_mm, np.zeros(3), shown)
+
+    origin = read_from(np.zeros(3))
+    images = np.stack([np.ravel(read_from(e) - origin) for e in np.eye(3)], axis=1)
+    left = np.linalg.lstsq(images, np.ravel(read_mm - origin), rcond=None)[1]
+    assert np.sqrt(left[0] / read_mm.size) == pytest.approx(1e-4, rel=0.2)  # the noise
 
 
 def test_a_mode_that_is_none_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rng = np.random.default_rng(2)
-    planted = plant(TABLE_TABLE, rng)
-    angles = positions(TABLE_TABLE)
-    write_machine(tmp_path / "machine.toml", planted)
-    write_points(tmp_path / "points.csv", planted, angles, centres(planted, angles, rng, 1e-4))
+    recorded(tmp_path, 2)
 
     assert run(tmp_path, monkeypatch, "+4") == 2
 
-    assert "program.h:2:6: Q406: expected a mode from 0 to 3" in capsys.readouterr().err
+    assert "program.h:2:6: Q406: expected 0 to 3, a whole number" in capsys.readouterr().err
     assert not (tmp_path / "corrected.toml").exists()
     assert not (tmp_path / "out.json").exists()

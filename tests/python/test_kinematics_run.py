@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from rotary_machines import Kind, Line, best_offsets, readings
 from skiplatch.cli import group
 from skiplatch.errors import InputError
-from skiplatch.kinematics.machine import read_machine
+from skiplatch.kinematics.machine import RotaryAxis, read_machine
 from skiplatch.kinematics.memory import Memory, StoreRefusedError, format_machine, pack, unpack
 from skiplatch.kinematics.points import read_points
 from skiplatch.kinematics.program import Program, read_program, texts
@@ -22,6 +23,7 @@ SAMPLES = Path(__file__).parents[2] / "scripts" / "samples" / "kinematics"
 MACHINE = SAMPLES / "machine_bc.toml"
 LOCATIONS = SAMPLES / "truth_bc_locations.toml"
 TRUTH = SAMPLES / "truth_bc.toml"
+TABLE_BC = Kind("BC", "")
 
 
 def program_of(folder: Path, text: str) -> Path:
@@ -35,6 +37,10 @@ def run(program: Path, folder: Path, *more: str, truth: Path = LOCATIONS) -> Res
     options = [text for flag, name in files.items() for text in (flag, str(folder / name))]
     arguments = ["kinematics", "run", str(program), "--truth", str(truth), *options, *more]
     return CliRunner().invoke(group, arguments)
+
+
+def axes_of(path: Path) -> tuple[RotaryAxis, ...]:
+    return read_machine(path).axes
 
 
 def test_programs_are_read_as_the_document_prints_them() -> None:
@@ -117,20 +123,89 @@ def test_a_check_after_the_optimisation_shows_the_noise_floor(
         assert 0.1 < checked["axes"][letter]["scatter_before_um"] < floor_um
 
 
-def test_mode_1_moves_the_axes_and_leaves_their_directions(tmp_path: Path) -> None:
-    corrected = tmp_path / "corrected.toml"
+def test_after_mode_1_a_check_shows_what_offsets_alone_can_reach(tmp_path: Path) -> None:
+    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
+    text = text.replace("Q406=+2", "Q406=+1").replace("Q432=+0.5", "Q432=+0")
+    points, corrected = tmp_path / "points.csv", tmp_path / "corrected.toml"
 
-    result = run(SAMPLES / "optimise_positions.h", tmp_path, "--corrected", str(corrected))
+    more = ("--points", str(points), "--corrected", str(corrected))
+    result = run(program_of(tmp_path, text), tmp_path, *more)
 
     assert result.exit_code == 0, result.output
-    before, after = read_machine(MACHINE), read_machine(corrected)
-    assert [a.direction for a in after.axes] == [a.direction for a in before.axes]
-    b, c = (np.array(axis.point_mm) * 1000.0 for axis in after.axes)
-    assert b == pytest.approx([-45.0, 0.0, 70.0], abs=1.5)
-    assert c == pytest.approx([120.0, -80.0, 0.0], abs=1.5)
+    believed = read_machine(MACHINE)
+    found = {
+        a.letter: Line(np.array(a.point_mm), np.array(a.direction)) for a in axes_of(corrected)
+    }
+    lines = {a.letter: Line(np.array(a.point_mm), np.array(a.direction)) for a in believed.axes}
+    read = read_points(points, believed)
+    measured = 1 + 6 + 5  # B and C at 0, then B, then C, of which one would be at 0 again
+    best = best_offsets(
+        TABLE_BC,
+        lines,
+        read.angles_deg[:measured],
+        read.positions_mm[:measured],
+        weight_z=np.sqrt(0.5),
+    )
+    for letter, line in best.items():
+        assert found[letter].point == pytest.approx(line.point, abs=1e-5)
+        assert found[letter].direction == pytest.approx(lines[letter].direction, abs=0.0)
+    check = json.loads((tmp_path / "out.json").read_text())["runs"][1]["axes"]
+    angles_deg, read_mm = read.angles_deg[measured:], read.positions_mm[measured:]
+    off_mm = read_mm - readings(TABLE_BC, best, read_mm[0], np.zeros(3), angles_deg)
+    for place, letter in enumerate("BC"):
+        own = angles_deg[:, place] != 0.0
+        expected_um = 1000.0 * np.sqrt(np.mean(np.sum(off_mm[own] ** 2, axis=1)))
+        assert check[letter]["scatter_before_um"] == pytest.approx(expected_um, abs=0.05)
+        assert expected_um > 2.0  # tilts are left
+
+
+def test_mode_1_gives_the_offsets_where_there_are_no_tilts(tmp_path: Path) -> None:
+    truth = tmp_path / "truth.toml"
+    tilted = LOCATIONS.read_text(encoding="utf-8").splitlines()
+    truth.write_text("\n".join(x for x in tilted if "arcsec" not in x), encoding="utf-8")
+
+    corrected = tmp_path / "corrected.toml"
+    more = ("--corrected", str(corrected))
+    result = run(SAMPLES / "optimise_positions.h", tmp_path, *more, truth=truth)
+
+    assert result.exit_code == 0, result.output
+    b, c = (np.array(axis.point_mm) * 1000.0 for axis in axes_of(corrected))
+    assert b == pytest.approx([-45.0, 0.0, 70.0], abs=1.0)
+    assert c == pytest.approx([120.0, -80.0, 0.0], abs=1.0)
     q = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
     assert (q["Q141"], q["Q144"]) == (-1.0, -1.0)
-    assert (q["Q147"], q["Q148"], q["Q149"]) == pytest.approx((0.12, -0.08, 0.07), abs=1.5e-3)
+    assert (q["Q147"], q["Q148"], q["Q149"]) == pytest.approx((0.12, -0.08, 0.07), abs=1e-3)
+
+
+@pytest.mark.parametrize("mode", ["2", "3"])
+def test_modes_2_and_3_leave_the_noise_and_only_3_moves_a_datum(tmp_path: Path, mode: str) -> None:
+    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
+    program = program_of(tmp_path, text.replace("Q406=+2", f"Q406=+{mode}"))
+    corrected = tmp_path / "corrected.toml"
+
+    result = run(program, tmp_path, "--corrected", str(corrected))
+
+    assert result.exit_code == 0, result.output
+    b, c = axes_of(corrected)
+    boc_rad = np.radians(-10.0 / 3600.0)
+    in_datum = mode == "3"
+    assert c.direction[0] == pytest.approx(0.0 if in_datum else boc_rad, abs=1e-12 + 3e-6)
+    assert b.datum_deg * 3600.0 == pytest.approx(-10.0 if in_datum else 0.0, abs=0.5)
+    check = json.loads((tmp_path / "out.json").read_text())["runs"][1]["axes"]
+    assert all(check[letter]["scatter_before_um"] < 1.0 for letter in "BC")
+
+
+def test_one_position_an_axis_is_enough_for_a_rough_optimisation(tmp_path: Path) -> None:
+    text = (SAMPLES / "optimise_positions.h").read_text(encoding="utf-8")
+    few = text.replace("Q418=+4", "Q418=+1").replace("Q422=+3", "Q422=+1")
+    corrected = tmp_path / "corrected.toml"
+
+    result = run(program_of(tmp_path, few), tmp_path, "--corrected", str(corrected))
+
+    assert result.exit_code == 0, result.output
+    b, c = (np.array(axis.point_mm) * 1000.0 for axis in axes_of(corrected))
+    assert b == pytest.approx([-45.0, 0.0, 70.0], abs=20.0)
+    assert c == pytest.approx([120.0, -80.0, 0.0], abs=20.0)
 
 
 HEAD_HEAD = """table = []
@@ -190,7 +265,7 @@ def test_recorded_points_give_the_same_location_errors(tmp_path: Path) -> None:
     points = tmp_path / "points.csv"
     run(SAMPLES / "save_and_check.h", tmp_path, "--points", str(points))
 
-    fit = ["kinematics", "fit", str(points), "--machine", str(MACHINE)]
+    fit = ["kinematics", "fit", str(points), "--machine", str(MACHINE), "--touches", "4"]
     result = CliRunner().invoke(group, [*fit, "--json", str(tmp_path / "fit.json")])
 
     assert result.exit_code == 0, result.output

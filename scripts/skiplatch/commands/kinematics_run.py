@@ -11,16 +11,26 @@ import click
 import numpy as np
 
 from skiplatch.campaign import InputPath
-from skiplatch.commands.kinematics import fit_points
+from skiplatch.commands.kinematics_fit import tell, too_few_named
 from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
+from skiplatch.kinematics.firmware import fit
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
 from skiplatch.kinematics.memory import Memory, format_machine
-from skiplatch.kinematics.points import columns_of
+from skiplatch.kinematics.points import columns_of, read_points
 from skiplatch.kinematics.program import Program, read_program
-from skiplatch.kinematics.run import Outcome, Run, Setup, asked_mode, correct_as, run_program
+from skiplatch.kinematics.run import (
+    MODE,
+    TOUCHES,
+    Outcome,
+    Run,
+    Setup,
+    asked,
+    correct_as,
+    run_program,
+)
 from skiplatch.kinematics.truth import draw_truth, read_truth
 from skiplatch.report.kinematics import Logged, as_html
 from skiplatch.simulator import ROOT, Effect
@@ -95,7 +105,7 @@ Example:
 )
 @seed_option
 @json_option
-def run_command(
+def command(
     program_path: Path,
     machine_path: Path,
     truth_path: Path | None,
@@ -119,10 +129,7 @@ def run_command(
     program = read_program(program_path)
     machine = read_machine(machine_path)
     if recorded_path is not None:
-        mode = asked_mode(program)
-        found = fit_points(recorded_path, machine, with_positions=False, json_path=json_path)
-        if corrected_path is not None:
-            atomic_write_text(corrected_path, format_machine(correct_as(mode, machine, found)))
+        _fit_recorded(recorded_path, program, machine, corrected_path, json_path)
         return
     truth = draw_truth(machine, seed) if truth_path is None else read_truth(truth_path, machine)
     control = read_control(
@@ -149,6 +156,24 @@ def run_command(
     click.echo("\n".join([*outcome.said, *(_text(run) for run in outcome.runs)]))
     if outcome.runs:
         click.echo(f"log: {log_path}")
+
+
+def _fit_recorded(
+    points_path: Path,
+    program: Program,
+    machine: Machine,
+    corrected_path: Path | None,
+    json_path: Path | None,
+) -> None:
+    mode, touches = asked(program, MODE), asked(program, TOUCHES)
+    points = read_points(points_path, machine)
+    with too_few_named(points_path, points):
+        found = fit(machine, points, touches=touches)
+        corrected = correct_as(mode, machine, points, touches)
+    result = tell(machine, points, found)
+    write_json(json_path, result)
+    if corrected_path is not None:
+        atomic_write_text(corrected_path, format_machine(corrected))
 
 
 def _log(program: Program, machine_path: Path, outcome: Outcome) -> str:

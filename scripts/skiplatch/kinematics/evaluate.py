@@ -6,24 +6,19 @@ An error is measured minus expected, both relative to the measurement at 0°, th
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import radians
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
+from skiplatch.kinematics.correction import CHECK, correct, correcting_fit
 from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
-from skiplatch.kinematics.firmware import Fit, fit
-from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, UM_PER_MM, Truth
-from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
+from skiplatch.kinematics.firmware import Fit, TooFewError, fit
+from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
+from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
 
 FloatArray = NDArray[np.float64]
-CHECK, POSITIONS, ANGLES, ORIGIN = range(4)
-"""The modes of Q406."""
 SLOPE_STEP_DEG = 1e-3
-SIGNIFICANT = 2.0
-"""Standard uncertainties that an estimate has to exceed to be corrected."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,11 +124,28 @@ def _shift_mm(believed: Machine, corrected: Machine) -> Vector:
     return found[0], found[1], found[2]
 
 
-def evaluate(machine: Machine, truth: Truth, stations: Stations, mode: int) -> Evaluation:
+def _shown_more_deg(before: Machine, after: Machine) -> FloatArray:
+    """Give by how much A, B, C show more after a change of datums, where they stand; shape (3,)."""
+    more_deg = np.zeros(len(LETTERS))
+    for old, new in zip(before.axes, after.axes, strict=True):
+        more_deg[LETTERS.index(old.letter)] = new.datum_deg - old.datum_deg
+    return more_deg
+
+
+def evaluate(
+    machine: Machine, truth: Truth, stations: Stations, mode: int, touches: int
+) -> Evaluation:
     """Fit the location errors and tell what each axis shows before and after the correction.
 
     Of a position approached from both sides the side of the reference counts; the other is for the
-    backlash.
+    backlash. With too few positions for tilts the location errors are those of the correction.
+
+    Args:
+        machine: As believed.
+        truth: What the simulated machine knows of its tip and sphere.
+        stations: What was measured.
+        mode: Q406.
+        touches: Q423.
 
     Raises:
         NoFitError: The positions are too few.
@@ -142,55 +154,24 @@ def evaluate(machine: Machine, truth: Truth, stations: Stations, mode: int) -> E
     first = ~stations.is_second
     order = [LETTERS.index(letter) for letter in machine.letters]
     points = Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
-    found = fit(known, points)
-    corrected = correct(machine, found, angles=mode != POSITIONS)
+    correction = correcting_fit(mode, known, points, touches)
+    try:
+        found = fit(known, points, touches=touches)
+    except TooFewError:
+        found = correction
+    corrected = correct(machine, correction)
+    shown_deg = stations.angle_deg + _shown_more_deg(machine, corrected)
+    corrected_stations = replace(stations, angle_deg=shown_deg)
     expected = Expectation(
         before_mm=_expected(machine, truth, stations),
-        after_mm=_expected(corrected, truth, stations),
-        slope_mm=_slopes(corrected, truth, stations),
+        after_mm=_expected(corrected, truth, corrected_stations),
+        slope_mm=_slopes(corrected, truth, corrected_stations),
         offset_mm=_shift_mm(machine, corrected),
         is_optimised=mode != CHECK,
     )
     reports, q_mm = results(stations, expected)
     axes = tuple(_axis(letter, stations, expected, report) for letter, report in reports.items())
     return Evaluation(mode, machine, corrected, found, axes, q_mm)
-
-
-def correct(machine: Machine, found: Fit, *, angles: bool) -> Machine:
-    """Put the determined location errors into the description; the others are left alone.
-
-    So is what cannot be told from nothing: an estimate below twice its uncertainty, which may be
-    wild where the positions determine it only just.
-
-    Args:
-        machine: As believed.
-        found: The location errors.
-        angles: Correct the directions too, not only the points.
-    """
-    amounts = {
-        name: estimate.value
-        for name, estimate in found.parameters.items()
-        if abs(estimate.value) > SIGNIFICANT * estimate.uncertainty
-    }
-    return replace(machine, axes=tuple(_corrected(a, amounts, angles) for a in machine.axes))
-
-
-def _corrected(axis: RotaryAxis, amounts: Mapping[str, float], angles: bool) -> RotaryAxis:  # noqa: FBT001
-    point_mm = [
-        value + amounts.get(f"{name}O{axis.letter}", 0.0) / UM_PER_MM
-        for name, value in zip("XYZ", axis.point_mm, strict=True)
-    ]
-    tilt_rad = [
-        radians(amounts.get(f"{name}O{axis.letter}", 0.0) / ARCSEC_PER_DEG) if angles else 0.0
-        for name in LETTERS
-    ]
-    tilt_rad[LETTERS.index(axis.letter)] = 0.0
-    direction = Rotation.from_euler("xyz", tilt_rad).apply(axis.direction)
-    return replace(
-        axis,
-        point_mm=cast(Vector, tuple(point_mm)),
-        direction=cast(Vector, tuple(direction / np.linalg.norm(direction))),
-    )
 
 
 def _axis(letter: str, stations: Stations, expected: Expectation, report: Results) -> AxisResult:

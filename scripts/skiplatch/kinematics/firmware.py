@@ -1,13 +1,14 @@
 """The firmware's fit of location errors, ``firmware/comp/kinematics.h``, in Python's terms."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.kinematics.machine import Machine
+from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.kinematics.points import Points
 from skiplatch.simulator import connection
 
@@ -21,6 +22,10 @@ SHARE_MIN = 1e-9
 
 class NoFitError(Exception):
     """The points do not determine a fit."""
+
+
+class TooFewError(NoFitError):
+    """There are no more coordinates than unknowns."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +94,8 @@ class Fit:
         parameters: Determined location errors, by name.
         combinations: Sums of others that are determined.
         undetermined: What the positions leave open.
-        residual_um: Standard deviation of one coordinate; 0 where nothing was fitted.
+        residual_um: Standard deviation of one coordinate, across the tool; 0 where nothing was
+            fitted.
         sphere_mm: The sphere with every axis at 0, as fitted.
         unknowns: Location errors, coordinates of the sphere and, with a head axis, of the tip.
         rank: How many of them the positions determine.
@@ -138,8 +144,29 @@ def combination(amounts: Mapping[str, float]) -> str:
     return text
 
 
-def fit(machine: Machine, points: Points) -> Fit:
+def names_of(letter: str) -> tuple[str, ...]:
+    """Name the parameters of an axis in the firmware's order: two offsets, two tilts, the zero."""
+    others = [i for i, own in enumerate(LETTERS) if own != letter]
+    offsets = (f"{'XYZ'[i]}O{letter}" for i in others)
+    tilts = (f"{LETTERS[i]}O{letter}" for i in others)
+    return (*offsets, *tilts, f"{letter}O{letter}")
+
+
+def fit(
+    machine: Machine,
+    points: Points,
+    *,
+    free: Collection[str] | None = None,
+    touches: int | None = None,
+) -> Fit:
     """Fit location errors to n points.
+
+    Args:
+        machine: As believed.
+        points: Where the sphere was found.
+        free: What is to be fitted; the rest is as believed. None for all but the zeros.
+        touches: Each centre comes from so many touches around the sphere and one on its pole, so
+            that it scatters more along the tool. None: it scatters alike in all directions.
 
     Raises:
         NoFitError: There are too few points, or they do not fit the machine.
@@ -148,7 +175,15 @@ def fit(machine: Machine, points: Points) -> Fit:
     result = ffi.new("kinematics_result_t *")
     rows = _rows(points)
     given = ffi.from_buffer("kinematics_point_t[]", rows)
-    code = library.sim_kinematics_fit(_machine(ffi, machine), given, len(points), result)
+    filled = _machine(ffi, machine)
+    if free is not None:
+        for axis, place in zip(machine.axes, filled.axes, strict=False):
+            *lines, zero = names_of(axis.letter)
+            place.is_held = [name not in free for name in lines]
+            place.zero_is_free = zero in free
+    if touches is not None:  # a coordinate of a circle's centre has 2/n of a touch's variance
+        filled.axial_scatter = math.sqrt(touches / 2.0)
+    code = library.sim_kinematics_fit(filled, given, len(points), result)
     _refuse(library, code, len(points))
     return _fit(ffi, library, result)
 
@@ -241,7 +276,7 @@ def _rows(points: Points) -> NDArray[np.float64]:
 def _refuse(library: CData, code: int, count: int) -> None:
     if code == library.KINEMATICS_ERR_TOO_FEW:
         positions = "position" if count == 1 else "positions"
-        raise NoFitError(f"{count} {positions}: too few to tell location errors from scatter")
+        raise TooFewError(f"{count} {positions}: too few to tell location errors from scatter")
     if code == library.KINEMATICS_ERR_NO_FIT:
         raise NoFitError("the points fit no machine within 1 m and 30° of the one described")
     if code != library.KINEMATICS_OK:

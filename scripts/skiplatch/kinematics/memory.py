@@ -18,7 +18,7 @@ MODE, DESIGNATION = 410, 409
 SAVE, RESTORE, SHOW, DELETE = range(4)
 DONE = {SAVE: "saved as", RESTORE: "restored from", DELETE: "deleted:"}
 HEAD = struct.Struct("<BB3d")
-AXIS = struct.Struct("<cB8d")
+AXIS = struct.Struct("<cB9d")
 
 
 class StoreRefusedError(Exception):
@@ -136,15 +136,23 @@ def pack(machine: Machine) -> bytes:
     tool_mm = machine.tool_mm or (0.0, 0.0, 0.0)
     parts = [HEAD.pack(len(machine.axes), machine.tool_mm is not None, *tool_mm)]
     parts += [
-        AXIS.pack(a.letter.encode(), a.in_head, *a.direction, *a.point_mm, *a.travel_deg)
+        AXIS.pack(
+            a.letter.encode(), a.in_head, *a.direction, *a.point_mm, *a.travel_deg, a.datum_deg
+        )
         for a in machine.axes
     ]
     return b"".join(parts)
 
 
 def unpack(payload: bytes) -> Machine:
-    """Read what `pack` wrote."""
+    """Read what `pack` wrote.
+
+    Raises:
+        StoreRefusedError: Something else wrote it.
+    """
     count, has_tool, *tool_mm = HEAD.unpack_from(payload)
+    if len(payload) != HEAD.size + count * AXIS.size:
+        raise StoreRefusedError("another version has saved this description")
     axes = [_axis(AXIS.unpack_from(payload, HEAD.size + i * AXIS.size)) for i in range(count)]
     return Machine(tuple(axes), cast(Vector, tuple(tool_mm)) if has_tool else None)
 
@@ -157,6 +165,7 @@ def _axis(values: tuple[Any, ...]) -> RotaryAxis:
         cast(Vector, tuple(numbers[:3])),
         cast(Vector, tuple(numbers[3:6])),
         (numbers[6], numbers[7]),
+        numbers[8],
     )
 
 
@@ -175,6 +184,8 @@ def format_machine(machine: Machine) -> str:
             f"point_mm = {_list(axis.point_mm)}",
             f"range_deg = {_list(axis.travel_deg)}",
         ]
+        if axis.datum_deg != 0.0:
+            lines.append(f"datum_deg = {axis.datum_deg!r}")
     return "\n".join(lines) + "\n"
 
 

@@ -4,12 +4,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from skiplatch.errors import InputError
+from skiplatch.kinematics.correction import CHECK, ORIGIN, correct, correcting_fit
 from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
-from skiplatch.kinematics.evaluate import CHECK, ORIGIN, POSITIONS, Evaluation, correct, evaluate
-from skiplatch.kinematics.firmware import Fit, NoFitError
+from skiplatch.kinematics.evaluate import Evaluation, evaluate
+from skiplatch.kinematics.firmware import NoFitError
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import Machine
 from skiplatch.kinematics.memory import Memory, run_450
+from skiplatch.kinematics.points import Points
 from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
 from skiplatch.simulator import Effect
 
@@ -17,6 +19,9 @@ LENGTHS = (407, 320, 408, 253)
 """Parameters that are in inches in an inch program."""
 SPHERE_RADIUS = 407
 MODE = 406
+TOUCHES = 423
+DEFAULTS = {MODE: CHECK, TOUCHES: 4}
+RANGES = {MODE: range(ORIGIN + 1), TOUCHES: range(3, 9)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,27 +87,34 @@ def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
     return Outcome(tuple(runs), tuple(said), believed)
 
 
-def asked_mode(program: Program) -> int:
-    """Give Q406 of the last cycle 451.
+def asked(program: Program, number: int) -> int:
+    """Give a whole number of the last cycle 451, `MODE` or `TOUCHES`.
 
     Raises:
-        InputError: There is no cycle 451, or its mode is none.
+        InputError: There is no cycle 451, or no such number.
     """
     cycles = [cycle for cycle in program.cycles if cycle.number == 451]
     if not cycles:
         raise InputError(program.path, None, None, "no cycle 451 says what to correct")
-    given = cycles[-1].parameters.get(MODE)
+    given = cycles[-1].parameters.get(number)
     if given is None:
-        return CHECK
-    if given.value not in range(ORIGIN + 1):
-        message = f"Q{MODE}: expected a mode from 0 to {ORIGIN}"
+        return DEFAULTS[number]
+    admitted = RANGES[number]
+    if given.value not in admitted:
+        message = f"Q{number}: expected {admitted[0]} to {admitted[-1]}, a whole number"
         raise InputError(program.path, given.line, given.column, message)
     return int(given.value)
 
 
-def correct_as(mode: int, machine: Machine, found: Fit) -> Machine:
-    """Correct the description by location errors as a mode says."""
-    return machine if mode == CHECK else correct(machine, found, angles=mode != POSITIONS)
+def correct_as(mode: int, machine: Machine, points: Points, touches: int) -> Machine:
+    """Correct the description by recorded points as a mode says.
+
+    Raises:
+        NoFitError: The points do not admit it.
+    """
+    if mode == CHECK:
+        return machine
+    return correct(machine, correcting_fit(mode, machine, points, touches))
 
 
 def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
@@ -144,8 +156,8 @@ def _measured(
     if not play.begin():
         play.raise_failure()
     stations = play.stations()
-    mode = int(parameters.get(MODE, 0.0))
-    evaluation = evaluate(believed, setup.truth, stations, mode)
+    mode, touches = (int(parameters.get(q, DEFAULTS[q])) for q in (MODE, TOUCHES))
+    evaluation = evaluate(believed, setup.truth, stations, mode, touches)
     play.answer(evaluation.change_mm)
     while play.asks in ("acknowledge", "apply"):
         if play.asks == "acknowledge":

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from skiplatch.figures.inline import Drawing
 from skiplatch.figures.kinematics import draw_axis
-from skiplatch.kinematics.evaluate import ANGLES, CHECK, AxisResult, Evaluation
+from skiplatch.kinematics.correction import ANGLES, CHECK
+from skiplatch.kinematics.evaluate import AxisResult, Evaluation
 from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis
 from skiplatch.report.layout import render
