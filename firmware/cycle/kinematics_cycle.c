@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "cycle/kinematics_requests.h"
+
 /* ---- what the settings come to ---- */
 
 static bool presets_before(const kinematics_cycle_t *cycle)
@@ -17,23 +19,11 @@ static bool presets_after(const kinematics_cycle_t *cycle)
            KINEMATICS_PRESET_AFTER;
 }
 
-/* ---- requests ---- */
-
 static void copy(double *to, const double *from)
 {
     for (uint8_t i = 0u; i < 3u; i++) {
         to[i] = from[i];
     }
-}
-
-static kinematics_cycle_request_t *ask(kinematics_cycle_t *cycle, kinematics_cycle_step_t step,
-                                       kinematics_cycle_request_kind_t kind)
-{
-    cycle->request = (kinematics_cycle_request_t){.kind = kind};
-    copy(cycle->request.angle_deg, cycle->angle_deg);
-    cycle->step = step;
-    cycle->has_request = true;
-    return &cycle->request;
 }
 
 static void fail(kinematics_cycle_t *cycle, kinematics_cycle_error_t error,
@@ -44,16 +34,6 @@ static void fail(kinematics_cycle_t *cycle, kinematics_cycle_error_t error,
 }
 
 /* ---- one measurement of the sphere ---- */
-
-static void ask_probe_step(kinematics_cycle_t *cycle, const sphere_probe_step_t *motion)
-{
-    kinematics_cycle_request_t *request =
-        ask(cycle, cycle->step, motion->is_touch ? KINEMATICS_CYCLE_TOUCH : KINEMATICS_CYCLE_MOVE);
-    copy(request->target_mm, motion->target_mm);
-    copy(request->direction, motion->direction);
-    request->stand_off_mm = kinematics_conditions_stand_off(&cycle->job);
-    request->feed_mm_min = kinematics_conditions_watched_feed(&cycle->job);
-}
 
 static void begin_probing(kinematics_cycle_t *cycle, kinematics_cycle_step_t step)
 {
@@ -70,7 +50,7 @@ static void begin_probing(kinematics_cycle_t *cycle, kinematics_cycle_step_t ste
     sphere_probe_start(&cycle->probe, &config);
     cycle->step = step;
     (void)sphere_probe_next(&cycle->probe, &motion); /* there is always a first one */
-    ask_probe_step(cycle, &motion);
+    kinematics_request_probe_step(cycle, &motion);
 }
 
 /* One sphere, unless the cycle only searches for it, is the one of Q407. */
@@ -88,7 +68,7 @@ static bool take_sphere(kinematics_cycle_t *cycle)
         fail(cycle, KINEMATICS_CYCLE_ERR_BALL_RADIUS, KINEMATICS_Q407_SPHERE_RADIUS);
         return false;
     }
-    copy(cycle->sphere_deg, cycle->angle_deg);
+    copy(cycle->sphere_deg, cycle->stance.angle_deg);
     copy(cycle->expected_mm, cycle->sphere_mm);
     return true;
 }
@@ -102,7 +82,7 @@ static bool poll_probing(kinematics_cycle_t *cycle, const kinematics_cycle_input
         sphere_probe_touched(&cycle->probe, input->touched_mm);
     }
     if (sphere_probe_next(&cycle->probe, &motion)) {
-        ask_probe_step(cycle, &motion);
+        kinematics_request_probe_step(cycle, &motion);
         return false;
     }
     return take_sphere(cycle);
@@ -110,99 +90,35 @@ static bool poll_probing(kinematics_cycle_t *cycle, const kinematics_cycle_input
 
 /* ---- from station to station ---- */
 
-static kinematics_station_t *station(kinematics_cycle_t *cycle)
-{
-    return &cycle->plan.stations[cycle->plan.measured];
-}
-
-static void leave(kinematics_cycle_t *cycle, kinematics_cycle_step_t step)
-{
-    kinematics_cycle_request_t *request;
-
-    if (kinematics_conditions_has_retract_height(&cycle->job)) {
-        request = ask(cycle, step, KINEMATICS_CYCLE_RETRACT);
-        request->retract_height_mm = cycle->job.settings.value[KINEMATICS_Q408_RETRACT_HEIGHT];
-        request->feed_mm_min = kinematics_conditions_feed(&cycle->job);
-        return;
-    }
-    request = ask(cycle, step, KINEMATICS_CYCLE_MOVE);
-    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        double above = (kinematics_conditions_contact(&cycle->job) +
-                        kinematics_conditions_stand_off(&cycle->job)) *
-                       cycle->tool_axis[i];
-        request->target_mm[i] = cycle->expected_mm[i] + above;
-    }
-    request->feed_mm_min = kinematics_conditions_watched_feed(&cycle->job);
-}
-
-static void turn(kinematics_cycle_t *cycle, uint8_t axis, double angle_deg)
-{
-    cycle->angle_deg[axis] = angle_deg;
-
-    kinematics_cycle_request_t *request =
-        ask(cycle, KINEMATICS_STEP_TURN,
-            kinematics_conditions_has_m_function(&cycle->job) ? KINEMATICS_CYCLE_TURN_BY_M_FUNCTION
-                                                              : KINEMATICS_CYCLE_TURN);
-    request->axis = (rotary_axis_t)axis;
-    copy(request->from_angle_deg, cycle->sphere_deg);
-    copy(request->sphere_mm, cycle->sphere_mm);
-    request->stand_off_mm =
-        kinematics_conditions_contact(&cycle->job) + kinematics_conditions_stand_off(&cycle->job);
-    request->feed_mm_min = kinematics_conditions_feed(&cycle->job);
-    request->m_function = cycle->job.machine.strobe_rot_ax_pos;
-    request->follow = !kinematics_conditions_has_retract_height(&cycle->job);
-}
-
-/* A first, then B, then C; the measured axis by way of its come_from_deg. False: all are there. */
-static bool turn_next(kinematics_cycle_t *cycle)
-{
-    const kinematics_station_t *next = station(cycle);
-
-    for (uint8_t axis = 0u; axis < ROTARY_AXES; axis++) {
-        bool comes_by = axis == next->axis && next->approach != 0 && !cycle->has_come_by;
-        if (comes_by) {
-            cycle->has_come_by = true;
-            turn(cycle, axis, next->come_from_deg);
-            return true;
-        }
-        if (!kinematics_plan_is_there(cycle->angle_deg[axis], next->angle_deg[axis])) {
-            turn(cycle, axis, next->angle_deg[axis]);
-            return true;
-        }
-    }
-    return false;
-}
-
 static void take_station(kinematics_cycle_t *cycle)
 {
-    kinematics_station_t *here = station(cycle);
+    kinematics_station_t *here = &cycle->plan.stations[cycle->plan.measured];
 
     copy(here->centre_mm, cycle->sphere_mm);
     here->radius_mm = cycle->contact_mm - cycle->job.machine.tip_radius_mm;
     cycle->plan.measured++;
-    cycle->has_come_by = false;
 }
 
 /* Where a preset has just been set the sphere is known, and not measured again. */
 static void go_to_station(kinematics_cycle_t *cycle)
 {
-    const kinematics_station_t *next = station(cycle);
-
-    if (cycle->is_located && next->approach == 0 &&
-        kinematics_plan_is_pose(cycle->angle_deg, next->angle_deg)) {
+    if (cycle->is_located && kinematics_stance_is_at(&cycle->stance, &cycle->plan)) {
         take_station(cycle);
     }
     cycle->is_located = false;
     if (cycle->plan.measured < cycle->plan.count) {
-        leave(cycle, KINEMATICS_STEP_LEAVE);
+        kinematics_request_leave(cycle, KINEMATICS_STEP_LEAVE);
     } else {
-        leave(cycle, KINEMATICS_STEP_WITHDRAW);
+        kinematics_request_leave(cycle, KINEMATICS_STEP_WITHDRAW);
     }
 }
 
 static void turn_or_measure(kinematics_cycle_t *cycle)
 {
-    if (!turn_next(cycle)) {
+    uint8_t axis;
+    if (kinematics_stance_turn(&cycle->stance, &cycle->plan, &axis)) {
+        kinematics_request_turn(cycle, axis);
+    } else {
         begin_probing(cycle, KINEMATICS_STEP_MEASURE);
     }
 }
@@ -218,21 +134,14 @@ static void begin_measuring(kinematics_cycle_t *cycle)
     }
 }
 
-static void set_preset(kinematics_cycle_t *cycle, kinematics_cycle_step_t step,
-                       const double *angle_deg, const double *centre_mm)
-{
-    kinematics_cycle_request_t *request = ask(cycle, step, KINEMATICS_CYCLE_SET_PRESET);
-    copy(request->angle_deg, angle_deg);
-    copy(request->sphere_mm, centre_mm);
-}
-
 /* The sphere stands still on its table: the first reference tells where it is. */
 static void finish(kinematics_cycle_t *cycle)
 {
     const kinematics_station_t *first = &cycle->plan.stations[0];
 
     if (presets_after(cycle)) {
-        set_preset(cycle, KINEMATICS_STEP_PRESET_AFTER, first->angle_deg, first->centre_mm);
+        kinematics_request_preset(cycle, KINEMATICS_STEP_PRESET_AFTER, first->angle_deg,
+                                  first->centre_mm);
     } else {
         cycle->state = KINEMATICS_CYCLE_DONE;
     }
@@ -244,10 +153,10 @@ static void take_evaluation(kinematics_cycle_t *cycle, double change_mm)
     if (kinematics_conditions_whole(&cycle->job, KINEMATICS_Q406_MODE) == KINEMATICS_MODE_CHECK) {
         finish(cycle);
     } else if (change_mm <= cycle->job.machine.max_modification_mm) {
-        (void)ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
+        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
     } else {
-        ask(cycle, KINEMATICS_STEP_ACKNOWLEDGE, KINEMATICS_CYCLE_ACKNOWLEDGE)->change_mm =
-            change_mm;
+        kinematics_request_begin(cycle, KINEMATICS_STEP_ACKNOWLEDGE, KINEMATICS_CYCLE_ACKNOWLEDGE)
+            ->change_mm = change_mm;
     }
 }
 
@@ -264,7 +173,8 @@ static void poll_sphere(kinematics_cycle_t *cycle, const kinematics_cycle_input_
         begin_probing(cycle, KINEMATICS_STEP_LOCATE);
     } else if (step == KINEMATICS_STEP_LOCATE) {
         cycle->is_located = true;
-        set_preset(cycle, KINEMATICS_STEP_PRESET_BEFORE, cycle->angle_deg, cycle->sphere_mm);
+        kinematics_request_preset(cycle, KINEMATICS_STEP_PRESET_BEFORE, cycle->stance.angle_deg,
+                                  cycle->sphere_mm);
     } else {
         take_station(cycle);
         go_to_station(cycle);
@@ -294,13 +204,13 @@ static void advance(kinematics_cycle_t *cycle, const kinematics_cycle_input_t *i
         turn_or_measure(cycle);
         break;
     case KINEMATICS_STEP_WITHDRAW:
-        (void)ask(cycle, KINEMATICS_STEP_EVALUATE, KINEMATICS_CYCLE_EVALUATE);
+        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_EVALUATE, KINEMATICS_CYCLE_EVALUATE);
         break;
     case KINEMATICS_STEP_EVALUATE:
         take_evaluation(cycle, input->change_mm);
         break;
     case KINEMATICS_STEP_ACKNOWLEDGE:
-        (void)ask(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
+        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
         break;
     case KINEMATICS_STEP_APPLY:
         finish(cycle);
@@ -328,7 +238,7 @@ static void expect_sphere(kinematics_cycle_t *cycle)
                                     : machine->preset_mm[i];
     }
     copy(cycle->sphere_mm, cycle->expected_mm);
-    copy(cycle->sphere_deg, cycle->angle_deg);
+    copy(cycle->sphere_deg, cycle->stance.angle_deg);
 }
 
 /* An axis that is not there stands at 0°, whatever else is said of it. */
@@ -341,7 +251,7 @@ static void place(kinematics_cycle_t *cycle)
             machine->angle_deg[i] = 0.0;
         }
     }
-    copy(cycle->angle_deg, machine->angle_deg);
+    copy(cycle->stance.angle_deg, machine->angle_deg);
     copy(cycle->tool_axis, machine->tool_axis);
 }
 
@@ -360,7 +270,8 @@ kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t              
     }
     expect_sphere(cycle);
     cycle->state = KINEMATICS_CYCLE_RUNNING;
-    (void)ask(cycle, KINEMATICS_STEP_CANCEL_ROTATION, KINEMATICS_CYCLE_CANCEL_ROTATION);
+    (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CANCEL_ROTATION,
+                                   KINEMATICS_CYCLE_CANCEL_ROTATION);
     return KINEMATICS_CYCLE_OK;
 }
 

@@ -22,6 +22,7 @@
 #include "cycle/kinematics_conditions.h"
 #include "cycle/kinematics_plan.h"
 #include "cycle/kinematics_settings.h"
+#include "cycle/kinematics_stance.h"
 #include "cycle/sphere_probe.h"
 
 typedef enum {
@@ -117,15 +118,14 @@ typedef struct {
     kinematics_cycle_fault_t   fault;
     kinematics_cycle_state_t   state;
     kinematics_cycle_step_t    step;
-    double                     angle_deg[ROTARY_AXES]; /* where the rotary axes stand */
+    kinematics_stance_t        stance;
     double                     tool_axis[LINEAR_AXES];
-    double                     expected_mm[LINEAR_AXES]; /* the centre, at angle_deg */
+    double                     expected_mm[LINEAR_AXES]; /* the centre, at the stance */
     double                     sphere_mm[LINEAR_AXES];   /* as measured last, at sphere_deg */
     double                     sphere_deg[ROTARY_AXES];
     double                     contact_mm; /* sphere and tip as measured last */
     double                     change_mm;
-    bool                       is_located;  /* the sphere, where the axes still stand */
-    bool                       has_come_by; /* come_from_deg of the station */
+    bool                       is_located; /* the sphere, where the axes still stand */
     bool                       has_request;
 } kinematics_cycle_t;
 

@@ -47,14 +47,12 @@ typedef struct {
     const kinematics_settings_t  *settings;
     const kinematics_plan_axis_t *axes;
     uint8_t                       axis;
-    double                        first_side_deg; /* 0: as it comes */
 } planner_t;
 
 /* Axis at `angle`, the others that are there at their incidence angles. */
 static kinematics_station_t station_at(const planner_t *planner, double angle_deg, double side_deg)
 {
     kinematics_station_t station = {
-        .come_from_deg = angle_deg - side_deg,
         .axis = planner->axis,
         .serves = (uint8_t)(1u << planner->axis),
         .approach = (int8_t)((side_deg > 0.0) - (side_deg < 0.0)),
@@ -90,7 +88,8 @@ static void append(kinematics_plan_t *plan, const kinematics_station_t *station)
 
 static void add_reference(const planner_t *planner)
 {
-    kinematics_station_t reference = station_at(planner, 0.0, planner->first_side_deg);
+    kinematics_station_t reference =
+        station_at(planner, 0.0, planner->plan->side_deg[planner->axis]);
     reference.is_reference = true;
     for (uint8_t i = 0u; i < planner->plan->count; i++) {
         kinematics_station_t *other = &planner->plan->stations[i];
@@ -102,7 +101,7 @@ static void add_reference(const planner_t *planner)
     append(planner->plan, &reference);
 }
 
-static void add_axis(const planner_t *planner)
+static void add_axis(const planner_t *planner, bool may_reverse)
 {
     const kinematics_settings_t *settings = planner->settings;
     double                       positions[KINEMATICS_POINTS_MAX];
@@ -110,12 +109,16 @@ static void add_axis(const planner_t *planner)
                                               setting_of(settings, planner->axis, END),
                                               (uint8_t)setting_of(settings, planner->axis, POINTS),
                                               planner->axes[planner->axis].grid_deg, positions);
+    double  side_deg =
+        may_reverse && count > 0u ? settings->value[KINEMATICS_Q432_BACKLASH_ANGLE] : 0.0;
+
+    planner->plan->side_deg[planner->axis] = side_deg;
     if (count > 0u) {
         add_reference(planner);
     }
     for (uint8_t i = 0u; i < count; i++) {
-        kinematics_station_t first = station_at(planner, positions[i], planner->first_side_deg);
-        kinematics_station_t second = station_at(planner, positions[i], -planner->first_side_deg);
+        kinematics_station_t first = station_at(planner, positions[i], side_deg);
+        kinematics_station_t second = station_at(planner, positions[i], -side_deg);
         append(planner->plan, &first);
         second.is_second = true;
         if (first.approach != 0) {
@@ -127,15 +130,13 @@ static void add_axis(const planner_t *planner)
 void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *settings,
                           const kinematics_plan_axis_t *axes, bool may_reverse)
 {
-    double backlash = settings->value[KINEMATICS_Q432_BACKLASH_ANGLE];
-
     plan->count = 0u;
     plan->measured = 0u;
     for (uint8_t axis = 0u; axis < ROTARY_AXES; axis++) {
         bool has_grid = axes[axis].grid_deg > 0.0;
+        plan->side_deg[axis] = 0.0;
         if (axes[axis].is_present) {
-            add_axis(&(planner_t){plan, settings, axes, axis,
-                                  may_reverse && !has_grid ? backlash : 0.0});
+            add_axis(&(planner_t){plan, settings, axes, axis}, may_reverse && !has_grid);
         }
     }
 }

@@ -25,12 +25,11 @@ typedef struct {
 /* One measurement of the sphere. */
 typedef struct {
     double  angle_deg[ROTARY_AXES];
-    double  come_from_deg; /* `axis` passes through this angle on its way here, for its backlash */
-    uint8_t axis;          /* rotary_axis_t that is being measured */
-    uint8_t serves;        /* bit 1 << axis of every axis whose measurement this is */
-    int8_t  approach;      /* 1 with rising angle, −1 with falling angle, 0 as it comes */
-    bool    is_reference;  /* `axis` at 0° */
-    bool    is_second;     /* of the two approaches; the first one stands just before */
+    uint8_t axis;                   /* rotary_axis_t that is being measured */
+    uint8_t serves;                 /* bit 1 << axis of every axis whose measurement this is */
+    int8_t  approach;               /* 1 with rising angle, −1 with falling angle, 0 as it comes */
+    bool    is_reference;           /* `axis` at 0° */
+    bool    is_second;              /* of the two approaches; the first one stands just before */
     double  centre_mm[LINEAR_AXES]; /* as measured */
     double  radius_mm;              /* of the sphere, as measured */
 } kinematics_station_t;
@@ -39,6 +38,9 @@ typedef struct {
     kinematics_station_t stations[KINEMATICS_STATIONS_MAX];
     uint8_t              count;
     uint8_t              measured; /* the first ones have a centre and a radius */
+    /* Of each axis that is measured with its backlash: so far before an angle it passes on its way
+     * there, with falling angle if below 0; 0: it goes as it comes. */
+    double side_deg[ROTARY_AXES];
 } kinematics_plan_t;
 
 /*
@@ -55,7 +57,8 @@ uint8_t kinematics_plan_positions(double start_deg, double end_deg, uint8_t poin
  * the other axes at their incidence angles (on their grid). A reference that stands in the plan
  * already is not measured again. If Q432 is not 0, every position of an axis without a grid, and
  * that is `may_reverse`, is approached from both sides, Q432 away, first as its sign says; the
- * reference from the first side. `settings` are sound. Any context.
+ * reference, and where it stands while other axes are measured, from the first side, so that its
+ * lost motion is the same everywhere. `settings` are sound. Any context.
  */
 void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *settings,
                           const kinematics_plan_axis_t *axes, bool may_reverse);

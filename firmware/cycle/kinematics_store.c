@@ -2,130 +2,12 @@
 
 #include <string.h>
 
-#include "report/crc16.h"
+#include "cycle/kinematics_slots.h"
 
-/* Of a slot: what stands where. Numbers lowest byte first. */
-enum {
-    AT_MARK = 0, /* VALID, or anything else; not under the checksum, as it is written alone */
-    AT_CHECKSUM = 1,
-    AT_SERIAL = 3,
-    AT_DESIGNATION = 7,
-    AT_LENGTH = AT_DESIGNATION + 1 + KINEMATICS_STORE_NAME_MAX,
-    AT_PAYLOAD = AT_LENGTH + 2
-};
-
-enum { VALID = 0xA5, WIPED = 0x00 };
 enum { IS_ACTIVE, IS_NUMBER, IS_NAME }; /* first byte of a designation */
 enum { STEP_IDLE, STEP_CLEAN, STEP_BODY, STEP_MARK, STEP_DELETE };
 
-#define NO_SLOT KINEMATICS_STORE_SLOTS
-
 static const kinematics_designation_t ACTIVE = {.bytes = {IS_ACTIVE}};
-
-/* ---- slots ---- */
-
-static uint32_t offset_of(uint8_t slot)
-{
-    return (uint32_t)slot * KINEMATICS_STORE_SLOT_BYTES;
-}
-
-static const uint8_t *slot_at(const kinematics_store_t *store, uint8_t slot)
-{
-    return store->memory + offset_of(slot);
-}
-
-static uint32_t get(const uint8_t *bytes, uint8_t count)
-{
-    uint32_t value = 0u;
-    while (count-- > 0u) {
-        value = value << 8 | bytes[count];
-    }
-    return value;
-}
-
-static void put(uint8_t *bytes, uint8_t count, uint32_t value)
-{
-    for (uint8_t i = 0u; i < count; i++) {
-        bytes[i] = (uint8_t)(value >> 8u * i & 0xFFu);
-    }
-}
-
-static uint16_t checksum(const uint8_t *slot, uint16_t payload_length)
-{
-    return crc16_update(CRC16_START, slot + AT_SERIAL,
-                        (size_t)(AT_PAYLOAD - AT_SERIAL) + payload_length);
-}
-
-static bool is_valid(const kinematics_store_t *store, uint8_t index)
-{
-    const uint8_t *slot = slot_at(store, index);
-    uint16_t       length = (uint16_t)get(slot + AT_LENGTH, 2u);
-
-    return slot[AT_MARK] == VALID && length > 0u && length <= KINEMATICS_STORE_PAYLOAD_MAX &&
-           get(slot + AT_CHECKSUM, 2u) == checksum(slot, length);
-}
-
-static bool is_of(const uint8_t *slot, const kinematics_designation_t *designation)
-{
-    return memcmp(slot + AT_DESIGNATION, designation->bytes, sizeof designation->bytes) == 0;
-}
-
-/* Serial numbers wrap; those in a store lie close together. */
-static bool is_newer(const uint8_t *slot, const uint8_t *other)
-{
-    uint32_t ahead = get(slot + AT_SERIAL, 4u) - get(other + AT_SERIAL, 4u);
-    return ahead != 0u && ahead < 0x80000000u;
-}
-
-/* The newest valid slot of a designation, of any with NULL; NO_SLOT if there is none. */
-static uint8_t newest(const kinematics_store_t *store, const kinematics_designation_t *designation)
-{
-    uint8_t found = NO_SLOT;
-    for (uint8_t i = 0u; i < KINEMATICS_STORE_SLOTS; i++) {
-        const uint8_t *slot = slot_at(store, i);
-        bool           fits = designation == NULL || is_of(slot, designation);
-        if (fits && is_valid(store, i) &&
-            (found == NO_SLOT || is_newer(slot, slot_at(store, found)))) {
-            found = i;
-        }
-    }
-    return found;
-}
-
-static kinematics_designation_t designation_of(const kinematics_store_t *store, uint8_t slot)
-{
-    kinematics_designation_t designation;
-    memcpy(designation.bytes, slot_at(store, slot) + AT_DESIGNATION, sizeof designation.bytes);
-    return designation;
-}
-
-static bool counts(const kinematics_store_t *store, uint8_t slot)
-{
-    if (!is_valid(store, slot)) {
-        return false;
-    }
-    kinematics_designation_t designation = designation_of(store, slot);
-    return newest(store, &designation) == slot;
-}
-
-/* A valid slot that a newer one has taken the place of; NO_SLOT if there is none. */
-static uint8_t outdated(const kinematics_store_t *store)
-{
-    uint8_t slot = 0u;
-    while (slot < KINEMATICS_STORE_SLOTS && (!is_valid(store, slot) || counts(store, slot))) {
-        slot++;
-    }
-    return slot;
-}
-
-static uint8_t free_slot(const kinematics_store_t *store)
-{
-    uint8_t slot = 0u;
-    while (slot < KINEMATICS_STORE_SLOTS && is_valid(store, slot)) {
-        slot++;
-    }
-    return slot;
-}
 
 /* ---- reading ---- */
 
@@ -134,28 +16,29 @@ static bool read_slot(const kinematics_store_t *store, uint8_t slot, kinematics_
     if (slot == NO_SLOT) {
         return false;
     }
-    record->designation = designation_of(store, slot);
-    record->payload = slot_at(store, slot) + AT_PAYLOAD;
-    record->length = (uint16_t)get(slot_at(store, slot) + AT_LENGTH, 2u);
+    record->designation = slot_designation(store->memory, slot);
+    record->payload = slot_at(store->memory, slot) + AT_PAYLOAD;
+    record->length = (uint16_t)slot_get(slot_at(store->memory, slot) + AT_LENGTH, 2u);
     return true;
 }
 
 bool kinematics_store_active(const kinematics_store_t *store, kinematics_record_t *record)
 {
-    return read_slot(store, newest(store, &ACTIVE), record);
+    return read_slot(store, slot_newest(store->memory, &ACTIVE), record);
 }
 
 bool kinematics_store_find(const kinematics_store_t       *store,
                            const kinematics_designation_t *designation, kinematics_record_t *record)
 {
-    return read_slot(store, newest(store, designation), record);
+    return read_slot(store, slot_newest(store->memory, designation), record);
 }
 
 bool kinematics_store_show(const kinematics_store_t *store, uint8_t index,
                            kinematics_record_t *record)
 {
     for (uint8_t slot = 0u; slot < KINEMATICS_STORE_SLOTS; slot++) {
-        bool is_record = counts(store, slot) && !is_of(slot_at(store, slot), &ACTIVE);
+        bool is_record =
+            slot_counts(store->memory, slot) && !slot_is_of(slot_at(store->memory, slot), &ACTIVE);
         if (is_record && index-- == 0u) {
             return read_slot(store, slot, record);
         }
@@ -184,7 +67,7 @@ kinematics_store_error_t kinematics_store_number(kinematics_designation_t *desig
     }
     memset(designation, 0, sizeof *designation);
     designation->bytes[0] = IS_NUMBER;
-    put(designation->bytes + 1, 4u, (uint32_t)number);
+    slot_put(designation->bytes + 1, 4u, (uint32_t)number);
     return KINEMATICS_STORE_OK;
 }
 
@@ -224,7 +107,7 @@ static void write_number(uint32_t number, char *text)
 void kinematics_store_text(const kinematics_designation_t *designation, char *text)
 {
     if (designation->bytes[0] == IS_NUMBER) {
-        write_number(get(designation->bytes + 1, 4u), text);
+        write_number(slot_get(designation->bytes + 1, 4u), text);
     } else {
         memcpy(text, designation->bytes + 1, KINEMATICS_STORE_NAME_MAX);
         text[KINEMATICS_STORE_NAME_MAX] = '\0';
@@ -237,14 +120,15 @@ static void plan_write(kinematics_store_t *store, const kinematics_designation_t
                        const uint8_t *payload, uint16_t length)
 {
     uint8_t *image = store->image;
-    uint8_t  last = newest(store, NULL);
-    uint32_t serial = last == NO_SLOT ? 0u : get(slot_at(store, last) + AT_SERIAL, 4u) + 1u;
+    uint8_t  last = slot_newest(store->memory, NULL);
+    uint32_t serial =
+        last == NO_SLOT ? 0u : slot_get(slot_at(store->memory, last) + AT_SERIAL, 4u) + 1u;
 
     memmove(image + AT_PAYLOAD, payload, length);
-    put(image + AT_SERIAL, 4u, serial);
+    slot_put(image + AT_SERIAL, 4u, serial);
     memcpy(image + AT_DESIGNATION, designation->bytes, sizeof designation->bytes);
-    put(image + AT_LENGTH, 2u, length);
-    put(image + AT_CHECKSUM, 2u, checksum(image, length));
+    slot_put(image + AT_LENGTH, 2u, length);
+    slot_put(image + AT_CHECKSUM, 2u, slot_checksum(image, length));
     store->image_length = (uint16_t)(AT_PAYLOAD + length);
     store->written = AT_CHECKSUM;
     store->step = STEP_CLEAN;
@@ -252,14 +136,14 @@ static void plan_write(kinematics_store_t *store, const kinematics_designation_t
 
 static void write_byte(kinematics_store_write_t *write, uint8_t slot, uint8_t mark)
 {
-    write->offset = offset_of(slot) + AT_MARK;
+    write->offset = slot_offset(slot) + AT_MARK;
     write->length = 1u;
     write->bytes[0] = mark;
 }
 
 static bool wipe_outdated(const kinematics_store_t *store, kinematics_store_write_t *write)
 {
-    uint8_t slot = outdated(store);
+    uint8_t slot = slot_outdated(store->memory);
     if (slot == NO_SLOT) {
         return false;
     }
@@ -274,7 +158,7 @@ static void write_body(kinematics_store_t *store, kinematics_store_write_t *writ
         (uint8_t)(left < KINEMATICS_STORE_WRITE_MAX ? left : KINEMATICS_STORE_WRITE_MAX);
 
     write->length = length;
-    write->offset = offset_of(store->slot) + store->written;
+    write->offset = slot_offset(store->slot) + store->written;
     memcpy(write->bytes, store->image + store->written, length);
     store->written = (uint16_t)(store->written + length);
     if (store->written == store->image_length) {
@@ -285,8 +169,8 @@ static void write_body(kinematics_store_t *store, kinematics_store_write_t *writ
 /* A slot with a broken checksum may still bear the mark: away with that before it is filled. */
 static bool unmark(kinematics_store_t *store, kinematics_store_write_t *write)
 {
-    store->slot = free_slot(store);
-    if (slot_at(store, store->slot)[AT_MARK] != VALID) {
+    store->slot = slot_free(store->memory);
+    if (slot_at(store->memory, store->slot)[AT_MARK] != VALID) {
         return false;
     }
     write_byte(write, store->slot, WIPED);
@@ -309,7 +193,7 @@ static bool delete_next(kinematics_store_t *store, kinematics_store_write_t *wri
     if (wipe_outdated(store, write)) {
         return true;
     }
-    uint8_t slot = newest(store, &store->doomed);
+    uint8_t slot = slot_newest(store->memory, &store->doomed);
     store->step = STEP_IDLE;
     write_byte(write, slot, WIPED);
     return true;

@@ -335,7 +335,6 @@ uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32
     for (uint32_t i = 0; i < plan->measured && i < capacity; ++i) {
         const kinematics_station_t *from = &plan->stations[i];
         stations[i] = (sim_station_t){
-            .come_from_deg = from->come_from_deg,
             .radius_mm = from->radius_mm,
             .axis = from->axis,
             .serves = from->serves,

@@ -42,7 +42,6 @@ typedef struct {
 /* One measurement of the sphere. */
 typedef struct {
     double  angle_deg[3];
-    double  come_from_deg;
     double  centre_mm[3];
     double  radius_mm;
     int32_t axis;   /* SIM_ROTARY_* being measured */

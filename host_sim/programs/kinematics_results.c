@@ -7,7 +7,6 @@
 static kinematics_station_t station_of(const sim_station_t *from)
 {
     kinematics_station_t station = {
-        .come_from_deg = from->come_from_deg,
         .axis = (uint8_t)from->axis,
         .serves = (uint8_t)from->serves,
         .approach = (int8_t)from->approach,

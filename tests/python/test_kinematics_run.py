@@ -261,6 +261,24 @@ def test_backlash_of_each_axis_comes_back(tmp_path: Path) -> None:
     assert axes["C"]["backlash_arcsec"] == pytest.approx(4.0, abs=0.8)
 
 
+def test_backlash_that_is_measured_does_not_bias_the_location_errors(tmp_path: Path) -> None:
+    """B comes to its zero from the same side while C is measured: else BOC would be 6″ off."""
+    planted = {"XOB": -45, "ZOB": 70, "AOB": 12, "COB": -18, "XOC": 120, "YOC": -80, "AOC": 20}
+
+    result = run(SAMPLES / "optimise_then_check.h", tmp_path, truth=TRUTH)
+
+    assert result.exit_code == 0, result.output
+    measured, checked = json.loads((tmp_path / "out.json").read_text())["runs"]
+    for name, value in {**planted, "BOC": -10}.items():
+        found = measured["parameters"][name]
+        assert abs(found["value"] - value) <= 3.0 * found["uncertainty"], name
+    assert measured["parameters"]["BOC"]["uncertainty"] < 0.5
+    assert all(measured["axes"][x]["scatter_after_um"] < 1.0 for x in "BC")
+    # The check approaches its positions as they come: there the backlash is to be seen.
+    assert any(checked["axes"][x]["scatter_before_um"] > 1.5 for x in "BC")
+    assert result.output.count("Backlash was not measured (Q432 = 0)") == 1
+
+
 def test_recorded_points_give_the_same_location_errors(tmp_path: Path) -> None:
     points = tmp_path / "points.csv"
     run(SAMPLES / "save_and_check.h", tmp_path, "--points", str(points))

@@ -1,6 +1,7 @@
 /* Cycle 451 from its start to its end: what it asks for, in which order, and what it finds. */
 /* LINK: firmware/cycle/kinematics_conditions.c firmware/cycle/kinematics_cycle.c
- *       firmware/cycle/kinematics_plan.c
+ *       firmware/cycle/kinematics_plan.c firmware/cycle/kinematics_requests.c
+ *       firmware/cycle/kinematics_stance.c
  *       firmware/cycle/kinematics_settings.c firmware/cycle/sphere_probe.c
  *       tests/support/cycle451_machine.c */
 #include <math.h>
@@ -360,7 +361,7 @@ void test_checking_shows_no_warning(void)
     TEST_ASSERT_EQUAL(0, asked(KINEMATICS_CYCLE_ACKNOWLEDGE));
 }
 
-/* ---- M function, backlash ---- */
+/* ---- M function ---- */
 
 void test_an_m_function_turns_and_no_backlash_is_measured(void)
 {
@@ -372,24 +373,6 @@ void test_an_m_function_turns_and_no_backlash_is_measured(void)
     TEST_ASSERT_EQUAL(5, asked(KINEMATICS_CYCLE_TURN_BY_M_FUNCTION)); /* B back to 0, too */
     TEST_ASSERT_EQUAL(134, machine.log[first(KINEMATICS_CYCLE_TURN_BY_M_FUNCTION)].m_function);
     TEST_ASSERT_EQUAL(5, kinematics_cycle_plan(&machine.cycle)->measured);
-}
-
-void test_each_position_is_approached_from_both_sides_for_the_backlash(void)
-{
-    cycle451_set(&machine, 418, 0);
-    cycle451_set(&machine, 422, 1);
-    cycle451_set(&machine, 432, 0.5);
-    check_done();
-
-    const double expected[] = {-0.5, 0, -90.5, -90, -89.5, -90};
-    int          turn = -1;
-    for (unsigned i = 0; i < sizeof expected / sizeof *expected; i++) {
-        turn = cycle451_find(&machine, KINEMATICS_CYCLE_TURN, turn + 1);
-        TEST_ASSERT_TRUE(turn >= 0);
-        TEST_ASSERT_EQUAL_DOUBLE(expected[i], machine.log[turn].angle_deg[ROTARY_C]);
-    }
-    TEST_ASSERT_EQUAL(-1, cycle451_find(&machine, KINEMATICS_CYCLE_TURN, turn + 1));
-    TEST_ASSERT_EQUAL(3 * PROBING, asked(KINEMATICS_CYCLE_TOUCH));
 }
 
 /* ---- what goes wrong on the way ---- */

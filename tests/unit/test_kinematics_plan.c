@@ -231,9 +231,8 @@ void test_backlash_takes_two_approaches_and_one_reference(void)
     for (int i = 0; i < 5; i++) {
         TEST_ASSERT_EQUAL(i == 2 || i == 4, plan.stations[i].is_second);
     }
-    TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -0.5, plan.stations[0].come_from_deg);
-    TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -90.5, plan.stations[1].come_from_deg);
-    TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -89.5, plan.stations[2].come_from_deg);
+    TEST_ASSERT_EQUAL_DOUBLE(0.5, plan.side_deg[ROTARY_C]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, plan.side_deg[ROTARY_B]); /* not measured */
 }
 
 void test_a_negative_backlash_angle_begins_from_the_other_side(void)
@@ -244,7 +243,7 @@ void test_a_negative_backlash_angle_begins_from_the_other_side(void)
 
     TEST_ASSERT_EQUAL(3, plan.count);
     check_station(1, 0, 0, -90, -1);
-    TEST_ASSERT_DOUBLE_WITHIN(TINY_DEG, -87, plan.stations[1].come_from_deg);
+    TEST_ASSERT_EQUAL_DOUBLE(-3.0, plan.side_deg[ROTARY_C]);
     check_station(2, 0, 0, -90, 1);
 }
 

@@ -1,6 +1,7 @@
 /* What cycle 451 reports: scatter, backlash, Q141 to Q149, with planted errors. */
 /* LINK: firmware/cycle/kinematics_conditions.c firmware/cycle/kinematics_cycle.c
- *       firmware/cycle/kinematics_plan.c
+ *       firmware/cycle/kinematics_plan.c firmware/cycle/kinematics_requests.c
+ *       firmware/cycle/kinematics_stance.c
  *       firmware/cycle/kinematics_report.c firmware/cycle/kinematics_settings.c
  *       firmware/cycle/sphere_probe.c tests/support/cycle451_machine.c */
 #include <math.h>
@@ -44,14 +45,12 @@ static const kinematics_plan_t *plan(void)
 /* Axis × place, the axes about X, Y and Z through 0 and all but one at 0. */
 static void tell_slope(const kinematics_station_t *station, double *slope)
 {
-    int    u = (station->axis + 1) % 3;
-    int    v = (station->axis + 2) % 3;
-    double centre[LINEAR_AXES];
+    int u = (station->axis + 1) % 3;
+    int v = (station->axis + 2) % 3;
 
-    cycle451_centre(&machine, station->angle_deg, centre);
     slope[station->axis] = 0.0;
-    slope[u] = -centre[v];
-    slope[v] = centre[u];
+    slope[u] = -station->centre_mm[v];
+    slope[v] = station->centre_mm[u];
 }
 
 /* Expect what was measured, `off_mm` away along X before and along Z after the optimisation. */

@@ -1,5 +1,6 @@
 /* Cycle 450: what is saved comes back, and a power cut anywhere leaves the old or the new. */
-/* LINK: firmware/cycle/kinematics_store.c firmware/report/crc16.c */
+/* LINK: firmware/cycle/kinematics_slots.c firmware/cycle/kinematics_store.c
+ *       firmware/report/crc16.c */
 #include <math.h>
 #include <string.h>
 

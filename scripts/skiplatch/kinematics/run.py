@@ -20,6 +20,11 @@ LENGTHS = (407, 320, 408, 253)
 SPHERE_RADIUS = 407
 MODE = 406
 TOUCHES = 423
+BACKLASH = 432
+NO_BACKLASH = (
+    "Backlash was not measured (Q432 = 0): an axis that has some stands off by up to that angle, "
+    "as it came. It shows as scatter, and as a tilt of the axis that it carries."
+)
 DEFAULTS = {MODE: CHECK, TOUCHES: 4}
 RANGES = {MODE: range(ORIGIN + 1), TOUCHES: range(3, 9)}
 
@@ -170,6 +175,8 @@ def _measured(
     if play.asks != "done":
         play.raise_failure()
     report = play.report()
+    if parameters.get(BACKLASH, 0.0) == 0.0:
+        notes.append(NO_BACKLASH)
     if report.cancelled_rotation:
         notes.append("A basic rotation has been cancelled; set it again, and the preset.")
     return Run(parameters, stations, evaluation, report, tuple(notes))
