@@ -52,15 +52,15 @@ DRAWERS: dict[str, Callable[[Path], None]] = {
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[str, Figure]]:
     """Every picture as text and as what it was drawn from."""
     figures: list[Figure] = []
-    write = theme._svg
+    draw_svg = theme.svg_of
 
-    def note_and_write(figure: Figure, words: theme.Words) -> str:
+    def note_and_draw(figure: Figure) -> str:
         figures.append(figure)
-        return write(figure, words)
+        return draw_svg(figure)
 
     folder = tmp_path_factory.mktemp("pictures")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(theme, "_svg", note_and_write)
+        patch.setattr(theme, "svg_of", note_and_draw)
         for name, draw in DRAWERS.items():
             draw(folder / f"{name}.svg")
     texts = {name: (folder / f"{name}.svg").read_text() for name in DRAWERS}

@@ -6,6 +6,8 @@ import subprocess
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
+from urllib.parse import quote
+from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from click.testing import CliRunner, Result
 from rotary_machines import Kind, Line, best_offsets, readings
 from skiplatch.cli import group
 from skiplatch.errors import InputError
+from skiplatch.figures import theme
 from skiplatch.kinematics.machine import RotaryAxis, read_machine
 from skiplatch.kinematics.memory import Memory, StoreRefusedError, format_machine, pack, unpack
 from skiplatch.kinematics.points import read_points
@@ -433,6 +436,28 @@ def test_the_log_lists_what_the_document_lists(tmp_path: Path) -> None:
     assert names == ["EXB", "EYB", "EZB", "EXC", "EYC", "EZC"]
     assert all("in red" in p and "in green" in p for p in page.pictures)
     assert page.loads == []
+
+
+def test_the_charts_of_the_log_are_files_beside_it(tmp_path: Path) -> None:
+    folder = tmp_path / "a log"
+    folder.mkdir()
+    html = ("--html", str(folder / "my log.html"))
+    assert run(SAMPLES / "optimise_then_check.h", tmp_path, *html).exit_code == 0
+
+    page = (folder / "my log.html").read_text(encoding="utf-8")
+    files = [f"my log-{i}-E{x}{axis}.svg" for i in (1, 2) for axis in "BC" for x in "XYZ"]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(["my log.html", *files])
+    shown = re.findall(r"<svg .*?</svg>", page, flags=re.DOTALL)
+    for name, inline in zip(files, shown, strict=True):
+        assert f'<a href="{quote(name)}">' in page
+        chart = (folder / name).read_text(encoding="utf-8")
+        ET.fromstring(chart)  # noqa: S314, it is our own
+        # One picture: the same lines, in the page with its names of colours.
+        assert re.findall(r' d="([^"]*)"', chart) == re.findall(r' d="([^"]*)"', inline)
+        assert chart.count(theme.RED) > 2  # the dark scheme's rules have it twice
+        assert chart.count(theme.FOURTH) > 2
+        assert "prefers-color-scheme: dark" in chart
+        assert name[-7:-4] in chart[: chart.index("</title>")]
 
 
 def test_an_inch_program_measures_the_same_in_mm(tmp_path: Path) -> None:

@@ -32,7 +32,7 @@ from skiplatch.kinematics.run import (
     run_program,
 )
 from skiplatch.kinematics.truth import draw_truth, read_truth
-from skiplatch.report.kinematics import Logged, as_html
+from skiplatch.report.kinematics import Log, Logged, lay_out
 from skiplatch.simulator import ROOT, Effect
 from skiplatch.tables import table
 
@@ -87,7 +87,10 @@ Example:
     help="Press NC start where a change exceeds maxModification.",
 )
 @click.option(
-    "--html", "html_path", type=FILE, help=f"The log.  [default: {LOG_NAME} beside PROGRAM]"
+    "--html",
+    "html_path",
+    type=FILE,
+    help=f"The log; its charts go beside it as SVG.  [default: {LOG_NAME} beside PROGRAM]",
 )
 @click.option(
     "--from-points",
@@ -147,7 +150,10 @@ def command(
     outcome = run_program(program, setup, memory)
     log_path = html_path or program_path.parent / LOG_NAME
     if outcome.runs:
-        atomic_write_text(log_path, _log(program, machine_path, outcome))
+        log = _log(program, machine_path, log_path, outcome)
+        for name, chart in log.charts.items():
+            atomic_write_text(log_path.with_name(name), chart)
+        atomic_write_text(log_path, log.html)
     if points_path is not None:
         atomic_write_text(points_path, _points(machine, outcome))
     if corrected_path is not None:
@@ -176,13 +182,14 @@ def _fit_recorded(
         atomic_write_text(corrected_path, format_machine(corrected))
 
 
-def _log(program: Program, machine_path: Path, outcome: Outcome) -> str:
+def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:
     logged = [
         Logged(run.evaluation, run.parameters, run.report.touches, run.report.duration_s, run.notes)
         for run in outcome.runs
     ]
-    return as_html(
+    return lay_out(
         logged,
+        name=log_path.stem,
         when=datetime.now(UTC).astimezone(),
         program=program.path.resolve(),
         tool=program.tool,

@@ -3,7 +3,6 @@
 Of several pictures in one page each needs names of its own for the parts it refers to.
 """
 
-import io
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -50,11 +49,13 @@ class Drawing:
         caption: What stands below it.
         description: What is to be seen, for those who cannot.
         svg: The picture itself, which carries the description.
+        file: The same as a file of its own.
     """
 
     caption: str
     description: str
     svg: str
+    file: str
 
 
 @contextmanager
@@ -66,11 +67,10 @@ def panel(height_in: float, width_in: float = WIDTH_IN) -> Iterator[Figure]:
 
 def drawing(figure: Figure, name: str, caption: str, description: str) -> Drawing:
     """Make a page's picture of a figure; `name` is unique in the page."""
-    buffer = io.StringIO()
     with mpl.rc_context({**theme.STYLE, **STYLE}):
-        nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-        figure.savefig(buffer, format="svg", metadata=nothing)
-    return Drawing(caption, description, _inline(buffer.getvalue(), name, description))
+        svg = theme.svg_of(figure)
+    file = theme.as_file(svg, theme.Words(caption, description))
+    return Drawing(caption, description, _inline(svg, name, description), file)
 
 
 def _inline(svg: str, name: str, description: str) -> str:

@@ -12,18 +12,19 @@ LEAST_SPAN_MM = 0.002
 """A chart shows no less, so that noise does not look like an error."""
 
 
-def draw_axis(axis: AxisResult, name: str) -> list[Drawing]:
-    """Draw the errors in X, Y and Z: EXC, EYC and EZC of axis C.
+def draw_axis(axis: AxisResult, name: str) -> dict[str, Drawing]:
+    """Draw the errors in X, Y and Z: EXC, EYC and EZC of axis C, by these names.
 
     Args:
         axis: What was measured.
         name: Begins the names of the pictures; unique in the page.
     """
-    return [_draw(axis, i, coordinate, name) for i, coordinate in enumerate("XYZ")]
+    titles = [f"E{coordinate}{axis.letter}" for coordinate in "XYZ"]
+    return {title: _draw(axis, i, title, name) for i, title in enumerate(titles)}
 
 
-def _draw(axis: AxisResult, i: int, coordinate: str, name: str) -> Drawing:
-    title = f"E{coordinate}{axis.letter}"
+def _draw(axis: AxisResult, i: int, title: str, name: str) -> Drawing:
+    coordinate = "XYZ"[i]
     order = np.argsort(np.append(axis.angle_deg, 0.0))
     angle_deg = np.append(axis.angle_deg, 0.0)[order]
     before_mm = np.append(axis.before_mm[:, i], 0.0)[order]

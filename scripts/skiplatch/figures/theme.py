@@ -104,7 +104,7 @@ def picture(path: Path, words: Words, *, height_in: float = 4.6) -> Iterator[Fig
         figure = Figure(figsize=(8.0, height_in))
         figure.suptitle(words.title, x=0.018, ha="left", fontsize=13, fontweight="bold")
         yield figure
-        text = _svg(figure, words)
+        text = as_file(svg_of(figure), words)
     with failures_named(path.parent, "write"):
         path.parent.mkdir(parents=True, exist_ok=True)
     atomic_write_text(path, text)
@@ -142,17 +142,23 @@ def span(
     axes.annotate("", start, end, arrowprops=style)
 
 
-def _svg(figure: Figure, words: Words) -> str:
+def svg_of(figure: Figure) -> str:
+    """Draw a figure, in the light scheme; the common style has to be in force."""
     buffer = io.StringIO()
     nothing = dict.fromkeys(("Creator", "Date", "Format", "Type"))
     figure.savefig(buffer, format="svg", metadata=nothing)
+    return buffer.getvalue()
+
+
+def as_file(svg: str, words: Words) -> str:
+    """Make a file of a drawn figure: with its words, and the dark scheme."""
     head = (
         f'<title id="title">{escape(words.title)}</title>\n'
         f'<desc id="description">{escape(words.description)}</desc>\n'
         f"<style>{_dark_style()}</style>"
     )
     opening = r'\1 role="img" aria-labelledby="title description">\n' + head.replace("\\", r"\\")
-    return re.sub(r"(<svg [^>]*)>", opening, buffer.getvalue(), count=1)
+    return re.sub(r"(<svg [^>]*)>", opening, svg, count=1)
 
 
 def _dark_style() -> str:

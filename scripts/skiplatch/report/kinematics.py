@@ -62,32 +62,63 @@ class AxisSection:
     letter: str
     facts: list[tuple[str, str]]
     positions: Rows
-    drawings: list[Drawing]
+    charts: dict[str, Drawing]
 
 
-def as_html(
-    logged: Sequence[Logged], *, when: datetime, program: Path, tool: str, kinematics: str
-) -> str:
+@dataclass(frozen=True, slots=True)
+class Log:
+    """The log as it is to be written.
+
+    Attributes:
+        html: The page, which shows all charts.
+        charts: The same charts as SVG, by the names of files that belong beside the page.
+    """
+
+    html: str
+    charts: Mapping[str, str]
+
+
+def lay_out(
+    logged: Sequence[Logged],
+    *,
+    name: str,
+    when: datetime,
+    program: Path,
+    tool: str,
+    kinematics: str,
+) -> Log:
     """Lay out the log of all runs of a program.
 
     Args:
         logged: The runs, in their order.
+        name: Begins the names of the charts' files.
         when: Date and time of the log.
         program: The NC program.
         tool: Name of the probe.
         kinematics: Name of the active kinematics.
     """
-    return render(
+    sections = [
+        [_section(run, axis, f"{name}-{i}") for axis in run.evaluation.axes]
+        for i, run in enumerate(logged, start=1)
+    ]
+    html = render(
         TEMPLATE,
         when=when.strftime("%Y-%m-%d %H:%M:%S"),
         program=str(program),
         tool=tool or "—",
         kinematics=kinematics,
-        runs=[_run(run, i) for i, run in enumerate(logged)],
+        runs=[_run(run, i, sections[i]) for i, run in enumerate(logged)],
     )
+    charts = {
+        file: chart.file
+        for run in sections
+        for section in run
+        for file, chart in section.charts.items()
+    }
+    return Log(html, charts)
 
 
-def _run(logged: Logged, place: int) -> dict[str, object]:
+def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[str, object]:
     evaluation = logged.evaluation
     return {
         "mode": f"{evaluation.mode} = {MODES[evaluation.mode]}",
@@ -97,7 +128,7 @@ def _run(logged: Logged, place: int) -> dict[str, object]:
         "minutes": f"{logged.duration_s / 60.0:.1f} min",
         "notes": [*logged.notes, *_undetermined(evaluation)],
         "lead": _lead(evaluation),
-        "axes": [_section(logged, axis, place) for axis in evaluation.axes],
+        "axes": sections,
         "results": _results(evaluation),
         "errors": _location_errors(evaluation),
         "is_check": evaluation.mode == CHECK,
@@ -137,13 +168,10 @@ def _number(value: float | str | None) -> str:
     return f"{value:g}" if isinstance(value, float) else value
 
 
-def _section(logged: Logged, axis: AxisResult, place: int) -> AxisSection:
-    return AxisSection(
-        axis.letter,
-        _facts(logged, axis),
-        _positions(axis),
-        draw_axis(axis, f"run{place + 1}"),
-    )
+def _section(logged: Logged, axis: AxisResult, name: str) -> AxisSection:
+    charts = draw_axis(axis, f"run{name.rpartition('-')[2]}")
+    files = {f"{name}-{title}.svg": chart for title, chart in charts.items()}
+    return AxisSection(axis.letter, _facts(logged, axis), _positions(axis), files)
 
 
 def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
