@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import quote
@@ -89,6 +90,14 @@ def test_a_slip_is_named_with_its_place(tmp_path: Path, text: str, message: str)
         read_program(program_of(tmp_path, text))
 
 
+def test_limits_are_told_as_exactly_as_they_are(tmp_path: Path) -> None:
+    text = (SAMPLES / "optimise_positions.h").read_text(encoding="utf-8")
+
+    result = run(program_of(tmp_path, text.replace("Q419=+90", "Q419=+360")), tmp_path)
+
+    assert "(START ANGLE C AXIS: -359.9999 to 359.9999)" in str(result.exception)
+
+
 def test_a_refused_parameter_is_named_where_it_stands(tmp_path: Path) -> None:
     text = (SAMPLES / "optimise_positions.h").read_text(encoding="utf-8")
     program = program_of(tmp_path, text.replace("Q423=+3", "Q423=+9"))
@@ -162,22 +171,25 @@ def test_after_mode_1_a_check_shows_what_offsets_alone_can_reach(tmp_path: Path)
         assert expected_um > 2.0  # tilts are left
 
 
-def test_mode_1_gives_the_offsets_where_there_are_no_tilts(tmp_path: Path) -> None:
+def test_where_there_are_no_tilts_mode_1_leaves_the_noise(tmp_path: Path) -> None:
     truth = tmp_path / "truth.toml"
     tilted = LOCATIONS.read_text(encoding="utf-8").splitlines()
     truth.write_text("\n".join(x for x in tilted if "arcsec" not in x), encoding="utf-8")
-
+    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
+    program = program_of(tmp_path, text.replace("Q406=+2", "Q406=+1"))
     corrected = tmp_path / "corrected.toml"
-    more = ("--corrected", str(corrected))
-    result = run(SAMPLES / "optimise_positions.h", tmp_path, *more, truth=truth)
+
+    result = run(program, tmp_path, "--corrected", str(corrected), truth=truth)
 
     assert result.exit_code == 0, result.output
     b, c = (np.array(axis.point_mm) * 1000.0 for axis in axes_of(corrected))
     assert b == pytest.approx([-45.0, 0.0, 70.0], abs=1.0)
     assert c == pytest.approx([120.0, -80.0, 0.0], abs=1.0)
-    q = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
+    optimised, checked = json.loads((tmp_path / "out.json").read_text())["runs"]
+    q = optimised["q"]
     assert (q["Q141"], q["Q144"]) == (-1.0, -1.0)
     assert (q["Q147"], q["Q148"], q["Q149"]) == pytest.approx((0.12, -0.08, 0.07), abs=1e-3)
+    assert all(0.1 < checked["axes"][letter]["scatter_before_um"] < 1.0 for letter in "BC")
 
 
 @pytest.mark.parametrize("mode", ["2", "3"])
@@ -327,11 +339,18 @@ def test_the_store_keeps_restores_and_deletes(tmp_path: Path) -> None:
 
 def test_a_description_survives_store_and_file(tmp_path: Path) -> None:
     machine = read_machine(MACHINE)
+    b, c = machine.axes
+    machine = replace(machine, axes=(replace(b, datum_deg=-0.0123), c))
     path = tmp_path / "machine.toml"
     path.write_text(format_machine(machine), encoding="utf-8")
 
     assert unpack(pack(machine)) == machine
     assert read_machine(path) == machine
+
+
+def test_a_description_of_another_version_is_refused() -> None:
+    with pytest.raises(StoreRefusedError, match="another version"):
+        unpack(pack(read_machine(MACHINE))[:-1])
 
 
 def test_a_foreign_file_is_no_store(tmp_path: Path) -> None:

@@ -194,7 +194,7 @@ def _limits(number: int) -> str:
     ffi, lib = connection()
     low, high = ffi.new("double *"), ffi.new("double *")
     name = lib.sim_451_limits(number, low, high)
-    return f" ({ffi.string(name).decode()}: {low[0]:g} to {high[0]:g})" if name else ""
+    return f" ({ffi.string(name).decode()}: {low[0]:.9g} to {high[0]:.9g})" if name else ""
 
 
 @contextmanager

@@ -178,5 +178,7 @@ def _measured(
     if parameters.get(BACKLASH, 0.0) == 0.0:
         notes.append(NO_BACKLASH)
     if report.cancelled_rotation:
-        notes.append("A basic rotation has been cancelled; set it again, and the preset.")
+        notes.append(
+            "The preset has no basic rotation any more (SPA, SPB, SPC): set it and the preset again."
+        )
     return Run(parameters, stations, evaluation, report, tuple(notes))
