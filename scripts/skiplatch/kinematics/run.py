@@ -178,7 +178,5 @@ def _measured(
     if parameters.get(BACKLASH, 0.0) == 0.0:
         notes.append(NO_BACKLASH)
     if report.cancelled_rotation:
-        notes.append(
-            "The preset has no basic rotation any more (SPA, SPB, SPC): set it and the preset again."
-        )
+        notes.append("The preset has no basic rotation any more (SPA, SPB, SPC): set it again.")
     return Run(parameters, stations, evaluation, report, tuple(notes))
