@@ -103,10 +103,14 @@ def test_mode_2_corrects_points_and_directions(
     assert_lines(corrected(tmp_path), planted.actual, planted.actual)
 
 
+@pytest.mark.parametrize("tilts_were_corrected", [False, True])
 def test_mode_3_sets_the_datum_of_the_carrier_instead_of_a_tilt(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, tilts_were_corrected: bool
 ) -> None:
     planted, angles, read_mm = recorded(tmp_path, 1)
+    if tilts_were_corrected:
+        assert run(tmp_path, monkeypatch, "+2") == 0
+        (tmp_path / "corrected.toml").replace(tmp_path / "machine.toml")
 
     assert run(tmp_path, monkeypatch, "+3") == 0
 

@@ -15,6 +15,7 @@ from skiplatch.commands.kinematics_fit import tell, too_few_named
 from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
+from skiplatch.kinematics.correction import CHECK, corrected_as
 from skiplatch.kinematics.firmware import fit
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
@@ -28,7 +29,6 @@ from skiplatch.kinematics.run import (
     Run,
     Setup,
     asked,
-    correct_as,
     run_program,
 )
 from skiplatch.kinematics.truth import draw_truth, read_truth
@@ -175,7 +175,7 @@ def _fit_recorded(
     points = read_points(points_path, machine)
     with too_few_named(points_path, points):
         found = fit(machine, points, touches=touches)
-        corrected = correct_as(mode, machine, points, touches)
+        corrected = machine if mode == CHECK else corrected_as(mode, machine, points, touches)[0]
     result = tell(machine, points, found)
     write_json(json_path, result)
     if corrected_path is not None:

@@ -10,7 +10,7 @@ from math import radians
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.kinematics.correction import CHECK, correct, correcting_fit
+from skiplatch.kinematics.correction import CHECK, corrected_as
 from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
 from skiplatch.kinematics.firmware import Fit, TooFewError, fit
 from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
@@ -154,12 +154,12 @@ def evaluate(
     first = ~stations.is_second
     order = [LETTERS.index(letter) for letter in machine.letters]
     points = Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
-    correction = correcting_fit(mode, known, points, touches)
+    corrected, correction = corrected_as(mode, known, points, touches)
+    corrected = replace(corrected, tool_mm=machine.tool_mm)
     try:
         found = fit(known, points, touches=touches)
     except TooFewError:
         found = correction
-    corrected = correct(machine, correction)
     shown_deg = stations.angle_deg + _shown_more_deg(machine, corrected)
     corrected_stations = replace(stations, angle_deg=shown_deg)
     expected = Expectation(

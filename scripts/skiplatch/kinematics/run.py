@@ -4,14 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from skiplatch.errors import InputError
-from skiplatch.kinematics.correction import CHECK, ORIGIN, correct, correcting_fit
+from skiplatch.kinematics.correction import CHECK, ORIGIN
 from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
 from skiplatch.kinematics.evaluate import Evaluation, evaluate
 from skiplatch.kinematics.firmware import NoFitError
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import Machine
 from skiplatch.kinematics.memory import Memory, run_450
-from skiplatch.kinematics.points import Points
 from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
 from skiplatch.simulator import Effect
 
@@ -109,17 +108,6 @@ def asked(program: Program, number: int) -> int:
         message = f"Q{number}: expected {admitted[0]} to {admitted[-1]}, a whole number"
         raise InputError(program.path, given.line, given.column, message)
     return int(given.value)
-
-
-def correct_as(mode: int, machine: Machine, points: Points, touches: int) -> Machine:
-    """Correct the description by recorded points as a mode says.
-
-    Raises:
-        NoFitError: The points do not admit it.
-    """
-    if mode == CHECK:
-        return machine
-    return correct(machine, correcting_fit(mode, machine, points, touches))
 
 
 def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
