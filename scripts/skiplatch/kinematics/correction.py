@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
+from sys import float_info
 from typing import cast
 
 import numpy as np
@@ -115,7 +116,7 @@ def _correcting_fit(mode: int, machine: Machine, points: Points, touches: int | 
 def _weakest_angle(found: Fit) -> str | None:
     """Give the angle that differs least from nothing, if it does not differ enough."""
     ratios = {
-        name: abs(estimate.value) / estimate.uncertainty
+        name: abs(estimate.value) / max(estimate.uncertainty, float_info.min)
         for name, estimate in found.parameters.items()
         if estimate.unit == "arcsec"
     }
