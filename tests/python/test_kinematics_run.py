@@ -4,90 +4,20 @@ import json
 import re
 import subprocess
 import sys
-from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import quote
 from xml.etree import ElementTree as ET
 
-import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import CliRunner
 
-from rotary_machines import Kind, Line, best_offsets, readings
+from kinematics_programs import MACHINE, SAMPLES, TRUTH, program_of, run
 from skiplatch.cli import group
 from skiplatch.errors import InputError
 from skiplatch.figures import theme
-from skiplatch.kinematics.machine import RotaryAxis, read_machine
-from skiplatch.kinematics.memory import Memory, StoreRefusedError, format_machine, pack, unpack
+from skiplatch.kinematics.machine import read_machine
 from skiplatch.kinematics.points import read_points
-from skiplatch.kinematics.program import Program, read_program, texts
-
-SAMPLES = Path(__file__).parents[2] / "scripts" / "samples" / "kinematics"
-MACHINE = SAMPLES / "machine_bc.toml"
-LOCATIONS = SAMPLES / "truth_bc_locations.toml"
-TRUTH = SAMPLES / "truth_bc.toml"
-TABLE_BC = Kind("BC", "")
-
-
-def program_of(folder: Path, text: str) -> Path:
-    path = folder / "program.h"
-    path.write_text(text, encoding="utf-8")
-    return path
-
-
-def run(program: Path, folder: Path, *more: str, truth: Path = LOCATIONS) -> Result:
-    files = {"--html": "log.html", "--memory": "store.bin", "--json": "out.json"}
-    options = [text for flag, name in files.items() for text in (flag, str(folder / name))]
-    arguments = ["kinematics", "run", str(program), "--truth", str(truth), *options, *more]
-    return CliRunner().invoke(group, arguments)
-
-
-def axes_of(path: Path) -> tuple[RotaryAxis, ...]:
-    return read_machine(path).axes
-
-
-def test_programs_are_read_as_the_document_prints_them() -> None:
-    first = read_program(SAMPLES / "save_and_check.h")
-    second = read_program(SAMPLES / "optimise_positions.h")
-
-    assert first.tool == second.tool == "TOUCH_PROBE"
-    assert [cycle.number for cycle in first.cycles] == [450, 451]
-    assert next(texts(first)) == "TCH PROBE 450 Q410=+0 Q409=+5"
-    expected = (
-        "TCH PROBE 451 Q406=+1 Q407=+12.5 Q320=+0 Q408=+0 Q253=+750 Q380=+0 Q411=-90 Q412=+90 "
-        "Q413=+0 Q414=+0 Q415=-90 Q416=+90 Q417=+0 Q418=+4 Q419=+90 Q420=+270 Q421=+0 Q422=+3 "
-        "Q423=+3 Q431=+1 Q432=+0.5"
-    )
-    assert list(texts(second)) == [expected]
-
-
-def test_parameters_may_stand_with_their_comment_or_without(tmp_path: Path) -> None:
-    text = '12 TCH PROBE 450 SAVE ~\n  Q410=+0 ;MODE ~\nQS409="old one"~\nQ9=-.5\n'
-
-    program: Program = read_program(program_of(tmp_path, text))
-
-    (cycle,) = program.cycles
-    assert {n: v.value for n, v in cycle.parameters.items()} == {410: 0.0, 409: "old one", 9: -0.5}
-    assert (cycle.parameters[410].line, cycle.parameters[410].column) == (2, 8)
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", "no TCH PROBE cycle"),
-        ("12 TCH PROBE 452 X\n", ":1:4: expected cycle 450 or 451, got 452"),
-        ("12 L X+0\n", ":1:4: expected a block"),
-        ("12 TCH PROBE 450 X ~\n", ':1:20: expected a parameter such as "Q406=+0" after "~"'),
-        ("12 TCH PROBE 450 X ~\nQ410=1,5\n", ':2:6: expected a number, got "1,5"'),
-        ("12 TCH PROBE 450 X ~\nQ410=nan\n", ':2:6: expected a number, got "nan"'),
-        ("12 TCH PROBE 450 X ~\nQ410=1 ~\nQ410=2\n", ":3:1: Q410 is given twice, first in line 2"),
-        ("12 TCH PROBE 450 X ~\nQ410=1 MODE\n", ':2:7: expected ";" and a comment'),
-    ],
-)
-def test_a_slip_is_named_with_its_place(tmp_path: Path, text: str, message: str) -> None:
-    with pytest.raises(InputError, match=re.escape(message)):
-        read_program(program_of(tmp_path, text))
 
 
 def test_limits_are_told_as_exactly_as_they_are(tmp_path: Path) -> None:
@@ -121,152 +51,6 @@ def test_bad_input_is_one_line_and_status_2(tmp_path: Path) -> None:
     assert len(done.stderr.splitlines()) == 1
 
 
-@pytest.mark.parametrize(("path", "floor_um"), [("skip", 1.0), ("plc", 10.0)])
-def test_a_check_after_the_optimisation_shows_the_noise_floor(
-    tmp_path: Path, path: str, floor_um: float
-) -> None:
-    result = run(SAMPLES / "optimise_then_check.h", tmp_path, "--path", path)
-
-    assert result.exit_code == 0, result.output
-    optimised, checked = json.loads((tmp_path / "out.json").read_text())["runs"]
-    assert (optimised["mode"], checked["mode"]) == (2, 0)
-    for letter in "BC":
-        assert optimised["axes"][letter]["scatter_before_um"] > 50.0
-        assert 0.1 < checked["axes"][letter]["scatter_before_um"] < floor_um
-
-
-def test_after_mode_1_a_check_shows_what_offsets_alone_can_reach(tmp_path: Path) -> None:
-    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
-    text = text.replace("Q406=+2", "Q406=+1").replace("Q432=+0.5", "Q432=+0")
-    points, corrected = tmp_path / "points.csv", tmp_path / "corrected.toml"
-
-    more = ("--points", str(points), "--corrected", str(corrected))
-    result = run(program_of(tmp_path, text), tmp_path, *more)
-
-    assert result.exit_code == 0, result.output
-    believed = read_machine(MACHINE)
-    found = {
-        a.letter: Line(np.array(a.point_mm), np.array(a.direction)) for a in axes_of(corrected)
-    }
-    lines = {a.letter: Line(np.array(a.point_mm), np.array(a.direction)) for a in believed.axes}
-    read = read_points(points, believed)
-    measured = 1 + 6 + 5  # B and C at 0, then B, then C, of which one would be at 0 again
-    best = best_offsets(
-        TABLE_BC,
-        lines,
-        read.angles_deg[:measured],
-        read.positions_mm[:measured],
-        weight_z=np.sqrt(0.5),
-    )
-    for letter, line in best.items():
-        assert found[letter].point == pytest.approx(line.point, abs=1e-5)
-        assert found[letter].direction == pytest.approx(lines[letter].direction, abs=0.0)
-    check = json.loads((tmp_path / "out.json").read_text())["runs"][1]["axes"]
-    angles_deg, read_mm = read.angles_deg[measured:], read.positions_mm[measured:]
-    off_mm = read_mm - readings(TABLE_BC, best, read_mm[0], np.zeros(3), angles_deg)
-    for place, letter in enumerate("BC"):
-        own = angles_deg[:, place] != 0.0
-        expected_um = 1000.0 * np.sqrt(np.mean(np.sum(off_mm[own] ** 2, axis=1)))
-        assert check[letter]["scatter_before_um"] == pytest.approx(expected_um, abs=0.05)
-        assert expected_um > 2.0  # tilts are left
-
-
-def test_where_there_are_no_tilts_mode_1_leaves_the_noise(tmp_path: Path) -> None:
-    truth = tmp_path / "truth.toml"
-    tilted = LOCATIONS.read_text(encoding="utf-8").splitlines()
-    truth.write_text("\n".join(x for x in tilted if "arcsec" not in x), encoding="utf-8")
-    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
-    program = program_of(tmp_path, text.replace("Q406=+2", "Q406=+1"))
-    corrected = tmp_path / "corrected.toml"
-
-    result = run(program, tmp_path, "--corrected", str(corrected), truth=truth)
-
-    assert result.exit_code == 0, result.output
-    b, c = (np.array(axis.point_mm) * 1000.0 for axis in axes_of(corrected))
-    assert b == pytest.approx([-45.0, 0.0, 70.0], abs=1.0)
-    assert c == pytest.approx([120.0, -80.0, 0.0], abs=1.0)
-    optimised, checked = json.loads((tmp_path / "out.json").read_text())["runs"]
-    q = optimised["q"]
-    assert (q["Q141"], q["Q144"]) == (-1.0, -1.0)
-    assert (q["Q147"], q["Q148"], q["Q149"]) == pytest.approx((0.12, -0.08, 0.07), abs=1e-3)
-    assert all(0.1 < checked["axes"][letter]["scatter_before_um"] < 1.0 for letter in "BC")
-
-
-@pytest.mark.parametrize("mode", ["2", "3"])
-def test_modes_2_and_3_leave_the_noise_and_only_3_moves_a_datum(tmp_path: Path, mode: str) -> None:
-    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
-    program = program_of(tmp_path, text.replace("Q406=+2", f"Q406=+{mode}"))
-    corrected = tmp_path / "corrected.toml"
-
-    result = run(program, tmp_path, "--corrected", str(corrected))
-
-    assert result.exit_code == 0, result.output
-    b, c = axes_of(corrected)
-    boc_rad = np.radians(-10.0 / 3600.0)
-    in_datum = mode == "3"
-    assert c.direction[0] == pytest.approx(0.0 if in_datum else boc_rad, abs=1e-12 + 3e-6)
-    assert b.datum_deg * 3600.0 == pytest.approx(-10.0 if in_datum else 0.0, abs=0.5)
-    check = json.loads((tmp_path / "out.json").read_text())["runs"][1]["axes"]
-    assert all(check[letter]["scatter_before_um"] < 1.0 for letter in "BC")
-
-
-def test_one_position_an_axis_is_enough_for_a_rough_optimisation(tmp_path: Path) -> None:
-    text = (SAMPLES / "optimise_positions.h").read_text(encoding="utf-8")
-    few = text.replace("Q418=+4", "Q418=+1").replace("Q422=+3", "Q422=+1")
-    corrected = tmp_path / "corrected.toml"
-
-    result = run(program_of(tmp_path, few), tmp_path, "--corrected", str(corrected))
-
-    assert result.exit_code == 0, result.output
-    b, c = (np.array(axis.point_mm) * 1000.0 for axis in axes_of(corrected))
-    assert b == pytest.approx([-45.0, 0.0, 70.0], abs=20.0)
-    assert c == pytest.approx([120.0, -80.0, 0.0], abs=20.0)
-
-
-HEAD_HEAD = """table = []
-head = ["C", "A"]
-tool_mm = [0, 0, 0]
-[axes.C]
-direction = [0, 0, 1]
-point_mm = [0, 0, 0]
-[axes.A]
-direction = [1, 0, 0]
-point_mm = [0, 0, 250]
-"""
-
-
-def test_a_tilt_that_is_only_just_determined_is_not_corrected(tmp_path: Path) -> None:
-    """The tip stands on the line of C, but for its offset: hardly anything tells its tilt."""
-    machine, truth = tmp_path / "machine.toml", tmp_path / "truth.toml"
-    machine.write_text(HEAD_HEAD, encoding="utf-8")
-    truth.write_text("[axes.C]\nYOC_um = 90\nBOC_arcsec = 5\n", encoding="utf-8")
-    text = (SAMPLES / "optimise_then_check.h").read_text(encoding="utf-8")
-    text = text.replace("Q406=+0", "Q406=+2")  # the second time C is off the tip by its offset
-    for b, a in (("Q415=-90", "Q411=-60"), ("Q416=+90", "Q412=+60"), ("Q417", "Q413")):
-        text = text.replace(b, a)
-    program = program_of(tmp_path, text.replace("Q418", "Q414"))
-    corrected = tmp_path / "corrected.toml"
-
-    more = ("--machine", str(machine), "--corrected", str(corrected))
-    result = run(program, tmp_path, *more, truth=truth)
-
-    assert result.exit_code == 0, result.output
-    direction = read_machine(corrected).axes[0].direction
-    assert np.hypot(*direction[:2]) < np.radians(30.0 / 3600.0)
-
-
-def test_a_check_changes_nothing(tmp_path: Path) -> None:
-    corrected = tmp_path / "corrected.toml"
-
-    result = run(SAMPLES / "save_and_check.h", tmp_path, "--corrected", str(corrected))
-
-    assert result.exit_code == 0, result.output
-    assert read_machine(corrected) == read_machine(MACHINE)
-    q = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
-    assert q["Q142"] > 0.05
-    assert {q["Q144"], q["Q145"], q["Q146"]} == {-1.0}
-
-
 def test_backlash_of_each_axis_comes_back(tmp_path: Path) -> None:
     result = run(SAMPLES / "optimise_positions.h", tmp_path, truth=TRUTH)
 
@@ -291,7 +75,21 @@ def test_backlash_that_is_measured_does_not_bias_the_location_errors(tmp_path: P
     assert all(measured["axes"][x]["scatter_after_um"] < 1.0 for x in "BC")
     # The check approaches its positions as they come: there the backlash is to be seen.
     assert any(checked["axes"][x]["scatter_before_um"] > 1.5 for x in "BC")
-    assert result.output.count("Backlash was not measured (Q432 = 0)") == 1
+    assert result.output.count("Backlash of B, C was not measured (Q432 = 0") == 1
+
+
+def test_a_coupling_has_no_backlash_to_measure_and_the_log_says_so(tmp_path: Path) -> None:
+    machine = tmp_path / "machine.toml"
+    text = MACHINE.read_text(encoding="utf-8")
+    machine.write_text(f"{text}\n[control]\nhirth_deg = [0, 3, 0]\n", encoding="utf-8")
+    program = (SAMPLES / "optimise_positions.h").read_text(encoding="utf-8")
+    lifted = program_of(tmp_path, program.replace("Q408=+0", "Q408=+150"))
+
+    result = run(lifted, tmp_path, "--machine", str(machine))
+
+    assert result.exit_code == 0, result.output
+    assert "Backlash of B was not measured" in result.output
+    assert "Backlash of B was not measured" in (tmp_path / "log.html").read_text(encoding="utf-8")
 
 
 def test_recorded_points_give_the_same_location_errors(tmp_path: Path) -> None:
@@ -320,46 +118,6 @@ def test_a_change_above_the_limit_waits_for_nc_start(tmp_path: Path) -> None:
     assert isinstance(refused.exception, InputError)
     assert pressed.exit_code == 0
     assert "exceeds maxModification" in pressed.output
-
-
-def test_the_store_keeps_restores_and_deletes(tmp_path: Path) -> None:
-    machine = read_machine(MACHINE)
-    memory = Memory(tmp_path / "store.bin")
-    memory.activate(machine)
-
-    memory.run(0.0, "before")
-    memory.run(0.0, 5.0)
-    assert Memory(tmp_path / "store.bin").names() == ["5", "before"]
-    assert memory.run(1.0, "before") == machine
-    memory.run(3.0, "before")
-    assert memory.names() == ["5"]
-    with pytest.raises(StoreRefusedError):
-        memory.run(1.0, "before")
-
-
-def test_a_description_survives_store_and_file(tmp_path: Path) -> None:
-    machine = read_machine(MACHINE)
-    b, c = machine.axes
-    machine = replace(machine, axes=(replace(b, datum_deg=-0.0123), c))
-    path = tmp_path / "machine.toml"
-    path.write_text(format_machine(machine), encoding="utf-8")
-
-    assert unpack(pack(machine)) == machine
-    assert read_machine(path) == machine
-
-
-def test_a_description_of_another_version_is_refused() -> None:
-    with pytest.raises(StoreRefusedError, match="another version"):
-        unpack(pack(read_machine(MACHINE))[:-1])
-
-
-def test_a_foreign_file_is_no_store(tmp_path: Path) -> None:
-    path = tmp_path / "store.bin"
-    path.write_bytes(b"something else")
-
-    with pytest.raises(InputError, match="no store of kinematics"):
-        Memory(path)
-    assert path.read_bytes() == b"something else"
 
 
 @pytest.mark.parametrize(

@@ -26,13 +26,39 @@ from skiplatch.tables import number, table
 RECOMMENDED_MAX = 24
 TOUCHES = (3, 8)
 
+HELP = """Find location errors (ISO 230-7) from recorded sphere centres POINTS.
+
+POINTS is a CSV file with a row for each position: the angles a_deg, b_deg, c_deg of the axes
+that the machine has, and x_mm, y_mm, z_mm, what the linear axes read with the tip in the
+centre of the sphere. With an axis in the head that is without any compensation of the tool's
+tilt (TCPM off).
+
+\b
+The machine is a TOML file:
+  table = ["A", "C"]        from the bed outwards: A tilts and carries C, C carries the sphere
+  head = []                 from the ram to the tool
+  [axes.A]                  and so on for each axis, with every axis at 0
+  direction = [1, 0, 0]     unit vector, machine coordinates: y = point + R(y - point)
+  point_mm = [0, 0, 0]      a point of the axis line, machine coordinates
+  range_deg = [-90, 90]     optional, for --recommend
+  datum_deg = 0             optional: what the control shows more than the encoder
+tool_mm = [x, y, z] at the top says where the tip is with every axis at 0, if that is known.
+
+A location error is actual minus believed, at the believed point, in machine coordinates:
+XOC and YOC are the offset of the C line in the plane of constant Z through that point, AOC and
+BOC the right-handed turns about X and Y from the believed to the actual direction. Likewise
+YOA, ZOA, BOA, COA and XOB, ZOB, AOB, COB. The zeros AOA, BOB, COC cannot be told from the lines
+carried and the place of the sphere: they are taken as believed and named as undetermined.
+Uncertainties are standard uncertainties; three of them hold 99.73 %.
+"""
+
 EPILOG = """\b
 Example:
   skiplatch kinematics fit build/points.csv --machine build/machine.toml --json build/errors.json
 """
 
 
-@click.command(name="fit", epilog=EPILOG)
+@click.command(name="fit", help=HELP, epilog=EPILOG)
 @click.argument("points_path", metavar="POINTS", type=click.Path(path_type=Path))
 @click.option(
     "--machine",
@@ -61,31 +87,7 @@ def command(
     touches: int | None,
     json_path: Path | None,
 ) -> None:
-    r"""Find location errors (ISO 230-7) from recorded sphere centres POINTS.
-
-    POINTS is a CSV file with a row for each position: the angles a_deg, b_deg, c_deg of the axes
-    that the machine has, and x_mm, y_mm, z_mm, what the linear axes read with the tip in the
-    centre of the sphere. With an axis in the head that is without any compensation of the tool's
-    tilt (TCPM off).
-
-    \b
-    The machine is a TOML file:
-      table = ["A", "C"]        from the bed outwards: A tilts and carries C, C carries the sphere
-      head = []                 from the ram to the tool
-      [axes.A]                  and so on for each axis, with every axis at 0
-      direction = [1, 0, 0]     unit vector, machine coordinates: y = point + R(y - point)
-      point_mm = [0, 0, 0]      a point of the axis line, machine coordinates
-      range_deg = [-90, 90]     optional, for --recommend
-      datum_deg = 0             optional: what the control shows more than the encoder
-    tool_mm = [x, y, z] at the top says where the tip is with every axis at 0, if that is known.
-
-    A location error is actual minus believed, at the believed point, in machine coordinates:
-    XOC and YOC are the offset of the C line in the plane of constant Z through that point, AOC and
-    BOC the right-handed turns about X and Y from the believed to the actual direction. Likewise
-    YOA, ZOA, BOA, COA and XOB, ZOB, AOB, COB. The zeros AOA, BOB, COC cannot be told from the lines
-    carried and the place of the sphere: they are taken as believed and named as undetermined.
-    Uncertainties are standard uncertainties; three of them hold 99.73 %.
-    """
+    """Find location errors from recorded sphere centres."""
     machine = read_machine(machine_path)
     points = read_points(points_path, machine)
     with too_few_named(points_path, points):

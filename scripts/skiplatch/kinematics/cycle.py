@@ -81,6 +81,10 @@ class Stations:
         """Tell which measurements are those of an axis; shape (n,)."""
         return np.asarray((self.serves >> LETTERS.index(letter)) & 1 == 1)
 
+    def has_second(self, letter: str) -> bool:
+        """Tell whether an axis was approached from both sides."""
+        return bool(np.any(self.is_second & (self.axis == LETTERS.index(letter))))
+
 
 @dataclass(frozen=True, slots=True)
 class Report:

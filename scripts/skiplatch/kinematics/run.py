@@ -19,10 +19,10 @@ LENGTHS = (407, 320, 408, 253)
 SPHERE_RADIUS = 407
 MODE = 406
 TOUCHES = 423
-BACKLASH = 432
 NO_BACKLASH = (
-    "Backlash was not measured (Q432 = 0): an axis that has some stands off by up to that angle, "
-    "as it came. It shows as scatter, and as a tilt of the axis that it carries."
+    "Backlash of {} was not measured (Q432 = 0, a Hirth coupling or an M function): an axis that "
+    "has some stands off by up to that angle, as it came. It shows as scatter, and as a tilt of "
+    "the axis that it carries."
 )
 DEFAULTS = {MODE: CHECK, TOUCHES: 4}
 RANGES = {MODE: range(ORIGIN + 1), TOUCHES: range(3, 9)}
@@ -163,8 +163,9 @@ def _measured(
     if play.asks != "done":
         play.raise_failure()
     report = play.report()
-    if parameters.get(BACKLASH, 0.0) == 0.0:
-        notes.append(NO_BACKLASH)
+    loose = [axis.letter for axis in evaluation.axes if not stations.has_second(axis.letter)]
+    if loose:
+        notes.append(NO_BACKLASH.format(", ".join(loose)))
     if report.cancelled_rotation:
         notes.append("The preset has no basic rotation any more (SPA, SPB, SPC): set it again.")
     return Run(parameters, stations, evaluation, report, tuple(notes))

@@ -1,0 +1,30 @@
+"""Programs with cycles 450 and 451 for tests, and the sample machine that they run on."""
+
+from pathlib import Path
+
+from click.testing import CliRunner, Result
+
+from skiplatch.cli import group
+from skiplatch.kinematics.machine import RotaryAxis, read_machine
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples" / "kinematics"
+MACHINE = SAMPLES / "machine_bc.toml"
+LOCATIONS = SAMPLES / "truth_bc_locations.toml"
+TRUTH = SAMPLES / "truth_bc.toml"
+
+
+def program_of(folder: Path, text: str) -> Path:
+    path = folder / "program.h"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def run(program: Path, folder: Path, *more: str, truth: Path = LOCATIONS) -> Result:
+    files = {"--html": "log.html", "--memory": "store.bin", "--json": "out.json"}
+    options = [text for flag, name in files.items() for text in (flag, str(folder / name))]
+    arguments = ["kinematics", "run", str(program), "--truth", str(truth), *options, *more]
+    return CliRunner().invoke(group, arguments)
+
+
+def axes_of(path: Path) -> tuple[RotaryAxis, ...]:
+    return read_machine(path).axes
