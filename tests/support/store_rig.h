@@ -1,0 +1,40 @@
+/* A store of kinematics in a memory whose power can fail. */
+#ifndef SUPPORT_STORE_RIG_H
+#define SUPPORT_STORE_RIG_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "cycle/kinematics_store.h"
+
+#define NEVER 1000000
+
+extern uint8_t            store_rig_memory[KINEMATICS_STORE_BYTES];
+extern kinematics_store_t store_rig_store;
+
+/* An empty store, mounted. */
+void store_rig_set_up(void);
+
+/* Carry out what was begun; power fails after `bytes` bytes. True if all was written before. */
+bool store_rig_write_until(int bytes);
+
+/* Carry out all of what was begun without an error. */
+void store_rig_finish(kinematics_store_error_t error);
+
+kinematics_designation_t store_rig_number(uint32_t value);
+kinematics_designation_t store_rig_name(const char *text);
+
+/* Begin cycle 450. */
+kinematics_store_error_t store_rig_start(kinematics_store_mode_t         mode,
+                                         const kinematics_designation_t *designation);
+
+/* Make a text the active description, respectively save the active one: all of it. */
+void store_rig_activate(const char *payload);
+void store_rig_save_as(kinematics_designation_t designation);
+
+bool store_rig_active_is(const char *payload);
+bool store_rig_saved_is(kinematics_designation_t designation, const char *payload);
+bool store_rig_is_saved(kinematics_designation_t designation);
+int  store_rig_count(void);
+
+#endif
