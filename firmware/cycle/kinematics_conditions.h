@@ -18,7 +18,7 @@ typedef enum {
     KINEMATICS_CYCLE_ERR_NO_FEED,      /* Q253 is 0: no axis would move */
     KINEMATICS_CYCLE_ERR_NO_CLEARANCE, /* Q320 and SET_UP are 0: a touch would begin touching */
     KINEMATICS_CYCLE_ERR_OPTION,       /* Q406 = 2 or 3 without KinematicsComp (option 52) */
-    KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs two measured axes, one upon the other */
+    KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs one rotary axis upon another */
     KINEMATICS_CYCLE_ERR_RETRACT,      /* Q408 = 0 with a Hirth axis that turns, or no option 2 */
     KINEMATICS_CYCLE_ERR_TCPM,         /* M128 or TCPM is on */
     KINEMATICS_CYCLE_ERR_TURNING,      /* the cycle is one of FUNCTION MODE MILL */

@@ -1,10 +1,10 @@
 """Running an NC program with cycles 450 and 451 on the simulated five-axis machine."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skiplatch.errors import InputError
-from skiplatch.kinematics.correction import CHECK, ORIGIN
+from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK, ORIGIN
 from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
 from skiplatch.kinematics.evaluate import Evaluation, evaluate
 from skiplatch.kinematics.firmware import NoFitError
@@ -163,9 +163,20 @@ def _measured(
     if play.asks != "done":
         play.raise_failure()
     report = play.report()
+    notes += _moved_datums(evaluation)
     loose = [axis.letter for axis in evaluation.axes if not stations.has_second(axis.letter)]
     if loose:
         notes.append(NO_BACKLASH.format(", ".join(loose)))
     if report.cancelled_rotation:
         notes.append("The preset has no basic rotation any more (SPA, SPB, SPC): set it again.")
     return Run(parameters, stations, evaluation, report, tuple(notes))
+
+
+def _moved_datums(evaluation: Evaluation) -> Iterator[str]:
+    for before, after in zip(evaluation.believed.axes, evaluation.corrected.axes, strict=True):
+        if after.datum_deg != before.datum_deg:
+            moved_arcsec = ARCSEC_PER_DEG * (after.datum_deg - before.datum_deg)
+            yield (
+                f"The machine datum of {before.letter} moves by {moved_arcsec:+.2f}″: it takes the "
+                "tilt of the axis carried, which no position tells from it."
+            )

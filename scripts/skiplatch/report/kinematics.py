@@ -188,9 +188,6 @@ def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
         ("measuring points", f"{_number(count)} (measured besides 0°: {len(axis.angle_deg)})"),
         ("radius of the measuring circle", f"{axis.radius_mm:.4f} mm"),
     ]
-    if after.datum_deg != before.datum_deg:
-        shift_arcsec = 3600.0 * (after.datum_deg - before.datum_deg)
-        facts.append(("shift of the machine datum", f"{shift_arcsec:+.2f}″"))
     positioning = (
         f"{axis.positioning_arcsec:+.2f}″, standard deviation "
         f"{axis.positioning_scatter_arcsec:.2f}″"
