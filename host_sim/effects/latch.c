@@ -1,6 +1,5 @@
 /* Effects on the edge interrupt and on the device clock. */
 #include <math.h>
-#include <stdbool.h>
 #include <stddef.h>
 
 #include "effects/effect.h"
@@ -18,12 +17,16 @@ double effect_isr_latency(const sim_effect_call_t *call, double latency_us)
     return fmax(0.0, latency_us + call->parameters[0] + jitter_us + tail_us);
 }
 
-/* An edge that falls into a masked stretch waits for the rest of it. */
+/* An edge that falls into a masked stretch waits for the rest of it; of stretches whose lengths
+ * differ the rest has a tail. */
 double effect_isr_blocking(const sim_effect_call_t *call, double latency_us)
 {
-    bool is_masked = sim_random_uniform(call->random, 1.0) < call->parameters[0];
-    return is_masked ? latency_us + sim_random_uniform(call->random, call->parameters[1])
-                     : latency_us;
+    if (sim_random_uniform(call->random, 1.0) >= call->parameters[0]) {
+        return latency_us;
+    }
+    double rest_us = sim_random_uniform(call->random, call->parameters[1]);
+    double tail_us = -call->parameters[2] * log1p(-sim_random_uniform(call->random, 1.0));
+    return latency_us + rest_us + tail_us;
 }
 
 /* This and the chain round down: a stamp on a tick must not fall short of it by its last bits. */

@@ -1,5 +1,7 @@
 """Scans, ticks and queues that lie apart from others: what a search finds of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,8 @@ from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
 from skiplatch.simulator import Effect
 
+PLC = ("latch_plc", "lattice")
+
 
 def searched(effect: Effect, seed: int = 11) -> FloatArray:
     """What a search from the candidate's own starts makes of a campaign with the effect."""
@@ -21,7 +25,9 @@ def searched(effect: Effect, seed: int = 11) -> FloatArray:
 
 
 @pytest.mark.parametrize("seed", [1, 6000])
-def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(seed: int) -> None:
+def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(
+    seed: int,
+) -> None:
     truth = Effect("scan_jitter", {"jitter_us": 200.0, "tail_us": 50.0})
     scene = Scene.of(played(BENCH, truth, seed=seed))
     change = CANDIDATES["scan_jitter"].change(scene, np.array([200.0, 50.0]))
@@ -38,7 +44,8 @@ def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(seed: in
 
 
 @pytest.mark.parametrize(
-    ("late_us", "span_us"), [(1000.0, 0.0), (600.0, 0.0), (500.0, 600.0), (700.0, 1000.0)]
+    ("late_us", "span_us"),
+    [(1000.0, 0.0), (600.0, 0.0), (500.0, 600.0), (700.0, 1000.0)],
 )
 def test_overruns_are_found_wherever_they_reach(late_us: float, span_us: float) -> None:
     truth = {"probability": 0.1, "overrun_us": late_us, "span_us": span_us}
@@ -50,6 +57,25 @@ def test_overruns_are_found_wherever_they_reach(late_us: float, span_us: float) 
     assert span == pytest.approx(span_us, abs=1.0 + 0.25 * span_us)
 
 
+def test_scans_may_wait_for_some_moves_and_keep_their_grid_for_the_others() -> None:
+    """Played without the simulator's own form of it: of the touches 30 % wait 0.4 of a scan."""
+    campaign = played(BENCH, seed=21)
+    rng = np.random.default_rng(21)
+    touches, period = campaign.touches, campaign.nominal.plc.scan_us
+    bound = touches.on_plc & (rng.random(len(touches)) < 0.3)
+    wait_us = rng.normal(0.4, 0.03, len(touches)) * period
+    stamps = np.where(bound, np.round(touches.edge_us + wait_us), touches.latch_us)
+    scene = Scene.of(replace(campaign, touches=replace(touches, latch_us=stamps)))
+    lock, overrun = CANDIDATES["scan_phase_lock"], CANDIDATES["scan_overrun"]
+
+    found = [fit(scene, [c], c.starts(scene, Change())) for c in (lock, overrun)]
+    gains = [likelihood(scene, f.change(scene), names=PLC).total for f in found]
+
+    assert gains[0] > gains[1] + 30.0
+    assert found[0].parameters[0][0] == pytest.approx(0.6, abs=0.05)
+    assert abs(found[0].parameters[0][2]) == pytest.approx(0.7, abs=0.15)
+
+
 def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() -> None:
     truth = Effect("timer_quantisation", {"tick_us": 1.7, "origin_us": 0.3})
 
@@ -59,7 +85,9 @@ def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() 
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_a_queue_behind_a_longer_way_that_some_reports_pass_is_found_whole(seed: int) -> None:
+def test_a_queue_behind_a_longer_way_that_some_reports_pass_is_found_whole(
+    seed: int,
+) -> None:
     truth = Effect("report_delay", {"delay_us": 80.0, "queue_us": 200.0, "direct": 0.3})
 
     found = np.abs(searched(truth, seed))

@@ -24,10 +24,10 @@ CASES = {
     "pretravel_lobing": [3.0, 30.0],
     "trigger_delay": [300.0, 0.0],
     "input_filter": [100.0, 20.0],
-    "contact_bounce": [0.2, 300.0, 0.0],
+    "contact_bounce": [0.2, 300.0, 0.0, 0.0],
     "lost_trigger": [0.05],
     "isr_latency": [20.0, 5.0, 0.0],
-    "isr_blocking": [0.2, 200.0],
+    "isr_blocking": [0.2, 200.0, 0.0],
     "input_image_delay": [1.0],
     "scan_jitter": [100.0, 50.0],
     "following_error": [200.0, 0.0, 0.0],
@@ -70,7 +70,7 @@ def test_a_play_says_of_an_effect_what_its_surrogate_says(effect_id: str, folder
     [
         ("trigger_delay", [300.0, 0.0], 0.03),  # a shift
         ("backlash", [3.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
-        ("contact_bounce", [0.2, 300.0, 0.0], 0.5),  # now and then
+        ("contact_bounce", [0.2, 300.0, 0.0, 0.0], 0.5),  # now and then
         ("link_slotting", [300.0], 0.15),  # scatter alone
         ("lost_trigger", [0.05], 0.3),
     ],

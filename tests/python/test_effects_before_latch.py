@@ -50,7 +50,9 @@ def assert_moves_like(played: Trace, feed_ratio: float, accel_mm_s2: float) -> N
     assert_close(played.changed.true_edge_us[0], edge_us, 0.01)
     latency_us = played.changed.latch_us[0] - played.changed.true_edge_us[0]
     assert_close(
-        latency_us, played.nominal.latch_us[0] - played.nominal.true_edge_us[0], STAMP_TOLERANCE_US
+        latency_us,
+        played.nominal.latch_us[0] - played.nominal.true_edge_us[0],
+        STAMP_TOLERANCE_US,
     )
     expected_um = pretravel_um + speed * (DELAY_US + latency_us)
     assert_close(played.changed.deviation_um[0], expected_um, 2.0 * POSITION_TOLERANCE_UM)
@@ -143,7 +145,9 @@ def test_link_slots_lie_on_a_lattice_that_is_fixed_for_a_rig() -> None:
 
 
 @pytest.mark.parametrize("path", list(InputPath))
-def test_link_retries_come_whole_periods_late_and_geometrically_often(path: InputPath) -> None:
+def test_link_retries_come_whole_periods_late_and_geometrically_often(
+    path: InputPath,
+) -> None:
     period_us, probability, n = 700.0, 0.4, 3000
     played = trace(path, "link_retry", n=n, probability=probability, period_us=period_us)
     retries = np.rint(played.edge_shift_us / period_us)
@@ -166,6 +170,24 @@ def test_contact_bounce_delays_some_edges_by_an_exponential_time() -> None:
         played.speed_um_us * played.latch_shift_us,
         2.0 * POSITION_TOLERANCE_UM,
     )
+
+
+def test_contact_bounce_may_have_a_least_and_a_uniform_part() -> None:
+    played = trace(SKIP, "contact_bounce", n=10_000, probability=0.4, least_us=60.0, span_us=120.0)
+    bounced = played.latch_shift_us > 0.0
+
+    assert_share(bounced, 0.4)
+    assert_follows(played.latch_shift_us[bounced], stats.uniform(60.0, 120.0))
+
+
+def test_a_link_that_failed_once_may_fail_more_often_again() -> None:
+    probability, again, n = 0.1, 0.5, 20_000
+    played = trace(SKIP, "link_retry", n=n, probability=probability, period_us=700.0, again=again)
+    retries = np.rint(played.edge_shift_us / 700.0)
+
+    assert_share(retries > 0, probability)
+    assert_share(retries[retries > 0] > 1, probability + again)
+    assert_share(retries[retries > 1] > 2, probability + again)
 
 
 @pytest.mark.parametrize("path", list(InputPath))

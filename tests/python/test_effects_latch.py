@@ -62,8 +62,18 @@ def test_isr_blocking_waits_for_the_rest_of_a_masked_stretch() -> None:
     assert_deviation_follows_the_latch(played)
 
 
+def test_isr_blocking_by_stretches_of_other_lengths_has_a_tail() -> None:
+    played = trace(SKIP, "isr_blocking", n=10_000, probability=0.3, length_us=0.1, tail_us=120.0)
+    blocked = played.latch_shift_us > 0.1
+
+    assert_share(blocked, 0.3)
+    assert_follows(played.latch_shift_us[blocked], stats.expon(0.05, 120.0))
+
+
 @pytest.mark.parametrize("tick_us", [8.0, 0.3, 0.07])
-def test_timer_quantisation_rounds_stamps_down_and_moves_no_latch(tick_us: float) -> None:
+def test_timer_quantisation_rounds_stamps_down_and_moves_no_latch(
+    tick_us: float,
+) -> None:
     played = trace(SKIP, "timer_quantisation", tick_us=tick_us)
     ticks = np.floor(np.rint(played.nominal.latch_us[0] * 100) / round(tick_us * 100))
 

@@ -22,6 +22,7 @@ Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
 MOST_SCANS_OLD = 7.0
 MOST_RETRIES = 0.9
+MOST_AGAIN = 0.95
 MOST = 0.6
 MIRRORED = 0.5
 LOOSEST = 0.25
@@ -122,12 +123,25 @@ def _lobing(scene: Scene, p: Parameters) -> Change:
 
 def _retry(_scene: Scene, p: Parameters) -> Change:
     share, period = min(_share(p[0]), MOST_RETRIES), abs(p[1])
-    times = range(1, 6)
+    again = float(np.clip(share + p[3], 0.0, MOST_AGAIN))
     extras = tuple(
-        Extra((1.0 - share) * share**k, offset=k * period, sigma=np.sqrt(k) * abs(p[2]))
-        for k in times
+        Extra(
+            share * (1.0 - again) * again ** (k - 1),
+            offset=k * period,
+            sigma=np.sqrt(k) * abs(p[2]),
+        )
+        for k in range(1, 6)
     )
     return Change(pin_extra=extras)
+
+
+def _bounce(_scene: Scene, p: Parameters) -> Change:
+    late = Extra(_some(p[0]), mean=abs(p[1]), offset=abs(p[2]), width=abs(p[3]))
+    return Change(pin_extra=(late,))
+
+
+def _blocking(_scene: Scene, p: Parameters) -> Change:
+    return Change(skip_extra=(Extra(_some(p[0]), width=abs(p[1]), mean=abs(p[2])),))
 
 
 def _transmission(scene: Scene, p: Parameters) -> Change:
@@ -417,10 +431,13 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "link_retry",
-            ("probability", "period_us", "scatter_us"),
+            ("probability", "period_us", "scatter_us", "again"),
             _retry,
-            _fixed(*([0.1, period, 0.2 * period] for period in (100.0, 500.0, 2000.0, 8000.0))),
+            _fixed(
+                *([0.1, period, 0.2 * period, 0.0] for period in (100.0, 500.0, 2000.0, 8000.0))
+            ),
             _machine,
+            refinements=({3: 0.3},),
         ),
         Candidate(
             "input_filter",
@@ -431,10 +448,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "contact_bounce",
-            ("probability", "mean_us", "least_us"),
-            lambda _, p: Change(pin_extra=(Extra(_some(p[0]), mean=abs(p[1]), offset=abs(p[2])),)),
-            _fixed([0.2, 30.0, 0.0], [0.2, 300.0, 0.0], [0.2, 3000.0, 0.0]),
-            refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
+            ("probability", "mean_us", "least_us", "span_us"),
+            _bounce,
+            _fixed(*([0.2, mean, 0.0, 0.0] for mean in (30.0, 300.0, 3000.0))),
+            refinements=tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3)),
         ),
         Candidate(
             "lost_trigger",
@@ -453,9 +470,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "isr_blocking",
-            ("probability", "length_us"),
-            lambda _, p: Change(skip_extra=(Extra(_some(p[0]), width=abs(p[1])),)),
-            _fixed([0.2, 20.0], [0.2, 200.0], [0.2, 2000.0]),
+            ("probability", "length_us", "tail_us"),
+            _blocking,
+            _fixed([0.2, 20.0, 0.0], [0.2, 200.0, 0.0], [0.2, 2000.0, 0.0]),
+            refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
         ),
         Candidate(
             "timer_quantisation",

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
-from skiplatch.campaign import InputPath, Status, Touches
-from skiplatch.campaign.column_kinds import NOT_RECORDED
+from skiplatch.campaign import InputPath
 from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.decide import TEMPER, TIED, Finding, Scored, Split
 from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
+from skiplatch.diagnosis.replay import as_recorded, replayed
 from skiplatch.diagnosis.scene import BoolArray, Scene
 from skiplatch.diagnosis.search import Fit, fit
 from skiplatch.diagnosis.shrink import play_scene
@@ -39,10 +39,8 @@ OWN_PLAYS = 50
 """Of a model that gains nothing; one in 51 would gain less than all of them by chance."""
 MOST_FITTED = 400
 """Touches of a campaign that models are fitted to, to see whether they come apart."""
-CAMPAIGNS = 4
 HOPELESS = 100.0
 """Nats behind, beyond which neither a fit nor another campaign changes the answer."""
-OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
 
 AsEffects = Callable[[Fit], Sequence[Effect]]
 
@@ -283,11 +281,7 @@ def inseparable(
         return []
     chosen = _some(rows, seed)
     scale = float(rows.sum()) / len(chosen)
-    outcomes = play_scene(scene, effects, seed, CAMPAIGNS, jobs=1)
-    campaigns = [
-        Scene(scene.nominal, as_recorded(scene.touches, outcomes, k)).select(chosen)
-        for k in range(CAMPAIGNS)
-    ]
+    campaigns = replayed(scene, chosen, effects, seed)
     behind = _behind(campaigns, best, rivals, scale, executor)
     return [
         Separation(rival, nats, best.score - rival.score)
@@ -301,17 +295,6 @@ def _some(rows: BoolArray, seed: int) -> "np.ndarray[tuple[int], np.dtype[np.int
         rng = np.random.default_rng(seed)
         chosen = np.sort(rng.choice(chosen, MOST_FITTED, replace=False))
     return chosen
-
-
-def as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:
-    """Give a replicate the columns, and the gaps in them, that the record has."""
-    columns = {
-        name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[replicate])
-        for name in OUTCOMES
-    }
-    status = np.where(outcomes.ok[replicate], Status.OK, Status.MISSED)
-    status = np.where(touches.status == NOT_RECORDED, NOT_RECORDED, status)
-    return replace(touches, status=status.astype(touches.status.dtype), **columns)
 
 
 def _behind(

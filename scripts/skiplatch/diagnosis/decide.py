@@ -9,7 +9,8 @@ import numpy as np
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
-from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood
+from skiplatch.diagnosis.law import extra_variance
+from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import BoolArray, Scene
 from skiplatch.diagnosis.search import NOTHING, SLACKS, WORTH_A_REFINEMENT, Fit, fit, polish
@@ -33,12 +34,19 @@ MISSING = 0.2
 """Share of the gain that rare events may cost where the check happens to have none."""
 PLAIN = 15.0
 """Nats of gain that need no check to be believed, only that it does not speak against."""
-SMALLEST_SECOND = 0.1
+PLAIN_SECOND = 0.2
 """Gain of a second effect over that of the first, whose form is never just the one fitted.
 
 One that gains less is believed only where it mends all that the first one leaves."""
 FAINTEST_SECOND = 0.03
 """The same below which it is not believed at all: that much any form is off."""
+SMALLEST_LEFT = 0.1
+"""The same of what no effect explains."""
+NEXT_BEST = 0.5
+"""Share of the best effect's gain from which on another is tried as the first of two."""
+MOST_NEXT_BEST = 2
+SCATTERED = 3.0
+"""Times the believed spread from which on an effect explains by scatter."""
 MOST_SWAPS = 2
 MIMICRY = 0.99
 """Share of a family's gain that an effect has to reach to be named in its place."""
@@ -48,8 +56,8 @@ LEFT_OVER = 1.5
 """What a family may gain on top of an effect, as a share of the effect's own gain."""
 TEMPER = 0.5
 """How far differences in nats are believed: no real effect has just the form that is fitted."""
-TIED = 3.0
-"""Nats of difference that do not tell two effects apart."""
+TIED = 6.0
+"""Nats of difference that do not tell two effects apart: tempered, one in twenty."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -268,6 +276,18 @@ class Judge:
         gained = pair.fitted + pair.checked - first.fitted - first.checked
         return gained / there if there > 0.0 else np.inf
 
+    def is_scatter(self, scored: Scored) -> bool:
+        """Tell whether a model leaves most touches of a stream as scattered as it finds them."""
+        change, scene = scored.fit.change(self._fitting), self._fitting
+        laws = [
+            (law_under(scene, scene.streams[name], change), scene.streams[name].law)
+            for name in affected(scene, change) & scene.streams.keys()
+        ]
+        return any(
+            np.median(np.sqrt(law.spread**2 + extra_variance(law)) / believed.spread) > SCATTERED
+            for law, believed in laws
+        )
+
     def is_material(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether what a model has beyond a smaller one, or none, changes enough to matter."""
         gained = scored.fitted + scored.checked
@@ -314,6 +334,9 @@ def find(judge: Judge) -> Finding:
     best = ranked[0]
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
+    hidden = _hidden(judge, ranked)
+    if hidden:
+        return hidden
     pairs = judge.pairs(best)
     again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
     if again.score > best.score + BETTER:
@@ -333,6 +356,23 @@ def find(judge: Judge) -> Finding:
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
+def _hidden(judge: Judge, ranked: Sequence[Scored]) -> Finding | None:
+    """Find two effects behind one that takes what both do for scatter.
+
+    The next best ones, each of which is mended less by itself, may do far better together.
+    """
+    best = ranked[0]
+    if not judge.is_scatter(best):
+        return None
+    near = [s for s in ranked[1:] if NEXT_BEST * best.score < s.score < best.score - TIED]
+    for first in near[:MOST_NEXT_BEST]:
+        pairs = judge.pairs(first)
+        is_better = pairs[0].score > best.score + PLAIN and judge.is_enough(pairs[0], best)
+        if is_better and best.ids[0] not in pairs[0].ids and _is_second(judge, pairs[0], first):
+            return _two(judge, pairs)
+    return None
+
+
 def only(judge: Judge, single: Scored) -> Finding:
     """Name one effect of the two that were found."""
     ranked = [single, *(scored for scored in judge.singles() if scored.ids != single.ids)]
@@ -345,9 +385,10 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
     if not judge.is_enough(pair, first):
         return False
     if judge.is_elsewhere(pair, first):
-        return not _is_a_form(judge, pair, ENOUGH_FIT)
+        # The first one may well have another form: it cannot be that of what shows elsewhere.
+        return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
     share = judge.share(pair, first)
-    if share >= SMALLEST_SECOND:
+    if share >= PLAIN_SECOND:
         return not _is_a_form(judge, pair, -TIED)
     if share < FAINTEST_SECOND:
         return False
@@ -359,9 +400,11 @@ def _mends_all(judge: Judge, pair: Scored) -> bool:
     return pair.fit.slack == 0.0 and judge.generic(pair.fit)[0].score <= pair.score
 
 
-def _is_a_form(judge: Judge, pair: Scored, margin: float) -> bool:
-    """Tell whether a family in place of either effect does better than a pair by a margin."""
-    others = (_alone(judge, pair, position) for position in (0, 1))
+def _is_a_form(
+    judge: Judge, pair: Scored, margin: float, instead_of: Sequence[int] = (0, 1)
+) -> bool:
+    """Tell whether a family in place of one of the effects does better than a pair by a margin."""
+    others = (_alone(judge, pair, 1 - position) for position in instead_of)
     on_top = (judge.generic(other.fit)[0] for other in others)
     return any(scored.score > pair.score + margin for scored in on_top)
 
@@ -389,7 +432,7 @@ def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
     on_top = [
         g
         for g in judge.generic(finding.model.fit)
-        if judge.is_enough(g, finding.model) and judge.share(g, finding.model) >= SMALLEST_SECOND
+        if judge.is_enough(g, finding.model) and judge.share(g, finding.model) >= SMALLEST_LEFT
     ]
     if on_top and on_top[0].score - score > score * LEFT_OVER:
         return Finding(None, ranking=finding.ranking), on_top[0].ids[-1]

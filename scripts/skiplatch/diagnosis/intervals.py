@@ -8,6 +8,7 @@ have all the others free, and are right for corners and for bells alike.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,20 +25,19 @@ IndexArray = NDArray[np.intp]
 CONFIDENCE = 0.9
 FALL = float(stats.chi2.ppf(CONFIDENCE, 1)) / 2.0
 """Nats from the peak to the end of the interval of a parameter that stands at an end."""
-ONE_SIGMA = 0.5
-"""Nats from the peak that make a step of about a standard deviation."""
+A_STEP = 1.0
+"""Nats from the peak that make a step, of somewhat more than a standard deviation."""
 FIRST_STEP = 1e-3  # of the value
 SMALLEST_STEP = 1e-13
 STRIDE = 8.0
 CLIMBS = 25  # evaluations, a parameter
 DEGREES_OF_FREEDOM = 5  # of the sampled distribution, whose tails reach beyond those sought
-ROUNDS = (80, 80, 240)
+ROUNDS = (60, 60, 60, 240)
 LEAST_SAMPLES = 4.0  # a parameter, that have to count in effect
 TEMPERS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
-INFLATION = 1.2
+INFLATION = 1.5
 RIDGE = 1e-8  # of all variances, so that no direction is quite without one
 OFF_THE_TOP = 1.0  # nats that the mean may lie below the peak
-FLATTEST = 1e-4  # curvature, over that of a parameter alone
 ANYWHERE = 0.8  # of its turn, from which on nothing is known of an angle
 WORST = -1e300
 SEED = 1
@@ -133,6 +133,10 @@ class _Surface:
         values[indices] += moved
         return self(values)
 
+    def fall(self, moved: FloatArray) -> float:
+        """Give by how much it falls where all parameters, shape (p,), are moved."""
+        return self.peak - self(self.values + moved)
+
 
 def estimates(scene: Scene, found: Fit, admitted: Sequence[Effect]) -> list[Estimate]:
     """Settle the parameters of effects on touches, and tell what each may be.
@@ -179,45 +183,43 @@ def _as_estimates(
 
 
 def _free(surface: _Surface) -> tuple[IndexArray, FloatArray]:
-    """Give the parameters that are open, and steps of about a standard deviation."""
+    """Give the parameters that are open, and steps that are worth `A_STEP` each."""
     free = np.array([i for i, slot in enumerate(surface.slots) if not slot.is_held], dtype=np.intp)
-    steps = np.array([_step(surface, i) for i in free])
+    units = np.eye(len(surface.slots))
+    steps = np.array([_step(surface, units[i]) for i in free])
     return free[steps > 0.0], steps[steps > 0.0]
 
 
-def _step(surface: _Surface, index: int) -> float:
-    """Give about a standard deviation of one parameter, the others as they are; 0 for none."""
-    slot = surface.slots[index]
-    step = FIRST_STEP * abs(slot.value)
-    while _falls(surface, index, step) > ONE_SIGMA:
-        if step < SMALLEST_STEP * abs(slot.value):
+def _step(surface: _Surface, direction: FloatArray) -> float:
+    """Give how far to go along a direction, shape (p,), for `A_STEP`; 0 for nowhere."""
+    sizes = np.abs(surface.values[direction != 0.0])
+    room = min(slot.high - slot.low for slot, d in zip(surface.slots, direction, strict=True) if d)
+    step, least = FIRST_STEP * float(sizes.min()), SMALLEST_STEP * float(sizes.max())
+    while _falls(surface, step * direction) > A_STEP:
+        if step < least:
             return 0.0  # it is on a grid, exactly
         step /= STRIDE
-    while step < slot.high - slot.low and _falls(surface, index, step) < ONE_SIGMA:
+    while step < room and _falls(surface, step * direction) < A_STEP:
         step *= 2.0
     return step
 
 
-def _falls(surface: _Surface, index: int, step: float) -> float:
+def _falls(surface: _Surface, moved: FloatArray) -> float:
     """What the likelihood falls to the gentler side: to the other there may be a cliff."""
-    return min(_fall(surface, index, sense * step) for sense in (-1.0, 1.0))
-
-
-def _fall(surface: _Surface, index: int, step: float) -> float:
-    return surface.peak - surface.along(np.array([index]), np.array([step]))
+    return min(surface.fall(moved), surface.fall(-moved))
 
 
 def _reach(surface: _Surface, index: int, sense: float) -> float:
     """How far a parameter goes from an end, the others as they are."""
-    slot = surface.slots[index]
+    slot, unit = surface.slots[index], np.eye(len(surface.slots))[index]
     room = (slot.high - slot.value) if sense > 0.0 else (slot.value - slot.low)
-    if room <= 0.0 or _fall(surface, index, sense * room) <= FALL:
+    if room <= 0.0 or surface.fall(sense * room * unit) <= FALL:
         return slot.value + sense * max(room, 0.0)
     step = room
-    while step > SMALLEST_STEP * room and _fall(surface, index, sense * step / 4.0) > FALL:
+    while step > SMALLEST_STEP * room and surface.fall(sense * step / 4.0 * unit) > FALL:
         step /= 4.0
     crossed = optimize.brentq(
-        lambda s: _fall(surface, index, sense * s) - FALL, 0.0, step, rtol=1e-2, xtol=1e-2 * step
+        lambda s: surface.fall(sense * s * unit) - FALL, 0.0, step, rtol=1e-2, xtol=1e-2 * step
     )
     return slot.value + sense * float(crossed)
 
@@ -251,24 +253,21 @@ def _sampled(
 
 
 def _covariance(surface: _Surface, free: IndexArray, steps: FloatArray) -> FloatArray:
-    """Invert the curvature, taken over steps so wide that corners do not show."""
-    n = len(free)
-    units = np.eye(n)
+    """Give a first guess, in units of the steps: how far each parameter goes, and pairs together.
 
-    def fall(direction: FloatArray) -> float:
-        falls = [surface.peak - surface.along(free, s * steps * direction) for s in (1.0, -1.0)]
-        known = [f for f in falls if f < -0.1 * WORST]
-        return float(np.clip(2.0 * np.mean(known) if known else 1.0, 0.0, 100.0))
-
-    curvature = np.diag([max(fall(unit), 0.1) for unit in units])
-    for i in range(n):
-        for j in range(i):
-            both = fall((units[i] + units[j]) / np.sqrt(2.0)) * 2.0
-            curvature[i, j] = curvature[j, i] = (both - curvature[i, i] - curvature[j, j]) / 2.0
-    scale = np.sqrt(np.diag(curvature))
-    size, axes = np.linalg.eigh(curvature / np.outer(scale, scale))
-    inverse = (axes / np.maximum(size, FLATTEST * n)) @ axes.T
-    return np.asarray(inverse / np.outer(scale, scale))
+    Two ends of a box are sharp each, but where one moves by as much as the other moves back, the
+    likelihood may be level over far more.
+    """
+    units = np.eye(len(surface.slots))
+    directions = [
+        units[i] + sense * units[j]
+        for i, j in combinations(free, 2)
+        if surface.slots[i].parameter.unit == surface.slots[j].parameter.unit
+        for sense in (1.0, -1.0)
+    ]
+    lengths = [_step(surface, direction) for direction in directions]
+    moves = [length * d[free] / steps for length, d in zip(lengths, directions, strict=True)]
+    return np.asarray(sum((np.outer(move, move) for move in moves), np.eye(len(free))))
 
 
 def _weights(logs: FloatArray, least: float = 0.0) -> FloatArray:

@@ -28,6 +28,7 @@ EDGE = np.linspace(-4.0, 4.0, 17)
 """Ticks about the edge of a law at which it is tabulated."""
 BINS = (8, 14)
 """Fewest and most phases of the scans that are tried, as powers of 2."""
+TINY = 1e-9
 MOST_TURNS = 4
 """Periods after which a late scan is not followed further."""
 
@@ -311,9 +312,13 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
     phase, found = best(phases)
     for finer in FINER:
         phase, found = best(phase + finer * tick / period * NEAR)
-    if change.wait is not None and found.sum() < 0.0:
-        return np.zeros(len(turns))  # scans that wait for the motion need not keep a grid
-    return found
+    if change.wait is None:
+        return found
+    # Scans that begin with the motion need not keep a grid: all of them, or those bound to it.
+    _, _, unlocked = change.wait
+    share = float(np.clip(unlocked, TINY, 1.0 - TINY))
+    partly = np.logaddexp(np.log(share) + found, np.log1p(-share))
+    return max(found, partly, np.zeros(len(turns)), key=np.sum)
 
 
 def _position(scene: Scene, stream: Stream, change: Change) -> Law:

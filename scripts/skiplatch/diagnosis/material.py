@@ -86,8 +86,8 @@ def _is_material_in(scene: Scene, stream: Stream, change: Change, materiality: M
         return False
     spread = stream.law.spread[stream.rows]
     shift = np.abs(law.mean - stream.law.mean)[stream.rows]
-    variance = np.abs(law.spread**2 - stream.law.spread**2) + extra_variance(law)
-    scatter = np.sqrt(np.maximum(variance[stream.rows], 0.0))
+    variance = np.abs(law.spread**2 + extra_variance(law) - stream.law.spread**2)
+    scatter = np.sqrt(variance[stream.rows])
     if not _is_resolved(scene, stream, shift, scatter):
         return False
     moved = np.sqrt(shift**2 + RELATIVE * scatter**2)

@@ -1,6 +1,6 @@
 """Finding the parameters of an effect, and the effects of a campaign."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import accumulate, pairwise
@@ -193,15 +193,25 @@ def _loosened(target: _Target, best: FloatArray) -> FloatArray:
 
 
 def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
-    """Free one more parameter at a time, as long as that is worth it."""
-    for refinement in candidate.refinements:
-        start = best.copy()
-        for index, value in refinement.items():
-            start[index] = start[index] or value
-        if np.array_equal(start, best):
-            continue
-        found = _climb(target, start, 0.0)
-        more = np.count_nonzero(found) - np.count_nonzero(best)
-        if target(found, 0.0) < target(best, 0.0) - WORTH_A_REFINEMENT * more:
-            best = found
+    """Free more parameters, the most worthwhile first, as long as that is worth it."""
+
+    def cost(values: FloatArray) -> float:
+        return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
+
+    promising = list(candidate.refinements)
+    while promising:
+        starts = [_freed(best, refinement) for refinement in promising]
+        found = [_climb(target, start, 0.0) if start.any() else best for start in starts]
+        costs = [cost(values) for values in found]
+        promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]
+        if promising:
+            best = found[int(np.argmin(costs))]
     return best
+
+
+def _freed(values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
+    """Give parameters a first value; all 0 where none of them stood at 0."""
+    start = values.copy()
+    for index, value in refinement.items():
+        start[index] = start[index] or value
+    return np.zeros_like(start) if np.array_equal(start, values) else start

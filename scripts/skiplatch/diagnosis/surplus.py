@@ -3,20 +3,17 @@
 The surrogate of an effect is not its simulation, and what it lacks another effect may make up for.
 """
 
-from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 
 import numpy as np
 
-from skiplatch.diagnosis.confirm import AsEffects, as_recorded
+from skiplatch.diagnosis.confirm import AsEffects
 from skiplatch.diagnosis.decide import PLAIN, Finding, Judge, only, worth
 from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.replay import replayed
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, fit, polish
-from skiplatch.diagnosis.shrink import play_scene
-from skiplatch.simulator import Effect
 
-CAMPAIGNS = 4
 PLAINLY_NEEDED = 100.0
 """Nats of a second effect that no surrogate lacks."""
 
@@ -45,17 +42,10 @@ def without_surplus(
     gained = pair.score - single.score
     if gained > PLAINLY_NEEDED:
         return finding
-    run: Callable[..., Iterable[float]] = executor.map if executor else map
-    campaigns = _played(judge, as_effects(single.fit), seed)
-    by_nature = run(_gain, [(campaign, single.fit, pair.fit) for campaign in campaigns])
+    campaigns = replayed(judge.scene, judge.parts.naming, as_effects(single.fit), seed)
+    tasks = [(campaign, single.fit, pair.fit) for campaign in campaigns]
+    by_nature = executor.map(_gain, tasks) if executor else map(_gain, tasks)
     return finding if gained > max(by_nature) + PLAIN else only(judge, single)
-
-
-def _played(judge: Judge, effects: Sequence[Effect], seed: int) -> list[Scene]:
-    scene = judge.scene
-    outcomes = play_scene(scene, effects, seed, CAMPAIGNS, jobs=1)
-    columns = (as_recorded(scene.touches, outcomes, k) for k in range(CAMPAIGNS))
-    return [Scene(scene.nominal, played).select(judge.parts.naming) for played in columns]
 
 
 def _gain(task: tuple[Scene, Fit, Fit]) -> float:

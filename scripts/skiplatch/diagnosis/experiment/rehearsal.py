@@ -19,9 +19,9 @@ from skiplatch.simulator import Outcomes
 
 REHEARSALS = 2
 """Of an experiment, with each model as the truth: every one costs a fit of every rival."""
-APART = 10.0
+APART = 15.0
 """Nats that a rival has to be expected behind: the difference of two log-likelihoods varies by the
-root of twice its mean, so that 19 of 20 experiments then leave more than the 3 nats of a tie."""
+root of twice its mean, so that 19 of 20 experiments then leave more than the 6 nats of a tie."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
