@@ -196,7 +196,6 @@ class _Binding:
     outcome: np.dtype[np.void]
     law: np.dtype[np.void]
     extra: np.dtype[np.void]
-    pretravel_cell: np.dtype[np.void]
     trains_point: np.dtype[np.void]
 
 
@@ -206,8 +205,12 @@ def _declarations(header: Path) -> str:
     return "\n".join(line for line in text.splitlines() if not line.startswith("#"))
 
 
-def _layout(ffi: CData, name: str) -> np.dtype[np.void]:
-    """Give the numpy type of an array of structures, aligned as the compiler does it."""
+def layout(ffi: CData, name: str) -> np.dtype[np.void]:
+    """Give the numpy type of an array of structures, aligned as the compiler does it.
+
+    Raises:
+        SimulationError: numpy lays such a structure out differently.
+    """
     codes = {
         "double": "f8",
         "int32_t": "i4",
@@ -232,29 +235,12 @@ def _binding() -> _Binding:
     return _Binding(
         ffi=ffi,
         library=ffi.dlopen(os.fspath(LIBRARY)),
-        touch=_layout(ffi, "sim_touch_t"),
-        outcome=_layout(ffi, "sim_outcome_t"),
-        law=_layout(ffi, "sim_law_t"),
-        extra=_layout(ffi, "sim_extra_t"),
-        pretravel_cell=_layout(ffi, "pretravel_cell_t"),
-        trains_point=_layout(ffi, "sim_trains_point_t"),
+        touch=layout(ffi, "sim_touch_t"),
+        outcome=layout(ffi, "sim_outcome_t"),
+        law=layout(ffi, "sim_law_t"),
+        extra=layout(ffi, "sim_extra_t"),
+        trains_point=layout(ffi, "sim_trains_point_t"),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class Mathematics:
-    """The firmware's ``comp`` as C has it, for `skiplatch.compensation.firmware` alone."""
-
-    ffi: CData
-    library: CData
-    cell: np.dtype[np.void]
-    """``pretravel_cell_t``."""
-
-
-def mathematics() -> Mathematics:
-    """Give the firmware's own mathematics of compensation."""
-    binding = _binding()
-    return Mathematics(binding.ffi, binding.library, binding.pretravel_cell)
 
 
 def rig_arguments(

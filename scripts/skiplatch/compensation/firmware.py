@@ -7,15 +7,13 @@ headers. Arrays of n directions, points or runs have the shape (n,) unless it is
 from dataclasses import dataclass
 from enum import IntEnum
 from math import inf
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skiplatch.simulator import Mathematics, mathematics
+from skiplatch.simulator import CData, connection, layout
 
 FloatArray = NDArray[np.float64]
-CData = Any
 
 
 class Side(IntEnum):
@@ -118,12 +116,14 @@ def _in(values: ArrayLike) -> FloatArray:
     return np.ascontiguousarray(values, dtype=np.float64)
 
 
-def _doubles(c: Mathematics, values: FloatArray) -> CData:
-    return c.ffi.from_buffer("double[]", values)
+def _doubles(values: FloatArray) -> CData:
+    ffi, _ = connection()
+    return ffi.from_buffer("double[]", values)
 
 
-def _filled(c: Mathematics, values: FloatArray) -> CData:
-    return c.ffi.from_buffer("double[]", values, require_writable=True)
+def _filled(values: FloatArray) -> CData:
+    ffi, _ = connection()
+    return ffi.from_buffer("double[]", values, require_writable=True)
 
 
 def _together(*columns: ArrayLike) -> list[FloatArray]:
@@ -131,36 +131,40 @@ def _together(*columns: ArrayLike) -> list[FloatArray]:
     return [np.array(column) for column in np.broadcast_arrays(*map(_in, columns))]
 
 
-def _names(c: Mathematics) -> dict[int, str]:
+def _names() -> dict[int, str]:
+    _, library = connection()
     prefix = "PRETRAVEL_ERR_"
-    known = (name for name in dir(c.library) if name.startswith(prefix))
-    return {getattr(c.library, name): name.removeprefix(prefix) for name in known}
+    known = (name for name in dir(library) if name.startswith(prefix))
+    return {getattr(library, name): name.removeprefix(prefix) for name in known}
 
 
-def _check(c: Mathematics, code: int, index: int | None = None, gap: CData | None = None) -> None:
-    if code == c.library.PRETRAVEL_OK:
+def _check(code: int, index: int | None = None, gap: CData | None = None) -> None:
+    ffi, library = connection()
+    if code == library.PRETRAVEL_OK:
         return
-    name = _names(c)[code]
+    name = _names()[code]
     where = Gap(gap.alpha_deg, gap.beta_deg, gap.width_deg) if gap and name == "GAP" else None
-    message = c.ffi.string(c.library.pretravel_error(code)).decode()
+    message = ffi.string(library.pretravel_error(code)).decode()
     raise PretravelError(name, message, index, where)
 
 
 def range_um(radius_um: ArrayLike) -> float:
     """V_r = max − min of at least one radius."""
-    c = mathematics()
+    _, library = connection()
     radii = _in(radius_um)
-    return float(c.library.pretravel_range_um(_doubles(c, radii), len(radii)))
+    return float(library.pretravel_range_um(_doubles(radii), len(radii)))
 
 
 def pretravel_um(transducer_um: float, speed_mm_min: float, tau_ms: float) -> float:
     """Give w = w_T + v·τ."""
-    return float(mathematics().library.pretravel_um(transducer_um, speed_mm_min, tau_ms))
+    _, library = connection()
+    return float(library.pretravel_um(transducer_um, speed_mm_min, tau_ms))
 
 
 def from_radius_um(measured_um: float, nominal_um: float, side: Side) -> float:
     """Pretravel from a measured radius that would be `nominal_um` without it."""
-    return float(mathematics().library.pretravel_from_radius_um(measured_um, nominal_um, side))
+    _, library = connection()
+    return float(library.pretravel_from_radius_um(measured_um, nominal_um, side))
 
 
 def estimate_tau(
@@ -171,15 +175,11 @@ def estimate_tau(
     Raises:
         PretravelError: NOT_FINITE, SPEED, FEW_RUNS, ONE_SPEED or TAU.
     """
-    c = mathematics()
+    ffi, library = connection()
     speeds, radii = _together(speed_mm_min, mean_radius_um)
-    tau = c.ffi.new("pretravel_tau_t *")
-    _check(
-        c,
-        c.library.pretravel_estimate_tau(
-            _doubles(c, speeds), _doubles(c, radii), len(speeds), side, tau
-        ),
-    )
+    tau = ffi.new("pretravel_tau_t *")
+    code = library.pretravel_estimate_tau(_doubles(speeds), _doubles(radii), len(speeds), side, tau)
+    _check(code)
     return Tau(tau.tau_ms, tau.tau_uncertainty_ms, tau.offset_um, tau.scatter_um)
 
 
@@ -189,25 +189,23 @@ def fit(points_um: ArrayLike, shape: Shape) -> Fit:
     Raises:
         PretravelError: FEW_POINTS, NOT_FINITE or CENTRE.
     """
-    c = mathematics()
+    ffi, library = connection()
     points = _in(points_um)
-    found = c.ffi.new("pretravel_fit_t *")
-    rows = c.ffi.from_buffer("pretravel_point_t[]", points)
-    _check(c, c.library.pretravel_fit(rows, len(points), shape, found))
+    found = ffi.new("pretravel_fit_t *")
+    rows = ffi.from_buffer("pretravel_point_t[]", points)
+    _check(library.pretravel_fit(rows, len(points), shape, found))
     centre_um = np.array([found.x_um, found.y_um, found.z_um])
     return Fit(centre_um, found.radius_um, found.scatter_um, shape)
 
 
 def radii_um(points_um: ArrayLike, fitted: Fit) -> FloatArray:
     """Trigger radii: the distances of n points, shape (n, 3), from the centre of a fit."""
-    c = mathematics()
+    ffi, library = connection()
     points = _in(points_um)
     radii = np.empty(len(points))
-    centre = c.ffi.new(
-        "pretravel_fit_t *", (*fitted.centre_um, fitted.radius_um, fitted.scatter_um)
-    )
-    rows = c.ffi.from_buffer("pretravel_point_t[]", points)
-    c.library.pretravel_radii_um(rows, len(points), fitted.shape, centre, _filled(c, radii))
+    centre = ffi.new("pretravel_fit_t *", (*fitted.centre_um, fitted.radius_um, fitted.scatter_um))
+    rows = ffi.from_buffer("pretravel_point_t[]", points)
+    library.pretravel_radii_um(rows, len(points), fitted.shape, centre, _filled(radii))
     return radii
 
 
@@ -236,20 +234,20 @@ class Map:
         Raises:
             PretravelError: NOT_FINITE or DIRECTION, with the reading's index.
         """
-        c = mathematics()
+        ffi, library = connection()
         alpha, beta, radius = _together(alpha_deg, beta_deg, radius_um)
-        cells = np.zeros(len(alpha), dtype=c.cell)
-        count = c.ffi.new("uint32_t *")
-        code = c.library.pretravel_map_build(
-            _doubles(c, alpha),
-            _doubles(c, beta),
-            _doubles(c, radius),
+        cells = np.zeros(len(alpha), dtype=layout(ffi, "pretravel_cell_t"))
+        count = ffi.new("uint32_t *")
+        code = library.pretravel_map_build(
+            _doubles(alpha),
+            _doubles(beta),
+            _doubles(radius),
             len(alpha),
-            c.ffi.from_buffer("pretravel_cell_t[]", cells, require_writable=True),
+            ffi.from_buffer("pretravel_cell_t[]", cells, require_writable=True),
             len(cells),
             count,
         )
-        _check(c, code, int(count[0]))
+        _check(code, int(count[0]))
         return cls(cells[: count[0]].copy())
 
     def check(self) -> None:
@@ -258,17 +256,17 @@ class Map:
         Raises:
             PretravelError: FEW_DIRECTIONS, or GAP with where it is.
         """
-        c = mathematics()
-        gap = c.ffi.new("pretravel_gap_t *")
-        _check(c, c.library.pretravel_map_check(self._rows(c), len(self), gap), gap=gap)
+        ffi, library = connection()
+        gap = ffi.new("pretravel_gap_t *")
+        _check(library.pretravel_map_check(self._rows(), len(self), gap), gap=gap)
 
     def at(self, values: ArrayLike, alpha_deg: ArrayLike, beta_deg: ArrayLike) -> FloatArray:
         """Values of any directions, interpolated from one value a cell; map without gaps."""
-        c = mathematics()
+        _, library = connection()
         held = _in(values)
         alpha, beta = _together(alpha_deg, beta_deg)
-        rows, given = self._rows(c), _doubles(c, held)
-        at = c.library.pretravel_map_at
+        rows, given = self._rows(), _doubles(held)
+        at = library.pretravel_map_at
         return np.array(
             [at(rows, given, len(self), a, b) for a, b in zip(alpha, beta, strict=True)]
         )
@@ -286,23 +284,24 @@ class Map:
         Raises:
             PretravelError: DIVISIONS, LIMIT or SCALE.
         """
-        c = mathematics()
+        ffi, library = connection()
         speeds = _in(speed_mm_min)
         unit = Lookup.finest_unit_mm_min(speeds) if unit_mm_min is None else unit_mm_min
-        vertices = np.zeros(c.library.pretravel_grid_size(divisions), dtype=np.uint8)
-        code = c.library.pretravel_grid_build(
-            self._rows(c),
-            _doubles(c, speeds),
+        vertices = np.zeros(library.pretravel_grid_size(divisions), dtype=np.uint8)
+        code = library.pretravel_grid_build(
+            self._rows(),
+            _doubles(speeds),
             len(self),
             divisions,
-            unit * c.library.PRETRAVEL_LOOKUP_PARTS,
-            c.ffi.from_buffer("uint8_t[]", vertices, require_writable=True),
+            unit * library.PRETRAVEL_LOOKUP_PARTS,
+            ffi.from_buffer("uint8_t[]", vertices, require_writable=True),
         )
-        _check(c, code)
+        _check(code)
         return Lookup(vertices, divisions, unit)
 
-    def _rows(self, c: Mathematics) -> CData:
-        return c.ffi.from_buffer("pretravel_cell_t[]", self._cells)
+    def _rows(self) -> CData:
+        ffi, _ = connection()
+        return ffi.from_buffer("pretravel_cell_t[]", self._cells)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -318,7 +317,7 @@ class Lookup:
     @staticmethod
     def finest_unit_mm_min(speed_mm_min: ArrayLike) -> float:
         """Smallest unit in which all of these speeds, shape (count,), fit into a table."""
-        library = mathematics().library
+        _, library = connection()
         units = library.PRETRAVEL_VERTEX_MAX * library.PRETRAVEL_LOOKUP_PARTS
         return float(np.max(_in(speed_mm_min))) / float(units)
 
@@ -328,11 +327,11 @@ class Lookup:
         Args:
             directions: Vectors of 16-bit integers, shape (n, 3).
         """
-        c = mathematics()
-        held = c.ffi.from_buffer("uint8_t[]", self.vertices)
+        ffi, library = connection()
+        held = ffi.from_buffer("uint8_t[]", self.vertices)
         pole = held + len(self.vertices) // 2
-        table = c.ffi.new("pretravel_lookup_t *", (pole, self.divisions))
-        find = c.library.pretravel_lookup
+        table = ffi.new("pretravel_lookup_t *", (pole, self.divisions))
+        find = library.pretravel_lookup
         vectors = np.asarray(directions, dtype=np.int16)
         return self.unit_mm_min * np.array([find(table, *vector) for vector in vectors.tolist()])
 
@@ -346,56 +345,55 @@ def speed_table(radius_um: ArrayLike, speed_mm_min: ArrayLike, plan: Plan) -> Sp
         PretravelError: NOT_FINITE, TAU, LIMIT, SPEED, FEW_DIRECTIONS, TOO_SLOW, TOO_FAST,
             OVERTRAVEL or RAMP, with the direction's index.
     """
-    c = mathematics()
+    ffi, library = connection()
     radii, before = _together(radius_um, speed_mm_min)
     after = np.empty(len(radii))
-    result = c.ffi.new("pretravel_result_t *")
-    code = c.library.pretravel_speed_table(
-        _doubles(c, radii),
-        _doubles(c, before),
+    result = ffi.new("pretravel_result_t *")
+    code = library.pretravel_speed_table(
+        _doubles(radii),
+        _doubles(before),
         len(radii),
-        _plan(c, plan),
-        _filled(c, after),
+        _plan(plan),
+        _filled(after),
         result,
     )
-    _check(c, code, int(result.where))
+    _check(code, int(result.where))
     return SpeedTable(after, result.target_um)
 
 
-def _plan(c: Mathematics, plan: Plan) -> CData:
-    names = [name for name, _ in c.ffi.typeof("pretravel_plan_t").fields]
-    return c.ffi.new("pretravel_plan_t *", {name: getattr(plan, name) for name in names})
+def _plan(plan: Plan) -> CData:
+    ffi, _ = connection()
+    names = [name for name, _ in ffi.typeof("pretravel_plan_t").fields]
+    return ffi.new("pretravel_plan_t *", {name: getattr(plan, name) for name in names})
 
 
 def predict_um(
     radius_um: ArrayLike, speed_mm_min: ArrayLike, new_speed_mm_min: ArrayLike, tau_ms: float
 ) -> FloatArray:
     """Radii to be expected at new speeds: r + (v₁ − v₀)·τ."""
-    c = mathematics()
+    _, library = connection()
     radii, before, after = _together(radius_um, speed_mm_min, new_speed_mm_min)
     predicted = np.empty(len(radii))
-    c.library.pretravel_predict_um(
-        _doubles(c, radii),
-        _doubles(c, before),
-        _doubles(c, after),
+    library.pretravel_predict_um(
+        _doubles(radii),
+        _doubles(before),
+        _doubles(after),
         len(radii),
         tau_ms,
-        _filled(c, predicted),
+        _filled(predicted),
     )
     return predicted
 
 
 def time_increase(speed_mm_min: ArrayLike, new_speed_mm_min: ArrayLike) -> float:
     """Δt_R: how much longer the approaches take, as a fraction."""
-    c = mathematics()
+    _, library = connection()
     before, after = _together(speed_mm_min, new_speed_mm_min)
-    return float(
-        c.library.pretravel_time_increase(_doubles(c, before), _doubles(c, after), len(after))
-    )
+    return float(library.pretravel_time_increase(_doubles(before), _doubles(after), len(after)))
 
 
 def safe_speed_mm_min(overtravel_um: float, *, reaction_us: float, accel_mm_s2: float) -> float:
     """Speed whose overtravel, v·t + v²/2a, is just `overtravel_um`; from ``cycle/overtravel.h``."""
-    c = mathematics()
-    path = c.ffi.new("overtravel_path_t *", (reaction_us, accel_mm_s2))
-    return float(c.library.overtravel_safe_feed_mm_min(path, overtravel_um))
+    ffi, library = connection()
+    path = ffi.new("overtravel_path_t *", (reaction_us, accel_mm_s2))
+    return float(library.overtravel_safe_feed_mm_min(path, overtravel_um))
