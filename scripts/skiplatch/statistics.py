@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Self
 
-from scipy import stats
+import scipy  # its parts load when they are first used, which takes most of a second
 
 CONFIDENCE = 0.95
 
@@ -24,19 +24,19 @@ class Interval:
 
 def proportion(successes: int, trials: int, confidence: float = CONFIDENCE) -> Interval:
     """Estimate a probability, with the interval of Clopper and Pearson."""
-    interval = stats.binomtest(successes, trials).proportion_ci(confidence)
+    interval = scipy.stats.binomtest(successes, trials).proportion_ci(confidence)
     return Interval(successes / trials, interval.low, interval.high)
 
 
 def rate_bound(trials: int, confidence: float = CONFIDENCE) -> float:
     """Give what the rate of an event does not exceed that never came in so many trials."""
-    test = stats.binomtest(0, trials, alternative="less")
+    test = scipy.stats.binomtest(0, trials, alternative="less")
     return float(test.proportion_ci(confidence).high)
 
 
 def mean(value: float, deviation: float, count: int, confidence: float = CONFIDENCE) -> Interval:
     """Estimate a mean from that of a sample and from its standard deviation."""
-    quantile = stats.t.ppf((1.0 + confidence) / 2.0, count - 1)
+    quantile = scipy.stats.t.ppf((1.0 + confidence) / 2.0, count - 1)
     half = float(quantile) * deviation / math.sqrt(count)
     return Interval(value, value - half, value + half)
 
@@ -55,7 +55,7 @@ def standard_deviation(
     if value == 0.0:
         return Interval(0.0, 0.0, 0.0)
     error = math.sqrt(max(fourth_moment - value**4, 0.0) / count) / (2.0 * value)
-    half = float(stats.norm.ppf((1.0 + confidence) / 2.0)) * error
+    half = float(scipy.stats.norm.ppf((1.0 + confidence) / 2.0)) * error
     return Interval(value, max(value - half, 0.0), value + half)
 
 
@@ -70,5 +70,5 @@ def uniform_width(seen: float, count: int, confidence: float = CONFIDENCE) -> In
         count: Size of the sample, at least 2.
         confidence: Of the interval.
     """
-    low, high = stats.beta.interval(confidence, count - 1, 2)
+    low, high = scipy.stats.beta.interval(confidence, count - 1, 2)
     return Interval(seen * (count + 1) / (count - 1), seen / float(high), seen / float(low))

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
-from scipy import optimize, special, stats
+import scipy
 
 from skiplatch.campaign import Campaign, Kind, Nominal
 from skiplatch.campaign.constraints import FloatArray
@@ -124,7 +124,7 @@ def _noisy_box(times_us: FloatArray) -> FloatArray:
     def misfit(figures: FloatArray) -> FloatArray:
         return _share_below(seen_us, *figures) - MIDDLE
 
-    found = optimize.least_squares(
+    found = scipy.optimize.least_squares(
         misfit,
         start,
         bounds=([0.0, SPAN_MIN_US, SPAN_MIN_US], np.inf),
@@ -139,7 +139,7 @@ def _share_below(times_us: FloatArray, latency: float, jitter: float, sigma: flo
 
     def ramp(x: FloatArray) -> FloatArray:
         z = x / sigma
-        value: FloatArray = x * special.ndtr(z) + sigma * stats.norm.pdf(z)
+        value: FloatArray = x * scipy.special.ndtr(z) + sigma * scipy.stats.norm.pdf(z)
         return value
 
     return (ramp(times_us - latency) - ramp(times_us - latency - jitter)) / jitter
@@ -150,7 +150,7 @@ def _with_intervals(
 ) -> list[Interval]:
     """Estimate, with percentile intervals of the bootstrap."""
     values = estimate(times_us)
-    found = stats.bootstrap(
+    found = scipy.stats.bootstrap(
         (times_us,),
         estimate,
         n_resamples=RESAMPLES,

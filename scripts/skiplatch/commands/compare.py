@@ -7,7 +7,6 @@ import click
 from skiplatch.campaign import read_campaign
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.comparison import DEFAULT_ALPHA, as_json, as_text, compare
-from skiplatch.figures.comparison import draw_comparison
 
 EPILOG = """\b
 Example:
@@ -52,5 +51,8 @@ def command(
     click.echo(as_text(comparison))
     write_json(json_path, {"campaign": str(campaign), **as_json(comparison)})
     if pictures is not None:
+        # Drawing takes time to load, which only those pay who want a picture.
+        from skiplatch.figures.comparison import draw_comparison  # noqa: PLC0415
+
         for path in draw_comparison(comparison, pictures):
             click.echo(f"wrote {path}")

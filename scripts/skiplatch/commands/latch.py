@@ -8,7 +8,6 @@ import click
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.rig_options import rig_json, rig_options, within
-from skiplatch.figures.latch_errors import draw_latch_errors
 from skiplatch.latch import Effort, as_json, as_text, examine
 
 EPILOG = """\b
@@ -79,6 +78,9 @@ def command(
     document = {"format": "skiplatch-latch/1", **conditions, "rig": rig_json(rig)}
     write_json(json_path, {**document, "paths": as_json(results)})
     if pictures is not None:
+        # Drawing takes time to load, which only those pay who want a picture.
+        from skiplatch.figures.latch_errors import draw_latch_errors  # noqa: PLC0415
+
         picture = pictures / "latch_errors.svg"
         errors = {path: result.errors for path, result in results.items()}
         draw_latch_errors(picture, errors, feed_mm_min)

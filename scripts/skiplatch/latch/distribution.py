@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from skiplatch.statistics import CONFIDENCE, Interval, mean, standard_deviation
 
@@ -113,9 +113,9 @@ class Distribution:
 
     def _quantiles(self, count: int) -> dict[float, Interval]:
         """Interpolate in the bins; the intervals, of order statistics, allow for half a bin."""
-        fitted = stats.rv_histogram((self._counts, self._bins.edges), density=False)
-        low_rank = stats.binom.ppf((1.0 - CONFIDENCE) / 2.0, count, QUANTILES) - 1.0
-        high_rank = stats.binom.ppf((1.0 + CONFIDENCE) / 2.0, count, QUANTILES) + 1.0
+        fitted = scipy.stats.rv_histogram((self._counts, self._bins.edges), density=False)
+        low_rank = scipy.stats.binom.ppf((1.0 - CONFIDENCE) / 2.0, count, QUANTILES) - 1.0
+        high_rank = scipy.stats.binom.ppf((1.0 + CONFIDENCE) / 2.0, count, QUANTILES) + 1.0
         half = self._bins.width / 2.0
         values = np.clip(fitted.ppf(QUANTILES), *self._extremes)
         lows = fitted.ppf(np.maximum(low_rank, 0.0) / count) - half

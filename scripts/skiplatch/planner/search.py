@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scipy.optimize import minimize_scalar
+import scipy
 
 from skiplatch.planner.model import (
     Limits,
@@ -95,7 +95,7 @@ def _fastest(time_s: Callable[[float], float], low: float, high: float) -> float
     minimum, at an end or between.
     """
     high = max(low, high)  # they may be equal but for rounding
-    inner = minimize_scalar(time_s, bounds=(low, high), method="bounded").x
+    inner = scipy.optimize.minimize_scalar(time_s, bounds=(low, high), method="bounded").x
     return min(low, float(inner), high, key=time_s)
 
 

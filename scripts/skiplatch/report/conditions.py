@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy import stats
 
 from skiplatch.campaign import Touches
 
@@ -79,4 +79,4 @@ def _dependence(values: FloatArray, residuals: FloatArray) -> float:
     groups = [group for group in groups if len(group) >= FEWEST]
     if len(groups) < 2 or np.ptp(np.concatenate(groups)) == 0.0:
         return np.nan
-    return float(stats.kruskal(*groups).statistic) / (len(groups) - 1)
+    return float(scipy.stats.kruskal(*groups).statistic) / (len(groups) - 1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
+import scipy
 
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.latch.effort import Effort
@@ -90,7 +90,7 @@ def proportionality(effort: Effort) -> Proportionality:
     speeds_um_ms = np.array(FIT_FEEDS_MM_MIN) / S_PER_MIN  # which is also mm/s
     (slope, intercept), covariance = np.polyfit(speeds_um_ms, ranges, 1, w=1.0 / ranges, cov=True)
     error = np.sqrt(covariance[0, 0])
-    low, high = stats.t.interval(CONFIDENCE, len(ranges) - 2, slope, error)
+    low, high = scipy.stats.t.interval(CONFIDENCE, len(ranges) - 2, slope, error)
     residuals = ranges - (intercept + slope * speeds_um_ms)
     return Proportionality(
         feeds_mm_min=FIT_FEEDS_MM_MIN,
