@@ -1,9 +1,13 @@
 """What all Python tests share."""
 
+import sys
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+
+from refusals import Program
+from skiplatch import cli
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 
@@ -24,3 +28,19 @@ def bench_sample() -> Path:
 def machine_sample() -> Path:
     """A recorded machine campaign without a gap."""
     return SAMPLES / "machine_no_gap"
+
+
+@pytest.fixture
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Program:
+    """The program, called with bad input: ends with 2; gives the one line that it says."""
+
+    def call(*arguments: object) -> str:
+        monkeypatch.setattr(sys, "argv", ["skiplatch", *map(str, arguments)])
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        said = capsys.readouterr().err
+        assert ended.value.code == cli.BAD_INPUT
+        assert said.count("\n") == 1
+        return said
+
+    return call

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from refusals import refusal
 from skiplatch.campaign import (
     NOT_RECORDED,
     Axis,
@@ -16,7 +17,7 @@ from skiplatch.campaign import (
     read_touches,
     reading,
 )
-from skiplatch.errors import CampaignWarning, InputError
+from skiplatch.errors import CampaignWarning
 
 HEADER = (
     "touch,time_s,path,axis,sign,alpha_deg,beta_deg,feed_mm_min,approach_mm,position_mm,"
@@ -39,10 +40,7 @@ def read(folder: Path, text: str | bytes) -> Touches:
 
 
 def complaint(folder: Path, text: str | bytes) -> str:
-    """Give the message without the folder."""
-    with pytest.raises(InputError) as caught:
-        read(folder, text)
-    return str(caught.value).removeprefix(f"{folder}/")
+    return refusal(read, folder, text, folder=folder)
 
 
 def ok_with(column: str, cell: str) -> str:
@@ -346,18 +344,14 @@ def test_too_large_a_file_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_missing_file_is_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        read_touches(tmp_path / "touches.csv")
+    said = refusal(read_touches, tmp_path / "touches.csv", folder=tmp_path)
 
-    assert str(caught.value) == f"{tmp_path}/touches.csv: cannot read: No such file or directory"
+    assert said == "touches.csv: cannot read: No such file or directory"
 
 
 @pytest.mark.parametrize("path", ["/dev/zero", "/"])
 def test_what_is_no_file_is_told(path: str) -> None:
-    with pytest.raises(InputError) as caught:
-        read_touches(path)
-
-    assert str(caught.value) == f"{path}: not a regular file"
+    assert refusal(read_touches, path) == f"{path}: not a regular file"
 
 
 def test_conditions_are_touches_without_outcomes(tmp_path: Path) -> None:

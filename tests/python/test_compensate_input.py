@@ -1,13 +1,13 @@
 """Bad input of ``skiplatch compensate``: named with its place, exit status 2, nothing written."""
 
 import json
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
+from refusals import Program
 from seat_probe import OMP40, radii, write_radii, write_speeds
 from skiplatch import cli
 from skiplatch.errors import CampaignWarning
@@ -42,19 +42,6 @@ def line(number: int, text: str) -> Edit:
     return lambda lines: [*lines[: number - 1], text, *lines[number:]]
 
 
-def ended(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *arguments: object
-) -> str:
-    """Call the program; gives the one line that it says."""
-    monkeypatch.setattr(sys, "argv", ["skiplatch", "compensate", *map(str, arguments)])
-    with pytest.raises(SystemExit) as status:
-        cli.main()
-    error = capsys.readouterr().err
-    assert status.value.code == 2
-    assert error.count("\n") == 1
-    return error
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -83,13 +70,12 @@ def test_bad_radii_are_named_with_their_place(
     tmp_path: Path,
     change: Edit,
     message: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     edit(radii_csv, change)
     out = tmp_path / "table.csv"
 
-    error = ended(monkeypatch, capsys, radii_csv, "--v0", V0, "--tau", TAU, "--out", out)
+    error = refused("compensate", radii_csv, "--v0", V0, "--tau", TAU, "--out", out)
 
     assert message in error
     assert not out.exists()
@@ -111,15 +97,12 @@ def test_bad_speeds_are_named_with_their_place(
     tmp_path: Path,
     change: Edit,
     message: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     edit(speeds_csv, change)
     out = tmp_path / "table.csv"
 
-    error = ended(
-        monkeypatch, capsys, radii_csv, "--v0", V0, "--tau-from", speeds_csv, "--out", out
-    )
+    error = refused("compensate", radii_csv, "--v0", V0, "--tau-from", speeds_csv, "--out", out)
 
     assert message in error
     assert not out.exists()
@@ -131,16 +114,13 @@ def test_slope_against_the_side_is_a_delay_below_zero(
     tmp_path: Path,
     outside: bool,
     hint: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     speeds = write_speeds(tmp_path / "speeds.csv", 12.68, outside=outside)
     side = "--inside" if outside else "--outside"
     out = tmp_path / "table.csv"
 
-    error = ended(
-        monkeypatch, capsys, radii_csv, "--v0", V0, "--tau-from", speeds, side, "--out", out
-    )
+    error = refused("compensate", radii_csv, "--v0", V0, "--tau-from", speeds, side, "--out", out)
 
     assert "speeds.csv: mean_radius_um: tau <= 0" in error
     assert hint in error
@@ -162,13 +142,12 @@ def test_refusal_leaves_no_file_at_all(
     tmp_path: Path,
     arguments: list[str],
     message: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     before = set(tmp_path.iterdir())
     outputs = ["--header", tmp_path / "t.h", "--nc", tmp_path / "t.nc", "--out", tmp_path / "t.csv"]
 
-    error = ended(monkeypatch, capsys, radii_csv, *arguments, *outputs)
+    error = refused("compensate", radii_csv, *arguments, *outputs)
 
     assert message in error
     assert set(tmp_path.iterdir()) == before
@@ -211,13 +190,11 @@ def test_bad_option_is_told_and_ends_with_2(
     assert set(tmp_path.iterdir()) == before
 
 
-def test_empty_file_is_told(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_empty_file_is_told(tmp_path: Path, refused: Program) -> None:
     path = tmp_path / "radii.csv"
     path.touch()
 
-    error = ended(monkeypatch, capsys, path, "--v0", V0, "--tau", TAU, "--out", "t.csv")
+    error = refused("compensate", path, "--v0", V0, "--tau", TAU, "--out", "t.csv")
 
     assert "radii.csv:1: expected a header row, got an empty file" in error
 
@@ -245,13 +222,12 @@ def test_delay_that_is_lost_in_the_scatter_is_warned_of(radii_csv: Path, tmp_pat
 def test_delay_too_uncertain_for_a_prediction_is_told(
     radii_csv: Path,
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     out = tmp_path / "t.csv"
     delay = ["--tau", TAU, "--tau-uncertainty", "100"]
 
-    error = ended(monkeypatch, capsys, radii_csv, "--v0", V0, *delay, "--out", out)
+    error = refused("compensate", radii_csv, "--v0", V0, *delay, "--out", out)
 
     assert "tau of 12.68 ms with a standard uncertainty of 100 ms: in " in error
     assert not out.exists()
@@ -273,15 +249,14 @@ def test_few_azimuths_are_warned_of(tmp_path: Path) -> None:
 def test_old_outputs_stay_when_one_cannot_be_written(
     radii_csv: Path,
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     out = tmp_path / "table.csv"
     out.write_text("old")
     (tmp_path / "taken").mkdir()
 
-    error = ended(
-        monkeypatch, capsys, radii_csv, "--v0", V0, "--tau", TAU,
+    error = refused(
+        "compensate", radii_csv, "--v0", V0, "--tau", TAU,
         "--out", out, "--nc", tmp_path / "absent" / "t.nc",
     )  # fmt: skip
 
@@ -293,14 +268,13 @@ def test_old_outputs_stay_when_one_cannot_be_written(
 def test_table_before_must_have_the_directions_of_the_map(
     radii_csv: Path,
     tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
     table = tmp_path / "old.csv"
     table.write_text("alpha_deg,beta_deg,feed_mm_min\n0,0,50\n")
 
-    error = ended(
-        monkeypatch, capsys, radii_csv, "--v0", V0, "--tau", TAU,
+    error = refused(
+        "compensate", radii_csv, "--v0", V0, "--tau", TAU,
         "--previous", table, "--out", tmp_path / "t.csv",
     )  # fmt: skip
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from refusals import refusal
 from skiplatch.errors import InputError
 from skiplatch.files import (
     atomic_write_bytes,
@@ -55,10 +56,9 @@ def test_failure_leaves_the_old_file(
     (tmp_path / "a").write_text("old")
     monkeypatch.setattr(os, step, fail)
 
-    with pytest.raises(InputError) as caught:
-        atomic_write_bytes(tmp_path / "a", b"new")
+    said = refusal(atomic_write_bytes, tmp_path / "a", b"new", folder=tmp_path)
 
-    assert str(caught.value) == f"{tmp_path}/a: cannot write: No space left on device"
+    assert said == "a: cannot write: No space left on device"
     assert (tmp_path / "a").read_text() == "old"
     assert names(tmp_path) == ["a"]
 
@@ -101,17 +101,13 @@ def test_device_is_written_to_not_replaced() -> None:
 
 
 def test_folder_in_place_of_the_file_is_one_clear_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        atomic_write_bytes(tmp_path, b"")
-
-    assert str(caught.value) == f"{tmp_path}: cannot write: Is a directory"
+    assert refusal(atomic_write_bytes, tmp_path, b"") == f"{tmp_path}: cannot write: Is a directory"
 
 
 def test_missing_folder_is_one_clear_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError) as caught:
-        atomic_write_bytes(tmp_path / "no" / "a", b"")
+    said = refusal(atomic_write_bytes, tmp_path / "no" / "a", b"", folder=tmp_path)
 
-    assert str(caught.value) == f"{tmp_path}/no/a: cannot write: No such file or directory"
+    assert said == "no/a: cannot write: No such file or directory"
 
 
 def test_unwritable_folder_is_one_clear_line() -> None:
@@ -141,10 +137,9 @@ def test_failure_leaves_no_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(os, "fsync", fail)
 
-    with pytest.raises(InputError) as caught:
-        atomic_write_folder(tmp_path / "new", {"a": "1"})
+    said = refusal(atomic_write_folder, tmp_path / "new", {"a": "1"}, folder=tmp_path)
 
-    assert str(caught.value) == f"{tmp_path}/new: cannot write: No space left on device"
+    assert said == "new: cannot write: No space left on device"
     assert names(tmp_path) == []
 
 
@@ -169,10 +164,9 @@ def test_what_stands_there_already_is_kept(tmp_path: Path, occupied_by: str) -> 
     else:
         target.write_text("old")
 
-    with pytest.raises(InputError) as caught:
-        atomic_write_folder(target, {"b": "1"})
+    said = refusal(atomic_write_folder, target, {"b": "1"}, folder=tmp_path)
 
-    assert str(caught.value) == f"{target}: exists already and is not an empty folder"
+    assert said == "new: exists already and is not an empty folder"
     assert names(tmp_path) == ["new"]
     assert target.is_file() or names(target) == ["a"]
 
@@ -194,10 +188,9 @@ def test_what_appears_meanwhile_is_kept(tmp_path: Path, monkeypatch: pytest.Monk
 def test_file_among_the_folders_above_is_one_clear_line(tmp_path: Path) -> None:
     (tmp_path / "up").write_text("")
 
-    with pytest.raises(InputError) as caught:
-        atomic_write_folder(tmp_path / "up" / "new", {})
+    said = refusal(atomic_write_folder, tmp_path / "up" / "new", {}, folder=tmp_path)
 
-    assert str(caught.value) == f"{tmp_path}/up/new: cannot write: Not a directory"
+    assert said == "up/new: cannot write: Not a directory"
 
 
 def test_folder_in_an_unwritable_one_is_one_clear_line() -> None:

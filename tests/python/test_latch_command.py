@@ -1,13 +1,13 @@
 """``skiplatch latch`` as the user meets it."""
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from click.testing import CliRunner, Result
 
+from refusals import Program
 from skiplatch import cli
 
 QUICK = ["latch", "--touches", "2000", "--jobs", "2"]
@@ -153,18 +153,9 @@ def test_bad_option_is_told_and_ends_with_2(arguments: list[str], message: str) 
 def test_bad_input_is_one_line_and_ends_with_2(
     arguments: list[str],
     message: str,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    refused: Program,
 ) -> None:
-    monkeypatch.setattr(sys, "argv", ["skiplatch", *QUICK, *arguments])
-
-    with pytest.raises(SystemExit) as ended:
-        cli.main()
-
-    error = capsys.readouterr().err
-    assert ended.value.code == 2
-    assert message in error
-    assert error.count("\n") == 1
+    assert message in refused(*QUICK, *arguments)
 
 
 def test_no_bar_is_shown_where_stderr_is_no_terminal() -> None:
