@@ -4,6 +4,7 @@ The figures are those that reproduce the middle of what was recorded, from the 5
 quantile. What comes now and then is no nominal figure: it is left to a diagnosis.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 
@@ -139,7 +140,8 @@ def _share_below(times_us: FloatArray, latency: float, jitter: float, sigma: flo
 
     def ramp(x: FloatArray) -> FloatArray:
         z = x / sigma
-        value: FloatArray = x * scipy.special.ndtr(z) + sigma * scipy.stats.norm.pdf(z)
+        density = np.exp(-0.5 * z**2) / math.sqrt(2.0 * math.pi)
+        value: FloatArray = x * scipy.special.ndtr(z) + sigma * density
         return value
 
     return (ramp(times_us - latency) - ramp(times_us - latency - jitter)) / jitter
