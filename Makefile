@@ -693,11 +693,13 @@ $(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
 	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
 
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
+# A file's tests share what is dear to make, and the last files are short ones.
+PYTEST_JOBS     = --numprocesses=$(shell nproc) --dist=loadfile --no-loadscope-reorder
 $(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec \
                               $(if $(TOOLS.arm),linked-cortex_m3) \
                               $(if $(TOOLS.avr),programs-atmega328p $(SIMAVR_RIG)) \
                               $(if $(TOOLS.avr),linked-atmega2560 build/host/atmega2560_run) FORCE
-	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --quiet --junitxml=$@ tests/python || true
+	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) $(PYTEST_JOBS) --quiet --junitxml=$@ tests/python || true
 
 # Whatever the suite wrote beside its one declared result is counted as well.
 $(RIG_SUITES:%=run-%): run-bench-%: program $(if $(LINUX),contract-linux-programs $(RIG:%.c=$(OUT)/%))
