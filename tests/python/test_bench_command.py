@@ -48,6 +48,14 @@ def channel(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture(autouse=True)
+def interruptible() -> Iterator[None]:
+    """What a shell starts in the background ignores Ctrl-C, and so would the tests of it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture(autouse=True)
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "LATCH_PATIENCE_S", 0.1)
     monkeypatch.setattr(run, "EDGE_PATIENCE_S", 0.3)
