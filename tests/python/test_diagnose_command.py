@@ -41,9 +41,16 @@ def test_help_has_an_example(command: str) -> None:
     assert f"Example:\n    skiplatch {command} " in run(command, "--help")
 
 
-def test_diagnosis_and_prediction_go_together(tmp_path: Path) -> None:
-    diagnosis = tmp_path / "diagnosis.json"
-    run("diagnose", str(BENCH), "--json", str(diagnosis))
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """What a diagnosis beside the truth prints, and its JSON file."""
+    path = tmp_path_factory.mktemp("diagnosed") / "diagnosis.json"
+    truth = "isr_latency:latency_us=41.7"
+    return run("diagnose", str(BENCH), "--truth", truth, "--json", str(path)), path
+
+
+def test_diagnosis_and_prediction_go_together(diagnosed: tuple[str, Path], tmp_path: Path) -> None:
+    _, diagnosis = diagnosed
     document = json.loads(diagnosis.read_text())
     assert document["format"] == "skiplatch-diagnosis/1"
     assert document["verdict"] == "explained"
@@ -70,17 +77,16 @@ def test_what_is_below_a_stated_size_is_no_gap(tmp_path: Path) -> None:
     diagnosis = tmp_path / "diagnosis.json"
     output = run("diagnose", str(BENCH), "--material-us", "60", "--json", str(diagnosis))
 
-    assert "A gap counts from 60 µs on in times" in output
+    said = "A gap counts from 60 µs on in times, and from 0.2 of the rig's own spread on in lengths"
+    assert said in output
     document = json.loads(diagnosis.read_text())
     assert document["verdict"] == "no_gap"
     assert document["effects"] == []
     assert document["material"] == {"fraction": 0.2, "us": 60.0, "um": None}
 
 
-def test_the_truth_of_a_simulated_campaign_is_an_oracle(tmp_path: Path) -> None:
-    diagnosis = tmp_path / "diagnosis.json"
-    truth = "isr_latency:latency_us=41.7"
-    output = run("diagnose", str(BENCH), "--truth", truth, "--json", str(diagnosis))
+def test_the_truth_of_a_simulated_campaign_is_an_oracle(diagnosed: tuple[str, Path]) -> None:
+    output, diagnosis = diagnosed
 
     assert "the truth does" in output
     gap = json.loads(diagnosis.read_text())["gap"]["latch_after_edge_us"]

@@ -24,6 +24,7 @@ def test_a_recorded_interrupt_latency_is_named_and_the_gap_shrinks() -> None:
     diagnosis = diagnose(read_campaign(SAMPLES / "bench_isr_latency"), seed=1, jobs=JOBS)
 
     assert diagnosis.verdict == Verdict.EXPLAINED
+    assert "A gap counts from 0.2 of the rig's own spread on." in as_text(diagnosis)
     assert ids(diagnosis) == ["isr_latency"]
     (named,) = diagnosis.effects
     assert named.effect.parameters["latency_us"] == pytest.approx(41.7, abs=0.1)

@@ -106,7 +106,8 @@ def test_the_terminal_shows_every_effect_with_its_physics_and_parameters() -> No
 
 def test_its_commands_run_and_print_what_it_shows(tmp_path: Path) -> None:
     run = project_in(tmp_path)
-    run(["make", "setup"])
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "host").symlink_to(ROOT / "build" / "host")
 
     printed = "".join(run(command) for command in commands(WORKED))
 
@@ -166,3 +167,31 @@ def test_its_own_effect_is_played(extended: tuple[Path, Run]) -> None:
     resolution_um = 0.5
     np.testing.assert_allclose(shift_um, bending_um * across, atol=resolution_um + 0.1)
     assert shift_um.mean() == pytest.approx((bending_um * across).mean(), abs=0.05)
+
+
+def diagnosed(project: tuple[Path, Run], effect: str) -> dict[str, dict[str, float]]:
+    """Simulate an effect in the extended project and give what its diagnosis names."""
+    folder, run = project
+    sample = "scripts/samples/machine_no_gap"
+    out = f"build/{effect.partition(':')[0]}"
+    played = ["--nominal", f"{sample}/nominal.toml", "--conditions", f"{sample}/touches.csv"]
+    run(["skiplatch", "simulate", "--effect", effect, *played, "--out", out])
+    run(["skiplatch", "diagnose", out, "--seed", "1", "--jobs", "2", "--json", "own.json"])
+    named = json.loads((folder / "own.json").read_text())["effects"]
+    return {effect["id"]: effect["params"] for effect in named}
+
+
+def test_the_documents_own_effect_is_named_with_its_size(extended: tuple[Path, Run]) -> None:
+    """The bending goes with F·L³/d⁴; which of the three it is, no touch can tell."""
+    named = diagnosed(extended, "stylus_bending:force_n=0.1,length_mm=50,diameter_mm=2")
+
+    assert named.keys() == {"stylus_bending"}
+    p = named["stylus_bending"]
+    size = p["force_n"] * p["length_mm"] ** 3 / p["diameter_mm"] ** 4
+    assert size == pytest.approx(0.1 * 50.0**3 / 2.0**4, rel=0.02)
+
+
+def test_another_effect_is_not_taken_for_the_documents_own(extended: tuple[Path, Run]) -> None:
+    named = diagnosed(extended, "pretravel_lobing:amplitude_um=3,azimuth_deg=20")
+
+    assert named.keys() == {"pretravel_lobing"}
