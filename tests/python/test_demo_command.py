@@ -22,23 +22,33 @@ PICTURES = (
 )
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *arguments: str) -> Result:
-    monkeypatch.setattr(demo, "TOUCHES", 2000)
-    return CliRunner().invoke(cli.group, ["demo", "--jobs", "2", *arguments])
+def run(*arguments: str) -> Result:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(demo, "TOUCHES", 2000)
+        return CliRunner().invoke(cli.group, ["demo", "--jobs", "2", *arguments])
 
 
-def test_help_has_an_example(monkeypatch: pytest.MonkeyPatch) -> None:
-    text = run(monkeypatch, "--help").output
+def show(folder: Path) -> Result:
+    return run("--out", str(folder / "demo"), "--json", str(folder / "a.json"))
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Result]:
+    """The folder of a demo, and what came of it."""
+    folder = tmp_path_factory.mktemp("shown")
+    return folder, show(folder)
+
+
+def test_help_has_an_example() -> None:
+    text = run("--help").output
 
     assert "Example:\n    skiplatch demo --" in text
     for option in ("--out", "--json", "--seed", "--jobs"):
         assert option in text
 
 
-def test_demo_shows_everything_and_ends_with_its_pictures(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    result = run(monkeypatch, "--out", str(tmp_path / "demo"), "--json", str(tmp_path / "a.json"))
+def test_demo_shows_everything_and_ends_with_its_pictures(shown: tuple[Path, Result]) -> None:
+    folder, result = shown
 
     assert result.exit_code == 0, result.output
     for words in ("PLC task, 2 000 touches", "0.0849", "one touch would have to crawl"):
@@ -47,25 +57,25 @@ def test_demo_shows_everything_and_ends_with_its_pictures(
         assert f"Recorded sample {sample}" in result.output
     last_lines = result.output.splitlines()[-len(PICTURES) :]
     for name in PICTURES:
-        assert f"wrote {tmp_path / 'demo' / name}.svg" in last_lines
-        assert (tmp_path / "demo" / f"{name}.svg").stat().st_size > 0
-    document: dict[str, Any] = json.loads((tmp_path / "a.json").read_text())
+        assert f"wrote {folder / 'demo' / name}.svg" in last_lines
+        assert (folder / "demo" / f"{name}.svg").stat().st_size > 0
+    document: dict[str, Any] = json.loads((folder / "a.json").read_text())
     assert document["seed_figures"]["agree"] is True
     assert document["plan"]["feasible"] is True
     assert set(document["comparisons"]) == {"bench_isr_latency", "machine_no_gap"}
 
 
-def test_demo_can_be_shown_again_in_the_same_folder(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    results = [run(monkeypatch, "--out", str(tmp_path)) for _ in range(2)]
+def test_demo_can_be_shown_again_in_the_same_folder(shown: tuple[Path, Result]) -> None:
+    folder, first = shown
 
-    assert [result.exit_code for result in results] == [0, 0]
-    assert results[0].output == results[1].output
+    again = show(folder)
+
+    assert again.exit_code == 0, again.output
+    assert again.output == first.output
 
 
-def test_folder_is_required(monkeypatch: pytest.MonkeyPatch) -> None:
-    result = run(monkeypatch)
+def test_folder_is_required() -> None:
+    result = run()
 
     assert result.exit_code == 2
     assert "Missing option '--out'" in result.output
