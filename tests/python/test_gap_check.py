@@ -1,8 +1,13 @@
 """The withheld check from end to end: a small fixed set, generated, diagnosed, unsealed, scored."""
 
+from contextlib import chdir
+from pathlib import Path
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from skiplatch import cli
 from tests.gap import check, goals
 from tests.gap.scoring import FAILED, Scored
 
@@ -13,10 +18,24 @@ LEAST_RIGHT = 4
 """Naming nothing ever gets three right, and naming the same ever gets one."""
 
 
+def run_here(folder: str, *arguments: str) -> str:
+    """Run a command in a folder without a process of its own, which takes a second to start."""
+    with chdir(folder):
+        result = CliRunner().invoke(cli.group, arguments)
+    return str(result.exception) if result.exit_code else ""
+
+
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> list[Scored]:
     """Run the check once, with the diagnoses one after the other."""
-    return check.check(tmp_path_factory.mktemp("gap") / "set", ORDER, [], jobs=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(check, "run_skiplatch", run_here)
+        return check.check(tmp_path_factory.mktemp("gap") / "set", ORDER, [], jobs=1)
+
+
+def test_a_command_runs_in_a_process_of_its_own(tmp_path: Path) -> None:
+    """Ties try one that succeeds."""
+    assert "none: no such folder" in check.run_skiplatch(str(tmp_path), "compare", "none")
 
 
 def of(results: list[Scored], case: str) -> list[Scored]:
