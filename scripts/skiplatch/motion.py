@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
-
-FloatArray = NDArray[np.float64]
 
 S_PER_MIN = 60.0
 US_PER_S = 1e6

@@ -16,6 +16,7 @@ import cffi
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Status, Touches
 from skiplatch.campaign.nominal import KEYS
 
@@ -47,7 +48,6 @@ HEADERS = (
     ROOT / "host_sim" / "programs" / "trains.h",
 )
 
-FloatArray = NDArray[np.float64]
 CData = Any
 """What cffi hands out has no static type."""
 

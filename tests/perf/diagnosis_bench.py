@@ -19,8 +19,8 @@ from statistics import median
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import (
     Axis,
     InputPath,
@@ -40,7 +40,6 @@ try:
 except ImportError:  # scripts/requirements-bench.lock is not installed
     pyabc = None
 
-FloatArray = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], dict[str, FloatArray]]
 SKIPLATCH = Path(sys.executable).with_name("skiplatch")
 NOMINAL = Path(__file__).parents[2] / "scripts" / "samples" / "machine_no_gap" / "nominal.toml"

@@ -4,12 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy import integrate, special, stats
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.law import SMALLEST, Extra, Law
-
-FloatArray = NDArray[np.float64]
 
 CONTAMINATION = 1e-3
 REACH = 7.0

@@ -11,8 +11,8 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 import scipy
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Kind, Nominal
-from skiplatch.campaign.constraints import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.statistics import CONFIDENCE, Interval
 

@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.campaign.constraints import BoolArray, Constraint
+from skiplatch.arrays import BoolArray
+from skiplatch.campaign.constraints import Constraint
 from skiplatch.errors import quoted
 
 # float64, int64 or int8: every kind of column has its own.

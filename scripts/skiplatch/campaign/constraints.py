@@ -5,10 +5,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from skiplatch.arrays import BoolArray, FloatArray
 
 # Beyond these a quantity is a slip of the pen, and its square or its inverse may not be finite.
 SMALLEST_POSITIVE = 1e-6

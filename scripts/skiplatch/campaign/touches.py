@@ -6,9 +6,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign.column_kinds import NOT_RECORDED, Values
 from skiplatch.campaign.columns import COLUMNS, MEASURED_OUTCOMES, InputPath, Status
-from skiplatch.campaign.constraints import BoolArray, FloatArray
 
 CodeArray = NDArray[np.int8]
 SerialArray = NDArray[np.int64]

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import (
@@ -20,8 +21,6 @@ from skiplatch.motion import Contact, expected_contact
 from skiplatch.progress import shown
 from skiplatch.simulator import Controller, Outcomes, play
 from skiplatch.statistics import proportion
-
-FloatArray = NDArray[np.float64]
 
 REFERENCE_REPLICATES = 100
 MOST_REPLICATES = 999

@@ -5,12 +5,10 @@ conditions. That takes out what the conditions alone spread (lobes, ramps), and 
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skiplatch import statistics
+from skiplatch.arrays import FloatArray
 from skiplatch.statistics import Interval
-
-FloatArray = NDArray[np.float64]
 
 RESOLVABLE = 1e-6  # µm or µs: what differs by less is the rounding of the computer
 

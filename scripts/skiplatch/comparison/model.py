@@ -6,11 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.observables import Observable
 from skiplatch.statistics import Interval
-
-FloatArray = NDArray[np.float64]
 
 DEFAULT_ALPHA = 0.01
 

@@ -5,11 +5,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.motion import Contact
-
-FloatArray = NDArray[np.float64]
 
 
 class Recorded(Protocol):

@@ -10,8 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches, write_campaign
 from skiplatch.compensation import firmware
 from skiplatch.compensation.columns_csv import ALPHA, BETA, FEED, RADIUS, RUN
@@ -26,8 +26,6 @@ from skiplatch.compensation.probe_map import Readings, map_of
 from skiplatch.compensation.rigs import US_PER_MS
 from skiplatch.compensation.touching import Directions, Recording
 from skiplatch.files import atomic_write_text
-
-FloatArray = NDArray[np.float64]
 
 BEFORE = "before"
 AFTER = "after"

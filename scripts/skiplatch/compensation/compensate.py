@@ -3,15 +3,11 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.delay import Delay
 from skiplatch.compensation.formats import rounded
 from skiplatch.compensation.probe_map import ProbeMap
-
-FloatArray = NDArray[np.float64]
 
 HINTS = {"TOO_SLOW": "; map the probe at a higher feed, or give --target max"}
 """What to do about an error of the firmware, by its name."""

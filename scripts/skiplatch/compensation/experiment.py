@@ -8,15 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.compensation import firmware
 from skiplatch.compensation.rigs import US_PER_MS, Rig
 from skiplatch.compensation.touching import Recording, Station, Target
 from skiplatch.simulator import UM_PER_MM, Seat, SimulationError
-
-FloatArray = NDArray[np.float64]
 
 FEED_MAX_MM_MIN = 1000.0
 """What a probe may touch with; no rig here comes near it."""

@@ -11,9 +11,8 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.simulator import CData, connection, layout
-
-FloatArray = NDArray[np.float64]
 
 
 class Side(IntEnum):

@@ -7,12 +7,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.compensation.columns_csv import ALPHA, BETA, FEED, read_columns
 from skiplatch.compensation.firmware import Lookup, PretravelError
 from skiplatch.compensation.probe_map import ProbeMap
 from skiplatch.errors import InputError
-
-FloatArray = NDArray[np.float64]
 
 COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "feed_mm_min": FEED}
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import TOUCHES_FILE, Campaign, InputPath, Touches
 from skiplatch.compensation import firmware
 from skiplatch.compensation.delay import Delay
@@ -22,8 +23,6 @@ from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.motion import expected_contact
 from skiplatch.simulator import S_PER_MIN
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 IndexArray = NDArray[np.intp]
 
 DECIMALS = 3  # of an angle in touches.csv

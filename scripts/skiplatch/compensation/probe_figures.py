@@ -9,10 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.probe_map import ProbeMap
-
-FloatArray = NDArray[np.float64]
 
 BASE_UM = 1e4
 """Laid under the radii for the fit of a centre, where only their differences were given."""

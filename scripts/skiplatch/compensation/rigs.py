@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skiplatch.campaign import (
     AxisNominal,
@@ -24,8 +23,6 @@ from skiplatch.campaign import (
 from skiplatch.compensation.firmware import Side
 from skiplatch.compensation.touching import Directions, Target
 from skiplatch.simulator import Seat
-
-FloatArray = NDArray[np.float64]
 
 US_PER_MS = 1000.0
 M_PER_MM = 1e-3

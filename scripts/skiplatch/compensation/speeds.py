@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.columns_csv import FEED, RADIUS, RUN, Rows, read_columns
-
-FloatArray = NDArray[np.float64]
 
 COLUMNS = {"feed_mm_min": FEED, "run": RUN, "mean_radius_um": RADIUS}
 FEWEST_RUNS = 3

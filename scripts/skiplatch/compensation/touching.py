@@ -7,8 +7,8 @@ along each approach; this module places the approaches in space and turns deviat
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal, Status, Touches
 from skiplatch.compensation.firmware import Side
 from skiplatch.simulator import (
@@ -19,8 +19,6 @@ from skiplatch.simulator import (
     SimulationError,
     play,
 )
-
-FloatArray = NDArray[np.float64]
 
 PAUSE_S = 5.0
 """Between two touches, for the way to the next one; and up to so much again at random."""

@@ -11,16 +11,14 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.compensate import Compensation, Limits, Target, plan_of
 from skiplatch.compensation.delay import S_PER_MIN, Delay
 from skiplatch.compensation.probe_map import ProbeMap
 from skiplatch.errors import InputError
 from skiplatch.statistics import CONFIDENCE, Interval
-
-FloatArray = NDArray[np.float64]
 
 DRAWS = 2000
 MOST_FAILED = 0.1

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.tables import number
-
-FloatArray = NDArray[np.float64]
 
 COLORS = (theme.SKIP, theme.PLC, theme.THIRD, theme.FOURTH)
 MARKS = ("o", "s", "^", "D")

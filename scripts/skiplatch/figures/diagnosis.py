@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
-from numpy.typing import NDArray
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.figures import theme
@@ -16,9 +16,6 @@ from skiplatch.latch.text import TITLES
 from skiplatch.report.conditions import Condition, bins_of
 from skiplatch.report.evidence import Evidence, Seen
 from skiplatch.tables import number
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 BEFORE, AFTER = theme.MUTED, theme.FOURTH
 PANEL_IN = 2.1

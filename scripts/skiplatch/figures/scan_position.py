@@ -4,16 +4,14 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.figures import theme
 from skiplatch.latch.probing import one_touch
 from skiplatch.latch.seed_document.example import FIRST_WAIT_US, SECOND_WAIT_US, wait_from_zero_us
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL
 from skiplatch.simulator import US_PER_S
-
-FloatArray = NDArray[np.float64]
 
 SCANS = 3
 TOUCHES_PER_SCAN = 40

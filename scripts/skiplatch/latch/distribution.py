@@ -6,11 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.statistics import CONFIDENCE, Interval, mean, standard_deviation
-
-FloatArray = NDArray[np.float64]
 
 QUANTILES = (0.5, 0.95, 0.99, 0.999)
 COARSE_BINS = 100  # at most, of the histogram that is drawn and written

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import (
     AxisNominal,
     BenchNominal,
@@ -30,8 +30,6 @@ from skiplatch.simulator import (
     SimulationError,
     play,
 )
-
-FloatArray = NDArray[np.float64]
 
 NO_PROBE = ProbeNominal(
     pretravel_um=0.0, lobe_um=0.0, lobe_phase_deg=0.0, repeatability_um=0.0, delay_us=0.0

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation
 from skiplatch.compensation.delay import S_PER_MIN
@@ -12,7 +13,6 @@ from skiplatch.compensation.probe_figures import ProbeFigures
 from skiplatch.compensation.probe_map import ProbeMap
 from skiplatch.compensation.uncertainty import Uncertainty
 from skiplatch.figures.compensation import (
-    FloatArray,
     Polar,
     draw_delay,
     draw_draws,

@@ -8,9 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches
-
-FloatArray = NDArray[np.float64]
 
 BINS = 8
 FEWEST = 5

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
 from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.report.conditions import Condition, conditions
 from skiplatch.simulator import Controller, Effect, Outcomes, effects, play
-
-FloatArray = NDArray[np.float64]
 
 MOST_TOUCHES = 4_000
 """Touches that are played; of a larger campaign, some are drawn."""
