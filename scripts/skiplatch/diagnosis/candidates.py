@@ -254,6 +254,27 @@ def _overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     return [*seen, [share, float(np.median(late)), 0.0], *usual]
 
 
+def _locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose phases anywhere, and that of the touches whose stamps keep no grid with others."""
+    usual = [
+        *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
+        *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
+    ]
+    grid, waits = scene.streams.get("lattice"), scene.streams.get("latch_plc")
+    if grid is None or waits is None:
+        return usual
+    period = scene.nominal.plc.scan_us
+    rows = grid.rows & waits.rows
+    off = (grid.residuals - np.median(grid.known) + period / 2.0) % period - period / 2.0
+    is_off = np.abs(off[rows]) > SHARP * period
+    if is_off.sum() < FEWEST_LATE:
+        return usual
+    turns = np.exp(2j * np.pi * waits.residuals[rows][is_off] / period)
+    wait = float(np.angle(turns.mean())) / (2.0 * np.pi)
+    spread = float(np.sqrt(max(-2.0 * np.log(np.abs(turns.mean())), 1e-6))) / (2.0 * np.pi)
+    return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean())], *usual]
+
+
 def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
     """Shares of edges that fall into gaps between scans of other lengths, in periods."""
     period = scene.nominal.plc.scan_us
@@ -518,10 +539,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             lambda _, p: Change(
                 wait=(-p[0] % 1.0, float(np.clip(abs(p[1]), 1e-3, LOOSEST)), _share(p[2]))
             ),
-            _fixed(
-                *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
-                *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
-            ),
+            _locks,
         ),
         Candidate(
             "servo_hold",

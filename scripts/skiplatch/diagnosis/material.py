@@ -137,10 +137,17 @@ def is_rest_material(
     return float(excess.mean() + ERRORS * stats.sem(excess)) > threshold**2
 
 
+def _unbound_us(scene: Scene, change: Change) -> float:
+    """How far stamps are off the grid of the others where scans begin with some of the moves."""
+    if change.wait is None or change.wait[2] == 0.0:
+        return 0.0
+    return float(np.sqrt((1.0 - change.wait[2]) / 12.0)) * scene.nominal.plc.scan_us
+
+
 def is_off_grid(scene: Scene, change: Change, law: Law, least_us: float = 0.0) -> bool:
     """Tell whether stamps lie off the believed grid, by more than a tick and what is stated."""
     scatter = float(np.sqrt(max(extra_variance(law)[0], 0.0)))
     late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[0])
     stamps = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))[scene.plc]
-    moved = max(abs(change.period_us), _rms(np.nan_to_num(stamps)))
+    moved = max(abs(change.period_us), _rms(np.nan_to_num(stamps)), _unbound_us(scene, change))
     return moved > least_us or max(scatter, late) > max(scene.nominal.skip.tick_us, least_us)

@@ -164,8 +164,11 @@ def _fit_form(
         ):
             break
         points = [_climb(target, point, widening) for point in points]
-    # A start may sit on a peak too sharp to be found by climbing.
-    return min([*points, *begun], key=lambda point: target(point, 0.0))
+    # A start may sit on a peak too sharp to be found from afar.
+    near = min(begun, key=lambda point: target(point, 0.0))
+    if target(near, 0.0) < min(target(point, 0.0) for point in points):
+        points = [*points, near, _climb(target, near, 0.0)]
+    return min(points, key=lambda point: target(point, 0.0))
 
 
 def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
