@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Touches
 from skiplatch.campaign.nominal import (
     AxisNominal,
@@ -22,9 +22,6 @@ from skiplatch.campaign.nominal import (
     SkipNominal,
 )
 from skiplatch.simulator import Controller, Effect, Outcomes, effects, play
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 RARE = 1e-4
 """False-alarm rate of each statistical check; seeds are fixed."""

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from played_campaigns import BENCH, played
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit

@@ -8,11 +8,12 @@ import pytest
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
+from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import Gap, _Cell, _floor, _gap, _Scored, _share_gone, shrink
 from skiplatch.simulator import Effect
 

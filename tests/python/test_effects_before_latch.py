@@ -13,7 +13,6 @@ from effects_rig import (
     POSITION_TOLERANCE_UM,
     PRETRAVEL_UM,
     STAMP_TOLERANCE_US,
-    FloatArray,
     Trace,
     assert_close,
     assert_follows,
@@ -23,6 +22,7 @@ from effects_rig import (
     run,
     trace,
 )
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Touches
 from skiplatch.simulator import Effect
 

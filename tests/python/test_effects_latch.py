@@ -9,7 +9,6 @@ from effects_rig import (
     RARE,
     SCAN_US,
     STAMP_TOLERANCE_US,
-    FloatArray,
     Trace,
     assert_close,
     assert_follows,
@@ -17,6 +16,7 @@ from effects_rig import (
     first_scan_us,
     trace,
 )
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 
 SKIP, PLC = InputPath.SKIP, InputPath.PLC

@@ -7,7 +7,6 @@ from scipy import stats
 from effects_rig import (
     POSITION_TOLERANCE_UM,
     RESOLUTION_UM,
-    FloatArray,
     Trace,
     assert_close,
     assert_follows,
@@ -15,6 +14,7 @@ from effects_rig import (
     run,
     trace,
 )
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.simulator import Effect
 

@@ -10,9 +10,10 @@ from itertools import accumulate
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
-from skiplatch.diagnosis.law import Extra, FloatArray
+from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import LOBES, Scene
 from skiplatch.motion import S_PER_MIN, contact_at

@@ -4,7 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.diagnosis.law import Extra, FloatArray
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.law import Extra
 
 Number = FloatArray | float
 

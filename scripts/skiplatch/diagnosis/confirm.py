@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.decide import TEMPER, TIED, Finding, Scored, Split
-from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
 from skiplatch.diagnosis.replay import as_recorded, replayed
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, fit
 from skiplatch.diagnosis.shrink import play_scene
 from skiplatch.simulator import Effect, Outcomes

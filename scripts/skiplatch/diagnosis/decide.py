@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
 from skiplatch.diagnosis.law import extra_variance
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import NOTHING, SLACKS, WORTH_A_REFINEMENT, Fit, fit, polish
 from skiplatch.diagnosis.simulated import catalogue
 

@@ -10,11 +10,12 @@ from itertools import product
 import numpy as np
 from scipy import ndimage, optimize, signal, stats
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.candidates import Candidate, Parameters
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import SMALLEST, Extra, FloatArray
+from skiplatch.diagnosis.law import SMALLEST, Extra
 from skiplatch.diagnosis.likelihood import law_under
-from skiplatch.diagnosis.scene import BoolArray, Scene, Stream
+from skiplatch.diagnosis.scene import Scene, Stream
 
 PREFIX = "~"
 """Of the ids of families."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from skiplatch.diagnosis.law import FloatArray
+from skiplatch.arrays import FloatArray
 
 MARGIN = 0.15
 """How far the period may lie from the guess, as a share."""

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch import simulator
-
-FloatArray = NDArray[np.float64]
+from skiplatch.arrays import FloatArray
 
 SMALLEST = 1e-4
 """Scatter in µs or µm below which nothing is resolved, so that no density becomes infinite."""

@@ -9,8 +9,9 @@ from functools import lru_cache, reduce
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import Extra, FloatArray, Law
+from skiplatch.diagnosis.law import Extra, Law
 from skiplatch.diagnosis.scene import Scene, Stream
 
 MISSED = "missed"

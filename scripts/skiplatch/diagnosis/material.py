@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import FloatArray, Law, extra_variance
+from skiplatch.diagnosis.law import Law, extra_variance
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under
 from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
 

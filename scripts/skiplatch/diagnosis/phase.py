@@ -10,8 +10,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
-from skiplatch.diagnosis.law import FloatArray
 from skiplatch.simulator import Controller, Effect, Outcomes, play
 
 NOISE_EXPLAINS = 1.5

@@ -6,9 +6,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Status, Touches
 from skiplatch.campaign.column_kinds import NOT_RECORDED
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import play_scene
 from skiplatch.simulator import Effect, Outcomes
 

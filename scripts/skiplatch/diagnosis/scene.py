@@ -10,11 +10,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Nominal, Status, Touches
-from skiplatch.diagnosis.law import FloatArray, Law
+from skiplatch.diagnosis.law import Law
 from skiplatch.motion import Contact, expected_contact
-
-BoolArray = NDArray[np.bool_]
 
 LOBES = 3.0
 UM_US_PER_MM_S = 1e-3

@@ -8,9 +8,9 @@ from itertools import accumulate, pairwise
 import numpy as np
 from scipy import optimize
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.likelihood import affected, likelihood
 from skiplatch.diagnosis.scene import Scene
 

@@ -18,12 +18,12 @@ import numpy as np
 from scipy import stats
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
-from skiplatch.diagnosis.law import FloatArray
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
 from skiplatch.simulator import Controller, Effect, Outcomes, play
 from skiplatch.statistics import CONFIDENCE, Interval

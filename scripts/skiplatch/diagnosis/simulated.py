@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from scipy import stats
 from scipy.stats import qmc
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.diagnosis.candidates import CANDIDATES, Candidate, Parameters
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import Extra, FloatArray
-from skiplatch.diagnosis.scene import BoolArray, Scene
+from skiplatch.diagnosis.law import Extra
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import (
     Controller,
     Effect,

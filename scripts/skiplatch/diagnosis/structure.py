@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import stats
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import SMALLEST, FloatArray, extra_variance
+from skiplatch.diagnosis.law import SMALLEST, extra_variance
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_rest_material
 from skiplatch.diagnosis.scene import Scene, Stream, rounding_step

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.kinematics.five_axis import (
     CONTROLLER,
@@ -21,7 +22,6 @@ from skiplatch.kinematics.five_axis import (
 from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.simulator import Effect, SimulationError, connection, rig_arguments
 
-FloatArray = NDArray[np.float64]
 CData = Any
 WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}
 MOST_STATIONS = 256

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from math import radians
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.kinematics.correction import CHECK, corrected_as
 from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
 from skiplatch.kinematics.firmware import Fit, TooFewError, fit
@@ -17,7 +17,6 @@ from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
 
-FloatArray = NDArray[np.float64]
 SLOPE_STEP_DEG = 1e-3
 
 

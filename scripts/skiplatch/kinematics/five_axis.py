@@ -10,8 +10,8 @@ from math import radians
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import (
     AxisNominal,
     BenchNominal,
@@ -27,7 +27,6 @@ from skiplatch.campaign import (
 from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.simulator import Controller, Effect, SimulationError, connection, rig_arguments
 
-FloatArray = NDArray[np.float64]
 CData = Any
 UM_PER_MM = 1000.0
 ARCSEC_PER_DEG = 3600.0

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.transmission.firmware import (
     BACKWARD,
@@ -19,7 +20,6 @@ from skiplatch.transmission.firmware import (
     TransmissionError,
 )
 from skiplatch.transmission.pulses import Pulses, read_pulses
-from skiplatch.transmission.spectrum import FloatArray
 from skiplatch.transmission.train import GearTrain
 from skiplatch.transmission.values import Backlash, Evaluation, IntArray, Values
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, signal
 
-FloatArray = NDArray[np.float64]
+from skiplatch.arrays import FloatArray
 
 MOST_ORDERS = 32
 FALSE_ALARM = 1e-6

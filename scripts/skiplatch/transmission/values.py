@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from scipy import ndimage
 from threadpoolctl import threadpool_limits
 
-from skiplatch.transmission.spectrum import Fit, FloatArray, Order, fit_orders, refit
+from skiplatch.arrays import FloatArray
+from skiplatch.transmission.spectrum import Fit, Order, fit_orders, refit
 
 IntArray = NDArray[np.int64]
 

@@ -3,13 +3,11 @@
 from collections.abc import Set as AbstractSet
 
 import numpy as np
-from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Touches
 from skiplatch.motion import expected_contact
 from skiplatch.simulator import Outcomes
-
-FloatArray = NDArray[np.float64]
 
 UM_US_PER_MM_S = 1e-3
 MISSED = "missed"

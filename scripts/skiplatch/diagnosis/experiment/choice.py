@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from skiplatch.arrays import FloatArray
 
 LEAST = 0.01
 """Exponent of the best touch below which a pair of models counts as the same, in nats."""

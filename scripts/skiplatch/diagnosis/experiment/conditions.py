@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
-
-FloatArray = NDArray[np.float64]
 
 FEATURES = 8  # path, feed, direction, sense, position, rotary angle, approach, rest
 FEEDS = 4

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.experiment.channels import MISSED
 
-FloatArray = NDArray[np.float64]
 Samples = Mapping[str, FloatArray]
 """By channel, what m models play in n touches, r times; arrays of shape (m, r, n)."""
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Touches
 from skiplatch.diagnosis.experiment import words
 from skiplatch.diagnosis.experiment.channels import channels, recordable, recorded
@@ -21,7 +22,6 @@ from skiplatch.simulator import US_PER_S, Controller, Outcomes, effects, play
 if TYPE_CHECKING:
     from skiplatch.diagnosis.diagnose import Diagnosis
 
-FloatArray = NDArray[np.float64]
 
 TOUCHES = 60
 WARMER_K = 5.0

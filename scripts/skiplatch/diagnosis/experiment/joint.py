@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 from scipy import optimize
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.experiment.rivals import Model
-from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import SLACKS, WORST, WORTH_A_REFINEMENT, Fit

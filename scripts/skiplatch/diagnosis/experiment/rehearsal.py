@@ -8,11 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Nominal, Status, Touches
 from skiplatch.diagnosis.experiment.channels import recordable
 from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suited, total
 from skiplatch.diagnosis.experiment.rivals import Model
-from skiplatch.diagnosis.law import FloatArray
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.simulator import Outcomes

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from scipy.special import log_softmax
 
-FloatArray = NDArray[np.float64]
+from skiplatch.arrays import FloatArray
 
 SURE = 0.95
 FEWEST = 5
