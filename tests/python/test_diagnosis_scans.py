@@ -30,7 +30,7 @@ def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(
 ) -> None:
     truth = Effect("scan_jitter", {"jitter_us": 200.0, "tail_us": 50.0})
     scene = Scene.of(played(BENCH, truth, seed=seed))
-    change = CANDIDATES["scan_jitter"].change(scene, np.array([200.0, 50.0]))
+    change = CANDIDATES["scan_jitter"].change(scene, np.array([200.0, 50.0, 0.0]))
     period = scene.nominal.plc.scan_us
     stream = scene.streams["lattice"]
     law = law_under(scene, stream, change).select(stream.rows)

@@ -27,7 +27,7 @@ CASES = {
     "isr_latency": [20.0, 5.0, 0.0],
     "isr_blocking": [0.2, 200.0, 0.0],
     "input_image_delay": [1.0],
-    "scan_jitter": [100.0, 50.0],
+    "scan_jitter": [100.0, 50.0, 0.0],
     "following_error": [200.0, 0.0, 0.0],
     "backlash": [3.0, 0.0, 0.0, 0.0],
     "scale_error": [50.0, 0.0, 0.0],

@@ -148,6 +148,18 @@ def test_scan_jitter_begins_scans_late_but_in_their_order(jitter_us: float) -> N
     assert_deviation_follows_the_latch(played)
 
 
+def test_scan_jitter_may_leave_some_scans_on_time() -> None:
+    played = trace(PLC, "scan_jitter", n=10_000, jitter_us=300.0, punctual=0.6)
+    rng = np.random.default_rng(5)
+    is_late = rng.random((40_000, 50)) >= 0.6
+    model_us = waits_of_late_scans(is_late * rng.uniform(0.0, 300.0, (40_000, 50)), seed=6)
+
+    assert stats.ks_2samp(wait_us(played), model_us).pvalue > RARE
+    after_scan_us = (played.changed.latch_us[0] - played.scan_phase_us + 0.02) % SCAN_US
+    shorter_us = 0.4 * 150.0  # the mean gap before a scan on time, after one that may be late
+    assert_share(after_scan_us < 0.05, 0.6 * (1.0 - shorter_us / SCAN_US))
+
+
 @pytest.mark.parametrize("overrun_us", [400.0, 3500.0])
 def test_a_scan_overrun_holds_up_the_scans_behind_it(overrun_us: float) -> None:
     played = trace(PLC, "scan_overrun", n=10_000, probability=0.15, overrun_us=overrun_us)

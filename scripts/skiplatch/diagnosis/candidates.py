@@ -24,6 +24,7 @@ Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 MOST_SCANS_OLD = 7.0
 MOST_RETRIES = 0.9
 MOST_AGAIN = 0.95
+MOST_PUNCTUAL = 0.95
 MOST = 0.6
 MIRRORED = 0.5
 LOOSEST = 0.25
@@ -35,6 +36,8 @@ DRIFT_ROUNDS = 4
 """Each makes the time that a stamp stands for a thousand times as exact, or more."""
 FEWEST_STAMPS = 16
 FEWEST_LATE = 3
+FEW_TICKS = 4.0
+"""By which stamps of scans on time may be off their grid."""
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -246,7 +249,8 @@ def _overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     if stream is None:
         return usual
     late = (stream.known - np.median(stream.known)) % period
-    late = late[np.abs(late - period / 2.0) < (0.5 - SHARP) * period]
+    on_time = FEW_TICKS * scene.nominal.skip.tick_us
+    late = late[np.abs(late - period / 2.0) < 0.5 * period - on_time]
     if len(late) < FEWEST_LATE:
         return usual
     share = len(late) / len(stream.known) / 2.0  # the longer gap before a late scan meets more
@@ -287,10 +291,12 @@ def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
 def _jitter(scene: Scene, p: Parameters) -> Change:
     """Every gap between scans is longer or shorter by the difference of two latenesses."""
     span, tail = abs(p[0]), abs(p[1])
+    late = 1.0 - min(_share(p[2]), MOST_PUNCTUAL)
     off = min(np.sqrt(span**2 / 6.0 + 2.0 * tail**2) / scene.nominal.plc.scan_us, 0.9)
+    longer, shorter = late * (1.0 + off) / 3.0, late * (1.0 - off) / 3.0
     return Change(
-        lattice_extra=(Extra(1.0, width=span, mean=tail),),
-        scan_extra=_gaps(scene, ((1.0 + off) / 3.0, 1.0 + off), ((1.0 - off) / 3.0, 1.0 - off)),
+        lattice_extra=(Extra(late, width=span, mean=tail),),
+        scan_extra=_gaps(scene, (longer, 1.0 + off), (shorter, 1.0 - off)),
     )
 
 
@@ -518,9 +524,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scan_jitter",
-            ("jitter_us", "tail_us"),
+            ("jitter_us", "tail_us", "punctual"),
             _jitter,
-            _fixed([20.0, 5.0], [200.0, 100.0], [100.0, 500.0]),
+            _fixed([20.0, 5.0, 0.0], [200.0, 100.0, 0.0], [100.0, 500.0, 0.0], [10.0, 0.0, 0.5]),
+            refinements=({2: 0.3},),
         ),
         Candidate(
             "scan_overrun",

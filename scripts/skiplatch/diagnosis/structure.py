@@ -114,7 +114,9 @@ def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
     scores = (stream.residuals[rows] - law.mean) / spread
     calm = np.clip(scores, -WINSOR, WINSOR)
     n = len(calm)
-    far = int((np.abs(scores) > OUTLIER).sum())
+    # Rounding puts a value a step off, which is far where the rest hardly scatters.
+    allowed = OUTLIER * spread + rounding_step(scene, stream)
+    far = int((np.abs(stream.residuals[rows] - law.mean) > allowed).sum())
     found = [
         Structure(stream, OUTLIERS, far / n, float(stats.binom.sf(far - 1, n, USUAL_OUTLIERS)))
     ]
