@@ -11,11 +11,12 @@ import numpy as np
 from scipy import ndimage, optimize, signal, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.candidates import Candidate, Parameters
+from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import SMALLEST, Extra
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.surrogates import Parameters
 
 PREFIX = "~"
 """Of the ids of families."""

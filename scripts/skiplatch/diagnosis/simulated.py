@@ -16,10 +16,11 @@ from scipy.stats import qmc
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath, Nominal
-from skiplatch.diagnosis.candidates import CANDIDATES, Candidate, Parameters
+from skiplatch.diagnosis.candidates import CANDIDATES, Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.surrogates import Parameters
 from skiplatch.simulator import (
     Controller,
     Effect,

@@ -1,0 +1,193 @@
+"""Where the search for the parameters of an effect begins: what the touches themselves propose."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.grid import grid_period
+from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.surrogates import LOOSEST, US_PER_H
+
+Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
+
+FEWEST_STAMPS = 16
+FEWEST_LATE = 3
+FEW_TICKS = 4.0
+"""By which stamps of scans on time may be off their grid."""
+SHARP = 0.02
+"""Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
+
+
+def both_signs(*sizes: float) -> Starts:
+    """Propose one parameter at some sizes, of either sign."""
+    return lambda _scene, _given: [[sign * size] for size in sizes for sign in (1.0, -1.0)]
+
+
+def fixed(*starts: Sequence[float]) -> Starts:
+    """Propose the same for every campaign."""
+    return lambda _scene, _given: starts
+
+
+def delays(_scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose delays of either sign."""
+    return [[sign * size, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
+
+
+def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose the slope of the skip path's stamps over time, whole and of either half."""
+    usual = [[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0], [50.0, 0.0, 0.0], [-50.0, 0.0, 0.0]]
+    stream = scene.streams.get("latch_skip")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return usual
+    stamps = scene.touches.latch_us[stream.rows]
+    residuals = (stream.residuals - stream.law.mean)[stream.rows]
+    straight = float(np.median(residuals / stamps)) * 1e6
+    curve, slope = np.polyfit(stamps, residuals / stamps * 1e6, 1)
+    return [[straight, 0.0, 0.0], [float(slope), float(curve) * US_PER_H, 0.0], *usual]
+
+
+def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose the reach of the late stamps, that scan or the one after being late."""
+    period = scene.nominal.plc.scan_us
+    usual = [
+        [0.05, share * period, span * period]
+        for share, span in ((0.3, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 1.0), (1.5, 1.0))
+    ]
+    stream = scene.streams.get("lattice")
+    if stream is None:
+        return usual
+    late = (stream.known - np.median(stream.known)) % period
+    on_time = FEW_TICKS * scene.nominal.skip.tick_us
+    late = late[np.abs(late - period / 2.0) < 0.5 * period - on_time]
+    if len(late) < FEWEST_LATE:
+        return usual
+    share = len(late) / len(stream.known) / 2.0  # the longer gap before a late scan meets more
+    low, span = float(late.min()), float(np.ptp(late))
+    seen = [[share, low + turn, span] for turn in (0.0, period)]
+    return [*seen, [share, float(np.median(late)), 0.0], *usual]
+
+
+def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose phases anywhere, and that of the touches whose stamps keep no grid with others."""
+    usual = [
+        *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
+        *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
+    ]
+    grid, waits = scene.streams.get("lattice"), scene.streams.get("latch_plc")
+    if grid is None or waits is None:
+        return usual
+    period = scene.nominal.plc.scan_us
+    rows = grid.rows & waits.rows
+    off = (grid.residuals - np.median(grid.known) + period / 2.0) % period - period / 2.0
+    is_off = np.abs(off[rows]) > SHARP * period
+    if is_off.sum() < FEWEST_LATE:
+        return usual
+    turns = np.exp(2j * np.pi * waits.residuals[rows][is_off] / period)
+    wait = float(np.angle(turns.mean())) / (2.0 * np.pi)
+    spread = float(np.sqrt(max(-2.0 * np.log(np.abs(turns.mean())), 1e-6))) / (2.0 * np.pi)
+    return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean())], *usual]
+
+
+def ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
+    tick = scene.nominal.skip.tick_us
+    grids = _grids(scene.touches.latch_us[~scene.plc], tick)
+    on_grid = [[grid[0], 0.0, nearest] for grid in grids for nearest in (0.0, 1.0)]
+    usual = on_grid + [
+        [ratio * tick, origin * ratio * tick, 0.0]
+        for ratio in (3.0, 10.0, 30.0)
+        for origin in (0.5, 0.05)
+    ]
+    stream = scene.streams.get("latch_skip")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return usual
+    off = (stream.residuals - stream.law.mean)[stream.rows]
+    variance = float(np.var(off) - np.mean(stream.law.spread[stream.rows] ** 2))
+    seen = np.sqrt(12.0 * max(variance, 0.0) + tick**2)  # by the scatter of a box
+    return [*usual, [seen, float(np.mean(off)) + 0.5 * seen, 0.0]]
+
+
+def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose a longer way, a queue, and both, as far as the soonest and the mean report tell."""
+    usual = [[10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [0.0, 20.0, 0.5], [0.0, 200.0, 0.5]]
+    stream = scene.streams.get("report")
+    if stream is None:
+        return [*usual, [50.0, 100.0, 0.0]]
+    soonest = float(stream.known.min())
+    queue = max(float(np.mean((stream.residuals - stream.law.mean)[stream.rows])) - soonest, 1.0)
+    both = [[soonest, queue / (1.0 - direct), direct] for direct in (0.0, 0.2, 0.6)]
+    return [*usual, *both]
+
+
+def resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that the deviations lie on, and steps of the coordinate, on none."""
+    fine = scene.nominal.axis.resolution_um
+    grids = [[grid[0], 0.0] for grid in _grids(scene.touches.deviation_um, fine)]
+    return grids + [[ratio * fine, 1.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
+
+
+def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose periods by their waits, and by the grid that the stamps keep."""
+    believed = scene.nominal.plc.scan_us
+    coarse = [[share * believed] for share in (-0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0)]
+    stream = scene.streams.get("latch_plc")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return coarse
+    sharp = stream.rows & (scene.mechanics_us < SHARP * believed)
+    waits = stream.residuals[sharp if sharp.sum() >= FEWEST_STAMPS else stream.rows]
+    width = float(np.ptp(np.quantile(waits, [0.01, 0.99])))
+    stamps = scene.touches.latch_us[stream.rows]
+    periods = [grid_period(stamps, guess) for guess in (width, believed)]
+    return [*([period - believed] for period in periods), [width - believed], *coarse]
+
+
+def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
+    """Propose the coarsest grids on which nearly all values lie."""
+    steps = np.rint(values[~np.isnan(values)] / fine).astype(np.int64)
+    if not len(steps):
+        return [[2.0 * fine]]
+    most_off = 0.02 * len(steps)
+    on_grid = [k for k in range(2, 4097) if np.count_nonzero(steps % k) < most_off]
+    return [[k * fine] for k in (on_grid or [2])[-3:]]
+
+
+def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Scan the periods: at each, the best sine by least squares."""
+    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
+    unknown = [[1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0]]
+    if stream is None:
+        return unknown
+    rows = stream.rows & ~np.isnan(scene.touches.position_mm)
+    if not rows.any():
+        return unknown
+    law = law_under(scene, stream, given).select(rows)
+    residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
+    residuals = residuals - np.median(residuals)
+    position = scene.touches.position_mm[rows]
+    weights = 1.0 / law.spread**2
+    span = float(np.ptp(position)) or 1.0
+    frequencies = np.arange(0.5 / span, 2.0, 0.2 / span)
+    waves = np.exp(-2j * np.pi * np.outer(frequencies, position))
+    limited = np.clip(residuals, *np.quantile(residuals, [0.02, 0.98]))
+    power = np.abs(waves @ (weights * limited))
+    starts = []
+    for i in np.argsort(power)[::-1][:3]:
+        wave = waves[i].conj()
+        design = np.column_stack([wave.imag, wave.real])
+        root = np.sqrt(weights)
+        (a, b), *_ = np.linalg.lstsq(design * root[:, None], limited * root, rcond=None)
+        starts.append(
+            [
+                float(np.hypot(a, b)),
+                1.0 / float(frequencies[i]),
+                float(np.rad2deg(np.arctan2(b, a))),
+                0.0,
+                0.0,
+                0.0,
+                0.0,
+            ]
+        )
+    return starts

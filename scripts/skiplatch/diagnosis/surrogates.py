@@ -1,0 +1,214 @@
+"""What the parameters of an effect make of the physics.
+
+The simulator has its own, exact form of every effect; these are the surrogates that propose.
+"""
+
+from itertools import accumulate
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import Extra
+from skiplatch.diagnosis.scene import LOBES, Scene
+from skiplatch.motion import S_PER_MIN, contact_at
+
+Parameters = FloatArray
+
+MOST_SCANS_OLD = 7.0
+MOST_RETRIES = 0.9
+MOST_AGAIN = 0.95
+MOST_PUNCTUAL = 0.95
+MOST = 0.6
+MIRRORED = 0.5
+LOOSEST = 0.25
+"""Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
+SHORTEST_MM = 0.01
+SLOWEST_RATIO = 0.05
+US_PER_H = 3.6e9
+DRIFT_ROUNDS = 4
+"""Each makes the time that a stamp stands for a thousand times as exact, or more."""
+
+
+def as_share(value: float) -> float:
+    """Keep a share between 0 and 1 wherever the search goes."""
+    return float(np.clip(abs(value), 0.0, 1.0))
+
+
+def as_part(value: float) -> float:
+    """Keep what happens to some touches from happening to nearly all of them."""
+    return min(as_share(value), MOST)
+
+
+def feed_error(scene: Scene, p: Parameters) -> Change:
+    """The axis moves at another feed."""
+    ratio = 1.0 + p[0] / 100.0 + p[1] / scene.touches.feed_mm_min
+    ratio = np.maximum(ratio, SLOWEST_RATIO)
+    return _other_motion(scene, ratio, scene.nominal.axis.accel_mm_s2)
+
+
+def unfinished(scene: Scene, p: Parameters) -> Change:
+    """The axis accelerates more slowly."""
+    ratio = float(np.clip(p[0], 0.01, 1.0))
+    return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)
+
+
+def _other_motion(scene: Scene, feed_ratio: FloatArray | float, accel_mm_s2: float) -> Change:
+    wanted_mm_s = scene.touches.feed_mm_min / S_PER_MIN * feed_ratio
+    contact = contact_at(scene.touches, wanted_mm_s, accel_mm_s2)
+    return Change(
+        contact_us=contact.time_us - scene.contact.time_us,
+        speed_ratio=contact.speed_mm_s / scene.contact.speed_mm_s,
+    )
+
+
+def lobing(scene: Scene, p: Parameters) -> Change:
+    """Lobes come on top of the calibrated ones."""
+    azimuth = LOBES * (scene.alpha - np.deg2rad(p[1]))
+    return Change(pretravel_um=p[0] * scene.cos_beta * np.cos(azimuth))
+
+
+def retry(_scene: Scene, p: Parameters) -> Change:
+    """Attempts fail, and some fail again."""
+    share, period = min(as_share(p[0]), MOST_RETRIES), abs(p[1])
+    again = float(np.clip(share + p[3], 0.0, MOST_AGAIN))
+    extras = tuple(
+        Extra(
+            share * (1.0 - again) * again ** (k - 1),
+            offset=k * period,
+            sigma=np.sqrt(k) * abs(p[2]),
+        )
+        for k in range(1, 6)
+    )
+    return Change(pin_extra=extras)
+
+
+def bounce(_scene: Scene, p: Parameters) -> Change:
+    """Some edges come late, by a least, an exponential and a uniform time."""
+    late = Extra(as_part(p[0]), mean=abs(p[1]), offset=abs(p[2]), width=abs(p[3]))
+    return Change(pin_extra=(late,))
+
+
+def blocking(_scene: Scene, p: Parameters) -> Change:
+    """Some interrupts wait for the rest of a masked stretch."""
+    return Change(skip_extra=(Extra(as_part(p[0]), width=abs(p[1]), mean=abs(p[2])),))
+
+
+def transmission(scene: Scene, p: Parameters) -> Change:
+    """The position errs periodically, with a second harmonic."""
+    position = np.nan_to_num(scene.touches.position_mm)
+    known = (scene.whole or scene).touches.position_mm
+    span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
+    period = np.clip(abs(p[1]), SHORTEST_MM, max(span, SHORTEST_MM))
+    turn = 2.0 * np.pi * position / period  # what shows less than a period is not periodic
+    first = p[0] * np.sin(turn + np.deg2rad(p[2]))
+    second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
+    return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))
+
+
+def warmed(scene: Scene, p: Parameters) -> Change:
+    """The position follows the temperature, behind it by a lag."""
+    warmth_k = _lagged(scene, abs(p[1]), as_share(p[2]))
+    return Change(position_um=scene.sign * p[0] * warmth_k * scene.over_x(p[3], p[4]))
+
+
+def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
+    """Temperature behind the thermometer by a first-order lag; shape (n,)."""
+    if scene.whole is not None:
+        return _lagged(scene.whole, lag_s, cold)[scene.chosen]
+    warmth = scene.warmth
+    if lag_s <= 0.0 or len(scene) < 2:
+        return warmth
+    keep = np.exp(-np.diff(scene.touches.time_s) / lag_s)
+    steps = zip(warmth[1:].tolist(), keep.tolist(), strict=True)
+    lagged = accumulate(
+        steps,
+        lambda before, step: step[0] + (before - step[0]) * step[1],
+        initial=(1.0 - cold) * float(warmth[0]),
+    )
+    return np.fromiter(lagged, float, len(warmth))
+
+
+def delay(_scene: Scene, p: Parameters) -> Change:
+    """The pin changes later, by a fixed and a uniform time."""
+    jitter = (Extra(1.0, width=abs(p[1])),) if p[1] else ()
+    return Change(pin_us=p[0], pin_extra=jitter)
+
+
+def image_delay(scene: Scene, p: Parameters) -> Change:
+    """The image is whole scans old, or one more for a share of the touches."""
+    period_us = scene.nominal.plc.scan_us
+    whole, part = divmod(min(abs(p[0]), MOST_SCANS_OLD), 1.0)
+    older = (Extra(part, offset=period_us),) if part else ()
+    return Change(plc_us=float(whole) * period_us, scan_extra=older)
+
+
+def drift(scene: Scene, p: Parameters) -> Change:
+    """The stamps are those of a clock that drifts, ages, and follows the temperature."""
+    warm_us = p[2] * _warmth_k_s(scene) if p[2] else 0.0
+    stamps_us = master_us = scene.touches.latch_us
+    for _ in range(DRIFT_ROUNDS):
+        rate = (p[0] + p[1] * master_us / US_PER_H) * 1e-6
+        master_us = (stamps_us - warm_us) / (1.0 + rate)
+    return Change(stamp_us=stamps_us - master_us)
+
+
+def _warmth_k_s(scene: Scene) -> FloatArray:
+    """Kelvins above the calibration times seconds since the start, touch by touch; shape (n,)."""
+    if scene.whole is not None:
+        return _warmth_k_s(scene.whole)[scene.chosen]
+    steps_s = np.diff(scene.touches.time_s, prepend=0.0)
+    return np.asarray(np.cumsum(scene.warmth * steps_s))
+
+
+def overrun(scene: Scene, p: Parameters) -> Change:
+    """The grid shows a late scan by its lateness; an edge waits for it from the scan before on."""
+    share, late, span = as_part(p[0]), abs(p[1]), abs(p[2])
+    ratio = (late + span / 2.0) / scene.nominal.plc.scan_us
+    met = min(share * (1.0 + ratio), 0.9)  # the longer gap before a late scan meets more edges
+    return Change(
+        lattice_extra=(Extra(met, offset=late, width=span),),
+        scan_extra=_gaps(scene, (met, 1.0 + ratio), (share * max(0.0, 1.0 - ratio), 1.0 - ratio)),
+    )
+
+
+def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
+    """Shares of edges that fall into gaps between scans of other lengths, in periods."""
+    period = scene.nominal.plc.scan_us
+    return tuple(
+        Extra(share, width=length * period, boxless=1.0) for share, length in gaps if share > 0.0
+    )
+
+
+def jitter(scene: Scene, p: Parameters) -> Change:
+    """Every gap between scans is longer or shorter by the difference of two latenesses."""
+    span, tail = abs(p[0]), abs(p[1])
+    late = 1.0 - min(as_share(p[2]), MOST_PUNCTUAL)
+    off = min(np.sqrt(span**2 / 6.0 + 2.0 * tail**2) / scene.nominal.plc.scan_us, 0.9)
+    longer, shorter = late * (1.0 + off) / 3.0, late * (1.0 - off) / 3.0
+    return Change(
+        lattice_extra=(Extra(late, width=span, mean=tail),),
+        scan_extra=_gaps(scene, (longer, 1.0 + off), (shorter, 1.0 - off)),
+    )
+
+
+def coarse_ticks(scene: Scene, p: Parameters) -> Change:
+    """The stamps have coarser ticks."""
+    is_on_grid = p[1] == 0.0
+    # Of two clocks that share no grid, both round down, one after the other.
+    again = 0.0 if is_on_grid else 0.5 * scene.nominal.skip.tick_us
+    later = p[1] + 0.5 * abs(p[0]) * as_share(p[2]) - again
+    return Change(
+        coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=is_on_grid
+    )
+
+
+def pivot(scene: Scene, p: Parameters) -> Change:
+    """The table turns about another centre."""
+    sense = -1.0 if p[3] > MIRRORED else 1.0
+    turn = sense * np.deg2rad(np.nan_to_num(scene.touches.rotary_deg))
+    kept = 1.0 - as_share(p[2])
+    shift_x = kept * p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])
+    shift_y = kept * p[1] - (np.sin(turn) * p[0] + np.cos(turn) * p[1])
+    along = np.cos(scene.alpha) * shift_x + np.sin(scene.alpha) * shift_y
+    return Change(position_um=along * scene.cos_beta)
