@@ -17,7 +17,6 @@ from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import NOTHING, SLACKS, WORTH_A_REFINEMENT, Fit, fit, polish
 from skiplatch.diagnosis.simulated import catalogue
 
-MOST_EFFECTS = 2
 ENOUGH_FIT = 5.0
 """Nats that an effect has to gain, beyond what its parameters are worth."""
 ENOUGH_CHECK = 1.0

@@ -64,10 +64,11 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     late = late[np.abs(late - period / 2.0) < 0.5 * period - on_time]
     if len(late) < FEWEST_LATE:
         return usual
-    share = len(late) / len(stream.known) / 2.0  # the longer gap before a late scan meets more
-    low, span = float(late.min()), float(np.ptp(late))
-    seen = [[share, low + turn, span] for turn in (0.0, period)]
-    return [*seen, [share, float(np.median(late)), 0.0], *usual]
+    met, low, span = len(late) / len(stream.known), float(late.min()), float(np.ptp(late))
+    reaches = [(low, span), (low + period, span), (float(np.median(late)), 0.0)]
+    # The longer gap before a late scan meets more edges than it is scans.
+    seen = [[met / (1.0 + (us + more / 2.0) / period), us, more] for us, more in reaches]
+    return [*seen, *usual]
 
 
 def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
