@@ -21,6 +21,7 @@ from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
 from skiplatch.diagnosis.surplus import without_surplus
+from skiplatch.diagnosis.surrogates import highest
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, effects
 
@@ -256,5 +257,6 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
             value = float(value > HALF_WAY)
         elif parameter.low >= 0.0:
             value = abs(value)
-        admitted[parameter.name] = float(np.clip(value, parameter.low, parameter.high))
+        high = highest(effect_id, parameter)
+        admitted[parameter.name] = float(np.clip(value, parameter.low, high))
     return admitted

@@ -18,6 +18,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.surrogates import highest
 from skiplatch.simulator import Effect, Parameter, effects
 
 IndexArray = NDArray[np.intp]
@@ -56,6 +57,7 @@ class Estimate:
 class _Slot:
     """One parameter of one of the effects."""
 
+    effect_id: str
     parameter: Parameter
     value: float
 
@@ -65,7 +67,9 @@ class _Slot:
 
     @property
     def high(self) -> float:
-        return self.value + self.turn / 2.0 if self.turn else self.parameter.high
+        if self.turn:
+            return self.value + self.turn / 2.0
+        return highest(self.effect_id, self.parameter)
 
     @property
     def turn(self) -> float:
@@ -75,7 +79,7 @@ class _Slot:
     @property
     def is_held(self) -> bool:
         """It stands at 0 or at an end, where a search has no use for it."""
-        return self.value in (0.0, self.parameter.low, self.parameter.high)
+        return self.value in (0.0, self.low, self.high)
 
 
 class _Surface:
@@ -85,7 +89,7 @@ class _Surface:
         self._scene = scene
         self._found = found
         self.slots = [
-            _Slot(parameter, effect.parameters[parameter.name])
+            _Slot(effect.id, parameter, effect.parameters[parameter.name])
             for effect in admitted
             for parameter in effects()[effect.id].parameters
         ]

@@ -255,10 +255,11 @@ def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, F
     begins = np.array([float(np.asarray(extra.offset)) for extra in law.extras])
     ends = begins + np.array([float(np.asarray(extra.width)) for extra in law.extras])
     edges = np.concatenate([begins, ends])
-    edges = (edges[edges != 0.0] + period / 2.0) % period - period / 2.0
+    edges = edges[edges != 0.0]
     where = _lattice_places(tick, period)
     if len(edges):
-        where = np.unique(np.concatenate([where, (edges[:, None] + EDGE * tick).ravel()]))
+        near = (edges[:, None] + EDGE * tick).ravel()  # which may pass the end of the period
+        where = np.unique(np.append(where, (near + period / 2.0) % period - period / 2.0))
     turns = int(min(np.max(ends, initial=0.0) // period, MOST_TURNS)) + 2 if law.extras else 1
     places = (where + period * np.arange(turns)[:, None]).ravel()
     first = law.select(np.zeros(len(places), dtype=np.intp))  # it is the same for all stamps

@@ -12,6 +12,7 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import LOBES, Scene
 from skiplatch.motion import S_PER_MIN, contact_at
+from skiplatch.simulator import Parameter
 
 Parameters = FloatArray
 
@@ -20,6 +21,8 @@ MOST_RETRIES = 0.9
 MOST_AGAIN = 0.95
 MOST_PUNCTUAL = 0.95
 MOST = 0.6
+NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
+"""Effects on some touches or scans, at most that share of them."""
 MIRRORED = 0.5
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
@@ -28,6 +31,12 @@ SLOWEST_RATIO = 0.05
 US_PER_H = 3.6e9
 DRIFT_ROUNDS = 4
 """Each makes the time that a stamp stands for a thousand times as exact, or more."""
+
+
+def highest(effect_id: str, parameter: Parameter) -> float:
+    """Up to where a parameter is searched: what happens to nearly all touches is another effect."""
+    is_partial = effect_id in NOW_AND_THEN and parameter.name == "probability"
+    return min(parameter.high, MOST) if is_partial else parameter.high
 
 
 def as_share(value: float) -> float:
