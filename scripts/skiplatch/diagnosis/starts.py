@@ -54,7 +54,7 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     period = scene.nominal.plc.scan_us
     usual = [
         [0.05, share * period, span * period]
-        for share, span in ((0.3, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (0.5, 1.0), (1.5, 1.0))
+        for share, span in ((0.3, 0.0), (0.5, 0.0), (1.2, 0.0), (2.3, 0.0), (0.5, 1.0), (1.5, 1.0))
     ]
     stream = scene.streams.get("lattice")
     if stream is None:
@@ -65,7 +65,8 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     if len(late) < FEWEST_LATE:
         return usual
     met, low, span = len(late) / len(stream.known), float(late.min()), float(np.ptp(late))
-    reaches = [(low, span), (low + period, span), (float(np.median(late)), 0.0)]
+    middle = float(np.median(late))
+    reaches = [(low, span), (low + period, span), (0.0, low + span), (middle, 0.0)]
     # The longer gap before a late scan meets more edges than it is scans.
     seen = [[met / (1.0 + (us + more / 2.0) / period), us, more] for us, more in reaches]
     return [*seen, *usual]
