@@ -10,7 +10,6 @@ from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
-from skiplatch.diagnosis.law import extra_variance
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import Scene
@@ -284,8 +283,7 @@ class Judge:
             for name in affected(scene, change) & scene.streams.keys()
         ]
         return any(
-            np.median(np.sqrt(law.spread**2 + extra_variance(law)) / believed.spread) > SCATTERED
-            for law, believed in laws
+            np.median(np.sqrt(law.variance) / believed.spread) > SCATTERED for law, believed in laws
         )
 
     def is_material(self, scored: Scored, before: Scored | None = None) -> bool:

@@ -90,6 +90,11 @@ class Law:
         return np.asarray(np.sqrt(variance + SMALLEST**2))
 
     @property
+    def variance(self) -> FloatArray:
+        """Variance of each residual, with the extras; shape (n,)."""
+        return np.asarray(self.spread**2 + extra_variance(self))
+
+    @property
     def usual_spread(self) -> float:
         """Median of the spread, n > 0."""
         spread = self.spread

@@ -87,7 +87,7 @@ def _is_material_in(scene: Scene, stream: Stream, change: Change, materiality: M
         return False
     spread = stream.law.spread[stream.rows]
     shift = np.abs(law.mean - stream.law.mean)[stream.rows]
-    variance = np.abs(law.spread**2 + extra_variance(law) - stream.law.spread**2)
+    variance = np.abs(law.variance - stream.law.spread**2)
     scatter = np.sqrt(variance[stream.rows])
     if not _is_resolved(scene, stream, shift, scatter):
         return False
@@ -130,7 +130,7 @@ def is_rest_material(
 ) -> bool:
     """Tell whether residuals may scatter beyond a changed law by more than the threshold."""
     law = law_under(scene, stream, change)
-    excess = (stream.residuals - law.mean) ** 2 - law.spread**2 - extra_variance(law)
+    excess = (stream.residuals - law.mean) ** 2 - law.variance
     threshold = materiality.absolute(stream.unit)
     if threshold is None:
         excess, threshold = excess / stream.law.spread**2, materiality.fraction

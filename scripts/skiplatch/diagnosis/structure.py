@@ -5,14 +5,14 @@ should be. What is not is told by where it sits and what it looks like.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import SMALLEST, extra_variance
+from skiplatch.diagnosis.law import SMALLEST
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_rest_material
 from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
@@ -109,8 +109,7 @@ def _is_material(structure: Structure) -> bool:
 def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
     rows = stream.rows
     law = law_under(scene, stream, change).select(rows)
-    plain = replace(law, extras=())
-    spread = np.sqrt(np.maximum(plain.spread**2 + extra_variance(law), SMALLEST**2))
+    spread = np.sqrt(np.maximum(law.variance, SMALLEST**2))
     scores = (stream.residuals[rows] - law.mean) / spread
     calm = np.clip(scores, -WINSOR, WINSOR)
     n = len(calm)
