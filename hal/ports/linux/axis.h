@@ -16,8 +16,7 @@ void axis_place(int32_t position_counts);
 
 /*
  * Until axis_follow(), the position is that of this instant: what a position capture is in
- * hardware. The kernel stamps an edge some microseconds before this program hears of it, and a scan
- * takes its time.
+ * hardware. The kernel stamps an edge some microseconds before this program hears of it.
  */
 void axis_capture(uint64_t monotonic_ns);
 

@@ -4,7 +4,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "axis.h"
 #include "bus.h"
 #include "clock.h"
 #include "edge.h"
@@ -61,14 +60,13 @@ static void run_edges(const loop_calls_t *calls)
 }
 
 /*
- * The input image holds level and position of one instant: that of the scan. Periods are counted
- * after it, as reading the timer first would make every scan later.
+ * The scan reads line, clock and position one after the other, and the line takes the longest by
+ * far: a position captured before it would not be that of the stamp. Periods are counted after the
+ * scan, as reading the timer first would make every scan later.
  */
 static void run_scan(const loop_calls_t *calls)
 {
-    axis_capture(clock_now_ns());
     calls->on_scan();
-    axis_follow();
     (void)scan_take();
 }
 
