@@ -12,8 +12,9 @@ from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import confirm, contenders, inseparable, settle
-from skiplatch.diagnosis.decide import Finding, Scored, Split, split
+from skiplatch.diagnosis.decide import Finding
 from skiplatch.diagnosis.diagnose import as_effects
+from skiplatch.diagnosis.judge import Scored, Split, split
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit

@@ -10,8 +10,8 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import InputPath, Touches
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.decide import Judge, split
 from skiplatch.diagnosis.generic import families
+from skiplatch.diagnosis.judge import Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.structure import structures
 

@@ -1,4 +1,4 @@
-"""Two effects are both found, also where the one is weak or hides the other."""
+"""Two effects are both found, also where the one is weak or hides the other; and a third apart."""
 
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import numpy as np
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign
-from skiplatch.diagnosis.decide import Finding, Judge, find, split, weigh
+from skiplatch.diagnosis.decide import Finding, find, weigh, with_third
+from skiplatch.diagnosis.judge import Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect
 
@@ -69,6 +70,37 @@ def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
     assert finding.model is not None
     assert sorted(finding.model.ids) == ["backlash", "encoder_quantisation"]
     assert not left
+
+
+THREE = (
+    Effect("report_delay", {"delay_us": 240.0, "queue_us": 30.0}),
+    Effect("scan_overrun", {"probability": 0.15, "overrun_us": 90.0}),
+    Effect("isr_blocking", {"probability": 0.15, "length_us": 100.0}),
+)
+
+
+def test_a_third_effect_is_named_where_the_other_two_change_nothing() -> None:
+    judge = judged(played(BENCH, *THREE))
+
+    finding, left = with_third(judge, *weigh(judge, find(judge)))
+
+    assert finding.model is not None
+    assert set(finding.model.ids) == {effect.id for effect in THREE}
+    assert not left
+
+
+def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None:
+    campaign = played(BENCH, Effect("backlash", {"backlash_um": 6.0}), THREE[0])
+    touches = campaign.touches
+    more_um = 2.0 * touches.sign * np.sin(touches.time_s)
+    odd = replace(touches, deviation_um=touches.deviation_um + more_um)
+    judge = judged(replace(campaign, touches=odd))
+    two = weigh(judge, find(judge))[0]
+
+    finding, _ = with_third(judge, two, "")
+
+    assert len(groups(two)) == 2
+    assert finding is two
 
 
 def test_families_on_top_of_one_model_are_fitted_once() -> None:

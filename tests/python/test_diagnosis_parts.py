@@ -1,5 +1,6 @@
 """The laws, the streams and the grid that a diagnosis rests on."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from skiplatch.diagnosis.grid import grid_period
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.starts import resolutions
 from skiplatch.diagnosis.structure import structures
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -71,6 +73,39 @@ def test_slack_scatters_a_shift_by_a_share_of_it() -> None:
 
     np.testing.assert_allclose(np.sqrt(loose.sigma**2 - firm.sigma**2), 2.8, rtol=1e-6)
     assert law_under(scene, stream, Change(slack=0.4)).sigma == pytest.approx(stream.law.sigma)
+
+
+@pytest.mark.parametrize("name", ["position", "report"])
+def test_what_a_stamp_tells_of_a_slack_is_not_left_open_after_it(name: str) -> None:
+    """A clock is off by 100 µs and by 20 µs more or less from touch to touch."""
+    plain = Scene.of(read_campaign(DATA / "bench_no_gap"))
+    off_us = 100.0 + 20.0 * np.random.default_rng(1).normal(size=len(plain))
+    touches = replace(plain.touches, latch_us=plain.touches.latch_us + off_us)
+    scene = Scene(plain.nominal, touches)
+    stream = scene.streams[name]
+    skip = stream.rows & ~scene.plc
+    believed = Scene(plain.nominal, plain.touches).streams[name].law.spread[skip]
+    scale = scene.speed[skip] if name == "position" else 1.0
+
+    law = law_under(scene, stream, Change(stamp_us=100.0, slack=0.2))
+
+    missed = (stream.residuals - law.mean)[skip]
+    assert np.all(law.spread[skip] < believed + 3.0 * scale)
+    assert np.sqrt(np.mean((missed / law.spread[skip]) ** 2)) < 1.5
+
+
+def test_a_grid_of_no_whole_number_of_believed_steps_is_proposed() -> None:
+    plain = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    pitch = 9.2375 * plain.nominal.axis.resolution_um
+    coarse = np.rint(plain.touches.deviation_um / pitch) * pitch
+    scene = Scene(plain.nominal, replace(plain.touches, deviation_um=np.round(coarse, 3)))
+
+    def odd(of: Scene) -> list[float]:
+        proposed = [start[0] / of.nominal.axis.resolution_um for start in resolutions(of, Change())]
+        return [steps for steps in proposed if abs(steps - round(steps)) > 1e-6]
+
+    assert odd(scene) == [pytest.approx(9.2375, rel=1e-4)]
+    assert not odd(plain)
 
 
 @pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])

@@ -3,8 +3,9 @@
 import pytest
 
 from played_campaigns import BENCH, played
-from skiplatch.diagnosis.decide import Finding, Judge, split
+from skiplatch.diagnosis.decide import Finding
 from skiplatch.diagnosis.diagnose import as_effects
+from skiplatch.diagnosis.judge import Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.surplus import without_surplus
 from skiplatch.simulator import Effect

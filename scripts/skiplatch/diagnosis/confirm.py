@@ -14,7 +14,8 @@ from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.observables import Recorded
-from skiplatch.diagnosis.decide import TEMPER, TIED, Finding, Scored, Split
+from skiplatch.diagnosis.decide import TEMPER, TIED, Finding
+from skiplatch.diagnosis.judge import Scored, Split
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
 from skiplatch.diagnosis.replay import as_recorded, replayed
 from skiplatch.diagnosis.scene import Scene

@@ -11,9 +11,10 @@ import numpy as np
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
-from skiplatch.diagnosis.decide import Finding, Judge, Scored, find, split, weigh
+from skiplatch.diagnosis.decide import Finding, find, weigh, with_third
 from skiplatch.diagnosis.generic import PREFIX
 from skiplatch.diagnosis.intervals import estimates
+from skiplatch.diagnosis.judge import Judge, Scored, split
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
@@ -140,6 +141,7 @@ def _diagnose(
     judge = Judge(scene, parts, pool, materiality)
     finding, stranger = weigh(judge, find(judge))
     finding = without_surplus(judge, finding, as_effects, seed=seed, executor=pool)
+    finding, stranger = with_third(judge, finding, stranger)
     finding, confirmed = settle(
         scene, parts, finding, as_effects, seed=seed, jobs=jobs, executor=pool
     )

@@ -9,7 +9,7 @@ from functools import lru_cache, reduce
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra, Law
 from skiplatch.diagnosis.scene import Scene, Stream
@@ -30,6 +30,11 @@ EDGE = np.linspace(-4.0, 4.0, 17)
 BINS = (8, 14)
 """Fewest and most phases of the scans that are tried, as powers of 2."""
 TINY = 1e-9
+LATCHES = {"latch_skip", "latch_plc"}
+AFTER_LATCH = ("position", "report")
+"""Streams that are counted from the stamp of the latch."""
+CALM = 3.0
+"""Standard deviations beyond which a stamp tells no more of a slack: it is late by itself."""
 MOST_TURNS = 4
 """Periods after which a late scan is not followed further."""
 
@@ -119,22 +124,51 @@ def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float
 
 def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
     """Give the law of a stream's residuals, all n of them, once the physics is changed."""
-    builders = {
-        "motion": _motion,
-        "latch_skip": _latch,
-        "latch_plc": _latch,
-        "lattice": _lattice,
-        "position": _position,
-        "deviation_skip": _deviation,
-        "deviation_plc": _deviation,
-        "report": _report,
-    }
-    law = builders[stream.name](scene, stream, change)
+    law = _LAWS[stream.name](scene, stream, change)
     if change.slack == 0.0 or stream.name == "lattice":
         return law
-    shift = (law.offset - stream.law.offset)[stream.rows]
-    scatter = change.slack * float(np.sqrt(np.mean(shift**2))) if len(shift) else 0.0
-    return law.widened(scatter)
+    if stream.name in AFTER_LATCH:
+        return _loosened_after_latch(scene, stream, change, law)
+    return law.widened(change.slack * _rms(law.offset - stream.law.offset, stream.rows))
+
+
+def _rms(values: FloatArray, rows: BoolArray) -> float:
+    return float(np.sqrt(np.mean(values[rows] ** 2))) if rows.any() else 0.0
+
+
+def _loosened_after_latch(scene: Scene, stream: Stream, change: Change, law: Law) -> Law:
+    """Widen a law by the slack of what the latch is later by as far as the latch leaves that open.
+
+    A contact or a clock of another form than the one fitted moves the stamp, and what is counted
+    from the stamp by just as much the other way: touch by touch the stamp tells it.
+    """
+    timeless = replace(change, contact_us=0.0, speed_ratio=1.0, stamp_us=0.0, slack=0.0)
+    own = law_under(scene, stream, timeless).offset
+    per_us = scene.speed if stream.name == "position" else np.ones(len(scene))
+    slack_us = change.slack * _rms((law.offset - own) / per_us, stream.rows)
+    mean_us, variance = _told_by_latch(scene, change, slack_us)
+    of_its_own = change.slack * _rms(own - stream.law.offset, stream.rows)
+    return replace(
+        law,
+        offset=law.offset - per_us * mean_us,
+        sigma=np.sqrt(law.sigma**2 + of_its_own**2 + per_us**2 * variance),
+    )
+
+
+def _told_by_latch(scene: Scene, change: Change, slack_us: float) -> tuple[FloatArray, FloatArray]:
+    """Mean and variance of a normal slack once the latch is known, in µs and µs²; shape (n,)."""
+    mean_us, variance = np.zeros(len(scene)), np.full(len(scene), slack_us**2)
+    if slack_us == 0.0:
+        return mean_us, variance
+    for name in LATCHES & scene.streams.keys():
+        stream = scene.streams[name]
+        law = law_under(scene, stream, replace(change, slack=0.0))
+        both = law.variance + slack_us**2
+        reach = CALM * np.sqrt(both)
+        off = np.clip(stream.residuals - law.mean, -reach, reach)
+        mean_us = np.where(stream.rows, slack_us**2 / both * off, mean_us)
+        variance = np.where(stream.rows, slack_us**2 * law.variance / both, variance)
+    return mean_us, variance
 
 
 def _motion(_scene: Scene, stream: Stream, change: Change) -> Law:
@@ -395,3 +429,15 @@ def _on_grid(values: FloatArray, coarse: float, fine: float) -> FloatArray:
         return np.zeros(len(values))
     off = np.abs(values - np.rint(values / coarse) * coarse)
     return np.asarray(np.where(off < 0.5 * fine, np.log(coarse / fine), np.log(OFF_GRID)))
+
+
+_LAWS = {
+    "motion": _motion,
+    "latch_skip": _latch,
+    "latch_plc": _latch,
+    "lattice": _lattice,
+    "position": _position,
+    "deviation_skip": _deviation,
+    "deviation_plc": _deviation,
+    "report": _report,
+}

@@ -25,6 +25,8 @@ WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
 SLACKS = (0.05, 0.15, 0.4)
+STEPS = (0.3, 0.01, 0.001)
+"""First steps of climbs that follow each other, as shares of the parameters."""
 EVALUATIONS = 60  # a parameter
 COARSE_EVALUATIONS = 25
 
@@ -99,13 +101,15 @@ class _Target:
         return -total if np.isfinite(total) else WORST
 
 
-def _simplex(start: FloatArray) -> FloatArray:
-    """Nelder-Mead's first steps: a third of each parameter, or something where that is 0."""
-    steps = np.where(np.abs(start) > 0.0, 0.3 * np.abs(start), 1.0)
+def _simplex(start: FloatArray, step: float) -> FloatArray:
+    """Nelder-Mead's first steps: a share of each parameter, or something where that is 0."""
+    steps = np.where(np.abs(start) > 0.0, step * np.abs(start), 1.0)
     return np.vstack([start, start + np.diag(steps)])
 
 
-def _climb(target: _Target, start: FloatArray, widening: float) -> FloatArray:
+def _climb(
+    target: _Target, start: FloatArray, widening: float, step: float = STEPS[0]
+) -> FloatArray:
     """Climb from a start; what is 0 in it stays so."""
     free = np.flatnonzero(start)
 
@@ -122,7 +126,7 @@ def _climb(target: _Target, start: FloatArray, widening: float) -> FloatArray:
         start[free],
         method="Nelder-Mead",
         options={
-            "initial_simplex": _simplex(start[free]),
+            "initial_simplex": _simplex(start[free], step),
             "maxfev": (EVALUATIONS if widening == 0.0 else COARSE_EVALUATIONS) * len(free),
             "xatol": 1e-4,
             "fatol": 0.02 if widening == 0.0 else 0.2,
@@ -169,6 +173,23 @@ def _fit_form(
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
         points = [*points, near, _climb(target, near, 0.0)]
     return min(points, key=lambda point: target(point, 0.0))
+
+
+def sharpened(scene: Scene, found: Fit) -> Fit:
+    """Climb on with smaller and smaller steps, as long as that is worth it.
+
+    Two effects that make up for each other share a ridge, along which a climb with long steps ends
+    too soon.
+    """
+    best = np.concatenate(found.parameters)
+    target = _Target(scene, found.candidates, [best], NOTHING)
+    for step in STEPS[1:]:
+        further = _climb(target, best, 0.0, step)
+        gained = target(best, 0.0) - target(further, 0.0)
+        best = further if gained > 0.0 else best
+        if gained < WORTH_A_REFINEMENT:
+            break
+    return target.fit(best)
 
 
 def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:

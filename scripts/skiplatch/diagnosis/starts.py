@@ -6,7 +6,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid import grid_period
+from skiplatch.diagnosis.grid import FIRST, grid_period
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.surrogates import LOOSEST, US_PER_H
@@ -17,6 +17,8 @@ FEWEST_STAMPS = 16
 FEWEST_LATE = 3
 FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
+MANY_STEPS = 1.5
+"""Fine steps from which on a coarser one is a news."""
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -127,7 +129,9 @@ def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 def resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that the deviations lie on, and steps of the coordinate, on none."""
     fine = scene.nominal.axis.resolution_um
-    grids = [[grid[0], 0.0] for grid in _grids(scene.touches.deviation_um, fine)]
+    deviations = scene.touches.deviation_um
+    pitches = [grid[0] for grid in _grids(deviations, fine)] + _odd_pitch(deviations, fine)
+    grids = [[pitch, 0.0] for pitch in pitches]
     return grids + [[ratio * fine, 1.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
 
 
@@ -154,6 +158,18 @@ def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
     most_off = 0.02 * len(steps)
     on_grid = [k for k in range(2, 4097) if np.count_nonzero(steps % k) < most_off]
     return [[k * fine] for k in (on_grid or [2])[-3:]]
+
+
+def _odd_pitch(values: FloatArray, fine: float) -> list[float]:
+    """Propose the grid, of no whole number of fine steps, that all values lie on; none for none."""
+    different = np.unique(values[~np.isnan(values)])
+    gaps = np.diff(different)
+    gaps = gaps[gaps > 0.5 * fine]
+    if len(different) < FIRST or not len(gaps) or gaps.min() < MANY_STEPS * fine:
+        return []
+    pitch = grid_period(different, float(gaps.min()))
+    off = np.abs(different - np.rint(different / pitch) * pitch)
+    return [pitch] if np.all(off < 0.5 * fine) else []
 
 
 def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

@@ -8,7 +8,8 @@ from concurrent.futures import Executor
 import numpy as np
 
 from skiplatch.diagnosis.confirm import AsEffects
-from skiplatch.diagnosis.decide import PLAIN, Finding, Judge, only, worth
+from skiplatch.diagnosis.decide import Finding, only
+from skiplatch.diagnosis.judge import PLAIN, Judge, worth
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.replay import replayed
 from skiplatch.diagnosis.scene import Scene

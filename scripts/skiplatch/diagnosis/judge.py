@@ -1,0 +1,328 @@
+"""Models of a campaign, fitted and scored: candidates alone and on top of others, and families."""
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray
+from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.generic import families
+from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
+from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import (
+    NOTHING,
+    SLACKS,
+    WORTH_A_REFINEMENT,
+    Fit,
+    fit,
+    polish,
+    sharpened,
+)
+from skiplatch.diagnosis.simulated import catalogue
+from skiplatch.diagnosis.structure import structures
+
+ENOUGH_FIT = 5.0
+"""Nats that an effect has to gain, beyond what its parameters are worth."""
+ENOUGH_CHECK = 1.0
+"""Nats of gain on touches that it was not fitted to."""
+CONTENDS = 0.25
+"""Share of the best gain from which on other forms of an effect are tried."""
+REFINED_PAIRS = 5
+NEARLY = 30.0
+"""Nats behind the best pair from which on a pair is not refined jointly."""
+FINEST = (0.0,)
+COARSE = (0.1, 0.0)
+MISSING = 0.2
+"""Share of the gain that rare events may cost where the check happens to have none."""
+PLAIN = 15.0
+"""Nats of gain that need no check to be believed, only that it does not speak against."""
+SCATTERED = 3.0
+"""Times the believed spread from which on an effect explains by scatter."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Split:
+    """Which touches serve what; masks of shape (n,) that do not overlap."""
+
+    fitting: BoolArray
+    checking: BoolArray
+    shrinking: BoolArray
+
+    @property
+    def naming(self) -> BoolArray:
+        """Fitting and checking together."""
+        return self.fitting | self.checking
+
+
+def split(touches: int, seed: int) -> Split:
+    """Draw half of the touches for fitting, a fifth for checking, the rest for the shrink."""
+    lot = np.random.default_rng(seed).permutation(touches) / touches
+    return Split(lot < 0.5, (lot >= 0.5) & (lot < 0.7), lot >= 0.7)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scored:
+    """A model with what it gains over the unchanged simulation, in nats."""
+
+    fit: Fit
+    fitted: float
+    checked: float
+
+    @property
+    def score(self) -> float:
+        """Gain in all, less what so many parameters gain by chance."""
+        return self.fitted + self.checked - worth(self.fit.size)
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Of its effects."""
+        return tuple(candidate.id for candidate in self.fit.candidates)
+
+
+def worth(parameters: int) -> float:
+    """Nats that fitting so many parameters, of the best of all candidates, gains by chance."""
+    return 2.0 * parameters
+
+
+def _key(model: Fit | None) -> tuple[object, ...]:
+    """Tell fits apart by what they are."""
+    if model is None:
+        return ()
+    parameters = (values.tobytes() for values in model.parameters)
+    return (*(c.id for c in model.candidates), *parameters, model.slack)
+
+
+def _is_no_accident(fitted: float, checked: float, parameters: int) -> bool:
+    """Tell whether gains of so many parameters are more than chance."""
+    gained = fitted + checked - worth(parameters)
+    is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
+    is_plain = gained > PLAIN and checked > -MISSING * fitted
+    return is_checked or is_plain
+
+
+def _in_view(part: Scene, names: Collection[str]) -> set[str]:
+    """Add the grid of the scans to the waits for them: what a scan does shows in both."""
+    is_waiting = any(name in part.streams and part.streams[name].is_polled for name in names)
+    return {*names, "lattice"} if is_waiting and "lattice" in part.streams else set(names)
+
+
+def _gain_in(part: Scene, model: Fit, names: Collection[str]) -> float:
+    """Give what a model gains over the unchanged simulation in some streams."""
+    changed = likelihood(part, model.change(part), names=names).total
+    return changed - likelihood(part, Change(), names=names).total
+
+
+class Judge:
+    """Fits and scores models on one campaign."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        parts: Split,
+        executor: Executor | None = None,
+        materiality: Materiality = DEFAULT,
+    ) -> None:
+        self.scene = scene
+        self.materiality = materiality
+        self.parts = parts
+        self._fitting = scene.select(parts.fitting)
+        self._checking = scene.select(parts.checking)
+        self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
+        self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
+        self._families: dict[tuple[object, ...], list[Scored]] = {}
+
+    def score(self, model: Fit) -> Scored:
+        """Score a fitted model on both parts."""
+        gains = [
+            likelihood(part, model.change(part)).total - base
+            for part, base in zip((self._fitting, self._checking), self._base, strict=True)
+        ]
+        return Scored(model, *gains)
+
+    def singles(self) -> list[Scored]:
+        """Every candidate alone, by falling score."""
+        return self._ranked(self._contest(self._candidates(), NOTHING))
+
+    def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
+        """Fit all candidates plainly, and those that come near the best of them in other forms."""
+        fits = list(self._map(_fit, [(self._fitting, c, given) for c in candidates]))
+        gains = [self._gain(found, given) for found in fits]
+        least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
+        near = [i for i, gain in enumerate(gains) if gain >= least]
+        for i, found in zip(
+            near, self._map(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
+        ):
+            fits[i] = found
+        return fits
+
+    def _gain(self, found: Fit, given: Change) -> float:
+        """Gain of a model, with its form left open or not, on the touches it was fitted to."""
+        forms = (found, replace(found, slack=SLACKS[-1]))
+        changes = (given.joined(form.change(self._fitting)) for form in forms)
+        most = max(likelihood(self._fitting, change).total for change in changes)
+        return most - likelihood(self._fitting, given).total
+
+    def generic(self, given: Fit | None = None) -> list[Scored]:
+        """Every family that names no effect, alone or on top of a model, by falling score."""
+        key = _key(given)
+        if key not in self._families:
+            self._families[key] = self._fitted_families(given)
+        return self._families[key]
+
+    def _fitted_families(self, given: Fit | None) -> list[Scored]:
+        change = given.change(self._fitting) if given else NOTHING
+        return self._ranked(
+            _both(given, found) if given else found
+            for family in families(self._fitting, change)
+            for found in [
+                polish(
+                    self._fitting,
+                    fit(
+                        self._fitting,
+                        [family],
+                        family.starts(self._fitting, change),
+                        change,
+                        COARSE,
+                    ),
+                    change,
+                )
+            ]
+        )
+
+    def pairs(self, first: Scored) -> list[Scored]:
+        """The first effect with every other one: one by one on top of it, the best then jointly."""
+        on_top = self.on_top(first)
+        least = on_top[0].score - NEARLY
+        near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
+        jointly = self.jointly(near)
+        return sorted(jointly + on_top[len(near) :], key=lambda scored: -scored.score)
+
+    def jointly(self, models: Sequence[Scored]) -> list[Scored]:
+        """Fit the effects of each model together, from where they are."""
+        refined = self._map(_refine, [(self._fitting, model.fit) for model in models])
+        return [
+            max(model, self.score(joint), key=lambda scored: scored.score)
+            for model, joint in zip(models, refined, strict=True)
+        ]
+
+    def on_top(self, first: Scored) -> list[Scored]:
+        """Every other effect on top of a model that stays as it is, by falling score."""
+        given = first.fit.change(self._fitting)
+        others = [c for c in self._candidates() if c.id not in first.ids]
+        return self._ranked(_both(first.fit, second) for second in self._contest(others, given))
+
+    def alone(self, model: Scored, position: int) -> Scored:
+        """Give one effect of a model with the parameters it has there."""
+        found = model.fit
+        parts = (found.candidates[position],), (found.parameters[position],)
+        return self.score(Fit(*parts, found.reached, found.slack))
+
+    def again(self, model: Fit, position: int) -> Scored:
+        """Fit one effect of a model alone, from the parameters that it has there."""
+        candidates = (model.candidates[position],)
+        start = model.parameters[position].tolist()
+        found = fit(self._fitting, candidates, [start], widenings=FINEST)
+        return self.score(polish(self._fitting, found))
+
+    def _ranked(self, fits: Iterable[Fit]) -> list[Scored]:
+        return sorted(map(self.score, fits), key=lambda scored: -scored.score)
+
+    def _candidates(self) -> list[Candidate]:
+        return [c for c in catalogue().values() if c.applies(self.scene)]
+
+    def is_enough(self, scored: Scored, before: Scored | None = None) -> bool:
+        """Tell whether a model is worth naming over a smaller one, or over none."""
+        return self.is_significant(scored, before) and self.is_material(scored, before)
+
+    def is_significant(self, scored: Scored, before: Scored | None = None) -> bool:
+        """Tell whether a model does better than a smaller one, or than none, by no accident."""
+        return _is_no_accident(
+            scored.fitted - (before.fitted if before else 0.0),
+            scored.checked - (before.checked if before else 0.0),
+            scored.fit.size - (before.fit.size if before else 0),
+        )
+
+    def is_elsewhere(self, pair: Scored, first: Scored) -> bool:
+        """Tell whether the second effect of a pair shows where the first one changes nothing.
+
+        There the first one has no form that could be mended.
+        """
+        fitted, checked = (
+            _gain_in(part, pair.fit, {*part.streams, MISSED} - affected(part, change))
+            for part in (self._fitting, self._checking)
+            for change in [first.fit.change(part)]
+        )
+        return _is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
+
+    def is_left_elsewhere(self, model: Scored) -> bool:
+        """Tell whether something is left in a stream where a model changes nothing."""
+        part = self.scene.select(self.parts.naming)
+        change = model.fit.change(part)
+        reached = affected(part, change)
+        return any(
+            left.stream.name not in reached for left in structures(part, change, self.materiality)
+        )
+
+    def share(self, pair: Scored, first: Scored) -> float:
+        """What the last of a model gains, over what the first gains in the streams it reaches.
+
+        Only there can it but mend the first one's form.
+        """
+        there = 0.0
+        for part in (self._fitting, self._checking):
+            last = pair.fit.candidates[-1].change(part, pair.fit.parameters[-1])
+            there += _gain_in(part, first.fit, _in_view(part, affected(part, last)))
+        gained = pair.fitted + pair.checked - first.fitted - first.checked
+        return gained / there if there > 0.0 else np.inf
+
+    def is_scatter(self, scored: Scored) -> bool:
+        """Tell whether a model leaves most touches of a stream as scattered as it finds them."""
+        change, scene = scored.fit.change(self._fitting), self._fitting
+        laws = [
+            (law_under(scene, scene.streams[name], change), scene.streams[name].law)
+            for name in affected(scene, change) & scene.streams.keys()
+        ]
+        return any(
+            np.median(np.sqrt(law.variance) / believed.spread) > SCATTERED for law, believed in laws
+        )
+
+    def is_material(self, scored: Scored, before: Scored | None = None) -> bool:
+        """Tell whether what a model has beyond a smaller one, or none, changes enough to matter."""
+        gained = scored.fitted + scored.checked
+        if before:
+            gained -= before.fitted + before.checked
+        position = len(before.ids) if before else 0
+        candidate, parameters = scored.fit.candidates[position], scored.fit.parameters[position]
+        change = candidate.change(self._fitting, parameters)
+        touches = int(self.parts.naming.sum())
+        is_seen = gained / touches > self.materiality.nats_a_touch
+        return is_seen and is_material(self._fitting, change, self.materiality)
+
+
+def _both(first: Fit, second: Fit) -> Fit:
+    return Fit(
+        first.candidates + second.candidates,
+        first.parameters + second.parameters,
+        first.reached | second.reached,
+        max(first.slack, second.slack),
+    )
+
+
+def _refine(model: tuple[Scene, Fit]) -> Fit:
+    """Fit the effects of a model jointly, from where they are."""
+    scene, found = model
+    start = np.concatenate(found.parameters).tolist()
+    return polish(scene, sharpened(scene, fit(scene, found.candidates, [start], widenings=FINEST)))
+
+
+def _polish(model: tuple[Scene, Fit, Change]) -> Fit:
+    return polish(*model)
+
+
+def _fit(model: tuple[Scene, Candidate, Change]) -> Fit:
+    scene, candidate, given = model
+    return fit(scene, [candidate], candidate.starts(scene, given), given)
