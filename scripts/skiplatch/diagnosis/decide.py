@@ -98,6 +98,8 @@ def _hidden(judge: Judge, ranked: Sequence[Scored]) -> Finding | None:
         return None
     near = [s for s in ranked[1:] if NEXT_BEST * best.score < s.score < best.score - TIED]
     for first in near[:MOST_NEXT_BEST]:
+        if best.ids[0] in judge.on_top(first)[0].ids:
+            continue  # the search that begins with the best one finds this pair
         pairs = judge.pairs(first)
         is_better = pairs[0].score > best.score + PLAIN and judge.is_enough(pairs[0], best)
         if is_better and best.ids[0] not in pairs[0].ids and _is_second(judge, pairs[0], first):

@@ -134,6 +134,7 @@ class Judge:
         self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
         self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
         self._families: dict[tuple[object, ...], list[Scored]] = {}
+        self._on_top: dict[tuple[object, ...], list[Scored]] = {}
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts."""
@@ -211,9 +212,14 @@ class Judge:
 
     def on_top(self, first: Scored) -> list[Scored]:
         """Every other effect on top of a model that stays as it is, by falling score."""
-        given = first.fit.change(self._fitting)
-        others = [c for c in self._candidates() if c.id not in first.ids]
-        return self._ranked(_both(first.fit, second) for second in self._contest(others, given))
+        key = _key(first.fit)
+        if key not in self._on_top:
+            given = first.fit.change(self._fitting)
+            others = [c for c in self._candidates() if c.id not in first.ids]
+            self._on_top[key] = self._ranked(
+                _both(first.fit, second) for second in self._contest(others, given)
+            )
+        return self._on_top[key]
 
     def alone(self, model: Scored, position: int) -> Scored:
         """Give one effect of a model with the parameters it has there."""

@@ -8,6 +8,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change
@@ -27,7 +29,7 @@ NEAR = np.linspace(-1.0, 1.0, 5)
 FINER = (1.0, 0.25)
 EDGE = np.linspace(-4.0, 4.0, 17)
 """Ticks about the edge of a law at which it is tabulated."""
-BINS = (8, 14)
+BINS = (8, 13)
 """Fewest and most phases of the scans that are tried, as powers of 2."""
 TINY = 1e-9
 LATCHES = {"latch_skip", "latch_plc"}
@@ -308,18 +310,32 @@ def _lattice_places(tick: float, period: float) -> FloatArray:
     return np.unique(np.concatenate([peak, rest]))
 
 
-def _phases(turns: FloatArray, where: FloatArray, table: FloatArray, tick: float) -> FloatArray:
-    """Give the best phases of late scans, to a tick or nearly: shares of the period.
+def _bins(period: float, tick: float) -> int:
+    """Give how many phases of late scans are tried: a tick apart, if they are not too many."""
+    return int(2.0 ** np.clip(np.ceil(np.log2(period / tick)), *BINS))
+
+
+def _phase(turns: FloatArray, where: FloatArray, table: FloatArray, bins: int) -> float:
+    """Give the best of so many phases of late scans, as a share of the period.
 
     The likelihood of all phases at once is a correlation of the stamps with the table.
     """
     period = float(where[-1] - where[0])
-    bins = int(2.0 ** np.clip(np.ceil(np.log2(period / tick)), *BINS))
-    counts = np.bincount((turns * bins).astype(np.intp) % bins, minlength=bins)
-    off = (np.arange(bins) / bins + 0.5) % 1.0 - 0.5
-    logs = np.interp(off * period, where, table)
-    totals = np.fft.irfft(np.fft.rfft(counts) * np.fft.rfft(logs).conj(), bins)
-    return np.array([int(np.argmax(totals)) / bins])
+    logs = np.interp(_bin_places(bins) * period, where, table)
+    totals = fft.irfft(_spectrum(turns.tobytes(), bins) * fft.rfft(logs).conj(), bins)
+    return int(np.argmax(totals)) / bins
+
+
+@lru_cache(maxsize=8)
+def _bin_places(bins: int) -> FloatArray:
+    return (np.arange(bins) / bins + 0.5) % 1.0 - 0.5
+
+
+@lru_cache(maxsize=8)
+def _spectrum(turns: bytes, bins: int) -> NDArray[np.complex128]:
+    """Transform the stamps, which stay the same while the law of late scans is searched for."""
+    places = (np.frombuffer(turns) * bins).astype(np.intp) % bins
+    return np.asarray(fft.rfft(np.bincount(places, minlength=bins)))
 
 
 def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> FloatArray:
@@ -339,15 +355,18 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
         i = int(np.argmax(values.sum(axis=1)))
         return float(phases[i]), values[i]
 
+    step = tick / period
     if law.extras:
-        phases = _phases(turns, where, table, tick)
+        bins = _bins(period, tick)
+        phases = np.array([_phase(turns, where, table, bins)])
+        step = max(step, 1.0 / bins)
     else:
         phases = np.unique(turns)
         if len(phases) > PHASES:
             phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
     phase, found = best(phases)
     for finer in FINER:
-        phase, found = best(phase + finer * tick / period * NEAR)
+        phase, found = best(phase + finer * step * NEAR)
     if change.wait is None:
         return found
     # Scans that begin with the motion need not keep a grid: all of them, or those bound to it.
