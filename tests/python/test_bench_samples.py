@@ -55,17 +55,18 @@ def test_debounce_is_named_as_a_filter_and_the_gap_shrinks() -> None:
 
 
 def test_busy_process_is_named_by_its_late_scans_and_its_late_reports() -> None:
-    _, found = found_in("cpu_load")
+    diagnosis, found = found_in("cpu_load")
 
     assert set(found) & {"scan_jitter", "scan_overrun"}
     assert "report_delay" in found
     assert found["report_delay"]["queue_us"] > 1000.0  # it is busy for 2920 µs at a time
+    assert diagnosis.gap["latch_off_scan_grid_us"].shrink.low > 0.4
 
 
 def test_flood_is_named_by_its_late_reports_and_the_gap_shrinks() -> None:
     diagnosis, named = found_in("bus_load")
 
     assert "report_delay" in named
-    assert named["report_delay"]["queue_us"] > 10_000.0
-    assert named["report_delay"]["direct"] < 0.2
+    assert named["report_delay"]["queue_us"] > 256.0  # which is how long one frame takes
+    assert named["report_delay"]["direct"] < 0.5
     assert diagnosis.gap["report_after_latch_us"].shrink.low > 0.4
