@@ -15,6 +15,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.decide import TEMPER, TIED, Finding
+from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.judge import Scored, Split
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
 from skiplatch.diagnosis.replay import as_recorded, replayed
@@ -241,20 +242,10 @@ def _observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
     return {
         "edge": recorded.edge_us - scene.contact.time_us,
         "latch": later,
-        "grid": _off_grid(scene, recorded.latch_us),
+        "grid": off_grid(np.where(scene.plc, recorded.latch_us, np.nan), scene.nominal.plc.scan_us),
         "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
         "report": recorded.report_us - recorded.latch_us,
     }
-
-
-def _off_grid(scene: Scene, stamps: FloatArray) -> FloatArray:
-    """PLC stamps off the middle of the grid that they keep best; elsewhere NaN; (…, n)."""
-    period = scene.nominal.plc.scan_us
-    known = scene.plc & ~np.isnan(stamps)
-    turns = np.where(known, np.exp(2j * np.pi * np.nan_to_num(stamps) / period), 0.0)
-    middle = np.angle(turns.sum(axis=-1, keepdims=True)) / (2.0 * np.pi) * period
-    off = (stamps - middle + period / 2.0) % period - period / 2.0
-    return np.where(known, off, np.nan)
 
 
 def inseparable(

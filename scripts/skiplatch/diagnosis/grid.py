@@ -1,4 +1,4 @@
-"""The period of a grid of time stamps that are many periods apart."""
+"""Grids of time stamps: how far stamps lie off one, and the period of one with few stamps on it."""
 
 import numpy as np
 
@@ -10,6 +10,19 @@ FIRST = 6
 """Stamps that a first, coarse search looks at."""
 KEPT = 200
 FINER = np.linspace(-1.0, 1.0, 9)
+
+
+def folded(values: FloatArray, period: float) -> FloatArray:
+    """Bring values to within half a period of 0 by whole periods."""
+    return np.asarray((values + period / 2.0) % period - period / 2.0)
+
+
+def off_grid(stamps: FloatArray, period: float) -> FloatArray:
+    """Give stamps, shape (…, n), off the middle of the grid that each row keeps best; NaN stays."""
+    known = ~np.isnan(stamps)
+    turns = np.where(known, np.exp(2j * np.pi * np.nan_to_num(stamps) / period), 0.0)
+    middle = np.angle(turns.sum(axis=-1, keepdims=True)) / (2.0 * np.pi) * period
+    return folded(stamps - middle, period)
 
 
 def grid_period(stamps: FloatArray, guess: float) -> float:

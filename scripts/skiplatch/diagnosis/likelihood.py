@@ -13,6 +13,7 @@ from scipy import fft
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.grid import folded
 from skiplatch.diagnosis.law import Extra, Law
 from skiplatch.diagnosis.scene import Scene, Stream
 
@@ -295,7 +296,7 @@ def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, F
     where = _lattice_places(tick, period)
     if len(edges):
         near = (edges[:, None] + EDGE * tick).ravel()  # which may pass the end of the period
-        where = np.unique(np.append(where, (near + period / 2.0) % period - period / 2.0))
+        where = np.unique(np.append(where, folded(near, period)))
     turns = int(min(np.max(ends, initial=0.0) // period, MOST_TURNS)) + 2 if law.extras else 1
     places = (where + period * np.arange(turns)[:, None]).ravel()
     first = law.select(np.zeros(len(places), dtype=np.intp))  # it is the same for all stamps
@@ -328,7 +329,7 @@ def _phase(turns: FloatArray, where: FloatArray, table: FloatArray, bins: int) -
 
 @lru_cache(maxsize=8)
 def _bin_places(bins: int) -> FloatArray:
-    return (np.arange(bins) / bins + 0.5) % 1.0 - 0.5
+    return folded(np.arange(bins) / bins, 1.0)
 
 
 @lru_cache(maxsize=8)
@@ -350,7 +351,7 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
     where, table = _lattice_table(scene, law, period)
 
     def best(phases: FloatArray) -> tuple[float, FloatArray]:
-        off = (turns - phases[:, None] + 0.5) % 1.0 - 0.5
+        off = folded(turns - phases[:, None], 1.0)
         values = np.interp(off * period, where, table)
         i = int(np.argmax(values.sum(axis=1)))
         return float(phases[i]), values[i]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Nominal, Status, Touches
+from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.law import Law
 from skiplatch.motion import Contact, expected_contact
 
@@ -255,9 +256,7 @@ class Scene:
         period, tick = self.nominal.plc.scan_us, self.nominal.skip.tick_us
         stamps = self.touches.latch_us
         rows = self.plc & self.has_stamps
-        turn = np.exp(2j * np.pi * stamps[rows] / period)
-        middle = np.angle(turn.mean()) / (2.0 * np.pi) * period if rows.any() else 0.0
-        residuals = (stamps - middle + period / 2.0) % period - period / 2.0
+        residuals = off_grid(np.where(rows, stamps, np.nan), period)
         return self._stream(
             "lattice", "µs", ("scan",), residuals, (-tick / 2.0, tick / 4.0, tick, 0.0), rows
         )

@@ -23,6 +23,7 @@ from skiplatch.campaign import InputPath
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
+from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
 from skiplatch.simulator import Controller, Effect, Outcomes, play
@@ -175,17 +176,13 @@ def _observables(scene: Scene) -> Iterator[Observable]:
     beside the other stamps that it shows.
     """
     yield from OBSERVABLES
-    period = scene.nominal.plc.scan_us
 
-    def off_grid(recorded: Recorded, _: Contact) -> FloatArray:
+    def late(recorded: Recorded, _: Contact) -> FloatArray:
         stamps = np.where(scene.plc, recorded.latch_us, np.nan)
-        turn = np.nanmean(np.exp(2j * np.pi * stamps / period), axis=-1, keepdims=True)
-        late = stamps - np.angle(turn) / (2.0 * np.pi) * period
-        late = (late + period / 2.0) % period - period / 2.0
-        return np.asarray(np.round(late, NS))
+        return np.asarray(np.round(off_grid(stamps, scene.nominal.plc.scan_us), NS))
 
     if "lattice" in scene.streams:
-        yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", off_grid)
+        yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
 
 def _least(scene: Scene, observable: Observable) -> float:

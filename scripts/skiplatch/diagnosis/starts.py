@@ -6,7 +6,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid import FIRST, grid_period
+from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.surrogates import LOOSEST, US_PER_H
@@ -85,7 +85,7 @@ def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
         return usual
     period = scene.nominal.plc.scan_us
     rows = grid.rows & waits.rows
-    off = (grid.residuals - np.median(grid.known) + period / 2.0) % period - period / 2.0
+    off = folded(grid.residuals - np.median(grid.known), period)
     is_off = np.abs(off[rows]) > SHARP * period
     if is_off.sum() < FEWEST_LATE:
         return usual

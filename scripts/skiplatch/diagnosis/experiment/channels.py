@@ -6,6 +6,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Touches
+from skiplatch.diagnosis.grid import off_grid
 from skiplatch.motion import expected_contact
 from skiplatch.simulator import Outcomes
 
@@ -54,9 +55,5 @@ def channels(
 
 def _off_the_grid(nominal: Nominal, touches: Touches, latch_us: FloatArray) -> FloatArray:
     """PLC stamps less the grid of scans, whose phase each replicate's own stamps tell."""
-    period = nominal.plc.scan_us
-    on_plc = touches.path == InputPath.PLC
-    turns = np.where(on_plc & ~np.isnan(latch_us), np.exp(2j * np.pi * latch_us / period), 0.0)
-    phase = np.angle(turns.sum(axis=1, keepdims=True)) / (2.0 * np.pi) * period
-    off = (latch_us - phase + period / 2.0) % period - period / 2.0
-    return np.where(on_plc, off, np.nan)
+    stamps = np.where(touches.path == InputPath.PLC, latch_us, np.nan)
+    return off_grid(stamps, nominal.plc.scan_us)
