@@ -106,7 +106,7 @@ class _Surface:
         parts = tuple(np.split(values, self._ends))
         model = Fit(self._found.candidates, parts, self._found.reached, self._found.slack)
         reached = self._found.reached
-        total = likelihood(self._scene, model.change(self._scene), 0.0, reached).total
+        total = likelihood(self._scene, model.change(self._scene), reached).total
         return total if np.isfinite(total) else WORST
 
     def climb(self, free: IndexArray, steps: FloatArray) -> None:

@@ -32,7 +32,10 @@ EDGE = np.linspace(-4.0, 4.0, 17)
 """Ticks about the edge of a law at which it is tabulated."""
 BINS = (8, 13)
 """Fewest and most phases of the scans that are tried, as powers of 2."""
+ANYWHERE = 0.25
+"""Standard deviation, over a period, from which on stamps lie anywhere on the grid."""
 TINY = 1e-9
+SHARP: Mapping[str, float] = {}
 LATCHES = {"latch_skip", "latch_plc"}
 AFTER_LATCH = ("position", "report")
 """Streams that are counted from the stamp of the latch."""
@@ -60,18 +63,21 @@ class Likelihood:
 
 
 def likelihood(
-    scene: Scene, change: Change, widening: float = 0.0, names: Collection[str] | None = None
+    scene: Scene,
+    change: Change,
+    names: Collection[str] | None = None,
+    widening: Mapping[str, float] = SHARP,
 ) -> Likelihood:
     """Evaluate the streams.
 
     Args:
         scene: The touches.
         change: What differs from the nominal chain.
-        widening: Smoothes the laws for a coarse search: a share of the residuals' own size.
         names: Of the streams to evaluate; all without it.
+        widening: Smoothes the laws of some streams for a coarse search, by so much in their unit.
     """
     values = {
-        name: _stream_values(scene, stream, change, widening)
+        name: _stream_values(scene, stream, change, widening.get(name, 0.0))
         for name, stream in scene.streams.items()
         if names is None or name in names
     }
@@ -117,7 +123,7 @@ def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float
         return values
     law = law_under(scene, stream, change).select(rows)
     if widening:
-        law = law.widened(widening * stream.size)
+        law = law.widened(widening)
     if stream.name == "lattice":
         values[rows] = _lattice_values(scene, stream, change, law)
         return values
@@ -346,6 +352,11 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
     """
     rows = stream.indices
     period, tick = scan_period_us(scene, change), scene.nominal.skip.tick_us
+    shift = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))
+    slack_us = change.slack * _rms(shift, stream.rows)
+    if slack_us > ANYWHERE * period:
+        return np.zeros(len(rows))  # a clock this far from known tells no grid
+    law = law.widened(slack_us)
     stamps = (scene.touches.latch_us - change.stamp_us)[rows]
     turns = (stamps / period) % 1.0
     where, table = _lattice_table(scene, law, period)

@@ -55,10 +55,9 @@ class Stream:
         """Size that a tenth of the residuals exceeds."""
         return float(np.quantile(np.abs(self.known), 0.9))
 
-    @cached_property
-    def size(self) -> float:
-        """Root mean square distance of the residuals from their nominal mean, without the worst."""
-        off = np.abs(self.residuals - self.law.mean)[self.rows]
+    def off(self, law: Law) -> float:
+        """Root mean square distance of the residuals from a law's mean, without the worst."""
+        off = np.abs(self.residuals - law.mean)[self.rows]
         return float(np.sqrt(np.mean(off[off <= np.quantile(off, 0.95)] ** 2)))
 
 

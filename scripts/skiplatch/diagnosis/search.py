@@ -11,7 +11,7 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import affected, likelihood
+from skiplatch.diagnosis.likelihood import affected, law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)
@@ -81,6 +81,12 @@ class _Target:
         self._names = frozenset[str]().union(
             *(affected(scene, self.fit(start).change(scene)) for start in starts)
         )
+        # By what is off still: a share of what is explained already would blur the rest.
+        self._sizes = {
+            name: stream.off(law_under(scene, stream, given))
+            for name, stream in scene.streams.items()
+            if name in self._names and stream.rows.any()
+        }
 
     def fit(self, values: FloatArray) -> Fit:
         return Fit(self._candidates, _split(self._candidates, values), self._names, self.slack)
@@ -97,7 +103,8 @@ class _Target:
         return self._found[point]
 
     def _of(self, change: Change, widening: float) -> float:
-        total = likelihood(self._scene, change, widening, self._names).total
+        sizes = {name: widening * size for name, size in self._sizes.items()} if widening else {}
+        total = likelihood(self._scene, change, self._names, sizes).total
         return -total if np.isfinite(total) else WORST
 
 
