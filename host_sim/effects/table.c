@@ -133,7 +133,9 @@ static const sim_effect_t EFFECTS[] = {
     {{"report_delay", "report", "both", "reports arrive later than believed",
       {{"delay_us", "µs", "additional way", -10000.0, 100000.0},
        {"queue_us", "µs", "mean of an exponential queue", 0.0, 100000.0},
-       {"direct", "1", "share of the reports that do not queue", 0.0, 1.0}}},
+       {"direct", "1", "share of the reports that do not queue", 0.0, 1.0},
+       {"stepping_us_min_m", "µs·min/m",
+        "more for each m/min of feed: stepping takes the processor's time", 0.0, 10000.0}}},
      SIM_REPORT, effect_report_delay},
 };
 /* clang-format on */

@@ -75,6 +75,21 @@ def test_two_effects_are_both_named() -> None:
     assert found["report_delay"]["delay_us"] == pytest.approx(40.0, abs=5.0)
 
 
+def test_reports_that_take_longer_the_faster_the_axis_steps_are_measured() -> None:
+    truth = {"delay_us": 240.0, "stepping_us_min_m": 11.6}
+    campaign = played(DATA / "bench_no_gap", Effect("report_delay", truth))
+
+    diagnosis = diagnose(campaign, seed=1, jobs=JOBS)
+
+    (named,) = diagnosis.effects
+    assert named.effect.id == "report_delay"
+    assert diagnosis.verdict == Verdict.EXPLAINED
+    found = named.effect.parameters
+    assert found["delay_us"] == pytest.approx(240.0, abs=0.3)
+    assert found["stepping_us_min_m"] == pytest.approx(11.6, abs=0.2)
+    assert found["queue_us"] == 0.0
+
+
 def test_a_lag_behind_the_thermometer_is_measured() -> None:
     truth = {"drift_um_k": 1.5, "lag_s": 900.0}
     campaign = played(DATA / "bench_no_gap", Effect("thermal_drift", truth))

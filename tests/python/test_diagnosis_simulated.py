@@ -32,7 +32,7 @@ CASES = {
     "backlash": [3.0, 0.0, 0.0, 0.0],
     "scale_error": [50.0, 0.0, 0.0],
     "thermal_drift": [2.0, 500.0, 0.0, 0.0, 0.0],
-    "report_delay": [50.0, 20.0, 0.0],
+    "report_delay": [50.0, 20.0, 0.0, 10.0],
 }
 MACHINE_ONLY = {"pretravel_lobing", "trigger_delay"}
 SLOW_S = 10.0

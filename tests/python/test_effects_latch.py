@@ -222,6 +222,14 @@ def test_report_delay_is_a_longer_way_and_an_exponential_queue(path: InputPath) 
     assert_follows(played.report_shift_us, stats.expon(400.0, 200.0))
 
 
+def test_reports_take_the_longer_the_more_steps_are_made_meanwhile() -> None:
+    played = trace(SKIP, "report_delay", n=2000, delay_us=400.0, stepping_us_min_m=50.0)
+    feed_m_min = played.touches.feed_mm_min / 1000.0
+
+    assert feed_m_min.max() > 5.0 * feed_m_min.min()
+    assert_close(played.report_shift_us, 400.0 + 50.0 * feed_m_min, STAMP_TOLERANCE_US)
+
+
 def test_a_report_does_not_arrive_before_its_latch() -> None:
     played = trace(SKIP, "report_delay", delay_us=-10_000.0)
 

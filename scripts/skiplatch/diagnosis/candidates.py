@@ -298,12 +298,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "report_delay",
-            ("delay_us", "queue_us", "direct"),
-            lambda _, p: Change(
-                report_us=p[0],
-                report_extra=(Extra(1.0 - surrogates.as_share(p[2]), mean=abs(p[1])),),
-            ),
+            ("delay_us", "queue_us", "direct", "stepping_us_min_m"),
+            surrogates.later_reports,
             starts.reports,
+            refinements=({3: 10.0},),
         ),
     )
 }

@@ -9,12 +9,13 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.surrogates import LOOSEST, US_PER_H
+from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
 FEWEST_STAMPS = 16
 FEWEST_LATE = 3
+FEWEST_FEEDS = 2
 FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
 MANY_STEPS = 1.5
@@ -115,15 +116,22 @@ def ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 
 
 def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose a longer way, a queue, and both, as far as the soonest and the mean report tell."""
-    usual = [[10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [0.0, 20.0, 0.5], [0.0, 200.0, 0.5]]
+    """Propose a longer way, a queue, both by the soonest and the mean report, and a way by feed."""
+    usual = [[us, 0.0, 0.0, 0.0] for us in (10.0, 100.0)]
+    usual += [[0.0, us, 0.5, 0.0] for us in (20.0, 200.0)]
     stream = scene.streams.get("report")
     if stream is None:
-        return [*usual, [50.0, 100.0, 0.0]]
+        return [*usual, [50.0, 100.0, 0.0, 0.0]]
     soonest = float(stream.known.min())
-    queue = max(float(np.mean((stream.residuals - stream.law.mean)[stream.rows])) - soonest, 1.0)
-    both = [[soonest, queue / (1.0 - direct), direct] for direct in (0.0, 0.2, 0.6)]
-    return [*usual, *both]
+    later = (stream.residuals - stream.law.mean)[stream.rows]
+    queue = max(float(np.mean(later)) - soonest, 1.0)
+    both = [[soonest, queue / (1.0 - direct), direct, 0.0] for direct in (0.0, 0.2, 0.6)]
+    feed_m_min = scene.touches.feed_mm_min[stream.rows] / MM_PER_M
+    if len(np.unique(feed_m_min)) < FEWEST_FEEDS:
+        return [*usual, *both]
+    slope, level = np.polyfit(feed_m_min, later, 1)
+    by_feed = [[float(level), 0.0, 0.0, float(slope)]] if slope > 0.0 else []
+    return [*usual, *both, *by_feed]
 
 
 def resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:

@@ -29,6 +29,7 @@ LOOSEST = 0.25
 SHORTEST_MM = 0.01
 SLOWEST_RATIO = 0.05
 US_PER_H = 3.6e9
+MM_PER_M = 1000.0
 DRIFT_ROUNDS = 4
 """Each makes the time that a stamp stands for a thousand times as exact, or more."""
 
@@ -210,6 +211,13 @@ def coarse_ticks(scene: Scene, p: Parameters) -> Change:
     return Change(
         coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=is_on_grid
     )
+
+
+def later_reports(scene: Scene, p: Parameters) -> Change:
+    """The reports take a longer way, the longer the faster the axis steps, and some queue."""
+    stepping_us = abs(p[3]) * scene.touches.feed_mm_min / MM_PER_M
+    queue = Extra(1.0 - as_share(p[2]), mean=abs(p[1]))
+    return Change(report_us=p[0] + stepping_us, report_extra=(queue,))
 
 
 def pivot(scene: Scene, p: Parameters) -> Change:
