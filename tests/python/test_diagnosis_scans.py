@@ -43,6 +43,30 @@ def test_no_phase_of_late_scans_fits_better_than_the_one_that_is_chosen(
     assert found > max(totals) + len(stamps) * np.log(period) - 1.0
 
 
+@pytest.mark.parametrize("tick_us", [0.25, 0.0625, 0.02])
+def test_the_phase_is_found_to_a_tick_however_fine_that_is(tick_us: float) -> None:
+    """Stamps of which a third lie on the grid, the others up to 8 µs behind it."""
+    campaign = played(BENCH, seed=3)
+    skip = replace(campaign.nominal.skip, tick_us=tick_us)
+    campaign = replace(campaign, nominal=replace(campaign.nominal, skip=skip))
+    rng, touches, period = np.random.default_rng(3), campaign.touches, 2000.0
+    late_us = np.where(rng.random(len(touches)) < 0.3, 0.0, rng.uniform(0.0, 8.0, len(touches)))
+    stamps = np.ceil(touches.latch_us / period) * period + 711.3 + late_us
+    stamps = np.where(touches.on_plc, np.rint(stamps / tick_us) * tick_us, touches.latch_us)
+    scene = Scene.of(replace(campaign, touches=replace(touches, latch_us=stamps)))
+    change = CANDIDATES["scan_jitter"].change(scene, np.array([8.0, 0.0, 0.3]))
+    stream = scene.streams["lattice"]
+    law = law_under(scene, stream, change).select(stream.rows)
+    stamps = scene.touches.latch_us[stream.rows]
+    phases = 711.3 + tick_us * np.arange(-3.0, 3.0, 0.1)
+    turned = [(stamps - phase + period / 2.0) % period - period / 2.0 for phase in phases]
+    best = max(law.log_density(off, period).sum() for off in turned)
+
+    found = likelihood(scene, change, names=["lattice"]).total
+
+    assert found > best + len(stamps) * np.log(period) - 1.0
+
+
 @pytest.mark.parametrize(
     ("late_us", "span_us"),
     [(1000.0, 0.0), (600.0, 0.0), (500.0, 600.0), (700.0, 1000.0)],

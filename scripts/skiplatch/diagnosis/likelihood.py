@@ -3,7 +3,7 @@
 The change is carried through the chain to the law of every stream it can be seen in.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, reduce
 
@@ -27,7 +27,10 @@ SHORTEST_PERIOD = 0.1
 """Of the believed one."""
 PHASES = 15
 NEAR = np.linspace(-1.0, 1.0, 5)
-FINER = (1.0, 0.25)
+FINER = 4.0
+"""By how much each step is finer than the one before, for NEAR to leave nothing out between."""
+FINEST_STEP = 0.08
+"""Of a tick."""
 EDGE = np.linspace(-4.0, 4.0, 17)
 """Ticks about the edge of a law at which it is tabulated."""
 BINS = (8, 13)
@@ -345,6 +348,13 @@ def _spectrum(turns: bytes, bins: int) -> NDArray[np.complex128]:
     return np.asarray(fft.rfft(np.bincount(places, minlength=bins)))
 
 
+def _ever_finer(step: float, tick: float) -> Iterator[float]:
+    """Give a first step, and ever finer ones as far as to a fraction of the tick."""
+    while step > FINEST_STEP * tick:
+        yield step
+        step /= FINER
+
+
 def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> FloatArray:
     """How much likelier stamps are for the grid, whose phase is chosen to fit best; shape (rows,).
 
@@ -377,8 +387,8 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
         if len(phases) > PHASES:
             phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
     phase, found = best(phases)
-    for finer in FINER:
-        phase, found = best(phase + finer * step * NEAR)
+    for finer in _ever_finer(step, tick / period):
+        phase, found = best(phase + finer * NEAR)
     if change.wait is None:
         return found
     # Scans that begin with the motion need not keep a grid: all of them, or those bound to it.
