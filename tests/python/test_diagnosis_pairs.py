@@ -89,6 +89,23 @@ def test_a_third_effect_is_named_where_the_other_two_change_nothing() -> None:
     assert not left
 
 
+def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
+    campaign = played(BENCH, *THREE)
+    touches, rng = campaign.touches, np.random.default_rng(5)
+    noise_um = np.where(rng.random(len(touches)) < 0.4, rng.normal(0.0, 0.3, len(touches)), 0.0)
+    odd = replace(touches, deviation_um=touches.deviation_um + noise_um)
+    judge, quiet = judged(replace(campaign, touches=odd)), judged(campaign)
+    found = find(quiet)
+    assert found.model is not None
+    two = replace(found, model=judge.score(found.model.fit))
+
+    finding, left = with_third(judge, two, "")
+
+    assert finding.model is not None
+    assert set(finding.model.ids) == {effect.id for effect in THREE}
+    assert left.startswith("~position")
+
+
 def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None:
     campaign = played(BENCH, Effect("backlash", {"backlash_um": 6.0}), THREE[0])
     touches = campaign.touches

@@ -1,6 +1,6 @@
 """Which effects a campaign shows: forward search, groups that cannot be told apart, strangers."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -193,11 +193,10 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
     two = finding.model
     if two is None or len(two.ids) == 1 or not judge.is_left_elsewhere(two):
         return finding, left_over
-    ranked = judge.on_top(two)
-    three = judge.jointly(ranked[:1])[0]
-    is_third = judge.is_enough(three, two) and judge.is_elsewhere(three, two)
-    if not is_third or judge.generic(two.fit)[0].score > three.score + ENOUGH_FIT:
+    ranked = next((r for r in _by_streams(judge, two) if _is_third(judge, r[0], two)), None)
+    if ranked is None:
         return finding, left_over
+    three = judge.jointly(ranked[:1])[0]
     ranking = (three, *ranked[1:])
     names, confidence = _group(ranking, position=2)
     found = Finding(
@@ -205,6 +204,24 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
     )
     still = _left_over(judge, three)
     return found, still[0].ids[-1] if still else ""
+
+
+def _by_streams(judge: Judge, two: Scored) -> Iterator[list[Scored]]:
+    """Give the effects on top of two, parted by the streams where they show, by falling score."""
+    rest = judge.on_top(two)
+    while rest:
+        there = judge.reached(rest[0])
+        yield [model for model in rest if judge.reached(model) & there]
+        rest = [model for model in rest[1:] if not judge.reached(model) & there]
+
+
+def _is_third(judge: Judge, three: Scored, two: Scored) -> bool:
+    """Tell whether an effect on top of two is one of its own, and no family does better there."""
+    if not (judge.is_enough(three, two) and judge.is_elsewhere(three, two)):
+        return False
+    there = judge.reached(three)
+    families = (family for family in judge.generic(two.fit) if judge.reached(family) & there)
+    return all(family.score <= three.score + ENOUGH_FIT for family in families)
 
 
 def _behind(judge: Judge, family: Scored, score: float) -> Finding | None:

@@ -273,6 +273,11 @@ class Judge:
             left.stream.name not in reached for left in structures(part, change, self.materiality)
         )
 
+    def reached(self, model: Scored) -> frozenset[str]:
+        """Name the streams where the last of a model changes anything."""
+        last = model.fit.candidates[-1].change(self._fitting, model.fit.parameters[-1])
+        return affected(self._fitting, last)
+
     def share(self, pair: Scored, first: Scored) -> float:
         """What the last of a model gains, over what the first gains in the streams it reaches.
 
