@@ -14,7 +14,16 @@ from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.shrink import Gap, _Cell, _floor, _gap, _Scored, _share_gone, shrink
+from skiplatch.diagnosis.shrink import (
+    Gap,
+    _Cell,
+    _floor,
+    _gap,
+    _Scored,
+    _Scores,
+    _share_gone,
+    shrink,
+)
 from skiplatch.simulator import Effect
 
 LATE = Effect("isr_latency", {"latency_us": 41.7})
@@ -88,13 +97,26 @@ def test_every_interval_holds_its_value() -> None:
         assert gap.shrink.low <= gap.shrink.value <= gap.shrink.high
 
 
-def test_without_a_clear_gap_the_interval_holds_zero() -> None:
+def scored(before: float, after: float, floor: float, nominal_floor: float) -> _Scores:
+    """Ten touches that all score alike."""
     ones = np.ones(10)
-    unclear = _share_gone(2.0 * ones, ones, 0.5 * ones, seed=1, is_clear=False)
-    clear = _share_gone(2.0 * ones, ones, 0.5 * ones, seed=1, is_clear=True)
+    return _Scores(ones, before * ones, after * ones, floor * ones, nominal_floor * ones, None)
+
+
+def test_without_a_clear_gap_the_interval_holds_zero() -> None:
+    scores = scored(2.0, 1.0, 0.5, 0.5)
+    unclear = _share_gone(scores, scores.after, seed=1, is_clear=False)
+    clear = _share_gone(scores, scores.after, seed=1, is_clear=True)
 
     assert (unclear.low, unclear.value) == (0.0, 0.0)
     assert clear.value == clear.low == clear.high == pytest.approx(2.0 / 3.0)
+
+
+def test_effects_that_scatter_too_much_do_not_make_the_gap_small() -> None:
+    """Their own floor lies above what was there before: 1 of 20 above the nominal one is gone."""
+    scores = scored(before=30.0, after=29.0, floor=40.0, nominal_floor=10.0)
+
+    assert _share_gone(scores, scores.after, seed=1, is_clear=True).value == pytest.approx(0.05)
 
 
 def test_wide_cells_do_not_drown_the_narrow_ones() -> None:

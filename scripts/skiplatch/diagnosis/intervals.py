@@ -34,6 +34,8 @@ STRIDE = 8.0
 CLIMBS = 25  # evaluations, a parameter
 DEGREES_OF_FREEDOM = 5  # of the sampled distribution, whose tails reach beyond those sought
 ROUNDS = (60, 60, 60, 240)
+FEW = 3
+"""Parameters that as many samples are enough for; for more they are multiplied."""
 LEAST_SAMPLES = 4.0  # a parameter, that have to count in effect
 TEMPERS = (1.0, 0.5, 0.25, 0.1, 0.03, 0.01)
 INFLATION = 1.5
@@ -236,7 +238,8 @@ def _sampled(
     middle = np.zeros(len(free))
     spread = _covariance(surface, free, steps)
     points, weights = np.zeros((1, len(free))), np.ones(1)
-    for size in ROUNDS:
+    more = int(np.ceil(len(free) / FEW))
+    for size in more * np.array(ROUNDS):
         proposal = stats.multivariate_t(middle, spread, DEGREES_OF_FREEDOM, seed=rng)
         points = proposal.rvs(size).reshape(size, len(free))
         heights = np.array([surface.along(free, steps * point) for point in points])

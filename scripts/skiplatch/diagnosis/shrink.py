@@ -90,6 +90,7 @@ class _Scores:
     before: FloatArray
     after: FloatArray
     floor: FloatArray
+    nominal_floor: FloatArray
     truth: FloatArray | None
 
     @classmethod
@@ -107,6 +108,7 @@ class _Scores:
             before=together(cell.before.scores for cell in cells),
             after=together(cell.after.scores for cell in cells),
             floor=together(floors),
+            nominal_floor=together(cell.before.floor for cell in cells),
             truth=together(truth) if truth else None,
         )
 
@@ -280,7 +282,7 @@ def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int
     whole = float(np.sum(1.0 / scores.units))  # turns units of the floor into those of the figures
 
     def share_gone(after: FloatArray) -> Interval:
-        return _share_gone(scores.before, after, scores.floor, seed, is_clear=bool(clear))
+        return _share_gone(scores, after, seed, is_clear=bool(clear))
 
     return Gap(
         title=observable.title,
@@ -295,13 +297,13 @@ def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int
     )
 
 
-def _share_gone(
-    before: FloatArray, after: FloatArray, floor: FloatArray, seed: int, *, is_clear: bool
-) -> Interval:
-    """Give the share with its interval, from scores in equal units; 0 without a gap."""
-    value = float(_share(before - after, before - floor)) if is_clear else 0.0
+def _share_gone(scores: _Scores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:
+    """Give the share with its interval, by the scores after it; 0 without a gap."""
+    before = scores.before
+    samples = (before - after, before - scores.floor, before - scores.nominal_floor)
+    value = float(_share(*samples)) if is_clear else 0.0
     resampled = stats.bootstrap(
-        (before - after, before - floor),
+        samples,
         _share,
         n_resamples=RESAMPLES,
         paired=True,
@@ -313,12 +315,17 @@ def _share_gone(
     return Interval(value, min(float(resampled.low), value), max(float(resampled.high), value))
 
 
-def _share(gone: FloatArray, above: FloatArray, axis: int = -1) -> FloatArray:
+def _share(
+    gone: FloatArray, above: FloatArray, above_nominal: FloatArray, axis: int = -1
+) -> FloatArray:
     """Share of the gap above the floor that is gone; 0 where there was none and none came.
 
-    Touches that score below the floor by luck have not lost more than all of their gap.
+    Touches that score below the floor by luck have not lost more than all of their gap. A floor
+    above what was there before is that of effects which scatter too much, and no measure of a gap:
+    then the floor of the nominal simulation is, which makes the gap rather too large.
     """
-    lost, gap = gone.sum(axis=axis), above.sum(axis=axis)
+    lost, gap, most = gone.sum(axis=axis), above.sum(axis=axis), above_nominal.sum(axis=axis)
+    gap = np.where(gap > 0.0, gap, most)
     whole = np.maximum(np.maximum(gap, lost), RESOLVABLE)
     share = np.clip(lost / whole, -1.0, 1.0)
     return np.asarray(np.where(np.abs(lost) > RESOLVABLE, share, 0.0))
