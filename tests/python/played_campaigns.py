@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skiplatch.campaign import Campaign, Status, read_campaign
+from skiplatch.campaign import Campaign, Kind, Status, read_campaign
 from skiplatch.simulator import Controller, Effect, play
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -16,9 +16,20 @@ BENCH = Path(__file__).parent / "data" / "bench_no_gap"
 LATE_BENCH = SAMPLES / "bench_isr_latency"
 
 
+def stamped_machine() -> Campaign:
+    """The bench's touches as a machine that records no edges makes them."""
+    bench = read_campaign(BENCH)
+    touches = replace(bench.touches, edge_us=np.full(len(bench.touches), np.nan))
+    return replace(bench, nominal=replace(bench.nominal, kind=Kind.MACHINE), touches=touches)
+
+
 def played(folder: Path, *switched_on: Effect, seed: int = 11) -> Campaign:
     """The simulation with effects in place of what was recorded, in the same columns."""
-    campaign = read_campaign(folder)
+    return played_again(read_campaign(folder), *switched_on, seed=seed)
+
+
+def played_again(campaign: Campaign, *switched_on: Effect, seed: int = 11) -> Campaign:
+    """The same of a campaign at hand."""
     touches = campaign.touches
     controller = Controller.for_campaign(campaign.nominal, touches)
     outcomes = play(campaign.nominal, controller, touches, seed=seed, switched_on=switched_on)

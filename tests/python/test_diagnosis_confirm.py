@@ -1,14 +1,14 @@
 """Plain simulation decides between models, and tells which ones the record cannot tell apart."""
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played
-from skiplatch.campaign import Campaign
+from played_campaigns import BENCH, MACHINE, played, played_again
+from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import confirm, contenders, inseparable, settle
@@ -102,6 +102,25 @@ def test_a_model_that_gains_nothing_does_not_hold() -> None:
 
     assert not found.holds
     assert found.gains[0].high < 0.0
+
+
+def thrice(campaign: Campaign) -> Campaign:
+    """The same touches three times over, one after the other."""
+    touches = campaign.touches
+    n, length_s = len(touches), float(np.ptp(touches.time_s)) + 60.0
+    columns = {f.name: np.tile(getattr(touches, f.name), 3) for f in fields(touches)}
+    columns["touch"] = np.arange(3 * n)
+    columns["time_s"] = columns["time_s"] + np.repeat(length_s * np.arange(3), n)
+    columns["edge_us"] = columns["edge_us"] + np.repeat(1e6 * length_s * np.arange(3), n)
+    return replace(campaign, touches=replace(touches, **columns))
+
+
+def test_a_large_campaign_is_held_against_fewer_plays_of_a_model_that_gains_nothing() -> None:
+    scene, parts = parts_of(played_again(thrice(read_campaign(BENCH))))
+
+    found = confirm(scene, parts.checking, [[BACKLASH]], seed=3)
+
+    assert not found.holds
 
 
 def test_a_rare_effect_holds_where_the_checked_touches_happen_to_have_none() -> None:

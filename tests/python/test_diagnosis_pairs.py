@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from played_campaigns import BENCH, MACHINE, played
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.decide import Finding, find, weigh, with_third
 from skiplatch.diagnosis.judge import Judge, split
@@ -70,6 +70,16 @@ def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
     assert finding.model is not None
     assert sorted(finding.model.ids) == ["backlash", "encoder_quantisation"]
     assert not left
+
+
+def test_what_scatters_is_searched_for_a_second_effect_before_others_take_its_place() -> None:
+    campaign = played_again(
+        stamped_machine(),
+        Effect("feed_error", {"feed_percent": 0.22}),
+        Effect("transmission_error", {"amplitude_um": 4.0, "period_mm": 5.0}),
+    )
+
+    assert sorted(map(sorted, groups(found(campaign)))) == [["feed_error"], ["transmission_error"]]
 
 
 THREE = (

@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
+from skiplatch.diagnosis.judge import IMPOSSIBLE, Judge, split, worth
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import resolutions
 from skiplatch.diagnosis.structure import structures
 
@@ -115,3 +118,17 @@ def test_the_period_of_a_grid_is_found_from_far_apart_stamps(period: float, jitt
     stamps = 123.0 + number * period + jitter * rng.normal(size=200)
 
     assert grid_period(np.floor(stamps), 1.06 * period) == pytest.approx(period, rel=1e-8)
+
+
+@pytest.mark.parametrize(("delay_us", "impossible"), [(-3.0, 0), (-20.0, 1), (20.0, 0)])
+def test_an_interrupt_cannot_come_before_its_edge(delay_us: float, impossible: int) -> None:
+    scene = Scene.of(read_campaign(DATA / "bench_no_gap"))
+    judge = Judge(scene, split(len(scene), seed=1))
+    parameters = np.array([delay_us, 0.0, 0.0])
+
+    scored = judge.score(Fit((CANDIDATES["isr_latency"],), (parameters,), frozenset()))
+
+    assert 3.0 < scene.nominal.skip.latency_us < 20.0 - scene.nominal.skip.tick_us
+    assert scored.impossible == impossible
+    speaks_against = worth(1) + IMPOSSIBLE * impossible
+    assert scored.score == pytest.approx(scored.fitted + scored.checked - speaks_against)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skiplatch.campaign import Nominal
 from skiplatch.diagnosis import starts, surrogates
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
@@ -37,6 +38,14 @@ class Candidate:
     applies: Callable[[Scene], bool] = lambda _: True
     refinements: tuple[Mapping[int, float], ...] = ()
     """Parameters, by number and with a first value, that make other forms of the effect."""
+    believed_us: Callable[[Nominal], float] | None = None
+    """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
+
+    def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
+        """Tell whether nothing comes before its cause."""
+        if self.believed_us is None:
+            return True
+        return bool(parameters[0] >= -self.believed_us(scene.nominal) - scene.nominal.skip.tick_us)
 
     @property
     def is_named(self) -> bool:
@@ -94,6 +103,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             starts.delays,
             _machine,
             refinements=({1: 5.0}, {1: 100.0}),
+            believed_us=lambda nominal: nominal.probe.delay_us,
         ),
         Candidate(
             "link_slotting",
@@ -118,6 +128,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             surrogates.delay,
             starts.delays,
             refinements=({1: 5.0}, {1: 100.0}),
+            believed_us=lambda nominal: nominal.input.filter_us,
         ),
         Candidate(
             "contact_bounce",
@@ -140,6 +151,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ),
             starts.fixed([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
             refinements=({1: 1.0}, {1: 20.0}, {2: 1.0}, {2: 20.0}),
+            believed_us=lambda nominal: nominal.skip.latency_us,
         ),
         Candidate(
             "isr_blocking",
@@ -302,6 +314,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             surrogates.later_reports,
             starts.reports,
             refinements=({3: 10.0},),
+            believed_us=lambda nominal: nominal.report.latency_us,
         ),
     )
 }

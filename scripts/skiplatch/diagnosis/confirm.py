@@ -38,7 +38,7 @@ CLEARLY = 3.0
 MATERIAL = 0.01
 """Gain in score that matters: that of a shift by a fifth of the noise."""
 OWN_PLAYS = 50
-"""Of a model that gains nothing; one in 51 would gain less than all of them by chance."""
+"""At most, of a model that gains nothing; one in 51 would gain less than all of them by chance."""
 MOST_FITTED = 400
 """Touches of a campaign that models are fitted to, to see whether they come apart."""
 HOPELESS = 100.0
@@ -144,7 +144,7 @@ def _is_usual(
     scene: Scene, rows: BoolArray, unchanged: Outcomes, played: Outcomes, gain: float
 ) -> bool:
     """Tell whether the model's own plays may gain as little: what is rare may not have happened."""
-    for k in range(OWN_PLAYS):
+    for k in range(min(OWN_PLAYS, len(played.ok))):
         scorer = _Scorer(
             replace(scene, touches=as_recorded(scene.touches, played, k)), rows, unchanged
         )

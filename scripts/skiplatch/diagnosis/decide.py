@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.diagnosis.judge import ENOUGH_FIT, PLAIN, Judge, Scored
+from skiplatch.diagnosis.search import SLACKS
 
 BETTER = 2.0
 """Nats by which a form found in a pair has to be better than the one found alone."""
@@ -66,17 +67,18 @@ def find(judge: Judge) -> Finding:
     best = ranked[0]
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
-    hidden = _hidden(judge, ranked)
+    pairs = judge.pairs(best)
+    hidden = _hidden(judge, ranked, pairs[0].score)
     if hidden:
         return hidden
-    pairs = judge.pairs(best)
     again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
     if again.score > best.score + BETTER:
         # The pair has shown the way to a better form of one of its effects alone.
         best = again
         ranked = [best, *(scored for scored in ranked if scored.ids != best.ids)]
         pairs = judge.pairs(best)
-    has_second = _is_second(judge, pairs[0], best)
+    tied = (pair for pair in pairs if pair.score > pairs[0].score - TIED)
+    has_second = any(_is_second(judge, pair, best) for pair in tied)
     if not judge.is_material(best):
         # What is too small to matter may still hide what is not.
         if has_second:
@@ -88,10 +90,15 @@ def find(judge: Judge) -> Finding:
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
-def _hidden(judge: Judge, ranked: Sequence[Scored]) -> Finding | None:
+def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | None:
     """Find two effects behind one that takes what both do for scatter.
 
     The next best ones, each of which is mended less by itself, may do far better together.
+
+    Args:
+        judge: Fits and scores.
+        ranked: The effects alone, by falling score.
+        score: Of the best one with another one.
     """
     best = ranked[0]
     if not judge.is_scatter(best):
@@ -101,7 +108,7 @@ def _hidden(judge: Judge, ranked: Sequence[Scored]) -> Finding | None:
         if best.ids[0] in judge.on_top(first)[0].ids:
             continue  # the search that begins with the best one finds this pair
         pairs = judge.pairs(first)
-        is_better = pairs[0].score > best.score + PLAIN and judge.is_enough(pairs[0], best)
+        is_better = pairs[0].score > score + PLAIN and judge.is_enough(pairs[0], best)
         if is_better and best.ids[0] not in pairs[0].ids and _is_second(judge, pairs[0], first):
             return _two(judge, pairs)
     return None
@@ -122,11 +129,11 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
         # The first one may well have another form: it cannot be that of what shows elsewhere.
         return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
     share = judge.share(pair, first)
-    if share >= PLAIN_SECOND:
-        return not _is_a_form(judge, pair, -TIED)
-    if share < FAINTEST_SECOND:
-        return False
-    return _mends_all(judge, pair) and not _is_a_form(judge, pair, -PLAIN)
+    if share < FAINTEST_SECOND or pair.fit.slack == SLACKS[-1]:
+        return False  # a form as far off as can be is no ground to tell another effect on
+    if _mends_all(judge, pair):
+        return not _is_a_form(judge, pair, 0.0 if share >= PLAIN_SECOND else -PLAIN)
+    return share >= PLAIN_SECOND and not _is_a_form(judge, pair, -TIED)
 
 
 def _mends_all(judge: Judge, pair: Scored) -> bool:
@@ -208,11 +215,11 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
 
 def _by_streams(judge: Judge, two: Scored) -> Iterator[list[Scored]]:
     """Give the effects on top of two, parted by the streams where they show, by falling score."""
-    rest = judge.on_top(two)
+    rest = [(model, judge.reached(model)) for model in judge.on_top(two)]
     while rest:
-        there = judge.reached(rest[0])
-        yield [model for model in rest if judge.reached(model) & there]
-        rest = [model for model in rest[1:] if not judge.reached(model) & there]
+        there = rest[0][1]
+        yield [model for model, reached in rest if reached & there]
+        rest = [(model, reached) for model, reached in rest if not reached & there]
 
 
 def _is_third(judge: Judge, three: Scored, two: Scored) -> bool:

@@ -14,13 +14,14 @@ from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likeliho
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import (
+    FINEST,
     NOTHING,
     SLACKS,
     WORTH_A_REFINEMENT,
     Fit,
     fit,
     polish,
-    sharpened,
+    refine,
 )
 from skiplatch.diagnosis.simulated import catalogue
 from skiplatch.diagnosis.structure import structures
@@ -33,13 +34,16 @@ CONTENDS = 0.25
 """Share of the best gain from which on other forms of an effect are tried."""
 REFINED_PAIRS = 5
 NEARLY = 30.0
-"""Nats behind the best pair from which on a pair is not refined jointly."""
-FINEST = (0.0,)
+"""Nats behind the best pair up to which a pair is refined jointly."""
+NEARLY_AS_MUCH = 0.5
+"""Share of the best second effect's gain from which on it is as well."""
 COARSE = (0.1, 0.0)
 MISSING = 0.2
 """Share of the gain that rare events may cost where the check happens to have none."""
 PLAIN = 15.0
 """Nats of gain that need no check to be believed, only that it does not speak against."""
+IMPOSSIBLE = 10.0
+"""Nats against an effect that cannot be, unless the believed chain is wrong there as well."""
 SCATTERED = 3.0
 """Times the believed spread from which on an effect explains by scatter."""
 
@@ -71,11 +75,14 @@ class Scored:
     fit: Fit
     fitted: float
     checked: float
+    impossible: int = 0
+    """Effects that no chain can have, as something would come before its cause."""
 
     @property
     def score(self) -> float:
-        """Gain in all, less what so many parameters gain by chance."""
-        return self.fitted + self.checked - worth(self.fit.size)
+        """Gain in all, less what so many parameters gain by chance, and what speaks against it."""
+        chance = worth(self.fit.size) + IMPOSSIBLE * self.impossible
+        return self.fitted + self.checked - chance
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -110,6 +117,11 @@ def _in_view(part: Scene, names: Collection[str]) -> set[str]:
     return {*names, "lattice"} if is_waiting and "lattice" in part.streams else set(names)
 
 
+def _reached(part: Scene, model: Fit) -> frozenset[str]:
+    """Name the streams where the last effect of a model changes anything."""
+    return affected(part, model.candidates[-1].change(part, model.parameters[-1]))
+
+
 def _gain_in(part: Scene, model: Fit, names: Collection[str]) -> float:
     """Give what a model gains over the unchanged simulation in some streams."""
     changed = likelihood(part, model.change(part), names=names).total
@@ -138,11 +150,13 @@ class Judge:
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts."""
-        gains = [
+        fitted, checked = (
             likelihood(part, model.change(part)).total - base
             for part, base in zip((self._fitting, self._checking), self._base, strict=True)
-        ]
-        return Scored(model, *gains)
+        )
+        effects = zip(model.candidates, model.parameters, strict=True)
+        impossible = sum(not candidate.is_possible(self.scene, p) for candidate, p in effects)
+        return Scored(model, fitted, checked, impossible)
 
     def singles(self) -> list[Scored]:
         """Every candidate alone, by falling score."""
@@ -195,12 +209,17 @@ class Judge:
         )
 
     def pairs(self, first: Scored) -> list[Scored]:
-        """The first effect with every other one: one by one on top of it, the best then jointly."""
+        """The first effect with every other one: one by one on top of it, the best then jointly.
+
+        The very best is tried in other forms as well.
+        """
         on_top = self.on_top(first)
-        least = on_top[0].score - NEARLY
+        most = on_top[0].score
+        least = most - max(NEARLY, (1.0 - NEARLY_AS_MUCH) * (most - first.score))
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
-        jointly = self.jointly(near)
-        return sorted(jointly + on_top[len(near) :], key=lambda scored: -scored.score)
+        ranked = sorted(self.jointly(near) + on_top[len(near) :], key=lambda pair: -pair.score)
+        polished = self.score(polish(self._fitting, ranked[0].fit))
+        return [max(ranked[0], polished, key=lambda pair: pair.score), *ranked[1:]]
 
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""
@@ -275,8 +294,7 @@ class Judge:
 
     def reached(self, model: Scored) -> frozenset[str]:
         """Name the streams where the last of a model changes anything."""
-        last = model.fit.candidates[-1].change(self._fitting, model.fit.parameters[-1])
-        return affected(self._fitting, last)
+        return _reached(self._fitting, model.fit)
 
     def share(self, pair: Scored, first: Scored) -> float:
         """What the last of a model gains, over what the first gains in the streams it reaches.
@@ -285,8 +303,7 @@ class Judge:
         """
         there = 0.0
         for part in (self._fitting, self._checking):
-            last = pair.fit.candidates[-1].change(part, pair.fit.parameters[-1])
-            there += _gain_in(part, first.fit, _in_view(part, affected(part, last)))
+            there += _gain_in(part, first.fit, _in_view(part, _reached(part, pair.fit)))
         gained = pair.fitted + pair.checked - first.fitted - first.checked
         return gained / there if there > 0.0 else np.inf
 
@@ -324,10 +341,7 @@ def _both(first: Fit, second: Fit) -> Fit:
 
 
 def _refine(model: tuple[Scene, Fit]) -> Fit:
-    """Fit the effects of a model jointly, from where they are."""
-    scene, found = model
-    start = np.concatenate(found.parameters).tolist()
-    return polish(scene, sharpened(scene, fit(scene, found.candidates, [start], widenings=FINEST)))
+    return refine(*model)
 
 
 def _polish(model: tuple[Scene, Fit, Change]) -> Fit:

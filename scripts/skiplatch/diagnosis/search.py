@@ -1,6 +1,6 @@
 """Finding the parameters of an effect, and the effects of a campaign."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import accumulate, pairwise
@@ -15,6 +15,7 @@ from skiplatch.diagnosis.likelihood import affected, law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)
+FINER, FINEST = WIDENINGS[1:], WIDENINGS[-1:]
 HOPELESS_AFTER = 2
 """Widenings after which an effect that gains nothing is not looked into further."""
 HOPELESS = 0.5
@@ -182,30 +183,35 @@ def _fit_form(
     return min(points, key=lambda point: target(point, 0.0))
 
 
-def sharpened(scene: Scene, found: Fit) -> Fit:
+def refine(scene: Scene, found: Fit) -> Fit:
+    """Fit effects jointly, from where they are."""
+    start = np.concatenate(found.parameters)
+    target = _Target(scene, found.candidates, [start], NOTHING)
+    best = _sharpened(target, _fit_form(target, [start], FINER))
+    return target.fit(_loosened(target, best))
+
+
+def _sharpened(target: _Target, best: FloatArray) -> FloatArray:
     """Climb on with smaller and smaller steps, as long as that is worth it.
 
     Two effects that make up for each other share a ridge, along which a climb with long steps ends
     too soon.
     """
-    best = np.concatenate(found.parameters)
-    target = _Target(scene, found.candidates, [best], NOTHING)
     for step in STEPS[1:]:
         further = _climb(target, best, 0.0, step)
         gained = target(best, 0.0) - target(further, 0.0)
         best = further if gained > 0.0 else best
         if gained < WORTH_A_REFINEMENT:
             break
-    return target.fit(best)
+    return best
 
 
 def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
-    """Give a fit of one effect another form, and any fit slack, where that is worth it."""
+    """Give effects another form, or slack, where that is worth it."""
     best = np.concatenate(found.parameters)
     target = _Target(scene, found.candidates, [best], given)
     # Forms come first: slack would swallow what a jitter of its own explains.
-    if len(found.candidates) == 1:
-        best = _refined(target, found.candidates[0], best)
+    best = _refined(target, found.candidates, best)
     return target.fit(_loosened(target, best))
 
 
@@ -223,13 +229,13 @@ def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     return best
 
 
-def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
+def _refined(target: _Target, candidates: Sequence[Candidate], best: FloatArray) -> FloatArray:
     """Free more parameters, the most worthwhile first, as long as that is worth it."""
 
     def cost(values: FloatArray) -> float:
         return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
 
-    promising = list(candidate.refinements)
+    promising = list(_refinements(candidates))
     while promising:
         starts = [_freed(best, refinement) for refinement in promising]
         found = [_climb(target, start, 0.0) if start.any() else best for start in starts]
@@ -246,3 +252,12 @@ def _freed(values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
     for index, value in refinement.items():
         start[index] = start[index] or value
     return np.zeros_like(start) if np.array_equal(start, values) else start
+
+
+def _refinements(candidates: Sequence[Candidate]) -> Iterator[dict[int, float]]:
+    """Give the refinements of effects by the place of the parameters among those of all."""
+    first = 0
+    for candidate in candidates:
+        for refinement in candidate.refinements:
+            yield {first + index: value for index, value in refinement.items()}
+        first += len(candidate.names)
