@@ -167,7 +167,7 @@ def _ageing_rate(d: Draw) -> Form:
     words = f"device clock off by {ppm:+.4g} ppm, changing by {100 * share:+.0f} % to the end"
 
     def mean(s: State) -> FloatArray:
-        return ppm * (1 + 0.5 * share * s.touches.time_s / end)
+        return ppm * (1 + 0.5 * share * 1e-6 * s.stamp_us / end)
 
     return Form(words, {Step.STAMP: _runs_fast(mean)})
 

@@ -87,7 +87,9 @@ CANDIDATES: Mapping[str, Candidate] = {
             "unfinished_acceleration",
             ("accel_ratio",),
             surrogates.unfinished,
-            starts.fixed([0.8], [0.4], [0.1]),
+            starts.fixed(
+                *([ratio] for ratio in (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1))
+            ),
         ),
         Candidate(
             "pretravel_lobing",

@@ -129,8 +129,9 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
         # The first one may well have another form: it cannot be that of what shows elsewhere.
         return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
     share = judge.share(pair, first)
+    # A form as far off as can be is no ground to tell another effect on.
     if share < FAINTEST_SECOND or pair.fit.slack == SLACKS[-1]:
-        return False  # a form as far off as can be is no ground to tell another effect on
+        return False
     if _mends_all(judge, pair):
         return not _is_a_form(judge, pair, 0.0 if share >= PLAIN_SECOND else -PLAIN)
     return share >= PLAIN_SECOND and not _is_a_form(judge, pair, -TIED)
@@ -215,11 +216,12 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
 
 def _by_streams(judge: Judge, two: Scored) -> Iterator[list[Scored]]:
     """Give the effects on top of two, parted by the streams where they show, by falling score."""
-    rest = [(model, judge.reached(model)) for model in judge.on_top(two)]
+    reached = ((model, judge.reached(model)) for model in judge.on_top(two))
+    rest = [(model, where) for model, where in reached if where]
     while rest:
         there = rest[0][1]
-        yield [model for model, reached in rest if reached & there]
-        rest = [(model, reached) for model, reached in rest if not reached & there]
+        yield [model for model, where in rest if where & there]
+        rest = [(model, where) for model, where in rest if not where & there]
 
 
 def _is_third(judge: Judge, three: Scored, two: Scored) -> bool:

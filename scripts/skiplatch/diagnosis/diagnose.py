@@ -17,7 +17,7 @@ from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.judge import Judge, Scored, split
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.search import SLACKS, Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
@@ -150,7 +150,8 @@ def _diagnose(
     unseeing = [n.effect for n in _named(finding, scene.select(parts.naming))]
     known = finding.model or finding.small
     left = structures(scene, known.fit.change(scene) if known else Change(), materiality)
-    verdict = _verdict(scene, named, left, stranger, confirmed)
+    is_loose = finding.model is not None and finding.model.fit.slack == SLACKS[-1]
+    verdict = _verdict(scene, named, left, stranger, confirmed, is_loose=is_loose)
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(
         verdict=verdict,
@@ -198,11 +199,13 @@ def _verdict(
     left: Sequence[Structure],
     stranger: str,
     confirmed: Confirmation | None,
+    *,
+    is_loose: bool,
 ) -> Verdict:
     if not named:
         is_unknown = left or stranger or scene.false.sum() >= FEWEST_FALSE
         return Verdict.UNKNOWN if is_unknown else Verdict.NO_GAP
-    if stranger or (confirmed and not confirmed.holds):
+    if stranger or is_loose or (confirmed and not confirmed.holds):
         return Verdict.PARTLY_EXPLAINED
     before = structures(scene, Change())
     was = sum(abs(np.log(max(s.p_value, 1e-300))) for s in before)

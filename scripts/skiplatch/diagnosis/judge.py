@@ -209,17 +209,12 @@ class Judge:
         )
 
     def pairs(self, first: Scored) -> list[Scored]:
-        """The first effect with every other one: one by one on top of it, the best then jointly.
-
-        The very best is tried in other forms as well.
-        """
+        """The first effect with every other one: one by one on top of it, the best then jointly."""
         on_top = self.on_top(first)
         most = on_top[0].score
         least = most - max(NEARLY, (1.0 - NEARLY_AS_MUCH) * (most - first.score))
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
-        ranked = sorted(self.jointly(near) + on_top[len(near) :], key=lambda pair: -pair.score)
-        polished = self.score(polish(self._fitting, ranked[0].fit))
-        return [max(ranked[0], polished, key=lambda pair: pair.score), *ranked[1:]]
+        return sorted(self.jointly(near) + on_top[len(near) :], key=lambda pair: -pair.score)
 
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""

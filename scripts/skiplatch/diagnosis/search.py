@@ -1,6 +1,6 @@
 """Finding the parameters of an effect, and the effects of a campaign."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import accumulate, pairwise
@@ -207,11 +207,12 @@ def _sharpened(target: _Target, best: FloatArray) -> FloatArray:
 
 
 def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
-    """Give effects another form, or slack, where that is worth it."""
+    """Give a fit of one effect another form, and any fit slack, where that is worth it."""
     best = np.concatenate(found.parameters)
     target = _Target(scene, found.candidates, [best], given)
     # Forms come first: slack would swallow what a jitter of its own explains.
-    best = _refined(target, found.candidates, best)
+    if len(found.candidates) == 1:
+        best = _refined(target, found.candidates[0], best)
     return target.fit(_loosened(target, best))
 
 
@@ -229,13 +230,13 @@ def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     return best
 
 
-def _refined(target: _Target, candidates: Sequence[Candidate], best: FloatArray) -> FloatArray:
+def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
     """Free more parameters, the most worthwhile first, as long as that is worth it."""
 
     def cost(values: FloatArray) -> float:
         return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
 
-    promising = list(_refinements(candidates))
+    promising = list(candidate.refinements)
     while promising:
         starts = [_freed(best, refinement) for refinement in promising]
         found = [_climb(target, start, 0.0) if start.any() else best for start in starts]
@@ -252,12 +253,3 @@ def _freed(values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
     for index, value in refinement.items():
         start[index] = start[index] or value
     return np.zeros_like(start) if np.array_equal(start, values) else start
-
-
-def _refinements(candidates: Sequence[Candidate]) -> Iterator[dict[int, float]]:
-    """Give the refinements of effects by the place of the parameters among those of all."""
-    first = 0
-    for candidate in candidates:
-        for refinement in candidate.refinements:
-            yield {first + index: value for index, value in refinement.items()}
-        first += len(candidate.names)
