@@ -49,3 +49,15 @@ def test_an_error_with_the_approach_gets_no_name() -> None:
 
     assert diagnosis.verdict == Verdict.UNKNOWN
     assert not diagnosis.effects
+
+
+def test_an_effect_of_a_form_far_off_explains_in_part() -> None:
+    plain = simulated()
+    touches = plain.touches
+    share = 1.0 + 0.4 * np.random.default_rng(3).standard_normal(len(touches))
+    off = touches.deviation_um + 0.05 * touches.position_mm * touches.sign * share
+    odd = replace(plain, touches=replace(touches, deviation_um=np.round(off, 1)))
+    diagnosis = diagnose(odd, seed=1, jobs=2)
+
+    assert diagnosis.verdict == Verdict.PARTLY_EXPLAINED
+    assert [named.effect.id for named in diagnosis.effects] == ["scale_error"]

@@ -72,6 +72,13 @@ def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
     assert not left
 
 
+def test_an_acceleration_a_thousandth_too_slow_is_found() -> None:
+    # Stamps and positions together show a few ppm of the travel: the peak is as narrow.
+    slow = Effect("unfinished_acceleration", {"accel_ratio": 0.999})
+
+    assert judged(played_again(stamped_machine(), slow)).singles()[0].ids == (slow.id,)
+
+
 def test_what_scatters_is_searched_for_a_second_effect_before_others_take_its_place() -> None:
     campaign = played_again(
         stamped_machine(),
