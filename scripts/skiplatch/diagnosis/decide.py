@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.diagnosis.judge import ENOUGH_FIT, PLAIN, Judge, Scored
-from skiplatch.diagnosis.search import SLACKS
 
 BETTER = 2.0
 """Nats by which a form found in a pair has to be better than the one found alone."""
@@ -129,8 +128,7 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
         # The first one may well have another form: it cannot be that of what shows elsewhere.
         return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
     share = judge.share(pair, first)
-    # A form as far off as can be is no ground to tell another effect on.
-    if share < FAINTEST_SECOND or pair.fit.slack == SLACKS[-1]:
+    if share < FAINTEST_SECOND or pair.fit.is_loose:
         return False
     if _mends_all(judge, pair):
         return not _is_a_form(judge, pair, 0.0 if share >= PLAIN_SECOND else -PLAIN)

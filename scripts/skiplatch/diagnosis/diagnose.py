@@ -17,7 +17,7 @@ from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.judge import Judge, Scored, split
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import SLACKS, Fit
+from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
@@ -150,7 +150,7 @@ def _diagnose(
     unseeing = [n.effect for n in _named(finding, scene.select(parts.naming))]
     known = finding.model or finding.small
     left = structures(scene, known.fit.change(scene) if known else Change(), materiality)
-    is_loose = finding.model is not None and finding.model.fit.slack == SLACKS[-1]
+    is_loose = finding.model is not None and finding.model.fit.is_loose
     verdict = _verdict(scene, named, left, stranger, confirmed, is_loose=is_loose)
     held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
     return Diagnosis(

@@ -14,11 +14,11 @@ from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likeliho
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import (
-    FINEST,
     NOTHING,
     SLACKS,
     WORTH_A_REFINEMENT,
     Fit,
+    anew,
     fit,
     polish,
     refine,
@@ -243,10 +243,8 @@ class Judge:
 
     def again(self, model: Fit, position: int) -> Scored:
         """Fit one effect of a model alone, from the parameters that it has there."""
-        candidates = (model.candidates[position],)
-        start = model.parameters[position].tolist()
-        found = fit(self._fitting, candidates, [start], widenings=FINEST)
-        return self.score(polish(self._fitting, found))
+        candidates, starts = (model.candidates[position],), [model.parameters[position]]
+        return self.score(anew(self._fitting, candidates, starts))
 
     def _ranked(self, fits: Iterable[Fit]) -> list[Scored]:
         return sorted(map(self.score, fits), key=lambda scored: -scored.score)

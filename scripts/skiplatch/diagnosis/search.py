@@ -52,6 +52,11 @@ class Fit:
         return reduce(Change.joined, changes, given)
 
     @property
+    def is_loose(self) -> bool:
+        """They need the most slack there is: their form is as far off as can be."""
+        return self.slack == SLACKS[-1]
+
+    @property
     def size(self) -> int:
         """Number of parameters that are not 0, which is what the others stay at; slack is one."""
         free = sum(int(np.count_nonzero(parameters)) for parameters in self.parameters)
@@ -181,6 +186,12 @@ def _fit_form(
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
         points = [*points, near, _climb(target, near, 0.0)]
     return min(points, key=lambda point: target(point, 0.0))
+
+
+def anew(scene: Scene, candidates: Sequence[Candidate], starts: Sequence[FloatArray]) -> Fit:
+    """Fit effects from parameters that are close already, and give them another form or slack."""
+    begun = [start.tolist() for start in starts]
+    return polish(scene, fit(scene, candidates, begun, widenings=FINEST))
 
 
 def refine(scene: Scene, found: Fit) -> Fit:

@@ -3,19 +3,17 @@
 The surrogate of an effect is not its simulation, and what it lacks another effect may make up for.
 """
 
-from collections.abc import Sequence
 from concurrent.futures import Executor
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.confirm import AsEffects
 from skiplatch.diagnosis.decide import Finding, only
 from skiplatch.diagnosis.judge import PLAIN, Judge, worth
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.replay import replayed
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import FINEST, Fit, fit, polish
+from skiplatch.diagnosis.search import Fit, anew
 
 PLAINLY_NEEDED = 100.0
 """Nats of a second effect that no surrogate lacks."""
@@ -54,16 +52,12 @@ def without_surplus(
 def _gain(task: tuple[Scene, Fit, Fit]) -> float:
     """Give by how much a pair, fitted anew, scores better than one of its effects."""
     campaign, single, pair = task
-    pair_anew = _fitted(campaign, pair, [np.concatenate(pair.parameters)])
+    pair_anew = anew(campaign, pair.candidates, [np.concatenate(pair.parameters)])
     position = pair.candidates.index(single.candidates[0])
     # What the pair finds has to be open to the single one: a sharp peak is easily missed.
     starts = [single.parameters[0], pair_anew.parameters[position]]
-    return _score(campaign, pair_anew) - _score(campaign, _fitted(campaign, single, starts))
-
-
-def _fitted(campaign: Scene, model: Fit, starts: Sequence[FloatArray]) -> Fit:
-    begun = [start.tolist() for start in starts]
-    return polish(campaign, fit(campaign, model.candidates, begun, widenings=FINEST))
+    single_anew = anew(campaign, single.candidates, starts)
+    return _score(campaign, pair_anew) - _score(campaign, single_anew)
 
 
 def _score(campaign: Scene, model: Fit) -> float:
