@@ -3,11 +3,13 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from scipy import signal
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H
 
@@ -20,6 +22,11 @@ FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
+FEWEST_TURNS = 0.5
+FASTEST_PER_MM = 2.0
+"""Fewest periods on the way, and highest frequency, of a periodic error that is looked for."""
+MOST_PEAKS = 12
+MOST_PERIODS = 3
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -191,29 +198,38 @@ def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         return unknown
     law = law_under(scene, stream, given).select(rows)
     residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
-    residuals = residuals - np.median(residuals)
-    position = scene.touches.position_mm[rows]
-    weights = 1.0 / law.spread**2
-    span = float(np.ptp(position)) or 1.0
-    frequencies = np.arange(0.5 / span, 2.0, 0.2 / span)
-    waves = np.exp(-2j * np.pi * np.outer(frequencies, position))
     limited = np.clip(residuals, *np.quantile(residuals, [0.02, 0.98]))
-    power = np.abs(waves @ (weights * limited))
-    starts = []
-    for i in np.argsort(power)[::-1][:3]:
-        wave = waves[i].conj()
-        design = np.column_stack([wave.imag, wave.real])
-        root = np.sqrt(weights)
-        (a, b), *_ = np.linalg.lstsq(design * root[:, None], limited * root, rcond=None)
-        starts.append(
-            [
-                float(np.hypot(a, b)),
-                1.0 / float(frequencies[i]),
-                float(np.rad2deg(np.arctan2(b, a))),
-                0.0,
-                0.0,
-                0.0,
-                0.0,
-            ]
-        )
-    return starts
+    position, weights = scene.touches.position_mm[rows], 1.0 / law.variance
+    frequencies, explained = explained_by_sines(
+        position, limited, weights, FEWEST_TURNS, FASTEST_PER_MM
+    )
+    peaks, _ = signal.find_peaks(np.pad(explained, 1))
+    tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
+    starts = [
+        begun
+        for orders in (1, 2)
+        for _, begun in sorted(
+            _sines(position, limited, weights, float(frequencies[i]), orders) for i in tried
+        )[:MOST_PERIODS]
+    ]
+    return starts or unknown
+
+
+def _sines(
+    position: FloatArray, error: FloatArray, weights: FloatArray, per_mm: float, orders: int
+) -> tuple[float, list[float]]:
+    """Fit the best sines of the first orders of a frequency.
+
+    Returns:
+        The mean square that they leave, and they as parameters of a transmission error.
+    """
+    turn = 2.0 * np.pi * per_mm * position
+    waves = [wave for k in range(1, orders + 1) for wave in (np.sin(k * turn), np.cos(k * turn))]
+    design = np.column_stack([*waves, np.ones(len(turn))])
+    root = np.sqrt(weights)
+    found, *_ = np.linalg.lstsq(design * root[:, None], error * root, rcond=None)
+    left = float(weights @ (error - design @ found) ** 2)
+    parts = found[:-1].reshape(orders, 2)
+    sizes, phases_deg = np.hypot(*parts.T), np.rad2deg(np.arctan2(parts[:, 1], parts[:, 0]))
+    second = (float(sizes[1]), float(phases_deg[1])) if orders > 1 else (0.0, 0.0)
+    return left, [float(sizes[0]), 1.0 / per_mm, float(phases_deg[0]), *second, 0.0, 0.0]

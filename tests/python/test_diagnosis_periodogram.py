@@ -1,0 +1,82 @@
+"""The periodogram finds the period of an error, and agrees with a slower one from a library."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import signal
+
+from played_campaigns import MACHINE, played
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.periodogram import explained_by_sines
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import fit
+from skiplatch.diagnosis.simulated import catalogue
+
+PERIOD_MM, FASTEST_PER_MM = 2.37, 2.0
+
+
+def positions(rng: np.random.Generator, distinct: int, count: int) -> np.ndarray:
+    """So many touches at so many places."""
+    return rng.choice(rng.uniform(-150.0, 250.0, distinct), count)
+
+
+@pytest.mark.parametrize(("distinct", "count"), [(30, 150), (200, 200), (1000, 1000)])
+def test_the_period_is_found_and_explains_what_a_library_says(distinct: int, count: int) -> None:
+    rng = np.random.default_rng(distinct)
+    position = positions(rng, distinct, count)
+    error = 3.0 + 5.0 * np.sin(2.0 * np.pi * position / PERIOD_MM + 1.0) + rng.normal(size=count)
+    weights = rng.uniform(0.5, 2.0, count)
+
+    per_mm, explained = explained_by_sines(position, error, weights, 0.5, FASTEST_PER_MM)
+
+    span_mm = np.ptp(position)
+    assert per_mm[0] == pytest.approx(0.5 / span_mm, abs=0.2 / span_mm)
+    assert per_mm[np.argmax(explained)] == pytest.approx(1.0 / PERIOD_MM, abs=0.2 / span_mm)
+    some = np.append(np.arange(0, len(per_mm), 50), np.argmax(explained))
+    omegas = 2.0 * np.pi * per_mm[some]
+    slowly = signal.lombscargle(
+        position, error, omegas, weights=weights, floating_mean=True, normalize=True
+    )
+    np.testing.assert_allclose(explained[some], slowly, atol=0.03)
+
+
+def test_noise_is_explained_by_no_sine() -> None:
+    rng = np.random.default_rng(5)
+    position = positions(rng, 1000, 1000)
+
+    _, explained = explained_by_sines(
+        position, rng.normal(size=1000), np.ones(1000), 0.5, FASTEST_PER_MM
+    )
+
+    assert np.all(explained >= -1e-9)
+    assert explained.max() < 0.03  # 2 ln(4000) / 1000 is expected of the best of so many
+
+
+def test_touches_at_one_place_and_without_error_are_no_failure() -> None:
+    _, explained = explained_by_sines(np.ones(20), np.zeros(20), np.ones(20), 0.5, FASTEST_PER_MM)
+
+    assert np.all(explained == 0.0)
+
+
+def test_a_periodic_error_at_few_places_is_found_with_its_second_order() -> None:
+    campaign = played(MACHINE)
+    touches = campaign.touches.in_order_of_time()
+    rng = np.random.default_rng(1)
+    places_mm = positions(rng, 23, len(touches))
+    turn = 2.0 * np.pi * places_mm / 10.0
+    error_um = 6.0 * np.sin(turn + 0.5) + 5.0 * np.sin(2.0 * turn + 2.0)
+    sign = Scene(campaign.nominal, touches).sign
+    disturbed = replace(
+        touches, position_mm=places_mm, deviation_um=touches.deviation_um + sign * error_um
+    )
+
+    scene = Scene(campaign.nominal, disturbed)
+    effect = catalogue()["transmission_error"]
+    found = fit(scene, [effect], effect.starts(scene, Change())).parameters[0]
+
+    size_um, period_mm, phase_deg, size2_um, phase2_deg = found[:5]
+    assert period_mm == pytest.approx(10.0, abs=0.01)
+    assert (size_um, size2_um) == pytest.approx((6.0, 5.0), rel=0.05)
+    turned_deg = np.array([phase_deg, phase2_deg]) - np.rad2deg([0.5, 2.0])
+    np.testing.assert_allclose((turned_deg + 180.0) % 360.0 - 180.0, 0.0, atol=10.0)
