@@ -11,7 +11,7 @@ from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import InputPath, Touches
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.generic import families
-from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.judge import PLAIN, Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.structure import structures
 
@@ -67,6 +67,34 @@ def test_what_has_the_look_of_a_family_makes_it_a_candidate(
     scene = Scene(campaign.nominal, disturbed(campaign.touches.in_order_of_time()))
 
     assert family in seen(scene)
+
+
+def test_a_clock_with_two_states_is_fitted_to_the_tick_and_no_effect_does_as_well() -> None:
+    campaign = played(BENCH)
+    touches = stamped_by_another_clock(campaign.touches.in_order_of_time())
+    judge = Judge(Scene(campaign.nominal, touches), split(len(touches), 0))
+
+    family = judge.generic()[0]
+
+    assert family.ids == ("~stamp: what the report is off by",)
+    assert family.score > judge.singles()[0].score + PLAIN
+    slope, jump_us = family.fit.parameters[0]
+    assert slope == pytest.approx(0.0, abs=1e-3)
+    assert jump_us == pytest.approx(-400.0, abs=1.0)
+
+
+def test_one_lobe_is_seen_whether_or_not_it_fades_with_the_elevation() -> None:
+    campaign = played(MACHINE)
+    touches = campaign.touches.in_order_of_time()
+    scene = Scene(campaign.nominal, touches)
+
+    for fading, family in ((scene.cos_beta, "azimuth"), (1.0, "azimuth at any elevation")):
+        off = replace(
+            touches, deviation_um=touches.deviation_um + 8.0 * np.cos(scene.alpha) * fading
+        )
+        judge = Judge(Scene(campaign.nominal, off), split(len(off), 0))
+
+        assert judge.generic()[0].ids == (f"~deviation_skip: {family}",)
 
 
 @pytest.mark.parametrize("folder", [BENCH, MACHINE])

@@ -8,13 +8,14 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
-from scipy import ndimage, optimize, signal, stats
+from scipy import ndimage, optimize, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import SMALLEST, Extra
 from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene, Stream
 from skiplatch.diagnosis.surrogates import Parameters
 
@@ -43,6 +44,7 @@ FEATURES: dict[str, tuple[Feature, ...]] = {
     "approach": (lambda s: s.touches.approach_mm,),
     "elevation": (lambda s: np.sin(np.deg2rad(np.nan_to_num(s.touches.beta_deg))),),
     "azimuth": (lambda s: np.cos(s.alpha) * s.cos_beta, lambda s: np.sin(s.alpha) * s.cos_beta),
+    "azimuth at any elevation": (lambda s: np.cos(s.alpha), lambda s: np.sin(s.alpha)),
     "twice the azimuth": (
         lambda s: np.cos(2.0 * s.alpha) * s.cos_beta,
         lambda s: np.sin(2.0 * s.alpha) * s.cos_beta,
@@ -241,12 +243,11 @@ def _swings(scene: Scene, given: Change) -> list[Candidate]:
         span_s, count = float(np.ptp(times_s)), len(scores)
         if span_s < SMALLEST or np.ptp(scores) < SMALLEST:
             continue
-        turns = np.arange(1.0, count / SHORTEST_SWING, 0.25)
-        omegas = 2.0 * np.pi * turns / span_s
-        explained = signal.lombscargle(times_s, scores - scores.mean(), omegas, normalize=True)
+        fastest = count / SHORTEST_SWING / span_s
+        hertz, explained = explained_by_sines(times_s, scores, np.ones(count), 1.0, fastest)
         best = int(np.argmax(explained))
-        if len(turns) * (1.0 - explained[best]) ** ((count - 3.0) / 2.0) < SCREENED:
-            start = _sine(times_s, stream.residuals[rows], float(span_s / turns[best]))
+        if len(hertz) * (1.0 - explained[best]) ** ((count - 3.0) / 2.0) < SCREENED:
+            start = _sine(times_s, stream.residuals[rows], 1.0 / float(hertz[best]))
             found.append(_swing(name, start))
     return found
 
@@ -309,13 +310,16 @@ def _other_clock(scene: Scene) -> list[Candidate]:
         return []
 
     def change(scene: Scene, p: Parameters) -> Change:
-        late_us = p[0] * _beyond(scene, "report")
+        off = _beyond(scene, "report")
+        late_us = p[0] * off + p[1] * np.sign(off)
         return Change(stamp_us=late_us, report_us=late_us)  # of reports it is no explanation
 
+    report = scene.streams["report"]
+    jump_us = float(np.median(np.abs(report.residuals - report.law.mean)[off != 0.0]))
+    starts = [[-1.0, SMALLEST], [SMALLEST, -jump_us]]
+    names = ("slope", "jump_us")
     return [
-        Candidate(
-            f"{PREFIX}stamp: what the report is off by", ("slope",), change, lambda _s, _g: [[-1.0]]
-        )
+        Candidate(f"{PREFIX}stamp: what the report is off by", names, change, lambda _s, _g: starts)
     ]
 
 
