@@ -54,6 +54,44 @@ def test_an_effect_of_an_odd_form_gets_no_second_one() -> None:
     assert len(groups(finding)) < 2
 
 
+def bent(campaign: Campaign) -> Campaign:
+    """Let the positions err with their square as well."""
+    touches = campaign.touches
+    middle_mm = touches.position_mm - np.mean(touches.position_mm)
+    more_um = touches.sign * 1.5 * (middle_mm / np.ptp(touches.position_mm)) ** 2
+    return replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + more_um))
+
+
+def test_a_faint_second_effect_of_another_kind_is_named_beside_an_odd_form() -> None:
+    scale = Effect("scale_error", {"scale_ppm": -60.0})
+    lag = Effect("following_error", {"lag_us": 40.0})
+
+    assert groups(found(bent(played_again(stamped_machine(), scale)))) == [{"scale_error"}]
+    first, second = groups(found(bent(played_again(stamped_machine(), scale, lag))))
+
+    assert first == {"scale_error"}
+    assert "following_error" in second
+
+
+def test_a_pair_searched_the_other_way_round_is_the_same_pair() -> None:
+    judge = judged(
+        played(
+            MACHINE,
+            Effect("backlash", {"backlash_um": 4.0}),
+            Effect("scale_error", {"scale_ppm": 80.0}),
+        )
+    )
+    ranked = judge.singles()
+    pair = judge.pairs(ranked[0])[0]
+    second = next(single for single in ranked if single.ids == pair.ids[1:])
+
+    turned = judge.turned(pair, second)
+
+    assert turned.ids == pair.ids
+    assert turned.score == judge.score(turned.fit).score
+    assert turned.score > second.score
+
+
 def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
     judge = judged(
         played(

@@ -16,7 +16,7 @@ from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import resolutions
-from skiplatch.diagnosis.structure import structures
+from skiplatch.diagnosis.structure import SCATTER, goes_its_own_way, structures
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"
@@ -39,6 +39,33 @@ def test_streams_of_a_campaign_without_a_gap_are_as_wide_as_believed(folder: Pat
 @pytest.mark.parametrize("folder", NO_GAP)
 def test_nothing_is_left_where_there_is_no_gap(folder: Path) -> None:
     assert structures(Scene.of(read_campaign(folder)), Change()) == []
+
+
+@pytest.mark.parametrize(("off_ticks", "is_news"), [(0.5, False), (1.0, True)])
+def test_what_is_rounded_up_or_down_from_one_place_is_no_scatter(
+    off_ticks: float, is_news: bool
+) -> None:
+    campaign = read_campaign(DATA / "bench_no_gap")
+    nominal = replace(campaign.nominal, skip=replace(campaign.nominal.skip, jitter_us=0.0))
+    stream = Scene(nominal, campaign.touches).streams["latch_skip"]
+    off_us = off_ticks * nominal.skip.tick_us * np.where(campaign.touches.touch % 2, 1.0, -1.0)
+    moved_us = np.where(stream.rows, stream.law.mean + off_us - stream.residuals, 0.0)
+    touches = replace(campaign.touches, latch_us=campaign.touches.latch_us + moved_us)
+
+    left = [s for s in structures(Scene(nominal, touches), Change()) if s.looks_like == SCATTER]
+
+    assert ([s.stream.name for s in left] == ["latch_skip"]) is is_news
+
+
+def test_a_shift_goes_its_own_way_with_a_condition_that_another_does_not_go_with() -> None:
+    scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    with_feed = Change(position_um=3.0 * scene.speed)
+    with_sense = Change(position_um=2.0 * scene.sign)
+
+    assert goes_its_own_way(scene, with_feed, with_sense)
+    assert goes_its_own_way(scene, with_sense, with_feed)
+    assert not goes_its_own_way(scene, with_feed, Change(position_um=scene.speed))
+    assert not goes_its_own_way(scene, Change(position_um=3.0), with_sense)
 
 
 def test_the_likelihood_prefers_the_truth() -> None:

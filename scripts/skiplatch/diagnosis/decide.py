@@ -12,7 +12,8 @@ BETTER = 2.0
 PLAIN_SECOND = 0.2
 """Gain of a second effect over that of the first, whose form is never just the one fitted.
 
-One that gains less is believed only where it mends all that the first one leaves."""
+One that gains less is believed only where it mends all that the first one leaves, or goes with a
+condition that the first one does not go with."""
 FAINTEST_SECOND = 0.03
 """The same below which it is not believed at all: that much any form is off."""
 SMALLEST_LEFT = 0.1
@@ -21,6 +22,8 @@ NEXT_BEST = 0.5
 """Share of the best effect's gain from which on another is tried as the first of two."""
 MOST_NEXT_BEST = 2
 MOST_SWAPS = 2
+MOST_TURNED = 3
+"""Pairs that are searched from their second effect as well."""
 MIMICRY = 0.99
 """Share of a family's gain that an effect has to reach to be named in its place."""
 MAY_HIDE = 0.9
@@ -66,7 +69,7 @@ def find(judge: Judge) -> Finding:
     best = ranked[0]
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
-    pairs = judge.pairs(best)
+    pairs = _both_ways(judge, judge.pairs(best), ranked)
     hidden = _hidden(judge, ranked, pairs[0].score)
     if hidden:
         return hidden
@@ -75,7 +78,7 @@ def find(judge: Judge) -> Finding:
         # The pair has shown the way to a better form of one of its effects alone.
         best = again
         ranked = [best, *(scored for scored in ranked if scored.ids != best.ids)]
-        pairs = judge.pairs(best)
+        pairs = _both_ways(judge, judge.pairs(best), ranked)
     tied = (pair for pair in pairs if pair.score > pairs[0].score - TIED)
     has_second = any(_is_second(judge, pair, best) for pair in tied)
     if not judge.is_material(best):
@@ -87,6 +90,19 @@ def find(judge: Judge) -> Finding:
         return _two(judge, pairs)
     group, confidence = _group(ranked, position=0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
+
+
+def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> list[Scored]:
+    """Search the best pairs from their second effects as well, where the first one has slack.
+
+    An effect that has to stand for two takes a form from which the way to its own may be lost.
+    """
+    alone = {scored.ids[0]: scored for scored in ranked}
+    near = [pair for pair in pairs if pair.score > pairs[0].score - TIED and pair.fit.slack > 0.0]
+    near = [pair for pair in near if alone[pair.ids[1]].score > SMALLEST_LEFT * pair.score]
+    turned = {pair.ids: judge.turned(pair, alone[pair.ids[1]]) for pair in near[:MOST_TURNED]}
+    better = [max(pair, turned.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
+    return sorted(better, key=lambda pair: -pair.score)
 
 
 def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | None:
@@ -131,8 +147,9 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
     if share < FAINTEST_SECOND or pair.fit.is_loose:
         return False
     if _mends_all(judge, pair):
-        return not _is_a_form(judge, pair, 0.0 if share >= PLAIN_SECOND else -PLAIN)
-    return share >= PLAIN_SECOND and not _is_a_form(judge, pair, -TIED)
+        return not _is_a_form(judge, pair, 0.0)
+    is_plain = share >= PLAIN_SECOND or judge.goes_its_own_way(pair)
+    return is_plain and not _is_a_form(judge, pair, -TIED)
 
 
 def _mends_all(judge: Judge, pair: Scored) -> bool:

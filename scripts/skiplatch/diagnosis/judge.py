@@ -24,7 +24,7 @@ from skiplatch.diagnosis.search import (
     refine,
 )
 from skiplatch.diagnosis.simulated import catalogue
-from skiplatch.diagnosis.structure import structures
+from skiplatch.diagnosis.structure import goes_its_own_way, structures
 
 ENOUGH_FIT = 5.0
 """Nats that an effect has to gain, beyond what its parameters are worth."""
@@ -216,6 +216,23 @@ class Judge:
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
         return sorted(self.jointly(near) + on_top[len(near) :], key=lambda pair: -pair.score)
 
+    def turned(self, pair: Scored, second: Scored) -> Scored:
+        """Fit a pair the other way round, its second effect first.
+
+        Args:
+            pair: Two effects.
+            second: The second one alone, with the form that it has there.
+        """
+        given = second.fit.change(self._fitting)
+        (on_top,) = self._contest(pair.fit.candidates[:1], given)
+        turned = self.score(_refine((self._fitting, _both(second.fit, on_top))))
+        back = replace(
+            turned.fit,
+            candidates=turned.fit.candidates[::-1],
+            parameters=turned.fit.parameters[::-1],
+        )
+        return replace(turned, fit=back)
+
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""
         refined = self._map(_refine, [(self._fitting, model.fit) for model in models])
@@ -275,6 +292,15 @@ class Judge:
             for change in [first.fit.change(part)]
         )
         return _is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
+
+    def goes_its_own_way(self, pair: Scored) -> bool:
+        """Tell whether the second effect of a pair goes with a condition that the first does not.
+
+        Another form of the first one would have to do that by chance.
+        """
+        effects = zip(pair.fit.candidates, pair.fit.parameters, strict=True)
+        first, second = (c.change(self._fitting, parameters) for c, parameters in effects)
+        return goes_its_own_way(self._fitting, second, first)
 
     def is_left_elsewhere(self, model: Scored) -> bool:
         """Tell whether something is left in a stream where a model changes nothing."""

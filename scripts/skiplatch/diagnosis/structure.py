@@ -32,6 +32,13 @@ BEYOND_BOXES = 1.8
 OUTLIER = 6.0
 USUAL_OUTLIERS = 2e-3
 FEWEST = 20
+RESOLVED = 0.25
+"""Rounding steps below which a shift is none."""
+MOST_OF_ROUNDING = float(np.sqrt(1.0 / 4.0 - 1.0 / 12.0))
+"""The same of scatter: what is rounded from anywhere scatters by a twelfth of the step squared,
+what is rounded up or down from one place by as much as a fourth."""
+GOES_WITH, GOES_WITHOUT = 0.9, 0.3
+"""Correlations of a shift with a condition that it goes with, and with one that it does not."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,14 +95,12 @@ def _is_resolved(scene: Scene, structure: Structure) -> bool:
     """Tell it from rounding, which need not be as random as its law has it."""
     if structure.looks_like == OUTLIERS:
         return True
-    stream = structure.stream
+    stream, step = structure.stream, rounding_step(scene, structure.stream)
     spread = float(np.median(stream.law.spread[stream.rows]))
-    size = (
-        np.sqrt(max(structure.size**2 - 1.0, 0.0))
-        if structure.looks_like == SCATTER
-        else abs(structure.size)
-    )
-    return bool(size * spread > 0.25 * rounding_step(scene, stream))
+    if structure.looks_like == SCATTER:
+        more = spread * np.sqrt(max(structure.size**2 - 1.0, 0.0))
+        return bool(more > MOST_OF_ROUNDING * step)
+    return abs(structure.size) * spread > RESOLVED * step
 
 
 def _is_material(structure: Structure) -> bool:
@@ -104,6 +109,31 @@ def _is_material(structure: Structure) -> bool:
     if structure.looks_like == SCATTER:
         return structure.size > LEAST_EXCESS
     return abs(structure.size) > LEAST_CORRELATION
+
+
+def goes_its_own_way(scene: Scene, change: Change, other: Change) -> bool:
+    """Tell whether a change shifts some stream with a condition that the other does not go with."""
+    for stream in scene.streams.values():
+        rows = stream.rows
+        own, others = (
+            (law_under(scene, stream, c).mean - stream.law.mean)[rows] for c in (change, other)
+        )
+        for values in features(scene, stream).values():
+            condition = values[rows]
+            if (
+                abs(_pearson(own, condition))
+                > GOES_WITH
+                > GOES_WITHOUT
+                > abs(_pearson(others, condition))
+            ):
+                return True
+    return False
+
+
+def _pearson(shift: FloatArray, values: FloatArray) -> float:
+    """Correlation of two arrays; 0 where one of them is the same everywhere."""
+    is_same = min(np.ptp(shift), np.ptp(values)) < SMALLEST
+    return 0.0 if is_same else float(np.corrcoef(shift, values)[0, 1])
 
 
 def _looks(scene: Scene, stream: Stream, change: Change) -> list[Structure]:
