@@ -1,15 +1,19 @@
 """Two effects are both found, also where the one is weak or hides the other; and a third apart."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
-from skiplatch.campaign import Campaign
+from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis.decide import Finding, find, weigh, with_third
 from skiplatch.diagnosis.judge import Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect
+
+BOARD = Path(__file__).parent / "data" / "board_both_paths"
+"""A Cortex-M3 with `other_interrupt`, recorded in its emulator: every third touch of 1,600."""
 
 
 def judged(campaign: Campaign) -> Judge:
@@ -115,6 +119,25 @@ def test_an_acceleration_a_thousandth_too_slow_is_found() -> None:
     slow = Effect("unfinished_acceleration", {"accel_ratio": 0.999})
 
     assert judged(played_again(stamped_machine(), slow)).singles()[0].ids == (slow.id,)
+
+
+def test_an_acceleration_that_only_short_and_fast_approaches_miss_is_found() -> None:
+    campaign = read_campaign(MACHINE)
+    touches, accel_mm_s2 = campaign.touches, campaign.nominal.axis.accel_mm_s2
+    enough_mm_s2 = (touches.feed_mm_min / 60.0) ** 2 / (2.0 * touches.approach_mm)
+    slow = Effect(
+        "unfinished_acceleration", {"accel_ratio": 0.5 * np.max(enough_mm_s2) / accel_mm_s2}
+    )
+
+    assert judged(played_again(campaign, slow)).singles()[0].ids == (slow.id,)
+
+
+def test_what_slack_hides_on_an_emulated_board_goes_to_two_effects_that_need_none() -> None:
+    # Another interrupt holds up edge and scans: a clock of any form would take all of it for slack.
+    scans, edges = groups(found(read_campaign(BOARD)))
+
+    assert "scan_overrun" in scans
+    assert "isr_blocking" in edges
 
 
 def test_what_scatters_is_searched_for_a_second_effect_before_others_take_its_place() -> None:

@@ -87,9 +87,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "unfinished_acceleration",
             ("accel_ratio",),
             surrogates.unfinished,
-            starts.fixed(
-                *([ratio] for ratio in (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1))
-            ),
+            starts.accelerations,
         ),
         Candidate(
             "pretravel_lobing",

@@ -70,7 +70,8 @@ def find(judge: Judge) -> Finding:
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
     pairs = _both_ways(judge, judge.pairs(best), ranked)
-    hidden = _hidden(judge, ranked, pairs[0].score)
+    # Loose pairs are never believed.
+    hidden = _hidden(judge, ranked, (best if pairs[0].fit.is_loose else pairs[0]).score)
     if hidden:
         return hidden
     again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
@@ -106,25 +107,28 @@ def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> l
 
 
 def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | None:
-    """Find two effects behind one that takes what both do for scatter.
+    """Find two effects behind one that takes what both do for scatter, or for slack of its form.
 
     The next best ones, each of which is mended less by itself, may do far better together.
 
     Args:
         judge: Fits and scores.
         ranked: The effects alone, by falling score.
-        score: Of the best one with another one.
+        score: Of what is found with the best one.
     """
     best = ranked[0]
-    if not judge.is_scatter(best):
+    is_scatter = judge.is_scatter(best)
+    if not (is_scatter or best.fit.is_loose):
         return None
     near = [s for s in ranked[1:] if NEXT_BEST * best.score < s.score < best.score - TIED]
     for first in near[:MOST_NEXT_BEST]:
-        if best.ids[0] in judge.on_top(first)[0].ids:
+        if is_scatter and best.ids[0] in judge.on_top(first)[0].ids:
             continue  # the search that begins with the best one finds this pair
         pairs = judge.pairs(first)
-        is_better = pairs[0].score > score + PLAIN and judge.is_enough(pairs[0], best)
-        if is_better and best.ids[0] not in pairs[0].ids and _is_second(judge, pairs[0], first):
+        found = pairs[0]
+        is_new = best.ids[0] not in found.ids and (is_scatter or found.fit.slack == 0.0)
+        is_better = found.score > score + PLAIN and judge.is_enough(found, best)
+        if is_new and is_better and _is_second(judge, found, first):
             return _two(judge, pairs)
     return None
 

@@ -12,6 +12,7 @@ from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H
+from skiplatch.motion import S_PER_MIN
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
@@ -22,6 +23,9 @@ FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
+NEARLY_ALL = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
+JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
+"""Shares of the acceleration that the fastest of the short approaches needs."""
 FEWEST_TURNS = 0.5
 FASTEST_PER_MM = 2.0
 """Fewest periods on the way, and highest frequency, of a periodic error that is looked for."""
@@ -148,6 +152,15 @@ def resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     pitches = [grid[0] for grid in _grids(deviations, fine)] + _odd_pitch(deviations, fine)
     grids = [[pitch, 0.0] for pitch in pitches]
     return grids + [[ratio * fine, 1.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
+
+
+def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose shares of the believed acceleration, and those with which some touches come slow."""
+    feed_mm_s = scene.touches.feed_mm_min / S_PER_MIN
+    enough_mm_s2 = feed_mm_s**2 / (2.0 * scene.touches.approach_mm)
+    most = float(np.max(enough_mm_s2)) / scene.nominal.axis.accel_mm_s2
+    shares = (*NEARLY_ALL, *(share * most for share in JUST_NOT_ENOUGH))
+    return [[share] for share in shares if share < 1.0]
 
 
 def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
