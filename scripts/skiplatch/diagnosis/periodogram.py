@@ -51,4 +51,5 @@ def explained_by_sines(
     cs = double.imag / 2.0 - c * s
     determinant = np.maximum(cc * ss - cs * cs, SMALLEST)
     reduced = (ss * yc * yc + cc * ys * ys - 2.0 * cs * yc * ys) / determinant
-    return steps / (length * cell), reduced / max(float(weights @ error**2), SMALLEST)
+    shares = reduced / max(float(weights @ error**2), SMALLEST)
+    return steps / (length * cell), np.clip(shares, 0.0, 1.0)

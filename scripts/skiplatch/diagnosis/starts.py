@@ -212,7 +212,7 @@ def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     law = law_under(scene, stream, given).select(rows)
     residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
     limited = np.clip(residuals, *np.quantile(residuals, [0.02, 0.98]))
-    position, weights = scene.touches.position_mm[rows], 1.0 / law.variance
+    position, weights = scene.touches.position_mm[rows], 1.0 / law.spread**2
     frequencies, explained = explained_by_sines(
         position, limited, weights, FEWEST_TURNS, FASTEST_PER_MM
     )
