@@ -23,14 +23,17 @@ FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
-NEARLY_ALL = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
+SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
+"""Shares of the believed acceleration."""
 JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
 """Shares of the acceleration that the fastest of the short approaches needs."""
 FEWEST_TURNS = 0.5
 FASTEST_PER_MM = 2.0
 """Fewest periods on the way, and highest frequency, of a periodic error that is looked for."""
 MOST_PEAKS = 12
+"""Periods that one sine explains best, at which sines are fitted."""
 MOST_PERIODS = 3
+"""The best of those that are proposed, with one order and with two each."""
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -159,7 +162,7 @@ def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     feed_mm_s = scene.touches.feed_mm_min / S_PER_MIN
     enough_mm_s2 = feed_mm_s**2 / (2.0 * scene.touches.approach_mm)
     most = float(np.max(enough_mm_s2)) / scene.nominal.axis.accel_mm_s2
-    shares = (*NEARLY_ALL, *(share * most for share in JUST_NOT_ENOUGH))
+    shares = (*SLOWER, *(share * most for share in JUST_NOT_ENOUGH))
     return [[share] for share in shares if share < 1.0]
 
 
@@ -234,7 +237,7 @@ def _sines(
     """Fit the best sines of the first orders of a frequency.
 
     Returns:
-        The mean square that they leave, and they as parameters of a transmission error.
+        What they leave, squared, weighted and summed, and they as those of a transmission error.
     """
     turn = 2.0 * np.pi * per_mm * position
     waves = [wave for k in range(1, orders + 1) for wave in (np.sin(k * turn), np.cos(k * turn))]

@@ -119,13 +119,8 @@ def goes_its_own_way(scene: Scene, change: Change, other: Change) -> bool:
             (law_under(scene, stream, c).mean - stream.law.mean)[rows] for c in (change, other)
         )
         for values in features(scene, stream).values():
-            condition = values[rows]
-            if (
-                abs(_pearson(own, condition))
-                > GOES_WITH
-                > GOES_WITHOUT
-                > abs(_pearson(others, condition))
-            ):
+            goes, other_goes = (abs(_pearson(shift, values[rows])) for shift in (own, others))
+            if goes > GOES_WITH and other_goes < GOES_WITHOUT:
                 return True
     return False
 
