@@ -188,9 +188,10 @@ class Board:
 
 
 def deviation_um(latch: Latch, stamp: int, edge: int, started: int, feed_mm_min: float) -> float:
-    """Take the way of the axis from the edge to the latched count, to the resolution.
+    """Take the way of the axis from where it is at the edge, exactly, to the latched count.
 
-    A count stands for the middle of its step. The period of the steps is a tick short: see above.
+    A step counts once it is whole, so that a count is nearest to the middle of the next one. The
+    period of the steps is a tick short: see above.
 
     Raises:
         RuntimeError: Steps were lost, or counted twice.
@@ -200,7 +201,7 @@ def deviation_um(latch: Latch, stamp: int, edge: int, started: int, feed_mm_min:
     stray = counts - (stamp - started) / step_ticks
     if abs(stray) > STRAY_COUNTS:
         raise RuntimeError(f"the axis is {stray:.1f} counts from where its steps have it")
-    return float(np.round(counts - (edge - started) / step_ticks)) * RESOLUTION_UM
+    return (counts - (edge - started) / step_ticks) * RESOLUTION_UM
 
 
 def blocks(touches: int, paths: str) -> Iterator[tuple[bytes, bytes, int]]:

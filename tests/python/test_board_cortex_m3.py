@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from skiplatch.bench.latches import Latch
 from skiplatch.campaign import InputPath
 from tests.boards import qemu_rig
 from tests.boards.record import Recorded
@@ -15,6 +16,8 @@ TOUCHES = 90  # on each path: half a second of virtual time, so that SysTick wra
 EMULATED_SCAN_US = qemu_rig.BELIEVED.plc.scan_us  # QEMU's timers are a tick short
 SKIP_LATE_US = 1.2  # the longest stretch in which the port masks interrupts, and the handler
 SCAN_LATE_US = 5.0  # from the timer by way of the line, which is read first, to the clock
+UM_US_PER_MM_MIN = 1.0 / 60_000.0
+STEP_LATE_US = 2.0 * SKIP_LATE_US  # a step counts late: masked, then a more urgent interrupt
 SCAN_WAVERS_US = 2.0 * SKIP_LATE_US  # a more urgent interrupt may come before the line and after it
 
 
@@ -60,7 +63,21 @@ def test_the_scans_lie_on_one_lattice(recorded: list[Recorded]) -> None:
     assert np.abs(off - np.round(off)).max() * EMULATED_SCAN_US < SCAN_WAVERS_US
 
 
-def test_the_skip_input_latches_where_the_axis_is(recorded: list[Recorded]) -> None:
-    deviation = np.array([t.deviation_um for t in recorded if t.path == InputPath.SKIP])
+def test_positions_are_those_of_their_stamps_to_half_a_count(recorded: list[Recorded]) -> None:
+    late = np.array([t.latch_us - t.edge_us for t in recorded])
+    deviation_um = np.array([t.deviation_um for t in recorded])
+    speed_um_us = np.array([t.feed_mm_min for t in recorded]) * UM_US_PER_MM_MIN
 
-    assert np.abs(deviation).max() <= qemu_rig.RESOLUTION_UM
+    off_um = np.abs(deviation_um - speed_um_us * late)
+
+    assert np.all(off_um <= qemu_rig.RESOLUTION_UM / 2.0 + speed_um_us * STEP_LATE_US)
+
+
+def test_a_deviation_counts_from_the_very_place_of_the_edge() -> None:
+    step_ticks = qemu_rig.STEP_TICKS / 1000.0 - 1.0  # at 1000 mm/min, in QEMU
+    started, edge, stamp = (round(steps * step_ticks) for steps in (3.0, 10.25, 12.75))
+    latch = Latch(ticks=0, position_counts=9, sequence=0, flags=0)
+
+    deviation_um = qemu_rig.deviation_um(latch, stamp, edge, started, 1000.0)
+
+    assert deviation_um == pytest.approx((9.5 - 7.25) * qemu_rig.RESOLUTION_UM, abs=0.001)
