@@ -50,6 +50,11 @@ double sim_random_uniform(sim_random_t *random, double width)
     return width * ((double)next_word(random) / TWO_POW_32);
 }
 
+double sim_random_exponential(sim_random_t *random, double mean)
+{
+    return -mean * log1p(-sim_random_uniform(random, 1.0));
+}
+
 /* Box-Muller; the half keeps the logarithm finite. */
 double sim_random_normal(sim_random_t *random, double sigma)
 {

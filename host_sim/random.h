@@ -24,6 +24,9 @@ void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, u
 /* Uniform in [0, width). */
 double sim_random_uniform(sim_random_t *random, double width);
 
+/* Exponential, from 0 on. */
+double sim_random_exponential(sim_random_t *random, double mean);
+
 /* Normal with mean 0. */
 double sim_random_normal(sim_random_t *random, double sigma);
 

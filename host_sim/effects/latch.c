@@ -13,7 +13,7 @@
 double effect_isr_latency(const sim_effect_call_t *call, double latency_us)
 {
     double jitter_us = sim_random_uniform(call->random, call->parameters[1]);
-    double tail_us = -call->parameters[2] * log1p(-sim_random_uniform(call->random, 1.0));
+    double tail_us = sim_random_exponential(call->random, call->parameters[2]);
     return fmax(0.0, latency_us + call->parameters[0] + jitter_us + tail_us);
 }
 
@@ -25,7 +25,7 @@ double effect_isr_blocking(const sim_effect_call_t *call, double latency_us)
         return latency_us;
     }
     double rest_us = sim_random_uniform(call->random, call->parameters[1]);
-    double tail_us = -call->parameters[2] * log1p(-sim_random_uniform(call->random, 1.0));
+    double tail_us = sim_random_exponential(call->random, call->parameters[2]);
     return latency_us + rest_us + tail_us;
 }
 

@@ -16,5 +16,6 @@ double effect_pretravel_lobing(const sim_effect_call_t *call, double pretravel_u
 double effect_trigger_delay(const sim_effect_call_t *call, double delay_us)
 {
     double jitter_us = sim_random_uniform(call->random, call->parameters[1]);
-    return fmax(0.0, delay_us + call->parameters[0] + jitter_us);
+    double tail_us = sim_random_exponential(call->random, call->parameters[2]);
+    return fmax(0.0, delay_us + call->parameters[0] + jitter_us + tail_us);
 }

@@ -14,7 +14,7 @@ double effect_scan_jitter(const sim_effect_call_t *call, double late_us)
     if (sim_random_uniform(call->random, 1.0) < call->parameters[2]) {
         return late_us;
     }
-    double tail_us = -call->parameters[1] * log1p(-sim_random_uniform(call->random, 1.0));
+    double tail_us = sim_random_exponential(call->random, call->parameters[1]);
     return late_us + sim_random_uniform(call->random, call->parameters[0]) + tail_us;
 }
 

@@ -20,8 +20,8 @@ CASES = {
     "feed_error": [3.0, 0.0],
     "unfinished_acceleration": [0.3],
     "pretravel_lobing": [3.0, 30.0],
-    "trigger_delay": [300.0, 0.0],
-    "input_filter": [100.0, 20.0],
+    "trigger_delay": [300.0, 0.0, 0.0],
+    "input_filter": [100.0, 20.0, 0.0],
     "contact_bounce": [0.2, 300.0, 0.0, 0.0],
     "lost_trigger": [0.05],
     "isr_latency": [20.0, 5.0, 0.0],
@@ -66,7 +66,7 @@ def test_a_play_says_of_an_effect_what_its_surrogate_says(effect_id: str, folder
 @pytest.mark.parametrize(
     ("effect_id", "values", "tolerance"),
     [
-        ("trigger_delay", [300.0, 0.0], 0.03),  # a shift
+        ("trigger_delay", [300.0, 0.0, 0.0], 0.03),  # a shift
         ("backlash", [3.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
         ("contact_bounce", [0.2, 300.0, 0.0, 0.0], 0.5),  # now and then
         ("link_slotting", [300.0], 0.15),  # scatter alone

@@ -112,6 +112,15 @@ def test_no_delay_is_shorter_than_none(effect_id: str, most_us: float) -> None:
 
 
 @pytest.mark.parametrize("effect_id", ["trigger_delay", "input_filter"])
+def test_a_delay_may_scatter_with_a_tail(effect_id: str) -> None:
+    even = trace(SKIP, effect_id, n=4000, delay_us=10.0, jitter_us=80.0)
+    tailed = trace(SKIP, effect_id, n=4000, delay_us=10.0, tail_us=80.0)
+
+    assert_follows(even.latch_shift_us, stats.uniform(10.0, 80.0))
+    assert_follows(tailed.latch_shift_us, stats.expon(10.0, 80.0))
+
+
+@pytest.mark.parametrize("effect_id", ["trigger_delay", "input_filter"])
 def test_plc_latches_a_delayed_edge_at_the_next_scan(effect_id: str) -> None:
     played = trace(PLC, effect_id, delay_us=430.0)
     expected_us = first_scan_us(played.pin_us + 430.0, played.scan_phase_us)

@@ -86,6 +86,15 @@ void test_a_width_stretches_what_is_uniform(void)
     TEST_ASSERT_EQUAL_DOUBLE(250.0 * share, sim_random_uniform(&stream, 250.0));
 }
 
+void test_exponential_numbers_are_exponential(void)
+{
+    sim_random_begin(&stream, 7u, 8u, 9u, 0u);
+    for (unsigned i = 0u; i < N; ++i) {
+        values[i] = exp(-sim_random_exponential(&stream, 40.0) / 40.0); /* uniform, then */
+    }
+    statistics_check_uniform(values, N);
+}
+
 void test_normal_numbers_are_normal(void)
 {
     sim_random_begin(&stream, 4u, 5u, 6u, 0u);

@@ -98,11 +98,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "trigger_delay",
-            ("delay_us", "jitter_us"),
+            ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
             starts.delays,
             _machine,
-            refinements=({1: 5.0}, {1: 100.0}),
+            refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.probe.delay_us,
         ),
         Candidate(
@@ -124,10 +124,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "input_filter",
-            ("delay_us", "jitter_us"),
+            ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
             starts.delays,
-            refinements=({1: 5.0}, {1: 100.0}),
+            refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.input.filter_us,
         ),
         Candidate(

@@ -3,15 +3,15 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import signal
+from scipy import optimize, signal
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.periodogram import explained_by_sines
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H
+from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H, Parameters, warmth_k_s
 from skiplatch.motion import S_PER_MIN
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
@@ -48,22 +48,62 @@ def fixed(*starts: Sequence[float]) -> Starts:
     return lambda _scene, _given: starts
 
 
-def delays(_scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose delays of either sign."""
-    return [[sign * size, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
+def delays(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose delays of either sign, and by the skip path's mean and scatter those that scatter."""
+    usual = [[sign * size, 0.0, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
+    late_us, spread_us = _late_us(scene, given)
+    if len(late_us) < FEWEST_STAMPS:
+        return usual
+    sharp = spread_us <= np.median(spread_us)
+    mean = float(np.mean(late_us[sharp]))
+    sigma = np.sqrt(max(float(np.var(late_us[sharp]) - np.mean(spread_us[sharp] ** 2)), 0.0))
+    box = np.sqrt(12.0) * sigma
+    return [*usual, [mean - box / 2.0, box, 0.0], [mean - sigma, 0.0, sigma]]
+
+
+def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
+    """Give by how much touches of the skip path are later than thought, and the spread of that."""
+    for name in ("latch_skip", "deviation_skip"):
+        stream = scene.streams.get(name)
+        if stream is not None:
+            law = law_under(scene, stream, given)
+            per_us = scene.speed if stream.unit == "µm" else np.ones(len(scene))
+            late, spread = (stream.residuals - law.mean) / per_us, law.spread / per_us
+            return late[stream.rows], spread[stream.rows]
+    return np.empty(0), np.empty(0)
 
 
 def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose the slope of the skip path's stamps over time, whole and of either half."""
+    """Propose what the skip path's stamps show: a drift, one that ages, or that goes by warmth.
+
+    Beside a delay of any size, which is not the clock's: a short campaign would take it for drift.
+    """
     usual = [[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0], [50.0, 0.0, 0.0], [-50.0, 0.0, 0.0]]
     stream = scene.streams.get("latch_skip")
     if stream is None or stream.rows.sum() < FEWEST_STAMPS:
         return usual
-    stamps = scene.touches.latch_us[stream.rows]
-    residuals = (stream.residuals - stream.law.mean)[stream.rows]
-    straight = float(np.median(residuals / stamps)) * 1e6
-    curve, slope = np.polyfit(stamps, residuals / stamps * 1e6, 1)
-    return [[straight, 0.0, 0.0], [float(slope), float(curve) * US_PER_H, 0.0], *usual]
+    stamps_us = scene.touches.latch_us
+    parts = [stamps_us * 1e-6, stamps_us**2 / US_PER_H * 1e-6, warmth_k_s(scene)]
+    seen = []
+    for chosen in ([0], [0, 1], [0, 2]):
+        start = np.zeros(3)
+        start[chosen] = _slopes(stream, [parts[i] for i in chosen])
+        seen.append(start.tolist())
+    return [*seen, *usual]
+
+
+def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
+    """Fit multiples of the parts, each of shape (n,), and an offset, whatever some touches do."""
+    rows, spread = stream.rows, stream.law.spread
+    design = np.column_stack([*parts, np.ones(len(rows))])[rows] / spread[rows, None]
+    scores = ((stream.residuals - stream.law.mean) / spread)[rows]
+    least, *_ = np.linalg.lstsq(design, scores, rcond=None)
+
+    def off(p: Parameters) -> FloatArray:
+        return np.asarray(design @ p - scores)
+
+    found = optimize.least_squares(off, least, x_scale="jac", loss="soft_l1")
+    return np.asarray(found.x[:-1])
 
 
 def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:

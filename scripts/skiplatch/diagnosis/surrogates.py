@@ -140,8 +140,8 @@ def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
 
 
 def delay(_scene: Scene, p: Parameters) -> Change:
-    """The pin changes later, by a fixed and a uniform time."""
-    jitter = (Extra(1.0, width=abs(p[1])),) if p[1] else ()
+    """The pin changes later, by a fixed, a uniform and an exponential time."""
+    jitter = (Extra(1.0, width=abs(p[1]), mean=abs(p[2])),) if p[1] or p[2] else ()
     return Change(pin_us=p[0], pin_extra=jitter)
 
 
@@ -155,7 +155,7 @@ def image_delay(scene: Scene, p: Parameters) -> Change:
 
 def drift(scene: Scene, p: Parameters) -> Change:
     """The stamps are those of a clock that drifts, ages, and follows the temperature."""
-    warm_us = p[2] * _warmth_k_s(scene) if p[2] else 0.0
+    warm_us = p[2] * warmth_k_s(scene) if p[2] else 0.0
     stamps_us = master_us = scene.touches.latch_us
     for _ in range(DRIFT_ROUNDS):
         rate = (p[0] + p[1] * master_us / US_PER_H) * 1e-6
@@ -163,10 +163,10 @@ def drift(scene: Scene, p: Parameters) -> Change:
     return Change(stamp_us=stamps_us - master_us)
 
 
-def _warmth_k_s(scene: Scene) -> FloatArray:
+def warmth_k_s(scene: Scene) -> FloatArray:
     """Kelvins above the calibration times seconds since the start, touch by touch; shape (n,)."""
     if scene.whole is not None:
-        return _warmth_k_s(scene.whole)[scene.chosen]
+        return warmth_k_s(scene.whole)[scene.chosen]
     steps_s = np.diff(scene.touches.time_s, prepend=0.0)
     return np.asarray(np.cumsum(scene.warmth * steps_s))
 
