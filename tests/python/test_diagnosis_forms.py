@@ -9,6 +9,10 @@ import pytest
 
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Verdict, diagnose
+from skiplatch.diagnosis.candidates import candidate
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import fit, polish
 from skiplatch.simulator import Controller, Effect, play
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -33,12 +37,46 @@ def simulated(*switched_on: Effect) -> Campaign:
         ("rotary_pivot", {"x_um": 5.0, "y_um": -3.0, "unset": 1.0, "mirrored": 1.0}),
         ("encoder_quantisation", {"resolution_um": 7.3, "is_coordinate": 1.0}),
         ("isr_latency", {"latency_us": 20.0, "tail_us": 15.0}),
+        ("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0}),
     ],
 )
 def test_another_form_has_the_same_name(effect_id: str, parameters: Mapping[str, float]) -> None:
     diagnosis = diagnose(simulated(Effect(effect_id, parameters)), seed=1, jobs=2)
 
     assert [named.effect.id for named in diagnosis.effects] == [effect_id]
+
+
+def test_a_delay_with_a_tail_is_seen_beside_a_clock_that_follows_the_temperature() -> None:
+    clock = Effect("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0})
+    delay = Effect("trigger_delay", {"delay_us": 10.0, "tail_us": 60.0})
+    drift, late = diagnose(simulated(clock, delay), seed=1, jobs=2).effects
+
+    assert (drift.effect.id, drift.alternatives) == ("timer_drift", ())
+    assert "trigger_delay" in {late.effect.id, *late.alternatives}
+
+
+def test_beside_slack_a_delay_shows_in_what_comes_after_the_latch_too() -> None:
+    scene = Scene.of(simulated())
+    drift = Change(stamp_us=20e-6 * scene.touches.latch_us)
+    delay = candidate("trigger_delay")
+    found, beside = (
+        fit(scene, [delay], [[50.0, 0.0, 0.0]], given)
+        for given in (drift, replace(drift, slack=0.01))
+    )
+
+    assert found.reached == {"latch_skip", "latch_plc"}
+    assert beside.reached == {"latch_skip", "latch_plc", "position", "report"}
+
+
+def test_slack_is_a_share_of_a_shift_and_no_scatter_of_its_own() -> None:
+    plain = simulated()
+    scatter_us = np.random.default_rng(4).standard_cauchy(len(plain.touches)).round(1)
+    stamps_us = plain.touches.latch_us + 20.0 * scatter_us
+    scene = Scene.of(replace(plain, touches=replace(plain.touches, latch_us=stamps_us)))
+
+    found = polish(scene, fit(scene, [candidate("timer_drift")], [[1.0, 0.0, 0.0]]))
+
+    assert found.slack == 0.0
 
 
 def test_an_error_with_the_approach_gets_no_name() -> None:

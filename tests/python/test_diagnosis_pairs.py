@@ -89,7 +89,7 @@ def test_a_pair_searched_the_other_way_round_is_the_same_pair() -> None:
     pair = judge.pairs(ranked[0])[0]
     second = next(single for single in ranked if single.ids == pair.ids[1:])
 
-    turned = judge.turned(pair, second)
+    (turned,) = judge.turned([(pair, second)])
 
     assert turned.ids == pair.ids
     assert turned.score == judge.score(turned.fit).score

@@ -101,8 +101,9 @@ def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> l
     alone = {scored.ids[0]: scored for scored in ranked}
     near = [pair for pair in pairs if pair.score > pairs[0].score - TIED and pair.fit.slack > 0.0]
     near = [pair for pair in near if alone[pair.ids[1]].score > SMALLEST_LEFT * pair.score]
-    turned = {pair.ids: judge.turned(pair, alone[pair.ids[1]]) for pair in near[:MOST_TURNED]}
-    better = [max(pair, turned.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
+    turned = judge.turned([(pair, alone[pair.ids[1]]) for pair in near[:MOST_TURNED]])
+    by_ids = {pair.ids: pair for pair in turned}
+    better = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
     return sorted(better, key=lambda pair: -pair.score)
 
 

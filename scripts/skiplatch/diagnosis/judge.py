@@ -216,22 +216,14 @@ class Judge:
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
         return sorted(self.jointly(near) + on_top[len(near) :], key=lambda pair: -pair.score)
 
-    def turned(self, pair: Scored, second: Scored) -> Scored:
-        """Fit a pair the other way round, its second effect first.
+    def turned(self, pairs: Sequence[tuple[Scored, Scored]]) -> list[Scored]:
+        """Fit pairs the other way round, their second effects first.
 
         Args:
-            pair: Two effects.
-            second: The second one alone, with the form that it has there.
+            pairs: Each two effects, and the second one alone, with the form that it has there.
         """
-        given = second.fit.change(self._fitting)
-        (on_top,) = self._contest(pair.fit.candidates[:1], given)
-        turned = self.score(_refine((self._fitting, _both(second.fit, on_top))))
-        back = replace(
-            turned.fit,
-            candidates=turned.fit.candidates[::-1],
-            parameters=turned.fit.parameters[::-1],
-        )
-        return replace(turned, fit=back)
+        models = [(self._fitting, pair.fit.candidates[0], second.fit) for pair, second in pairs]
+        return [self.score(found) for found in self._map(_turned, models)]
 
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""
@@ -357,6 +349,14 @@ def _both(first: Fit, second: Fit) -> Fit:
         first.reached | second.reached,
         max(first.slack, second.slack),
     )
+
+
+def _turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
+    scene, candidate, second = model
+    given = second.change(scene)
+    first = polish(scene, fit(scene, [candidate], candidate.starts(scene, given), given), given)
+    found = refine(scene, _both(second, first))
+    return replace(found, candidates=found.candidates[::-1], parameters=found.parameters[::-1])
 
 
 def _refine(model: tuple[Scene, Fit]) -> Fit:

@@ -40,7 +40,7 @@ ANYWHERE = 0.25
 TINY = 1e-9
 SHARP: Mapping[str, float] = {}
 LATCHES = {"latch_skip", "latch_plc"}
-AFTER_LATCH = ("position", "report")
+AFTER_LATCH = {"position", "report"}
 """Streams that are counted from the stamp of the latch."""
 CALM = 3.0
 """Standard deviations beyond which a stamp tells no more of a slack: it is late by itself."""

@@ -11,7 +11,13 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import affected, law_under, likelihood
+from skiplatch.diagnosis.likelihood import (
+    AFTER_LATCH,
+    LATCHES,
+    affected,
+    law_under,
+    likelihood,
+)
 from skiplatch.diagnosis.scene import Scene
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)
@@ -25,7 +31,7 @@ WORTH_A_REFINEMENT = 2.0
 WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
-SLACKS = (0.05, 0.15, 0.4)
+SLACKS = (0.001, 0.01, 0.05, 0.15, 0.4)
 STEPS = (0.3, 0.01, 0.001)
 """First steps of climbs that follow each other, as shares of the parameters."""
 EVALUATIONS = 60  # a parameter
@@ -87,6 +93,9 @@ class _Target:
         self._names = frozenset[str]().union(
             *(affected(scene, self.fit(start).change(scene)) for start in starts)
         )
+        if given.slack and self._names & LATCHES:
+            # What comes after a latch is read beside it, as far as the slack leaves it open.
+            self._names |= AFTER_LATCH & scene.streams.keys()
         # By what is off still: a share of what is explained already would blur the rest.
         self._sizes = {
             name: stream.off(law_under(scene, stream, given))
@@ -233,11 +242,14 @@ def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     values = []
     for target.slack in SLACKS:
         values.append(target(best, 0.0))
-    target.slack = SLACKS[int(np.argmin(values))]
+    target.slack = slack = SLACKS[int(np.argmin(values))]
     found = _climb(target, best, 0.0)
-    if target(found, 0.0) < plain - WORTH_A_REFINEMENT:
-        return found
+    is_worth_it = target(found, 0.0) < plain - WORTH_A_REFINEMENT
     target.slack = 0.0
+    # Of a shift that explains nothing by itself, slack would only be scatter.
+    if is_worth_it and target(found, 0.0) < target.without(0.0):
+        target.slack = slack
+        return found
     return best
 
 
