@@ -32,6 +32,8 @@ WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
 SLACKS = (0.001, 0.01, 0.05, 0.15, 0.4)
+OWN_SHARE = 0.1
+"""Of what an effect gains with slack, what it gains without: less than that, it is mere scatter."""
 STEPS = (0.3, 0.01, 0.001)
 """First steps of climbs that follow each other, as shares of the parameters."""
 EVALUATIONS = 60  # a parameter
@@ -238,18 +240,16 @@ def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
 
 def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     """Let the effect have another form than the one fitted, if that is worth it."""
-    plain = target(best, 0.0)
+    before, plain = target.without(0.0), target(best, 0.0)
     values = []
     for target.slack in SLACKS:
         values.append(target(best, 0.0))
-    target.slack = slack = SLACKS[int(np.argmin(values))]
+    target.slack = SLACKS[int(np.argmin(values))]
     found = _climb(target, best, 0.0)
-    is_worth_it = target(found, 0.0) < plain - WORTH_A_REFINEMENT
-    target.slack = 0.0
-    # Of a shift that explains nothing by itself, slack would only be scatter.
-    if is_worth_it and target(found, 0.0) < target.without(0.0):
-        target.slack = slack
+    loose = target(found, 0.0)
+    if loose < plain - WORTH_A_REFINEMENT and before - plain > OWN_SHARE * (before - loose):
         return found
+    target.slack = 0.0
     return best
 
 
