@@ -33,7 +33,7 @@ NOTHING = Change()
 KEPT_STARTS = 2
 SLACKS = (0.001, 0.01, 0.05, 0.15, 0.4)
 OWN_SHARE = 0.1
-"""Of what an effect gains with slack, what it gains without: less than that, it is mere scatter."""
+"""Of what an effect gains with the most slack, what it gains without: else it is mere scatter."""
 STEPS = (0.3, 0.01, 0.001)
 """First steps of climbs that follow each other, as shares of the parameters."""
 EVALUATIONS = 60  # a parameter
@@ -247,7 +247,8 @@ def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     target.slack = SLACKS[int(np.argmin(values))]
     found = _climb(target, best, 0.0)
     loose = target(found, 0.0)
-    if loose < plain - WORTH_A_REFINEMENT and before - plain > OWN_SHARE * (before - loose):
+    is_scatter = target.slack == SLACKS[-1] and before - plain < OWN_SHARE * (before - loose)
+    if loose < plain - WORTH_A_REFINEMENT and not is_scatter:
         return found
     target.slack = 0.0
     return best
