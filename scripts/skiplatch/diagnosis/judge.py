@@ -354,7 +354,7 @@ def _both(first: Fit, second: Fit) -> Fit:
 def _turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
     scene, candidate, second = model
     given = second.change(scene)
-    first = polish(scene, fit(scene, [candidate], candidate.starts(scene, given), given), given)
+    first = polish(scene, _fit((scene, candidate, given)), given)
     found = refine(scene, _both(second, first))
     return replace(found, candidates=found.candidates[::-1], parameters=found.parameters[::-1])
 
