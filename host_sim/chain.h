@@ -79,9 +79,11 @@ typedef struct {
 
 enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };
 
+enum { SIM_PARAMETERS = 9 }; /* the most that an effect has */
+
 /* One effect that is switched on: a row of effects/table.c, and its parameters in that order. */
 typedef struct {
-    double  parameters[8];
+    double  parameters[SIM_PARAMETERS];
     int32_t effect;
 } sim_setting_t;
 

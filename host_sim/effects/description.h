@@ -2,7 +2,7 @@
 #ifndef EFFECTS_DESCRIPTION_H
 #define EFFECTS_DESCRIPTION_H
 
-#include <stdint.h>
+#include "chain.h"
 
 typedef struct {
     const char *name; /* with its unit */
@@ -13,11 +13,11 @@ typedef struct {
 } sim_parameter_t;
 
 typedef struct {
-    const char     *id;            /* part of the product's interface */
-    const char     *stage;         /* motion, probe, link, input, latch, scan, position, report */
-    const char     *paths;         /* both, skip or plc */
-    const char     *physics;       /* one line */
-    sim_parameter_t parameters[8]; /* ended by one without a name */
+    const char     *id;      /* part of the product's interface */
+    const char     *stage;   /* motion, probe, link, input, latch, scan, position, report */
+    const char     *paths;   /* both, skip or plc */
+    const char     *physics; /* one line */
+    sim_parameter_t parameters[SIM_PARAMETERS + 1]; /* ended by one without a name */
 } sim_description_t;
 
 #endif

@@ -55,21 +55,20 @@ typedef struct {
     sim_effect_change_t *change;
 } sim_effect_t;
 
+/* Probe, input and latch: a delay that is longer than believed. */
+sim_effect_change_t effect_delay;
 /* Motion. */
 sim_effect_change_t effect_feed_error;
 sim_effect_change_t effect_unfinished_acceleration;
 /* Probe. */
 sim_effect_change_t effect_pretravel_lobing;
-sim_effect_change_t effect_trigger_delay;
 /* Link. */
 sim_effect_change_t effect_link_slotting;
 sim_effect_change_t effect_link_retry;
 /* Input. */
-sim_effect_change_t effect_input_filter;
 sim_effect_change_t effect_contact_bounce;
 sim_effect_change_t effect_lost_trigger;
 /* Latch. */
-sim_effect_change_t effect_isr_latency;
 sim_effect_change_t effect_isr_blocking;
 sim_effect_change_t effect_timer_quantisation;
 sim_effect_change_t effect_timer_drift;

@@ -10,13 +10,6 @@
 #define CALIBRATION_C 20.0
 #define ROUNDING      1.0e-3 /* nominal ticks */
 
-double effect_isr_latency(const sim_effect_call_t *call, double latency_us)
-{
-    double jitter_us = sim_random_uniform(call->random, call->parameters[1]);
-    double tail_us = sim_random_exponential(call->random, call->parameters[2]);
-    return fmax(0.0, latency_us + call->parameters[0] + jitter_us + tail_us);
-}
-
 /* An edge that falls into a masked stretch waits for the rest of it; of stretches whose lengths
  * differ the rest has a tail. */
 double effect_isr_blocking(const sim_effect_call_t *call, double latency_us)

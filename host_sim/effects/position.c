@@ -10,6 +10,7 @@
 #define CALIBRATION_C 20.0
 #define UM_PER_MM     1000.0
 #define PPM           1.0e-6
+#define DEG_PER_TURN  360.0
 
 /* Axis coordinate in mm of a position in µm past the nominal surface. */
 static double coordinate_mm(const sim_effect_call_t *call, double position_um)
@@ -17,11 +18,17 @@ static double coordinate_mm(const sim_effect_call_t *call, double position_um)
     return call->touch->position_mm + call->touch->sign * position_um / UM_PER_MM;
 }
 
+/* What Y and Z have more than X. */
+static double beyond_x(const sim_effect_call_t *call, const double more[2])
+{
+    int32_t axis = call->touch->axis;
+    return axis == SIM_AXIS_X ? 0.0 : more[axis == SIM_AXIS_Y ? 0 : 1];
+}
+
 /* An error that differs from axis to axis, over that of X; the parameters say by how much more. */
 static double over_x(const sim_effect_call_t *call, const double more[2])
 {
-    int32_t axis = call->touch->axis;
-    return axis == SIM_AXIS_X ? 1.0 : 1.0 + more[axis == SIM_AXIS_Y ? 0 : 1];
+    return 1.0 + beyond_x(call, more);
 }
 
 double effect_servo_hold(const sim_effect_call_t *call, double time_us)
@@ -47,7 +54,8 @@ double effect_backlash(const sim_effect_call_t *call, double position_um)
 
 double effect_transmission_error(const sim_effect_call_t *call, double position_um)
 {
-    double turn = coordinate_mm(call, position_um) / call->parameters[1];
+    double ahead = beyond_x(call, &call->parameters[7]) / DEG_PER_TURN;
+    double turn = coordinate_mm(call, position_um) / call->parameters[1] + ahead;
     double first = sim_wave(turn, call->parameters[2]);
     double second = sim_wave(2.0 * turn, call->parameters[4]);
     double error_um = call->parameters[0] * first + call->parameters[3] * second;

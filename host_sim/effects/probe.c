@@ -12,10 +12,3 @@ double effect_pretravel_lobing(const sim_effect_call_t *call, double pretravel_u
     double tilt = call->touch->beta_deg * RAD_PER_DEG;
     return pretravel_um + call->parameters[0] * cos(tilt) * cos(azimuth);
 }
-
-double effect_trigger_delay(const sim_effect_call_t *call, double delay_us)
-{
-    double jitter_us = sim_random_uniform(call->random, call->parameters[1]);
-    double tail_us = sim_random_exponential(call->random, call->parameters[2]);
-    return fmax(0.0, delay_us + call->parameters[0] + jitter_us + tail_us);
-}

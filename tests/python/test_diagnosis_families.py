@@ -43,6 +43,15 @@ def late_from_the_middle_on(touches: Touches) -> Touches:
     return replace(touches, latch_us=touches.latch_us + late_us)
 
 
+def late_after_a_few(touches: Touches) -> Touches:
+    """The skip input alone is faster by far at six touches of thirty, the first ones."""
+    first = np.flatnonzero(touches.path == InputPath.SKIP)[:30]
+    late_us = np.zeros(len(touches))
+    late_us[first[6:]] = 30.0
+    kept = (touches.path != InputPath.SKIP) | (np.arange(len(touches)) <= first[-1])
+    return replace(touches, latch_us=touches.latch_us + late_us).select(kept)
+
+
 def stamped_by_another_clock(touches: Touches) -> Touches:
     """Every seventh stamp is off: it comes before its latch, and so long before its report."""
     off_us = -400.0 * (touches.touch % 7 == 0)
@@ -56,6 +65,7 @@ def stamped_by_another_clock(touches: Touches) -> Touches:
         (turning(1.0), "~position: comes and goes with time"),
         (in_position(lambda t: 0.5 * t.approach_mm), "~position: approach"),
         (late_from_the_middle_on, "~latch_skip: changes once"),
+        (late_after_a_few, "~latch_skip: changes once"),
         (stamped_by_another_clock, "~stamp: what the report is off by"),
     ],
 )

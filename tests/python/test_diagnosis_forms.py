@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from played_campaigns import BENCH, played
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Verdict, diagnose
 from skiplatch.diagnosis.candidates import candidate
@@ -23,9 +24,9 @@ def simulated(*switched_on: Effect) -> Campaign:
     """Play the touches of a recorded campaign with other effects and other random numbers."""
     nominal, touches = MACHINE.nominal, MACHINE.touches
     controller = Controller.for_campaign(nominal, touches)
-    played = play(nominal, controller, touches, seed=5, switched_on=switched_on)
+    outcome = play(nominal, controller, touches, seed=5, switched_on=switched_on)
     outcomes = {
-        name: getattr(played, name)[0] for name in ("latch_us", "report_us", "deviation_um")
+        name: getattr(outcome, name)[0] for name in ("latch_us", "report_us", "deviation_um")
     }
     return replace(MACHINE, touches=replace(touches, **outcomes))
 
@@ -38,12 +39,28 @@ def simulated(*switched_on: Effect) -> Campaign:
         ("encoder_quantisation", {"resolution_um": 7.3, "is_coordinate": 1.0}),
         ("isr_latency", {"latency_us": 20.0, "tail_us": 15.0}),
         ("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0}),
+        ("feed_error", {"limit_mm_min": 1900.0}),
+        (
+            "transmission_error",
+            {"amplitude_um": 4.0, "period_mm": 10.0, "y_more": 0.5, "y_ahead_deg": 120.0},
+        ),
     ],
 )
 def test_another_form_has_the_same_name(effect_id: str, parameters: Mapping[str, float]) -> None:
     diagnosis = diagnose(simulated(Effect(effect_id, parameters)), seed=1, jobs=2)
 
     assert [named.effect.id for named in diagnosis.effects] == [effect_id]
+
+
+def test_axes_that_hardly_differ_are_told_apart_without_slack() -> None:
+    backlash = candidate("backlash")
+    more = Effect("backlash", {"backlash_um": 40.0, "y_more": -0.01})
+    scene = Scene.of(played(BENCH, more))
+
+    found = polish(scene, fit(scene, [backlash], backlash.starts(scene, Change())))
+
+    assert found.slack == 0.0
+    assert found.parameters[0][:3] == pytest.approx([40.0, 0.0, -0.01], abs=1e-3)
 
 
 def test_a_delay_with_a_tail_is_seen_beside_a_clock_that_follows_the_temperature() -> None:

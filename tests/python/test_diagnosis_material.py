@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
@@ -61,6 +62,15 @@ def test_waits_that_the_believed_scan_cannot_bring_are_material(share: float) ->
 
     assert is_material(scene, hardly) == (share > 0.1)
     assert not is_material(scene, hardly, Materiality(um=1e6))
+
+
+@pytest.mark.parametrize("ticks", [0.5, 2.0])
+def test_a_clock_that_drifts_by_less_than_a_tick_in_all_is_not_material(ticks: float) -> None:
+    scene = bench()
+    stamp_us = scene.touches.latch_us / np.sqrt(np.mean(scene.touches.latch_us**2))
+    drift = Change(stamp_us=ticks * scene.nominal.skip.tick_us * stamp_us)
+
+    assert is_material(scene, drift) == (ticks > 1.0)
 
 
 def test_lost_touches_are_always_material() -> None:

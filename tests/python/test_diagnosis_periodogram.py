@@ -7,6 +7,7 @@ import pytest
 from scipy import signal
 
 from played_campaigns import MACHINE, played
+from skiplatch.campaign import Axis
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene
@@ -80,3 +81,22 @@ def test_a_periodic_error_at_few_places_is_found_with_its_second_order() -> None
     assert (size_um, size2_um) == pytest.approx((6.0, 5.0), rel=0.05)
     turned_deg = np.array([phase_deg, phase2_deg]) - np.rad2deg([0.5, 2.0])
     np.testing.assert_allclose((turned_deg + 180.0) % 360.0 - 180.0, 0.0, atol=10.0)
+
+
+def test_periodic_errors_of_two_axes_are_found_with_their_own_sizes_and_phases() -> None:
+    campaign = played(MACHINE)
+    touches = campaign.touches.in_order_of_time()
+    turn = 2.0 * np.pi * touches.position_mm / 10.0
+    is_y = touches.axis == Axis.Y
+    error_um = np.where(is_y, 3.0 * np.sin(turn + 2.5), 6.0 * np.sin(turn + 0.5))
+    sign = Scene(campaign.nominal, touches).sign
+    disturbed = replace(touches, deviation_um=touches.deviation_um + sign * error_um)
+
+    scene = Scene(campaign.nominal, disturbed)
+    effect = catalogue()["transmission_error"]
+    found = fit(scene, [effect], effect.starts(scene, Change())).parameters[0]
+
+    assert 20 < is_y.sum() < len(touches) - 20
+    assert found[:2] == pytest.approx((6.0, 10.0), rel=0.02)
+    assert found[5] == pytest.approx(-0.5, abs=0.02)
+    assert found[7] % 360.0 == pytest.approx(np.rad2deg(2.0), abs=3.0)

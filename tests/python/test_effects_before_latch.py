@@ -30,7 +30,7 @@ SKIP, PLC = InputPath.SKIP, InputPath.PLC
 
 
 def contact(
-    touches: Touches, feed_ratio: float, accel_mm_s2: float
+    touches: Touches, feed_ratio: FloatArray | float, accel_mm_s2: float
 ) -> tuple[FloatArray, FloatArray]:
     """Time of contact in µs and speed in µm/µs: ramp from rest, then constant speed."""
     feed_mm_s = touches.feed_mm_min * feed_ratio / 60.0
@@ -40,7 +40,7 @@ def contact(
     return (touches.time_s + seconds) * 1e6, speed / 1e3
 
 
-def assert_moves_like(played: Trace, feed_ratio: float, accel_mm_s2: float) -> None:
+def assert_moves_like(played: Trace, feed_ratio: FloatArray | float, accel_mm_s2: float) -> None:
     """Edge, stamp and deviation are those of the motion; the pretravel is the nominal one's."""
     believed_us, believed_speed = contact(played.touches, 1.0, ACCEL_MM_S2)
     pretravel_um = (played.nominal.true_edge_us[0] - believed_us - DELAY_US) * believed_speed
@@ -63,6 +63,15 @@ def test_feed_error_scales_the_speed(percent: float) -> None:
     played = trace(SKIP, "feed_error", feed_percent=percent)
 
     assert_moves_like(played, 1.0 + percent / 100.0, ACCEL_MM_S2)
+
+
+def test_a_feed_above_the_limit_is_that_of_the_limit() -> None:
+    feed_mm_min = trace(SKIP, "feed_error").touches.feed_mm_min
+    limit_mm_min = float(np.median(feed_mm_min))
+    played = trace(SKIP, "feed_error", limit_mm_min=limit_mm_min)
+
+    assert 0.2 < (feed_mm_min > limit_mm_min).mean() < 0.8
+    assert_moves_like(played, np.minimum(1.0, limit_mm_min / feed_mm_min), ACCEL_MM_S2)
 
 
 def test_unfinished_acceleration_touches_below_the_feed() -> None:

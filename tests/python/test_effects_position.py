@@ -1,5 +1,7 @@
 """Physics of the effects on the position that is latched. Stamps are another test's business."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -82,6 +84,23 @@ def test_transmission_error_is_periodic_in_the_coordinate_with_a_harmonic() -> N
 
     assert_close(
         played.deviation_shift_um, played.touches.sign * error_um, 1.1 * POSITION_TOLERANCE_UM
+    )
+
+
+def test_each_axis_may_have_a_transmission_error_of_its_own() -> None:
+    own = {"y_more": 0.5, "z_more": -0.25, "y_ahead_deg": 40.0, "z_ahead_deg": 190.0}
+    effect = Effect("transmission_error", {"amplitude_um": 4.0, "period_mm": 5.0, **own})
+    touches = mixed_touches(300, seed=11, path=SKIP)
+    touches = replace(touches, axis=np.arange(300) % 3)
+    played = Trace(touches, run(touches, seed=11), run(touches, effect, seed=11))
+    size_um = np.array([4.0, 6.0, 3.0])[played.touches.axis]
+    ahead_deg = np.array([0.0, 40.0, 190.0])[played.touches.axis]
+    turn = 2.0 * np.pi * coordinate_mm(played) / 5.0 + np.deg2rad(ahead_deg)
+
+    assert_close(
+        played.deviation_shift_um,
+        played.touches.sign * size_um * np.sin(turn),
+        1.2 * POSITION_TOLERANCE_UM,
     )
 
 

@@ -16,6 +16,7 @@ from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts
 from skiplatch.diagnosis.surrogates import Parameters
+from skiplatch.diagnosis.waves import transmissions
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +77,9 @@ CANDIDATES: Mapping[str, Candidate] = {
     for row in (
         Candidate(
             "feed_error",
-            ("feed_percent", "offset_mm_min"),
+            ("feed_percent", "offset_mm_min", "limit_mm_min"),
             surrogates.feed_error,
-            starts.fixed(
-                *([sign * size, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0))
-            ),
+            starts.feeds,
             refinements=({1: 1.0}, {1: -1.0}),
         ),
         Candidate(
@@ -146,9 +145,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "isr_latency",
             ("latency_us", "jitter_us", "tail_us"),
-            lambda _, p: Change(
-                skip_us=p[0], skip_extra=(Extra(1.0, width=abs(p[1]), mean=abs(p[2])),)
-            ),
+            surrogates.interrupt,
             starts.fixed([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
             refinements=({1: 1.0}, {1: 20.0}, {2: 1.0}, {2: 20.0}),
             believed_us=lambda nominal: nominal.skip.latency_us,
@@ -254,9 +251,11 @@ CANDIDATES: Mapping[str, Candidate] = {
                 "phase2_deg",
                 "y_more",
                 "z_more",
+                "y_ahead_deg",
+                "z_ahead_deg",
             ),
             surrogates.transmission,
-            starts.transmissions,
+            transmissions,
             refinements=(
                 *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
                 *_per_axis(5),

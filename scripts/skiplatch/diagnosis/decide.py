@@ -1,11 +1,11 @@
 """Which effects a campaign shows: forward search, groups that cannot be told apart, strangers."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.diagnosis.judge import ENOUGH_FIT, PLAIN, Judge, Scored
+from skiplatch.diagnosis.judge import ENOUGH_FIT, NEARLY, PLAIN, Judge, Scored
 
 BETTER = 2.0
 """Nats by which a form found in a pair has to be better than the one found alone."""
@@ -69,7 +69,7 @@ def find(judge: Judge) -> Finding:
     best = ranked[0]
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
-    pairs = _both_ways(judge, judge.pairs(best), ranked)
+    pairs = _pairs(judge, best, ranked)
     # Loose pairs are never believed.
     hidden = _hidden(judge, ranked, (best if pairs[0].fit.is_loose else pairs[0]).score)
     if hidden:
@@ -79,7 +79,7 @@ def find(judge: Judge) -> Finding:
         # The pair has shown the way to a better form of one of its effects alone.
         best = again
         ranked = [best, *(scored for scored in ranked if scored.ids != best.ids)]
-        pairs = _both_ways(judge, judge.pairs(best), ranked)
+        pairs = _pairs(judge, best, ranked)
     tied = (pair for pair in pairs if pair.score > pairs[0].score - TIED)
     has_second = any(_is_second(judge, pair, best) for pair in tied)
     if not judge.is_material(best):
@@ -91,6 +91,20 @@ def find(judge: Judge) -> Finding:
         return _two(judge, pairs)
     group, confidence = _group(ranked, position=0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
+
+
+def _pairs(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> list[Scored]:
+    """Search the second effects of the best one, with and without the slack that it has alone.
+
+    That may stand for the second one, which then gains nothing beside it, if the two need none.
+    """
+    pairs = judge.pairs(best)
+    if best.fit.slack > 0.0:
+        stiff = judge.score(replace(best.fit, slack=0.0))
+        by_ids = {pair.ids: pair for pair in judge.pairs(stiff) if pair.fit.slack == 0.0}
+        pairs = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
+        pairs.sort(key=lambda pair: -pair.score)
+    return _both_ways(judge, pairs, ranked)
 
 
 def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> list[Scored]:
@@ -110,7 +124,8 @@ def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> l
 def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | None:
     """Find two effects behind one that takes what both do for scatter, or for slack of its form.
 
-    The next best ones, each of which is mended less by itself, may do far better together.
+    The next best ones, each of which is mended less by itself, may do far better together. So may
+    one that is nearly as good: beside it the best one may have another form than alone.
 
     Args:
         judge: Fits and scores.
@@ -119,15 +134,15 @@ def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | N
     """
     best = ranked[0]
     is_scatter = judge.is_scatter(best)
-    if not (is_scatter or best.fit.is_loose):
-        return None
-    near = [s for s in ranked[1:] if NEXT_BEST * best.score < s.score < best.score - TIED]
+    is_mended = is_scatter or best.fit.is_loose
+    least = NEXT_BEST * best.score if is_mended else best.score - NEARLY
+    near = [s for s in ranked[1:] if least < s.score < best.score - TIED]
     for first in near[:MOST_NEXT_BEST]:
         if is_scatter and best.ids[0] in judge.on_top(first)[0].ids:
             continue  # the search that begins with the best one finds this pair
         pairs = judge.pairs(first)
         found = pairs[0]
-        is_new = best.ids[0] not in found.ids and (is_scatter or found.fit.slack == 0.0)
+        is_new = is_scatter or found.fit.slack == 0.0
         is_better = found.score > score + PLAIN and judge.is_enough(found, best)
         if is_new and is_better and _is_second(judge, found, first):
             return _two(judge, pairs)

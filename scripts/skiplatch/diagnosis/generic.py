@@ -102,14 +102,16 @@ def families(scene: Scene, given: Change) -> list[Candidate]:
     ]
 
 
-def _scores(scene: Scene, name: str, given: Change) -> tuple[FloatArray, BoolArray]:
+def _scores(
+    scene: Scene, name: str, given: Change, most: float = WINSOR
+) -> tuple[FloatArray, BoolArray]:
     """Residuals of a stream over their own spread, cut at a few of it, and their rows."""
     stream = scene.streams[name]
     rows = stream.rows
     law = law_under(scene, stream, given).select(rows)
     scores = (stream.residuals[rows] - law.mean) / law.spread
     scores = scores - np.median(scores)
-    return np.clip(scores, -WINSOR, WINSOR), rows
+    return np.clip(scores, -most, most), rows
 
 
 def _shown(scene: Scene, *more: str) -> dict[str, Stream]:
@@ -284,9 +286,9 @@ def _steps(scene: Scene, given: Change) -> list[Candidate]:
     """Whatever changes once and stays so."""
     found = []
     for name, stream in _shown(scene).items():
-        scores, rows = _scores(scene, name, given)
+        scores, rows = _scores(scene, name, given, np.inf)  # ranks need no limit, which would tie
         splits = range(FEWEST_A_SIDE, len(scores) - FEWEST_A_SIDE + 1)
-        chances = [float(stats.ranksums(scores[:k], scores[k:]).pvalue) for k in splits]
+        chances = [float(stats.mannwhitneyu(scores[:k], scores[k:]).pvalue) for k in splits]
         if chances and min(chances) * len(chances) < SCREENED:
             k = splits[int(np.argmin(chances))]
             residuals = stream.residuals[rows]

@@ -150,5 +150,7 @@ def is_off_grid(scene: Scene, change: Change, law: Law, least_us: float = 0.0) -
     scatter = float(np.sqrt(max(extra_variance(law)[0], 0.0)))
     late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[0])
     stamps = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))[scene.plc]
-    moved = max(abs(change.period_us), _rms(np.nan_to_num(stamps)), _unbound_us(scene, change))
-    return moved > least_us or max(scatter, late) > max(scene.nominal.skip.tick_us, least_us)
+    drifted = _rms(np.nan_to_num(stamps))
+    least_seen_us = max(scene.nominal.skip.tick_us, least_us)
+    moved = max(abs(change.period_us), _unbound_us(scene, change))
+    return moved > least_us or max(scatter, late, drifted) > least_seen_us

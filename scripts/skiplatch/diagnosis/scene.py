@@ -163,8 +163,12 @@ class Scene:
 
     def over_x(self, y_more: float, z_more: float) -> FloatArray:
         """Give what an error that differs from axis to axis is over that of X; shape (n,)."""
+        return 1.0 + self.beyond_x(y_more, z_more)
+
+    def beyond_x(self, y: float, z: float) -> FloatArray:
+        """Give what the touches of Y and Z have more than those of X; shape (n,)."""
         axis = self.touches.axis
-        return np.select([axis == Axis.Y, axis == Axis.Z], [1.0 + y_more, 1.0 + z_more], 1.0)
+        return np.select([axis == Axis.Y, axis == Axis.Z], [y, z], 0.0)
 
     @cached_property
     def rest_s(self) -> FloatArray:

@@ -262,8 +262,8 @@ def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatAr
 
     promising = list(candidate.refinements)
     while promising:
-        starts = [_freed(best, refinement) for refinement in promising]
-        found = [_climb(target, start, 0.0) if start.any() else best for start in starts]
+        starts = [_freed(target, best, refinement) for refinement in promising]
+        found = [_fit_form(target, [start], FINER) if start.any() else best for start in starts]
         costs = [cost(values) for values in found]
         promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]
         if promising:
@@ -271,9 +271,12 @@ def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatAr
     return best
 
 
-def _freed(values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
-    """Give parameters a first value; all 0 where none of them stood at 0."""
+def _freed(target: _Target, values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
+    """Give parameters that matter a first value; all 0 where none of them stood at 0."""
     start = values.copy()
     for index, value in refinement.items():
-        start[index] = start[index] or value
+        freed = start.copy()
+        freed[index] = start[index] or value
+        # That of an axis without a touch changes nothing.
+        start = freed if target(freed, 0.0) != target(start, 0.0) else start
     return np.zeros_like(start) if np.array_equal(start, values) else start

@@ -3,16 +3,15 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import optimize, signal
+from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import law_under
-from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene, Stream
 from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H, Parameters, warmth_k_s
-from skiplatch.motion import S_PER_MIN
+from skiplatch.motion import S_PER_MIN, US_PER_S
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
@@ -27,13 +26,11 @@ SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
 """Shares of the believed acceleration."""
 JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
 """Shares of the acceleration that the fastest of the short approaches needs."""
-FEWEST_TURNS = 0.5
-FASTEST_PER_MM = 2.0
-"""Fewest periods on the way, and highest frequency, of a periodic error that is looked for."""
-MOST_PEAKS = 12
-"""Periods that one sine explains best, at which sines are fitted."""
-MOST_PERIODS = 3
-"""The best of those that are proposed, with one order and with two each."""
+CAPPED = (0.999, 0.99, 0.9, 0.6)
+"""Shares of the highest feed that may be the limit of it."""
+FASTEST = 0.8
+"""Share of the touches that are slower than those that show such a limit."""
+TINY = 1e-9
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -71,6 +68,21 @@ def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
             late, spread = (stream.residuals - law.mean) / per_us, law.spread / per_us
             return late[stream.rows], spread[stream.rows]
     return np.empty(0), np.empty(0)
+
+
+def feeds(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose feeds off by a share, and limits, also that by which the fastest touches are late."""
+    shares = [[sign * size, 0.0, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0)]
+    feed_mm_min = scene.touches.feed_mm_min
+    limits = [share * float(feed_mm_min.max()) for share in CAPPED]
+    stream = scene.streams.get("latch_skip")
+    if stream is not None and stream.rows.sum() >= FEWEST_STAMPS:
+        fastest = stream.rows & (feed_mm_min >= np.quantile(feed_mm_min[stream.rows], FASTEST))
+        late_min = (stream.residuals - stream.law.mean)[fastest] / (US_PER_S * S_PER_MIN)
+        way_mm = scene.touches.approach_mm[fastest]
+        real_mm_min = way_mm / np.maximum(way_mm / feed_mm_min[fastest] + late_min, TINY)
+        limits.append(float(np.median(real_mm_min)))
+    return [*shares, *([0.0, 0.0, limit] for limit in limits)]
 
 
 def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -241,51 +253,3 @@ def _odd_pitch(values: FloatArray, fine: float) -> list[float]:
     pitch = grid_period(different, float(gaps.min()))
     off = np.abs(different - np.rint(different / pitch) * pitch)
     return [pitch] if np.all(off < 0.5 * fine) else []
-
-
-def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-    """Scan the periods: at each, the best sine by least squares."""
-    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
-    unknown = [[1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0]]
-    if stream is None:
-        return unknown
-    rows = stream.rows & ~np.isnan(scene.touches.position_mm)
-    if not rows.any():
-        return unknown
-    law = law_under(scene, stream, given).select(rows)
-    residuals = scene.sign[rows] * (stream.residuals[rows] - law.mean)
-    limited = np.clip(residuals, *np.quantile(residuals, [0.02, 0.98]))
-    position, weights = scene.touches.position_mm[rows], 1.0 / law.spread**2
-    frequencies, explained = explained_by_sines(
-        position, limited, weights, FEWEST_TURNS, FASTEST_PER_MM
-    )
-    peaks, _ = signal.find_peaks(np.pad(explained, 1))
-    tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
-    starts = [
-        begun
-        for orders in (1, 2)
-        for _, begun in sorted(
-            _sines(position, limited, weights, float(frequencies[i]), orders) for i in tried
-        )[:MOST_PERIODS]
-    ]
-    return starts or unknown
-
-
-def _sines(
-    position: FloatArray, error: FloatArray, weights: FloatArray, per_mm: float, orders: int
-) -> tuple[float, list[float]]:
-    """Fit the best sines of the first orders of a frequency.
-
-    Returns:
-        What they leave, squared, weighted and summed, and they as those of a transmission error.
-    """
-    turn = 2.0 * np.pi * per_mm * position
-    waves = [wave for k in range(1, orders + 1) for wave in (np.sin(k * turn), np.cos(k * turn))]
-    design = np.column_stack([*waves, np.ones(len(turn))])
-    root = np.sqrt(weights)
-    found, *_ = np.linalg.lstsq(design * root[:, None], error * root, rcond=None)
-    left = float(weights @ (error - design @ found) ** 2)
-    parts = found[:-1].reshape(orders, 2)
-    sizes, phases_deg = np.hypot(*parts.T), np.rad2deg(np.arctan2(parts[:, 1], parts[:, 0]))
-    second = (float(sizes[1]), float(phases_deg[1])) if orders > 1 else (0.0, 0.0)
-    return left, [float(sizes[0]), 1.0 / per_mm, float(phases_deg[0]), *second, 0.0, 0.0]

@@ -28,6 +28,7 @@ LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 SHORTEST_MM = 0.01
 SLOWEST_RATIO = 0.05
+LEAST_ACCEL = 0.02
 US_PER_H = 3.6e9
 MM_PER_M = 1000.0
 DRIFT_ROUNDS = 4
@@ -51,15 +52,16 @@ def as_part(value: float) -> float:
 
 
 def feed_error(scene: Scene, p: Parameters) -> Change:
-    """The axis moves at another feed."""
-    ratio = 1.0 + p[0] / 100.0 + p[1] / scene.touches.feed_mm_min
+    """The axis moves at another feed, or at none above a limit."""
+    limit = abs(p[2]) / scene.touches.feed_mm_min if p[2] else np.inf
+    ratio = np.minimum(1.0 + p[0] / 100.0 + p[1] / scene.touches.feed_mm_min, limit)
     ratio = np.maximum(ratio, SLOWEST_RATIO)
     return _other_motion(scene, ratio, scene.nominal.axis.accel_mm_s2)
 
 
 def unfinished(scene: Scene, p: Parameters) -> Change:
     """The axis accelerates more slowly."""
-    ratio = float(np.clip(p[0], 0.01, 1.0))
+    ratio = float(np.clip(p[0], LEAST_ACCEL, 1.0))
     return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)
 
 
@@ -105,12 +107,13 @@ def blocking(_scene: Scene, p: Parameters) -> Change:
 
 
 def transmission(scene: Scene, p: Parameters) -> Change:
-    """The position errs periodically, with a second harmonic."""
+    """The position errs periodically, with a second harmonic, each axis by a screw of its own."""
     position = np.nan_to_num(scene.touches.position_mm)
     known = (scene.whole or scene).touches.position_mm
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
     period = np.clip(abs(p[1]), SHORTEST_MM, max(span, SHORTEST_MM))
-    turn = 2.0 * np.pi * position / period  # what shows less than a period is not periodic
+    ahead = np.deg2rad(scene.beyond_x(p[7], p[8]))
+    turn = 2.0 * np.pi * position / period + ahead  # what shows less than a period is not periodic
     first = p[0] * np.sin(turn + np.deg2rad(p[2]))
     second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
     return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))
@@ -141,8 +144,16 @@ def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
 
 def delay(_scene: Scene, p: Parameters) -> Change:
     """The pin changes later, by a fixed, a uniform and an exponential time."""
-    jitter = (Extra(1.0, width=abs(p[1]), mean=abs(p[2])),) if p[1] or p[2] else ()
-    return Change(pin_us=p[0], pin_extra=jitter)
+    return Change(pin_us=p[0], pin_extra=_scatter(p))
+
+
+def interrupt(_scene: Scene, p: Parameters) -> Change:
+    """The edge interrupt comes later, by such times."""
+    return Change(skip_us=p[0], skip_extra=_scatter(p))
+
+
+def _scatter(p: Parameters) -> tuple[Extra, ...]:
+    return (Extra(1.0, width=abs(p[1]), mean=abs(p[2])),) if p[1] or p[2] else ()
 
 
 def image_delay(scene: Scene, p: Parameters) -> Change:

@@ -1,0 +1,125 @@
+"""Where the search for a periodic error of the position begins: the sines that explain most."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from scipy import signal
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.campaign import Axis
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.periodogram import explained_by_sines
+from skiplatch.diagnosis.scene import Scene
+
+FEWEST_TURNS = 0.5
+FASTEST_PER_MM = 2.0
+"""Fewest periods on the way, and highest frequency, of a periodic error that is looked for."""
+MOST_PEAKS = 12
+"""Periods that one sine explains best, at which sines are fitted."""
+MOST_PERIODS = 3
+"""The best of those that are proposed: with one order, with two, and with one for each axis."""
+FEWEST_ON_AXIS = 16
+"""Touches of an axis that show a sine of its own."""
+WINSOR = 0.02
+"""Share of the errors at either end that is cut to the rest."""
+TURN_DEG = 360.0
+UNKNOWN = [1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+
+Parameters = list[float]
+"""Of a transmission error."""
+Sine = Callable[[float], tuple[float, Parameters]]
+"""Fits at a frequency in 1/mm; gives what is left, squared, weighted and summed, and the fit."""
+
+
+def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose the periods that explain most: at each, the best sine by least squares."""
+    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
+    if stream is None:
+        return [UNKNOWN]
+    rows = stream.rows & ~np.isnan(scene.touches.position_mm)
+    if not rows.any():
+        return [UNKNOWN]
+    law = law_under(scene, stream, given).select(rows)
+    error_um = scene.sign[rows] * (stream.residuals[rows] - law.mean)
+    limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
+    on_axes = [scene.touches.axis[rows] == axis for axis in Axis]
+    seen = _Seen(scene.touches.position_mm[rows], limited, 1.0 / law.spread**2, on_axes)
+    return seen.starts() or [UNKNOWN]
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Errors in µm at positions in mm; arrays of shape (n,)."""
+
+    position: FloatArray
+    error: FloatArray
+    weights: FloatArray
+    on_axes: Sequence[BoolArray]
+    """Which are of X, of Y and of Z."""
+
+    @cached_property
+    def axes(self) -> list[int]:
+        """Those with errors enough for a sine of their own."""
+        return [k for k, rows in enumerate(self.on_axes) if rows.sum() >= FEWEST_ON_AXIS]
+
+    def starts(self) -> list[Parameters]:
+        """Give the best sines for all axes together, and for each axis."""
+        frequencies, explained = self._explained(self.weights)
+        sines = [partial(self._orders, orders=orders) for orders in (1, 2)]
+        found = [self._best(frequencies, explained, sine) for sine in sines]
+        if len(self.axes) > 1:
+            parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
+            found.append(self._best(frequencies, np.sum(parts, axis=0), self._by_axis))
+        return [start for starts in found for start in starts]
+
+    def _explained(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give frequencies in 1/mm, and the weighted squares that a sine of each explains."""
+        frequencies, shares = explained_by_sines(
+            self.position, self.error, weights, FEWEST_TURNS, FASTEST_PER_MM
+        )
+        mean = np.average(self.error, weights=weights)
+        return frequencies, shares * float(weights @ (self.error - mean) ** 2)
+
+    def _best(self, frequencies: FloatArray, explained: FloatArray, sine: Sine) -> list[Parameters]:
+        peaks, _ = signal.find_peaks(np.pad(explained, 1))
+        tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
+        fitted = sorted(sine(float(frequencies[i])) for i in tried)
+        return [start for _, start in fitted[:MOST_PERIODS]]
+
+    def _orders(self, per_mm: float, orders: int) -> tuple[float, Parameters]:
+        """Fit the first orders of a frequency."""
+        turn = 2.0 * np.pi * per_mm * self.position
+        waves = [
+            wave for k in range(1, orders + 1) for wave in (np.sin(k * turn), np.cos(k * turn))
+        ]
+        left, found = self._least([*waves, np.ones(len(turn))])
+        sizes, phases_deg = _polar(found[:-1].reshape(orders, 2))
+        second = (sizes[1], phases_deg[1]) if orders > 1 else (0.0, 0.0)
+        return left, [sizes[0], 1.0 / per_mm, phases_deg[0], *second, 0.0, 0.0, 0.0, 0.0]
+
+    def _by_axis(self, per_mm: float) -> tuple[float, Parameters]:
+        """Fit the first order of a frequency on each axis."""
+        turn = 2.0 * np.pi * per_mm * self.position
+        waves = (np.sin(turn), np.cos(turn), np.ones(len(turn)))
+        left, found = self._least([self.on_axes[k] * wave for k in self.axes for wave in waves])
+        sizes, phases_deg = _polar(found.reshape(len(self.axes), 3)[:, :2])
+        more, ahead_deg = [0.0] * len(Axis), [0.0] * len(Axis)
+        for k, size, phase_deg in zip(self.axes, sizes, phases_deg, strict=True):
+            more[k], ahead_deg[k] = size / sizes[0] - 1.0, (phase_deg - phases_deg[0]) % TURN_DEG
+        first = [sizes[0], 1.0 / per_mm, phases_deg[0], 0.0, 0.0]
+        return left, [*first, *more[Axis.Y :], *ahead_deg[Axis.Y :]]
+
+    def _least(self, columns: Sequence[FloatArray]) -> tuple[float, FloatArray]:
+        """Fit multiples of the columns by least squares; give what they leave, and them."""
+        design, root = np.column_stack(columns), np.sqrt(self.weights)
+        found, *_ = np.linalg.lstsq(design * root[:, None], self.error * root, rcond=None)
+        return float(self.weights @ (self.error - design @ found) ** 2), np.asarray(found)
+
+
+def _polar(parts: FloatArray) -> tuple[list[float], list[float]]:
+    """Give sizes and phases in degrees of multiples of sine and cosine, shape (m, 2)."""
+    sizes = np.maximum(np.hypot(*parts.T), np.finfo(float).tiny)
+    return sizes.tolist(), np.rad2deg(np.arctan2(parts[:, 1], parts[:, 0])).tolist()
