@@ -101,9 +101,9 @@ def _pairs(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> list[Scored]
     pairs = judge.pairs(best)
     if best.fit.slack > 0.0:
         stiff = judge.score(replace(best.fit, slack=0.0))
-        by_ids = {pair.ids: pair for pair in judge.pairs(stiff) if pair.fit.slack == 0.0}
-        pairs = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
-        pairs.sort(key=lambda pair: -pair.score)
+        near = [pair for pair in judge.on_top(stiff) if pair.fit.slack == 0.0][:MOST_TURNED]
+        turned = judge.turned([(pair, judge.alone(pair, position=1)) for pair in near])
+        pairs = _better(pairs, [pair for pair in turned if pair.fit.slack == 0.0])
     return _both_ways(judge, pairs, ranked)
 
 
@@ -116,7 +116,12 @@ def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> l
     near = [pair for pair in pairs if pair.score > pairs[0].score - TIED and pair.fit.slack > 0.0]
     near = [pair for pair in near if alone[pair.ids[1]].score > SMALLEST_LEFT * pair.score]
     turned = judge.turned([(pair, alone[pair.ids[1]]) for pair in near[:MOST_TURNED]])
-    by_ids = {pair.ids: pair for pair in turned}
+    return _better(pairs, turned)
+
+
+def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
+    """Take the better one of each pair that was fitted twice; by falling score."""
+    by_ids = {pair.ids: pair for pair in others}
     better = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
     return sorted(better, key=lambda pair: -pair.score)
 

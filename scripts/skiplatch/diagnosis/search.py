@@ -11,6 +11,7 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.likelihood import (
     AFTER_LATCH,
     LATCHES,
@@ -18,7 +19,7 @@ from skiplatch.diagnosis.likelihood import (
     law_under,
     likelihood,
 )
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scene import Scene, Stream
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)
 FINER, FINEST = WIDENINGS[1:], WIDENINGS[-1:]
@@ -32,8 +33,8 @@ WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
 SLACKS = (0.001, 0.01, 0.05, 0.15, 0.4)
-OWN_SHARE = 0.1
-"""Of what an effect gains with the most slack, what it gains without: else it is mere scatter."""
+MOST_LEFT = 0.7
+"""Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
 STEPS = (0.3, 0.01, 0.001)
 """First steps of climbs that follow each other, as shares of the parameters."""
 EVALUATIONS = 60  # a parameter
@@ -119,10 +120,29 @@ class _Target:
             self._found[point] = self._of(change, widening)
         return self._found[point]
 
+    def takes_away(self, values: FloatArray) -> bool:
+        """Tell whether the shift in some stream is one that the touches show themselves."""
+        change = replace(self.fit(values).change(self._scene, self._given), slack=0.0)
+        return any(
+            _is_shown(stream, *(law_under(self._scene, stream, c) for c in (self._given, change)))
+            for name, stream in self._scene.streams.items()
+            if name in self._names - {"lattice"} and stream.rows.any()
+        )
+
     def _of(self, change: Change, widening: float) -> float:
         sizes = {name: widening * size for name, size in self._sizes.items()} if widening else {}
         total = likelihood(self._scene, change, self._names, sizes).total
         return -total if np.isfinite(total) else WORST
+
+
+def _is_shown(stream: Stream, before: Law, after: Law) -> bool:
+    """Tell whether touches are much less off after a shift than before, where it is large."""
+    shift = (after.mean - before.mean)[stream.rows]
+    off = (stream.residuals - before.mean)[stream.rows]
+    large = (shift != 0.0) & (np.abs(shift) >= np.sqrt(np.mean(shift**2)))
+    if not large.any():
+        return False
+    return bool(np.median(np.abs(off - shift)[large]) < MOST_LEFT * np.median(np.abs(off)[large]))
 
 
 def _simplex(start: FloatArray, step: float) -> FloatArray:
@@ -240,15 +260,12 @@ def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
 
 def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     """Let the effect have another form than the one fitted, if that is worth it."""
-    before, plain = target.without(0.0), target(best, 0.0)
-    values = []
+    plain, values = target(best, 0.0), []
     for target.slack in SLACKS:
         values.append(target(best, 0.0))
     target.slack = SLACKS[int(np.argmin(values))]
     found = _climb(target, best, 0.0)
-    loose = target(found, 0.0)
-    is_scatter = target.slack == SLACKS[-1] and before - plain < OWN_SHARE * (before - loose)
-    if loose < plain - WORTH_A_REFINEMENT and not is_scatter:
+    if target(found, 0.0) < plain - WORTH_A_REFINEMENT and target.takes_away(found):
         return found
     target.slack = 0.0
     return best
