@@ -17,7 +17,7 @@ from skiplatch.diagnosis.simulated import admitted_values, catalogue, simulated
 from skiplatch.simulator import Effect, effects
 
 CASES = {
-    "feed_error": [3.0, 0.0],
+    "feed_error": [3.0, 0.0, 0.0],
     "unfinished_acceleration": [0.3],
     "pretravel_lobing": [3.0, 30.0],
     "trigger_delay": [300.0, 0.0, 0.0],

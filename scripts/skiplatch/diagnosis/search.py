@@ -294,6 +294,6 @@ def _freed(target: _Target, values: FloatArray, refinement: Mapping[int, float])
     for index, value in refinement.items():
         freed = start.copy()
         freed[index] = start[index] or value
-        # That of an axis without a touch changes nothing.
-        start = freed if target(freed, 0.0) != target(start, 0.0) else start
+        # That of an axis without a touch changes nothing, seen from as far as may be.
+        start = freed if target(freed, WIDENINGS[0]) != target(start, WIDENINGS[0]) else start
     return np.zeros_like(start) if np.array_equal(start, values) else start
