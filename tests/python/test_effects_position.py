@@ -91,7 +91,7 @@ def test_each_axis_may_have_a_transmission_error_of_its_own() -> None:
     own = {"y_more": 0.5, "z_more": -0.25, "y_ahead_deg": 40.0, "z_ahead_deg": 190.0}
     effect = Effect("transmission_error", {"amplitude_um": 4.0, "period_mm": 5.0, **own})
     touches = mixed_touches(300, seed=11, path=SKIP)
-    touches = replace(touches, axis=np.arange(300) % 3)
+    touches = replace(touches, axis=(np.arange(300) % 3).astype(np.int8))
     played = Trace(touches, run(touches, seed=11), run(touches, effect, seed=11))
     size_um = np.array([4.0, 6.0, 3.0])[played.touches.axis]
     ahead_deg = np.array([0.0, 40.0, 190.0])[played.touches.axis]
