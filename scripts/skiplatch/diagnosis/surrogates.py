@@ -111,9 +111,9 @@ def transmission(scene: Scene, p: Parameters) -> Change:
     position = np.nan_to_num(scene.touches.position_mm)
     known = (scene.whole or scene).touches.position_mm
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
+    # What shows less than a period is not periodic.
     period = np.clip(abs(p[1]), SHORTEST_MM, max(span, SHORTEST_MM))
-    ahead = np.deg2rad(scene.beyond_x(p[7], p[8]))
-    turn = 2.0 * np.pi * position / period + ahead  # what shows less than a period is not periodic
+    turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[7], p[8]))
     first = p[0] * np.sin(turn + np.deg2rad(p[2]))
     second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
     return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))

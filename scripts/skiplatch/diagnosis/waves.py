@@ -68,11 +68,11 @@ class _Seen:
     def starts(self) -> list[Parameters]:
         """Give the best sines for all axes together, and for each axis."""
         frequencies, explained = self._explained(self.weights)
-        sines = [partial(self._orders, orders=orders) for orders in (1, 2)]
-        found = [self._best(frequencies, explained, sine) for sine in sines]
+        peaks = _peaks(frequencies, explained)
+        found = [_best(peaks, partial(self._orders, orders=orders)) for orders in (1, 2)]
         if len(self.axes) > 1:
             parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
-            found.append(self._best(frequencies, np.sum(parts, axis=0), self._by_axis))
+            found.append(_best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
         return [start for starts in found for start in starts]
 
     def _explained(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -82,12 +82,6 @@ class _Seen:
         )
         mean = np.average(self.error, weights=weights)
         return frequencies, shares * float(weights @ (self.error - mean) ** 2)
-
-    def _best(self, frequencies: FloatArray, explained: FloatArray, sine: Sine) -> list[Parameters]:
-        peaks, _ = signal.find_peaks(np.pad(explained, 1))
-        tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
-        fitted = sorted(sine(float(frequencies[i])) for i in tried)
-        return [start for _, start in fitted[:MOST_PERIODS]]
 
     def _orders(self, per_mm: float, orders: int) -> tuple[float, Parameters]:
         """Fit the first orders of a frequency."""
@@ -117,6 +111,18 @@ class _Seen:
         design, root = np.column_stack(columns), np.sqrt(self.weights)
         found, *_ = np.linalg.lstsq(design * root[:, None], self.error * root, rcond=None)
         return float(self.weights @ (self.error - design @ found) ** 2), np.asarray(found)
+
+
+def _peaks(frequencies: FloatArray, explained: FloatArray) -> list[float]:
+    """Give the frequencies in 1/mm that explain more than those beside them, the most first."""
+    peaks, _ = signal.find_peaks(np.pad(explained, 1))
+    tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
+    return [float(frequencies[i]) for i in tried]
+
+
+def _best(peaks: Sequence[float], sine: Sine) -> list[Parameters]:
+    fitted = sorted(sine(per_mm) for per_mm in peaks)
+    return [start for _, start in fitted[:MOST_PERIODS]]
 
 
 def _polar(parts: FloatArray) -> tuple[list[float], list[float]]:
