@@ -52,6 +52,30 @@ def test_another_form_has_the_same_name(effect_id: str, parameters: Mapping[str,
     assert [named.effect.id for named in diagnosis.effects] == [effect_id]
 
 
+@pytest.mark.parametrize(
+    ("effect_id", "parameters"),
+    [
+        ("scale_error", {"scale_ppm": -15.0}),
+        ("following_error", {"lag_us": 30.0}),
+        ("backlash", {"backlash_um": 4.0}),
+        ("thermal_drift", {"drift_um_k": 3.0}),
+    ],
+)
+def test_axes_that_err_to_opposite_sides_are_found(
+    effect_id: str, parameters: Mapping[str, float]
+) -> None:
+    """What all axes have in common is nothing then, and no search begins from there."""
+    scene = Scene.of(played(BENCH, Effect(effect_id, {**parameters, "y_more": -2.0})))
+    effect = candidate(effect_id)
+
+    found = fit(scene, [effect], effect.starts(scene, Change()))
+
+    fitted = dict(zip(effect.names, found.parameters[0], strict=True))
+    size = effect.names[0]
+    assert fitted[size] == pytest.approx(parameters[size], rel=0.05)
+    assert fitted["y_more"] == pytest.approx(-2.0, abs=0.1)
+
+
 def test_axes_that_hardly_differ_are_told_apart_without_slack() -> None:
     backlash = candidate("backlash")
     more = Effect("backlash", {"backlash_um": 40.0, "y_more": -0.01})

@@ -49,6 +49,28 @@ def test_a_second_effect_is_named_though_it_gains_a_twentieth_of_the_first() -> 
     assert length == {"backlash"}
 
 
+def test_a_family_that_has_the_first_effect_among_its_forms_does_not_cost_the_second() -> None:
+    """Errors by azimuth, of which three lobes are some."""
+    campaign = played(
+        MACHINE,
+        Effect("pretravel_lobing", {"amplitude_um": 6.0, "azimuth_deg": 55.0}),
+        Effect("link_slotting", {"slot_us": 400.0}),
+    )
+
+    lobes, slots = groups(found(campaign))
+
+    assert lobes == {"pretravel_lobing"}
+    assert {"link_slotting", "trigger_delay", "input_filter"} <= slots
+
+
+def test_effects_that_do_just_the_same_are_fitted_alike() -> None:
+    judge = judged(played(MACHINE, Effect("trigger_delay", {"delay_us": 300.0, "tail_us": 90.0})))
+    first, second = judge.singles()[:2]
+
+    assert {first.ids, second.ids} == {("trigger_delay",), ("input_filter",)}
+    assert first.fit.parameters == second.fit.parameters
+
+
 def test_an_effect_of_an_odd_form_gets_no_second_one() -> None:
     campaign = played(MACHINE, Effect("backlash", {"backlash_um": 6.0}))
     touches = campaign.touches

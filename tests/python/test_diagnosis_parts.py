@@ -1,11 +1,13 @@
 """The laws, the streams and the grid that a diagnosis rests on."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
@@ -94,6 +96,19 @@ def test_moments_of_a_law_are_those_of_draws() -> None:
     assert draws.var() == pytest.approx(variance, rel=5.0 * np.sqrt(2.0 / n))
 
 
+def test_extras_of_two_causes_have_the_mean_and_the_variance_of_their_sum() -> None:
+    def moments(*extras: Extra) -> tuple[float, float]:
+        none = np.zeros(1)
+        law = Law(none, none, none, none, extras)
+        return float(law.mean[0]), float(extra_variance(law)[0])
+
+    one = Extra(1.0, offset=3.0, width=700.0, mean=200.0, sigma=4.0)
+    other = Extra(1.0, offset=5.0, width=1500.0, mean=90.0, sigma=7.0)
+    both = Change(pin_extra=(one,)).joined(Change(pin_extra=(other,))).pin_extra
+
+    assert moments(*both) == pytest.approx(np.add(moments(one), moments(other)))
+
+
 def test_slack_scatters_a_shift_by_a_share_of_it() -> None:
     scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
     stream = scene.streams["deviation_skip"]
@@ -126,16 +141,53 @@ def test_what_a_stamp_tells_of_a_slack_is_not_left_open_after_it(name: str) -> N
 
 def test_a_grid_of_no_whole_number_of_believed_steps_is_proposed() -> None:
     plain = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
-    pitch = 9.2375 * plain.nominal.axis.resolution_um
+    pitch, n = 9.2375 * plain.nominal.axis.resolution_um, len(plain)
     coarse = np.rint(plain.touches.deviation_um / pitch) * pitch
     scene = Scene(plain.nominal, replace(plain.touches, deviation_um=np.round(coarse, 3)))
+
+    def on_lines(count: int) -> Scene:
+        lines = np.round(pitch * np.arange(1, count + 1), 3)
+        return Scene(plain.nominal, replace(plain.touches, deviation_um=np.resize(lines, n)))
 
     def odd(of: Scene) -> list[float]:
         proposed = [start[0] / of.nominal.axis.resolution_um for start in resolutions(of, Change())]
         return [steps for steps in proposed if abs(steps - round(steps)) > 1e-6]
 
     assert odd(scene) == [pytest.approx(9.2375, rel=1e-4)]
+    assert odd(on_lines(3)) == [pytest.approx(9.2375, rel=1e-3)]
     assert not odd(plain)
+
+
+@pytest.mark.parametrize("rounded", [np.rint, np.floor])
+def test_what_lies_on_a_coarse_grid_does_so_however_the_fine_one_rounds_it(
+    rounded: Callable[[FloatArray], FloatArray],
+) -> None:
+    plain = Scene.of(read_campaign(DATA / "bench_no_gap"))
+    fine = plain.nominal.axis.resolution_um
+    lines = np.rint(plain.touches.deviation_um / (7.37 * fine)) * 7.37
+    touches = replace(plain.touches, deviation_um=rounded(lines + 1e-6) * fine)
+    scene = Scene(plain.nominal, touches)
+
+    def total(change: Change) -> float:
+        return likelihood(scene, change, names=["position"]).total
+
+    off_grid = Change(coarse_um=7.37 * fine, is_on_grid=False)
+    gained = total(Change(coarse_um=7.37 * fine)) - total(off_grid)
+
+    assert gained == pytest.approx(np.log(7.37) * plain.streams["position"].rows.sum(), rel=0.05)
+
+
+def test_a_position_that_shows_less_than_a_period_is_not_periodic() -> None:
+    scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    span_mm = float(np.ptp(scene.touches.position_mm))
+
+    def largest_um(period_mm: float) -> float:
+        parameters = np.array([3.0, period_mm, 20.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])
+        change = CANDIDATES["transmission_error"].change(scene, parameters)
+        return float(np.max(np.abs(change.position_um)))
+
+    assert largest_um(0.99 * span_mm) > 2.0
+    assert largest_um(1.01 * span_mm) == 0.0
 
 
 @pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])

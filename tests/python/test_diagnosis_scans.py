@@ -12,6 +12,7 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
+from skiplatch.diagnosis.starts import scan_periods
 from skiplatch.simulator import Effect
 
 PLC = ("latch_plc", "lattice")
@@ -119,3 +120,14 @@ def test_a_queue_behind_a_longer_way_that_some_reports_pass_is_found_whole(
     assert found[0] == pytest.approx(80.0, rel=0.05)
     assert found[1] == pytest.approx(200.0, rel=0.3)
     assert found[2] == pytest.approx(0.3, abs=0.12)
+
+
+def test_edges_bound_to_the_scans_propose_no_period_that_no_scan_can_have() -> None:
+    """Their waits are all the same, and so say nothing of the period."""
+    bound = Effect("scan_phase_lock", {"phase": 0.3})
+    scene = Scene.of(played(BENCH, bound))
+    believed = scene.nominal.plc.scan_us
+
+    periods = [believed + start[0] for start in scan_periods(scene, Change())]
+
+    assert min(periods) >= 0.08 * believed

@@ -11,12 +11,16 @@ import numpy as np
 
 from skiplatch.campaign import Nominal
 from skiplatch.diagnosis import starts, surrogates
+from skiplatch.diagnosis.axes import each_axis
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts
 from skiplatch.diagnosis.surrogates import Parameters
 from skiplatch.diagnosis.waves import transmissions
+
+LEEWAY = 0.05
+"""Of the scatter of a delay, by which a fit may miss its least."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +50,8 @@ class Candidate:
         """Tell whether nothing comes before its cause."""
         if self.believed_us is None:
             return True
-        return bool(parameters[0] >= -self.believed_us(scene.nominal) - scene.nominal.skip.tick_us)
+        open_us = scene.nominal.skip.tick_us + LEEWAY * float(np.abs(parameters[1:3]).sum())
+        return bool(parameters[0] >= -self.believed_us(scene.nominal) - open_us)
 
     @property
     def is_named(self) -> bool:
@@ -116,7 +121,11 @@ CANDIDATES: Mapping[str, Candidate] = {
             ("probability", "period_us", "scatter_us", "again"),
             surrogates.retry,
             starts.fixed(
-                *([0.1, period, 0.2 * period, 0.0] for period in (100.0, 500.0, 2000.0, 8000.0))
+                *(
+                    [share, period, 0.2 * period, 0.0]
+                    for share in (0.1, 0.4)
+                    for period in (100.0, 500.0, 2000.0, 8000.0)
+                )
             ),
             _machine,
             refinements=({3: 0.3},),
@@ -222,22 +231,20 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "following_error",
             ("lag_us", "y_more", "z_more"),
-            lambda scene, p: Change(position_um=scene.speed * p[0] * scene.over_x(p[1], p[2])),
-            starts.fixed(*([sign * us, 0.0, 0.0] for us in (10.0, 500.0) for sign in (1.0, -1.0))),
+            surrogates.lagging,
+            each_axis(surrogates.lagging, [[1.0, 0.0, 0.0]], (10.0, 500.0), linear=1, y_more=1),
             refinements=_per_axis(1),
         ),
         Candidate(
             "backlash",
             ("backlash_um", "positive_um", "y_more", "z_more"),
-            lambda scene, p: Change(
-                position_um=np.where(scene.sign < 0.0, -p[0], p[1]) * scene.over_x(p[2], p[3])
-            ),
-            starts.fixed(
-                *(
-                    [sign * negative, sign * positive, 0.0, 0.0]
-                    for negative, positive in ((2.0, 0.0), (0.0, 2.0), (2.0, 2.0))
-                    for sign in (1.0, -1.0)
-                )
+            surrogates.lost_motion,
+            each_axis(
+                surrogates.lost_motion,
+                [[*senses, 0.0, 0.0] for senses in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))],
+                (2.0,),
+                linear=2,
+                y_more=2,
             ),
             refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
         ),
@@ -264,14 +271,8 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "scale_error",
             ("scale_ppm", "y_more", "z_more"),
-            lambda scene, p: Change(
-                position_um=scene.sign
-                * (p[0] * 1e-3 * np.nan_to_num(scene.touches.position_mm))
-                * scene.over_x(p[1], p[2])
-            ),
-            starts.fixed(
-                [10.0, 0.0, 0.0], [-10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-100.0, 0.0, 0.0]
-            ),
+            surrogates.scaled,
+            each_axis(surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_more=1),
             refinements=_per_axis(1),
         ),
         Candidate(
@@ -284,14 +285,15 @@ CANDIDATES: Mapping[str, Candidate] = {
             "thermal_drift",
             ("drift_um_k", "lag_s", "cold", "y_more", "z_more"),
             surrogates.warmed,
-            starts.fixed(
-                *(
-                    [um, lag_s, 0.0, 0.0, 0.0]
-                    for um in (2.0, -2.0)
-                    for lag_s in (0.0, 300.0, 3000.0)
-                ),
-                [2.0, 500.0, 1.0, 0.0, 0.0],
-                [-2.0, 500.0, 1.0, 0.0, 0.0],
+            each_axis(
+                surrogates.warmed,
+                [
+                    *([1.0, lag_s, 0.0, 0.0, 0.0] for lag_s in (0.0, 300.0, 3000.0)),
+                    [1.0, 500.0, 1.0, 0.0, 0.0],
+                ],
+                (2.0,),
+                linear=1,
+                y_more=3,
             ),
             refinements=_per_axis(3),
         ),

@@ -94,16 +94,21 @@ def _both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, .
     rest_second = 1.0 - sum(extra.share for extra in second)
     alone = [replace(e, share=e.share * rest_second) for e in first]
     alone += [replace(e, share=e.share * rest_first) for e in second]
-    together = [
-        Extra(
-            a.share * b.share,
-            np.asarray(a.offset) + b.offset,
-            np.hypot(a.width, b.width),
-            np.asarray(a.mean) + b.mean,
-            np.hypot(a.sigma, b.sigma),
-            np.maximum(a.boxless, b.boxless),
-        )
-        for a in first
-        for b in second
-    ]
+    together = [_sum(a, b) for a in first for b in second]
     return tuple(extra for extra in alone + together if extra.share > 0.0)
+
+
+def _sum(a: Extra, b: Extra) -> Extra:
+    """Give both extras on the same touch.
+
+    An extra has one box and one exponential: the smaller of two counts by its mean and variance.
+    """
+    box, tail = np.minimum(a.width, b.width), np.minimum(a.mean, b.mean)
+    return Extra(
+        a.share * b.share,
+        offset=np.asarray(a.offset) + b.offset + box / 2.0 + tail,
+        width=np.maximum(a.width, b.width),
+        mean=np.maximum(a.mean, b.mean),
+        sigma=np.sqrt(np.square(a.sigma) + np.square(b.sigma) + box**2 / 12.0 + tail**2),
+        boxless=np.maximum(a.boxless, b.boxless),
+    )

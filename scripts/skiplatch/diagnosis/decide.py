@@ -1,11 +1,11 @@
 """Which effects a campaign shows: forward search, groups that cannot be told apart, strangers."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.diagnosis.judge import ENOUGH_FIT, NEARLY, PLAIN, Judge, Scored
+from skiplatch.diagnosis.judge import ENOUGH_FIT, NEARLY, PLAIN, Judge, Scored, without_twins
 
 BETTER = 2.0
 """Nats by which a form found in a pair has to be better than the one found alone."""
@@ -70,10 +70,11 @@ def find(judge: Judge) -> Finding:
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
     pairs = _pairs(judge, best, ranked)
-    # Loose pairs are never believed.
-    hidden = _hidden(judge, ranked, (best if pairs[0].fit.is_loose else pairs[0]).score)
-    if hidden:
-        return hidden
+    if not _mends_all(judge, pairs[0]):
+        # Loose pairs are never believed.
+        hidden = _hidden(judge, ranked, (best if pairs[0].fit.is_loose else pairs[0]).score)
+        if hidden:
+            return hidden
     again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
     if again.score > best.score + BETTER:
         # The pair has shown the way to a better form of one of its effects alone.
@@ -89,7 +90,7 @@ def find(judge: Judge) -> Finding:
         return Finding(None, ranking=tuple(ranked), small=best)
     if has_second:
         return _two(judge, pairs)
-    group, confidence = _group(ranked, position=0)
+    group, confidence = _ranked_group(ranked, 0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
@@ -101,8 +102,9 @@ def _pairs(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> list[Scored]
     pairs = judge.pairs(best)
     if best.fit.slack > 0.0:
         stiff = judge.score(replace(best.fit, slack=0.0))
-        near = [pair for pair in judge.on_top(stiff) if pair.fit.slack == 0.0][:MOST_TURNED]
-        turned = judge.turned([(pair, judge.alone(pair, position=1)) for pair in near])
+        near = [pair for pair in without_twins(judge.on_top(stiff)) if pair.fit.slack == 0.0]
+        models = [(pair, judge.alone(pair, position=1)) for pair in near[:MOST_TURNED]]
+        turned = judge.turned(models)
         pairs = _better(pairs, [pair for pair in turned if pair.fit.slack == 0.0])
     return _both_ways(judge, pairs, ranked)
 
@@ -113,7 +115,8 @@ def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> l
     An effect that has to stand for two takes a form from which the way to its own may be lost.
     """
     alone = {scored.ids[0]: scored for scored in ranked}
-    near = [pair for pair in pairs if pair.score > pairs[0].score - TIED and pair.fit.slack > 0.0]
+    near = [pair for pair in without_twins(pairs) if pair.score > pairs[0].score - TIED]
+    near = [pair for pair in near if pair.fit.slack > 0.0]
     near = [pair for pair in near if alone[pair.ids[1]].score > SMALLEST_LEFT * pair.score]
     turned = judge.turned([(pair, alone[pair.ids[1]]) for pair in near[:MOST_TURNED]])
     return _better(pairs, turned)
@@ -141,23 +144,25 @@ def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | N
     is_scatter = judge.is_scatter(best)
     is_mended = is_scatter or best.fit.is_loose
     least = NEXT_BEST * best.score if is_mended else best.score - NEARLY
-    near = [s for s in ranked[1:] if least < s.score < best.score - TIED]
+    near = [s for s in without_twins(ranked[1:]) if least < s.score < best.score - TIED]
+    if is_scatter:
+        near.sort(key=judge.is_scatter)  # scatter hides best what is none
+    found = []
     for first in near[:MOST_NEXT_BEST]:
         if is_scatter and best.ids[0] in judge.on_top(first)[0].ids:
             continue  # the search that begins with the best one finds this pair
         pairs = judge.pairs(first)
-        found = pairs[0]
-        is_new = is_scatter or found.fit.slack == 0.0
-        is_better = found.score > score + PLAIN and judge.is_enough(found, best)
-        if is_new and is_better and _is_second(judge, found, first):
-            return _two(judge, pairs)
-    return None
+        is_new = is_scatter or pairs[0].fit.slack == 0.0
+        is_better = pairs[0].score > score + PLAIN and judge.is_enough(pairs[0], best)
+        if is_new and is_better and _is_second(judge, pairs[0], first):
+            found.append(pairs)
+    return _two(judge, max(found, key=lambda pairs: pairs[0].score)) if found else None
 
 
 def only(judge: Judge, single: Scored) -> Finding:
     """Name one effect of the two that were found."""
     ranked = [single, *(scored for scored in judge.singles() if scored.ids != single.ids)]
-    group, confidence = _group(ranked, position=0)
+    group, confidence = _ranked_group(ranked, 0)
     return Finding(single, (group,), (confidence,), tuple(ranked))
 
 
@@ -185,10 +190,16 @@ def _mends_all(judge: Judge, pair: Scored) -> bool:
 def _is_a_form(
     judge: Judge, pair: Scored, margin: float, instead_of: Sequence[int] = (0, 1)
 ) -> bool:
-    """Tell whether a family in place of one of the effects does better than a pair by a margin."""
-    others = (judge.alone(pair, 1 - position) for position in instead_of)
-    on_top = (judge.generic(other.fit)[0] for other in others)
-    return any(scored.score > pair.score + margin for scored in on_top)
+    """Tell whether a family in place of one of the effects does better than a pair by a margin.
+
+    One that has the first effect among its own forms does as well in its place: it has to do
+    clearly better.
+    """
+    margins = (max(margin, ENOUGH_FIT), margin)
+    return any(
+        judge.generic(judge.alone(pair, 1 - position).fit)[0].score > pair.score + margins[position]
+        for position in instead_of
+    )
 
 
 def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
@@ -246,7 +257,7 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
         return finding, left_over
     three = judge.jointly(ranked[:1])[0]
     ranking = (three, *ranked[1:])
-    names, confidence = _group(ranking, position=2)
+    names, confidence = _ranked_group(ranking, 2)
     found = Finding(
         three, (*finding.alternatives, names), (*finding.confidences, confidence), ranking
     )
@@ -297,7 +308,7 @@ def _behind(judge: Judge, family: Scored, score: float) -> Finding | None:
 def _second(judge: Judge, pairs: list[Scored]) -> Finding:
     """Name only the second effect of the best pair."""
     alone = judge.alone(pairs[0], position=1)
-    group, confidence = _group(pairs, 1)
+    group, confidence = _ranked_group(pairs, 1)
     return Finding(alone, (group,), (confidence,), tuple(pairs))
 
 
@@ -311,27 +322,30 @@ def _two(judge: Judge, pairs: list[Scored]) -> Finding:
         best, other = swapped[0], swapped
     else:
         swapped = judge.pairs(judge.alone(best, position=1))
-    second = _group([best, *(pair for pair in other if pair is not best)], 1)
-    rest = (pair for pair in swapped if pair.ids[1] != best.ids[0])
-    first = _group([best, *rest], 1, best.ids[0])
+    second = _group(best.ids[1], [(pair.ids[1], pair.score) for pair in (best, *other)])
+    alike = [(twin.ids[0], twin.score) for twin in (best, *judge.twins(best, 0))]
+    first = _group(best.ids[0], [*alike, *((pair.ids[1], pair.score) for pair in swapped)])
     return Finding(best, (first[0], second[0]), (first[1], second[1]), tuple(other))
 
 
-def _group(ranked: Sequence[Scored], position: int, own: str = "") -> tuple[tuple[str, ...], float]:
-    """Name the effects tied with the best of a ranking, and how sure the group is.
+def _ranked_group(ranked: Sequence[Scored], position: int) -> tuple[tuple[str, ...], float]:
+    """Name the effects tied with that of the best model, the first one, at its position."""
+    own = ranked[0].ids[position]
+    return _group(own, [(scored.ids[position], scored.score) for scored in ranked])
+
+
+def _group(own: str, tried: Iterable[tuple[str, float]]) -> tuple[tuple[str, ...], float]:
+    """Name the effects tied with one, and how sure the group is.
 
     Args:
-        ranked: The best first.
-        position: Of the effect in question in the models.
-        own: Its id in the best one, where that stands elsewhere.
+        own: The effect.
+        tried: It and those tried in its place, with the scores of the models; some more than once.
     """
-    own = own or ranked[0].ids[position]
-    scores = np.array([scored.score for scored in ranked])
-    weights = np.exp(TEMPER * np.minimum(scores - scores[0], 0.0))
-    tied = scores > scores[0] - TIED
-    names = tuple(
-        scored.ids[position]
-        for scored, is_tied in zip(ranked[1:], tied[1:], strict=True)
-        if is_tied and scored.ids[position] != own
-    )
-    return names, float(weights[tied].sum() / weights.sum())
+    scores: dict[str, float] = {}
+    for name, score in sorted(tried, key=lambda one: -one[1]):
+        scores.setdefault(name, score)
+    below = {name: min(score - scores[own], 0.0) for name, score in scores.items()}
+    tied = [name for name, nats in below.items() if nats > -TIED]
+    weights = {name: float(np.exp(TEMPER * nats)) for name, nats in below.items()}
+    confidence = sum(weights[name] for name in tied) / sum(weights.values())
+    return tuple(name for name in tied if name != own), confidence

@@ -160,7 +160,7 @@ class Judge:
 
     def singles(self) -> list[Scored]:
         """Every candidate alone, by falling score."""
-        return self._ranked(self._contest(self._candidates(), NOTHING))
+        return self._with_twins(map(self.score, self._contest(self._candidates(), NOTHING)))
 
     def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
@@ -210,11 +210,11 @@ class Judge:
 
     def pairs(self, first: Scored) -> list[Scored]:
         """The first effect with every other one: one by one on top of it, the best then jointly."""
-        on_top = self.on_top(first)
+        on_top = without_twins(self.on_top(first))
         most = on_top[0].score
         least = most - max(NEARLY, (1.0 - NEARLY_AS_MUCH) * (most - first.score))
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
-        return sorted(self.jointly(near) + on_top[len(near) :], key=lambda pair: -pair.score)
+        return self._with_twins(self.jointly(near) + on_top[len(near) :])
 
     def turned(self, pairs: Sequence[tuple[Scored, Scored]]) -> list[Scored]:
         """Fit pairs the other way round, their second effects first.
@@ -223,7 +223,7 @@ class Judge:
             pairs: Each two effects, and the second one alone, with the form that it has there.
         """
         models = [(self._fitting, pair.fit.candidates[0], second.fit) for pair, second in pairs]
-        return [self.score(found) for found in self._map(_turned, models)]
+        return self._with_twins(map(self.score, self._map(_turned, models)))
 
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""
@@ -238,11 +238,26 @@ class Judge:
         key = _key(first.fit)
         if key not in self._on_top:
             given = first.fit.change(self._fitting)
-            others = [c for c in self._candidates() if c.id not in first.ids]
-            self._on_top[key] = self._ranked(
-                _both(first.fit, second) for second in self._contest(others, given)
-            )
+            there = {twin.ids[i] for i in range(len(first.ids)) for twin in self.twins(first, i)}
+            others = [c for c in self._candidates() if c.id not in {*first.ids, *there}]
+            on_top = [_both(first.fit, second) for second in self._contest(others, given)]
+            self._on_top[key] = self._with_twins(map(self.score, on_top))
         return self._on_top[key]
+
+    def twins(self, model: Scored, position: int) -> list[Scored]:
+        """Give a model with other effects, that do just the same, in place of one of it."""
+        own, found = model.fit.candidates[position], []
+        for other in self._applicable():
+            if other.change == own.change and other.id != own.id:
+                candidates = list(model.fit.candidates)
+                candidates[position] = other
+                found.append(self.score(replace(model.fit, candidates=tuple(candidates))))
+        return found
+
+    def _with_twins(self, models: Iterable[Scored]) -> list[Scored]:
+        """Add models with twins of the last effect; by falling score."""
+        found = [twin for model in models for twin in (model, *self.twins(model, -1))]
+        return sorted(found, key=lambda scored: -scored.score)
 
     def alone(self, model: Scored, position: int) -> Scored:
         """Give one effect of a model with the parameters it has there."""
@@ -258,8 +273,12 @@ class Judge:
     def _ranked(self, fits: Iterable[Fit]) -> list[Scored]:
         return sorted(map(self.score, fits), key=lambda scored: -scored.score)
 
-    def _candidates(self) -> list[Candidate]:
+    def _applicable(self) -> list[Candidate]:
         return [c for c in catalogue().values() if c.applies(self.scene)]
+
+    def _candidates(self) -> list[Candidate]:
+        """Give the effects that have to be fitted: one of those that do just the same."""
+        return list({c.change: c for c in reversed(self._applicable())}.values())[::-1]
 
     def is_enough(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether a model is worth naming over a smaller one, or over none."""
@@ -340,6 +359,14 @@ class Judge:
         touches = int(self.parts.naming.sum())
         is_seen = gained / touches > self.materiality.nats_a_touch
         return is_seen and is_material(self._fitting, change, self.materiality)
+
+
+def without_twins(ranked: Iterable[Scored]) -> list[Scored]:
+    """Leave out models whose last effect does just what that of one before them does."""
+    kept: dict[object, Scored] = {}
+    for scored in ranked:
+        kept.setdefault(scored.fit.candidates[-1].change, scored)
+    return list(kept.values())
 
 
 def _both(first: Fit, second: Fit) -> Fit:

@@ -23,6 +23,8 @@ NEVER_LOST = 1e-5
 """Share of touches that may be missed for reasons of their own."""
 OFF_GRID = 1e-3
 """Share of values that may lie off a coarse grid."""
+ROUNDING = 0.01
+"""Of a fine step, by which a value may miss its grid for want of digits."""
 SHORTEST_PERIOD = 0.1
 """Of the believed one."""
 PHASES = 15
@@ -468,8 +470,11 @@ def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
 def _on_grid(values: FloatArray, coarse: float, fine: float) -> FloatArray:
     if coarse <= fine:
         return np.zeros(len(values))
-    off = np.abs(values - np.rint(values / coarse) * coarse)
-    return np.asarray(np.where(off < 0.5 * fine, np.log(coarse / fine), np.log(OFF_GRID)))
+    off = (values - np.rint(values / coarse) * coarse) / fine
+    # The fine grid rounds what the coarse one gives to the nearest of its lines, or down.
+    nearest, down = np.abs(off) < 0.5, (off > ROUNDING - 1.0) & (off < ROUNDING)
+    is_on = nearest if nearest.sum() >= down.sum() else down
+    return np.asarray(np.where(is_on, np.log(coarse / fine), np.log(OFF_GRID)))
 
 
 _LAWS = {

@@ -8,7 +8,7 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
-from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.likelihood import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.scene import Scene, Stream
 from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H, Parameters, warmth_k_s
 from skiplatch.motion import S_PER_MIN, US_PER_S
@@ -48,14 +48,24 @@ def fixed(*starts: Sequence[float]) -> Starts:
 def delays(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose delays of either sign, and by the skip path's mean and scatter those that scatter."""
     usual = [[sign * size, 0.0, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
-    late_us, spread_us = _late_us(scene, given)
-    if len(late_us) < FEWEST_STAMPS:
+    mean, sigma = _later_us(scene, given)
+    if np.isnan(mean):
         return usual
-    sharp = spread_us <= np.median(spread_us)
-    mean = float(np.mean(late_us[sharp]))
-    sigma = np.sqrt(max(float(np.var(late_us[sharp]) - np.mean(spread_us[sharp] ** 2)), 0.0))
     box = np.sqrt(12.0) * sigma
     return [*usual, [mean - box / 2.0, box, 0.0], [mean - sigma, 0.0, sigma]]
+
+
+def _later_us(scene: Scene, given: Change) -> tuple[float, float]:
+    """Give by how much the sharper touches of the skip path are later than thought: mean, scatter.
+
+    NaN of too few.
+    """
+    late_us, spread_us = _late_us(scene, given)
+    if len(late_us) < FEWEST_STAMPS:
+        return np.nan, np.nan
+    sharp = spread_us <= np.median(spread_us)
+    unknown = float(np.var(late_us[sharp]) - np.mean(spread_us[sharp] ** 2))
+    return float(np.mean(late_us[sharp])), float(np.sqrt(max(unknown, 0.0)))
 
 
 def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
@@ -107,15 +117,27 @@ def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
     """Fit multiples of the parts, each of shape (n,), and an offset, whatever some touches do."""
     rows, spread = stream.rows, stream.law.spread
-    design = np.column_stack([*parts, np.ones(len(rows))])[rows] / spread[rows, None]
     scores = ((stream.residuals - stream.law.mean) / spread)[rows]
-    least, *_ = np.linalg.lstsq(design, scores, rcond=None)
+    columns = [(part / spread)[rows] for part in (*parts, np.ones(len(rows)))]
+    return robust_fit(columns, scores)[0][:-1]
+
+
+def robust_fit(
+    columns: Sequence[FloatArray], values: FloatArray, scale: float = 1.0
+) -> tuple[FloatArray, float]:
+    """Fit multiples of columns to values, all of shape (n,), whatever some of them do.
+
+    Gives the multiples, and what they leave, as nats of a scatter of that scale; beyond it values
+    count for less.
+    """
+    design = np.column_stack(columns)
+    least, *_ = np.linalg.lstsq(design, values, rcond=None)
 
     def off(p: Parameters) -> FloatArray:
-        return np.asarray(design @ p - scores)
+        return np.asarray(design @ p - values) / scale
 
     found = optimize.least_squares(off, least, x_scale="jac", loss="soft_l1")
-    return np.asarray(found.x[:-1])
+    return np.asarray(found.x), float(found.cost)
 
 
 def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -162,7 +184,7 @@ def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean())], *usual]
 
 
-def ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
     tick = scene.nominal.skip.tick_us
     grids = _grids(scene.touches.latch_us[~scene.plc], tick)
@@ -172,13 +194,11 @@ def ticks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
         for ratio in (3.0, 10.0, 30.0)
         for origin in (0.5, 0.05)
     ]
-    stream = scene.streams.get("latch_skip")
-    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+    mean, sigma = _later_us(scene, given)
+    if "latch_skip" not in scene.streams or np.isnan(mean):
         return usual
-    off = (stream.residuals - stream.law.mean)[stream.rows]
-    variance = float(np.var(off) - np.mean(stream.law.spread[stream.rows] ** 2))
-    seen = np.sqrt(12.0 * max(variance, 0.0) + tick**2)  # by the scatter of a box
-    return [*usual, [seen, float(np.mean(off)) + 0.5 * seen, 0.0]]
+    seen = float(np.sqrt(12.0 * sigma**2 + tick**2))  # by the scatter of a box
+    return [*usual, [seen, mean + 0.5 * seen, 0.0]]
 
 
 def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -227,7 +247,8 @@ def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
         return coarse
     sharp = stream.rows & (scene.mechanics_us < SHARP * believed)
     waits = stream.residuals[sharp if sharp.sum() >= FEWEST_STAMPS else stream.rows]
-    width = float(np.ptp(np.quantile(waits, [0.01, 0.99])))
+    # Where the scans bind the edges, the waits differ by far less than a period.
+    width = max(float(np.ptp(np.quantile(waits, [0.01, 0.99]))), SHORTEST_PERIOD * believed)
     stamps = scene.touches.latch_us[stream.rows]
     periods = [grid_period(stamps, guess) for guess in (width, believed)]
     return [*([period - believed] for period in periods), [width - believed], *coarse]
@@ -245,11 +266,12 @@ def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
 
 def _odd_pitch(values: FloatArray, fine: float) -> list[float]:
     """Propose the grid, of no whole number of fine steps, that all values lie on; none for none."""
-    different = np.unique(values[~np.isnan(values)])
-    gaps = np.diff(different)
+    sizes = np.unique(np.abs(values[~np.isnan(values)]))
+    both_ways = np.unique([-sizes, sizes])  # a line of the grid is at 0
+    gaps = np.diff(sizes)
     gaps = gaps[gaps > 0.5 * fine]
-    if len(different) < FIRST or not len(gaps) or gaps.min() < MANY_STEPS * fine:
+    if len(both_ways) < FIRST or not len(gaps) or gaps.min() < MANY_STEPS * fine:
         return []
-    pitch = grid_period(different, float(gaps.min()))
-    off = np.abs(different - np.rint(different / pitch) * pitch)
-    return [pitch] if np.all(off < 0.5 * fine) else []
+    pitch = grid_period(both_ways, float(gaps.min()))
+    off = np.abs(sizes - np.rint(sizes / pitch) * pitch)
+    return [pitch] if np.all(off < fine) else []

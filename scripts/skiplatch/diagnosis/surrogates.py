@@ -111,12 +111,30 @@ def transmission(scene: Scene, p: Parameters) -> Change:
     position = np.nan_to_num(scene.touches.position_mm)
     known = (scene.whole or scene).touches.position_mm
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
-    # What shows less than a period is not periodic.
-    period = np.clip(abs(p[1]), SHORTEST_MM, max(span, SHORTEST_MM))
+    period = max(abs(p[1]), SHORTEST_MM)
+    if period > max(span, SHORTEST_MM):
+        return Change()  # what shows less than a period is not periodic
     turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[7], p[8]))
     first = p[0] * np.sin(turn + np.deg2rad(p[2]))
     second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
     return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))
+
+
+def lagging(scene: Scene, p: Parameters) -> Change:
+    """The axis is behind where it is commanded to be, by a time."""
+    return Change(position_um=scene.speed * p[0] * scene.over_x(p[1], p[2]))
+
+
+def lost_motion(scene: Scene, p: Parameters) -> Change:
+    """The position errs by the sense of motion."""
+    by_sense = np.where(scene.sign < 0.0, -p[0], p[1])
+    return Change(position_um=by_sense * scene.over_x(p[2], p[3]))
+
+
+def scaled(scene: Scene, p: Parameters) -> Change:
+    """The position errs in proportion to itself."""
+    error_um = p[0] * 1e-3 * np.nan_to_num(scene.touches.position_mm)
+    return Change(position_um=scene.sign * error_um * scene.over_x(p[1], p[2]))
 
 
 def warmed(scene: Scene, p: Parameters) -> Change:
