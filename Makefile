@@ -302,11 +302,14 @@ COUNT        ?= 20
 SEED         ?= 1
 FALSE_ALARMS ?= 0
 TIES         ?= 0
+PLANTED      ?= 0
 .PHONY: gap-check
 gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and score that
 	@$(VENV_PYTHON) -m tests.gap.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
 	    --false-alarms $(FALSE_ALARMS) $(OPTIONS)
 	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.gap.ties --count $(TIES) \
+	    --seed $(SEED) --jobs $(shell nproc))
+	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.gap.planted --count $(PLANTED) \
 	    --seed $(SEED) --jobs $(shell nproc))
 
 SECONDS ?= 60

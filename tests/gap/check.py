@@ -38,8 +38,8 @@ FEW_TOUCHES = (200, 300)  # of the campaigns that are for false alarms alone
 PASSED_ON = ("PATH", "HOME", "LANG", "TMPDIR")  # of the environment, to a diagnosis
 FORMAT = "skiplatch-gap-check/1"
 NOT_MEASURED = """\
-Not measured: parameters (the generator's forms have others than the catalogue). The recommended
-experiment is tried apart, with TIES=40 (a sealed campaign cannot be gone on with)."""
+Not measured here: parameters (the generator's forms have others than the catalogue), tried with
+PLANTED=54; the recommended experiment (a sealed campaign cannot be gone on with), with TIES=40."""
 DIAGNOSIS, PREDICTED = "diagnosis.json", "predicted.csv"
 BROKEN: dict[str, Any] = {"verdict": FAILED, "effects": [], "where": []}
 

@@ -190,6 +190,20 @@ def test_a_position_that_shows_less_than_a_period_is_not_periodic() -> None:
     assert largest_um(1.01 * span_mm) == 0.0
 
 
+def test_what_hardly_moves_all_the_while_does_not_follow_the_temperature() -> None:
+    """It would be as good as constant, which is backlash."""
+    scene = Scene.of(read_campaign(DATA / "bench_no_gap"))
+    takes_s = float(np.ptp(scene.touches.time_s))
+
+    def largest_um(lag_s: float) -> float:
+        parameters = np.array([50.0, lag_s, 0.0, 0.0, 0.0])
+        change = CANDIDATES["thermal_drift"].change(scene, parameters)
+        return float(np.max(np.abs(change.position_um)))
+
+    assert largest_um(takes_s) > 1.0
+    assert largest_um(4.0 * takes_s) == 0.0
+
+
 @pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])
 def test_the_period_of_a_grid_is_found_from_far_apart_stamps(period: float, jitter: float) -> None:
     rng = np.random.default_rng(1)

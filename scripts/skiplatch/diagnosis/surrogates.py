@@ -27,6 +27,8 @@ MIRRORED = 0.5
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 SHORTEST_MM = 0.01
+MOST_LAG = 3.0
+"""Behind the temperature, over the time that a campaign takes."""
 SLOWEST_RATIO = 0.05
 LEAST_ACCEL = 0.02
 US_PER_H = 3.6e9
@@ -139,7 +141,10 @@ def scaled(scene: Scene, p: Parameters) -> Change:
 
 def warmed(scene: Scene, p: Parameters) -> Change:
     """The position follows the temperature, behind it by a lag."""
-    warmth_k = _lagged(scene, abs(p[1]), as_share(p[2]))
+    lag_s = abs(p[1])
+    if lag_s > MOST_LAG * float(np.ptp((scene.whole or scene).touches.time_s)):
+        return Change()  # what hardly moves all the while follows nothing
+    warmth_k = _lagged(scene, lag_s, as_share(p[2]))
     return Change(position_um=scene.sign * p[0] * warmth_k * scene.over_x(p[3], p[4]))
 
 
