@@ -18,7 +18,7 @@ SKIP_LATE_US = 1.2  # the longest stretch in which the port masks interrupts, an
 SCAN_LATE_US = 5.0  # from the timer by way of the line, which is read first, to the clock
 UM_US_PER_MM_MIN = 1.0 / 60_000.0
 STEP_LATE_US = 2.0 * SKIP_LATE_US  # a step counts late: masked, then a more urgent interrupt
-SCAN_WAVERS_US = 2.0 * SKIP_LATE_US  # a more urgent interrupt may come before the line and after it
+SCAN_WAVERS_US = 3.0 * SKIP_LATE_US  # masked, and two more urgent interrupts: a step, the clock's
 
 
 @pytest.fixture(scope="module")
