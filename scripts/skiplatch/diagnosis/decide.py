@@ -70,8 +70,8 @@ def find(judge: Judge) -> Finding:
     if not judge.is_significant(best):
         return Finding(None, ranking=tuple(ranked))
     pairs = _pairs(judge, best, ranked)
-    if not _mends_all(judge, pairs[0]):
-        # Loose pairs are never believed.
+    if judge.is_scatter(best) or not _mends_all(judge, pairs[0]):
+        # Scatter leaves nothing to any family; loose pairs are never believed.
         hidden = _hidden(judge, ranked, (best if pairs[0].fit.is_loose else pairs[0]).score)
         if hidden:
             return hidden
