@@ -3,6 +3,7 @@
  * approach it takes the sign of the motion.
  */
 #include <math.h>
+#include <stdbool.h>
 
 #include "angle.h"
 #include "effects/effect.h"
@@ -55,7 +56,9 @@ double effect_backlash(const sim_effect_call_t *call, double position_um)
 double effect_transmission_error(const sim_effect_call_t *call, double position_um)
 {
     double ahead = beyond_x(call, &call->parameters[7]) / DEG_PER_TURN;
-    double turn = coordinate_mm(call, position_um) / call->parameters[1] + ahead;
+    bool   is_at_surface = call->parameters[9] > 0.5;
+    double where_mm = is_at_surface ? call->touch->position_mm : coordinate_mm(call, position_um);
+    double turn = where_mm / call->parameters[1] + ahead;
     double first = sim_wave(turn, call->parameters[2]);
     double second = sim_wave(2.0 * turn, call->parameters[4]);
     double error_um = call->parameters[0] * first + call->parameters[3] * second;

@@ -2,7 +2,8 @@
 
 The sealed campaigns cannot say so, for their effects have other forms than the table's. Here the
 simulator itself plays the effects, each with parameters drawn over the whole of its ranges, and
-so tells nothing of how well names are found on a rig: only what becomes of the numbers.
+so tells nothing of how well names are found on a rig: only what becomes of the numbers. Left out
+are draws whose numbers nobody could find, because others do just the same.
 """
 
 import argparse
@@ -18,6 +19,8 @@ from tqdm import tqdm
 
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis import diagnose
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
 from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect, effects
 from skiplatch.statistics import proportion
@@ -133,8 +136,32 @@ def _draw(rng: np.random.Generator, effect_id: str) -> tuple[Recording, Setup, E
         kind = kinds[rng.integers(len(kinds))]
         setup = draw_setup(rng, kind, TOUCHES)
         effect = draw_effect(rng, effect_id, setup.nominal, setup.touches)
-        if effect is not None:
-            return kind, setup, effect
+        if effect is not None and _is_unique(effect, setup):
+            return kind, setup, _as_simulated(effect)
+
+
+def _is_unique(effect: Effect, setup: Setup) -> bool:
+    """Tell whether no other numbers do the same.
+
+    A delay cannot be made shorter than none, what befalls nearly all touches is another effect, and
+    an error of the second order alone is one of the first order with half the period.
+    """
+    p, described = effect.parameters, effects()[effect.id].parameters
+    believed_us = CANDIDATES[effect.id].believed_us
+    return (
+        (believed_us is None or p[described[0].name] >= -believed_us(setup.nominal))
+        and all(p[d.name] <= highest(effect.id, d) for d in described)
+        and p.get("amplitude2_um", 0.0) <= p.get("amplitude_um", 0.0)
+    )
+
+
+def _as_simulated(effect: Effect) -> Effect:
+    """Turn switches on or off; the simulator asks no more of them either."""
+    switched = {
+        name: float(value > HALF_WAY) if name in SWITCHES else value
+        for name, value in effect.parameters.items()
+    }
+    return Effect(effect.id, switched)
 
 
 def try_one(task: tuple[int, int]) -> Planted:

@@ -101,11 +101,11 @@ def test_an_effect_that_does_the_same_leaves_a_parameter_open() -> None:
 
 
 def test_slack_widens_an_interval() -> None:
-    scene = Scene.of(played(MACHINE, DELAY))
-    (firm,) = estimated(scene, DELAY)
-    (loose,) = estimated(scene, DELAY, slack=0.4)
+    scene = Scene.of(played(MACHINE, LAG))
+    (firm,) = estimated(scene, LAG)
+    (loose,) = estimated(scene, LAG, slack=0.4)
 
-    assert width(loose.intervals["delay_us"]) > 1.5 * width(firm.intervals["delay_us"])
+    assert width(loose.intervals["lag_us"]) > 1.5 * width(firm.intervals["lag_us"])
 
 
 def azimuth(scene: Scene, begun: Mapping[str, float]) -> Estimate:

@@ -260,6 +260,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 "z_more",
                 "y_ahead_deg",
                 "z_ahead_deg",
+                "at_surface",
             ),
             surrogates.transmission,
             transmissions,

@@ -22,7 +22,7 @@ from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.structure import Structure, structures
 from skiplatch.diagnosis.surplus import without_surplus
-from skiplatch.diagnosis.surrogates import highest
+from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, effects
 
@@ -33,9 +33,6 @@ FEWEST_FALSE = 2
 """Latches without a contact that are no accident."""
 MOST_LEFT = 0.35
 """Share of the structures that may be left for a finding to count as explained."""
-SWITCHES = ("is_coordinate", "mirrored")
-"""Parameters of which nothing but the one or the other end has a meaning."""
-HALF_WAY = 0.5
 
 
 class Verdict(StrEnum):

@@ -4,21 +4,24 @@ Widths of boxes and steps of grids make a likelihood with corners, where neither
 fixed fall from the peak covers what it should. So the likelihood itself is taken for a density over
 the parameters, each within its range, and sampled with weights: quantiles of one parameter then
 have all the others free, and are right for corners and for bells alike.
+
+What a search left at 0, or brought to an end of its range, is held there at first, and then sampled
+too: a jitter that is said to be none may be small, and the delay it comes with shorter by its mean.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import optimize, stats
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.surrogates import highest
+from skiplatch.diagnosis.surrogates import SWITCHES, highest
 from skiplatch.simulator import Effect, Parameter, effects
 
 IndexArray = NDArray[np.intp]
@@ -31,9 +34,17 @@ A_STEP = 1.0
 FIRST_STEP = 1e-3  # of the value
 SMALLEST_STEP = 1e-13
 STRIDE = 8.0
-CLIMBS = 25  # evaluations, a parameter
+LONGEST = 1e6  # steps along a ridge
+CLIMBS = 3
+"""At most, each from where the sampling has seen something higher."""
+EVALUATIONS = 25  # of a climb, a parameter
 DEGREES_OF_FREEDOM = 5  # of the sampled distribution, whose tails reach beyond those sought
 ROUNDS = (60, 60, 60, 240)
+MORE_ROUNDS = 4
+"""Of the size of the last one, at most, until enough samples count."""
+ENOUGH = 60.0
+BATCHES, BATCH = 50, 20
+"""Tries, and draws a sample in each, to find samples within all ranges."""
 FEW = 3
 """Parameters that as many samples are enough for; for more they are multiplied."""
 LEAST_SAMPLES = 4.0  # a parameter, that have to count in effect
@@ -43,6 +54,8 @@ RIDGE = 1e-8  # of all variances, so that no direction is quite without one
 OFF_THE_TOP = 1.0  # nats that the mean may lie below the peak
 ANYWHERE = 0.8  # of its turn, from which on nothing is known of an angle
 WORST = -1e300
+ROUNDED_US = 5e-4
+"""By which the simulator may round a time, to a whole nanosecond."""
 SEED = 1
 
 
@@ -83,6 +96,19 @@ class _Slot:
         """It stands at 0 or at an end, where a search has no use for it."""
         return self.value in (0.0, self.low, self.high)
 
+    @property
+    def is_switch(self) -> bool:
+        return self.parameter.name in SWITCHES
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Shares of the density below each end of the interval; an end of the range ends it."""
+        if self.value == self.low:
+            return 0.0, CONFIDENCE
+        if self.value == self.high:
+            return 1.0 - CONFIDENCE, 1.0
+        return (1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0
+
 
 class _Surface:
     """The log-likelihood over the parameters of all effects, within their ranges."""
@@ -90,25 +116,41 @@ class _Surface:
     def __init__(self, scene: Scene, found: Fit, admitted: Sequence[Effect]) -> None:
         self._scene = scene
         self._found = found
-        self.slots = [
-            _Slot(effect.id, parameter, effect.parameters[parameter.name])
-            for effect in admitted
-            for parameter in effects()[effect.id].parameters
-        ]
-        self.values = np.array([slot.value for slot in self.slots])
-        self._low = np.array([slot.low for slot in self.slots])
-        self._high = np.array([slot.high for slot in self.slots])
         self._ends = np.cumsum([len(effect.parameters) for effect in admitted])[:-1]
-        self.peak = self(self.values)
+        self.highest, self.top = np.zeros(0), np.inf
+        self._stand_at(
+            [
+                _Slot(effect.id, parameter, effect.parameters[parameter.name])
+                for effect in admitted
+                for parameter in effects()[effect.id].parameters
+            ]
+        )
+
+    def _stand_at(self, slots: Sequence[_Slot]) -> None:
+        self.slots = slots
+        self.values = np.array([slot.value for slot in slots])
+        self.low = np.array([slot.low for slot in slots])
+        self.high = np.array([slot.high for slot in slots])
+        self.peak = self.top = self(self.values)
+
+    def rise(self) -> bool:
+        """Go to the highest point seen, if that is a step above this one."""
+        if self.top < self.peak + A_STEP:
+            return False
+        values = self.highest.tolist()
+        self._stand_at([replace(s, value=v) for s, v in zip(self.slots, values, strict=True)])
+        return True
 
     def __call__(self, values: FloatArray) -> float:
         """Give the log-likelihood at parameters, shape (p,)."""
-        if np.any(values < self._low) or np.any(values > self._high):
+        if np.any(values < self.low) or np.any(values > self.high):
             return WORST
         parts = tuple(np.split(values, self._ends))
-        model = Fit(self._found.candidates, parts, self._found.reached, self._found.slack)
         reached = self._found.reached
-        total = likelihood(self._scene, model.change(self._scene), reached).total
+        change = replace(self._found, parameters=parts).change(self._scene)
+        total = likelihood(self._scene, change, reached).total
+        if total > self.top:
+            self.top, self.highest = total, values
         return total if np.isfinite(total) else WORST
 
     def climb(self, free: IndexArray, steps: FloatArray) -> None:
@@ -124,7 +166,7 @@ class _Surface:
             method="Nelder-Mead",
             options={
                 "initial_simplex": np.vstack([np.zeros(len(free)), np.eye(len(free))]),
-                "maxfev": CLIMBS * len(free),
+                "maxfev": EVALUATIONS * len(free),
                 "fatol": 0.02,
                 "xatol": 0.02,
             },
@@ -153,17 +195,41 @@ def estimates(scene: Scene, found: Fit, admitted: Sequence[Effect]) -> list[Esti
         admitted: The same effects, their parameters brought into the ranges of the table.
     """
     surface = _Surface(scene, found, admitted)
-    free, steps = _free(surface)
+    held = np.array([slot.is_held for slot in surface.slots])
+    values, low, high = _about(surface, ~held)
+    for _ in range(CLIMBS):
+        if not surface.rise():
+            break
+        values, low, high = _about(surface, ~held)
+    _widen(surface, held, low, high)
+    for i, slot in enumerate(surface.slots):
+        rounded = ROUNDED_US if slot.parameter.unit == "µs" else 0.0
+        low[i], high[i] = min(low[i], values[i] - rounded), max(high[i], values[i] + rounded)
+    low, high = (np.clip(ends, surface.low, surface.high) for ends in (low, high))
+    return _as_estimates(admitted, surface.slots, values, low, high)
+
+
+def _about(surface: _Surface, asked: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Give values, and what each that is asked for may be from and to; shape (p,)."""
+    free, steps = _free(surface, asked)
     if len(free):
         surface.climb(free, steps)
-        free, steps = _free(surface)
-    values, low, high = surface.values.copy(), surface.values.copy(), surface.values.copy()
-    if len(free):
-        values[free], low[free], high[free] = _sampled(surface, free, steps)
+    return _sampled(surface, *_free(surface, asked))
+
+
+def _widen(surface: _Surface, held: BoolArray, low: FloatArray, high: FloatArray) -> None:
+    """Let go what is held, and move the ends, shape (p,), as far as that lets any of them."""
+    switches = np.array([slot.is_switch for slot in surface.slots])
+    free, steps = _free(surface, ~switches)
+    if held[free].any():
+        _, lower, higher = _sampled(surface, free, steps)
+        np.minimum(low, lower, out=low)
+        np.maximum(high, higher, out=high)
     for i, slot in enumerate(surface.slots):
-        if slot.is_held:
+        if slot.is_held and i not in free:
             low[i], high[i] = _reach(surface, i, -1.0), _reach(surface, i, 1.0)
-    return _as_estimates(admitted, surface.slots, values, low, high)
+            if slot.is_switch:
+                low[i], high[i] = np.ceil(low[i]), np.floor(high[i])
 
 
 def _as_estimates(
@@ -188,24 +254,28 @@ def _as_estimates(
     return found
 
 
-def _free(surface: _Surface) -> tuple[IndexArray, FloatArray]:
-    """Give the parameters that are open, and steps that are worth `A_STEP` each."""
-    free = np.array([i for i, slot in enumerate(surface.slots) if not slot.is_held], dtype=np.intp)
-    units = np.eye(len(surface.slots))
-    steps = np.array([_step(surface, units[i]) for i in free])
-    return free[steps > 0.0], steps[steps > 0.0]
+def _free(surface: _Surface, asked: BoolArray) -> tuple[IndexArray, FloatArray]:
+    """Give the parameters, of those asked for, that are open, and steps worth `A_STEP` each.
+
+    What is held and makes no difference all over its range is not among them.
+    """
+    steps = np.array([_step(surface, i) if wanted else 0.0 for i, wanted in enumerate(asked)])
+    room = np.where([slot.is_held for slot in surface.slots], surface.high - surface.low, np.inf)
+    free = np.flatnonzero((steps > 0.0) & (steps < room))
+    return free, steps[free]
 
 
-def _step(surface: _Surface, direction: FloatArray) -> float:
-    """Give how far to go along a direction, shape (p,), for `A_STEP`; 0 for nowhere."""
-    sizes = np.abs(surface.values[direction != 0.0])
-    room = min(slot.high - slot.low for slot, d in zip(surface.slots, direction, strict=True) if d)
-    step, least = FIRST_STEP * float(sizes.min()), SMALLEST_STEP * float(sizes.max())
-    while _falls(surface, step * direction) > A_STEP:
-        if step < least:
+def _step(surface: _Surface, index: int) -> float:
+    """Give how far to move a parameter for `A_STEP`; 0 for nowhere."""
+    unit = np.eye(len(surface.slots))[index]
+    room = float(surface.high[index] - surface.low[index])
+    size = abs(float(surface.values[index])) or room
+    step = FIRST_STEP * size
+    while _falls(surface, step * unit) > A_STEP:
+        if step < SMALLEST_STEP * size:
             return 0.0  # it is on a grid, exactly
         step /= STRIDE
-    while step < room and _falls(surface, step * direction) < A_STEP:
+    while step < room and _falls(surface, step * unit) < A_STEP:
         step *= 2.0
     return step
 
@@ -233,48 +303,95 @@ def _reach(surface: _Surface, index: int, sense: float) -> float:
 def _sampled(
     surface: _Surface, free: IndexArray, steps: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Sample the free parameters, nearer to the likelihood each time: value, low, high."""
+    """Sample the free parameters, nearer to the likelihood each time.
+
+    Gives values, and what each may be from and to; shape (p,).
+    """
+    values, lower, higher = surface.values.copy(), surface.values.copy(), surface.values.copy()
+    if not len(free):
+        return values, lower, higher
     rng = np.random.default_rng(SEED)
+    slots = [surface.slots[i] for i in free]
+    low, high = ((end - surface.values)[free] / steps for end in (surface.low, surface.high))
+
+    def are_within(points: FloatArray) -> BoolArray:
+        return np.asarray(np.all((points >= low) & (points <= high), axis=1))
+
     middle = np.zeros(len(free))
     spread = _covariance(surface, free, steps)
     points, weights = np.zeros((1, len(free))), np.ones(1)
     more = int(np.ceil(len(free) / FEW))
-    for size in more * np.array(ROUNDS):
+    for i, count in enumerate(ROUNDS + MORE_ROUNDS * ROUNDS[-1:]):
+        if i >= len(ROUNDS) and _counting(weights) >= ENOUGH:
+            break
+        size = more * count
         proposal = stats.multivariate_t(middle, spread, DEGREES_OF_FREEDOM, seed=rng)
-        points = proposal.rvs(size).reshape(size, len(free))
+        drawn = _drawn(proposal.rvs, size, are_within)
+        if not len(drawn):
+            break
+        points = drawn
         heights = np.array([surface.along(free, steps * point) for point in points])
-        logs = heights - surface.peak - proposal.logpdf(points).reshape(size)
+        logs = heights - surface.peak - proposal.logpdf(points).reshape(len(points))
         weights = _weights(logs)
         calm = _weights(logs, LEAST_SAMPLES * (1 + len(free)))
         middle = calm @ points
-        spread = INFLATION * np.cov(points.T, aweights=calm, ddof=0).reshape(len(free), len(free))
-        spread += RIDGE * max(1.0, float(np.trace(spread))) * np.eye(len(free))
-    ends = (1.0 - CONFIDENCE) / 2.0
-    low, high = (_quantiles(points, weights, q) for q in (ends, 1.0 - ends))
+        spread = _spread(points, calm)
     best = weights @ points  # on a plateau the middle is nearer to the truth than any peak
     if surface.peak - surface.along(free, steps * best) > OFF_THE_TOP:
         best = np.zeros(len(free))
-    middle = surface.values[free]
-    low, high = np.minimum(low, best), np.maximum(high, best)
-    return middle + steps * best, middle + steps * low, middle + steps * high
+    shares = np.array([slot.shares for slot in slots])
+    first, last = (_quantiles(points, weights, share) for share in shares.T)
+    values[free] += steps * best
+    lower[free] += steps * np.minimum(first, best)
+    higher[free] += steps * np.maximum(last, best)
+    return values, lower, higher
+
+
+def _drawn(
+    draw: Callable[[int], FloatArray], size: int, are_within: Callable[[FloatArray], BoolArray]
+) -> FloatArray:
+    """Draw points within all ranges, shape (size, p), or fewer where there are next to none."""
+    tried = (draw(BATCH * size).reshape(BATCH * size, -1) for _ in range(BATCHES))
+    kept: list[FloatArray] = []
+    while sum(map(len, kept)) < size and (points := next(tried, None)) is not None:
+        kept.append(points[are_within(points)])
+    return np.vstack(kept)[:size]
+
+
+def _spread(points: FloatArray, weights: FloatArray) -> FloatArray:
+    """Give the covariance for the next samples, somewhat larger than of these; shape (p, p)."""
+    count = points.shape[1]
+    spread = INFLATION * np.cov(points.T, aweights=weights, ddof=0).reshape(count, count)
+    return np.asarray(spread + RIDGE * max(1.0, float(np.trace(spread))) * np.eye(count))
+
+
+def _counting(weights: FloatArray) -> float:
+    """Give how many samples count in effect."""
+    return 1.0 / float(np.sum(weights**2))
 
 
 def _covariance(surface: _Surface, free: IndexArray, steps: FloatArray) -> FloatArray:
     """Give a first guess, in units of the steps: how far each parameter goes, and pairs together.
 
-    Two ends of a box are sharp each, but where one moves by as much as the other moves back, the
-    likelihood may be level over far more.
+    Where one parameter makes up for another, a step of the one undoes a step of the other, and the
+    likelihood may be level for many of both.
     """
-    units = np.eye(len(surface.slots))
-    directions = [
-        units[i] + sense * units[j]
-        for i, j in combinations(free, 2)
-        if surface.slots[i].parameter.unit == surface.slots[j].parameter.unit
-        for sense in (1.0, -1.0)
-    ]
-    lengths = [_step(surface, direction) for direction in directions]
-    moves = [length * d[free] / steps for length, d in zip(lengths, directions, strict=True)]
-    return np.asarray(sum((np.outer(move, move) for move in moves), np.eye(len(free))))
+    units = np.eye(len(free))
+    moves = [one + sense * other for one, other in combinations(units, 2) for sense in (1.0, -1.0)]
+    parts = [np.outer(move, move) * _stretch(surface, free, steps * move) ** 2 for move in moves]
+    return np.asarray(sum(parts, units))
+
+
+def _stretch(surface: _Surface, free: IndexArray, moved: FloatArray) -> float:
+    """Give how often parameters may be moved before that is worth `A_STEP`: a power of 2, or 0."""
+
+    def fall(times: float) -> float:
+        return surface.peak - max(surface.along(free, sense * times * moved) for sense in (-1, 1))
+
+    times = 1.0
+    while times < LONGEST and fall(times) < A_STEP:
+        times *= 2.0
+    return times / 2.0 if times > 1.0 else 0.0
 
 
 def _weights(logs: FloatArray, least: float = 0.0) -> FloatArray:
@@ -283,13 +400,16 @@ def _weights(logs: FloatArray, least: float = 0.0) -> FloatArray:
     for temper in TEMPERS:
         weights = np.exp(temper * (logs - logs.max()))
         weights /= weights.sum()
-        if 1.0 / np.sum(weights**2) >= least:
+        if _counting(weights) >= least:
             break
     return weights
 
 
-def _quantiles(points: FloatArray, weights: FloatArray, share: float) -> FloatArray:
+def _quantiles(points: FloatArray, weights: FloatArray, shares: FloatArray) -> FloatArray:
     """Give a weighted quantile of each column; shape (p,)."""
     return np.array(
-        [np.quantile(c, share, weights=weights, method="inverted_cdf") for c in points.T]
+        [
+            np.quantile(column, share, weights=weights, method="inverted_cdf")
+            for column, share in zip(points.T, shares, strict=True)
+        ]
     )

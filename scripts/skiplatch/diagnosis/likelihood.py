@@ -9,7 +9,7 @@ from functools import lru_cache, reduce
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
+from scipy import fft, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change
@@ -40,12 +40,15 @@ BINS = (8, 13)
 ANYWHERE = 0.25
 """Standard deviation, over a period, from which on stamps lie anywhere on the grid."""
 TINY = 1e-9
+TURNS = np.array([-1.0, 0.0, 1.0])
+LEAST_PART = 1e-3
+"""Of a law folded onto a turn, that counts."""
 SHARP: Mapping[str, float] = {}
 LATCHES = {"latch_skip", "latch_plc"}
 AFTER_LATCH = {"position", "report"}
 """Streams that are counted from the stamp of the latch."""
 CALM = 3.0
-"""Standard deviations beyond which a stamp tells no more of a slack: it is late by itself."""
+"""Standard deviations beyond which a touch tells no more of what others have, too."""
 MOST_TURNS = 4
 """Periods after which a late scan is not followed further."""
 
@@ -132,8 +135,25 @@ def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float
     if stream.name == "lattice":
         values[rows] = _lattice_values(scene, stream, change, law)
         return values
-    values[rows] = law.log_density(stream.known, 10.0 * law.usual_spread + stream.far)
+    known = stream.known
+    if stream.name == "position" and scene.plc.any():
+        known = known - _rest_of_a_tick_um(scene, stream, law)
+    values[rows] = law.log_density(known, 10.0 * law.usual_spread + stream.far)
     return values + _grid_bonus(scene, stream, change) * stream.rows
+
+
+def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law) -> FloatArray:
+    """Give how far positions are off because scans are stamped early by a rest of a tick; (rows,).
+
+    Where the scan period is a whole number of ticks, that is the same for all scans, and no
+    scatter: the positions of all of them are off together. The touches say by how much.
+    """
+    speed = np.where(scene.plc, scene.speed, 0.0)[stream.indices]
+    variance, half = law.variance, scene.nominal.skip.tick_us / 2.0
+    reach = CALM * np.sqrt(variance)
+    off = np.clip(stream.known - law.mean, -reach, reach)
+    rest_us = (speed / variance) @ off / max(float((speed / variance) @ speed), TINY)
+    return np.asarray(speed * np.clip(rest_us, -half, half))
 
 
 def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
@@ -210,7 +230,7 @@ def _latch(scene: Scene, stream: Stream, change: Change) -> Law:
     coarser = 0.0 if stream.is_polled else _coarser_tick_us(scene, change)
     return Law(
         offset=law.offset + later - coarser,
-        sigma=law.sigma,
+        sigma=np.hypot(law.sigma, _rounded_again(change, coarser, scene.nominal.skip.tick_us)),
         box_a=_waiting(scene, stream, law.box_a, change, 1.0),
         box_b=law.box_b + coarser,
         extras=_latch_extras(scene, stream, change, 1.0),
@@ -239,14 +259,23 @@ def _locked(scene: Scene, change: Change) -> tuple[Extra, ...]:
         return ()
     centre, spread, unlocked = change.wait
     period = scan_period_us(scene, change)
-    return (
-        Extra(
-            1.0 - unlocked,
-            offset=centre * period,
-            sigma=spread * period,
-            boxless=1.0,
-        ),
+    return tuple(
+        Extra((1.0 - unlocked) * share, offset=mean * period, sigma=sigma * period, boxless=1.0)
+        for share, mean, sigma in _wrapped(centre, spread)
     )
+
+
+@lru_cache(maxsize=64)
+def _wrapped(centre: float, spread: float) -> list[tuple[float, float, float]]:
+    """Fold a normal law onto one turn: shares, means and standard deviations of its parts."""
+    if CALM * spread <= centre <= 1.0 - CALM * spread:
+        return [(1.0, centre, spread)]
+    low, high = ((end - centre - TURNS) / spread for end in (0.0, 1.0))
+    shares = stats.norm.cdf(high) - stats.norm.cdf(low)
+    known = shares > LEAST_PART
+    parts = stats.truncnorm(low[known], high[known], centre + TURNS[known], spread)
+    columns = (shares[known], np.asarray(parts.mean()), np.asarray(parts.std()))
+    return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _latch_extras(
@@ -291,6 +320,16 @@ def _coarser_us(scene: Scene, change: Change) -> FloatArray:
 
 def _coarser_um(scene: Scene, change: Change) -> float:
     return max(0.0, change.coarse_um - scene.nominal.axis.resolution_um)
+
+
+def _rounded_again(change: Change, coarser: float, fine: float) -> float:
+    """Give the standard deviation of what a fine grid adds to a coarse one that it does not hold.
+
+    Beside the box of the coarse grid that of the fine one only takes the edges off.
+    """
+    steps = coarser / fine
+    is_held = change.is_on_grid and abs(steps - np.rint(steps)) < ROUNDING
+    return 0.0 if coarser == 0.0 or is_held else fine / np.sqrt(12.0)
 
 
 def _lattice(_scene: Scene, stream: Stream, change: Change) -> Law:
@@ -409,11 +448,17 @@ def _position(scene: Scene, stream: Stream, change: Change) -> Law:
     coarser_um = _coarser_um(scene, change)
     return Law(
         offset=law.offset + np.where(scene.has_stamps, shift, 0.0) - coarser_um / 2.0,
-        sigma=np.hypot(law.sigma, change.position_sigma_um),
+        sigma=_position_sigma(scene, law, change),
         box_a=law.box_a + scene.speed * _coarser_us(scene, change),
         box_b=law.box_b + coarser_um,
         extras=_position_extras(change),
     )
+
+
+def _position_sigma(scene: Scene, law: Law, change: Change) -> FloatArray:
+    resolution = scene.nominal.axis.resolution_um
+    rounded = _rounded_again(change, _coarser_um(scene, change), resolution)
+    return np.asarray(np.hypot(law.sigma, np.hypot(change.position_sigma_um, rounded)))
 
 
 def _position_extras(change: Change) -> tuple[Extra, ...]:
@@ -437,7 +482,7 @@ def _deviation(scene: Scene, stream: Stream, change: Change) -> Law:
     extras = _latch_extras(scene, stream, change, speed)
     return Law(
         offset=law.offset + shift - coarser / 2.0,
-        sigma=np.hypot(law.sigma, change.position_sigma_um),
+        sigma=_position_sigma(scene, law, change),
         box_a=_waiting(scene, stream, law.box_a * change.speed_ratio, change, speed),
         box_b=law.box_b + coarser,
         extras=_joint(extras, _position_extras(change)),

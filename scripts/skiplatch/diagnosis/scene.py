@@ -18,6 +18,7 @@ from skiplatch.motion import Contact, expected_contact
 
 LOBES = 3.0
 UM_US_PER_MM_S = 1e-3
+UM_PER_MM = 1e3
 CALIBRATION_C = 20.0
 
 
@@ -119,6 +120,12 @@ class Scene:
     def sign(self) -> FloatArray:
         """Sense of the motion, 1 where it was not recorded; shape (n,)."""
         return np.nan_to_num(self.touches.sign, nan=1.0)
+
+    @cached_property
+    def latched_mm(self) -> FloatArray:
+        """Coordinate of the axis at the latch, NaN where it was not recorded; shape (n,)."""
+        beyond_mm = np.nan_to_num(self.touches.deviation_um) / UM_PER_MM
+        return np.asarray(self.touches.position_mm + self.sign * beyond_mm)
 
     @cached_property
     def warmth(self) -> FloatArray:

@@ -105,7 +105,7 @@ def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     if stream is None or stream.rows.sum() < FEWEST_STAMPS:
         return usual
     stamps_us = scene.touches.latch_us
-    parts = [stamps_us * 1e-6, stamps_us**2 / US_PER_H * 1e-6, warmth_k_s(scene)]
+    parts = [stamps_us * 1e-6, stamps_us**2 / US_PER_H * 1e-6, warmth_k_s(scene, stamps_us)]
     seen = []
     for chosen in ([0], [0, 1], [0, 2]):
         start = np.zeros(3)

@@ -23,7 +23,10 @@ MOST_PUNCTUAL = 0.95
 MOST = 0.6
 NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
 """Effects on some touches or scans, at most that share of them."""
-MIRRORED = 0.5
+SWITCHES = ("at_surface", "is_coordinate", "mirrored")
+"""Parameters of which nothing but the one or the other end has a meaning."""
+HALF_WAY = 0.5
+"""From which on a switch is on."""
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 SHORTEST_MM = 0.01
@@ -33,6 +36,12 @@ SLOWEST_RATIO = 0.05
 LEAST_ACCEL = 0.02
 US_PER_H = 3.6e9
 MM_PER_M = 1000.0
+SPAN_PARTS = 5
+"""Boxes that stand for late scans of lengths that differ by more than a period."""
+LENGTHS = 5
+"""Boxes that stand for gaps between scans of lengths that differ."""
+CHANCE, EVEN, FALLING = (np.random.default_rng(1).random((3, 1024)).argsort(axis=1) + 0.5) / 1024
+"""Scans in a row, as late as by chance: evenly spread numbers from 0 to 1, mixed."""
 DRIFT_ROUNDS = 4
 """Each makes the time that a stamp stands for a thousand times as exact, or more."""
 
@@ -110,8 +119,8 @@ def blocking(_scene: Scene, p: Parameters) -> Change:
 
 def transmission(scene: Scene, p: Parameters) -> Change:
     """The position errs periodically, with a second harmonic, each axis by a screw of its own."""
-    position = np.nan_to_num(scene.touches.position_mm)
-    known = (scene.whole or scene).touches.position_mm
+    position = np.nan_to_num(_where_mm(scene, p))
+    known = _where_mm(scene.whole or scene, p)
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
     period = max(abs(p[1]), SHORTEST_MM)
     if period > max(span, SHORTEST_MM):
@@ -120,6 +129,10 @@ def transmission(scene: Scene, p: Parameters) -> Change:
     first = p[0] * np.sin(turn + np.deg2rad(p[2]))
     second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
     return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))
+
+
+def _where_mm(scene: Scene, p: Parameters) -> FloatArray:
+    return scene.touches.position_mm if p[9] > HALF_WAY else scene.latched_mm
 
 
 def lagging(scene: Scene, p: Parameters) -> Change:
@@ -135,7 +148,7 @@ def lost_motion(scene: Scene, p: Parameters) -> Change:
 
 def scaled(scene: Scene, p: Parameters) -> Change:
     """The position errs in proportion to itself."""
-    error_um = p[0] * 1e-3 * np.nan_to_num(scene.touches.position_mm)
+    error_um = p[0] * 1e-3 * np.nan_to_num(scene.latched_mm)
     return Change(position_um=scene.sign * error_um * scene.over_x(p[1], p[2]))
 
 
@@ -189,18 +202,23 @@ def image_delay(scene: Scene, p: Parameters) -> Change:
 
 def drift(scene: Scene, p: Parameters) -> Change:
     """The stamps are those of a clock that drifts, ages, and follows the temperature."""
-    warm_us = p[2] * warmth_k_s(scene) if p[2] else 0.0
     stamps_us = master_us = scene.touches.latch_us
     for _ in range(DRIFT_ROUNDS):
         rate = (p[0] + p[1] * master_us / US_PER_H) * 1e-6
+        warm_us = p[2] * warmth_k_s(scene, master_us) if p[2] else 0.0
         master_us = (stamps_us - warm_us) / (1.0 + rate)
     return Change(stamp_us=stamps_us - master_us)
 
 
-def warmth_k_s(scene: Scene) -> FloatArray:
-    """Kelvins above the calibration times seconds since the start, touch by touch; shape (n,)."""
+def warmth_k_s(scene: Scene, now_us: FloatArray) -> FloatArray:
+    """Kelvins above the calibration times seconds, from the start to now; shape (n,)."""
+    return _warmth_before(scene) + scene.warmth * (now_us * 1e-6 - scene.touches.time_s)
+
+
+def _warmth_before(scene: Scene) -> FloatArray:
+    """Give the same up to the start of each touch's motion; shape (n,)."""
     if scene.whole is not None:
-        return warmth_k_s(scene.whole)[scene.chosen]
+        return _warmth_before(scene.whole)[scene.chosen]
     steps_s = np.diff(scene.touches.time_s, prepend=0.0)
     return np.asarray(np.cumsum(scene.warmth * steps_s))
 
@@ -208,11 +226,27 @@ def warmth_k_s(scene: Scene) -> FloatArray:
 def overrun(scene: Scene, p: Parameters) -> Change:
     """The grid shows a late scan by its lateness; an edge waits for it from the scan before on."""
     share, late, span = as_part(p[0]), abs(p[1]), abs(p[2])
-    ratio = (late + span / 2.0) / scene.nominal.plc.scan_us
-    met = min(share * (1.0 + ratio), 0.9)  # the longer gap before a late scan meets more edges
+    period = scene.nominal.plc.scan_us
+    parts = SPAN_PARTS if span > period else 1  # the later of such scans, the more edges they meet
+    begins = late + span * np.arange(parts) / parts
+    ratios = (begins + span / parts / 2.0) / period
+    ratio = float(ratios.mean())
+    # The gap before a late scan is longer and the one behind it shorter, unless that is late too.
+    alone = share * (1.0 - share)
+    is_apart = ratio < 1.0
+    met = share + alone * ratio if is_apart else 1.0 - (1.0 - share) ** (1.0 + ratio)
+    longer = alone * (1.0 + ratio) if is_apart else met
+    parts_met = (1.0 + ratios) / np.sum(1.0 + ratios)
     return Change(
-        lattice_extra=(Extra(met, offset=late, width=span),),
-        scan_extra=_gaps(scene, (met, 1.0 + ratio), (share * max(0.0, 1.0 - ratio), 1.0 - ratio)),
+        lattice_extra=tuple(
+            Extra(met * part, offset=begin, width=span / parts)
+            for part, begin in zip(parts_met.tolist(), begins.tolist(), strict=True)
+        ),
+        scan_extra=_gaps(
+            scene,
+            *zip((longer * parts_met).tolist(), (1.0 + ratios).tolist(), strict=True),
+            (alone * max(0.0, 1.0 - ratio), 1.0 - ratio),
+        ),
     )
 
 
@@ -225,15 +259,31 @@ def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
 
 
 def jitter(scene: Scene, p: Parameters) -> Change:
-    """Every gap between scans is longer or shorter by the difference of two latenesses."""
-    span, tail = abs(p[0]), abs(p[1])
-    late = 1.0 - min(as_share(p[2]), MOST_PUNCTUAL)
-    off = min(np.sqrt(span**2 / 6.0 + 2.0 * tail**2) / scene.nominal.plc.scan_us, 0.9)
-    longer, shorter = late * (1.0 + off) / 3.0, late * (1.0 - off) / 3.0
+    """Scans begin late, each by a time of its own, and so the gaps between them differ."""
+    span, tail, punctual = abs(p[0]), abs(p[1]), min(as_share(p[2]), MOST_PUNCTUAL)
+    late_us = np.where(punctual > CHANCE, 0.0, span * EVEN - tail * np.log1p(-FALLING))
     return Change(
-        lattice_extra=(Extra(late, width=span, mean=tail),),
-        scan_extra=_gaps(scene, (longer, 1.0 + off), (shorter, 1.0 - off)),
+        lattice_extra=(Extra(1.0 - punctual, width=span, mean=tail),),
+        scan_extra=_gaps(scene, *_lengths(scene, late_us)),
     )
+
+
+def _lengths(scene: Scene, late_us: FloatArray) -> list[tuple[float, float]]:
+    """Give what shares of edges meet gaps of what length, in periods, between scans so late.
+
+    The lengths are means of a few parts, each of which meets about as many edges as any other.
+    """
+    period = scene.nominal.plc.scan_us
+    begins = np.maximum.accumulate(np.arange(len(late_us)) * period + late_us)  # held up, too
+    lengths = np.sort(np.diff(begins)) / period
+    met = np.cumsum(lengths) - lengths / 2.0
+    parts = (LENGTHS * met / lengths.sum()).astype(np.intp)
+    totals, counts = np.bincount(parts, lengths), np.bincount(parts)
+    return [
+        (float(total / lengths.sum()), float(total / count))
+        for total, count in zip(totals, counts, strict=True)
+        if total > 0.0
+    ]
 
 
 def coarse_ticks(scene: Scene, p: Parameters) -> Change:
@@ -256,7 +306,7 @@ def later_reports(scene: Scene, p: Parameters) -> Change:
 
 def pivot(scene: Scene, p: Parameters) -> Change:
     """The table turns about another centre."""
-    sense = -1.0 if p[3] > MIRRORED else 1.0
+    sense = -1.0 if p[3] > HALF_WAY else 1.0
     turn = sense * np.deg2rad(np.nan_to_num(scene.touches.rotary_deg))
     kept = 1.0 - as_share(p[2])
     shift_x = kept * p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])

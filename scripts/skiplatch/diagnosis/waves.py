@@ -26,10 +26,12 @@ FEWEST_ON_AXIS = 16
 WINSOR = 0.02
 """Share of the errors at either end that is cut to the rest."""
 TURN_DEG = 360.0
-UNKNOWN = [1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+WORTH_A_SWITCH = 4.0
+"""Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
+UNKNOWN = [1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
 
 Parameters = list[float]
-"""Of a transmission error."""
+"""Of a transmission error, all but the last, which tells where the error is counted."""
 Sine = Callable[[float], tuple[float, Parameters]]
 """Fits at a frequency in 1/mm; gives what is left, squared, weighted and summed, and the fit."""
 
@@ -39,15 +41,20 @@ def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
     if stream is None:
         return [UNKNOWN]
-    rows = stream.rows & ~np.isnan(scene.touches.position_mm)
+    rows = stream.rows & ~np.isnan(scene.latched_mm)
     if not rows.any():
         return [UNKNOWN]
     law = law_under(scene, stream, given).select(rows)
     error_um = scene.sign[rows] * (stream.residuals[rows] - law.mean)
     limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
     on_axes = [scene.touches.axis[rows] == axis for axis in Axis]
-    seen = _Seen(scene.touches.position_mm[rows], limited, 1.0 / law.spread**2, on_axes)
-    return seen.starts() or [UNKNOWN]
+    places = scene.latched_mm[rows], scene.touches.position_mm[rows]
+    seen = [_Seen(place, limited, 1.0 / law.spread**2, on_axes).starts() for place in places]
+    if not all(seen):
+        return [UNKNOWN]
+    latched, at_surface = (min(left for left, _ in starts) for starts in seen)
+    is_at_surface = at_surface < latched - WORTH_A_SWITCH
+    return [[*start, float(is_at_surface)] for _, start in seen[is_at_surface]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,15 +72,15 @@ class _Seen:
         """Those with errors enough for a sine of their own."""
         return [k for k, rows in enumerate(self.on_axes) if rows.sum() >= FEWEST_ON_AXIS]
 
-    def starts(self) -> list[Parameters]:
-        """Give the best sines for all axes together, and for each axis."""
+    def starts(self) -> list[tuple[float, Parameters]]:
+        """Give the best sines for all axes together, and for each axis, with what they leave."""
         frequencies, explained = self._explained(self.weights)
         peaks = _peaks(frequencies, explained)
         found = [_best(peaks, partial(self._orders, orders=orders)) for orders in (1, 2)]
         if len(self.axes) > 1:
             parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
             found.append(_best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
-        return [start for starts in found for start in starts]
+        return [fitted for best in found for fitted in best]
 
     def _explained(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give frequencies in 1/mm, and the weighted squares that a sine of each explains."""
@@ -120,9 +127,8 @@ def _peaks(frequencies: FloatArray, explained: FloatArray) -> list[float]:
     return [float(frequencies[i]) for i in tried]
 
 
-def _best(peaks: Sequence[float], sine: Sine) -> list[Parameters]:
-    fitted = sorted(sine(per_mm) for per_mm in peaks)
-    return [start for _, start in fitted[:MOST_PERIODS]]
+def _best(peaks: Sequence[float], sine: Sine) -> list[tuple[float, Parameters]]:
+    return sorted(sine(per_mm) for per_mm in peaks)[:MOST_PERIODS]
 
 
 def _polar(parts: FloatArray) -> tuple[list[float], list[float]]:

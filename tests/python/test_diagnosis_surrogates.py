@@ -1,0 +1,71 @@
+"""The laws that propose, against the simulator: nothing near the truth is much likelier than it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.intervals import estimates
+from skiplatch.diagnosis.likelihood import affected, likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
+from skiplatch.simulator import Effect, effects
+
+RARE = 1e-3
+"""False-alarm rate of each case, of which all are fixed by their seeds."""
+ROUGH = 0.01
+"""Of what an effect gains, that its law may lose for its boxes have not quite the right form."""
+
+
+SEEN = 30.0
+"""Nats that an effect gains at least, to be looked at here."""
+
+
+def standing(scene: Scene, effect: Effect) -> Fit:
+    """Give the fit that has an effect's own parameters."""
+    chosen = CANDIDATES[effect.id]
+    found = Fit((chosen,), (np.array(list(effect.parameters.values())),), frozenset())
+    return replace(found, reached=affected(scene, found.change(scene)))
+
+
+def whole(effect_id: str, **known: float) -> Effect:
+    described = effects()[effect_id].parameters
+    return Effect(effect_id, {p.name: known.get(p.name, 0.0) for p in described})
+
+
+@pytest.mark.parametrize(
+    ("folder", "truth"),
+    [
+        (BENCH, whole("scan_overrun", probability=0.03, overrun_us=9000.0)),
+        (BENCH, whole("scan_overrun", probability=0.45, overrun_us=300.0, span_us=100.0)),
+        (BENCH, whole("scan_overrun", probability=0.1, overrun_us=50.0, span_us=9000.0)),
+        (BENCH, whole("scan_jitter", jitter_us=400.0, tail_us=150.0)),
+        (BENCH, whole("scan_phase_lock", phase=0.99, spread=0.1)),
+        (BENCH, whole("timer_quantisation", tick_us=11.3, origin_us=-1.0, nearest=0.6)),
+        (BENCH, whole("encoder_quantisation", resolution_um=1.37, is_coordinate=1.0)),
+        (BENCH, whole("timer_drift", drift_ppm=-0.2, ageing_ppm_h=0.3, warmth_ppm_k=0.5)),
+        (MACHINE, whole("transmission_error", amplitude_um=2.0, period_mm=0.9)),
+        (MACHINE, whole("transmission_error", amplitude_um=2.0, period_mm=0.9, at_surface=1.0)),
+        (BENCH, whole("following_error", lag_us=40.0)),
+    ],
+    ids=lambda given: given.name if isinstance(given, Path) else given.id,
+)
+@pytest.mark.parametrize("seed", [3, 4])
+def test_nothing_near_the_truth_is_likelier(folder: Path, truth: Effect, seed: int) -> None:
+    scene = Scene.of(played(folder, truth, seed=seed))
+    there = standing(scene, truth)
+    (found,) = estimates(scene, there, [truth])
+
+    def total(fit: Fit) -> float:
+        return likelihood(scene, fit.change(scene), there.reached).total
+
+    free = np.count_nonzero(there.parameters[0])
+    chance = stats.chi2.ppf(1.0 - RARE, free) / 2.0
+    gained = total(there) - likelihood(scene, Change(), there.reached).total
+    assert gained > SEEN
+    assert total(standing(scene, found.effect)) - total(there) < chance + ROUGH * gained
