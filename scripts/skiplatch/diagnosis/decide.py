@@ -257,12 +257,18 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
         return finding, left_over
     three = judge.jointly(ranked[:1])[0]
     ranking = (three, *ranked[1:])
-    names, confidence = _ranked_group(ranking, 2)
-    found = Finding(
-        three, (*finding.alternatives, names), (*finding.confidences, confidence), ranking
-    )
+    # What the third one explains may have decided between the first two and others.
+    tried = ([(s.ids[-1], s.score) for s in judge.pairs(judge.without(three, i))] for i in range(2))
+    groups = [
+        *(
+            _group(own, [(own, three.score), *there])
+            for own, there in zip(two.ids, tried, strict=True)
+        ),
+        _ranked_group(ranking, 2),
+    ]
+    names, confidences = zip(*groups, strict=True)
     still = _left_over(judge, three)
-    return found, still[0].ids[-1] if still else ""
+    return Finding(three, names, confidences, ranking), still[0].ids[-1] if still else ""
 
 
 def _by_streams(judge: Judge, two: Scored) -> Iterator[list[Scored]]:

@@ -265,6 +265,14 @@ class Judge:
         parts = (found.candidates[position],), (found.parameters[position],)
         return self.score(Fit(*parts, found.reached, found.slack))
 
+    def without(self, model: Scored, position: int) -> Scored:
+        """Give a model without one of its effects, the others as they are."""
+        found = model.fit
+        left = [i for i in range(len(found.candidates)) if i != position]
+        candidates = tuple(found.candidates[i] for i in left)
+        parameters = tuple(found.parameters[i] for i in left)
+        return self.score(replace(found, candidates=candidates, parameters=parameters))
+
     def again(self, model: Fit, position: int) -> Scored:
         """Fit one effect of a model alone, from the parameters that it has there."""
         candidates, starts = (model.candidates[position],), [model.parameters[position]]

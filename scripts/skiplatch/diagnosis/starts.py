@@ -155,12 +155,21 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     late = late[np.abs(late - period / 2.0) < 0.5 * period - on_time]
     if len(late) < FEWEST_LATE:
         return usual
-    met, low, span = len(late) / len(stream.known), float(late.min()), float(np.ptp(late))
-    middle = float(np.median(late))
-    reaches = [(low, span), (low + period, span), (0.0, low + span), (middle, 0.0)]
-    # The longer gap before a late scan meets more edges than it is scans.
-    seen = [[met / (1.0 + (us + more / 2.0) / period), us, more] for us, more in reaches]
+    low, span = float(late.min()), float(np.ptp(late))
+    reaches = [(low + period, span), (0.0, low + span), (float(np.median(late)), 0.0)]
+    seen = [_met(len(late), stream, us, more, period) for us, more in reaches]
+    # Scans may be late by a little as well, for other reasons.
+    late.sort()
+    wide = int(np.argmax(np.diff(late)))
+    for part in (late, late[wide + 1 :]):
+        seen.append(_met(len(part), stream, float(part.min()), float(np.ptp(part)), period))
     return [*seen, *usual]
+
+
+def _met(count: int, stream: Stream, late_us: float, span_us: float, period: float) -> list[float]:
+    """Give late scans that so many touches have met: the longer gap before one meets more."""
+    share = count / len(stream.known)
+    return [share / (1.0 + (late_us + span_us / 2.0) / period), late_us, span_us]
 
 
 def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
