@@ -158,12 +158,13 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     low, span = float(late.min()), float(np.ptp(late))
     reaches = [(low + period, span), (0.0, low + span), (float(np.median(late)), 0.0)]
     seen = [_met(len(late), stream, us, more, period) for us, more in reaches]
-    # Scans may be late by a little as well, for other reasons.
     late.sort()
     wide = int(np.argmax(np.diff(late)))
-    for part in (late, late[wide + 1 :]):
-        seen.append(_met(len(part), stream, float(part.min()), float(np.ptp(part)), period))
-    return [*seen, *usual]
+    apart = [  # scans may be late by a little as well, for other reasons
+        _met(len(part), stream, float(part.min()), float(np.ptp(part)), period)
+        for part in (late, late[wide + 1 :])
+    ]
+    return [*seen, *apart, *usual]
 
 
 def _met(count: int, stream: Stream, late_us: float, span_us: float, period: float) -> list[float]:
