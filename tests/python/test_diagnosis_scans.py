@@ -12,7 +12,7 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
-from skiplatch.diagnosis.starts import scan_periods
+from skiplatch.diagnosis.starts import overruns, scan_periods
 from skiplatch.simulator import Effect
 
 PLC = ("latch_plc", "lattice")
@@ -80,6 +80,16 @@ def test_overruns_are_found_wherever_they_reach(late_us: float, span_us: float) 
     assert share == pytest.approx(0.1, rel=0.5)
     assert late == pytest.approx(late_us, abs=1.0 + 0.15 * span_us)
     assert span == pytest.approx(span_us, abs=1.0 + 0.25 * span_us)
+
+
+def test_overruns_are_proposed_beside_scans_that_are_a_little_late() -> None:
+    rarely = Effect("scan_overrun", {"probability": 0.12, "overrun_us": 404.0})
+    often = Effect("scan_jitter", {"jitter_us": 12.0, "punctual": 0.5})
+
+    starts = overruns(Scene.of(played(BENCH, rarely, often)), Change())
+
+    near = [start for start in starts if abs(start[1] - 404.0) < 10.0 and start[2] < 40.0]
+    assert [start[0] for start in near] == [pytest.approx(0.12, rel=0.3)]
 
 
 def test_scans_may_wait_for_some_moves_and_keep_their_grid_for_the_others() -> None:

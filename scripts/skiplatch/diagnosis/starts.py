@@ -156,21 +156,27 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     if len(late) < FEWEST_LATE:
         return usual
     low, span = float(late.min()), float(np.ptp(late))
-    reaches = [(low + period, span), (0.0, low + span), (float(np.median(late)), 0.0)]
-    seen = [_met(len(late), stream, us, more, period) for us, more in reaches]
-    late.sort()
-    wide = int(np.argmax(np.diff(late)))
-    apart = [  # scans may be late by a little as well, for other reasons
-        _met(len(part), stream, float(part.min()), float(np.ptp(part)), period)
-        for part in (late, late[wide + 1 :])
+    reaches = [(low, span), (low + period, span), (0.0, low + span), (float(np.median(late)), 0.0)]
+    apart = _apart(stream.known % period, period)
+    seen = [(len(apart), float(apart.min()), float(np.ptp(apart)))]
+    seen += [(len(late), us, more) for us, more in reaches]
+    # The longer gap before a late scan meets more edges than it is scans.
+    met = [
+        [n / len(stream.known) / (1.0 + (us + more / 2.0) / period), us, more]
+        for n, us, more in seen
     ]
-    return [*seen, *apart, *usual]
+    return [*met, *usual]
 
 
-def _met(count: int, stream: Stream, late_us: float, span_us: float, period: float) -> list[float]:
-    """Give late scans that so many touches have met: the longer gap before one meets more."""
-    share = count / len(stream.known)
-    return [share / (1.0 + (late_us + span_us / 2.0) / period), late_us, span_us]
+def _apart(places: FloatArray, period: float) -> FloatArray:
+    """Give how late those are that lie apart, behind others that may be a little late themselves.
+
+    Counted from the first place behind the widest empty stretch of the turn.
+    """
+    turn = np.sort(places)
+    widest = int(np.argmax(np.diff(turn, append=turn[0] + period)))
+    late = np.sort((turn - turn[(widest + 1) % len(turn)]) % period)
+    return late[int(np.argmax(np.diff(late))) + 1 :]
 
 
 def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
