@@ -194,6 +194,9 @@ def test_a_third_effect_is_named_where_the_other_two_change_nothing() -> None:
 
     assert finding.model is not None
     assert set(finding.model.ids) == {effect.id for effect in THREE}
+    assert len(finding.alternatives) == len(finding.confidences) == len(THREE)
+    for name, others in zip(finding.model.ids, finding.alternatives, strict=True):
+        assert not {name, *others} & ({effect.id for effect in THREE} - {name})
     assert not left
 
 

@@ -258,17 +258,17 @@ def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding,
     three = judge.jointly(ranked[:1])[0]
     ranking = (three, *ranked[1:])
     # What the third one explains may have decided between the first two and others.
-    tried = ([(s.ids[-1], s.score) for s in judge.pairs(judge.without(three, i))] for i in range(2))
-    groups = [
-        *(
-            _group(own, [(own, three.score), *there])
-            for own, there in zip(two.ids, tried, strict=True)
-        ),
-        _ranked_group(ranking, 2),
-    ]
-    names, confidences = zip(*groups, strict=True)
+    groups = [_group_in_place(judge, three, position) for position in range(2)]
+    names, confidences = zip(*groups, _ranked_group(ranking, 2), strict=True)
     still = _left_over(judge, three)
     return Finding(three, names, confidences, ranking), still[0].ids[-1] if still else ""
+
+
+def _group_in_place(judge: Judge, model: Scored, position: int) -> tuple[tuple[str, ...], float]:
+    """Name the effects tied with one of a model, the others as they are."""
+    own = model.ids[position]
+    tried = judge.on_top(judge.without(model, position))
+    return _group(own, [(own, model.score), *((s.ids[-1], s.score) for s in tried)])
 
 
 def _by_streams(judge: Judge, two: Scored) -> Iterator[list[Scored]]:
