@@ -188,6 +188,7 @@ def _found(
             is_angle=p.unit == "deg",
         )
         for p in effects()[truth.id].parameters
+        if p.name not in SWITCHES  # which are on or off, and by no share
     ]
 
 

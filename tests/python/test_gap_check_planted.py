@@ -62,3 +62,14 @@ def test_a_planted_effect_is_found_with_its_parameters() -> None:
     assert share.truth == effect.parameters["probability"]
     assert share.value == pytest.approx(campaign.touches.missed.mean(), rel=0.3)
     assert share.low < share.value < share.high
+
+
+@pytest.mark.parametrize("seed", [3, 4, 5])
+@pytest.mark.parametrize("effect_id", ["trigger_delay", "transmission_error", "rotary_pivot"])
+def test_no_other_numbers_do_what_the_planted_ones_do(seed: int, effect_id: str) -> None:
+    _, effect, campaign = plant(seed, list(effects()).index(effect_id))
+    p = effect.parameters
+
+    assert p.get("delay_us", 0.0) >= -campaign.nominal.probe.delay_us
+    assert p.get("amplitude2_um", 0.0) <= p.get("amplitude_um", 0.0)
+    assert {p.get("mirrored", 0.0), p.get("at_surface", 0.0)} <= {0.0, 1.0}
