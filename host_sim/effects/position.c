@@ -75,8 +75,10 @@ double effect_encoder_quantisation(const sim_effect_call_t *call, double positio
 {
     double step_um = call->parameters[0];
     if (call->parameters[1] > 0.5) {
+        double origin = call->parameters[2];
         double where_um = coordinate_mm(call, position_um) * UM_PER_MM;
-        return position_um + call->touch->sign * (rint(where_um / step_um) * step_um - where_um);
+        double line_um = (rint(where_um / step_um - origin) + origin) * step_um;
+        return position_um + call->touch->sign * (line_um - where_um);
     }
     return rint(position_um / step_um) * step_um;
 }

@@ -150,12 +150,28 @@ def test_a_grid_of_no_whole_number_of_believed_steps_is_proposed() -> None:
         return Scene(plain.nominal, replace(plain.touches, deviation_um=np.resize(lines, n)))
 
     def odd(of: Scene) -> list[float]:
-        proposed = [start[0] / of.nominal.axis.resolution_um for start in resolutions(of, Change())]
-        return [steps for steps in proposed if abs(steps - round(steps)) > 1e-6]
+        proposed = (start[0] for start in resolutions(of, Change()) if start[1] == 0.0)
+        steps = [pitch / of.nominal.axis.resolution_um for pitch in proposed]
+        return [count for count in steps if abs(count - round(count)) > 1e-6]
 
     assert odd(scene) == [pytest.approx(9.2375, rel=1e-4)]
     assert odd(on_lines(3)) == [pytest.approx(9.2375, rel=1e-3)]
     assert not odd(plain)
+
+
+@pytest.mark.parametrize("steps", [2.2, 9.2375])
+def test_the_lines_of_a_coarse_coordinate_are_proposed(steps: float) -> None:
+    plain = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    fine, touches = plain.nominal.axis.resolution_um, plain.touches
+    pitch_um = steps * fine
+    lines_um = (np.rint(plain.latched_mm * 1e3 / pitch_um - 0.3) + 0.3) * pitch_um
+    off_um = plain.sign * (lines_um - touches.position_mm * 1e3)
+    coarse = replace(touches, deviation_um=np.rint(off_um / fine) * fine)
+
+    proposed = [start for start in resolutions(Scene(plain.nominal, coarse), Change()) if start[2]]
+
+    assert [pytest.approx(pitch_um, rel=1e-4), 1.0, pytest.approx(0.3, abs=0.05)] in proposed
+    assert not [start for start in resolutions(plain, Change()) if start[2]]
 
 
 @pytest.mark.parametrize("rounded", [np.rint, np.floor])
@@ -171,7 +187,7 @@ def test_what_lies_on_a_coarse_grid_does_so_however_the_fine_one_rounds_it(
     def total(change: Change) -> float:
         return likelihood(scene, change, names=["position"]).total
 
-    off_grid = Change(coarse_um=7.37 * fine, is_on_grid=False)
+    off_grid = Change(coarse_um=7.37 * fine, line_um=np.nan)
     gained = total(Change(coarse_um=7.37 * fine)) - total(off_grid)
 
     assert gained == pytest.approx(np.log(7.37) * plain.streams["position"].rows.sum(), rel=0.05)

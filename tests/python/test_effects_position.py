@@ -121,6 +121,16 @@ def test_encoder_quantisation_rounds_to_the_nearest() -> None:
     assert np.abs(played.deviation_shift_um).max() > 0.7
 
 
+def test_encoder_quantisation_has_the_lines_of_the_coordinate_where_they_are_said_to_be() -> None:
+    played = trace(SKIP, "encoder_quantisation", resolution_um=1.5, is_coordinate=1.0, origin=0.3)
+    way_um = played.touches.sign * played.changed.deviation_um[0]
+    counts = (played.touches.position_mm * 1e3 + way_um) / 1.5 - 0.3
+
+    assert_close(counts, np.rint(counts), RESOLUTION_UM)
+    assert np.abs(played.deviation_shift_um).max() < 0.75 + RESOLUTION_UM
+    assert np.abs(played.deviation_shift_um).max() > 0.7
+
+
 def lagged_c(time_s: FloatArray, temp_c: FloatArray, lag_s: float) -> FloatArray:
     """A first-order lag that settles on the first reading and takes each one as held before it."""
     lagged = [float(temp_c[0])]

@@ -278,8 +278,8 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "encoder_quantisation",
-            ("resolution_um", "is_coordinate"),
-            lambda _, p: Change(coarse_um=abs(p[0]), is_on_grid=p[1] == 0.0),
+            ("resolution_um", "is_coordinate", "origin"),
+            surrogates.coarse_positions,
             starts.resolutions,
         ),
         Candidate(

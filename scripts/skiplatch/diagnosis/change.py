@@ -38,6 +38,8 @@ class Change:
     position_extra: tuple[Extra, ...] = ()
     coarse_um: float = 0.0
     """Resolution of the position, if coarser than believed."""
+    line_um: Number = 0.0
+    """The deviation at a line of the coarse position, 0 of a coarse distance; NaN if not known."""
     coarse_us: float = 0.0
     """Tick of the skip path's stamps, if coarser than believed."""
     is_on_grid: bool = True
@@ -73,6 +75,7 @@ class Change:
             position_sigma_um=np.hypot(self.position_sigma_um, other.position_sigma_um),
             position_extra=_both(self.position_extra, other.position_extra),
             coarse_um=max(self.coarse_um, other.coarse_um),
+            line_um=self.line_um if self.coarse_um >= other.coarse_um else other.line_um,
             coarse_us=max(self.coarse_us, other.coarse_us),
             is_on_grid=self.is_on_grid and other.is_on_grid,
             report_us=self.report_us + other.report_us,

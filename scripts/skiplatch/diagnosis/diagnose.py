@@ -142,9 +142,9 @@ def _diagnose(
     finding, confirmed = settle(
         scene, parts, finding, as_effects, seed=seed, jobs=jobs, executor=pool
     )
-    named = _named(finding, scene)
     # The shrink is that of parameters which its touches had no part in.
-    unseeing = [n.effect for n in _named(finding, scene.select(parts.naming))]
+    views = (scene, scene.select(parts.naming))
+    named, unseeing = (pool.map if pool else map)(_named, (finding, finding), views)
     known = finding.model or finding.small
     left = structures(scene, known.fit.change(scene) if known else Change(), materiality)
     is_loose = finding.model is not None and finding.model.fit.is_loose
@@ -154,7 +154,9 @@ def _diagnose(
         verdict=verdict,
         where=places(scene, finding, left),
         effects=[replace(n, confidence=n.confidence * RELIABILITY[verdict]) for n in named],
-        gap=shrink(scene, held_out, unseeing, seed=seed, jobs=jobs, truth=truth),
+        gap=shrink(
+            scene, held_out, [n.effect for n in unseeing], seed=seed, jobs=jobs, truth=truth
+        ),
         ranking=_ranked(finding.ranking),
         rivals=_ranked(finding.rivals),
         left=left,

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage, optimize, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
@@ -287,16 +288,23 @@ def _steps(scene: Scene, given: Change) -> list[Candidate]:
     found = []
     for name, stream in _shown(scene).items():
         scores, rows = _scores(scene, name, given, np.inf)  # ranks need no limit, which would tie
-        splits = range(FEWEST_A_SIDE, len(scores) - FEWEST_A_SIDE + 1)
-        chances = [float(stats.mannwhitneyu(scores[:k], scores[k:]).pvalue) for k in splits]
-        if chances and min(chances) * len(chances) < SCREENED:
-            k = splits[int(np.argmin(chances))]
+        splits = np.arange(FEWEST_A_SIDE, len(scores) - FEWEST_A_SIDE + 1)
+        k = _sharpest(scores, splits)
+        if stats.mannwhitneyu(scores[:k], scores[k:]).pvalue * len(splits) < SCREENED:
             residuals = stream.residuals[rows]
             before, after = (float(np.median(part)) for part in (residuals[:k], residuals[k:]))
             times_s = scene.touches.time_s[rows]
             at_s = float(times_s[k - 1] + times_s[k]) / 2.0
             found.append(_step(name, at_s, [before or SMALLEST, (after - before) or SMALLEST]))
     return found
+
+
+def _sharpest(scores: FloatArray, splits: NDArray[np.intp]) -> int:
+    """Give the split whose parts differ most in the ranks of their scores, over their scatter."""
+    count = len(scores)
+    ranks = np.cumsum(stats.rankdata(scores))[splits - 1]
+    off = np.abs(ranks - splits * (count + 1) / 2.0) / np.sqrt(splits * (count - splits))
+    return int(splits[np.argmax(off)])
 
 
 def _step(name: str, at_s: float, start: Sequence[float]) -> Candidate:

@@ -7,8 +7,10 @@ from skiplatch.arrays import FloatArray
 MARGIN = 0.15
 """How far the period may lie from the guess, as a share."""
 FIRST = 6
-"""Stamps that a first, coarse search looks at."""
-KEPT = 200
+"""Stamps that a first, coarse search looks at, the fewest that will do."""
+KEPT = 40
+"""Times as many periods a search leaves to the next, finer one."""
+REFINEMENTS = 6
 FINER = np.linspace(-1.0, 1.0, 9)
 
 
@@ -25,23 +27,25 @@ def off_grid(stamps: FloatArray, period: float) -> FloatArray:
     return folded(stamps - middle, period)
 
 
-def grid_period(stamps: FloatArray, guess: float) -> float:
+def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
     """Find the period whose grid holds the stamps best, coarse to fine.
 
     A few stamps close to each other leave many periods possible; more and more of them, over a
     longer and longer time, leave one.
 
     Args:
-        stamps: Shape (n,), n ≥ FIRST, sorted.
+        stamps: Shape (n,), n ≥ first, sorted.
         guess: Roughly the period, in the same unit.
+        first: Stamps that the first search looks at, at least FIRST; stamps that are rounded to
+            much of a period need more.
     """
-    stamps = _outwards(stamps)
-    count = FIRST
+    stamps = _outwards(stamps, first)
+    count, kept = first, KEPT * first
     step = 0.25 / max(float(np.ptp(stamps[:count])), guess)
     low, high = 1.0 / (guess * (1.0 + MARGIN)), 1.0 / (guess * (1.0 - MARGIN))
     frequencies = np.arange(low, high, step)
     while True:
-        frequencies = _best(frequencies, stamps[:count])
+        frequencies = _best(frequencies, stamps[:count], kept)
         if count == len(stamps):
             break
         count = min(2 * count, len(stamps))
@@ -49,23 +53,23 @@ def grid_period(stamps: FloatArray, guess: float) -> float:
         around = np.arange(-step, step + finer / 2.0, finer)
         frequencies = np.unique((frequencies[:, None] + around).ravel())
         step = finer
-    for _ in range(FIRST):
-        frequencies = _best((frequencies[:1, None] + step * FINER).ravel(), stamps)
+    for _ in range(REFINEMENTS):
+        frequencies = _best((frequencies[:1, None] + step * FINER).ravel(), stamps, kept=1)
         step /= 4.0
     return float(1.0 / frequencies[0])
 
 
-def _outwards(stamps: FloatArray) -> FloatArray:
+def _outwards(stamps: FloatArray, first: int) -> FloatArray:
     """Begin with the stamps that are closest together; the others follow by their distance."""
-    spans = stamps[FIRST - 1 :] - stamps[: len(stamps) - FIRST + 1]
-    middle = stamps[int(np.argmin(spans)) + FIRST // 2]
+    spans = stamps[first - 1 :] - stamps[: len(stamps) - first + 1]
+    middle = stamps[int(np.argmin(spans)) + first // 2]
     return stamps[np.argsort(np.abs(stamps - middle), kind="stable")]
 
 
-def _best(frequencies: FloatArray, stamps: FloatArray) -> FloatArray:
+def _best(frequencies: FloatArray, stamps: FloatArray, kept: int) -> FloatArray:
     """Give the frequencies at which the stamps agree best on a phase, the best first."""
     since = stamps - stamps[0]
     angles = 2.0 * np.pi * np.outer(frequencies, since)
     agreement = np.hypot(np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1))
-    best = np.argpartition(-agreement, min(KEPT, len(agreement) - 1))[:KEPT]
+    best = np.argpartition(-agreement, min(kept, len(agreement) - 1))[:kept]
     return np.asarray(frequencies[best[np.argsort(-agreement[best])]])

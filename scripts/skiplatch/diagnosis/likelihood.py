@@ -9,7 +9,7 @@ from functools import lru_cache, reduce
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, stats
+from scipy import fft, special, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change
@@ -139,7 +139,7 @@ def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float
     if stream.name == "position" and scene.plc.any():
         known = known - _rest_of_a_tick_um(scene, stream, law)
     values[rows] = law.log_density(known, 10.0 * law.usual_spread + stream.far)
-    return values + _grid_bonus(scene, stream, change) * stream.rows
+    return values + _grid_bonus(scene, stream, change)
 
 
 def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law) -> FloatArray:
@@ -228,9 +228,10 @@ def _latch(scene: Scene, stream: Stream, change: Change) -> Law:
     law = stream.law
     later = _mechanics_us(scene, change) + change.stamp_us + _path_us(stream, change)
     coarser = 0.0 if stream.is_polled else _coarser_tick_us(scene, change)
+    rounded = _rounded_again(coarser, scene.nominal.skip.tick_us, is_held=change.is_on_grid)
     return Law(
         offset=law.offset + later - coarser,
-        sigma=np.hypot(law.sigma, _rounded_again(change, coarser, scene.nominal.skip.tick_us)),
+        sigma=np.hypot(law.sigma, rounded),
         box_a=_waiting(scene, stream, law.box_a, change, 1.0),
         box_b=law.box_b + coarser,
         extras=_latch_extras(scene, stream, change, 1.0),
@@ -271,10 +272,11 @@ def _wrapped(centre: float, spread: float) -> list[tuple[float, float, float]]:
     if CALM * spread <= centre <= 1.0 - CALM * spread:
         return [(1.0, centre, spread)]
     low, high = ((end - centre - TURNS) / spread for end in (0.0, 1.0))
-    shares = stats.norm.cdf(high) - stats.norm.cdf(low)
+    shares = special.ndtr(high) - special.ndtr(low)
     known = shares > LEAST_PART
-    parts = stats.truncnorm(low[known], high[known], centre + TURNS[known], spread)
-    columns = (shares[known], np.asarray(parts.mean()), np.asarray(parts.std()))
+    # Mean and variance at once: each call takes as long as the density itself.
+    means, variances = stats.truncnorm.stats(low[known], high[known], centre + TURNS[known], spread)
+    columns = (shares[known], np.asarray(means), np.sqrt(np.asarray(variances)))
     return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
@@ -322,13 +324,14 @@ def _coarser_um(scene: Scene, change: Change) -> float:
     return max(0.0, change.coarse_um - scene.nominal.axis.resolution_um)
 
 
-def _rounded_again(change: Change, coarser: float, fine: float) -> float:
+def _rounded_again(coarser: float, fine: float, *, is_held: bool) -> float:
     """Give the standard deviation of what a fine grid adds to a coarse one that it does not hold.
 
-    Beside the box of the coarse grid that of the fine one only takes the edges off.
+    It holds none whose steps are no whole number of its own. Beside the box of the coarse grid that
+    of the fine one only takes the edges off.
     """
     steps = coarser / fine
-    is_held = change.is_on_grid and abs(steps - np.rint(steps)) < ROUNDING
+    is_held = is_held and abs(steps - np.rint(steps)) < ROUNDING
     return 0.0 if coarser == 0.0 or is_held else fine / np.sqrt(12.0)
 
 
@@ -457,7 +460,8 @@ def _position(scene: Scene, stream: Stream, change: Change) -> Law:
 
 def _position_sigma(scene: Scene, law: Law, change: Change) -> FloatArray:
     resolution = scene.nominal.axis.resolution_um
-    rounded = _rounded_again(change, _coarser_um(scene, change), resolution)
+    is_held = not np.any(change.line_um)
+    rounded = _rounded_again(_coarser_um(scene, change), resolution, is_held=is_held)
     return np.asarray(np.hypot(law.sigma, np.hypot(change.position_sigma_um, rounded)))
 
 
@@ -503,23 +507,46 @@ def _report(scene: Scene, stream: Stream, change: Change) -> Law:
 
 def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     """A coarse grid holds all its probability on few values: what that adds to the logarithm."""
-    if stream.name == "latch_skip" and change.coarse_us > 0.0 and change.is_on_grid:
-        return _on_grid(scene.touches.latch_us, change.coarse_us, scene.nominal.skip.tick_us)
-    is_length = stream.unit == "µm"
-    if is_length and change.coarse_um > 0.0 and change.is_on_grid:
-        resolution = scene.nominal.axis.resolution_um
-        return _on_grid(scene.touches.deviation_um, change.coarse_um, resolution)
+    if stream.name == "latch_skip" and change.is_on_grid:
+        tick = scene.nominal.skip.tick_us
+        return _by_lines(scene.touches.latch_us, change.coarse_us, tick, stream.rows)
+    if stream.unit == "µm":
+        off_um = scene.touches.deviation_um - change.line_um
+        fine_um = scene.nominal.axis.resolution_um
+        # Of coordinates the touches decide how many keep lines at all: steps of more than one size
+        # do not, nor does another surface than the one recorded.
+        anywhere = None if np.any(change.line_um) else OFF_GRID
+        return _by_lines(off_um, change.coarse_um, fine_um, stream.rows, anywhere)
     return np.zeros(len(scene))
 
 
-def _on_grid(values: FloatArray, coarse: float, fine: float) -> FloatArray:
+def _by_lines(
+    values: FloatArray,
+    coarse: float,
+    fine: float,
+    rows: BoolArray,
+    anywhere: float | None = OFF_GRID,
+) -> FloatArray:
+    """Weigh values by whether they lie on lines `coarse` apart, shape (n,); 0 of what is unknown.
+
+    Args:
+        values: Shape (n,), with a line at 0.
+        coarse: Distance of the lines.
+        fine: What the values are rounded to, to the nearest or down.
+        rows: Which of them count; shape (n,).
+        anywhere: Share of values that keep no lines; None for the likeliest.
+    """
     if coarse <= fine:
         return np.zeros(len(values))
-    off = (values - np.rint(values / coarse) * coarse) / fine
-    # The fine grid rounds what the coarse one gives to the nearest of its lines, or down.
+    known = rows & ~np.isnan(values)
+    off = folded(values, coarse) / fine
     nearest, down = np.abs(off) < 0.5, (off > ROUNDING - 1.0) & (off < ROUNDING)
-    is_on = nearest if nearest.sum() >= down.sum() else down
-    return np.asarray(np.where(is_on, np.log(coarse / fine), np.log(OFF_GRID)))
+    is_on = nearest if nearest[known].sum() >= down[known].sum() else down
+    if anywhere is None:
+        share_off = float(np.mean(~is_on[known])) if known.any() else 1.0
+        anywhere = float(np.clip(share_off * coarse / (coarse - fine), OFF_GRID, 1.0))
+    on_a_line = anywhere + (1.0 - anywhere) * coarse / fine
+    return np.where(known, np.log(np.where(is_on, on_a_line, anywhere)), 0.0)
 
 
 _LAWS = {

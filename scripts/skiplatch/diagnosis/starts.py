@@ -9,7 +9,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import SHORTEST_PERIOD, law_under
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H, Parameters, warmth_k_s
 from skiplatch.motion import S_PER_MIN, US_PER_S
 
@@ -20,6 +20,8 @@ FEWEST_LATE = 3
 FEWEST_FEEDS = 2
 FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
+ROUGHLY = 1.25
+"""Factor by which a width told by a scatter may be off."""
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
 SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
@@ -236,13 +238,13 @@ def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     return [*usual, *both, *by_feed]
 
 
-def resolutions(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose grids that the deviations lie on, and steps of the coordinate, on none."""
+def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that the deviations lie on, or the coordinates, and steps that lie on none."""
     fine = scene.nominal.axis.resolution_um
     deviations = scene.touches.deviation_um
     pitches = [grid[0] for grid in _grids(deviations, fine)] + _odd_pitch(deviations, fine)
-    grids = [[pitch, 0.0] for pitch in pitches]
-    return grids + [[ratio * fine, 1.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
+    grids = [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
+    return grids + [[ratio * fine, 1.0, 0.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
 
 
 def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -278,6 +280,28 @@ def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
     most_off = 0.02 * len(steps)
     on_grid = [k for k in range(2, 4097) if np.count_nonzero(steps % k) < most_off]
     return [[k * fine] for k in (on_grid or [2])[-3:]]
+
+
+def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
+    """Propose the grid that coordinates keep whose steps are as wide as the scatter says."""
+    fine = scene.nominal.axis.resolution_um
+    stream = scene.streams.get("position", scene.streams.get("deviation_skip"))
+    if stream is None:
+        return []
+    law = law_under(scene, stream, given)
+    sharp = stream.rows & (law.spread <= np.median(law.spread[stream.rows]))
+    unknown = float(np.var((stream.residuals - law.mean)[sharp]) - np.mean(law.variance[sharp]))
+    seen_um = np.sqrt(max(12.0 * unknown, 0.0) + fine**2)  # by the scatter of a box
+    where_um = np.sort(scene.latched_mm[~np.isnan(scene.touches.deviation_um)]) * UM_PER_MM
+    where_um = where_um[~np.isnan(where_um)]
+    if seen_um < MANY_STEPS * fine or len(where_um) < FEWEST_STAMPS:
+        return []
+    found = []
+    for guess in (seen_um / ROUGHLY, seen_um, seen_um * ROUGHLY):
+        pitch = grid_period(where_um, guess, first=FEWEST_STAMPS)
+        middle = np.angle(np.exp(2j * np.pi * where_um / pitch).sum()) / (2.0 * np.pi)
+        found.append([pitch, 1.0, float(middle) % 1.0])
+    return found
 
 
 def _odd_pitch(values: FloatArray, fine: float) -> list[float]:

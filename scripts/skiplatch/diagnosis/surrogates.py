@@ -10,7 +10,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
-from skiplatch.diagnosis.scene import LOBES, Scene
+from skiplatch.diagnosis.scene import LOBES, UM_PER_MM, Scene
 from skiplatch.motion import S_PER_MIN, contact_at
 from skiplatch.simulator import Parameter
 
@@ -148,7 +148,7 @@ def lost_motion(scene: Scene, p: Parameters) -> Change:
 
 def scaled(scene: Scene, p: Parameters) -> Change:
     """The position errs in proportion to itself."""
-    error_um = p[0] * 1e-3 * np.nan_to_num(scene.latched_mm)
+    error_um = p[0] / UM_PER_MM * np.nan_to_num(scene.latched_mm)
     return Change(position_um=scene.sign * error_um * scene.over_x(p[1], p[2]))
 
 
@@ -295,6 +295,15 @@ def coarse_ticks(scene: Scene, p: Parameters) -> Change:
     return Change(
         coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=is_on_grid
     )
+
+
+def coarse_positions(scene: Scene, p: Parameters) -> Change:
+    """The positions have coarser steps, of the distance or of the axis coordinate."""
+    step_um = abs(p[0])
+    if p[1] <= HALF_WAY:
+        return Change(coarse_um=step_um)
+    line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
+    return Change(coarse_um=step_um, line_um=line_um)
 
 
 def later_reports(scene: Scene, p: Parameters) -> Change:
