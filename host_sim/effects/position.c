@@ -35,7 +35,8 @@ static double over_x(const sim_effect_call_t *call, const double more[2])
 double effect_servo_hold(const sim_effect_call_t *call, double time_us)
 {
     double period_us = call->parameters[0];
-    double first_us = call->rig * period_us;
+    bool   is_anywhere = call->parameters[2] <= 0.0;
+    double first_us = (is_anywhere ? call->rig : call->parameters[2] / DEG_PER_TURN) * period_us;
     return first_us + floor((time_us - first_us) / period_us) * period_us - call->parameters[1];
 }
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
@@ -17,8 +18,9 @@ from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.starts import resolutions
+from skiplatch.diagnosis.starts import holds, resolutions
 from skiplatch.diagnosis.structure import SCATTER, goes_its_own_way, structures
+from skiplatch.simulator import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"
@@ -157,6 +159,20 @@ def test_a_grid_of_no_whole_number_of_believed_steps_is_proposed() -> None:
     assert odd(scene) == [pytest.approx(9.2375, rel=1e-4)]
     assert odd(on_lines(3)) == [pytest.approx(9.2375, rel=1e-3)]
     assert not odd(plain)
+
+
+@pytest.mark.parametrize(("period_us", "dead_us"), [(250.0, 100.0), (1000.0, 0.0)])
+def test_the_updates_of_a_held_position_are_proposed(period_us: float, dead_us: float) -> None:
+    numbers = {"period_us": period_us, "dead_us": dead_us, "phase_deg": 130.0}
+    scene = Scene.of(played(BENCH, Effect("servo_hold", numbers)))
+
+    proposed = np.array(holds(scene, Change()))
+
+    proposed[:, 2] += (dead_us - proposed[:, 1]) / period_us * 360.0  # longer dead, updated later
+    off = np.abs(proposed - [period_us, dead_us, 130.0])
+    assert np.any(np.all(off < [1e-4, 6.0, 2.0], axis=1))
+    plain = Scene.of(read_campaign(BENCH))
+    assert all(phase_deg == 0.0 for _, _, phase_deg in holds(plain, Change()))
 
 
 @pytest.mark.parametrize("steps", [2.2, 9.2375])

@@ -58,6 +58,16 @@ def test_the_skip_path_is_played_at_its_own_time() -> None:
     np.testing.assert_allclose(stamps % 8.0, 0.0, atol=1e-6)
 
 
+def test_updates_of_the_position_are_those_of_the_record_on_both_paths() -> None:
+    held = Effect("servo_hold", {"period_us": 800.0, "phase_deg": 70.0})
+    campaign = played(BENCH, held)
+
+    off_um = predicted(campaign, held).deviation_um - campaign.touches.deviation_um
+
+    # Beside an update or a scan by a hair's breadth it is the other one.
+    assert (np.abs(off_um) <= 2.0 * campaign.nominal.axis.resolution_um).mean() > 0.9
+
+
 def test_noise_of_the_reference_instrument_moves_no_contact() -> None:
     campaign = played(BENCH)
 

@@ -52,6 +52,16 @@ def test_servo_hold_reads_the_position_of_the_last_update(path: InputPath) -> No
 
 
 @both_paths
+def test_servo_hold_updates_at_its_phase_on_the_clock(path: InputPath) -> None:
+    for seed in (1, 2, 3):
+        played = trace(path, "servo_hold", seed=seed, period_us=2500.0, phase_deg=90.0)
+        fast = played.speed_um_us > 0.01
+        read_us = played.nominal.latch_us[0] + played.deviation_shift_um / played.speed_um_us
+
+        assert_close((read_us[fast] - 0.25 * 2500.0 + 1.0) % 2500.0, 1.0, 0.3)
+
+
+@both_paths
 @pytest.mark.parametrize("lag_us", [-80.0, 300.0])
 def test_following_error_reads_ahead_by_the_way_of_the_lag(path: InputPath, lag_us: float) -> None:
     played = trace(path, "following_error", lag_us=lag_us)

@@ -220,12 +220,9 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "servo_hold",
-            ("period_us", "dead_us"),
-            lambda scene, p: Change(
-                position_um=-scene.speed * (abs(p[0]) + abs(p[1])),
-                position_box_um=scene.speed * abs(p[0]),
-            ),
-            starts.fixed([50.0, 0.0], [500.0, 0.0], [2000.0, 0.0]),
+            ("period_us", "dead_us", "phase_deg"),
+            surrogates.held,
+            starts.holds,
             refinements=({1: 10.0}, {1: 200.0}),
         ),
         Candidate(

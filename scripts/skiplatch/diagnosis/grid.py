@@ -10,6 +10,8 @@ FIRST = 6
 """Stamps that a first, coarse search looks at, the fewest that will do."""
 KEPT = 40
 """Times as many periods a search leaves to the next, finer one."""
+MOST_PERIODS = 1_000_000
+"""That a first search tries."""
 REFINEMENTS = 6
 FINER = np.linspace(-1.0, 1.0, 9)
 
@@ -31,18 +33,24 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
     """Find the period whose grid holds the stamps best, coarse to fine.
 
     A few stamps close to each other leave many periods possible; more and more of them, over a
-    longer and longer time, leave one.
+    longer and longer time, leave one. Where even the closest are so far apart that too many periods
+    are possible, the guess is given back.
 
     Args:
         stamps: Shape (n,), n ≥ first, sorted.
         guess: Roughly the period, in the same unit.
-        first: Stamps that the first search looks at, at least FIRST; stamps that are rounded to
-            much of a period need more.
+        first: Stamps that the first search looks at, if they are close enough, and at least FIRST;
+            stamps that are rounded to much of a period need more.
     """
-    stamps = _outwards(stamps, first)
-    count, kept = first, KEPT * first
-    step = 0.25 / max(float(np.ptp(stamps[:count])), guess)
     low, high = 1.0 / (guess * (1.0 + MARGIN)), 1.0 / (guess * (1.0 - MARGIN))
+    for count in range(first, FIRST - 1, -1):
+        ordered = _outwards(stamps, count)
+        step = 0.25 / max(float(np.ptp(ordered[:count])), guess)
+        if high - low <= MOST_PERIODS * step:
+            break
+    else:
+        return guess
+    stamps, kept = ordered, KEPT * count
     frequencies = np.arange(low, high, step)
     while True:
         frequencies = _best(frequencies, stamps[:count], kept)

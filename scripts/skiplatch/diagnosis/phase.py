@@ -22,6 +22,7 @@ KEPT = 0.5
 and for stamps anywhere about 1 over the root of their number."""
 FEWEST_STAMPS = 16
 US_PER_S = 1e6
+DEG_PER_TURN = 360.0
 TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
 
 
@@ -79,7 +80,7 @@ def play_in_phase(
             _later(conditions, later),
             seed=seed,
             first_replicate=replicate,
-            switched_on=switched_on,
+            switched_on=[_with_later_updates(effect, later) for effect in switched_on],
         )
         for replicate, later in enumerate(later_us)
     ]
@@ -103,6 +104,15 @@ def play_in_phase(
 
 def _later(conditions: Touches, by_us: FloatArray | float) -> Touches:
     return replace(conditions, time_s=conditions.time_s + by_us / US_PER_S)
+
+
+def _with_later_updates(effect: Effect, by_us: float) -> Effect:
+    """Let the updates of the position come later by as much as the moves do."""
+    phase_deg = effect.parameters.get("phase_deg", 0.0)
+    if effect.id != "servo_hold" or not phase_deg:
+        return effect
+    moved_deg = (phase_deg + by_us / effect.parameters["period_us"] * DEG_PER_TURN) % DEG_PER_TURN
+    return replace(effect, parameters={**effect.parameters, "phase_deg": moved_deg or DEG_PER_TURN})
 
 
 def _period_us(nominal: Nominal, switched_on: Sequence[Effect]) -> float:

@@ -10,7 +10,14 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, folded, grid_period
 from skiplatch.diagnosis.likelihood import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
-from skiplatch.diagnosis.surrogates import LOOSEST, MM_PER_M, US_PER_H, Parameters, warmth_k_s
+from skiplatch.diagnosis.surrogates import (
+    DEG_PER_TURN,
+    LOOSEST,
+    MM_PER_M,
+    US_PER_H,
+    Parameters,
+    warmth_k_s,
+)
 from skiplatch.motion import S_PER_MIN, US_PER_S
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
@@ -32,6 +39,11 @@ CAPPED = (0.999, 0.99, 0.9, 0.6)
 """Shares of the highest feed that may be the limit of it."""
 FASTEST = 0.8
 """Share of the touches that are slower than those that show such a limit."""
+WITHOUT_WORST = (0.02, 0.98)
+CLEAR = 6.0
+"""Standard deviations over which ages spread that are not all the same."""
+SHARP_AGE = 0.1
+"""Scatter of the age of a position, over that of all ages, that tells an update's time."""
 TINY = 1e-9
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
@@ -247,6 +259,33 @@ def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     return grids + [[ratio * fine, 1.0, 0.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
 
 
+def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose periods of updates anywhere, and what is told by the ages of positions at stamps."""
+    usual = [[period_us, 0.0, 0.0] for period_us in (50.0, 500.0, 2000.0)]
+    stream = scene.streams.get("position")
+    if stream is None or not scene.has_stamps.any():
+        return usual
+    law = law_under(scene, stream, given)
+    ages_us = (law.mean - stream.residuals) / scene.speed
+    unsure_us = law.spread / scene.speed
+    rows = stream.rows & scene.has_stamps
+    sharp = rows & (unsure_us <= np.median(unsure_us[rows]))
+    span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
+    is_news = span_us > CLEAR * float(unsure_us[sharp].max())
+    sharp = rows & (unsure_us < SHARP_AGE * span_us)
+    if not is_news or sharp.sum() < FEWEST_STAMPS:
+        return usual
+    updates_us = np.sort((scene.touches.latch_us - ages_us)[sharp])
+    dead_us = max(float(ages_us[sharp].min()), 0.0)
+    seen = []
+    for guess_us in (span_us, span_us * ROUGHLY):
+        period_us = grid_period(updates_us, guess_us, first=FEWEST_STAMPS)
+        for age_us in (0.0, dead_us):
+            turn = (_middle(updates_us, period_us) + age_us / period_us) % 1.0
+            seen.append([period_us, age_us, (turn or 1.0) * DEG_PER_TURN])
+    return [*seen, *usual]
+
+
 def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose shares of the believed acceleration, and those with which some touches come slow."""
     feed_mm_s = scene.touches.feed_mm_min / S_PER_MIN
@@ -299,9 +338,14 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     found = []
     for guess in (seen_um / ROUGHLY, seen_um, seen_um * ROUGHLY):
         pitch = grid_period(where_um, guess, first=FEWEST_STAMPS)
-        middle = np.angle(np.exp(2j * np.pi * where_um / pitch).sum()) / (2.0 * np.pi)
-        found.append([pitch, 1.0, float(middle) % 1.0])
+        found.append([pitch, 1.0, _middle(where_um, pitch)])
     return found
+
+
+def _middle(values: FloatArray, period: float) -> float:
+    """Give where the grid of a period lies that values keep best, as a share of it."""
+    turns = np.exp(2j * np.pi * values / period).sum()
+    return float(np.angle(turns)) / (2.0 * np.pi) % 1.0
 
 
 def _odd_pitch(values: FloatArray, fine: float) -> list[float]:

@@ -30,12 +30,14 @@ HALF_WAY = 0.5
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 SHORTEST_MM = 0.01
+SHORTEST_US = 1e-3
 MOST_LAG = 3.0
 """Behind the temperature, over the time that a campaign takes."""
 SLOWEST_RATIO = 0.05
 LEAST_ACCEL = 0.02
 US_PER_H = 3.6e9
 MM_PER_M = 1000.0
+DEG_PER_TURN = 360.0
 SPAN_PARTS = 5
 """Boxes that stand for late scans of lengths that differ by more than a period."""
 LENGTHS = 5
@@ -133,6 +135,19 @@ def transmission(scene: Scene, p: Parameters) -> Change:
 
 def _where_mm(scene: Scene, p: Parameters) -> FloatArray:
     return scene.touches.position_mm if p[9] > HALF_WAY else scene.latched_mm
+
+
+def held(scene: Scene, p: Parameters) -> Change:
+    """The position is as old as the last update, which the stamp tells if their phase is known."""
+    period_us, dead_us = max(abs(p[0]), SHORTEST_US), abs(p[1])
+    age_us = np.full(len(scene), np.nan)
+    if p[2]:
+        age_us = (scene.touches.latch_us - p[2] / DEG_PER_TURN * period_us) % period_us
+    is_told = ~np.isnan(age_us)
+    return Change(
+        position_um=-scene.speed * (np.where(is_told, age_us, period_us) + dead_us),
+        position_box_um=scene.speed * np.where(is_told, 0.0, period_us),
+    )
 
 
 def lagging(scene: Scene, p: Parameters) -> Change:
