@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
@@ -18,7 +18,7 @@ from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.starts import holds, resolutions
+from skiplatch.diagnosis.starts import holds, resolutions, slots
 from skiplatch.diagnosis.structure import SCATTER, goes_its_own_way, structures
 from skiplatch.simulator import Effect
 
@@ -159,6 +159,40 @@ def test_a_grid_of_no_whole_number_of_believed_steps_is_proposed() -> None:
     assert odd(scene) == [pytest.approx(9.2375, rel=1e-4)]
     assert odd(on_lines(3)) == [pytest.approx(9.2375, rel=1e-3)]
     assert not odd(plain)
+
+
+STAMPED = replace(
+    read_campaign(MACHINE),
+    touches=replace(
+        read_campaign(MACHINE).touches, latch_us=np.zeros(len(read_campaign(MACHINE).touches))
+    ),
+)
+"""A machine campaign in which latches will be stamped when it is played."""
+
+
+@pytest.mark.parametrize("slot_us", [100.0, 1000.0])
+def test_the_slots_that_stamps_keep_are_proposed(slot_us: float) -> None:
+    slotted = Effect("link_slotting", {"slot_us": slot_us, "phase_deg": 130.0})
+    scene = Scene.of(played_again(STAMPED, slotted))
+
+    proposed = np.array(slots(scene, Change()))
+    off = np.abs(proposed - [slot_us, 130.0])
+    best = proposed[int(np.argmin(off[:, 0]))]
+
+    assert np.any(np.all(off < [1e-4, 8.0], axis=1))
+    effect = CANDIDATES["link_slotting"]
+    gained = [
+        likelihood(scene, effect.change(scene, np.array([slot_us, phase_deg]))).total
+        for phase_deg in (best[1], 0.0)
+    ]
+    assert gained[0] > gained[1] + 300.0
+
+
+def test_stamps_that_keep_no_slots_propose_none() -> None:
+    late = Effect("trigger_delay", {"jitter_us": 300.0})
+    scene = Scene.of(played_again(STAMPED, late))
+
+    assert all(phase_deg == 0.0 for _, phase_deg in slots(scene, Change()))
 
 
 @pytest.mark.parametrize(("period_us", "dead_us"), [(250.0, 100.0), (1000.0, 0.0)])

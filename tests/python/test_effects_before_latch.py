@@ -162,6 +162,13 @@ def test_link_slots_lie_on_a_lattice_that_is_fixed_for_a_rig() -> None:
     assert np.ptp(phases) > 10.0
 
 
+def test_link_slots_end_at_their_phase_on_the_clock() -> None:
+    for seed in (1, 2, 3):
+        played = trace(SKIP, "link_slotting", seed=seed, slot_us=400.0, phase_deg=90.0)
+
+        assert_close((played.changed.true_edge_us[0] - 100.0 + 1.0) % 400.0, 1.0, 0.002)
+
+
 @pytest.mark.parametrize("path", list(InputPath))
 def test_link_retries_come_whole_periods_late_and_geometrically_often(
     path: InputPath,

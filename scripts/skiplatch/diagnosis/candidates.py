@@ -13,7 +13,6 @@ from skiplatch.campaign import Nominal
 from skiplatch.diagnosis import starts, surrogates
 from skiplatch.diagnosis.axes import each_axis
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts
 from skiplatch.diagnosis.surrogates import Parameters
@@ -111,9 +110,9 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "link_slotting",
-            ("slot_us",),
-            lambda _, p: Change(pin_extra=(Extra(1.0, width=abs(p[0])),)),
-            starts.fixed([50.0], [500.0], [4000.0]),
+            ("slot_us", "phase_deg"),
+            surrogates.slotted,
+            starts.slots,
             _machine,
         ),
         Candidate(

@@ -44,6 +44,8 @@ class Change:
     """Tick of the skip path's stamps, if coarser than believed."""
     is_on_grid: bool = True
     """Coarse ticks are whole numbers of the believed ones and count from the same origin."""
+    slots: tuple[float, float] | None = None
+    """Period and phase in µs of the slots on the device clock in which alone triggers arrive."""
     report_us: Number = 0.0
     pin_extra: tuple[Extra, ...] = ()
     skip_extra: tuple[Extra, ...] = ()
@@ -78,6 +80,7 @@ class Change:
             line_um=self.line_um if self.coarse_um >= other.coarse_um else other.line_um,
             coarse_us=max(self.coarse_us, other.coarse_us),
             is_on_grid=self.is_on_grid and other.is_on_grid,
+            slots=self.slots or other.slots,
             report_us=self.report_us + other.report_us,
             pin_extra=_both(self.pin_extra, other.pin_extra),
             skip_extra=_both(self.skip_extra, other.skip_extra),

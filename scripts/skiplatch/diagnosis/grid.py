@@ -7,12 +7,18 @@ from skiplatch.arrays import FloatArray
 MARGIN = 0.15
 """How far the period may lie from the guess, as a share."""
 FIRST = 6
-"""Stamps that a first, coarse search looks at, the fewest that will do."""
+"""Stamps that a first, coarse search looks at."""
 KEPT = 40
 """Times as many periods a search leaves to the next, finer one."""
+FEWEST = 3
+"""Stamps that do where they are far apart; many periods are left then."""
+KEPT_OF_FEW = 180_000
+"""So many over the square of the stamps."""
 MOST_PERIODS = 1_000_000
-"""That a first search tries."""
+"""That one search tries."""
 REFINEMENTS = 6
+ACCIDENT = 1e-3
+"""Chance of stamps anywhere to keep a grid."""
 FINER = np.linspace(-1.0, 1.0, 9)
 
 
@@ -39,32 +45,53 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
     Args:
         stamps: Shape (n,), n ≥ first, sorted.
         guess: Roughly the period, in the same unit.
-        first: Stamps that the first search looks at, if they are close enough, and at least FIRST;
-            stamps that are rounded to much of a period need more.
+        first: Stamps that the first search looks at, fewer where they are far apart; stamps that
+            are rounded to much of a period need more.
     """
     low, high = 1.0 / (guess * (1.0 + MARGIN)), 1.0 / (guess * (1.0 - MARGIN))
-    for count in range(first, FIRST - 1, -1):
+    for count in range(first, FEWEST - 1, -1):
         ordered = _outwards(stamps, count)
         step = 0.25 / max(float(np.ptp(ordered[:count])), guess)
         if high - low <= MOST_PERIODS * step:
             break
     else:
         return guess
-    stamps, kept = ordered, KEPT * count
+    stamps, is_few = ordered, count < FIRST
     frequencies = np.arange(low, high, step)
     while True:
+        kept = max(KEPT * first, KEPT_OF_FEW // count**2 if is_few else 0)
         frequencies = _best(frequencies, stamps[:count], kept)
         if count == len(stamps):
             break
         count = min(2 * count, len(stamps))
         finer = 0.25 / float(np.ptp(stamps[:count]))
         around = np.arange(-step, step + finer / 2.0, finer)
+        frequencies = frequencies[: max(1, MOST_PERIODS // len(around))]
         frequencies = np.unique((frequencies[:, None] + around).ravel())
         step = finer
     for _ in range(REFINEMENTS):
         frequencies = _best((frequencies[:1, None] + step * FINER).ravel(), stamps, kept=1)
         step /= 4.0
     return float(1.0 / frequencies[0])
+
+
+def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, float] | None:
+    """Find the grid that stamps keep by no accident: its period, and where it lies, a share of it.
+
+    None where the best of so many periods may well agree with them so well by chance, by Rayleigh's
+    test of each.
+
+    Args:
+        stamps: Shape (n,), n ≥ first, sorted.
+        guess: Roughly the period, in the same unit.
+        first: As for `grid_period`.
+    """
+    period = grid_period(stamps, guess, first)
+    turn = np.mean(np.exp(2j * np.pi * stamps / period))
+    tries = 1.0 + np.ptp(stamps) * 2.0 * MARGIN / guess
+    if len(stamps) * np.abs(turn) ** 2 < np.log(tries / ACCIDENT):
+        return None
+    return period, float(np.angle(turn)) / (2.0 * np.pi) % 1.0
 
 
 def _outwards(stamps: FloatArray, first: int) -> FloatArray:

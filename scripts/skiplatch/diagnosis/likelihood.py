@@ -23,6 +23,8 @@ NEVER_LOST = 1e-5
 """Share of touches that may be missed for reasons of their own."""
 OFF_GRID = 1e-3
 """Share of values that may lie off a coarse grid."""
+FAR_OFF = 0.01
+"""Of the mean density of a law, beyond which a value is none of it."""
 ROUNDING = 0.01
 """Of a fine step, by which a value may miss its grid for want of digits."""
 SHORTEST_PERIOD = 0.1
@@ -507,9 +509,11 @@ def _report(scene: Scene, stream: Stream, change: Change) -> Law:
 
 def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     """A coarse grid holds all its probability on few values: what that adds to the logarithm."""
-    if stream.name == "latch_skip" and change.is_on_grid:
+    if stream.name == "latch_skip":
         tick = scene.nominal.skip.tick_us
-        return _by_lines(scene.touches.latch_us, change.coarse_us, tick, stream.rows)
+        coarse_us = change.coarse_us if change.is_on_grid else 0.0
+        in_ticks = _by_lines(scene.touches.latch_us, coarse_us, tick, stream.rows)
+        return in_ticks + _in_slots(scene, stream, change)
     if stream.unit == "µm":
         off_um = scene.touches.deviation_um - change.line_um
         fine_um = scene.nominal.axis.resolution_um
@@ -518,6 +522,24 @@ def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
         anywhere = None if np.any(change.line_um) else OFF_GRID
         return _by_lines(off_um, change.coarse_um, fine_um, stream.rows, anywhere)
     return np.zeros(len(scene))
+
+
+def _in_slots(scene: Scene, stream: Stream, change: Change) -> FloatArray:
+    """Weigh stamps by the slots that triggers arrive in: latched so soon after the end of one.
+
+    How long a trigger waits for that is in the law already, wherever the slots end.
+    """
+    width_us = scene.nominal.skip.jitter_us + scene.nominal.skip.tick_us
+    if change.slots is None or change.slots[0] < 2.0 * width_us:
+        return np.zeros(len(scene))
+    slot_us, phase_us = change.slots
+    behind_us = scene.nominal.input.filter_us + scene.nominal.skip.latency_us + change.skip_us
+    off_us = folded(scene.touches.latch_us - behind_us - change.stamp_us - phase_us, slot_us)
+    sharp = replace(stream.law, sigma=np.zeros(len(scene)), box_a=scene.scatter_us)
+    density = np.exp(sharp.log_density(np.nan_to_num(off_us), slot_us)) * stream.rows
+    share_off = float(np.mean(density[stream.rows] * width_us < FAR_OFF))
+    anywhere = float(np.clip(share_off * slot_us / (slot_us - width_us), OFF_GRID, 1.0))
+    return np.where(stream.rows, np.log(anywhere + (1.0 - anywhere) * slot_us * density), 0.0)
 
 
 def _by_lines(

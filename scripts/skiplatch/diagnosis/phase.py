@@ -23,6 +23,8 @@ and for stamps anywhere about 1 over the root of their number."""
 FEWEST_STAMPS = 16
 US_PER_S = 1e6
 DEG_PER_TURN = 360.0
+ON_THE_CLOCK = {"servo_hold": "period_us", "link_slotting": "slot_us"}
+"""Effects with a phase on the device clock, and the name of their period."""
 TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
 
 
@@ -80,7 +82,7 @@ def play_in_phase(
             _later(conditions, later),
             seed=seed,
             first_replicate=replicate,
-            switched_on=[_with_later_updates(effect, later) for effect in switched_on],
+            switched_on=[_moved(effect, later) for effect in switched_on],
         )
         for replicate, later in enumerate(later_us)
     ]
@@ -106,12 +108,13 @@ def _later(conditions: Touches, by_us: FloatArray | float) -> Touches:
     return replace(conditions, time_s=conditions.time_s + by_us / US_PER_S)
 
 
-def _with_later_updates(effect: Effect, by_us: float) -> Effect:
-    """Let the updates of the position come later by as much as the moves do."""
+def _moved(effect: Effect, by_us: float) -> Effect:
+    """Let what an effect does on the clock come later by as much as the moves do."""
     phase_deg = effect.parameters.get("phase_deg", 0.0)
-    if effect.id != "servo_hold" or not phase_deg:
+    if effect.id not in ON_THE_CLOCK or not phase_deg:
         return effect
-    moved_deg = (phase_deg + by_us / effect.parameters["period_us"] * DEG_PER_TURN) % DEG_PER_TURN
+    period_us = effect.parameters[ON_THE_CLOCK[effect.id]]
+    moved_deg = (phase_deg + by_us / period_us * DEG_PER_TURN) % DEG_PER_TURN
     return replace(effect, parameters={**effect.parameters, "phase_deg": moved_deg or DEG_PER_TURN})
 
 

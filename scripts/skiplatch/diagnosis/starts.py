@@ -7,7 +7,7 @@ from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid import FIRST, folded, grid_period
+from skiplatch.diagnosis.grid import FIRST, MARGIN, folded, grid_period, kept_grid
 from skiplatch.diagnosis.likelihood import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import (
@@ -29,6 +29,8 @@ FEW_TICKS = 4.0
 """By which stamps of scans on time may be off their grid."""
 ROUGHLY = 1.25
 """Factor by which a width told by a scatter may be off."""
+APART = (1.0 + MARGIN) / (1.0 - MARGIN)
+"""Factor between guesses of a period that leave none out between them."""
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
 SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
@@ -259,6 +261,31 @@ def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     return grids + [[ratio * fine, 1.0, 0.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
 
 
+def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose slots anywhere, and those that the skip path's stamps keep."""
+    usual = [[slot_us, 0.0] for slot_us in (50.0, 500.0, 4000.0)]
+    skip = scene.nominal.skip
+    _mean, sigma = _later_us(scene, given)
+    span_us = float(np.sqrt(12.0)) * sigma  # by the scatter of a box
+    if "latch_skip" not in scene.streams or not span_us > CLEAR * (skip.jitter_us + skip.tick_us):
+        return usual
+    behind_us = (
+        scene.nominal.input.filter_us + skip.latency_us + (skip.jitter_us - skip.tick_us) / 2.0
+    )
+    ends_us = np.sort(scene.touches.latch_us[scene.streams["latch_skip"].rows]) - behind_us
+    seen = []
+    for guess_us in (span_us / APART, span_us, span_us * APART):
+        for slot_us, turn in _grids_kept(ends_us, guess_us):
+            # What keeps the ends of slots keeps those of slots half as long as well.
+            seen += [
+                [slot_us, turn],
+                [2.0 * slot_us, turn / 2.0],
+                [2.0 * slot_us, turn / 2.0 + 0.5],
+            ]
+    seen = [[slot_us, turn * DEG_PER_TURN] for slot_us, turn in seen]
+    return [*seen, *usual]
+
+
 def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose periods of updates anywhere, and what is told by the ages of positions at stamps."""
     usual = [[period_us, 0.0, 0.0] for period_us in (50.0, 500.0, 2000.0)]
@@ -273,16 +300,16 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
     is_news = span_us > CLEAR * float(unsure_us[sharp].max())
     sharp = rows & (unsure_us < SHARP_AGE * span_us)
-    if not is_news or sharp.sum() < FEWEST_STAMPS:
+    if not is_news:
         return usual
     updates_us = np.sort((scene.touches.latch_us - ages_us)[sharp])
     dead_us = max(float(ages_us[sharp].min()), 0.0)
     seen = []
     for guess_us in (span_us, span_us * ROUGHLY):
-        period_us = grid_period(updates_us, guess_us, first=FEWEST_STAMPS)
-        for age_us in (0.0, dead_us):
-            turn = (_middle(updates_us, period_us) + age_us / period_us) % 1.0
-            seen.append([period_us, age_us, (turn or 1.0) * DEG_PER_TURN])
+        for period_us, middle in _grids_kept(updates_us, guess_us):
+            for age_us in (0.0, dead_us):
+                turn = (middle + age_us / period_us) % 1.0 or 1.0
+                seen.append([period_us, age_us, turn * DEG_PER_TURN])
     return [*seen, *usual]
 
 
@@ -333,19 +360,18 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     seen_um = np.sqrt(max(12.0 * unknown, 0.0) + fine**2)  # by the scatter of a box
     where_um = np.sort(scene.latched_mm[~np.isnan(scene.touches.deviation_um)]) * UM_PER_MM
     where_um = where_um[~np.isnan(where_um)]
-    if seen_um < MANY_STEPS * fine or len(where_um) < FEWEST_STAMPS:
+    if seen_um < MANY_STEPS * fine:
         return []
-    found = []
-    for guess in (seen_um / ROUGHLY, seen_um, seen_um * ROUGHLY):
-        pitch = grid_period(where_um, guess, first=FEWEST_STAMPS)
-        found.append([pitch, 1.0, _middle(where_um, pitch)])
-    return found
+    guesses = (seen_um / ROUGHLY, seen_um, seen_um * ROUGHLY)
+    return [[pitch, 1.0, turn] for guess in guesses for pitch, turn in _grids_kept(where_um, guess)]
 
 
-def _middle(values: FloatArray, period: float) -> float:
-    """Give where the grid of a period lies that values keep best, as a share of it."""
-    turns = np.exp(2j * np.pi * values / period).sum()
-    return float(np.angle(turns)) / (2.0 * np.pi) % 1.0
+def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
+    """Give the grid that sorted values keep, and where it lies, not at 0 but at 1; or none."""
+    if len(values) < FEWEST_STAMPS:
+        return []
+    kept = kept_grid(values, guess, first=FEWEST_STAMPS)
+    return [(kept[0], kept[1] or 1.0)] if kept else []
 
 
 def _odd_pitch(values: FloatArray, fine: float) -> list[float]:

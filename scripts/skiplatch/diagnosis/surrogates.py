@@ -93,6 +93,15 @@ def lobing(scene: Scene, p: Parameters) -> Change:
     return Change(pretravel_um=p[0] * scene.cos_beta * np.cos(azimuth))
 
 
+def slotted(_scene: Scene, p: Parameters) -> Change:
+    """Triggers arrive at the end of their slot."""
+    slot_us = max(abs(p[0]), SHORTEST_US)
+    phase_us = p[1] / DEG_PER_TURN * slot_us
+    return Change(
+        pin_extra=(Extra(1.0, width=slot_us),), slots=(slot_us, phase_us) if p[1] else None
+    )
+
+
 def retry(_scene: Scene, p: Parameters) -> Change:
     """Attempts fail, and some fail again."""
     share, period = min(as_share(p[0]), MOST_RETRIES), abs(p[1])
