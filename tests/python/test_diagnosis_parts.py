@@ -188,6 +188,10 @@ def test_the_slots_that_stamps_keep_are_proposed(slot_us: float) -> None:
     assert gained[0] > gained[1] + 300.0
 
 
+def test_values_that_are_all_the_same_keep_the_period_that_was_guessed() -> None:
+    assert grid_period(np.full(20, 7.0), 3.0, first=16) == pytest.approx(3.0, rel=0.3)
+
+
 def test_stamps_that_keep_no_slots_propose_none() -> None:
     late = Effect("trigger_delay", {"jitter_us": 300.0})
     scene = Scene.of(played_again(STAMPED, late))

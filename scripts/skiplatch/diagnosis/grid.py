@@ -64,7 +64,7 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
         if count == len(stamps):
             break
         count = min(2 * count, len(stamps))
-        finer = 0.25 / float(np.ptp(stamps[:count]))
+        finer = 0.25 / max(float(np.ptp(stamps[:count])), guess)
         around = np.arange(-step, step + finer / 2.0, finer)
         frequencies = frequencies[: max(1, MOST_PERIODS // len(around))]
         frequencies = np.unique((frequencies[:, None] + around).ravel())
