@@ -40,7 +40,7 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
 
     A few stamps close to each other leave many periods possible; more and more of them, over a
     longer and longer time, leave one. Where even the closest are so far apart that too many periods
-    are possible, the guess is given back.
+    are possible, and where all are within one, the guess is given back.
 
     Args:
         stamps: Shape (n,), n ≥ first, sorted.
@@ -48,6 +48,8 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
         first: Stamps that the first search looks at, fewer where they are far apart; stamps that
             are rounded to much of a period need more.
     """
+    if np.ptp(stamps) < guess:
+        return guess
     low, high = 1.0 / (guess * (1.0 + MARGIN)), 1.0 / (guess * (1.0 - MARGIN))
     for count in range(first, FEWEST - 1, -1):
         ordered = _outwards(stamps, count)
