@@ -76,7 +76,7 @@ double effect_encoder_quantisation(const sim_effect_call_t *call, double positio
 {
     double step_um = call->parameters[0];
     if (call->parameters[1] > 0.5) {
-        double origin = call->parameters[2];
+        double origin = call->parameters[2] > 0.0 ? call->parameters[2] : call->rig;
         double where_um = coordinate_mm(call, position_um) * UM_PER_MM;
         double line_um = (rint(where_um / step_um - origin) + origin) * step_um;
         return position_um + call->touch->sign * (line_um - where_um);

@@ -23,6 +23,8 @@ NEVER_LOST = 1e-5
 """Share of touches that may be missed for reasons of their own."""
 OFF_GRID = 1e-3
 """Share of values that may lie off a coarse grid."""
+MOSTLY = 0.5
+"""Share of values from which on those that keep no grid say that there is none."""
 FAR_OFF = 0.01
 """Of the mean density of a law, beyond which a value is none of it."""
 ROUNDING = 0.01
@@ -538,8 +540,17 @@ def _in_slots(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     sharp = replace(stream.law, sigma=np.zeros(len(scene)), box_a=scene.scatter_us)
     density = np.exp(sharp.log_density(np.nan_to_num(off_us), slot_us)) * stream.rows
     share_off = float(np.mean(density[stream.rows] * width_us < FAR_OFF))
-    anywhere = float(np.clip(share_off * slot_us / (slot_us - width_us), OFF_GRID, 1.0))
+    anywhere = _share_anywhere(share_off, slot_us, width_us)
     return np.where(stream.rows, np.log(anywhere + (1.0 - anywhere) * slot_us * density), 0.0)
+
+
+def _share_anywhere(share_off: float, period: float, width: float) -> float:
+    """Give the likeliest share of values that keep no grid, if so many are off lines so wide.
+
+    All of them, unless most are on its lines: some grid of so many holds a few by accident.
+    """
+    share = max(share_off * period / (period - width), OFF_GRID)
+    return share if share < MOSTLY else 1.0
 
 
 def _by_lines(
@@ -566,7 +577,7 @@ def _by_lines(
     is_on = nearest if nearest[known].sum() >= down[known].sum() else down
     if anywhere is None:
         share_off = float(np.mean(~is_on[known])) if known.any() else 1.0
-        anywhere = float(np.clip(share_off * coarse / (coarse - fine), OFF_GRID, 1.0))
+        anywhere = _share_anywhere(share_off, coarse, fine)
     on_a_line = anywhere + (1.0 - anywhere) * coarse / fine
     return np.where(known, np.log(np.where(is_on, on_a_line, anywhere)), 0.0)
 
