@@ -69,7 +69,7 @@ def test_a_play_says_of_an_effect_what_its_surrogate_says(effect_id: str, folder
         ("trigger_delay", [300.0, 0.0, 0.0], 0.03),  # a shift
         ("backlash", [3.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
         ("contact_bounce", [0.2, 300.0, 0.0, 0.0], 0.5),  # now and then
-        ("link_slotting", [300.0], 0.15),  # scatter alone
+        ("link_slotting", [300.0, 0.0], 0.15),  # scatter alone
         ("lost_trigger", [0.05], 0.3),
     ],
 )
@@ -92,7 +92,7 @@ def test_scatter_without_a_shift_is_scatter() -> None:
     """Slots of 300 µs: a wait of U(0, 300 µs), which has a standard deviation of 87 µs."""
     scene = Scene.of(played(MACHINE))
 
-    change = simulated("link_slotting").change(scene, np.array([300.0]))
+    change = simulated("link_slotting").change(scene, np.array([300.0, 0.0]))
 
     (extra,) = change.pin_extra
     assert np.mean(change.pin_us) == pytest.approx(150.0, rel=0.05)
