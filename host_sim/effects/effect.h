@@ -47,6 +47,12 @@ typedef struct {
     double             speed_um_us; /* of the axis now, along the approach */
 } sim_effect_call_t;
 
+/* Where a grid of the rig begins, as a share of its period; 0: anywhere, the same all the while. */
+static inline double effect_origin(const sim_effect_call_t *call, double share)
+{
+    return share > 0.0 ? share : call->rig;
+}
+
 typedef double sim_effect_change_t(const sim_effect_call_t *call, double value);
 
 typedef struct {

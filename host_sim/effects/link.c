@@ -1,17 +1,15 @@
 /* Effects of the optical or radio link between probe and receiver. */
 #include <math.h>
-#include <stdbool.h>
 
+#include "angle.h"
 #include "effects/effect.h"
 
-#define MOST_AGAIN   0.95 /* so that a trigger arrives */
-#define DEG_PER_TURN 360.0
+#define MOST_AGAIN 0.95 /* so that a trigger arrives */
 
 double effect_link_slotting(const sim_effect_call_t *call, double sent_us)
 {
     double slot_us = call->parameters[0];
-    bool   is_anywhere = call->parameters[1] <= 0.0;
-    double first_us = (is_anywhere ? call->rig : call->parameters[1] / DEG_PER_TURN) * slot_us;
+    double first_us = effect_origin(call, call->parameters[1] / DEG_PER_TURN) * slot_us;
     return first_us + ceil((sent_us - first_us) / slot_us) * slot_us;
 }
 

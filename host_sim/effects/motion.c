@@ -4,6 +4,8 @@
 #include "effects/effect.h"
 
 #define SLOWEST_MM_MIN 1.0
+#define LEAST_RATIO    0.02
+#define MM_PER_M       1000.0
 
 double effect_feed_error(const sim_effect_call_t *call, double feed_mm_min)
 {
@@ -14,5 +16,7 @@ double effect_feed_error(const sim_effect_call_t *call, double feed_mm_min)
 
 double effect_unfinished_acceleration(const sim_effect_call_t *call, double accel_mm_s2)
 {
-    return accel_mm_s2 * call->parameters[0];
+    double feed_m_min = call->touch->feed_mm_min / MM_PER_M;
+    double ratio = call->parameters[0] * pow(feed_m_min, call->parameters[1]);
+    return accel_mm_s2 * fmax(LEAST_RATIO, fmin(ratio, 1.0));
 }

@@ -11,7 +11,6 @@
 #define CALIBRATION_C 20.0
 #define UM_PER_MM     1000.0
 #define PPM           1.0e-6
-#define DEG_PER_TURN  360.0
 
 /* Axis coordinate in mm of a position in µm past the nominal surface. */
 static double coordinate_mm(const sim_effect_call_t *call, double position_um)
@@ -35,8 +34,7 @@ static double over_x(const sim_effect_call_t *call, const double more[2])
 double effect_servo_hold(const sim_effect_call_t *call, double time_us)
 {
     double period_us = call->parameters[0];
-    bool   is_anywhere = call->parameters[2] <= 0.0;
-    double first_us = (is_anywhere ? call->rig : call->parameters[2] / DEG_PER_TURN) * period_us;
+    double first_us = effect_origin(call, call->parameters[2] / DEG_PER_TURN) * period_us;
     return first_us + floor((time_us - first_us) / period_us) * period_us - call->parameters[1];
 }
 
@@ -56,14 +54,14 @@ double effect_backlash(const sim_effect_call_t *call, double position_um)
 
 double effect_transmission_error(const sim_effect_call_t *call, double position_um)
 {
-    double ahead = beyond_x(call, &call->parameters[7]) / DEG_PER_TURN;
-    bool   is_at_surface = call->parameters[9] > 0.5;
+    double ahead = beyond_x(call, &call->parameters[9]) / DEG_PER_TURN;
+    bool   is_at_surface = call->parameters[11] > 0.5;
     double where_mm = is_at_surface ? call->touch->position_mm : coordinate_mm(call, position_um);
     double turn = where_mm / call->parameters[1] + ahead;
-    double first = sim_wave(turn, call->parameters[2]);
-    double second = sim_wave(2.0 * turn, call->parameters[4]);
-    double error_um = call->parameters[0] * first + call->parameters[3] * second;
-    return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[5]);
+    double error_um = call->parameters[0] * sim_wave(turn, call->parameters[2]) +
+                      call->parameters[3] * sim_wave(2.0 * turn, call->parameters[4]) +
+                      call->parameters[5] * sim_wave(3.0 * turn, call->parameters[6]);
+    return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[7]);
 }
 
 double effect_scale_error(const sim_effect_call_t *call, double position_um)
@@ -76,7 +74,7 @@ double effect_encoder_quantisation(const sim_effect_call_t *call, double positio
 {
     double step_um = call->parameters[0];
     if (call->parameters[1] > 0.5) {
-        double origin = call->parameters[2] > 0.0 ? call->parameters[2] : call->rig;
+        double origin = effect_origin(call, call->parameters[2]);
         double where_um = coordinate_mm(call, position_um) * UM_PER_MM;
         double line_um = (rint(where_um / step_um - origin) + origin) * step_um;
         return position_um + call->touch->sign * (line_um - where_um);

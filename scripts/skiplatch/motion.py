@@ -9,6 +9,7 @@ from skiplatch.campaign import Nominal, Touches
 
 S_PER_MIN = 60.0
 US_PER_S = 1e6
+DEG_PER_TURN = 360.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -26,7 +27,9 @@ def expected_contact(nominal: Nominal, touches: Touches) -> Contact:
     return contact_at(touches, touches.feed_mm_min / S_PER_MIN, nominal.axis.accel_mm_s2)
 
 
-def contact_at(touches: Touches, wanted_mm_s: FloatArray, accel_mm_s2: float) -> Contact:
+def contact_at(
+    touches: Touches, wanted_mm_s: FloatArray, accel_mm_s2: FloatArray | float
+) -> Contact:
     """Give the contact at other speeds, shape (n,), or another acceleration than the nominal."""
     reachable_mm_s = np.sqrt(2.0 * accel_mm_s2 * touches.approach_mm)
     speed_mm_s = np.minimum(wanted_mm_s, reachable_mm_s)

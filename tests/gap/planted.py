@@ -144,14 +144,14 @@ def _is_unique(effect: Effect, setup: Setup) -> bool:
     """Tell whether no other numbers do the same.
 
     A delay cannot be made shorter than none, what befalls nearly all touches is another effect, and
-    an error of the second order alone is one of the first order with half the period.
+    an error of a higher order alone is one of the first order with a shorter period.
     """
     p, described = effect.parameters, effects()[effect.id].parameters
     believed_us = CANDIDATES[effect.id].believed_us
     return (
         (believed_us is None or p[described[0].name] >= -believed_us(setup.nominal))
         and all(p[d.name] <= highest(effect.id, d) for d in described)
-        and p.get("amplitude2_um", 0.0) <= p.get("amplitude_um", 0.0)
+        and all(p.get(f"amplitude{k}_um", 0.0) <= p.get("amplitude_um", 0.0) for k in (2, 3))
     )
 
 

@@ -87,6 +87,8 @@ EXAMPLES = {
         "phase_deg": 70.0,
         "amplitude2_um": 1.5,
         "phase2_deg": 200.0,
+        "amplitude3_um": 0.7,
+        "phase3_deg": 40.0,
     },
     "scale_error": {"scale_ppm": 60.0},
     "encoder_quantisation": {"resolution_um": 1.5},

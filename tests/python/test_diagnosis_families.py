@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import InputPath, Touches
@@ -14,6 +15,7 @@ from skiplatch.diagnosis.generic import families
 from skiplatch.diagnosis.judge import PLAIN, Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.structure import structures
+from skiplatch.simulator import Effect
 
 Disturbed = Callable[[Touches], Touches]
 
@@ -77,6 +79,26 @@ def test_what_has_the_look_of_a_family_makes_it_a_candidate(
     scene = Scene(campaign.nominal, disturbed(campaign.touches.in_order_of_time()))
 
     assert family in seen(scene)
+
+
+def test_noise_is_no_course_in_time() -> None:
+    """Each touch is held against the others around it: its own would explain itself."""
+    campaign = played(BENCH, Effect("isr_latency", {"latency_us": 3.0, "jitter_us": 6.0}))
+    touches = campaign.touches.in_order_of_time()
+    slow_us = 6.0 * np.sin(2.0 * np.pi * touches.time_s / touches.time_s[-1])
+    late_us = slow_us * (touches.path == InputPath.SKIP)
+    touches = replace(touches, latch_us=np.floor(touches.latch_us + late_us))
+    scene = Scene(campaign.nominal, touches)
+
+    (course,) = [
+        f for f in families(scene, Change()) if f.id == "~latch_skip: comes and goes with time"
+    ]
+    stream = scene.streams["latch_skip"]
+    shown_us = np.asarray(course.change(scene, np.array([1.0])).skip_us)[stream.rows]
+    noise_us = (stream.residuals - late_us)[stream.rows]
+
+    assert np.corrcoef(shown_us, late_us[stream.rows])[0, 1] > 0.95
+    assert stats.pearsonr(shown_us - late_us[stream.rows], noise_us).pvalue > 1e-3
 
 
 def test_a_clock_with_two_states_is_fitted_to_the_tick_and_no_effect_does_as_well() -> None:

@@ -170,6 +170,20 @@ def test_slack_of_the_first_effect_does_not_hide_the_second_one() -> None:
     assert groups(found(read_campaign(CLOCK_AND_SCANS))) == [{"timer_drift"}, {"scan_jitter"}]
 
 
+def test_a_faint_second_effect_is_named_beside_one_whose_form_leaves_nothing() -> None:
+    # Against hundreds of nats of the clock's, what a few bounces gain is next to nothing.
+    campaign = played(
+        BENCH,
+        Effect("timer_drift", {"drift_ppm": -6.0}),
+        Effect("contact_bounce", {"probability": 0.06, "span_us": 60.0}),
+    )
+
+    clock, late = groups(found(campaign))
+
+    assert clock == {"timer_drift"}
+    assert "contact_bounce" in late
+
+
 def test_what_scatters_is_searched_for_a_second_effect_before_others_take_its_place() -> None:
     campaign = played_again(
         stamped_machine(),

@@ -252,7 +252,7 @@ def test_a_position_that_shows_less_than_a_period_is_not_periodic() -> None:
     span_mm = float(np.ptp(scene.touches.position_mm))
 
     def largest_um(period_mm: float) -> float:
-        parameters = np.array([3.0, period_mm, 20.0, *[0.0] * 7])
+        parameters = np.array([3.0, period_mm, 20.0, *[0.0] * 9])
         change = CANDIDATES["transmission_error"].change(scene, parameters)
         return float(np.max(np.abs(change.position_um)))
 

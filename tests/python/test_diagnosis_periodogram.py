@@ -60,13 +60,17 @@ def test_touches_at_one_place_and_without_error_are_no_failure() -> None:
     assert np.all(explained == 0.0)
 
 
-def test_a_periodic_error_at_few_places_is_found_with_its_second_order() -> None:
+@pytest.mark.parametrize(("places", "third_um"), [(23, 0.0), (31, 3.0)])
+def test_a_periodic_error_at_few_places_is_found_with_its_higher_orders(
+    places: int, third_um: float
+) -> None:
     campaign = played(MACHINE)
     touches = campaign.touches.in_order_of_time()
     rng = np.random.default_rng(1)
-    places_mm = positions(rng, 23, len(touches))
+    places_mm = positions(rng, places, len(touches))
     turn = 2.0 * np.pi * places_mm / 10.0
     error_um = 6.0 * np.sin(turn + 0.5) + 5.0 * np.sin(2.0 * turn + 2.0)
+    error_um += third_um * np.sin(3.0 * turn + 1.0)
     sign = Scene(campaign.nominal, touches).sign
     disturbed = replace(
         touches, position_mm=places_mm, deviation_um=touches.deviation_um + sign * error_um
@@ -76,10 +80,11 @@ def test_a_periodic_error_at_few_places_is_found_with_its_second_order() -> None
     effect = catalogue()["transmission_error"]
     found = fit(scene, [effect], effect.starts(scene, Change())).parameters[0]
 
-    size_um, period_mm, phase_deg, size2_um, phase2_deg = found[:5]
+    orders = np.flatnonzero([6.0, 5.0, third_um])
+    period_mm, sizes_um, phases_deg = found[1], found[[0, 3, 5]], found[[2, 4, 6]]
     assert period_mm == pytest.approx(10.0, abs=0.01)
-    assert (size_um, size2_um) == pytest.approx((6.0, 5.0), rel=0.05)
-    turned_deg = np.array([phase_deg, phase2_deg]) - np.rad2deg([0.5, 2.0])
+    assert sizes_um == pytest.approx((6.0, 5.0, third_um), rel=0.05)
+    turned_deg = (phases_deg - np.rad2deg([0.5, 2.0, 1.0]))[orders]
     np.testing.assert_allclose((turned_deg + 180.0) % 360.0 - 180.0, 0.0, atol=10.0)
 
 
@@ -98,5 +103,5 @@ def test_periodic_errors_of_two_axes_are_found_with_their_own_sizes_and_phases()
 
     assert 20 < is_y.sum() < len(touches) - 20
     assert found[:2] == pytest.approx((6.0, 10.0), rel=0.02)
-    assert found[5] == pytest.approx(-0.5, abs=0.02)
-    assert found[7] % 360.0 == pytest.approx(np.rad2deg(2.0), abs=3.0)
+    assert found[7] == pytest.approx(-0.5, abs=0.02)
+    assert found[9] % 360.0 == pytest.approx(np.rad2deg(2.0), abs=3.0)

@@ -119,6 +119,67 @@ def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() 
     assert np.median(origins) == pytest.approx(0.3, abs=0.07)
 
 
+@pytest.mark.parametrize(("tick_us", "origin_us"), [(41.3, 30.0), (120.9, -7.0)])
+def test_coarse_ticks_are_found_with_where_they_lie(tick_us: float, origin_us: float) -> None:
+    truth = Effect("timer_quantisation", {"tick_us": tick_us, "origin_us": origin_us})
+
+    found = searched(truth)
+
+    assert found[0] == pytest.approx(tick_us, rel=1e-6)
+    assert found[1] == pytest.approx(origin_us, abs=1.0)
+
+
+def with_scans_at(grid_us: FloatArray) -> Scene:
+    """Latch each touch of the PLC at the first of some scans after its edge."""
+    campaign = played(BENCH, seed=21)
+    touches, behind_us = campaign.touches, campaign.nominal.input.filter_us
+    next_us = grid_us[np.searchsorted(grid_us, np.nan_to_num(touches.edge_us) + behind_us)]
+    stamps = np.where(touches.on_plc, np.floor(next_us), touches.latch_us)
+    return Scene.of(replace(campaign, touches=replace(touches, latch_us=stamps)))
+
+
+@pytest.mark.parametrize(("swing", "scatter"), [(0.15, 0.0), (0.0, 0.12)])
+def test_another_period_is_found_though_its_grid_wanders_or_scatters(
+    swing: float, scatter: float
+) -> None:
+    """No simulator's form: scans run ahead and lag again, or each of them is off by itself."""
+    campaign = played(BENCH, seed=21)
+    period_us, end_us = 0.97 * campaign.nominal.plc.scan_us, 1e6 * campaign.touches.time_s[-1]
+    on_time = np.arange(0.0, end_us + 1e7, period_us)
+    off = swing * np.sin(2.0 * np.pi * on_time / (0.3 * end_us))
+    off += scatter * np.random.default_rng(2).standard_normal(len(on_time))
+    scene = with_scans_at(np.sort(on_time + off * period_us))
+    period, late = CANDIDATES["scan_period"], CANDIDATES["scan_jitter"]
+
+    found, other = (fit(scene, [c], c.starts(scene, Change())) for c in (period, late))
+    gains = [likelihood(scene, f.change(scene), names=PLC).total for f in (found, other)]
+
+    assert found.parameters[0][0] == pytest.approx(-0.03 * campaign.nominal.plc.scan_us, abs=0.01)
+    assert gains[0] > gains[1] + 10.0
+
+
+def test_a_grid_on_time_gains_nothing_by_wandering() -> None:
+    scene = Scene.of(played(BENCH, seed=21))
+    still, other = (
+        likelihood(scene, Change(period_us=off_us), names=["lattice"]).total
+        for off_us in (0.0, 1e-9)
+    )
+
+    assert other < still + 0.1
+
+
+def test_a_scan_late_by_a_whole_period_is_not_early() -> None:
+    """It was left out; a tick less than a period would explain stamps that are a tick early."""
+    scene = Scene.of(played(BENCH))
+    period, tick = scene.nominal.plc.scan_us, scene.nominal.skip.tick_us
+
+    (late,) = (
+        CANDIDATES["scan_overrun"].change(scene, np.array([0.1, period - tick, 0.0])).lattice_extra
+    )
+
+    assert late.offset == period
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_queue_behind_a_longer_way_that_some_reports_pass_is_found_whole(
     seed: int,

@@ -18,7 +18,7 @@ from skiplatch.simulator import Effect, effects
 
 CASES = {
     "feed_error": [3.0, 0.0, 0.0],
-    "unfinished_acceleration": [0.3],
+    "unfinished_acceleration": [0.3, 0.5],
     "pretravel_lobing": [3.0, 30.0],
     "trigger_delay": [300.0, 0.0, 0.0],
     "input_filter": [100.0, 20.0, 0.0],

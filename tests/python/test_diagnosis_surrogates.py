@@ -41,6 +41,7 @@ def whole(effect_id: str, **known: float) -> Effect:
 @pytest.mark.parametrize(
     ("folder", "truth"),
     [
+        (BENCH, whole("unfinished_acceleration", accel_ratio=0.6, by_feed=-0.4)),
         (BENCH, whole("scan_overrun", probability=0.03, overrun_us=9000.0)),
         (BENCH, whole("scan_overrun", probability=0.45, overrun_us=300.0, span_us=100.0)),
         (BENCH, whole("scan_overrun", probability=0.1, overrun_us=50.0, span_us=9000.0)),

@@ -30,7 +30,7 @@ SKIP, PLC = InputPath.SKIP, InputPath.PLC
 
 
 def contact(
-    touches: Touches, feed_ratio: FloatArray | float, accel_mm_s2: float
+    touches: Touches, feed_ratio: FloatArray | float, accel_mm_s2: FloatArray | float
 ) -> tuple[FloatArray, FloatArray]:
     """Time of contact in µs and speed in µm/µs: ramp from rest, then constant speed."""
     feed_mm_s = touches.feed_mm_min * feed_ratio / 60.0
@@ -40,7 +40,9 @@ def contact(
     return (touches.time_s + seconds) * 1e6, speed / 1e3
 
 
-def assert_moves_like(played: Trace, feed_ratio: FloatArray | float, accel_mm_s2: float) -> None:
+def assert_moves_like(
+    played: Trace, feed_ratio: FloatArray | float, accel_mm_s2: FloatArray | float
+) -> None:
     """Edge, stamp and deviation are those of the motion; the pretravel is the nominal one's."""
     believed_us, believed_speed = contact(played.touches, 1.0, ACCEL_MM_S2)
     pretravel_um = (played.nominal.true_edge_us[0] - believed_us - DELAY_US) * believed_speed
@@ -81,6 +83,15 @@ def test_unfinished_acceleration_touches_below_the_feed() -> None:
     assert_moves_like(played, 1.0, 0.1 * ACCEL_MM_S2)
     short = speed < 0.999 * played.speed_um_us
     assert 20 < short.sum() < 200
+
+
+@pytest.mark.parametrize("by_feed", [-0.8, 0.6])
+def test_acceleration_may_go_with_the_feed_but_never_beyond_the_believed(by_feed: float) -> None:
+    played = trace(SKIP, "unfinished_acceleration", accel_ratio=0.7, by_feed=by_feed)
+    ratio = np.minimum(0.7 * (played.touches.feed_mm_min / 1000.0) ** by_feed, 1.0)
+
+    assert_moves_like(played, 1.0, ratio * ACCEL_MM_S2)
+    assert 0.1 < (ratio == 1.0).mean() < 0.9
 
 
 def test_pretravel_lobing_turns_with_the_azimuth_and_fades_with_the_tilt() -> None:

@@ -78,7 +78,7 @@ def test_backlash_shifts_the_negative_sense_alone(path: InputPath, backlash_um: 
     assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
 
 
-def test_transmission_error_is_periodic_in_the_coordinate_with_a_harmonic() -> None:
+def test_transmission_error_is_periodic_in_the_coordinate_with_harmonics() -> None:
     played = trace(
         SKIP,
         "transmission_error",
@@ -87,10 +87,12 @@ def test_transmission_error_is_periodic_in_the_coordinate_with_a_harmonic() -> N
         phase_deg=70.0,
         amplitude2_um=1.5,
         phase2_deg=200.0,
+        amplitude3_um=0.7,
+        phase3_deg=40.0,
     )
     turn_deg = 360.0 * coordinate_mm(played) / 5.0
-    first, second = np.deg2rad(turn_deg + 70.0), np.deg2rad(2.0 * turn_deg + 200.0)
-    error_um = 4.0 * np.sin(first) + 1.5 * np.sin(second)
+    orders = ((1.0, 4.0, 70.0), (2.0, 1.5, 200.0), (3.0, 0.7, 40.0))
+    error_um = sum(um * np.sin(np.deg2rad(k * turn_deg + deg)) for k, um, deg in orders)
 
     assert_close(
         played.deviation_shift_um, played.touches.sign * error_um, 1.1 * POSITION_TOLERANCE_UM

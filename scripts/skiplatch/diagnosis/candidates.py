@@ -88,9 +88,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "unfinished_acceleration",
-            ("accel_ratio",),
+            ("accel_ratio", "by_feed"),
             surrogates.unfinished,
             starts.accelerations,
+            refinements=({1: 0.5}, {1: -0.5}),
         ),
         Candidate(
             "pretravel_lobing",
@@ -252,6 +253,8 @@ CANDIDATES: Mapping[str, Candidate] = {
                 "phase_deg",
                 "amplitude2_um",
                 "phase2_deg",
+                "amplitude3_um",
+                "phase3_deg",
                 "y_more",
                 "z_more",
                 "y_ahead_deg",
@@ -262,7 +265,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             transmissions,
             refinements=(
                 *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
-                *_per_axis(5),
+                *_per_axis(7),
             ),
         ),
         Candidate(

@@ -42,8 +42,8 @@ class Change:
     """The deviation at a line of the coarse position, 0 of a coarse distance; NaN if not known."""
     coarse_us: float = 0.0
     """Tick of the skip path's stamps, if coarser than believed."""
-    is_on_grid: bool = True
-    """Coarse ticks are whole numbers of the believed ones and count from the same origin."""
+    tick_line_us: float = 0.0
+    """A stamp at such a tick, 0 where coarse and believed ticks have the same origin."""
     slots: tuple[float, float] | None = None
     """Period and phase in µs of the slots on the device clock in which alone triggers arrive."""
     report_us: Number = 0.0
@@ -79,7 +79,9 @@ class Change:
             coarse_um=max(self.coarse_um, other.coarse_um),
             line_um=self.line_um if self.coarse_um >= other.coarse_um else other.line_um,
             coarse_us=max(self.coarse_us, other.coarse_us),
-            is_on_grid=self.is_on_grid and other.is_on_grid,
+            tick_line_us=(
+                self.tick_line_us if self.coarse_us >= other.coarse_us else other.tick_line_us
+            ),
             slots=self.slots or other.slots,
             report_us=self.report_us + other.report_us,
             pin_extra=_both(self.pin_extra, other.pin_extra),

@@ -15,7 +15,8 @@ PLAIN_SECOND = 0.2
 One that gains less is believed only where it mends all that the first one leaves, or goes with a
 condition that the first one does not go with."""
 FAINTEST_SECOND = 0.03
-"""The same below which it is not believed at all: that much any form is off."""
+"""The same below which it is not believed, unless the first one's form leaves nothing: that much
+any form is off."""
 SMALLEST_LEFT = 0.1
 """The same of what no effect explains."""
 NEXT_BEST = 0.5
@@ -174,12 +175,18 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
         # The first one may well have another form: it cannot be that of what shows elsewhere.
         return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
     share = judge.share(pair, first)
-    if share < FAINTEST_SECOND or pair.fit.is_loose:
+    is_faint = share < FAINTEST_SECOND and not _leaves_no_form(judge, first)
+    if is_faint or pair.fit.is_loose:
         return False
     if _mends_all(judge, pair):
         return not _is_a_form(judge, pair, 0.0)
     is_plain = share >= PLAIN_SECOND or judge.goes_its_own_way(pair)
     return is_plain and not _is_a_form(judge, pair, -TIED)
+
+
+def _leaves_no_form(judge: Judge, single: Scored) -> bool:
+    """Tell whether an effect alone needs no slack and leaves nothing that another form could be."""
+    return single.fit.slack == 0.0 and judge.generic(single.fit)[0].score <= single.score
 
 
 def _mends_all(judge: Judge, pair: Scored) -> bool:

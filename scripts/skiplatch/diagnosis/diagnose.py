@@ -248,6 +248,7 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
         ("amplitude_um", "azimuth_deg", 60.0),
         ("amplitude_um", "phase_deg", 180.0),
         ("amplitude2_um", "phase2_deg", 180.0),
+        ("amplitude3_um", "phase3_deg", 180.0),
     ):
         if parameters.get(amplitude, 0.0) < 0.0 and phase in parameters:
             parameters[amplitude] *= -1.0

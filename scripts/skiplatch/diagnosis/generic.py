@@ -217,7 +217,7 @@ def _in_time(scene: Scene, given: Change) -> list[Candidate]:
         apart = around[window // 2 :: window]  # share no touch
         if len(apart) < FEWEST_A_SIDE or _significance(apart[:-1], apart[1:]) > SCREENED:
             continue
-        smooth = ndimage.median_filter(residuals, window, mode="nearest")
+        smooth = _around(residuals, window)
         times_s = scene.touches.time_s[rows]
         if name == "report":  # a stamp that is early makes its report late
             found.append(_course("stamp", (times_s, -smooth)))
@@ -225,6 +225,13 @@ def _in_time(scene: Scene, given: Change) -> list[Candidate]:
         kinds = ("stamp", name) if name == "latch_skip" else (name,)
         found += [_course(kind, (times_s, smooth)) for kind in kinds]
     return found
+
+
+def _around(values: FloatArray, window: int) -> FloatArray:
+    """Median of the values about each one without its own, which would explain itself; (n,)."""
+    half = window // 2
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(values, half, "reflect"), window)
+    return np.asarray(np.median(np.delete(windows, half, axis=1), axis=1))
 
 
 def _course(kind: str, course: tuple[FloatArray, FloatArray]) -> Candidate:

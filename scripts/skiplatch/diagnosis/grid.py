@@ -1,6 +1,7 @@
 """Grids of time stamps: how far stamps lie off one, and the period of one with few stamps on it."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 
@@ -29,10 +30,18 @@ def folded(values: FloatArray, period: float) -> FloatArray:
 
 def off_grid(stamps: FloatArray, period: float) -> FloatArray:
     """Give stamps, shape (…, n), off the middle of the grid that each row keeps best; NaN stays."""
+    middle = np.angle(mean_turn(stamps, period)) / (2.0 * np.pi) * period
+    return folded(stamps - middle[..., None], period)
+
+
+def mean_turn(stamps: FloatArray, period: float) -> NDArray[np.complex128]:
+    """Average stamps, shape (…, n), NaN if unknown, as turns of the period; shape (…).
+
+    Its length is 1 for all on one grid, and about 1 over the root of their number for any.
+    """
     known = ~np.isnan(stamps)
-    turns = np.where(known, np.exp(2j * np.pi * np.nan_to_num(stamps) / period), 0.0)
-    middle = np.angle(turns.sum(axis=-1, keepdims=True)) / (2.0 * np.pi) * period
-    return folded(stamps - middle, period)
+    turns = np.exp(2j * np.pi * np.where(known, stamps, 0.0) / period) * known
+    return np.asarray(turns.sum(axis=-1) / np.maximum(known.sum(axis=-1), 1))
 
 
 def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
@@ -89,7 +98,7 @@ def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, floa
         first: As for `grid_period`.
     """
     period = grid_period(stamps, guess, first)
-    turn = np.mean(np.exp(2j * np.pi * stamps / period))
+    turn = mean_turn(stamps, period)
     tries = 1.0 + np.ptp(stamps) * 2.0 * MARGIN / guess
     if len(stamps) * np.abs(turn) ** 2 < np.log(tries / ACCIDENT):
         return None

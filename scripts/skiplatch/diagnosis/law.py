@@ -70,7 +70,7 @@ class Law:
             extras=extras,
         )
 
-    def widened(self, sigma: float) -> Self:
+    def widened(self, sigma: FloatArray | float) -> Self:
         """Give a smoother law, for a coarse search."""
         return replace(self, sigma=np.hypot(self.sigma, sigma))
 

@@ -9,10 +9,10 @@ from functools import lru_cache, reduce
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, special, stats
+from scipy import fft, ndimage, special, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.change import Change, Number
 from skiplatch.diagnosis.grid import folded
 from skiplatch.diagnosis.law import Extra, Law
 from skiplatch.diagnosis.scene import Scene, Stream
@@ -43,6 +43,13 @@ BINS = (8, 13)
 """Fewest and most phases of the scans that are tried, as powers of 2."""
 ANYWHERE = 0.25
 """Standard deviation, over a period, from which on stamps lie anywhere on the grid."""
+NEIGHBOURS = 9
+"""Stamps in a row by which one tells where the grid is while it wanders."""
+NO_ACCIDENT = 20.0
+"""Of stamps about a grid: their number times the square of their mean turn; a period that is
+searched for holds any a little."""
+SCATTERED = 0.3
+"""Nats a stamp that speak against a scatter for which a grid has no reason."""
 TINY = 1e-9
 TURNS = np.array([-1.0, 0.0, 1.0])
 LEAST_PART = 1e-3
@@ -167,11 +174,17 @@ def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
         return law
     if stream.name in AFTER_LATCH:
         return _loosened_after_latch(scene, stream, change, law)
-    return law.widened(change.slack * _rms(law.offset - stream.law.offset, stream.rows))
+    return law.widened(change.slack * _size(law.offset - stream.law.offset, stream.rows))
 
 
 def _rms(values: FloatArray, rows: BoolArray) -> float:
     return float(np.sqrt(np.mean(values[rows] ** 2))) if rows.any() else 0.0
+
+
+def _size(shift: FloatArray, rows: BoolArray) -> FloatArray:
+    """Give the size of a shift, shape (n,), for what it shifts at all: the rest has no form."""
+    size = _rms(shift, rows)
+    return np.where(np.abs(shift) > TINY * size, size, 0.0)
 
 
 def _loosened_after_latch(scene: Scene, stream: Stream, change: Change, law: Law) -> Law:
@@ -183,9 +196,9 @@ def _loosened_after_latch(scene: Scene, stream: Stream, change: Change, law: Law
     timeless = replace(change, contact_us=0.0, speed_ratio=1.0, stamp_us=0.0, slack=0.0)
     own = law_under(scene, stream, timeless).offset
     per_us = scene.speed if stream.name == "position" else np.ones(len(scene))
-    slack_us = change.slack * _rms((law.offset - own) / per_us, stream.rows)
+    slack_us = change.slack * _size((law.offset - own) / per_us, stream.rows)
     mean_us, variance = _told_by_latch(scene, change, slack_us)
-    of_its_own = change.slack * _rms(own - stream.law.offset, stream.rows)
+    of_its_own = change.slack * _size(own - stream.law.offset, stream.rows)
     return replace(
         law,
         offset=law.offset - per_us * mean_us,
@@ -193,10 +206,12 @@ def _loosened_after_latch(scene: Scene, stream: Stream, change: Change, law: Law
     )
 
 
-def _told_by_latch(scene: Scene, change: Change, slack_us: float) -> tuple[FloatArray, FloatArray]:
+def _told_by_latch(
+    scene: Scene, change: Change, slack_us: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Mean and variance of a normal slack once the latch is known, in µs and µs²; shape (n,)."""
-    mean_us, variance = np.zeros(len(scene)), np.full(len(scene), slack_us**2)
-    if slack_us == 0.0:
+    mean_us, variance = np.zeros(len(scene)), slack_us**2
+    if not slack_us.any():
         return mean_us, variance
     for name in LATCHES & scene.streams.keys():
         stream = scene.streams[name]
@@ -232,7 +247,8 @@ def _latch(scene: Scene, stream: Stream, change: Change) -> Law:
     law = stream.law
     later = _mechanics_us(scene, change) + change.stamp_us + _path_us(stream, change)
     coarser = 0.0 if stream.is_polled else _coarser_tick_us(scene, change)
-    rounded = _rounded_again(coarser, scene.nominal.skip.tick_us, is_held=change.is_on_grid)
+    is_held = change.tick_line_us == 0.0
+    rounded = _rounded_again(coarser, scene.nominal.skip.tick_us, is_held=is_held)
     return Law(
         offset=law.offset + later - coarser,
         sigma=np.hypot(law.sigma, rounded),
@@ -437,6 +453,8 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
     phase, found = best(phases)
     for finer in _ever_finer(step, tick / period):
         phase, found = best(phase + finer * NEAR)
+    if change.period_us and not law.extras:
+        found = max([found, *_about_a_grid(turns, tick / period)], key=np.sum)
     if change.wait is None:
         return found
     # Scans that begin with the motion need not keep a grid: all of them, or those bound to it.
@@ -444,6 +462,28 @@ def _lattice_values(scene: Scene, stream: Stream, change: Change, law: Law) -> F
     share = float(np.clip(unlocked, TINY, 1.0 - TINY))
     partly = np.logaddexp(np.log(share) + found, np.log1p(-share))
     return max(found, partly, np.zeros(len(turns)), key=np.sum)
+
+
+def _about_a_grid(turns: FloatArray, tick: float) -> Iterator[FloatArray]:
+    """How much likelier stamps are about the grid of a period, in turns of it and order of time.
+
+    A period that differs seldom stays the same: its grid runs ahead and lags again, which stamps
+    close to each other in time show alike. Where they do not, each scan is late by itself, and that
+    is another effect's; the little it counts here leads to the period that both have together.
+    Each touch is held against the others only, with von Mises' law for what is on a circle.
+    """
+    points = np.exp(2j * np.pi * turns)
+    window = min(NEIGHBOURS, len(points)) | 1
+    near = ndimage.convolve1d(points, np.ones(window), mode="nearest") - points
+    everywhere = points.sum() - points
+    for middle, cost in ((near, 0.0), (everywhere, SCATTERED)):
+        off = np.angle(points * np.conj(middle))
+        kept = float(np.mean(np.cos(off)))
+        if kept > 0.0 and len(points) * kept**2 > NO_ACCIDENT:
+            # Concentration by Banerjee et al., J. Mach. Learn. Res. 6 (2005), eq. 4.4.
+            sharp = kept * (2.0 - kept**2) / max(1.0 - kept**2, TINY)
+            sharp = min(sharp, 1.0 / (2.0 * np.pi * tick) ** 2)
+            yield sharp * (np.cos(off) - 1.0) - np.log(special.ive(0, sharp)) - cost
 
 
 def _position(scene: Scene, stream: Stream, change: Change) -> Law:
@@ -512,17 +552,14 @@ def _report(scene: Scene, stream: Stream, change: Change) -> Law:
 def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     """A coarse grid holds all its probability on few values: what that adds to the logarithm."""
     if stream.name == "latch_skip":
-        tick = scene.nominal.skip.tick_us
-        coarse_us = change.coarse_us if change.is_on_grid else 0.0
-        in_ticks = _by_lines(scene.touches.latch_us, coarse_us, tick, stream.rows)
+        tick_us, line_us = scene.nominal.skip.tick_us, change.tick_line_us
+        in_ticks = _by_lines(
+            scene.touches.latch_us, line_us, change.coarse_us, tick_us, stream.rows
+        )
         return in_ticks + _in_slots(scene, stream, change)
     if stream.unit == "µm":
-        off_um = scene.touches.deviation_um - change.line_um
-        fine_um = scene.nominal.axis.resolution_um
-        # Of coordinates the touches decide how many keep lines at all: steps of more than one size
-        # do not, nor does another surface than the one recorded.
-        anywhere = None if np.any(change.line_um) else OFF_GRID
-        return _by_lines(off_um, change.coarse_um, fine_um, stream.rows, anywhere)
+        deviation_um, fine_um = scene.touches.deviation_um, scene.nominal.axis.resolution_um
+        return _by_lines(deviation_um, change.line_um, change.coarse_um, fine_um, stream.rows)
     return np.zeros(len(scene))
 
 
@@ -554,28 +591,28 @@ def _share_anywhere(share_off: float, period: float, width: float) -> float:
 
 
 def _by_lines(
-    values: FloatArray,
-    coarse: float,
-    fine: float,
-    rows: BoolArray,
-    anywhere: float | None = OFF_GRID,
+    values: FloatArray, line: Number, coarse: float, fine: float, rows: BoolArray
 ) -> FloatArray:
     """Weigh values by whether they lie on lines `coarse` apart, shape (n,); 0 of what is unknown.
 
+    Of lines that are told by the touches, these decide as well how many keep them at all: steps of
+    more than one size do not, nor do those of another surface than the one recorded.
+
     Args:
-        values: Shape (n,), with a line at 0.
+        values: Shape (n,).
+        line: Where one line is for each value; 0 for all where the believed grid has it, too.
         coarse: Distance of the lines.
         fine: What the values are rounded to, to the nearest or down.
         rows: Which of them count; shape (n,).
-        anywhere: Share of values that keep no lines; None for the likeliest.
     """
     if coarse <= fine:
         return np.zeros(len(values))
     known = rows & ~np.isnan(values)
-    off = folded(values, coarse) / fine
+    off = folded(values - line, coarse) / fine
     nearest, down = np.abs(off) < 0.5, (off > ROUNDING - 1.0) & (off < ROUNDING)
     is_on = nearest if nearest[known].sum() >= down[known].sum() else down
-    if anywhere is None:
+    anywhere = OFF_GRID
+    if np.any(line):
         share_off = float(np.mean(~is_on[known])) if known.any() else 1.0
         anywhere = _share_anywhere(share_off, coarse, fine)
     on_a_line = anywhere + (1.0 - anywhere) * coarse / fine

@@ -8,21 +8,19 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
+from skiplatch.diagnosis.grid import mean_turn
+from skiplatch.motion import DEG_PER_TURN, US_PER_S
 from skiplatch.simulator import Controller, Effect, Outcomes, play
 
 NOISE_EXPLAINS = 1.5
 """Times the noise of the reference instrument, root mean square, that edges may lie off by."""
 RESOLVED_US = 0.002  # to which edges are written
 KEPT = 0.5
-"""Mean of the stamps as turns of the scan, from which on they keep to its grid: 1 for all on it,
-and for stamps anywhere about 1 over the root of their number."""
+"""Mean of the stamps as turns of the scan, from which on they keep to its grid."""
 FEWEST_STAMPS = 16
-US_PER_S = 1e6
-DEG_PER_TURN = 360.0
 ON_THE_CLOCK = {"servo_hold": "period_us", "link_slotting": "slot_us"}
 """Effects with a phase on the device clock, and the name of their period."""
 TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
@@ -70,10 +68,10 @@ def play_in_phase(
     )
     period_us = _period_us(nominal, switched_on)
     stamps = recorded.latch_us[recorded.on_plc]
-    turn, plc = _turn(stamps, period_us), conditions.on_plc
+    turn, plc = mean_turn(stamps, period_us), conditions.on_plc
     if not plc.any() or abs(turn) < KEPT or np.isfinite(stamps).sum() < FEWEST_STAMPS:
         return free
-    own = _turn(free.latch_us[:, plc], period_us)
+    own = mean_turn(free.latch_us[:, plc], period_us)
     later_us = np.angle(own * np.conj(turn)) / (2.0 * np.pi) * period_us
     bound = [
         play(
@@ -122,10 +120,3 @@ def _period_us(nominal: Nominal, switched_on: Sequence[Effect]) -> float:
     """Give the period of the scans as far as effects change it."""
     changes = [e.parameters["period_us"] for e in switched_on if e.id == "scan_period"]
     return nominal.plc.scan_us + sum(changes)
-
-
-def _turn(stamps: FloatArray, period_us: float) -> NDArray[np.complex128]:
-    """Average stamps, shape (…, n), as turns of the scan; shape (…)."""
-    known = np.isfinite(stamps)
-    turns = np.exp(2j * np.pi * np.where(known, stamps, 0.0) / period_us) * known
-    return np.asarray(turns.sum(axis=-1) / np.maximum(known.sum(axis=-1), 1))

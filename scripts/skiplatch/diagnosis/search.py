@@ -32,7 +32,7 @@ WORTH_A_REFINEMENT = 2.0
 WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
-SLACKS = (0.001, 0.01, 0.05, 0.15, 0.4)
+SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
 MOST_LEFT = 0.7
 """Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
 STEPS = (0.3, 0.01, 0.001)
@@ -255,7 +255,10 @@ def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
     # Forms come first: slack would swallow what a jitter of its own explains.
     if len(found.candidates) == 1:
         best = _refined(target, found.candidates[0], best)
-    return target.fit(_loosened(target, best))
+    best = _loosened(target, best)
+    if len(found.candidates) == 1 and target.slack > 0.0:
+        best = _pruned(target, found.candidates[0], best)
+    return target.fit(best)
 
 
 def _loosened(target: _Target, best: FloatArray) -> FloatArray:
@@ -285,6 +288,16 @@ def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatAr
         promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]
         if promising:
             best = found[int(np.argmin(costs))]
+    return best
+
+
+def _pruned(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
+    """Take parameters away that slack has made worthless: what they shift would have some, too."""
+    for index in sorted({index for refinement in candidate.refinements for index in refinement}):
+        less = best.copy()
+        less[index] = 0.0
+        if less.any() and target(less, 0.0) <= target(best, 0.0) + WORTH_A_REFINEMENT:
+            best = less
     return best
 
 

@@ -11,22 +11,20 @@ from skiplatch.diagnosis.grid import FIRST, MARGIN, folded, grid_period, kept_gr
 from skiplatch.diagnosis.likelihood import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import (
-    DEG_PER_TURN,
+    FEW_TICKS,
     LOOSEST,
     MM_PER_M,
     US_PER_H,
     Parameters,
     warmth_k_s,
 )
-from skiplatch.motion import S_PER_MIN, US_PER_S
+from skiplatch.motion import DEG_PER_TURN, S_PER_MIN, US_PER_S
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 
 FEWEST_STAMPS = 16
 FEWEST_LATE = 3
 FEWEST_FEEDS = 2
-FEW_TICKS = 4.0
-"""By which stamps of scans on time may be off their grid."""
 ROUGHLY = 1.25
 """Factor by which a width told by a scatter may be off."""
 APART = (1.0 + MARGIN) / (1.0 - MARGIN)
@@ -80,8 +78,14 @@ def _later_us(scene: Scene, given: Change) -> tuple[float, float]:
     if len(late_us) < FEWEST_STAMPS:
         return np.nan, np.nan
     sharp = spread_us <= np.median(spread_us)
-    unknown = float(np.var(late_us[sharp]) - np.mean(spread_us[sharp] ** 2))
-    return float(np.mean(late_us[sharp])), float(np.sqrt(max(unknown, 0.0)))
+    return float(np.mean(late_us[sharp])), _unknown_sigma(late_us, spread_us)
+
+
+def _unknown_sigma(off: FloatArray, spread: FloatArray) -> float:
+    """Give the scatter of the sharper half that is not known of; both of shape (n,)."""
+    sharp = spread <= np.median(spread)
+    unknown = float(np.var(off[sharp]) - np.mean(spread[sharp] ** 2))
+    return float(np.sqrt(max(unknown, 0.0)))
 
 
 def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
@@ -229,8 +233,15 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     mean, sigma = _later_us(scene, given)
     if "latch_skip" not in scene.streams or np.isnan(mean):
         return usual
-    seen = float(np.sqrt(12.0 * sigma**2 + tick**2))  # by the scatter of a box
-    return [*usual, [seen, mean + 0.5 * seen, 0.0]]
+    width = _box_of(sigma, tick)
+    seen = [[width, mean + 0.5 * width, 0.0]]
+    if width > MANY_STEPS * tick:
+        stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
+        for pitch, turn in _grids_kept(stamps, width):
+            line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
+            whole = np.rint((mean + 0.5 * pitch - line) / pitch)
+            seen.append([pitch, line + whole * pitch, 0.0])
+    return [*seen, *usual]
 
 
 def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -265,23 +276,21 @@ def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose slots anywhere, and those that the skip path's stamps keep."""
     usual = [[slot_us, 0.0] for slot_us in (50.0, 500.0, 4000.0)]
     skip = scene.nominal.skip
-    _mean, sigma = _later_us(scene, given)
-    span_us = float(np.sqrt(12.0)) * sigma  # by the scatter of a box
+    span_us = _box_of(_later_us(scene, given)[1])
     if "latch_skip" not in scene.streams or not span_us > CLEAR * (skip.jitter_us + skip.tick_us):
         return usual
     behind_us = (
         scene.nominal.input.filter_us + skip.latency_us + (skip.jitter_us - skip.tick_us) / 2.0
     )
-    ends_us = np.sort(scene.touches.latch_us[scene.streams["latch_skip"].rows]) - behind_us
+    ends_us = scene.touches.latch_us[scene.streams["latch_skip"].rows] - behind_us
     seen = []
-    for guess_us in (span_us / APART, span_us, span_us * APART):
-        for slot_us, turn in _grids_kept(ends_us, guess_us):
-            # What keeps the ends of slots keeps those of slots half as long as well.
-            seen += [
-                [slot_us, turn],
-                [2.0 * slot_us, turn / 2.0],
-                [2.0 * slot_us, turn / 2.0 + 0.5],
-            ]
+    for slot_us, turn in _grids_kept(ends_us, span_us):
+        # What keeps the ends of slots keeps those of slots half as long as well.
+        seen += [
+            [slot_us, turn],
+            [2.0 * slot_us, turn / 2.0],
+            [2.0 * slot_us, turn / 2.0 + 0.5],
+        ]
     seen = [[slot_us, turn * DEG_PER_TURN] for slot_us, turn in seen]
     return [*seen, *usual]
 
@@ -302,14 +311,13 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     sharp = rows & (unsure_us < SHARP_AGE * span_us)
     if not is_news:
         return usual
-    updates_us = np.sort((scene.touches.latch_us - ages_us)[sharp])
+    updates_us = (scene.touches.latch_us - ages_us)[sharp]
     dead_us = max(float(ages_us[sharp].min()), 0.0)
     seen = []
-    for guess_us in (span_us, span_us * ROUGHLY):
-        for period_us, middle in _grids_kept(updates_us, guess_us):
-            for age_us in (0.0, dead_us):
-                turn = (middle + age_us / period_us) % 1.0 or 1.0
-                seen.append([period_us, age_us, turn * DEG_PER_TURN])
+    for period_us, middle in _grids_kept(updates_us, span_us):
+        for age_us in (0.0, dead_us):
+            turn = (middle + age_us / period_us) % 1.0 or 1.0
+            seen.append([period_us, age_us, turn * DEG_PER_TURN])
     return [*seen, *usual]
 
 
@@ -319,7 +327,7 @@ def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     enough_mm_s2 = feed_mm_s**2 / (2.0 * scene.touches.approach_mm)
     most = float(np.max(enough_mm_s2)) / scene.nominal.axis.accel_mm_s2
     shares = (*SLOWER, *(share * most for share in JUST_NOT_ENOUGH))
-    return [[share] for share in shares if share < 1.0]
+    return [[share, 0.0] for share in shares if share < 1.0]
 
 
 def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
@@ -355,23 +363,30 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     if stream is None:
         return []
     law = law_under(scene, stream, given)
-    sharp = stream.rows & (law.spread <= np.median(law.spread[stream.rows]))
-    unknown = float(np.var((stream.residuals - law.mean)[sharp]) - np.mean(law.variance[sharp]))
-    seen_um = np.sqrt(max(12.0 * unknown, 0.0) + fine**2)  # by the scatter of a box
-    where_um = np.sort(scene.latched_mm[~np.isnan(scene.touches.deviation_um)]) * UM_PER_MM
-    where_um = where_um[~np.isnan(where_um)]
+    rows = stream.rows
+    seen_um = _box_of(_unknown_sigma((stream.residuals - law.mean)[rows], law.spread[rows]), fine)
     if seen_um < MANY_STEPS * fine:
         return []
-    guesses = (seen_um / ROUGHLY, seen_um, seen_um * ROUGHLY)
-    return [[pitch, 1.0, turn] for guess in guesses for pitch, turn in _grids_kept(where_um, guess)]
+    where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
+    where_um = where_um[~np.isnan(where_um)]
+    return [[pitch, 1.0, turn] for pitch, turn in _grids_kept(where_um, seen_um)]
+
+
+def _box_of(sigma: float, known: float = 0.0) -> float:
+    """Give the width of a box with so much scatter beside a known box."""
+    return float(np.hypot(np.sqrt(12.0) * sigma, known))
 
 
 def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
-    """Give the grid that sorted values keep, and where it lies, not at 0 but at 1; or none."""
+    """Give the grids, each not too far from the guess, that values keep by no accident.
+
+    With each comes where it lies as a share of its period, above 0 and not above 1.
+    """
     if len(values) < FEWEST_STAMPS:
         return []
-    kept = kept_grid(values, guess, first=FEWEST_STAMPS)
-    return [(kept[0], kept[1] or 1.0)] if kept else []
+    guesses = (guess / APART, guess, guess * APART)
+    kept = [kept_grid(np.sort(values), near, first=FEWEST_STAMPS) for near in guesses]
+    return [(grid[0], grid[1] or 1.0) for grid in kept if grid]
 
 
 def _odd_pitch(values: FloatArray, fine: float) -> list[float]:

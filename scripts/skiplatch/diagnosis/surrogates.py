@@ -11,7 +11,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import LOBES, UM_PER_MM, Scene
-from skiplatch.motion import S_PER_MIN, contact_at
+from skiplatch.motion import DEG_PER_TURN, S_PER_MIN, contact_at
 from skiplatch.simulator import Parameter
 
 Parameters = FloatArray
@@ -37,9 +37,10 @@ SLOWEST_RATIO = 0.05
 LEAST_ACCEL = 0.02
 US_PER_H = 3.6e9
 MM_PER_M = 1000.0
-DEG_PER_TURN = 360.0
 SPAN_PARTS = 5
 """Boxes that stand for late scans of lengths that differ by more than a period."""
+FEW_TICKS = 4.0
+"""By which stamps of scans on time may be off their grid."""
 LENGTHS = 5
 """Boxes that stand for gaps between scans of lengths that differ."""
 CHANCE, EVEN, FALLING = (np.random.default_rng(1).random((3, 1024)).argsort(axis=1) + 0.5) / 1024
@@ -73,12 +74,15 @@ def feed_error(scene: Scene, p: Parameters) -> Change:
 
 
 def unfinished(scene: Scene, p: Parameters) -> Change:
-    """The axis accelerates more slowly."""
-    ratio = float(np.clip(p[0], LEAST_ACCEL, 1.0))
+    """The axis accelerates more slowly, at some feeds more so than at others."""
+    by_feed = (scene.touches.feed_mm_min / MM_PER_M) ** p[1]
+    ratio = np.clip(p[0] * by_feed, LEAST_ACCEL, 1.0)
     return _other_motion(scene, 1.0, scene.nominal.axis.accel_mm_s2 * ratio)
 
 
-def _other_motion(scene: Scene, feed_ratio: FloatArray | float, accel_mm_s2: float) -> Change:
+def _other_motion(
+    scene: Scene, feed_ratio: FloatArray | float, accel_mm_s2: FloatArray | float
+) -> Change:
     wanted_mm_s = scene.touches.feed_mm_min / S_PER_MIN * feed_ratio
     contact = contact_at(scene.touches, wanted_mm_s, accel_mm_s2)
     return Change(
@@ -129,21 +133,23 @@ def blocking(_scene: Scene, p: Parameters) -> Change:
 
 
 def transmission(scene: Scene, p: Parameters) -> Change:
-    """The position errs periodically, with a second harmonic, each axis by a screw of its own."""
+    """The position errs periodically, with harmonics, each axis by a screw of its own."""
     position = np.nan_to_num(_where_mm(scene, p))
     known = _where_mm(scene.whole or scene, p)
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
     period = max(abs(p[1]), SHORTEST_MM)
     if period > max(span, SHORTEST_MM):
         return Change()  # what shows less than a period is not periodic
-    turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[7], p[8]))
-    first = p[0] * np.sin(turn + np.deg2rad(p[2]))
-    second = p[3] * np.sin(2.0 * turn + np.deg2rad(p[4]))
-    return Change(position_um=scene.sign * (first + second) * scene.over_x(p[5], p[6]))
+    turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[9], p[10]))
+    error_um = p[0] * np.sin(turn + np.deg2rad(p[2]))
+    for order, size_um, phase_deg in ((2.0, p[3], p[4]), (3.0, p[5], p[6])):
+        if size_um:
+            error_um = error_um + size_um * np.sin(order * turn + np.deg2rad(phase_deg))
+    return Change(position_um=scene.sign * error_um * scene.over_x(p[7], p[8]))
 
 
 def _where_mm(scene: Scene, p: Parameters) -> FloatArray:
-    return scene.touches.position_mm if p[9] > HALF_WAY else scene.latched_mm
+    return scene.touches.position_mm if p[11] > HALF_WAY else scene.latched_mm
 
 
 def held(scene: Scene, p: Parameters) -> Change:
@@ -263,7 +269,7 @@ def overrun(scene: Scene, p: Parameters) -> Change:
     parts_met = (1.0 + ratios) / np.sum(1.0 + ratios)
     return Change(
         lattice_extra=tuple(
-            Extra(met * part, offset=begin, width=span / parts)
+            Extra(met * part, offset=_left_out(scene, begin), width=span / parts)
             for part, begin in zip(parts_met.tolist(), begins.tolist(), strict=True)
         ),
         scan_extra=_gaps(
@@ -272,6 +278,17 @@ def overrun(scene: Scene, p: Parameters) -> Change:
             (alone * max(0.0, 1.0 - ratio), 1.0 - ratio),
         ),
     )
+
+
+def _left_out(scene: Scene, late_us: float) -> float:
+    """Give the lateness of a scan on the grid: none where it is late by whole periods.
+
+    A few ticks less would be the same as early, which no late scan is.
+    """
+    period = scene.nominal.plc.scan_us
+    whole = np.rint(late_us / period) * period
+    is_left_out = whole > 0.0 and abs(late_us - whole) < FEW_TICKS * scene.nominal.skip.tick_us
+    return float(whole) if is_left_out else late_us
 
 
 def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
@@ -312,13 +329,10 @@ def _lengths(scene: Scene, late_us: FloatArray) -> list[tuple[float, float]]:
 
 def coarse_ticks(scene: Scene, p: Parameters) -> Change:
     """The stamps have coarser ticks."""
-    is_on_grid = p[1] == 0.0
     # Of two clocks that share no grid, both round down, one after the other.
-    again = 0.0 if is_on_grid else 0.5 * scene.nominal.skip.tick_us
+    again = 0.5 * scene.nominal.skip.tick_us if p[1] else 0.0
     later = p[1] + 0.5 * abs(p[0]) * as_share(p[2]) - again
-    return Change(
-        coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), is_on_grid=is_on_grid
-    )
+    return Change(coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), tick_line_us=p[1])
 
 
 def coarse_positions(scene: Scene, p: Parameters) -> Change:

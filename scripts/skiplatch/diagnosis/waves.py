@@ -20,7 +20,10 @@ FASTEST_PER_MM = 2.0
 MOST_PEAKS = 12
 """Periods that one sine explains best, at which sines are fitted."""
 MOST_PERIODS = 3
-"""The best of those that are proposed: with one order, with two, and with one for each axis."""
+"""The best of those that are proposed: with so many orders, and with one for each axis."""
+MOST_ORDERS = 3
+WORTH_AN_ORDER = 8.0
+"""Squares, weighted, that one order more has to leave less to be proposed."""
 FEWEST_ON_AXIS = 16
 """Touches of an axis that show a sine of its own."""
 WINSOR = 0.02
@@ -28,7 +31,7 @@ WINSOR = 0.02
 TURN_DEG = 360.0
 WORTH_A_SWITCH = 4.0
 """Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
-UNKNOWN = [1.0, 10.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+UNKNOWN = [1.0, 10.0, 1.0, *[0.0] * 9]
 
 Parameters = list[float]
 """Of a transmission error, all but the last, which tells where the error is counted."""
@@ -76,7 +79,11 @@ class _Seen:
         """Give the best sines for all axes together, and for each axis, with what they leave."""
         frequencies, explained = self._explained(self.weights)
         peaks = _peaks(frequencies, explained)
-        found = [_best(peaks, partial(self._orders, orders=orders)) for orders in (1, 2)]
+        found = [_best(peaks, partial(self._orders, orders=1))]
+        for orders in range(2, MOST_ORDERS + 1):
+            more = _best(peaks, partial(self._orders, orders=orders))
+            if more and more[0][0] < found[-1][0][0] - WORTH_AN_ORDER:
+                found.append(more)
         if len(self.axes) > 1:
             parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
             found.append(_best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
@@ -98,8 +105,10 @@ class _Seen:
         ]
         left, found = self._least([*waves, np.ones(len(turn))])
         sizes, phases_deg = _polar(found[:-1].reshape(orders, 2))
-        second = (sizes[1], phases_deg[1]) if orders > 1 else (0.0, 0.0)
-        return left, [sizes[0], 1.0 / per_mm, phases_deg[0], *second, 0.0, 0.0, 0.0, 0.0]
+        higher = np.zeros((MOST_ORDERS - 1, 2))
+        higher[: orders - 1] = np.column_stack([sizes, phases_deg])[1:]
+        first = [sizes[0], 1.0 / per_mm, phases_deg[0]]
+        return left, [*first, *higher.ravel().tolist(), 0.0, 0.0, 0.0, 0.0]
 
     def _by_axis(self, per_mm: float) -> tuple[float, Parameters]:
         """Fit the first order of a frequency on each axis."""
@@ -110,7 +119,7 @@ class _Seen:
         more, ahead_deg = [0.0] * len(Axis), [0.0] * len(Axis)
         for k, size, phase_deg in zip(self.axes, sizes, phases_deg, strict=True):
             more[k], ahead_deg[k] = size / sizes[0] - 1.0, (phase_deg - phases_deg[0]) % TURN_DEG
-        first = [sizes[0], 1.0 / per_mm, phases_deg[0], 0.0, 0.0]
+        first = [sizes[0], 1.0 / per_mm, phases_deg[0], *[0.0] * 2 * (MOST_ORDERS - 1)]
         return left, [*first, *more[Axis.Y :], *ahead_deg[Axis.Y :]]
 
     def _least(self, columns: Sequence[FloatArray]) -> tuple[float, FloatArray]:

@@ -6,13 +6,13 @@ import numpy as np
 
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
+from skiplatch.motion import DEG_PER_TURN
 from skiplatch.tables import compact, number
 from skiplatch.transmission.spectrum import Order
 from skiplatch.transmission.values import Values
 
 HEIGHT_IN, WIDTH_IN = 2.6, 7.4
 NAMED_ORDERS = 5
-DEG_PER_TURN = 360.0
 APART = 1.9
 """Smallest factor between two orders that both have their number beside them."""
 ROOM = 3.0
