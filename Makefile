@@ -248,8 +248,12 @@ demo: setup ## set up and run a small campaign into build/demo
 	@.venv/bin/skiplatch demo --out build/demo
 
 .PHONY: test
-test: setup setup-test ## set up and run every test
+test: setup setup-test ## set up and run every test but the long ones
 	$(call run_suites,$(TEST_SUITES))
+
+.PHONY: long
+long: setup setup-test ## run the tests that take long: whole diagnoses of two effects, and of the rig
+	$(call run_suites,$@)
 
 .PHONY: $(TEST_SUITES)
 $(TEST_SUITES): setup setup-test # one suite alone, e.g. make unit
@@ -353,7 +357,7 @@ format: setup-build ## lay out C and Python files as lint wants them
 
 .PHONY: totals
 totals:
-	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) lint \
+	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint \
 	    $(notdir $(wildcard $(RESULTS)/bench-vm))
 
 .PHONY: clean
@@ -667,6 +671,7 @@ RESULTS.target-atmega2560 := $(call target_results,atmega2560)
 RESULTS.target-cortex_m3  := $(call target_results,cortex_m3)
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
+RESULTS.long            := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/long/pytest.xml)
 LINT := compile-gcc compile-clang compile-avr compile-arm compile-m0plus compile-m4f clang-format clang-tidy cppcheck \
         dependencies firmware isr-objects isr-calls size ruff-check ruff-format mypy shellcheck
 RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
@@ -674,8 +679,8 @@ RESULTS.lint            := $(LINT:%=$(RESULTS)/lint/%.check)
 RESULTS.bench-vm        := $(RESULTS)/bench-vm/bench-vm.check
 RESULTS.bench-host      := $(RESULTS)/bench-host/bench-host.check
 
-.PHONY: $(addprefix run-,$(TEST_SUITES) lint)
-$(addprefix run-,$(C_SUITES) template contract-linux python lint): run-%: $$(RESULTS.$$*)
+.PHONY: $(addprefix run-,$(TEST_SUITES) long lint)
+$(addprefix run-,$(C_SUITES) template contract-linux python long lint): run-%: $$(RESULTS.$$*)
 	@:
 
 check = @scripts/run_check.sh $@ $(basename $(@F))
@@ -696,13 +701,18 @@ $(RESULTS)/contract-linux/contract-linux.check: contract-linux-programs FORCE
 	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
 
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
-# A file's tests share what is dear to make, and the last files are short ones.
-PYTEST_JOBS     = --numprocesses=$(shell nproc) --dist=loadfile --no-loadscope-reorder
-$(RESULTS)/python/pytest.xml: library program $(OUT)/inject-codec \
+$(RESULTS)/python/pytest.xml: MARKED = not long
+$(RESULTS)/long/pytest.xml:   MARKED = long
+# A file's tests share what is dear to make, and the last files are short ones; long ones share nothing.
+$(RESULTS)/python/pytest.xml: PYTEST_DIST = loadfile --no-loadscope-reorder
+$(RESULTS)/long/pytest.xml:   PYTEST_DIST = worksteal
+$(RESULTS)/python/pytest.xml $(RESULTS)/long/pytest.xml: \
+                              library program $(OUT)/inject-codec \
                               $(if $(TOOLS.arm),linked-cortex_m3) \
                               $(if $(TOOLS.avr),programs-atmega328p $(SIMAVR_RIG)) \
                               $(if $(TOOLS.avr),linked-atmega2560 build/host/atmega2560_run) FORCE
-	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) $(PYTEST_JOBS) --quiet --junitxml=$@ tests/python || true
+	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \
+	    -m '$(MARKED)' --quiet --junitxml=$@ tests/python || true
 
 # Whatever the suite wrote beside its one declared result is counted as well.
 $(RIG_SUITES:%=run-%): run-bench-%: program $(if $(LINUX),contract-linux-programs $(RIG:%.c=$(OUT)/%))

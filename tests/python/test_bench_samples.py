@@ -46,6 +46,7 @@ def found_in(name: str) -> tuple[Diagnosis, dict[str, Mapping[str, float]]]:
     return diagnosis, {named.effect.id: named.effect.parameters for named in diagnosis.effects}
 
 
+@pytest.mark.long
 def test_debounce_is_named_as_a_filter_and_the_gap_shrinks() -> None:
     diagnosis, named = found_in("debounce")
 
@@ -54,6 +55,7 @@ def test_debounce_is_named_as_a_filter_and_the_gap_shrinks() -> None:
     assert diagnosis.gap["latch_after_edge_us"].shrink.low > 0.8
 
 
+@pytest.mark.long
 def test_busy_process_is_named_by_its_late_scans_and_its_late_reports() -> None:
     diagnosis, found = found_in("cpu_load")
 
@@ -63,6 +65,7 @@ def test_busy_process_is_named_by_its_late_scans_and_its_late_reports() -> None:
     assert diagnosis.gap["latch_off_scan_grid_us"].shrink.low > 0.4
 
 
+@pytest.mark.long
 def test_flood_is_named_by_its_late_reports_and_the_gap_shrinks() -> None:
     diagnosis, named = found_in("bus_load")
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign, read_campaign
@@ -11,6 +12,8 @@ from skiplatch.diagnosis.decide import Finding, find, weigh, with_third
 from skiplatch.diagnosis.judge import Judge, split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect
+
+pytestmark = pytest.mark.long
 
 BOARD = Path(__file__).parent / "data" / "board_both_paths"
 """A Cortex-M3 with `other_interrupt`, recorded in its emulator: every third touch of 1,600."""

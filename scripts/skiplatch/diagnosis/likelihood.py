@@ -25,6 +25,10 @@ OFF_GRID = 1e-3
 """Share of values that may lie off a coarse grid."""
 MOSTLY = 0.5
 """Share of values from which on those that keep no grid say that there is none."""
+KNOWN_TO = 2.0
+"""Believed ticks to which the lines of a foreign clock are known: its ticks are rounded so."""
+FAR_APART = 8.0
+"""Believed ticks between such lines from which on stamps show them: closer ones beat with these."""
 FAR_OFF = 0.01
 """Of the mean density of a law, beyond which a value is none of it."""
 ROUNDING = 0.01
@@ -474,7 +478,7 @@ def _about_a_grid(turns: FloatArray, tick: float) -> Iterator[FloatArray]:
     """
     points = np.exp(2j * np.pi * turns)
     window = min(NEIGHBOURS, len(points)) | 1
-    near = ndimage.convolve1d(points, np.ones(window), mode="nearest") - points
+    near = ndimage.convolve1d(points, np.ones(window), mode="mirror") - points
     everywhere = points.sum() - points
     for middle, cost in ((near, 0.0), (everywhere, SCATTERED)):
         off = np.angle(points * np.conj(middle))
@@ -552,15 +556,20 @@ def _report(scene: Scene, stream: Stream, change: Change) -> Law:
 def _grid_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     """A coarse grid holds all its probability on few values: what that adds to the logarithm."""
     if stream.name == "latch_skip":
-        tick_us, line_us = scene.nominal.skip.tick_us, change.tick_line_us
-        in_ticks = _by_lines(
-            scene.touches.latch_us, line_us, change.coarse_us, tick_us, stream.rows
-        )
-        return in_ticks + _in_slots(scene, stream, change)
+        return _in_ticks(scene, stream, change) + _in_slots(scene, stream, change)
     if stream.unit == "µm":
         deviation_um, fine_um = scene.touches.deviation_um, scene.nominal.axis.resolution_um
         return _by_lines(deviation_um, change.line_um, change.coarse_um, fine_um, stream.rows)
     return np.zeros(len(scene))
+
+
+def _in_ticks(scene: Scene, stream: Stream, change: Change) -> FloatArray:
+    """Weigh stamps by whether they lie on coarse ticks."""
+    tick_us, line_us, coarse_us = scene.nominal.skip.tick_us, change.tick_line_us, change.coarse_us
+    if line_us and coarse_us < FAR_APART * tick_us:
+        return np.zeros(len(scene))
+    fine_us = KNOWN_TO * tick_us if line_us else tick_us
+    return _by_lines(scene.touches.latch_us, line_us, coarse_us, fine_us, stream.rows)
 
 
 def _in_slots(scene: Scene, stream: Stream, change: Change) -> FloatArray:

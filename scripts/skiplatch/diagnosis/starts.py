@@ -8,7 +8,7 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, MARGIN, folded, grid_period, kept_grid
-from skiplatch.diagnosis.likelihood import SHORTEST_PERIOD, law_under
+from skiplatch.diagnosis.likelihood import FAR_APART, SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import (
     FEW_TICKS,
@@ -235,7 +235,7 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         return usual
     width = _box_of(sigma, tick)
     seen = [[width, mean + 0.5 * width, 0.0]]
-    if width > MANY_STEPS * tick:
+    if width > FAR_APART * tick:
         stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
         for pitch, turn in _grids_kept(stamps, width):
             line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
