@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-#define PI          3.14159265358979323846
-#define RAD_PER_DEG (PI / 180.0)
+#define PI           3.14159265358979323846
+#define RAD_PER_DEG  (PI / 180.0)
 #define DEG_PER_TURN 360.0
 
 /* A periodic error of gears, screws and encoders: one period a turn, of amplitude 1. */
