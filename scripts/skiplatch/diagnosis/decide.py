@@ -175,7 +175,7 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
         # The first one may well have another form: it cannot be that of what shows elsewhere.
         return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
     share = judge.share(pair, first)
-    is_faint = share < FAINTEST_SECOND and not _leaves_no_form(judge, first)
+    is_faint = share < FAINTEST_SECOND and not _mends_all(judge, first)
     if is_faint or pair.fit.is_loose:
         return False
     if _mends_all(judge, pair):
@@ -184,14 +184,12 @@ def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
     return is_plain and not _is_a_form(judge, pair, -TIED)
 
 
-def _leaves_no_form(judge: Judge, single: Scored) -> bool:
-    """Tell whether an effect alone needs no slack and leaves nothing that another form could be."""
-    return single.fit.slack == 0.0 and judge.generic(single.fit)[0].score <= single.score
+def _mends_all(judge: Judge, model: Scored) -> bool:
+    """Tell whether a model needs no slack and leaves nothing that another form could be.
 
-
-def _mends_all(judge: Judge, pair: Scored) -> bool:
-    """Tell whether a pair leaves nothing: an effect that but mends another's form seldom does."""
-    return pair.fit.slack == 0.0 and judge.generic(pair.fit)[0].score <= pair.score
+    A second effect that but mends the first one's form seldom gets there.
+    """
+    return model.fit.slack == 0.0 and judge.generic(model.fit)[0].score <= model.score
 
 
 def _is_a_form(

@@ -252,13 +252,12 @@ def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
     """Give a fit of one effect another form, and any fit slack, where that is worth it."""
     best = np.concatenate(found.parameters)
     target = _Target(scene, found.candidates, [best], given)
+    if len(found.candidates) > 1:
+        return target.fit(_loosened(target, best))
+    (candidate,) = found.candidates
     # Forms come first: slack would swallow what a jitter of its own explains.
-    if len(found.candidates) == 1:
-        best = _refined(target, found.candidates[0], best)
-    best = _loosened(target, best)
-    if len(found.candidates) == 1 and target.slack > 0.0:
-        best = _pruned(target, found.candidates[0], best)
-    return target.fit(best)
+    best = _loosened(target, _refined(target, candidate, best))
+    return target.fit(_pruned(target, candidate, best) if target.slack > 0.0 else best)
 
 
 def _loosened(target: _Target, best: FloatArray) -> FloatArray:

@@ -25,8 +25,6 @@ Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 FEWEST_STAMPS = 16
 FEWEST_LATE = 3
 FEWEST_FEEDS = 2
-ROUGHLY = 1.25
-"""Factor by which a width told by a scatter may be off."""
 APART = (1.0 + MARGIN) / (1.0 - MARGIN)
 """Factor between guesses of a period that leave none out between them."""
 MANY_STEPS = 1.5
@@ -384,8 +382,8 @@ def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
     """
     if len(values) < FEWEST_STAMPS:
         return []
-    guesses = (guess / APART, guess, guess * APART)
-    kept = [kept_grid(np.sort(values), near, first=FEWEST_STAMPS) for near in guesses]
+    in_order, guesses = np.sort(values), (guess / APART, guess, guess * APART)
+    kept = [kept_grid(in_order, near, first=FEWEST_STAMPS) for near in guesses]
     return [(grid[0], grid[1] or 1.0) for grid in kept if grid]
 
 
