@@ -435,7 +435,7 @@ $(OUT)/skiplatch-controller $(OUT)/skiplatch-injector $(OUT)/skiplatch-recorder:
 
 # The C codec of the injection protocol as a program, for the tests that compare it with the DBC.
 CODEC := tests/support/inject_codec.c $(wildcard firmware/inject/*.c) firmware/report/latch_frame.c \
-         firmware/report/crc16.c
+         firmware/report/latch_crc.c
 $(OUT)/inject-codec: $(call object_of,$(CODEC))
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ -o $@
@@ -805,4 +805,5 @@ $(OUT)/tidy/%.ok: % .clang-tidy Makefile $(C_HEADERS)
 	@.venv/bin/clang-tidy --quiet $< -- $(filter-out -Werror,$(call cflags_of,$<))
 	@touch $@
 
+include $(wildcard mk/*.mk)
 -include $(shell find $(OUT) -name '*.d' 2>/dev/null)

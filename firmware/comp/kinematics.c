@@ -14,7 +14,7 @@
 
 static bool is_zero_error(int32_t parameter)
 {
-    return parameter % KINEMATICS_OF_AXIS == CHAIN_ZERO;
+    return parameter % KINEMATICS_OF_AXIS == KINEMATICS_CHAIN_ZERO;
 }
 
 static void describe(const kinematics_machine_t *machine, kinematics_result_t *result)
@@ -24,9 +24,9 @@ static void describe(const kinematics_machine_t *machine, kinematics_result_t *r
         const kinematics_axis_t *axis = &machine->axes[i / KINEMATICS_OF_AXIS];
         int32_t                  which = i % KINEMATICS_OF_AXIS;
         kinematics_parameter_t  *parameter = &result->parameters[i];
-        parameter->is_angle = which >= CHAIN_TILT;
+        parameter->is_angle = which >= KINEMATICS_CHAIN_TILT;
         parameter->name[0] =
-            (char)((parameter->is_angle ? 'A' : 'X') + chain_coordinate(axis, which));
+            (char)((parameter->is_angle ? 'A' : 'X') + kinematics_chain_coordinate(axis, which));
         parameter->name[1] = 'O';
         parameter->name[2] = (char)axis->letter;
     }
@@ -34,10 +34,10 @@ static void describe(const kinematics_machine_t *machine, kinematics_result_t *r
 
 static double unit_of(const kinematics_parameter_t *parameter)
 {
-    return parameter->is_angle ? ARCSEC_PER_RAD / PROBLEM_LEVER_MM : UM_PER_MM;
+    return parameter->is_angle ? ARCSEC_PER_RAD / KINEMATICS_LEVER_MM : UM_PER_MM;
 }
 
-static bool shares_any(const rank_t *rank, int32_t first, int32_t column)
+static bool shares_any(const kinematics_rank_t *rank, int32_t first, int32_t column)
 {
     bool any = false;
     for (int32_t k = 0; k < 3; k++) {
@@ -47,7 +47,7 @@ static bool shares_any(const rank_t *rank, int32_t first, int32_t column)
 }
 
 /* The direction in which the dependent column and those it depends on cancel. */
-static void tell_blind(const rank_t *rank, int32_t index, kinematics_result_t *result)
+static void tell_blind(const kinematics_rank_t *rank, int32_t index, kinematics_result_t *result)
 {
     int32_t             column = KINEMATICS_NUISANCES + index;
     kinematics_blind_t *blind = &result->blind[result->blind_count++];
@@ -60,7 +60,7 @@ static void tell_blind(const rank_t *rank, int32_t index, kinematics_result_t *r
     }
 }
 
-void problem_tell_amounts(const rank_t *rank, kinematics_result_t *result)
+void kinematics_problem_tell_amounts(const kinematics_rank_t *rank, kinematics_result_t *result)
 {
     for (int32_t b = 0; b < result->blind_count; b++) {
         kinematics_blind_t *blind = &result->blind[b];
@@ -75,19 +75,20 @@ void problem_tell_amounts(const rank_t *rank, kinematics_result_t *result)
 }
 
 /* Whether a determined parameter goes with others that are free and not determined. */
-static bool is_combined(const kinematics_machine_t *machine, const rank_t *rank, int32_t index)
+static bool is_combined(const kinematics_machine_t *machine, const kinematics_rank_t *rank,
+                        int32_t index)
 {
     bool combined = false;
     for (int32_t i = 0; i < KINEMATICS_OF_AXIS * machine->axes_count; i++) {
         double share = rank->share[KINEMATICS_NUISANCES + index][KINEMATICS_NUISANCES + i];
-        bool   goes_with = problem_is_free(machine, i) && fabs(share) > SHARE_SEEN;
+        bool   goes_with = kinematics_problem_is_free(machine, i) && fabs(share) > SHARE_SEEN;
         combined = combined || (goes_with && !is_zero_error(i));
     }
     return combined;
 }
 
 /* A zero that is not fitted is not held, but no positions would determine it. */
-static void tell_states(const kinematics_machine_t *machine, const rank_t *rank,
+static void tell_states(const kinematics_machine_t *machine, const kinematics_rank_t *rank,
                         kinematics_result_t *result)
 {
     for (int32_t i = 0; i < result->parameters_count; i++) {
@@ -95,7 +96,7 @@ static void tell_states(const kinematics_machine_t *machine, const rank_t *rank,
         if (!rank->depends[KINEMATICS_NUISANCES + i]) {
             parameter->state =
                 is_combined(machine, rank, i) ? KINEMATICS_COMBINED : KINEMATICS_DETERMINED;
-        } else if (problem_is_free(machine, i) || is_zero_error(i)) {
+        } else if (kinematics_problem_is_free(machine, i) || is_zero_error(i)) {
             tell_blind(rank, i, result);
         } else {
             parameter->state = KINEMATICS_HELD;
@@ -103,33 +104,34 @@ static void tell_states(const kinematics_machine_t *machine, const rank_t *rank,
     }
 }
 
-void problem_describe(const kinematics_machine_t *machine, const rank_t *rank, int32_t points,
-                      kinematics_result_t *result)
+void kinematics_problem_describe(const kinematics_machine_t *machine, const kinematics_rank_t *rank,
+                                 int32_t points, kinematics_result_t *result)
 {
     memset(result, 0, sizeof *result);
     describe(machine, result);
     tell_states(machine, rank, result);
-    result->unknowns =
-        3 + (problem_tip_is_unknown(machine) ? 3 : 0) + KINEMATICS_OF_AXIS * machine->axes_count;
+    result->unknowns = 3 + (kinematics_problem_tip_is_unknown(machine) ? 3 : 0) +
+                       KINEMATICS_OF_AXIS * machine->axes_count;
     result->rank = rank->rank;
     result->freedom = 3 * points - rank->rank;
-    problem_tell_amounts(rank, result);
+    kinematics_problem_tell_amounts(rank, result);
 }
 
-static void tell_values(const rank_t *rank, const triangle_t *triangle, const double *unknowns,
-                        kinematics_result_t *result)
+static void tell_values(const kinematics_rank_t *rank, const kinematics_triangle_t *triangle,
+                        const double *unknowns, kinematics_result_t *result)
 {
     double variances[KINEMATICS_UNKNOWNS_MAX];
     double scatter_mm = sqrt(triangle->left_over / (double)result->freedom);
-    double widened_mm = scatter_mm * coverage_factor(result->freedom);
-    triangle_variances(triangle, variances);
+    double widened_mm = scatter_mm * kinematics_coverage_factor(result->freedom);
+    kinematics_triangle_variances(triangle, variances);
     result->residual_um = UM_PER_MM * scatter_mm;
     memcpy(result->sphere_mm, unknowns, sizeof result->sphere_mm);
     for (int32_t i = 0; i < rank->rank; i++) {
         int32_t column = rank->pivots[i];
         if (column >= KINEMATICS_NUISANCES) {
             kinematics_parameter_t *parameter = &result->parameters[column - KINEMATICS_NUISANCES];
-            parameter->value = unknowns[column] * problem_scale(column) * unit_of(parameter);
+            parameter->value =
+                unknowns[column] * kinematics_problem_scale(column) * unit_of(parameter);
             parameter->uncertainty = widened_mm * sqrt(variances[i]) * unit_of(parameter);
         }
     }
@@ -138,26 +140,26 @@ static void tell_values(const rank_t *rank, const triangle_t *triangle, const do
 int kinematics_fit(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
                    kinematics_result_t *result)
 {
-    double     unknowns[KINEMATICS_UNKNOWNS_MAX] = {0.0};
-    triangle_t triangle;
-    rank_t     rank;
-    int        code = problem_check(machine, points, n);
+    double                unknowns[KINEMATICS_UNKNOWNS_MAX] = {0.0};
+    kinematics_triangle_t triangle;
+    kinematics_rank_t     rank;
+    int                   code = kinematics_problem_check(machine, points, n);
     if (code == KINEMATICS_OK) {
-        code = problem_start(machine, points, n, unknowns, &triangle);
+        code = kinematics_problem_start(machine, points, n, unknowns, &triangle);
     }
     if (code != KINEMATICS_OK) {
         return code;
     }
-    problem_rank(machine, unknowns, points, n, &rank);
+    kinematics_problem_rank(machine, unknowns, points, n, &rank);
     if (3 * n <= rank.rank) {
         return KINEMATICS_ERR_TOO_FEW;
     }
-    code = problem_solve(machine, points, n, &rank, unknowns, &triangle);
+    code = kinematics_problem_solve(machine, points, n, &rank, unknowns, &triangle);
     if (code == KINEMATICS_OK) {
-        problem_describe(machine, &rank, n, result);
+        kinematics_problem_describe(machine, &rank, n, result);
         tell_values(&rank, &triangle, unknowns, result);
-        problem_shares(machine, unknowns, points, n, &rank);
-        problem_tell_amounts(&rank, result);
+        kinematics_problem_shares(machine, unknowns, points, n, &rank);
+        kinematics_problem_tell_amounts(&rank, result);
     }
     return code;
 }

@@ -26,6 +26,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     KINEMATICS_AXES_MAX = 3,
     KINEMATICS_OF_AXIS = 5, /* two offsets, two tilts, the zero */
@@ -132,5 +136,9 @@ typedef struct {
 int32_t kinematics_recommend(const kinematics_machine_t *machine, const kinematics_point_t *points,
                              int32_t n, const kinematics_travel_t *travel, int32_t max,
                              kinematics_point_t *more, kinematics_result_t *after);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

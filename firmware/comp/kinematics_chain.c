@@ -46,19 +46,20 @@ static void rotation(const double *n, double angle_rad, double out[3][3])
     }
 }
 
-int32_t chain_coordinate(const kinematics_axis_t *axis, int32_t i)
+int32_t kinematics_chain_coordinate(const kinematics_axis_t *axis, int32_t i)
 {
     int32_t own = axis->letter - 'A';
     int32_t first = own == 0 ? 1 : 0;
     int32_t second = own == 2 ? 1 : 2;
-    return i == CHAIN_ZERO ? own : (i % 2 == 0 ? first : second);
+    return i == KINEMATICS_CHAIN_ZERO ? own : (i % 2 == 0 ? first : second);
 }
 
 static void tilted(const kinematics_axis_t *axis, const double *errors, vector_t direction)
 {
     vector_t by = {0.0, 0.0, 0.0};
-    by[chain_coordinate(axis, CHAIN_TILT)] = errors[CHAIN_TILT];
-    by[chain_coordinate(axis, CHAIN_TILT + 1)] = errors[CHAIN_TILT + 1];
+    by[kinematics_chain_coordinate(axis, KINEMATICS_CHAIN_TILT)] = errors[KINEMATICS_CHAIN_TILT];
+    by[kinematics_chain_coordinate(axis, KINEMATICS_CHAIN_TILT + 1)] =
+        errors[KINEMATICS_CHAIN_TILT + 1];
     double angle_rad = sqrt(by[0] * by[0] + by[1] * by[1] + by[2] * by[2]);
     memcpy(direction, axis->direction, sizeof(vector_t));
     if (angle_rad > 0.0) {
@@ -77,9 +78,12 @@ static void carry(const kinematics_axis_t *axis, const double *errors, double an
 {
     tilted(axis, errors, joint->direction);
     memcpy(joint->point, axis->point_mm, sizeof(vector_t));
-    joint->point[chain_coordinate(axis, CHAIN_OFFSET)] += errors[CHAIN_OFFSET];
-    joint->point[chain_coordinate(axis, CHAIN_OFFSET + 1)] += errors[CHAIN_OFFSET + 1];
-    rotation(joint->direction, angle_deg * RAD_PER_DEG + errors[CHAIN_ZERO], joint->turn);
+    joint->point[kinematics_chain_coordinate(axis, KINEMATICS_CHAIN_OFFSET)] +=
+        errors[KINEMATICS_CHAIN_OFFSET];
+    joint->point[kinematics_chain_coordinate(axis, KINEMATICS_CHAIN_OFFSET + 1)] +=
+        errors[KINEMATICS_CHAIN_OFFSET + 1];
+    rotation(joint->direction, angle_deg * RAD_PER_DEG + errors[KINEMATICS_CHAIN_ZERO],
+             joint->turn);
     for (int k = 0; k < 3; k++) {
         joint->carried[k] = place[k] - joint->point[k];
     }
@@ -118,8 +122,8 @@ static void place_all(const kinematics_machine_t *machine, const double *unknown
     }
 }
 
-void chain_position(const kinematics_machine_t *machine, const double *unknowns,
-                    const double *angle_deg, double position_mm[3])
+void kinematics_chain_position(const kinematics_machine_t *machine, const double *unknowns,
+                               const double *angle_deg, double position_mm[3])
 {
     joint_t joints[KINEMATICS_AXES_MAX];
     place_all(machine, unknowns, angle_deg, position_mm, joints);
@@ -132,8 +136,8 @@ static void joint_slope(const kinematics_axis_t *axis, joint_t *joint, int32_t i
     vector_t unit = {0.0, 0.0, 0.0};
     vector_t turned;
     vector_t inner;
-    unit[chain_coordinate(axis, i)] = 1.0;
-    if (i < CHAIN_TILT) {
+    unit[kinematics_chain_coordinate(axis, i)] = 1.0;
+    if (i < KINEMATICS_CHAIN_TILT) {
         apply(joint->turn, unit, turned);
         for (int k = 0; k < 3; k++) {
             out[k] = unit[k] - turned[k];
@@ -141,7 +145,7 @@ static void joint_slope(const kinematics_axis_t *axis, joint_t *joint, int32_t i
         return;
     }
     apply(joint->turn, joint->carried, turned);
-    if (i == CHAIN_ZERO) {
+    if (i == KINEMATICS_CHAIN_ZERO) {
         cross(joint->direction, turned, out);
         return;
     }
@@ -193,9 +197,9 @@ static void part_slopes(const kinematics_machine_t *machine, bool head, joint_t 
     }
 }
 
-void chain_slopes(const kinematics_machine_t *machine, const double *unknowns,
-                  const double *angle_deg, double position_mm[3],
-                  double slopes[3][KINEMATICS_UNKNOWNS_MAX])
+void kinematics_chain_slopes(const kinematics_machine_t *machine, const double *unknowns,
+                             const double *angle_deg, double position_mm[3],
+                             double slopes[3][KINEMATICS_UNKNOWNS_MAX])
 {
     joint_t joints[KINEMATICS_AXES_MAX];
     place_all(machine, unknowns, angle_deg, position_mm, joints);

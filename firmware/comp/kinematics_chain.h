@@ -8,18 +8,30 @@
 
 #include "comp/kinematics.h"
 
-enum { CHAIN_OFFSET = 0, CHAIN_TILT = 2, CHAIN_ZERO = 4 }; /* places within an axis's unknowns */
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum {
+    KINEMATICS_CHAIN_OFFSET = 0,
+    KINEMATICS_CHAIN_TILT = 2,
+    KINEMATICS_CHAIN_ZERO = 4
+}; /* places within an axis's unknowns */
 
 /* Index of the coordinate (0 X, 1 Y, 2 Z) that unknown `i` of an axis moves or turns about. */
-int32_t chain_coordinate(const kinematics_axis_t *axis, int32_t i);
+int32_t kinematics_chain_coordinate(const kinematics_axis_t *axis, int32_t i);
 
 /* Position of the linear axes in mm for `angle_deg` of the axes and `unknowns`. */
-void chain_position(const kinematics_machine_t *machine, const double *unknowns,
-                    const double *angle_deg, double position_mm[3]);
+void kinematics_chain_position(const kinematics_machine_t *machine, const double *unknowns,
+                               const double *angle_deg, double position_mm[3]);
 
 /* The same, and its derivatives: slopes[k][i] of coordinate k by unknown i, in mm/mm and mm/rad. */
-void chain_slopes(const kinematics_machine_t *machine, const double *unknowns,
-                  const double *angle_deg, double position_mm[3],
-                  double slopes[3][KINEMATICS_UNKNOWNS_MAX]);
+void kinematics_chain_slopes(const kinematics_machine_t *machine, const double *unknowns,
+                             const double *angle_deg, double position_mm[3],
+                             double slopes[3][KINEMATICS_UNKNOWNS_MAX]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -182,7 +182,8 @@ int kinematics_circle_fit(const double direction[3], int32_t axis, const kinemat
     if (freedom > 0) {
         double sum = residuals(&frame, axis, points, n, &means, re, im);
         circle->scatter_mm = sqrt(sum / (double)freedom);
-        circle->uncertainty_mm = circle->scatter_mm * coverage_factor(freedom) / sqrt(m.spread);
+        circle->uncertainty_mm =
+            circle->scatter_mm * kinematics_coverage_factor(freedom) / sqrt(m.spread);
     }
     return KINEMATICS_OK;
 }

@@ -10,6 +10,10 @@
 
 #include "comp/kinematics.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     double  centre_mm[3]; /* machine coordinates; along the axis the mean of the positions */
     double  radius_mm;
@@ -27,5 +31,9 @@ typedef struct {
  */
 int kinematics_circle_fit(const double direction[3], int32_t axis, const kinematics_point_t *points,
                           int32_t n, kinematics_circle_t *circle);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -6,7 +6,7 @@ static const double T_9973[] = {235.784, 19.206, 9.219, 6.620, 5.507, 4.904,
 
 #define LISTED ((int32_t)(sizeof T_9973 / sizeof T_9973[0]))
 
-double coverage_factor(int32_t freedom)
+double kinematics_coverage_factor(int32_t freedom)
 {
     if (freedom <= LISTED) {
         return T_9973[freedom - 1] / 3.0;

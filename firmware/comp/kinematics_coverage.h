@@ -4,7 +4,15 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* t₉₉.₇₃(freedom)/3, above 1, for `freedom` ≥ 1 (GUM, table G.2). */
-double coverage_factor(int32_t freedom);
+double kinematics_coverage_factor(int32_t freedom);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

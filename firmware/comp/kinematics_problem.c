@@ -57,7 +57,8 @@ static bool machine_is_good(const kinematics_machine_t *machine)
     return true;
 }
 
-int problem_check(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n)
+int kinematics_problem_check(const kinematics_machine_t *machine, const kinematics_point_t *points,
+                             int32_t n)
 {
     if (!machine_is_good(machine)) {
         return KINEMATICS_ERR_MACHINE;
@@ -71,12 +72,12 @@ int problem_check(const kinematics_machine_t *machine, const kinematics_point_t 
     return n >= 1 ? KINEMATICS_OK : KINEMATICS_ERR_TOO_FEW;
 }
 
-int32_t problem_columns(const kinematics_machine_t *machine)
+int32_t kinematics_problem_columns(const kinematics_machine_t *machine)
 {
     return KINEMATICS_NUISANCES + KINEMATICS_OF_AXIS * machine->axes_count;
 }
 
-bool problem_tip_is_unknown(const kinematics_machine_t *machine)
+bool kinematics_problem_tip_is_unknown(const kinematics_machine_t *machine)
 {
     bool any_head = false;
     for (int32_t j = 0; j < machine->axes_count; j++) {
@@ -85,10 +86,11 @@ bool problem_tip_is_unknown(const kinematics_machine_t *machine)
     return any_head && !machine->tool_is_known;
 }
 
-double problem_scale(int32_t column)
+double kinematics_problem_scale(int32_t column)
 {
     int32_t which = (column - KINEMATICS_NUISANCES) % KINEMATICS_OF_AXIS;
-    return column >= KINEMATICS_NUISANCES && which >= CHAIN_TILT ? PROBLEM_LEVER_MM : 1.0;
+    return column >= KINEMATICS_NUISANCES && which >= KINEMATICS_CHAIN_TILT ? KINEMATICS_LEVER_MM
+                                                                            : 1.0;
 }
 
 /* Divide what lies along the tool by how much more it scatters. A tip that moves goes with the
@@ -98,7 +100,7 @@ static void weigh(const kinematics_machine_t *machine, double slopes[3][KINEMATI
 {
     const double tool[3] = {-slopes[0][TIP_Z], -slopes[1][TIP_Z], 1.0 - slopes[2][TIP_Z]};
     double       less = machine->axial_scatter > 0.0 ? 1.0 / machine->axial_scatter - 1.0 : 0.0;
-    for (int32_t i = 0; i <= problem_columns(machine); i++) {
+    for (int32_t i = 0; i <= kinematics_problem_columns(machine); i++) {
         double along = tool[0] * rows[0][i] + tool[1] * rows[1][i] + tool[2] * rows[2][i];
         for (int32_t k = 0; k < 3; k++) {
             rows[k][i] += less * along * tool[k];
@@ -106,102 +108,107 @@ static void weigh(const kinematics_machine_t *machine, double slopes[3][KINEMATI
     }
 }
 
-void problem_rows(const kinematics_machine_t *machine, const double *unknowns,
-                  const kinematics_point_t *point, double rows[3][KINEMATICS_UNKNOWNS_MAX + 1])
+void kinematics_problem_rows(const kinematics_machine_t *machine, const double *unknowns,
+                             const kinematics_point_t *point,
+                             double                    rows[3][KINEMATICS_UNKNOWNS_MAX + 1])
 {
     double  expected_mm[3];
     double  slopes[3][KINEMATICS_UNKNOWNS_MAX];
-    int32_t columns = problem_columns(machine);
-    bool    tip_is_unknown = problem_tip_is_unknown(machine);
-    chain_slopes(machine, unknowns, point->angle_deg, expected_mm, slopes);
+    int32_t columns = kinematics_problem_columns(machine);
+    bool    tip_is_unknown = kinematics_problem_tip_is_unknown(machine);
+    kinematics_chain_slopes(machine, unknowns, point->angle_deg, expected_mm, slopes);
     for (int32_t k = 0; k < 3; k++) {
         for (int32_t i = 0; i < columns; i++) {
             bool is_tip = i >= 3 && i < KINEMATICS_NUISANCES;
-            rows[k][i] = is_tip && !tip_is_unknown ? 0.0 : slopes[k][i] / problem_scale(i);
+            rows[k][i] =
+                is_tip && !tip_is_unknown ? 0.0 : slopes[k][i] / kinematics_problem_scale(i);
         }
         rows[k][columns] = point->position_mm[k] - expected_mm[k];
     }
     weigh(machine, slopes, rows);
 }
 
-bool problem_is_free(const kinematics_machine_t *machine, int32_t parameter)
+bool kinematics_problem_is_free(const kinematics_machine_t *machine, int32_t parameter)
 {
     const kinematics_axis_t *axis = &machine->axes[parameter / KINEMATICS_OF_AXIS];
     int32_t                  which = parameter % KINEMATICS_OF_AXIS;
-    return which == CHAIN_ZERO ? axis->zero_is_free != 0 : axis->is_held[which] == 0;
+    return which == KINEMATICS_CHAIN_ZERO ? axis->zero_is_free != 0 : axis->is_held[which] == 0;
 }
 
-void problem_add_all(const kinematics_machine_t *machine, const double *unknowns,
-                     const kinematics_point_t *points, int32_t n, triangle_t *triangle)
+void kinematics_problem_add_all(const kinematics_machine_t *machine, const double *unknowns,
+                                const kinematics_point_t *points, int32_t n,
+                                kinematics_triangle_t *triangle)
 {
     double rows[3][KINEMATICS_UNKNOWNS_MAX + 1];
     for (int32_t i = 0; i < n; i++) {
-        problem_rows(machine, unknowns, &points[i], rows);
+        kinematics_problem_rows(machine, unknowns, &points[i], rows);
         for (int32_t k = 0; k < 3; k++) {
-            triangle_add(triangle, rows[k]);
+            kinematics_triangle_add(triangle, rows[k]);
         }
     }
 }
 
-void problem_rank_of(const kinematics_machine_t *machine, const triangle_t *triangle, int32_t n,
-                     rank_t *rank)
+void kinematics_problem_rank_of(const kinematics_machine_t  *machine,
+                                const kinematics_triangle_t *triangle, int32_t n,
+                                kinematics_rank_t *rank)
 {
     int32_t classes[KINEMATICS_UNKNOWNS_MAX] = {0};
-    for (int32_t i = KINEMATICS_NUISANCES; i < problem_columns(machine); i++) {
-        classes[i] = problem_is_free(machine, i - KINEMATICS_NUISANCES) ? 1 : 2;
+    for (int32_t i = KINEMATICS_NUISANCES; i < kinematics_problem_columns(machine); i++) {
+        classes[i] = kinematics_problem_is_free(machine, i - KINEMATICS_NUISANCES) ? 1 : 2;
     }
-    rank_find(triangle, classes, PROBLEM_TOLERANCE * sqrt(3.0 * (double)n), rank);
+    kinematics_rank_find(triangle, classes, KINEMATICS_TOLERANCE * sqrt(3.0 * (double)n), rank);
 }
 
 static void triangle_of(const kinematics_machine_t *machine, const double *unknowns,
-                        const kinematics_point_t *points, int32_t n, triangle_t *triangle)
+                        const kinematics_point_t *points, int32_t n,
+                        kinematics_triangle_t *triangle)
 {
-    triangle_init(triangle, problem_columns(machine));
-    problem_add_all(machine, unknowns, points, n, triangle);
+    kinematics_triangle_init(triangle, kinematics_problem_columns(machine));
+    kinematics_problem_add_all(machine, unknowns, points, n, triangle);
 }
 
-void problem_rank(const kinematics_machine_t *machine, const double *unknowns,
-                  const kinematics_point_t *points, int32_t n, rank_t *rank)
+void kinematics_problem_rank(const kinematics_machine_t *machine, const double *unknowns,
+                             const kinematics_point_t *points, int32_t n, kinematics_rank_t *rank)
 {
-    triangle_t triangle;
+    kinematics_triangle_t triangle;
     triangle_of(machine, unknowns, points, n, &triangle);
-    problem_rank_of(machine, &triangle, n, rank);
+    kinematics_problem_rank_of(machine, &triangle, n, rank);
 }
 
-void problem_shares(const kinematics_machine_t *machine, const double *unknowns,
-                    const kinematics_point_t *points, int32_t n, rank_t *rank)
+void kinematics_problem_shares(const kinematics_machine_t *machine, const double *unknowns,
+                               const kinematics_point_t *points, int32_t n, kinematics_rank_t *rank)
 {
-    triangle_t triangle;
-    int32_t    classes[KINEMATICS_UNKNOWNS_MAX];
+    kinematics_triangle_t triangle;
+    int32_t               classes[KINEMATICS_UNKNOWNS_MAX];
     triangle_of(machine, unknowns, points, n, &triangle);
-    for (int32_t i = 0; i < problem_columns(machine); i++) {
+    for (int32_t i = 0; i < kinematics_problem_columns(machine); i++) {
         classes[i] = rank->depends[i] ? 2 : 0;
     }
-    rank_find(&triangle, classes, 0.0, rank);
+    kinematics_rank_find(&triangle, classes, 0.0, rank);
 }
 
 /* One step: the triangle of the picked columns, its solution added to the unknowns. */
 static double step(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
-                   const rank_t *rank, double *unknowns, triangle_t *triangle)
+                   const kinematics_rank_t *rank, double *unknowns, kinematics_triangle_t *triangle)
 {
     double rows[3][KINEMATICS_UNKNOWNS_MAX + 1];
     double picked[KINEMATICS_UNKNOWNS_MAX + 1];
     double change[KINEMATICS_UNKNOWNS_MAX];
     double largest = 0.0;
-    triangle_init(triangle, rank->rank);
+    kinematics_triangle_init(triangle, rank->rank);
     for (int32_t i = 0; i < n; i++) {
-        problem_rows(machine, unknowns, &points[i], rows);
+        kinematics_problem_rows(machine, unknowns, &points[i], rows);
         for (int32_t k = 0; k < 3; k++) {
             for (int32_t c = 0; c < rank->rank; c++) {
                 picked[c] = rows[k][rank->pivots[c]];
             }
-            picked[rank->rank] = rows[k][problem_columns(machine)];
-            triangle_add(triangle, picked);
+            picked[rank->rank] = rows[k][kinematics_problem_columns(machine)];
+            kinematics_triangle_add(triangle, picked);
         }
     }
-    triangle_solve(triangle, change);
+    kinematics_triangle_solve(triangle, change);
     for (int32_t c = 0; c < rank->rank; c++) {
-        unknowns[rank->pivots[c]] += change[c] / problem_scale(rank->pivots[c]);
+        unknowns[rank->pivots[c]] += change[c] / kinematics_problem_scale(rank->pivots[c]);
         largest = fmax(largest, fabs(change[c]));
     }
     return largest;
@@ -210,15 +217,16 @@ static double step(const kinematics_machine_t *machine, const kinematics_point_t
 static bool is_near(const kinematics_machine_t *machine, const double *unknowns)
 {
     bool near = true;
-    for (int32_t i = KINEMATICS_NUISANCES; i < problem_columns(machine); i++) {
-        double limit = problem_scale(i) > 1.0 ? FAR_RAD : FAR_MM;
+    for (int32_t i = KINEMATICS_NUISANCES; i < kinematics_problem_columns(machine); i++) {
+        double limit = kinematics_problem_scale(i) > 1.0 ? FAR_RAD : FAR_MM;
         near = near && fabs(unknowns[i]) <= limit;
     }
     return near;
 }
 
-int problem_solve(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
-                  const rank_t *rank, double *unknowns, triangle_t *triangle)
+int kinematics_problem_solve(const kinematics_machine_t *machine, const kinematics_point_t *points,
+                             int32_t n, const kinematics_rank_t *rank, double *unknowns,
+                             kinematics_triangle_t *triangle)
 {
     for (int32_t i = 0; i < STEPS_MAX && is_near(machine, unknowns); i++) {
         if (step(machine, points, n, rank, unknowns, triangle) < SETTLED_MM) {
@@ -229,24 +237,25 @@ int problem_solve(const kinematics_machine_t *machine, const kinematics_point_t 
 }
 
 /* Only the columns of sphere and tip may be picked; they do not depend on where these are. */
-static void rank_of_places(const kinematics_machine_t *machine, const triangle_t *triangle,
-                           int32_t n, rank_t *rank)
+static void rank_of_places(const kinematics_machine_t  *machine,
+                           const kinematics_triangle_t *triangle, int32_t n,
+                           kinematics_rank_t *rank)
 {
     int32_t classes[KINEMATICS_UNKNOWNS_MAX];
-    for (int32_t i = 0; i < problem_columns(machine); i++) {
+    for (int32_t i = 0; i < kinematics_problem_columns(machine); i++) {
         classes[i] = i < KINEMATICS_NUISANCES ? 0 : 2;
     }
-    rank_find(triangle, classes, PROBLEM_TOLERANCE * sqrt(3.0 * (double)n), rank);
+    kinematics_rank_find(triangle, classes, KINEMATICS_TOLERANCE * sqrt(3.0 * (double)n), rank);
 }
 
-int problem_start(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
-                  double *unknowns, triangle_t *triangle)
+int kinematics_problem_start(const kinematics_machine_t *machine, const kinematics_point_t *points,
+                             int32_t n, double *unknowns, kinematics_triangle_t *triangle)
 {
-    rank_t rank;
+    kinematics_rank_t rank;
     if (machine->tool_is_known) {
         memcpy(&unknowns[3], machine->tool_mm, sizeof machine->tool_mm);
     }
     triangle_of(machine, unknowns, points, n, triangle);
     rank_of_places(machine, triangle, n, &rank);
-    return problem_solve(machine, points, n, &rank, unknowns, triangle);
+    return kinematics_problem_solve(machine, points, n, &rank, unknowns, triangle);
 }

@@ -3,13 +3,13 @@
 #include <math.h>
 #include <string.h>
 
-void triangle_init(triangle_t *triangle, int32_t columns)
+void kinematics_triangle_init(kinematics_triangle_t *triangle, int32_t columns)
 {
     memset(triangle, 0, sizeof *triangle);
     triangle->columns = columns;
 }
 
-void triangle_add(triangle_t *triangle, double *row)
+void kinematics_triangle_add(kinematics_triangle_t *triangle, double *row)
 {
     int32_t n = triangle->columns;
     for (int32_t i = 0; i < n; i++) {
@@ -29,7 +29,7 @@ void triangle_add(triangle_t *triangle, double *row)
     triangle->left_over += row[n] * row[n];
 }
 
-void triangle_solve(const triangle_t *triangle, double *solution)
+void kinematics_triangle_solve(const kinematics_triangle_t *triangle, double *solution)
 {
     int32_t n = triangle->columns;
     for (int32_t i = n - 1; i >= 0; i--) {
@@ -41,7 +41,7 @@ void triangle_solve(const triangle_t *triangle, double *solution)
     }
 }
 
-void triangle_whiten(const triangle_t *triangle, const double *row, double *y)
+void kinematics_triangle_whiten(const kinematics_triangle_t *triangle, const double *row, double *y)
 {
     for (int32_t i = 0; i < triangle->columns; i++) {
         double sum = row[i];
@@ -52,14 +52,14 @@ void triangle_whiten(const triangle_t *triangle, const double *row, double *y)
     }
 }
 
-void triangle_variances(const triangle_t *triangle, double *variances)
+void kinematics_triangle_variances(const kinematics_triangle_t *triangle, double *variances)
 {
     int32_t n = triangle->columns;
     for (int32_t j = 0; j < n; j++) {
         double unit[KINEMATICS_UNKNOWNS_MAX] = {0.0};
         double y[KINEMATICS_UNKNOWNS_MAX];
         unit[j] = 1.0;
-        triangle_whiten(triangle, unit, y);
+        kinematics_triangle_whiten(triangle, unit, y);
         variances[j] = 0.0;
         for (int32_t k = j; k < n; k++) {
             variances[j] += y[k] * y[k];
@@ -123,7 +123,7 @@ static void pick(picking_t *work, int32_t step, int32_t best, double length)
     }
 }
 
-static void shares(const picking_t *work, int32_t column, rank_t *rank)
+static void shares(const picking_t *work, int32_t column, kinematics_rank_t *rank)
 {
     for (int32_t i = rank->rank - 1; i >= 0; i--) {
         double sum = work->upper[i][column];
@@ -134,7 +134,8 @@ static void shares(const picking_t *work, int32_t column, rank_t *rank)
     }
 }
 
-void rank_find(const triangle_t *triangle, const int32_t *classes, double tolerance, rank_t *rank)
+void kinematics_rank_find(const kinematics_triangle_t *triangle, const int32_t *classes,
+                          double tolerance, kinematics_rank_t *rank)
 {
     picking_t work = {.n = triangle->columns};
     memset(rank, 0, sizeof *rank);

@@ -8,26 +8,31 @@
 
 #include "comp/kinematics.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     int32_t columns;
     double  r[KINEMATICS_UNKNOWNS_MAX][KINEMATICS_UNKNOWNS_MAX + 1]; /* and the right-hand side */
     double  left_over;                                               /* sum of squared residuals */
-} triangle_t;
+} kinematics_triangle_t;
 
 /* Begin with no row; 1 to KINEMATICS_UNKNOWNS_MAX columns. */
-void triangle_init(triangle_t *triangle, int32_t columns);
+void kinematics_triangle_init(kinematics_triangle_t *triangle, int32_t columns);
 
 /* Take in one row: `columns` values and the right-hand side; `row` is used up. */
-void triangle_add(triangle_t *triangle, double *row);
+void kinematics_triangle_add(kinematics_triangle_t *triangle, double *row);
 
 /* The solution; no column may depend on others. */
-void triangle_solve(const triangle_t *triangle, double *solution);
+void kinematics_triangle_solve(const kinematics_triangle_t *triangle, double *solution);
 
 /* Diagonal of (RᵀR)⁻¹: variances for a residual variance of 1; no column may depend on others. */
-void triangle_variances(const triangle_t *triangle, double *variances);
+void kinematics_triangle_variances(const kinematics_triangle_t *triangle, double *variances);
 
 /* Solve Rᵀ·y = row: the squared length of y is the variance that the solution gives that row. */
-void triangle_whiten(const triangle_t *triangle, const double *row, double *y);
+void kinematics_triangle_whiten(const kinematics_triangle_t *triangle, const double *row,
+                                double *y);
 
 typedef struct {
     int32_t rank;
@@ -35,13 +40,18 @@ typedef struct {
     int32_t depends[KINEMATICS_UNKNOWNS_MAX];
     double  share[KINEMATICS_UNKNOWNS_MAX][KINEMATICS_UNKNOWNS_MAX]; /* [i][c] of column i in the
                                                                         dependent column c */
-} rank_t;
+} kinematics_rank_t;
 
 /*
  * Pick independent columns: those of class 0 before those of class 1, within a class the longest
  * first. A column of which less than `tolerance` is left depends on those picked; columns of class
  * 2 are never picked.
  */
-void rank_find(const triangle_t *triangle, const int32_t *classes, double tolerance, rank_t *rank);
+void kinematics_rank_find(const kinematics_triangle_t *triangle, const int32_t *classes,
+                          double tolerance, kinematics_rank_t *rank);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -56,22 +56,22 @@ static void grid_point(const kinematics_machine_t *machine, const grid_t *grid, 
         point->angle_deg[j] = grid->first_deg[j] + GRID_DEG * (double)(number % steps);
         number /= steps;
     }
-    chain_position(machine, unknowns, point->angle_deg, point->position_mm);
+    kinematics_chain_position(machine, unknowns, point->angle_deg, point->position_mm);
 }
 
 /* What is looked for: the unknowns that old points and the whole grid together determine. */
 typedef struct {
     const kinematics_machine_t *machine;
     const double               *unknowns;
-    rank_t                      rank;
-    triangle_t                  known;
+    kinematics_rank_t           rank;
+    kinematics_triangle_t       known;
 } design_t;
 
 static void picked_rows(const design_t *design, const kinematics_point_t *point,
                         double picked[3][KINEMATICS_UNKNOWNS_MAX + 1])
 {
     double rows[3][KINEMATICS_UNKNOWNS_MAX + 1];
-    problem_rows(design->machine, design->unknowns, point, rows);
+    kinematics_problem_rows(design->machine, design->unknowns, point, rows);
     for (int32_t k = 0; k < 3; k++) {
         for (int32_t c = 0; c < design->rank.rank; c++) {
             picked[k][c] = rows[k][design->rank.pivots[c]];
@@ -85,7 +85,7 @@ static void learn(design_t *design, const kinematics_point_t *point)
     double picked[3][KINEMATICS_UNKNOWNS_MAX + 1];
     picked_rows(design, point, picked);
     for (int32_t k = 0; k < 3; k++) {
-        triangle_add(&design->known, picked[k]);
+        kinematics_triangle_add(&design->known, picked[k]);
     }
 }
 
@@ -97,7 +97,7 @@ static double worth(const design_t *design, const kinematics_point_t *point)
     double m[3][3];
     picked_rows(design, point, picked);
     for (int32_t k = 0; k < 3; k++) {
-        triangle_whiten(&design->known, picked[k], y[k]);
+        kinematics_triangle_whiten(&design->known, picked[k], y[k]);
         for (int32_t i = 0; i <= k; i++) {
             m[k][i] = i == k ? 1.0 : 0.0;
             for (int32_t c = 0; c < design->rank.rank; c++) {
@@ -129,7 +129,7 @@ static bool is_known(const design_t *design, int32_t points)
 {
     double variances[KINEMATICS_UNKNOWNS_MAX];
     bool   known = 3 * points >= design->rank.rank + FREEDOM_MIN;
-    triangle_variances(&design->known, variances);
+    kinematics_triangle_variances(&design->known, variances);
     for (int32_t c = 0; c < design->rank.rank; c++) {
         known = known && (design->rank.pivots[c] < KINEMATICS_NUISANCES || variances[c] <= GOAL);
     }
@@ -139,20 +139,20 @@ static bool is_known(const design_t *design, int32_t points)
 /* Find the goal, and begin with what the old points tell. */
 static void begin(design_t *design, const grid_t *grid, const kinematics_point_t *points, int32_t n)
 {
-    triangle_t *all = &design->known;
-    triangle_init(all, problem_columns(design->machine));
-    problem_add_all(design->machine, design->unknowns, points, n, all);
+    kinematics_triangle_t *all = &design->known;
+    kinematics_triangle_init(all, kinematics_problem_columns(design->machine));
+    kinematics_problem_add_all(design->machine, design->unknowns, points, n, all);
     for (int32_t i = 0; i < grid->count; i++) {
         kinematics_point_t point;
         grid_point(design->machine, grid, i, design->unknowns, &point);
-        problem_add_all(design->machine, design->unknowns, &point, 1, all);
+        kinematics_problem_add_all(design->machine, design->unknowns, &point, 1, all);
     }
-    problem_rank_of(design->machine, all, n + grid->count, &design->rank);
-    triangle_init(&design->known, design->rank.rank);
+    kinematics_problem_rank_of(design->machine, all, n + grid->count, &design->rank);
+    kinematics_triangle_init(&design->known, design->rank.rank);
     for (int32_t c = 0; c < design->rank.rank; c++) {
         double row[KINEMATICS_UNKNOWNS_MAX + 1] = {0.0};
         row[c] = BARELY;
-        triangle_add(&design->known, row);
+        kinematics_triangle_add(&design->known, row);
     }
     for (int32_t i = 0; i < n; i++) {
         learn(design, &points[i]);
@@ -162,13 +162,13 @@ static void begin(design_t *design, const grid_t *grid, const kinematics_point_t
 static void tell_after(const design_t *design, const kinematics_point_t *points, int32_t n,
                        const kinematics_point_t *more, int32_t found, kinematics_result_t *after)
 {
-    triangle_t all;
-    rank_t     rank;
-    triangle_init(&all, problem_columns(design->machine));
-    problem_add_all(design->machine, design->unknowns, points, n, &all);
-    problem_add_all(design->machine, design->unknowns, more, found, &all);
-    problem_rank_of(design->machine, &all, n + found, &rank);
-    problem_describe(design->machine, &rank, n + found, after);
+    kinematics_triangle_t all;
+    kinematics_rank_t     rank;
+    kinematics_triangle_init(&all, kinematics_problem_columns(design->machine));
+    kinematics_problem_add_all(design->machine, design->unknowns, points, n, &all);
+    kinematics_problem_add_all(design->machine, design->unknowns, more, found, &all);
+    kinematics_problem_rank_of(design->machine, &all, n + found, &rank);
+    kinematics_problem_describe(design->machine, &rank, n + found, after);
     memcpy(after->sphere_mm, design->unknowns, sizeof after->sphere_mm);
 }
 
@@ -178,12 +178,12 @@ int32_t kinematics_recommend(const kinematics_machine_t *machine, const kinemati
 {
     double   unknowns[KINEMATICS_UNKNOWNS_MAX] = {0.0};
     design_t design = {.machine = machine, .unknowns = unknowns};
-    int      code = problem_check(machine, points, n);
+    int      code = kinematics_problem_check(machine, points, n);
     if (code == KINEMATICS_OK && !travel_is_good(machine, travel)) {
         code = KINEMATICS_ERR_MACHINE;
     }
     if (code == KINEMATICS_OK) {
-        code = problem_start(machine, points, n, unknowns, &design.known);
+        code = kinematics_problem_start(machine, points, n, unknowns, &design.known);
     }
     if (code != KINEMATICS_OK) {
         return code;

@@ -8,6 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Fields are for firmware/comp. */
 typedef struct {
     uint64_t now_ticks;    /* at the denser train's last pulse, since it began */
@@ -50,5 +54,9 @@ bool phase_meter_digital(const phase_meter_t *m, int32_t since_ticks, uint32_t *
 
 /* The needle's reading of the same; false until eight time constants have passed. */
 bool phase_meter_analog(const phase_meter_t *m, uint32_t *lag_q32);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -11,6 +11,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What all of comp/pretravel*.h return: PRETRAVEL_OK or a negative code. */
 enum {
     PRETRAVEL_OK = 0,
@@ -116,5 +120,9 @@ void pretravel_predict_um(const double *radius_um, const double *speed_mm_min,
  */
 double pretravel_time_increase(const double *speed_mm_min, const double *new_speed_mm_min,
                                uint32_t n);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

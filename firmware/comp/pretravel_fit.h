@@ -9,6 +9,10 @@
 
 #include "comp/pretravel.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Where the centre of the tip was when the probe triggered. */
 typedef struct {
     double x_um;
@@ -41,5 +45,9 @@ int pretravel_fit(const pretravel_point_t *points, uint32_t n, pretravel_shape_t
 /* Trigger radii of n points: their distances from the centre of the fit, in µm. */
 void pretravel_radii_um(const pretravel_point_t *points, uint32_t n, pretravel_shape_t shape,
                         const pretravel_fit_t *fit, double *radius_um);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

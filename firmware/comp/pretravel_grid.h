@@ -7,6 +7,10 @@
 #include "comp/pretravel_lookup.h"
 #include "comp/pretravel_map.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Vertices of a table: 2·M² + 2·M + 1; 145 for M = 8, 545 for M = 16. */
 uint32_t pretravel_grid_size(uint8_t divisions);
 
@@ -19,5 +23,9 @@ uint32_t pretravel_grid_size(uint8_t divisions);
  */
 int pretravel_grid_build(const pretravel_cell_t *cells, const double *speed_mm_min, uint32_t count,
                          uint8_t divisions, double unit_mm_min, uint8_t *vertices);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -12,6 +12,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     PRETRAVEL_DIVISIONS_MAX = 32, /* M: 2113 vertices */
     PRETRAVEL_VERTEX_MAX = 255,
@@ -35,5 +39,9 @@ typedef struct {
  * On an ATmega328P at most 400 cycles for M up to 16, call and return included.
  */
 uint16_t pretravel_lookup(const pretravel_lookup_t *lookup, int16_t dx, int16_t dy, int16_t dz);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

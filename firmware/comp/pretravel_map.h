@@ -12,6 +12,10 @@
 
 #include "comp/pretravel.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     PRETRAVEL_DIRECTIONS_MIN = 6, /* of a map */
     PRETRAVEL_AZIMUTHS_MIN = 3    /* of a row, but for the pole */
@@ -57,5 +61,9 @@ int pretravel_map_check(const pretravel_cell_t *cells, uint32_t count, pretravel
  */
 double pretravel_map_at(const pretravel_cell_t *cells, const double *values, uint32_t count,
                         double alpha_deg, double beta_deg);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -117,7 +117,7 @@ uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks)
     return lines;
 }
 
-void pulse_forget(pulse_train_t *train)
+void pulse_judge_forget(pulse_train_t *train)
 {
     train->period_ticks = 0u;
     train->mean_q4 = 0u;

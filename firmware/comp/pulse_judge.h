@@ -8,6 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     PULSE_MISSING_MAX = 32,  /* more at once are not believed: the shaft may have rested */
     PULSE_REJECTED_MAX = 16, /* more in a row are not believed: the shaft runs faster */
@@ -48,6 +52,10 @@ uint8_t pulse_judge(pulse_train_t *train, uint32_t advance, uint32_t line);
 uint8_t pulse_judge_ticks(pulse_train_t *train, uint32_t interval_ticks);
 
 /* Forget how long a line takes. */
-void pulse_forget(pulse_train_t *train);
+void pulse_judge_forget(pulse_train_t *train);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

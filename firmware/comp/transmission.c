@@ -44,7 +44,7 @@ static void end_stretch(transmission_t *t)
         move_dense(t, t->dense.ticks + t->dense.doubtful, 1u);
     }
     transmission_gate_give_up(t);
-    pulse_forget(&t->dense);
+    pulse_judge_forget(&t->dense);
 }
 
 static void turn_dense(transmission_t *t, uint32_t ticks, int8_t sense)
@@ -140,7 +140,7 @@ void transmission_pause(transmission_t *t)
 /* A train has no sense before its first pulse. */
 static void restart_train(pulse_train_t *train)
 {
-    pulse_forget(train);
+    pulse_judge_forget(train);
     train->line = 0;
     train->sense = 0;
 }

@@ -16,6 +16,10 @@
 #include "comp/phase_meter.h"
 #include "comp/pulse_judge.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum {
     TRANSMISSION_INPUT = 1,
     TRANSMISSION_OUTPUT = 2,
@@ -147,5 +151,9 @@ pulse_counters_t transmission_counters(const transmission_t *t, uint8_t channel)
 
 /* What is known of the index of TRANSMISSION_INPUT or TRANSMISSION_OUTPUT. */
 transmission_index_t transmission_index(const transmission_t *t, uint8_t channel);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -109,7 +109,7 @@ static bool measure(transmission_t *t, uint8_t lines, uint32_t ticks, uint8_t de
 static void forget_phase(transmission_t *t)
 {
     t->has_reference = false;
-    pulse_forget(&t->gate);
+    pulse_judge_forget(&t->gate);
     phase_meter_init(&t->meter, t->meter.dense_divider, t->meter.gate_divider,
                      t->meter.time_constant_ticks);
 }

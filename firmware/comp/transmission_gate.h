@@ -8,6 +8,10 @@
 
 #include "comp/transmission.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 void transmission_gate_on_pulse(transmission_t *t, uint32_t ticks, int8_t sense);
 
 /* Count those that came while the denser train moved on by `dense_lines` in the interval. */
@@ -15,5 +19,9 @@ void transmission_gate_place(transmission_t *t, uint32_t interval_ticks, uint8_t
 
 /* Count those that wait without making points of them; nothing that was is compared any more. */
 void transmission_gate_give_up(transmission_t *t);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -11,6 +11,10 @@
 #include "cycle/kinematics_plan.h"
 #include "cycle/kinematics_settings.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Up to NOTHING nothing has moved when the error comes. */
 typedef enum {
     KINEMATICS_CYCLE_OK,
@@ -99,5 +103,9 @@ bool kinematics_conditions_has_m_function(const kinematics_job_t *job);
 
 /* A phrase like "the axes would not move". Any context. */
 const char *kinematics_cycle_phrase(kinematics_cycle_error_t error);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

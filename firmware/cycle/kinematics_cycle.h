@@ -25,6 +25,10 @@
 #include "cycle/kinematics_stance.h"
 #include "cycle/sphere_probe.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     KINEMATICS_CYCLE_IDLE,
     KINEMATICS_CYCLE_RUNNING,
@@ -149,5 +153,9 @@ const kinematics_cycle_fault_t *kinematics_cycle_fault(const kinematics_cycle_t 
 
 /* The stations, and what was measured there up to now. Task. */
 const kinematics_plan_t *kinematics_cycle_plan(const kinematics_cycle_t *cycle);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 
 #include "cycle/kinematics_settings.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum { ROTARY_A, ROTARY_B, ROTARY_C } rotary_axis_t;
 
 #define ROTARY_AXES             3
@@ -66,5 +70,9 @@ void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *
 /* Whether an axis that stands at `angle_deg` need not turn, and all of them. Any context. */
 bool kinematics_plan_is_there(double angle_deg, double target_deg);
 bool kinematics_plan_is_pose(const double *angles_deg, const double *others_deg);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -14,6 +14,10 @@
 
 #include "cycle/kinematics_plan.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define KINEMATICS_RESULTS         9 /* Q141 to Q149 */
 #define KINEMATICS_NOT_MEASURED    (-1.0)
 #define KINEMATICS_CIRCLE_LEAST_MM 1.0 /* no backlash is computed from a smaller circle */
@@ -53,5 +57,9 @@ typedef struct {
 /* Report on all that the plan has measured. Task. */
 void kinematics_report_make(kinematics_report_t *report, const kinematics_plan_t *plan,
                             const kinematics_expectation_t *expected);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

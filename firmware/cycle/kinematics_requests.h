@@ -4,6 +4,10 @@
 
 #include "cycle/kinematics_cycle.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Begin a request with the angles at which the axes are, or will be, and give the rest to fill. */
 kinematics_cycle_request_t *kinematics_request_begin(kinematics_cycle_t             *cycle,
                                                      kinematics_cycle_step_t         step,
@@ -21,5 +25,9 @@ void kinematics_request_turn(kinematics_cycle_t *cycle, uint8_t axis);
 /* The preset to where the sphere was at these angles. */
 void kinematics_request_preset(kinematics_cycle_t *cycle, kinematics_cycle_step_t step,
                                const double *angle_deg, const double *centre_mm);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

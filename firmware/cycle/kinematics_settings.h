@@ -9,6 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* In the order of the document. */
 typedef enum {
     KINEMATICS_Q406_MODE,
@@ -92,5 +96,9 @@ kinematics_setting_t kinematics_settings_fault(const kinematics_settings_t *sett
 
 /* A phrase like "is below its limit". Any context. */
 const char *kinematics_settings_phrase(kinematics_setting_error_t error);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

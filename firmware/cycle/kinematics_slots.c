@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "report/crc16.h"
+#include "report/latch_crc.h"
 
 uint32_t slot_offset(uint8_t slot)
 {
@@ -32,8 +32,8 @@ void slot_put(uint8_t *bytes, uint8_t count, uint32_t value)
 
 uint16_t slot_checksum(const uint8_t *slot, uint16_t payload_length)
 {
-    return crc16_update(CRC16_START, slot + AT_SERIAL,
-                        (size_t)(AT_PAYLOAD - AT_SERIAL) + payload_length);
+    return latch_crc_update(LATCH_CRC_START, slot + AT_SERIAL,
+                            (size_t)(AT_PAYLOAD - AT_SERIAL) + payload_length);
 }
 
 static bool slot_is_valid(const uint8_t *memory, uint8_t index)

@@ -10,6 +10,10 @@
 
 #include "cycle/kinematics_store.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Of a slot: what stands where. Numbers lowest byte first. */
 enum {
     AT_MARK = 0, /* VALID, or anything else; not under the checksum, as it is written alone */
@@ -49,5 +53,9 @@ uint8_t slot_outdated(const uint8_t *memory);
 
 /* A slot that may be written into; there always is one. */
 uint8_t slot_free(const uint8_t *memory);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

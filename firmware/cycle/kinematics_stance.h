@@ -12,6 +12,10 @@
 
 #include "cycle/kinematics_plan.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     double angle_deg[ROTARY_AXES];
     double side_deg[ROTARY_AXES]; /* by which it came, as in the plan; 0: as it came */
@@ -23,5 +27,9 @@ bool kinematics_stance_is_at(const kinematics_stance_t *stance, const kinematics
 /* Turn the next axis on the way there: which one, or false when none is left. */
 bool kinematics_stance_turn(kinematics_stance_t *stance, const kinematics_plan_t *plan,
                             uint8_t *axis);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -20,6 +20,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define KINEMATICS_STORE_RECORDS     16  /* besides the active description */
 #define KINEMATICS_STORE_PAYLOAD_MAX 256 /* bytes of a description */
 #define KINEMATICS_STORE_NAME_MAX    16
@@ -120,5 +124,9 @@ void kinematics_store_text(const kinematics_designation_t *designation, char *te
 
 /* A phrase that names the parameter, where one is at fault. Any context. */
 const char *kinematics_store_phrase(kinematics_store_error_t error);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

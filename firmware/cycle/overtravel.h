@@ -5,6 +5,10 @@
 #ifndef CYCLE_OVERTRAVEL_H
 #define CYCLE_OVERTRAVEL_H
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* What lies between the latch and the standstill. */
 typedef struct {
     double reaction_us; /* latch to the start of the deceleration: scan, task, motion queue; ≥ 0 */
@@ -16,5 +20,9 @@ double overtravel_um(const overtravel_path_t *path, double feed_mm_min);
 
 /* The feed in mm/min whose overtravel is `allowed_um` ≥ 0; any lower feed is safe. Task. */
 double overtravel_safe_feed_mm_min(const overtravel_path_t *path, double allowed_um);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

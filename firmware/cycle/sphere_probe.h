@@ -9,6 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define SPHERE_TOUCHES_MIN 3 /* around the equator */
 #define SPHERE_TOUCHES_MAX 8
 
@@ -52,5 +56,9 @@ void sphere_probe_touched(sphere_probe_t *probe, const double *touched_mm);
  * the points lie on no sphere.
  */
 bool sphere_probe_solve(const sphere_probe_t *probe, double *centre_mm, double *contact_mm);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -17,6 +17,10 @@
 #include "input/latch.h"
 #include "report/latch_record.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     TOUCH_IDLE,
     TOUCH_APPROACHING, /* the fast, or the only, touch */
@@ -125,5 +129,9 @@ const touch_result_t *touch_cycle_result(const touch_cycle_t *cycle);
  * running. Task.
  */
 uint32_t touch_cycle_idle_ticks(const touch_cycle_t *cycle, uint32_t now_ticks);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -5,6 +5,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define INJECT_CRC_START 0xFFu
 
 /* Carry the sum `crc` on over `length` bytes. Any context. */
@@ -12,5 +16,9 @@ uint8_t inject_crc_update(uint8_t crc, const uint8_t *bytes, size_t length);
 
 /* The sum as it is sent: 0x4B for the ASCII digits 1 to 9. Any context. */
 uint8_t inject_crc_finish(uint8_t crc);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -23,6 +23,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define INJECT_FRAME_BYTES     8u
 #define INJECT_FRAMES_PER_EDGE 2u
 
@@ -98,5 +102,9 @@ void inject_frame_put_counts(uint8_t page, uint16_t first, uint16_t second, uint
 /* Write an edge report; its frames are numbered `counter` and `counter` + 1. Any context. */
 void inject_frame_put_edge(const inject_edge_t *edge, uint8_t counter,
                            uint8_t frames[INJECT_FRAMES_PER_EDGE][INJECT_FRAME_BYTES]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

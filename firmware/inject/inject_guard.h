@@ -15,6 +15,10 @@
 
 #include "inject/inject_frame.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     INJECT_OBEYED = 0,
     INJECT_DAMAGED,      /* CRC wrong, or not eight bytes */
@@ -83,5 +87,9 @@ inject_state_t inject_guard_state(inject_guard_t *guard, uint32_t now_ms);
 /* Write page `page` (0: the answer with `verdict`) as status frame number `counter`. Task. */
 void inject_guard_report(inject_guard_t *guard, uint8_t page, inject_verdict_t verdict,
                          uint8_t counter, uint32_t now_ms, uint8_t frame[INJECT_FRAME_BYTES]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

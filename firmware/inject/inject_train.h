@@ -10,6 +10,10 @@
 
 #include "inject/inject_guard.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Start from all zeros: nothing plays. Times in microseconds, wrapping. */
 typedef struct {
     inject_shot_t shot;
@@ -39,5 +43,9 @@ uint8_t inject_train_level(const inject_train_t *train);
  * to the period if there is time.
  */
 void inject_train_advance(inject_train_t *train, uint32_t driven_us);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

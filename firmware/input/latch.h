@@ -13,6 +13,10 @@
 
 #include "report/latch_record.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef enum {
     LATCH_DISARMED,   /* edges are counted as unarmed */
     LATCH_ARMED,      /* waits for the first edge */
@@ -99,5 +103,9 @@ bool latch_is_confirming(const latch_t *latch);
 
 /* A consistent copy of the counters. Task. */
 latch_counters_t latch_counters(const latch_t *latch);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

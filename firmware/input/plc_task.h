@@ -10,6 +10,10 @@
 
 #include "input/latch.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define PLC_PERIOD_MIN_US   100u
 #define PLC_PERIOD_MAX_US   20000u
 #define PLC_IMAGE_DELAY_MAX 7u /* scans */
@@ -58,5 +62,9 @@ bool plc_task_is_settled(const plc_task_t *task);
  * context as the scan.
  */
 void plc_task_skip_idle(plc_task_t *task, uint32_t scans, uint32_t last_scan_ticks);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -10,6 +10,10 @@
 #include "hal_edge.h"
 #include "input/latch.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     hal_edge_config_t edge; /* line, polarity, glitch filter */
     uint8_t           axis; /* whose position is latched */
@@ -39,5 +43,9 @@ void skip_input_on_edge(skip_input_t *input, uint32_t captured_ticks);
 
 /* Read the level and let the latch judge; see latch_poll(). Task. */
 void skip_input_poll(skip_input_t *input, uint32_t now_ticks);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define TICKS_NEVER        UINT32_MAX  /* as a duration: no time is set */
 #define TICKS_MAX_DURATION 0x7FFFFFFFu /* longer ones are cut to this */
 #define TICKS_BEFORE       0xC0000000u /* an elapsed time this long is a reading from before */
@@ -40,5 +44,9 @@ static inline uint32_t ticks_from_us(uint32_t us, uint32_t tick_ps)
     uint64_t ticks = ((uint64_t)us * 1000000u + tick_ps - 1u) / tick_ps;
     return ticks < TICKS_MAX_DURATION ? (uint32_t)ticks : TICKS_MAX_DURATION;
 }
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-#include "report/crc16.h"
+#include "report/latch_crc.h"
 
 #define FLAGS_MASK    0x0Fu
 #define CHANNEL_SHIFT 4u
@@ -29,7 +29,7 @@ static uint16_t get_crc(const uint8_t *frame)
 /* Close `frame` with the sum carried on from `crc`, and return that sum. */
 static uint16_t put_crc(uint8_t *frame, uint16_t crc)
 {
-    crc = crc16_update(crc, frame, CRC_OFFSET);
+    crc = latch_crc_update(crc, frame, CRC_OFFSET);
     frame[CRC_OFFSET] = (uint8_t)crc;
     frame[CRC_OFFSET + 1u] = (uint8_t)(crc >> 8);
     return crc;
@@ -55,7 +55,7 @@ void latch_frame_encode(const latch_record_t *record,
     frames[0][0] = (uint8_t)(sequence << 1);
     frames[0][1] = (uint8_t)(flags | channel << CHANNEL_SHIFT);
     put_u32(&frames[0][2], record->ticks);
-    uint16_t crc = put_crc(frames[0], CRC16_START);
+    uint16_t crc = put_crc(frames[0], LATCH_CRC_START);
 
     frames[1][0] = (uint8_t)(frames[0][0] | 1u);
     frames[1][1] = (uint8_t)(sequence >> 7);
@@ -70,14 +70,14 @@ static bool is_pair(const latch_decoder_t *decoder, const uint8_t *second)
 
 bool latch_frame_is_good(const latch_decoder_t *decoder, const uint8_t frame[LATCH_FRAME_BYTES])
 {
-    uint16_t start = CRC16_START;
+    uint16_t start = LATCH_CRC_START;
     if (is_second(frame)) {
         if (!is_pair(decoder, frame)) {
             return false;
         }
         start = get_crc(decoder->first);
     }
-    return crc16_update(start, frame, CRC_OFFSET) == get_crc(frame);
+    return latch_crc_update(start, frame, CRC_OFFSET) == get_crc(frame);
 }
 
 static latch_frame_result_t take_first(latch_decoder_t *decoder, const uint8_t *frame)

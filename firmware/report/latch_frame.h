@@ -17,6 +17,10 @@
 
 #include "report/latch_record.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define LATCH_FRAME_BYTES       8u
 #define LATCH_FRAMES_PER_RECORD 2u
 
@@ -57,5 +61,9 @@ bool latch_frame_is_good(const latch_decoder_t *decoder, const uint8_t frame[LAT
 latch_frame_result_t latch_frame_decode(latch_decoder_t *decoder,
                                         const uint8_t    frame[LATCH_FRAME_BYTES],
                                         latch_record_t  *record);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -4,6 +4,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /*
  * Sequence numbers count the records a controller reports, modulo 2^15: a gap is one lost on the
  * way.
@@ -24,5 +28,9 @@ typedef struct {
     uint8_t  channel;         /* 0 … LATCH_CHANNEL_MAX */
     uint8_t  flags;           /* LATCH_FLAG_* */
 } latch_record_t;
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 
 #include "report/latch_frame.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Start from all zeros. */
 typedef struct {
     uint8_t  frames[LATCH_FRAMES_PER_RECORD][LATCH_FRAME_BYTES];
@@ -22,5 +26,9 @@ bool latch_report_begin(latch_report_t *report, const latch_record_t *record);
 
 /* Hand on what the bus takes now. True once nothing is pending. Task. */
 bool latch_report_poll(latch_report_t *report);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

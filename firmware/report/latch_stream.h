@@ -10,6 +10,10 @@
 
 #include "report/latch_frame.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Start from all zeros. */
 typedef struct {
     latch_decoder_t decoder;
@@ -20,5 +24,9 @@ typedef struct {
 
 /* Take one byte. True when it completed a record, which is then in `record`. Task. */
 bool latch_stream_take(latch_stream_t *stream, uint8_t byte, latch_record_t *record);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

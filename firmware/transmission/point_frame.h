@@ -17,11 +17,19 @@
 
 #include "transmission/pulse_intake.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define POINT_FRAME_BYTES 8u
 
 void point_frame_of_point(uint8_t frame[POINT_FRAME_BYTES], uint32_t part,
                           const transmission_point_t *point);
 
 void point_frame_of_tally(uint8_t frame[POINT_FRAME_BYTES], const pulse_intake_t *intake);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -14,6 +14,10 @@
 
 #include "comp/transmission.h"
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* Owned by the caller; `core` may be read. Task only. */
 typedef struct {
     transmission_t core;
@@ -41,5 +45,9 @@ void pulse_intake_turn(pulse_intake_t *intake, bool is_backward);
  * `core`, until the next call. As often as you can; 2^30 ticks may not pass without a call.
  */
 uint8_t pulse_intake_poll(pulse_intake_t *intake);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

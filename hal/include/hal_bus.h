@@ -4,6 +4,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define HAL_BUS_FRAME_BYTES 8u
 
 /*
@@ -11,5 +15,9 @@
  * in which they were queued. Task. Returns HAL_OK, or HAL_ERR_BUSY while the queue is full.
  */
 int hal_bus_send(const uint8_t frame[HAL_BUS_FRAME_BYTES]);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /* The counter now. Any context. Never runs backwards but for the wrap. */
 uint32_t hal_clock_now_ticks(void);
 
@@ -15,5 +19,9 @@ uint32_t hal_clock_now_ticks(void);
  * context.
  */
 uint32_t hal_clock_tick_ps(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef uint32_t hal_critical_state_t; /* the port's saved interrupt mask */
 
 /* Mask the interrupts that call the firmware and return the mask as it was. Nests. Any context. */
@@ -14,5 +18,9 @@ hal_critical_state_t hal_critical_enter(void);
 
 /* Put the mask back. `saved` is what the matching hal_critical_enter() returned. Any context. */
 void hal_critical_exit(hal_critical_state_t saved);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -8,6 +8,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 typedef struct {
     uint8_t  channel;          /* board channel, from 0 */
     bool     active_low;       /* true: the line is low while the probe is deflected */
@@ -29,5 +33,9 @@ void hal_edge_disarm(uint8_t channel);
  * false.
  */
 bool hal_edge_level(uint8_t channel);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -7,6 +7,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 /*
  * An edge into the deflected state on an armed channel.
  * captured_ticks: hal_clock ticks at the edge, captured by hardware or else read first thing in the
@@ -14,5 +18,9 @@
  * interrupts on, if neither the task nor a scan comes in between.
  */
 void hal_edge_on_latch(uint8_t channel, uint32_t captured_ticks);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

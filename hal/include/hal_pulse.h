@@ -9,6 +9,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 #define HAL_PULSE_CHANNELS 2u
 
 typedef struct {
@@ -33,5 +37,9 @@ void hal_pulse_stop(void);
  * one. Task.
  */
 bool hal_pulse_take(hal_pulse_t *pulse);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

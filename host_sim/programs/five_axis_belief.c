@@ -53,7 +53,7 @@ void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3
     for (int32_t i = 0; i < belief->chain.axes_count; ++i) {
         angles_deg[i] = angle_deg[belief->chain.axes[i].letter - 'A'];
     }
-    chain_position(&belief->chain, unknowns, angles_deg, reading_mm);
+    kinematics_chain_position(&belief->chain, unknowns, angles_deg, reading_mm);
 }
 
 /*

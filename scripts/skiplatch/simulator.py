@@ -202,6 +202,7 @@ class _Binding:
 def _declarations(header: Path) -> str:
     """Give what cffi understands of a header: no comments, nothing of the preprocessor."""
     text = re.sub(r"/\*.*?\*/", "", header.read_text(encoding="utf-8"), flags=re.DOTALL)
+    text = re.sub(r"#ifdef __cplusplus\n.*?#endif\n", "", text, flags=re.DOTALL)
     return "\n".join(line for line in text.splitlines() if not line.startswith("#"))
 
 

@@ -2,7 +2,7 @@
  * Fuzzes the receiving side of the report. The first byte picks one of three games: frames of
  * arbitrary bytes, a stream of arbitrary bytes, or a script of what a bad bus does to good frames.
  */
-/* LINK: firmware/report/latch_frame.c firmware/report/latch_stream.c firmware/report/crc16.c */
+/* LINK: firmware/report/latch_frame.c firmware/report/latch_stream.c firmware/report/latch_crc.c */
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Cycle 450: a power cut anywhere leaves the old or the new. */
 /* LINK: firmware/cycle/kinematics_slots.c firmware/cycle/kinematics_store.c
- *       firmware/report/crc16.c tests/support/store_rig.c */
+ *       firmware/report/latch_crc.c tests/support/store_rig.c */
 #include <string.h>
 
 #include "store_rig.h"

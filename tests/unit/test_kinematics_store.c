@@ -1,11 +1,11 @@
 /* Cycle 450: what is saved comes back, and what is damaged is lost alone. */
 /* LINK: firmware/cycle/kinematics_slots.c firmware/cycle/kinematics_store.c
- *       firmware/report/crc16.c tests/support/store_rig.c */
+ *       firmware/report/latch_crc.c tests/support/store_rig.c */
 #include <math.h>
 #include <string.h>
 
 #include "cycle/kinematics_store.h"
-#include "report/crc16.h"
+#include "report/latch_crc.h"
 #include "store_rig.h"
 #include "unity.h"
 
@@ -147,7 +147,7 @@ static void age(uint32_t serial)
             for (int i = 0; i < 4; i++) {
                 bytes[3 + i] = (uint8_t)(serial >> (8 * i));
             }
-            uint16_t sum = crc16_update(CRC16_START, bytes + 3, 23 + strlen("aged"));
+            uint16_t sum = latch_crc_update(LATCH_CRC_START, bytes + 3, 23 + strlen("aged"));
             bytes[1] = (uint8_t)(sum & 0xFFu);
             bytes[2] = (uint8_t)(sum >> 8);
         }

@@ -1,9 +1,9 @@
 /* The frame codec: what is sent comes out, what was damaged, lost or mixed up does not. */
-/* LINK: firmware/report/latch_frame.c firmware/report/crc16.c tests/support/records.c */
+/* LINK: firmware/report/latch_frame.c firmware/report/latch_crc.c tests/support/records.c */
 #include <string.h>
 
 #include "records.h"
-#include "report/crc16.h"
+#include "report/latch_crc.h"
 #include "report/latch_frame.h"
 #include "unity.h"
 
@@ -90,11 +90,11 @@ void test_the_bytes_are_those_of_the_header(void)
 
     latch_frame_encode(&record, frames);
 
-    uint16_t crc = crc16_update(CRC16_START, first, sizeof first);
+    uint16_t crc = latch_crc_update(LATCH_CRC_START, first, sizeof first);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(first, frames[FIRST], sizeof first);
     TEST_ASSERT_EQUAL_HEX8(crc & 0xFFu, frames[FIRST][6]);
     TEST_ASSERT_EQUAL_HEX8(crc >> 8, frames[FIRST][7]);
-    crc = crc16_update(crc, second, sizeof second);
+    crc = latch_crc_update(crc, second, sizeof second);
     TEST_ASSERT_EQUAL_HEX8_ARRAY(second, frames[SECOND], sizeof second);
     TEST_ASSERT_EQUAL_HEX8(crc & 0xFFu, frames[SECOND][6]);
     TEST_ASSERT_EQUAL_HEX8(crc >> 8, frames[SECOND][7]);

@@ -1,5 +1,5 @@
 /* Numbering records and sending them over a bus that is now and then full. */
-/* LINK: firmware/report/latch_report.c firmware/report/latch_frame.c firmware/report/crc16.c
+/* LINK: firmware/report/latch_report.c firmware/report/latch_frame.c firmware/report/latch_crc.c
  *       tests/support/records.c */
 /* MOCK: hal/include/hal_bus.h */
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Frames in a stream of bytes: found at once, and found again after garbage, loss and insertion. */
-/* LINK: firmware/report/latch_stream.c firmware/report/latch_frame.c firmware/report/crc16.c
+/* LINK: firmware/report/latch_stream.c firmware/report/latch_frame.c firmware/report/latch_crc.c
  *       tests/support/records.c */
 #include <string.h>
 

@@ -95,7 +95,7 @@ void test_two_pulses_between_lines_were_lines(void)
 void test_a_pulse_in_doubt_is_forgotten_with_the_rest(void)
 {
     TEST_ASSERT_EQUAL_UINT8(0u, pulse_judge(&train, 1300u, LINE));
-    pulse_forget(&train);
+    pulse_judge_forget(&train);
     TEST_ASSERT_EQUAL_UINT8(2u, pulse_judge(&train, 2000u, LINE));
 
     check_counters(1u, 0u, 0u);
@@ -198,7 +198,7 @@ void test_forgetting_believes_the_next_pulses_again(void)
 {
     run_evenly(LINE);
 
-    pulse_forget(&train);
+    pulse_judge_forget(&train);
 
     TEST_ASSERT_EQUAL_UINT8(1u, pulse_judge_ticks(&train, 5u * LINE));
     check_counters(0u, 0u, 0u);

@@ -1,6 +1,6 @@
 /* CRC-16/CCITT-FALSE against its check value and a bit-by-bit definition. */
-/* LINK: firmware/report/crc16.c */
-#include "report/crc16.h"
+/* LINK: firmware/report/latch_crc.c */
+#include "report/latch_crc.h"
 #include "unity.h"
 
 #define POLYNOMIAL 0x1021u
@@ -27,19 +27,19 @@ static uint16_t shift_byte(uint16_t crc, uint8_t byte)
 
 void test_the_check_value_is_the_published_one(void)
 {
-    TEST_ASSERT_EQUAL_HEX16(0x29B1u, crc16_update(CRC16_START, DIGITS, sizeof DIGITS));
+    TEST_ASSERT_EQUAL_HEX16(0x29B1u, latch_crc_update(LATCH_CRC_START, DIGITS, sizeof DIGITS));
 }
 
 void test_no_bytes_leave_the_sum_as_it_was(void)
 {
-    TEST_ASSERT_EQUAL_HEX16(0x1234u, crc16_update(0x1234u, DIGITS, 0u));
+    TEST_ASSERT_EQUAL_HEX16(0x1234u, latch_crc_update(0x1234u, DIGITS, 0u));
 }
 
 void test_the_sum_carries_on_over_any_split(void)
 {
     for (size_t split = 0u; split <= sizeof DIGITS; ++split) {
-        uint16_t crc = crc16_update(CRC16_START, DIGITS, split);
-        crc = crc16_update(crc, &DIGITS[split], sizeof DIGITS - split);
+        uint16_t crc = latch_crc_update(LATCH_CRC_START, DIGITS, split);
+        crc = latch_crc_update(crc, &DIGITS[split], sizeof DIGITS - split);
 
         TEST_ASSERT_EQUAL_HEX16(0x29B1u, crc);
     }
@@ -51,7 +51,7 @@ void test_every_byte_after_every_sum_is_what_the_shift_register_gives(void)
         for (uint32_t byte = 0u; byte <= UINT8_MAX; byte += crc % 251u == 0u ? 1u : 37u) {
             uint8_t  bytes[] = {(uint8_t)byte};
             uint16_t expected = shift_byte((uint16_t)crc, bytes[0]);
-            if (expected != crc16_update((uint16_t)crc, bytes, 1u)) {
+            if (expected != latch_crc_update((uint16_t)crc, bytes, 1u)) {
                 TEST_FAIL_MESSAGE("differs from the shift register");
             }
         }

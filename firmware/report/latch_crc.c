@@ -1,4 +1,4 @@
-#include "report/crc16.h"
+#include "report/latch_crc.h"
 
 /*
  * Eight steps of the shift register at once: every shift is a constant, so an 8-bit chip needs
@@ -11,7 +11,7 @@ static uint16_t update_byte(uint16_t crc, uint8_t byte)
     return (uint16_t)((uint32_t)crc << 8 ^ (uint32_t)top << 12 ^ (uint32_t)top << 5 ^ top);
 }
 
-uint16_t crc16_update(uint16_t crc, const uint8_t *bytes, size_t length)
+uint16_t latch_crc_update(uint16_t crc, const uint8_t *bytes, size_t length)
 {
     for (size_t i = 0; i < length; ++i) {
         crc = update_byte(crc, bytes[i]);
