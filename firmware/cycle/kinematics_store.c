@@ -4,126 +4,100 @@
 
 #include "cycle/kinematics_slots.h"
 
-enum { IS_ACTIVE, IS_NUMBER, IS_NAME }; /* first byte of a designation */
-enum { STEP_IDLE, STEP_CLEAN, STEP_BODY, STEP_MARK, STEP_DELETE };
+enum { STEP_IDLE, STEP_SETTLE, STEP_BODY, STEP_MARK, STEP_WIPE, STEP_DELETE };
+
+#define SETTLED (2 * KINEMATICS_STORE_SLOTS)
 
 static const kinematics_designation_t ACTIVE = {.bytes = {IS_ACTIVE}};
 
 /* ---- reading ---- */
 
-static bool read_slot(const kinematics_store_t *store, uint8_t slot, kinematics_record_t *record)
+static kinematics_store_error_t check(const kinematics_slots_t *slots)
 {
-    if (slot == NO_SLOT) {
-        return false;
+    if (slots->damaged != 0u) {
+        return KINEMATICS_STORE_ERR_DAMAGED;
     }
-    record->designation = slot_designation(store->memory, slot);
-    record->payload = slot_at(store->memory, slot) + AT_PAYLOAD;
-    record->length = (uint16_t)slot_get(slot_at(store->memory, slot) + AT_LENGTH, 2u);
-    return true;
+    return kinematics_slots_are_own(slots) ? KINEMATICS_STORE_OK : KINEMATICS_STORE_ERR_FOREIGN;
 }
 
-bool kinematics_store_active(const kinematics_store_t *store, kinematics_record_t *record)
+kinematics_store_error_t kinematics_store_check(const kinematics_store_t *store)
 {
-    return read_slot(store, slot_newest(store->memory, &ACTIVE), record);
+    kinematics_slots_t slots = kinematics_slots_read(store->memory);
+    return check(&slots);
+}
+
+static void read_slot(const uint8_t *slot, kinematics_record_t *record)
+{
+    record->designation = slot_designation(slot);
+    record->payload = slot + AT_PAYLOAD;
+    record->length = (uint16_t)slot_get(slot + AT_LENGTH, 2u);
 }
 
 bool kinematics_store_find(const kinematics_store_t       *store,
                            const kinematics_designation_t *designation, kinematics_record_t *record)
 {
-    return read_slot(store, slot_newest(store->memory, designation), record);
+    kinematics_slots_t slots = kinematics_slots_read(store->memory);
+    uint8_t            slot = kinematics_slots_newest(&slots, designation);
+    if (slot == NO_SLOT || check(&slots) != KINEMATICS_STORE_OK) {
+        return false;
+    }
+    read_slot(slot_at(store->memory, slot), record);
+    return true;
+}
+
+bool kinematics_store_active(const kinematics_store_t *store, kinematics_record_t *record)
+{
+    return kinematics_store_find(store, &ACTIVE, record);
+}
+
+static bool is_record(const kinematics_slots_t *slots, uint8_t slot)
+{
+    return kinematics_slots_count(slots, slot) &&
+           !slot_is_of(slot_at(slots->memory, slot), &ACTIVE);
 }
 
 bool kinematics_store_show(const kinematics_store_t *store, uint8_t index,
                            kinematics_record_t *record)
 {
+    kinematics_slots_t slots = kinematics_slots_read(store->memory);
+    if (check(&slots) != KINEMATICS_STORE_OK) {
+        return false;
+    }
     for (uint8_t slot = 0u; slot < KINEMATICS_STORE_SLOTS; slot++) {
-        bool is_record =
-            slot_counts(store->memory, slot) && !slot_is_of(slot_at(store->memory, slot), &ACTIVE);
-        if (is_record && index-- == 0u) {
-            return read_slot(store, slot, record);
+        if (is_record(&slots, slot) && index-- == 0u) {
+            read_slot(slot_at(store->memory, slot), record);
+            return true;
         }
     }
     return false;
 }
 
-static uint8_t records(const kinematics_store_t *store)
+static uint8_t count_records(const kinematics_slots_t *slots)
 {
-    kinematics_record_t record;
-    uint8_t             count = 0u;
-    while (kinematics_store_show(store, count, &record)) {
-        count++;
+    uint8_t count = 0u;
+    for (uint8_t slot = 0u; slot < KINEMATICS_STORE_SLOTS; slot++) {
+        count = (uint8_t)(count + is_record(slots, slot));
     }
     return count;
 }
 
-/* ---- designations ---- */
-
-kinematics_store_error_t kinematics_store_number(kinematics_designation_t *designation,
-                                                 double                    number)
-{
-    bool is_sound = number >= 0.0 && number <= KINEMATICS_STORE_NUMBER_MAX;
-    if (!is_sound || number - (double)(uint32_t)number > 0.0) {
-        return KINEMATICS_STORE_ERR_DESIGNATION;
-    }
-    memset(designation, 0, sizeof *designation);
-    designation->bytes[0] = IS_NUMBER;
-    slot_put(designation->bytes + 1, 4u, (uint32_t)number);
-    return KINEMATICS_STORE_OK;
-}
-
-kinematics_store_error_t kinematics_store_name(kinematics_designation_t *designation,
-                                               const char               *name)
-{
-    uint8_t length = 0u;
-
-    while (length <= KINEMATICS_STORE_NAME_MAX && name[length] != '\0') {
-        if (name[length] <= ' ' || name[length] > '~') {
-            return KINEMATICS_STORE_ERR_DESIGNATION;
-        }
-        length++;
-    }
-    if (length == 0u || length > KINEMATICS_STORE_NAME_MAX) {
-        return KINEMATICS_STORE_ERR_DESIGNATION;
-    }
-    memset(designation, 0, sizeof *designation);
-    designation->bytes[0] = IS_NAME;
-    memcpy(designation->bytes + 1, name, length);
-    return KINEMATICS_STORE_OK;
-}
-
-static void write_number(uint32_t number, char *text)
-{
-    uint8_t length = 1u;
-    for (uint32_t rest = number; rest > 9u; rest /= 10u) {
-        length++;
-    }
-    text[length] = '\0';
-    while (length-- > 0u) {
-        text[length] = (char)('0' + number % 10u);
-        number /= 10u;
-    }
-}
-
-void kinematics_store_text(const kinematics_designation_t *designation, char *text)
-{
-    if (designation->bytes[0] == IS_NUMBER) {
-        write_number(slot_get(designation->bytes + 1, 4u), text);
-    } else {
-        memcpy(text, designation->bytes + 1, KINEMATICS_STORE_NAME_MAX);
-        text[KINEMATICS_STORE_NAME_MAX] = '\0';
-    }
-}
-
 /* ---- writing ---- */
 
-static void plan_write(kinematics_store_t *store, const kinematics_designation_t *designation,
-                       const uint8_t *payload, uint16_t length)
+static kinematics_store_error_t plan_write(kinematics_store_t             *store,
+                                           const kinematics_slots_t       *slots,
+                                           const kinematics_designation_t *designation,
+                                           const uint8_t *payload, uint16_t length)
 {
     uint8_t *image = store->image;
-    uint8_t  last = slot_newest(store->memory, NULL);
+    uint8_t  last = kinematics_slots_newest(slots, NULL);
     uint32_t serial =
-        last == NO_SLOT ? 0u : slot_get(slot_at(store->memory, last) + AT_SERIAL, 4u) + 1u;
+        last == NO_SLOT ? 0u : slot_get(slot_at(slots->memory, last) + AT_SERIAL, 4u) + 1u;
 
+    store->slot = kinematics_slots_free(slots);
+    store->replaced = kinematics_slots_newest(slots, designation);
+    if (store->slot == NO_SLOT) {
+        return KINEMATICS_STORE_ERR_FULL;
+    }
     memmove(image + AT_PAYLOAD, payload, length);
     slot_put(image + AT_SERIAL, 4u, serial);
     memcpy(image + AT_DESIGNATION, designation->bytes, sizeof designation->bytes);
@@ -131,27 +105,18 @@ static void plan_write(kinematics_store_t *store, const kinematics_designation_t
     slot_put(image + AT_CHECKSUM, 2u, slot_checksum(image, length));
     store->image_length = (uint16_t)(AT_PAYLOAD + length);
     store->written = AT_CHECKSUM;
-    store->step = STEP_CLEAN;
+    store->step = STEP_BODY;
+    return KINEMATICS_STORE_OK;
 }
 
-static void write_byte(kinematics_store_write_t *write, uint8_t slot, uint8_t mark)
+static void write_mark(kinematics_store_write_t *write, uint8_t slot, const uint8_t *mark)
 {
     write->offset = slot_offset(slot) + AT_MARK;
-    write->length = 1u;
-    write->bytes[0] = mark;
+    write->length = SLOT_MARK_BYTES;
+    memcpy(write->bytes, mark, SLOT_MARK_BYTES);
 }
 
-static bool wipe_outdated(const kinematics_store_t *store, kinematics_store_write_t *write)
-{
-    uint8_t slot = slot_outdated(store->memory);
-    if (slot == NO_SLOT) {
-        return false;
-    }
-    write_byte(write, slot, WIPED);
-    return true;
-}
-
-static void write_body(kinematics_store_t *store, kinematics_store_write_t *write)
+static bool write_body(kinematics_store_t *store, kinematics_store_write_t *write)
 {
     uint16_t left = (uint16_t)(store->image_length - store->written);
     uint8_t  length =
@@ -164,55 +129,84 @@ static void write_body(kinematics_store_t *store, kinematics_store_write_t *writ
     if (store->written == store->image_length) {
         store->step = STEP_MARK;
     }
+    return true;
 }
 
-/* A slot with a broken checksum may still bear the mark: away with that before it is filled. */
-static bool unmark(kinematics_store_t *store, kinematics_store_write_t *write)
+/* Twice round: first every mark goes that is in the way of a copy, then copies are made. */
+static bool is_due(const kinematics_slots_t *slots, uint8_t turn)
 {
-    store->slot = slot_free(store->memory);
-    if (slot_at(store->memory, store->slot)[AT_MARK] != VALID) {
+    uint8_t        slot = (uint8_t)(turn % KINEMATICS_STORE_SLOTS);
+    bool           counts = kinematics_slots_count(slots, slot);
+    const uint8_t *mark = counts ? SLOT_MARK : SLOT_WIPED;
+    return counts == (turn >= KINEMATICS_STORE_SLOTS) &&
+           memcmp(slot_at(slots->memory, slot) + AT_MARK, mark, SLOT_MARK_BYTES) != 0;
+}
+
+static uint8_t next_due(const kinematics_slots_t *slots, uint8_t turn)
+{
+    while (turn < SETTLED && !is_due(slots, turn)) {
+        turn++;
+    }
+    return turn;
+}
+
+/* A mark in which bits are wrong is not mended in place, where a power cut could take the rest. */
+static bool copy(kinematics_store_t *store, const kinematics_slots_t *slots, uint8_t slot,
+                 kinematics_store_write_t *write)
+{
+    kinematics_record_t record;
+    read_slot(slot_at(slots->memory, slot), &record);
+    return plan_write(store, slots, &record.designation, record.payload, record.length) ==
+               KINEMATICS_STORE_OK &&
+           write_body(store, write);
+}
+
+static bool settle_next(kinematics_store_t *store, kinematics_store_write_t *write)
+{
+    kinematics_slots_t slots = kinematics_slots_read(store->memory);
+    uint8_t            turn = next_due(&slots, store->turn);
+    store->turn = (uint8_t)(turn + 1u);
+    store->step = STEP_IDLE;
+    if (turn >= SETTLED) {
         return false;
     }
-    write_byte(write, store->slot, WIPED);
+    if (turn >= KINEMATICS_STORE_SLOTS) {
+        return copy(store, &slots, (uint8_t)(turn - KINEMATICS_STORE_SLOTS), write);
+    }
+    write_mark(write, turn, SLOT_WIPED);
+    store->step = STEP_SETTLE;
     return true;
 }
 
-static bool begin_body(kinematics_store_t *store, kinematics_store_write_t *write)
+/* What has been replaced goes only once what replaces it can be read. */
+static bool wipe_replaced(kinematics_store_t *store, kinematics_store_write_t *write)
 {
-    if (wipe_outdated(store, write) || unmark(store, write)) {
-        return true;
+    kinematics_slots_t slots = kinematics_slots_read(store->memory);
+    if (store->replaced == NO_SLOT || kinematics_slots_count(&slots, store->replaced)) {
+        return settle_next(store, write);
     }
-    store->step = STEP_BODY;
-    write_body(store, write);
-    return true;
-}
-
-/* The older ones first, or they would count again. */
-static bool delete_next(kinematics_store_t *store, kinematics_store_write_t *write)
-{
-    if (wipe_outdated(store, write)) {
-        return true;
-    }
-    uint8_t slot = slot_newest(store->memory, &store->doomed);
-    store->step = STEP_IDLE;
-    write_byte(write, slot, WIPED);
+    write_mark(write, store->replaced, SLOT_WIPED);
+    store->step = STEP_SETTLE;
     return true;
 }
 
 bool kinematics_store_next_write(kinematics_store_t *store, kinematics_store_write_t *write)
 {
     switch (store->step) {
-    case STEP_CLEAN:
-        return begin_body(store, write);
+    case STEP_SETTLE:
+        return settle_next(store, write);
     case STEP_BODY:
-        write_body(store, write);
-        return true;
+        return write_body(store, write);
     case STEP_MARK:
-        write_byte(write, store->slot, VALID);
+        write_mark(write, store->slot, SLOT_MARK);
+        store->step = STEP_WIPE;
+        return true;
+    case STEP_WIPE:
+        return wipe_replaced(store, write);
+    case STEP_DELETE:
+        write_mark(write, store->replaced, SLOT_WIPED);
         store->step = STEP_IDLE;
         return true;
-    case STEP_DELETE:
-        return delete_next(store, write);
     case STEP_IDLE:
     default:
         return false;
@@ -221,56 +215,99 @@ bool kinematics_store_next_write(kinematics_store_t *store, kinematics_store_wri
 
 /* ---- operations ---- */
 
+static void settle(kinematics_store_t *store, const kinematics_slots_t *slots)
+{
+    store->turn = next_due(slots, 0u);
+    store->step = store->turn == SETTLED ? STEP_IDLE : STEP_SETTLE;
+}
+
 void kinematics_store_mount(kinematics_store_t *store, const uint8_t *memory)
 {
     memset(store, 0, sizeof *store);
     store->memory = memory;
+    kinematics_slots_t slots = kinematics_slots_read(memory);
+    if (check(&slots) == KINEMATICS_STORE_OK) {
+        settle(store, &slots);
+    }
+}
+
+kinematics_store_error_t kinematics_store_discard_damaged(kinematics_store_t *store)
+{
+    if (store->step != STEP_IDLE) {
+        return KINEMATICS_STORE_ERR_BUSY;
+    }
+    kinematics_slots_t slots = kinematics_slots_read(store->memory);
+    if (!kinematics_slots_are_own(&slots)) {
+        return KINEMATICS_STORE_ERR_FOREIGN;
+    }
+    settle(store, &slots);
+    return KINEMATICS_STORE_OK;
+}
+
+/* OK where an operation can begin. */
+static kinematics_store_error_t begin(kinematics_store_t *store, kinematics_slots_t *slots)
+{
+    if (store->step != STEP_IDLE) {
+        return KINEMATICS_STORE_ERR_BUSY;
+    }
+    *slots = kinematics_slots_read(store->memory);
+    store->turn = SETTLED;
+    return check(slots);
 }
 
 kinematics_store_error_t kinematics_store_activate(kinematics_store_t *store,
                                                    const uint8_t *payload, uint16_t length)
 {
-    if (store->step != STEP_IDLE) {
-        return KINEMATICS_STORE_ERR_BUSY;
+    kinematics_slots_t       slots;
+    kinematics_store_error_t error = begin(store, &slots);
+    if (error != KINEMATICS_STORE_OK) {
+        return error;
     }
     if (length == 0u || length > KINEMATICS_STORE_PAYLOAD_MAX) {
         return KINEMATICS_STORE_ERR_LENGTH;
     }
-    plan_write(store, &ACTIVE, payload, length);
-    return KINEMATICS_STORE_OK;
+    return plan_write(store, &slots, &ACTIVE, payload, length);
 }
 
-static kinematics_store_error_t save(kinematics_store_t             *store,
+static kinematics_store_error_t save(kinematics_store_t *store, const kinematics_slots_t *slots,
                                      const kinematics_designation_t *designation)
 {
-    kinematics_record_t record;
+    kinematics_record_t active;
+    uint8_t             from = kinematics_slots_newest(slots, &ACTIVE);
+    bool                is_new = kinematics_slots_newest(slots, designation) == NO_SLOT;
 
-    bool is_new = !kinematics_store_find(store, designation, &record);
-    if (is_new && records(store) >= KINEMATICS_STORE_RECORDS) {
+    if (is_new && count_records(slots) >= KINEMATICS_STORE_RECORDS) {
         return KINEMATICS_STORE_ERR_FULL;
     }
-    if (!kinematics_store_active(store, &record)) {
+    if (from == NO_SLOT) {
         return KINEMATICS_STORE_ERR_NO_ACTIVE;
     }
-    plan_write(store, designation, record.payload, record.length);
-    return KINEMATICS_STORE_OK;
+    read_slot(slot_at(slots->memory, from), &active);
+    return plan_write(store, slots, designation, active.payload, active.length);
 }
 
-static kinematics_store_error_t restore_or_delete(kinematics_store_t             *store,
-                                                  const kinematics_designation_t *designation,
-                                                  bool                            is_deletion)
+static kinematics_store_error_t restore(kinematics_store_t *store, const kinematics_slots_t *slots,
+                                        const kinematics_designation_t *designation)
 {
-    kinematics_record_t record;
-
-    if (!kinematics_store_find(store, designation, &record)) {
+    kinematics_record_t saved;
+    uint8_t             from = kinematics_slots_newest(slots, designation);
+    if (from == NO_SLOT) {
         return KINEMATICS_STORE_ERR_NOT_FOUND;
     }
-    if (is_deletion) {
-        store->doomed = *designation;
-        store->step = STEP_DELETE;
-        return KINEMATICS_STORE_OK;
+    read_slot(slot_at(slots->memory, from), &saved);
+    return plan_write(store, slots, &ACTIVE, saved.payload, saved.length);
+}
+
+static kinematics_store_error_t delete_saved(kinematics_store_t             *store,
+                                             const kinematics_slots_t       *slots,
+                                             const kinematics_designation_t *designation)
+{
+    store->replaced = kinematics_slots_newest(slots, designation);
+    if (store->replaced == NO_SLOT) {
+        return KINEMATICS_STORE_ERR_NOT_FOUND;
     }
-    return kinematics_store_activate(store, record.payload, record.length);
+    store->step = STEP_DELETE;
+    return KINEMATICS_STORE_OK;
 }
 
 static bool is_mode(double mode, kinematics_store_mode_t wanted)
@@ -282,37 +319,22 @@ static bool is_mode(double mode, kinematics_store_mode_t wanted)
 kinematics_store_error_t kinematics_store_start(kinematics_store_t *store, double mode,
                                                 const kinematics_designation_t *designation)
 {
-    if (store->step != STEP_IDLE) {
-        return KINEMATICS_STORE_ERR_BUSY;
-    }
-    if (is_mode(mode, KINEMATICS_STORE_SHOW)) {
-        return KINEMATICS_STORE_OK;
+    kinematics_slots_t       slots;
+    kinematics_store_error_t error = begin(store, &slots);
+    if (error != KINEMATICS_STORE_OK || is_mode(mode, KINEMATICS_STORE_SHOW)) {
+        return error;
     }
     bool is_restoring = is_mode(mode, KINEMATICS_STORE_RESTORE);
     bool is_deletion = is_mode(mode, KINEMATICS_STORE_DELETE);
     if (!is_restoring && !is_deletion && !is_mode(mode, KINEMATICS_STORE_SAVE)) {
         return KINEMATICS_STORE_ERR_MODE;
     }
-    uint8_t kind = designation->bytes[0];
-    if (kind != IS_NUMBER && kind != IS_NAME) {
+    if (designation->bytes[0] == IS_ACTIVE || !kinematics_designation_is_own(designation)) {
         return KINEMATICS_STORE_ERR_DESIGNATION;
     }
-    return is_restoring || is_deletion ? restore_or_delete(store, designation, is_deletion)
-                                       : save(store, designation);
-}
-
-const char *kinematics_store_phrase(kinematics_store_error_t error)
-{
-    static const char *const PHRASES[] = {
-        [KINEMATICS_STORE_OK] = "no error",
-        [KINEMATICS_STORE_ERR_MODE] = "Q410 MODE is not 0, 1, 2 or 3",
-        [KINEMATICS_STORE_ERR_DESIGNATION] =
-            "Q409 MEMORY DESIGNATION is no number from 0 to 99999 and no name of 16 characters",
-        [KINEMATICS_STORE_ERR_NOT_FOUND] = "nothing is saved under Q409 MEMORY DESIGNATION",
-        [KINEMATICS_STORE_ERR_FULL] = "all 16 places are taken",
-        [KINEMATICS_STORE_ERR_NO_ACTIVE] = "there are no active kinematics to save",
-        [KINEMATICS_STORE_ERR_LENGTH] = "the description is empty or too long",
-        [KINEMATICS_STORE_ERR_BUSY] = "the operation before is not over",
-    };
-    return PHRASES[error];
+    if (is_restoring) {
+        return restore(store, &slots, designation);
+    }
+    return is_deletion ? delete_saved(store, &slots, designation)
+                       : save(store, &slots, designation);
 }

@@ -4,13 +4,19 @@
  * restoring it, and applying what cycle 451 found, are as safe as saving.
  *
  * Whatever happens is a series of writes that the caller carries out one after the other, each
- * whole before the next: kinematics_store_save() or another operation, then
- * kinematics_store_next_write() until there is none. A power cut before, in the middle of or after
- * any of them leaves the store as it was or as it shall be, as kinematics_store_mount() finds it.
+ * whole before the next: kinematics_store_mount(), kinematics_store_start() or another operation,
+ * then kinematics_store_next_write() until there is none. A power cut before, in the middle of or
+ * after any of them, which may garble the pages that it falls into, leaves the store as it was or
+ * as it shall be, as kinematics_store_mount() finds it.
  *
- * How. The memory is cut into slots. A record is written into a free slot, and then becomes valid
- * by its last write of one byte; of two valid ones with the same designation the newer one counts,
- * and the older one is wiped by one byte. One slot is always free.
+ * A memory that has lost bits is told from a power cut: then there is no answer at all, and nothing
+ * is written, until kinematics_store_discard_damaged() has accepted the loss. A flipped bit
+ * therefore never brings back what a newer description has replaced.
+ *
+ * How. The memory is cut into slots of whole pages. A record is written into a free slot, then
+ * becomes valid by a mark on a page of its own, and then the one that it replaces is wiped by
+ * another mark. Of two valid ones with the same designation, after a power cut, the newer one
+ * counts. One slot is always free.
  *
  * Task only; nothing here may be interrupted by itself.
  */
@@ -24,14 +30,22 @@
 extern "C" {
 #endif
 
-#define KINEMATICS_STORE_RECORDS     16  /* besides the active description */
+/* A check of every case at once takes a smaller store. */
+#ifndef KINEMATICS_STORE_RECORDS
+#define KINEMATICS_STORE_RECORDS     16  /* besides the active description; up to 30 */
 #define KINEMATICS_STORE_PAYLOAD_MAX 256 /* bytes of a description */
-#define KINEMATICS_STORE_NAME_MAX    16
-#define KINEMATICS_STORE_NUMBER_MAX  99999
-#define KINEMATICS_STORE_SLOT_BYTES  (26 + KINEMATICS_STORE_PAYLOAD_MAX)
-#define KINEMATICS_STORE_SLOTS       (KINEMATICS_STORE_RECORDS + 2)
-#define KINEMATICS_STORE_BYTES       (KINEMATICS_STORE_SLOTS * KINEMATICS_STORE_SLOT_BYTES)
-#define KINEMATICS_STORE_WRITE_MAX   32 /* bytes of one write */
+#define KINEMATICS_STORE_PAGE_BYTES  64  /* of the memory, or a multiple of its pages */
+#endif
+#define KINEMATICS_STORE_NAME_MAX   16
+#define KINEMATICS_STORE_NUMBER_MAX 99999
+#define KINEMATICS_STORE_RECORD_PAGES                                        \
+    ((25 + KINEMATICS_STORE_PAYLOAD_MAX + KINEMATICS_STORE_PAGE_BYTES - 1) / \
+     KINEMATICS_STORE_PAGE_BYTES)
+#define KINEMATICS_STORE_SLOT_BYTES \
+    ((1 + KINEMATICS_STORE_RECORD_PAGES) * KINEMATICS_STORE_PAGE_BYTES)
+#define KINEMATICS_STORE_SLOTS     (KINEMATICS_STORE_RECORDS + 2)
+#define KINEMATICS_STORE_BYTES     (KINEMATICS_STORE_SLOTS * KINEMATICS_STORE_SLOT_BYTES)
+#define KINEMATICS_STORE_WRITE_MAX 32 /* bytes of one write */
 
 /* Q410. */
 typedef enum {
@@ -49,7 +63,9 @@ typedef enum {
     KINEMATICS_STORE_ERR_FULL,
     KINEMATICS_STORE_ERR_NO_ACTIVE, /* there is no active description to save */
     KINEMATICS_STORE_ERR_LENGTH,    /* of a description: 0, or above the maximum */
-    KINEMATICS_STORE_ERR_BUSY       /* writes of the operation before are left */
+    KINEMATICS_STORE_ERR_BUSY,      /* writes of the operation before are left */
+    KINEMATICS_STORE_ERR_DAMAGED,   /* the memory has lost bits */
+    KINEMATICS_STORE_ERR_FOREIGN    /* what stands in the memory is not from this store */
 } kinematics_store_error_t;
 
 /* What records are found by; from kinematics_store_number() or _name(). */
@@ -72,20 +88,34 @@ typedef struct {
 
 /* Owned by the caller; the fields are for this module. */
 typedef struct {
-    const uint8_t           *memory;
-    kinematics_designation_t doomed; /* to be deleted */
-    uint8_t                  image[KINEMATICS_STORE_SLOT_BYTES];
-    uint16_t                 image_length;
-    uint16_t                 written;
-    uint8_t                  slot;
-    uint8_t                  step;
+    const uint8_t *memory;
+    uint8_t        image[KINEMATICS_STORE_SLOT_BYTES]; /* of the slot to be filled */
+    uint16_t       image_length;
+    uint16_t       written;
+    uint8_t        slot;     /* to be filled */
+    uint8_t        replaced; /* to be wiped after that */
+    uint8_t        turn;     /* of settling what a power cut left */
+    uint8_t        step;
 } kinematics_store_t;
 
 /*
- * Use KINEMATICS_STORE_BYTES of memory that can be read in place; whatever stands in it, all 0x00
- * and all 0xFF too, is a store, if perhaps an empty one.
+ * Use KINEMATICS_STORE_BYTES of memory that can be read in place, from the beginning of a page;
+ * all 0x00 and all 0xFF are empty stores. What a power cut left undone is then done by the next
+ * writes, before any operation.
  */
 void kinematics_store_mount(kinematics_store_t *store, const uint8_t *memory);
+
+/*
+ * KINEMATICS_STORE_OK, ERR_DAMAGED or ERR_FOREIGN. Where it is not OK, nothing is found and nothing
+ * is begun.
+ */
+kinematics_store_error_t kinematics_store_check(const kinematics_store_t *store);
+
+/*
+ * Go on with what is left in a memory that has lost bits, perhaps with what an operation before had
+ * replaced: somebody has to have a look at it.
+ */
+kinematics_store_error_t kinematics_store_discard_damaged(kinematics_store_t *store);
 
 /* Designate by Q409 = number, respectively by QS409 = name: 1 to 16 printable ASCII characters. */
 kinematics_store_error_t kinematics_store_number(kinematics_designation_t *designation,

@@ -8,6 +8,7 @@
 _Static_assert(SIM_450_WRITE_MAX == KINEMATICS_STORE_WRITE_MAX, "the sizes are the store's");
 _Static_assert(SIM_450_PAYLOAD_MAX == KINEMATICS_STORE_PAYLOAD_MAX, "the sizes are the store's");
 _Static_assert(SIM_450_TEXT_MAX == KINEMATICS_STORE_NAME_MAX + 1, "the sizes are the store's");
+_Static_assert(SIM_450_DAMAGED == (int)KINEMATICS_STORE_ERR_DAMAGED, "the errors are the store's");
 
 struct sim_450 {
     kinematics_store_t store;
@@ -32,6 +33,16 @@ sim_450_t *sim_450_open(const uint8_t *memory)
 void sim_450_close(sim_450_t *play)
 {
     free(play);
+}
+
+int sim_450_check(const sim_450_t *play)
+{
+    return (int)kinematics_store_check(&play->store);
+}
+
+int sim_450_discard_damaged(sim_450_t *play)
+{
+    return (int)kinematics_store_discard_damaged(&play->store);
 }
 
 int sim_450_start(sim_450_t *play, double mode, double number, const char *name)

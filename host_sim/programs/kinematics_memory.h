@@ -10,16 +10,31 @@
 
 #pragma GCC visibility push(default)
 
-enum { SIM_450_WRITE_MAX = 32, SIM_450_PAYLOAD_MAX = 256, SIM_450_TEXT_MAX = 17 };
+enum {
+    SIM_450_WRITE_MAX = 32,
+    SIM_450_PAYLOAD_MAX = 256,
+    SIM_450_TEXT_MAX = 17,
+    SIM_450_DAMAGED = 8 /* of sim_450_check() */
+};
 
 typedef struct sim_450 sim_450_t;
 
 /* Size of the memory. */
 uint32_t sim_450_bytes(void);
 
-/* Mount a copy of sim_450_bytes() of memory; NULL without memory for that. */
+/*
+ * Mount a copy of sim_450_bytes() of memory; NULL without memory for that. What a power cut left
+ * undone are the next writes.
+ */
 sim_450_t *sim_450_open(const uint8_t *memory);
 void       sim_450_close(sim_450_t *play);
+
+/*
+ * Whether the memory can be used: kinematics_store_error_t. sim_450_discard_damaged() goes on with
+ * what is left of one that has lost bits; then there are writes to carry out.
+ */
+int sim_450_check(const sim_450_t *play);
+int sim_450_discard_damaged(sim_450_t *play);
 
 /*
  * Begin cycle 450 with Q410 and Q409 = number, or with a `name` that is not NULL QS409. Returns

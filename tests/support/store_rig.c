@@ -2,26 +2,37 @@
 
 #include <string.h>
 
+#include "cycle/kinematics_slots.h"
 #include "unity.h"
 
 uint8_t            store_rig_memory[KINEMATICS_STORE_BYTES];
 kinematics_store_t store_rig_store;
+uint32_t           store_rig_cut_at;
 
 void store_rig_set_up(void)
 {
     memset(store_rig_memory, 0xFF, sizeof store_rig_memory);
+    store_rig_mount();
+}
+
+void store_rig_mount(void)
+{
     kinematics_store_mount(&store_rig_store, store_rig_memory);
+    TEST_ASSERT_TRUE(store_rig_write_until(NEVER));
 }
 
 bool store_rig_write_until(int bytes)
 {
     kinematics_store_write_t write;
+    int                      more_writes = 4 * KINEMATICS_STORE_SLOTS;
 
     while (kinematics_store_next_write(&store_rig_store, &write)) {
+        TEST_ASSERT_TRUE(more_writes-- > 0);
         TEST_ASSERT_TRUE(write.length > 0 && write.length <= KINEMATICS_STORE_WRITE_MAX);
         TEST_ASSERT_TRUE(write.offset + write.length <= KINEMATICS_STORE_BYTES);
         for (uint32_t i = 0u; i < write.length; i++) {
             if (bytes-- == 0) {
+                store_rig_cut_at = write.offset + i;
                 return false;
             }
             store_rig_memory[write.offset + i] = write.bytes[i];
@@ -101,4 +112,27 @@ int store_rig_count(void)
         records++;
     }
     return records;
+}
+
+uint8_t *store_rig_slot(uint8_t slot)
+{
+    return store_rig_memory + slot_offset(slot);
+}
+
+void store_rig_close(uint8_t *slot)
+{
+    uint16_t length = (uint16_t)slot_get(slot + AT_LENGTH, 2u);
+    slot_put(slot + AT_CHECKSUM, 2u, slot_checksum(slot, length));
+}
+
+void store_rig_forge(uint8_t slot, uint32_t serial, const kinematics_designation_t *designation,
+                     const char *payload)
+{
+    uint8_t *bytes = store_rig_slot(slot);
+    memcpy(bytes, SLOT_MARK, SLOT_MARK_BYTES);
+    slot_put(bytes + AT_SERIAL, 4u, serial);
+    memcpy(bytes + AT_DESIGNATION, designation->bytes, sizeof designation->bytes);
+    slot_put(bytes + AT_LENGTH, 2u, (uint32_t)strlen(payload));
+    memcpy(bytes + AT_PAYLOAD, payload, strlen(payload));
+    store_rig_close(bytes);
 }

@@ -11,9 +11,11 @@
 
 extern uint8_t            store_rig_memory[KINEMATICS_STORE_BYTES];
 extern kinematics_store_t store_rig_store;
+extern uint32_t           store_rig_cut_at; /* the byte that power failed before */
 
-/* An empty store, mounted. */
+/* An empty store, mounted; what stands in the memory, mounted, and what was left undone done. */
 void store_rig_set_up(void);
+void store_rig_mount(void);
 
 /* Carry out what was begun; power fails after `bytes` bytes. True if all was written before. */
 bool store_rig_write_until(int bytes);
@@ -36,5 +38,11 @@ bool store_rig_active_is(const char *payload);
 bool store_rig_saved_is(kinematics_designation_t designation, const char *payload);
 bool store_rig_is_saved(kinematics_designation_t designation);
 int  store_rig_count(void);
+
+/* The bytes of a slot, its checksum set right, and a slot written by somebody else. */
+uint8_t *store_rig_slot(uint8_t slot);
+void     store_rig_close(uint8_t *slot);
+void     store_rig_forge(uint8_t slot, uint32_t serial, const kinematics_designation_t *designation,
+                         const char *payload);
 
 #endif

@@ -1,5 +1,6 @@
 /* Cycle 450: a power cut anywhere leaves the old or the new. */
-/* LINK: firmware/cycle/kinematics_slots.c firmware/cycle/kinematics_store.c
+/* LINK: firmware/cycle/kinematics_designation.c firmware/cycle/kinematics_slots.c
+ *       firmware/cycle/kinematics_store.c firmware/cycle/kinematics_store_phrase.c
  *       firmware/report/latch_crc.c tests/support/store_rig.c */
 #include <string.h>
 
@@ -95,6 +96,7 @@ static void check_after_a_cut(operation_t operation, bool was_complete)
 {
     kinematics_store_mount(&store_rig_store, store_rig_memory);
     bool became_new = is_new(operation);
+    store_rig_mount();
 
     TEST_ASSERT_TRUE_MESSAGE(became_new != is_old(operation), "neither old nor new");
     TEST_ASSERT_TRUE(became_new || !was_complete);
@@ -133,14 +135,14 @@ void test_a_second_power_cut_while_doing_it_again_does_no_harm(void)
                 fill();
                 operate((operation_t)operation);
                 first_complete = store_rig_write_until(bytes);
-                kinematics_store_mount(&store_rig_store, store_rig_memory);
+                store_rig_mount();
                 bool was_new = is_new((operation_t)operation);
                 if (was_new && operation == DELETE) {
                     break;
                 }
                 TEST_ASSERT_EQUAL(KINEMATICS_STORE_OK, operate((operation_t)operation));
                 second_complete = store_rig_write_until(more);
-                kinematics_store_mount(&store_rig_store, store_rig_memory);
+                store_rig_mount();
                 TEST_ASSERT_TRUE(is_new((operation_t)operation) ||
                                  (!was_new && is_old((operation_t)operation)));
             }
@@ -157,32 +159,80 @@ void test_what_was_saved_over_does_not_come_back_when_the_new_one_is_deleted(voi
         fill();
         operate(SAVE_OVER);
         store_rig_write_until(bytes);
-        kinematics_store_mount(&store_rig_store, store_rig_memory);
+        store_rig_mount();
         store_rig_finish(store_rig_start(KINEMATICS_STORE_DELETE, &one));
         TEST_ASSERT_TRUE(is_new(DELETE));
     }
 }
 
-/* A byte that power fails in may hold anything. */
-void test_a_byte_left_half_written_does_no_harm(void)
+/* Fill the page that power failed in: as erased, as zeros, or at random. */
+static void garble(uint32_t page_bytes, uint32_t seed)
 {
+    uint8_t *page = store_rig_memory + store_rig_cut_at / page_bytes * page_bytes;
+    for (uint32_t i = 0u; i < page_bytes; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        page[i] = seed < 2u ? 0u : (uint8_t)(seed >> 24);
+    }
+}
+
+static void garble_constant(uint32_t page_bytes, uint8_t byte)
+{
+    memset(store_rig_memory + store_rig_cut_at / page_bytes * page_bytes, byte, page_bytes);
+}
+
+static void cut_and_garble(operation_t operation, uint32_t page_bytes, uint32_t kind)
+{
+    bool is_complete = false;
+    for (int bytes = 0; !is_complete; bytes++) {
+        fill();
+        operate(operation);
+        is_complete = store_rig_write_until(bytes);
+        if (!is_complete && kind < 2u) {
+            garble_constant(page_bytes, kind == 0u ? 0xFFu : 0x00u);
+        } else if (!is_complete) {
+            garble(page_bytes, kind * 1000u + (uint32_t)bytes);
+        }
+        check_after_a_cut(operation, is_complete);
+    }
+}
+
+/* A memory that erases pages before it writes a byte. */
+void test_a_page_garbled_by_a_power_cut_does_no_harm(void)
+{
+    for (int i = 0; i < 2 * OPERATIONS; i++) {
+        crowd = i % 2 == 0 ? 0 : CROWD;
+        for (uint32_t page_bytes = 1u; page_bytes <= 64u; page_bytes *= 2u) {
+            for (uint32_t kind = 0u; kind < 4u; kind++) {
+                cut_and_garble((operation_t)(i / 2), page_bytes, kind);
+            }
+        }
+    }
+}
+
+/* The pages are cut again while what the first cut left is put in order. */
+void test_a_power_cut_while_settling_does_no_harm(void)
+{
+    crowd = CROWD;
     for (int operation = SAVE_NEW; operation < OPERATIONS; operation++) {
         bool is_complete = false;
-        crowd = CROWD;
-        for (int steps = 0; !is_complete; steps++) {
-            for (int garbage = 0; garbage <= 0xFF; garbage += 0x33) {
-                kinematics_store_write_t write;
+        for (int bytes = 0; !is_complete; bytes++) {
+            bool is_settled = false;
+            for (int more = 0; !is_settled; more++) {
                 fill();
                 operate((operation_t)operation);
-                for (int i = 0; i < steps && kinematics_store_next_write(&store_rig_store, &write);
-                     i++) {
-                    memcpy(store_rig_memory + write.offset, write.bytes, write.length);
-                }
-                is_complete = !kinematics_store_next_write(&store_rig_store, &write);
+                is_complete = store_rig_write_until(bytes);
                 if (!is_complete) {
-                    store_rig_memory[write.offset] = (uint8_t)garbage;
+                    garble(64u, (uint32_t)bytes);
                 }
-                check_after_a_cut((operation_t)operation, is_complete);
+                kinematics_store_mount(&store_rig_store, store_rig_memory);
+                bool was_new = is_new((operation_t)operation);
+                is_settled = store_rig_write_until(more);
+                if (!is_settled) {
+                    garble(64u, (uint32_t)more);
+                }
+                kinematics_store_mount(&store_rig_store, store_rig_memory);
+                TEST_ASSERT_EQUAL(was_new, is_new((operation_t)operation));
+                TEST_ASSERT_EQUAL(!was_new, is_old((operation_t)operation));
             }
         }
     }

@@ -106,6 +106,12 @@ Example:
     type=FILE,
     help=f"The store of cycle 450.  [default: {MEMORY_NAME} beside PROGRAM]",
 )
+@click.option(
+    "--discard-damaged",
+    "discards_damaged",
+    is_flag=True,
+    help="Go on with what is left in a store that has lost bits.",
+)
 @seed_option
 @json_option
 def command(
@@ -120,6 +126,7 @@ def command(
     points_path: Path | None,
     corrected_path: Path | None,
     memory_path: Path | None,
+    discards_damaged: bool,  # noqa: FBT001
     seed: int,
     json_path: Path | None,
 ) -> None:
@@ -146,7 +153,9 @@ def command(
         acknowledged=acknowledged,
         switched_on=switched_on,
     )
-    memory = Memory(memory_path or program_path.parent / MEMORY_NAME)
+    memory = Memory(
+        memory_path or program_path.parent / MEMORY_NAME, discards_damaged=discards_damaged
+    )
     outcome = run_program(program, setup, memory)
     log_path = html_path or program_path.parent / LOG_NAME
     if outcome.runs:

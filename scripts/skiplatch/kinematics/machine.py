@@ -134,6 +134,27 @@ def read_machine(path: Path) -> Machine:
     return Machine(tuple(rotary), tool_mm)
 
 
+def is_possible(machine: Machine) -> bool:
+    """Tell whether `read_machine` could have given it."""
+    points_mm = [axis.point_mm for axis in machine.axes]
+    points_mm += [machine.tool_mm] if machine.tool_mm is not None else []
+    return (
+        0 < len(machine.axes) == len(set(machine.letters))
+        and all(abs(coordinate) <= FARTHEST_MM for point in points_mm for coordinate in point)
+        and all(map(_is_possible_axis, machine.axes))
+    )
+
+
+def _is_possible_axis(axis: RotaryAxis) -> bool:
+    low, high = axis.travel_deg
+    return (
+        axis.letter in LETTERS
+        and abs(math.hypot(*axis.direction) - 1.0) <= UNIT_TOLERANCE
+        and -TURNS_MAX_DEG <= low < high <= TURNS_MAX_DEG
+        and abs(axis.datum_deg) <= DATUM_MAX_DEG
+    )
+
+
 def _axes(reader: _Reader, chain: list[str]) -> dict[str, dict[str, Any]]:
     axes = reader.document.get("axes", {})
     if not isinstance(axes, dict):

@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_bytes, failures_named, refuse_special_or_large
-from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector
+from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector, is_possible
 from skiplatch.kinematics.program import Cycle, Program, Value
 from skiplatch.simulator import SimulationError, connection
 
@@ -26,9 +26,14 @@ class StoreRefusedError(Exception):
 
 
 class Memory:
-    """The store in a file; every write of the firmware's reaches the disk before the next."""
+    """The store in a file; every write of the firmware's reaches the disk before the next.
 
-    def __init__(self, path: Path) -> None:
+    Raises:
+        InputError: The file is no store, or one that has lost bits and is not to go on with what
+            is left (`discards_damaged`).
+    """
+
+    def __init__(self, path: Path, *, discards_damaged: bool = False) -> None:
         _, lib = connection()
         self._path = path
         size = lib.sim_450_bytes()
@@ -40,6 +45,16 @@ class Memory:
             refuse_special_or_large(path, size)
             if path.stat().st_size != size:
                 raise InputError(path, None, None, f"no store of kinematics: not {size} bytes")
+        with self._mounted() as handle:
+            self._carry_out(handle)  # what a power cut left undone
+            if discards_damaged:
+                self._refuse_state(lib.sim_450_discard_damaged(handle))
+                self._carry_out(handle)
+            self._refuse_state(lib.sim_450_check(handle))
+
+    def _refuse_state(self, code: int) -> None:
+        if code != 0:
+            raise InputError(self._path, None, None, _phrase(code))
 
     @contextmanager
     def _mounted(self) -> Iterator[CData]:
@@ -58,7 +73,7 @@ class Memory:
         _, lib = connection()
         payload = pack(machine)
         with self._mounted() as handle:
-            _refuse(lib.sim_450_activate(handle, payload, len(payload)))
+            self._refuse_state(lib.sim_450_activate(handle, payload, len(payload)))
             self._carry_out(handle)
 
     def run(self, mode: float, designation: float | str) -> Machine:
@@ -97,10 +112,17 @@ class Memory:
                 os.fsync(file.fileno())
 
 
-def _refuse(code: int) -> None:
+def _phrase(code: int) -> str:
     ffi, lib = connection()
+    phrase = str(ffi.string(lib.sim_450_phrase(code)).decode())
+    if code == lib.SIM_450_DAMAGED:
+        phrase += "; --discard-damaged goes on with what is left"
+    return phrase
+
+
+def _refuse(code: int) -> None:
     if code != 0:
-        raise StoreRefusedError(ffi.string(lib.sim_450_phrase(code)).decode())
+        raise StoreRefusedError(_phrase(code))
 
 
 def run_450(
@@ -150,17 +172,21 @@ def unpack(payload: bytes) -> Machine:
     Raises:
         StoreRefusedError: Something else wrote it.
     """
+    foreign = StoreRefusedError("another version has saved this description")
+    if len(payload) < HEAD.size or len(payload) != HEAD.size + payload[0] * AXIS.size:
+        raise foreign
     count, has_tool, *tool_mm = HEAD.unpack_from(payload)
-    if len(payload) != HEAD.size + count * AXIS.size:
-        raise StoreRefusedError("another version has saved this description")
     axes = [_axis(AXIS.unpack_from(payload, HEAD.size + i * AXIS.size)) for i in range(count)]
-    return Machine(tuple(axes), cast(Vector, tuple(tool_mm)) if has_tool else None)
+    machine = Machine(tuple(axes), cast(Vector, tuple(tool_mm)) if has_tool else None)
+    if not is_possible(machine):
+        raise foreign
+    return machine
 
 
 def _axis(values: tuple[Any, ...]) -> RotaryAxis:
     letter, in_head, *numbers = values
     return RotaryAxis(
-        letter.decode(),
+        letter.decode("latin-1"),
         bool(in_head),
         cast(Vector, tuple(numbers[:3])),
         cast(Vector, tuple(numbers[3:6])),
