@@ -3,18 +3,22 @@
 Stack of a function is what the compiler says (`-fstack-usage`); of one without that (libgcc,
 written in assembler) it is what its pushes come to. A jump into another function counts as a call
 of it, so a tail call is paid for twice: the figure is a bound.
+
+Newer assemblers for the AVR leave the compiler's local labels in a program: they are no functions.
 """
 
 from __future__ import annotations
 
 import re
 import subprocess
+from bisect import bisect_right
 from dataclasses import dataclass, field
 from pathlib import Path
 
-HEADER = re.compile(r"^[0-9a-f]+ <([^>]+)>:$")
+HEADER = re.compile(r"^([0-9a-f]+) <([^>]+)>:$")
+LOCAL = re.compile(r"\.L|L\d+(\^[AB]|[\x01\x02])")
 INSTRUCTION = re.compile(r"^\s*[0-9a-f]+:\t[0-9a-f ]+\t([^.\s]\S*)\s*(.*)$")  # no .word
-TARGET = re.compile(r"<([^>+]+)(\+0x[0-9a-f]+)?>")
+TARGET = re.compile(r"\b(?:0x)?([0-9a-f]+) <[^>]+>")
 USAGE = re.compile(r":(\w+)\t(\d+)\t")
 WORD_BYTES = 4
 
@@ -140,7 +144,28 @@ class CallGraph:
         return self.own_bytes(callee), [callee]
 
 
-def _note(function: Function, mnemonic: str, operands: str, processor: Processor) -> None:
+class _Starts:
+    """Where the functions of a disassembly begin."""
+
+    def __init__(self, text: str) -> None:
+        headers = (HEADER.match(line) for line in text.splitlines())
+        named = [(int(found[1], 16), found[2]) for found in headers if found]
+        self._names = {address: name for address, name in named if not LOCAL.match(name)}
+        self._addresses = sorted(self._names)
+
+    def at(self, address: int) -> str | None:
+        """Return the function that begins at an address, None in the middle of one."""
+        return self._names.get(address)
+
+    def around(self, address: int) -> str | None:
+        """Return the function that an address lies in, None before the first one."""
+        index = bisect_right(self._addresses, address)
+        return self._names[self._addresses[index - 1]] if index else None
+
+
+def _note(
+    function: Function, mnemonic: str, operands: str, processor: Processor, starts: _Starts
+) -> None:
     line = f"{mnemonic} {operands}"
     if mnemonic != "nop":
         function.runs_on = processor.ends.match(line) is None
@@ -150,8 +175,11 @@ def _note(function: Function, mnemonic: str, operands: str, processor: Processor
     target = TARGET.search(operands)
     if not processor.branches.match(mnemonic) or target is None or operands.startswith(".+0"):
         return
-    name, offset = target[1], target[2]
-    if processor.calls.match(mnemonic) and (name != function.name or offset is None):
+    address = int(target[1], 16)
+    name = starts.around(address)
+    if name is None:
+        return
+    if processor.calls.match(mnemonic) and (name != function.name or starts.at(address)):
         function.calls.add(name)
     elif name != function.name:
         function.jumps.add(name)
@@ -172,14 +200,17 @@ def parse_disassembly(text: str, processor: Processor) -> dict[str, Function]:
     """Return the functions of what `objdump --disassemble` printed."""
     functions: dict[str, Function] = {}
     present: Function | None = None
+    starts = _Starts(text)
     for line in text.splitlines():
         if header := HEADER.match(line):
-            following = functions.setdefault(header[1], Function(header[1]))
+            if LOCAL.match(header[2]):
+                continue
+            following = functions.setdefault(header[2], Function(header[2]))
             if present is not None and present.runs_on:
                 present.jumps.add(following.name)
             present = following
         elif present is not None and (code := INSTRUCTION.match(line)):
-            _note(present, code[1], code[2], processor)
+            _note(present, code[1], code[2], processor, starts)
     return functions
 
 

@@ -22,9 +22,10 @@ TICK_NS = 20  # of core, timers and watchdog
 COUNTS = 1 << 32
 PATIENCE_S = 10.0
 
-TRIGGER_PIN = "/machine/unattached/device[10]/unnamed-gpio-in[4]"  # port C, pin 4
-STIMULUS = "/machine/unattached/device[6]"  # timer 3
-EXPECTED_TYPES = {"device[10]": "child<pl061_luminary>", "device[6]": "child<stellaris-gptm>"}
+PORT_C = ("pl061_luminary", 2)  # the third of that type
+TRIGGER_PIN = "unnamed-gpio-in[4]"
+STIMULUS = ("stellaris-gptm", 3)  # timer 3
+HOLDERS = ("soc", "unattached")  # of a machine's devices: before QEMU 9, all were unattached
 
 WATCHDOG_LOAD = 0x40000000
 WATCHDOG_VALUE = 0x40000004
@@ -123,14 +124,29 @@ class Emulator:
         self.process.wait()
 
     def _wire(self) -> None:
-        """Rewire timer 3's interrupt to the pin, where the names are what they were seen to be."""
-        rows = self.monitor("qom-list", path="/machine/unattached")
+        """Rewire timer 3's interrupt to the pin."""
+        pin = f"{self._device(*PORT_C)}/{TRIGGER_PIN}"
+        stimulus = self._device(*STIMULUS)
+        self.monitor("qom-set", path=stimulus, property="sysbus-irq[0]", value=pin)
+
+    def _device(self, kind: str, number: int) -> str:
+        """Give the path of one of the devices of a type, which stand in the order of the ports."""
+        found = [
+            f"{holder}/{name}"
+            for holder in (f"/machine/{name}" for name in HOLDERS if name in self._list("/machine"))
+            for name, its_kind in self._list(holder).items()
+            if its_kind == f"child<{kind}>"
+        ]
+        found.sort(key=lambda path: int(path.rpartition("[")[2].rstrip("]")))
+        if number >= len(found):
+            raise RuntimeError(f"this QEMU has {len(found)} of {kind}, and no number {number}")
+        return found[number]
+
+    def _list(self, path: str) -> dict[str, str]:
+        """Give the types of what an object of QEMU's has, by name."""
+        rows = self.monitor("qom-list", path=path)
         assert isinstance(rows, list)
-        found = {row["name"]: row["type"] for row in rows}
-        for name, kind in EXPECTED_TYPES.items():
-            if found.get(name) != kind:
-                raise RuntimeError(f"this QEMU has {found.get(name)} as {name}, not {kind}")
-        self.monitor("qom-set", path=STIMULUS, property="sysbus-irq[0]", value=TRIGGER_PIN)
+        return {row["name"]: row["type"] for row in rows}
 
     # ---- QMP and qtest ----
 

@@ -1,6 +1,7 @@
 """The Cortex-M3 port in QEMU: a short run of what `make boards` measures at length."""
 
 import shutil
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -81,3 +82,28 @@ def test_a_deviation_counts_from_the_very_place_of_the_edge() -> None:
     deviation_um = qemu_rig.deviation_um(latch, stamp, edge, started, 1000.0)
 
     assert deviation_um == pytest.approx((9.5 - 7.25) * qemu_rig.RESOLUTION_UM, abs=0.001)
+
+
+UNWINDABLE = """\
+int main(void);
+void reset(void);
+
+int  main(void) { return 0; }
+void reset(void) { (void)main(); }
+"""
+
+
+def test_a_library_with_tables_for_unwinding_brings_no_unwinder(tmp_path: Path) -> None:
+    if not shutil.which("arm-none-eabi-gcc"):
+        pytest.skip("no arm-none-eabi-gcc here: scripts/setup_system.sh cross")
+    source, program = tmp_path / "unwindable.c", tmp_path / "unwindable.elf"
+    source.write_text(UNWINDABLE)
+    options = "-mcpu=cortex-m3 -mthumb -funwind-tables -Wl,--gc-sections --specs=nano.specs"
+    script = ["-nostartfiles", "-T", "hal/ports/cortex_m3/lm3s6965.ld"]
+    command = ["arm-none-eabi-gcc", *options.split(), *script, str(source), "-o", str(program)]
+
+    subprocess.run(command, check=True)
+    listing = ["arm-none-eabi-nm", str(program)]
+    symbols = subprocess.run(listing, check=True, capture_output=True, text=True).stdout
+    assert " reset\n" in symbols
+    assert "_Unwind" not in symbols

@@ -78,6 +78,30 @@ def test_a_function_that_comes_back_to_itself_is_refused(graphs: ModuleType) -> 
         graph.deepest("main")
 
 
+def with_local_labels(text: str) -> str:
+    """AVR_PROGRAM as binutils 2.43 prints it: labels inside `main` and `work`, a jump to one."""
+    text = text.replace("     104:", "\n00000104 <L0^A>:\n     104:")
+    text = text.replace("     126:", "\n00000126 <.Loc.7>:\n     126:")
+    return text.replace("0x106 <main+0x6>", "0x106 <L0^A+0x2>")
+
+
+def test_local_labels_are_no_functions(graphs: ModuleType) -> None:
+    text = with_local_labels(AVR_PROGRAM)
+
+    assert text.count(">:") == AVR_PROGRAM.count(">:") + 2
+    assert graphs.parse_disassembly(text, graphs.AVR) == graphs.parse_disassembly(
+        AVR_PROGRAM, graphs.AVR
+    )
+
+
+def test_a_jump_to_a_local_label_of_another_function_counts(graphs: ModuleType) -> None:
+    text = with_local_labels(AVR_PROGRAM).replace(
+        "78 94       \tsei", "e1 cf       \trjmp\t.-62     \t; 0x126 <.Loc.7>"
+    )
+
+    assert graphs.parse_disassembly(text, graphs.AVR)["__vector_4"].jumps == {"work"}
+
+
 def test_division_is_found_behind_an_interrupt_and_not_before_it(graphs: ModuleType) -> None:
     lint = script("lint_isr_calls")
     graph = avr_graph(graphs, AVR_PROGRAM)
