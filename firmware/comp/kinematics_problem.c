@@ -148,13 +148,23 @@ void kinematics_problem_add_all(const kinematics_machine_t *machine, const doubl
     }
 }
 
+/* Where an offset and a tilt are known only in combination the offset takes it. */
+static int32_t class_of(const kinematics_machine_t *machine, int32_t parameter)
+{
+    if (!kinematics_problem_is_free(machine, parameter)) {
+        return KINEMATICS_RANK_NEVER;
+    }
+    bool is_offset = parameter % KINEMATICS_OF_AXIS < KINEMATICS_CHAIN_TILT;
+    return is_offset ? KINEMATICS_RANK_SECOND : KINEMATICS_RANK_THIRD;
+}
+
 void kinematics_problem_rank_of(const kinematics_machine_t  *machine,
                                 const kinematics_triangle_t *triangle, int32_t n,
                                 kinematics_rank_t *rank)
 {
-    int32_t classes[KINEMATICS_UNKNOWNS_MAX] = {0};
+    int32_t classes[KINEMATICS_UNKNOWNS_MAX] = {KINEMATICS_RANK_FIRST};
     for (int32_t i = KINEMATICS_NUISANCES; i < kinematics_problem_columns(machine); i++) {
-        classes[i] = kinematics_problem_is_free(machine, i - KINEMATICS_NUISANCES) ? 1 : 2;
+        classes[i] = class_of(machine, i - KINEMATICS_NUISANCES);
     }
     kinematics_rank_find(triangle, classes, KINEMATICS_TOLERANCE * sqrt(3.0 * (double)n), rank);
 }
@@ -182,7 +192,7 @@ void kinematics_problem_shares(const kinematics_machine_t *machine, const double
     int32_t               classes[KINEMATICS_UNKNOWNS_MAX];
     triangle_of(machine, unknowns, points, n, &triangle);
     for (int32_t i = 0; i < kinematics_problem_columns(machine); i++) {
-        classes[i] = rank->depends[i] ? 2 : 0;
+        classes[i] = rank->depends[i] ? KINEMATICS_RANK_NEVER : KINEMATICS_RANK_FIRST;
     }
     kinematics_rank_find(&triangle, classes, 0.0, rank);
 }
@@ -243,7 +253,7 @@ static void rank_of_places(const kinematics_machine_t  *machine,
 {
     int32_t classes[KINEMATICS_UNKNOWNS_MAX];
     for (int32_t i = 0; i < kinematics_problem_columns(machine); i++) {
-        classes[i] = i < KINEMATICS_NUISANCES ? 0 : 2;
+        classes[i] = i < KINEMATICS_NUISANCES ? KINEMATICS_RANK_FIRST : KINEMATICS_RANK_NEVER;
     }
     kinematics_rank_find(triangle, classes, KINEMATICS_TOLERANCE * sqrt(3.0 * (double)n), rank);
 }

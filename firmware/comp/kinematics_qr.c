@@ -144,7 +144,7 @@ void kinematics_rank_find(const kinematics_triangle_t *triangle, const int32_t *
             work.columns[j][k] = triangle->r[k][j];
         }
     }
-    for (int32_t class_now = 0; class_now < 2; class_now++) {
+    for (int32_t class_now = 0; class_now < KINEMATICS_RANK_NEVER; class_now++) {
         double  length = 0.0;
         int32_t best = longest(&work, classes, class_now, &length);
         while (best >= 0 && length >= tolerance) {

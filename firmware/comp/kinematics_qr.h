@@ -42,10 +42,17 @@ typedef struct {
                                                                         dependent column c */
 } kinematics_rank_t;
 
+enum {
+    KINEMATICS_RANK_FIRST = 0,
+    KINEMATICS_RANK_SECOND = 1,
+    KINEMATICS_RANK_THIRD = 2,
+    KINEMATICS_RANK_NEVER = 3
+};
+
 /*
- * Pick independent columns: those of class 0 before those of class 1, within a class the longest
- * first. A column of which less than `tolerance` is left depends on those picked; columns of class
- * 2 are never picked.
+ * Pick independent columns, class by class, within a class the longest first. A column of which
+ * less than `tolerance` is left depends on those picked; those of KINEMATICS_RANK_NEVER are never
+ * picked.
  */
 void kinematics_rank_find(const kinematics_triangle_t *triangle, const int32_t *classes,
                           double tolerance, kinematics_rank_t *rank);

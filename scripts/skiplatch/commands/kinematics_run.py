@@ -15,7 +15,7 @@ from skiplatch.commands.kinematics_fit import tell, too_few_named
 from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
-from skiplatch.kinematics.correction import CHECK, corrected_as
+from skiplatch.kinematics.correction import CHECK, Measured, corrections
 from skiplatch.kinematics.firmware import fit
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
@@ -184,11 +184,14 @@ def _fit_recorded(
     points = read_points(points_path, machine)
     with too_few_named(points_path, points):
         found = fit(machine, points, touches=touches)
-        corrected = machine if mode == CHECK else corrected_as(mode, machine, points, touches)[0]
+        measured = Measured(points, touches, machine.letters)
+        best = next(corrections(mode, machine, measured))
     result = tell(machine, points, found)
     write_json(json_path, result)
     if corrected_path is not None:
-        atomic_write_text(corrected_path, format_machine(corrected))
+        atomic_write_text(
+            corrected_path, format_machine(machine if mode == CHECK else best.machine)
+        )
 
 
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:

@@ -1,7 +1,7 @@
 """What each mode of cycle 451 may change in a description, and the best that it can be so."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from sys import float_info
 from typing import cast
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from skiplatch.kinematics.firmware import Fit, TooFewError, fit, names_of
+from skiplatch.kinematics.firmware import Estimate, Fit, TooFewError, fit, names_of
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
 from skiplatch.kinematics.points import Points
 
@@ -24,58 +24,91 @@ STRAIGHT_RAD = 0.0175
 """1°: an axis that leans less is not meant to."""
 
 
-def _free_in(mode: int, machine: Machine) -> frozenset[str]:
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What a correction is made of.
+
+    Attributes:
+        points: Where the sphere was found.
+        touches: Q423, or None where a centre scatters alike in all directions.
+        letters: The axes that were measured; the others are left as they are.
+    """
+
+    points: Points
+    touches: int | None
+    letters: Collection[str]
+
+
+def _free_in(mode: int, machine: Machine, letters: Collection[str]) -> frozenset[str]:
     """Name the location errors that a mode corrects; of a check those that it shows as possible.
 
     Offsets always; from `ANGLES` on tilts too. `ORIGIN` takes the zero of an axis for the tilt,
     about that axis, of the next one that it carries: no position tells the two apart.
     """
-    names = [names_of(axis.letter) for axis in machine.axes]
+    names = [names_of(axis.letter) for axis in machine.axes if axis.letter in letters]
     offsets = {name for own in names for name in own[:2]}
     if mode < ANGLES:
         return frozenset(offsets)
     free = offsets | {name for own in names for name in own[2:4]}
     if mode == ORIGIN:
-        for carrier, carried in _carried(machine):
+        for carrier, carried in _carried(machine, letters):
             free -= {f"{carrier}O{carried}"}
             free |= {f"{carrier}O{carrier}"}
     return frozenset(free)
 
 
-def _carried(machine: Machine) -> list[tuple[str, str]]:
-    """Give each axis that carries another one, and that."""
+def _carried(machine: Machine, letters: Collection[str]) -> list[tuple[str, str]]:
+    """Give each axis that carries another one, and that, where both were measured."""
     return [
         (carrier.letter, carried.letter)
         for carrier, carried in pairwise(machine.axes)
-        if carrier.in_head == carried.in_head
+        if carrier.in_head == carried.in_head and {carrier.letter, carried.letter} <= set(letters)
     ]
 
 
-def corrected_as(
-    mode: int, machine: Machine, points: Points, touches: int | None
-) -> tuple[Machine, Fit]:
-    """Correct a description as a mode says, of a check as `POSITIONS` would; with its fit.
+@dataclass(frozen=True, slots=True)
+class Correction:
+    """A corrected description, and the fit that it follows from.
 
+    Attributes:
+        machine: As corrected.
+        fit: What the mode corrects, and what it could not tell apart.
+    """
+
+    machine: Machine
+    fit: Fit
+
+    @property
+    def combined(self) -> tuple[str, ...]:
+        """Name the sums that are corrected though their parts are not known."""
+        return tuple(c.name for c in self.fit.combinations)
+
+
+def corrections(mode: int, machine: Machine, measured: Measured) -> Iterator[Correction]:
+    """Correct a description as a mode says, of a check as `POSITIONS` would; most angles first.
+
+    Every further correction holds one more angle, the weakest; the last one corrects offsets alone.
     `ORIGIN` also takes back tilts that were corrected before, if the zeros are found instead.
 
     Raises:
         NoFitError: The positions are too few for offsets alone, or fit no such machine.
     """
     if mode == ORIGIN:
-        straight = _straightened(machine)
-        found = _correcting_fit(mode, straight, points, touches)
-        if all(f"{carrier}O{carrier}" in found.parameters for carrier, _ in _carried(machine)):
-            return _correct(straight, found), found
-    found = _correcting_fit(mode, machine, points, touches)
-    return _correct(machine, found), found
+        carried = _carried(machine, measured.letters)
+        straight = _straightened(machine, carried)
+        for found in _fits(mode, straight, measured):
+            if all(f"{carrier}O{carrier}" in found.parameters for carrier, _ in carried):
+                yield Correction(_correct(straight, found), found)
+    for found in _fits(mode, machine, measured):
+        yield Correction(_correct(machine, found), found)
 
 
-def _straightened(machine: Machine) -> Machine:
+def _straightened(machine: Machine, pairs: Sequence[tuple[str, str]]) -> Machine:
     """Take back the tilt of each carried axis about the one that carries it.
 
     An axis within `STRAIGHT_RAD` of its coordinate is meant to be parallel to it.
     """
-    carriers = {carried: carrier for carrier, carried in _carried(machine)}
+    carriers = {carried: carrier for carrier, carried in pairs}
 
     def straight(axis: RotaryAxis) -> RotaryAxis:
         (leans,) = set(LETTERS) - {axis.letter, carriers[axis.letter]}
@@ -93,40 +126,71 @@ def _unit(direction: NDArray[np.float64]) -> Vector:
     return cast(Vector, tuple((direction / np.linalg.norm(direction)).tolist()))
 
 
-def _correcting_fit(mode: int, machine: Machine, points: Points, touches: int | None) -> Fit:
-    """Fit what a mode corrects, with all else held: the least squares that the mode can reach.
+def _fits(mode: int, machine: Machine, measured: Measured) -> Iterator[Fit]:
+    """Fit what a mode corrects, with all else held, from the most angles to none.
 
     An angle that cannot be told from nothing may be wild where the positions determine it only
     just: it is held, and the rest is fitted anew. So are all where there are too few positions.
     """
-    free = _free_in(mode, machine)
-    while True:
+    points, touches, letters = measured.points, measured.touches, measured.letters
+    free = _free_in(mode, machine, letters)
+    while any(_is_angle(name) for name in free):
         try:
             found = fit(machine, points, free=free, touches=touches)
         except TooFewError:
-            if mode < ANGLES:
-                raise
-            return _correcting_fit(POSITIONS, machine, points, touches)
+            break
         weakest = _weakest_angle(found)
         if weakest is None:
-            return found
-        free -= {weakest}
+            break
+        name, ratio = weakest
+        if ratio > SIGNIFICANT:
+            yield found
+        free -= {name}
+    yield fit(machine, points, free=_free_in(POSITIONS, machine, letters), touches=touches)
 
 
-def _weakest_angle(found: Fit) -> str | None:
-    """Give the angle that differs least from nothing, if it does not differ enough."""
+def _is_angle(name: str) -> bool:
+    return name[0] in LETTERS
+
+
+def _weakest_angle(found: Fit) -> tuple[str, float] | None:
+    """Give the angle that differs least from nothing, in its standard uncertainties."""
     ratios = {
         name: abs(estimate.value) / max(estimate.uncertainty, float_info.min)
-        for name, estimate in found.parameters.items()
-        if estimate.unit == "arcsec"
+        for name, estimate in _amounts(found).items()
+        if _is_angle(name)
     }
     weakest = min(ratios, key=lambda name: ratios[name], default=None)
-    return None if weakest is None or ratios[weakest] > SIGNIFICANT else weakest
+    return None if weakest is None else (weakest, ratios[weakest])
+
+
+def _amounts(found: Fit) -> dict[str, Estimate]:
+    """Give what is known; a sum that is known whole goes to the first of its parts."""
+    sums = {next(iter(c.amounts)): c.estimate for c in found.combinations}
+    return {**found.parameters, **sums}
+
+
+def _least(found: Fit) -> dict[str, float]:
+    """Give the smallest location errors that show so: tilts as small as can be, then offsets."""
+    amounts = {name: estimate.value for name, estimate in _amounts(found).items()}
+    names = sorted({*amounts, *(n for u in found.undetermined for n in u.amounts)})
+    values = np.array([amounts.get(name, 0.0) for name in names])
+    for of_angles in (True, False):
+        alike = np.array([_is_angle(name) == of_angles for name in names], dtype=bool)
+        unseen = [
+            [u.amounts.get(name, 0.0) for name in names]
+            for u in found.undetermined
+            if not u.is_zero and _is_angle(u.own) == of_angles
+        ]
+        if unseen:
+            ways = np.array(unseen).T
+            values -= ways @ np.linalg.lstsq(ways[alike], values[alike], rcond=None)[0]
+    return dict(zip(names, values.tolist(), strict=True))
 
 
 def _correct(machine: Machine, found: Fit) -> Machine:
-    """Put the determined location errors into the description; the others are left alone."""
-    amounts = {name: estimate.value for name, estimate in found.parameters.items()}
+    """Put what was found into the description; what shows at no position is left alone."""
+    amounts = _least(found)
     return replace(machine, axes=tuple(_corrected(axis, amounts) for axis in machine.axes))
 
 

@@ -81,6 +81,10 @@ class Stations:
         """Tell which measurements are those of an axis; shape (n,)."""
         return np.asarray((self.serves >> LETTERS.index(letter)) & 1 == 1)
 
+    def letters(self) -> frozenset[str]:
+        """Name the axes that were measured."""
+        return frozenset(letter for letter in LETTERS if np.any(self.of(letter)))
+
     def has_second(self, letter: str) -> bool:
         """Tell whether an axis was approached from both sides."""
         return bool(np.any(self.is_second & (self.axis == LETTERS.index(letter))))

@@ -3,14 +3,21 @@
 An error is measured minus expected, both relative to the measurement at 0°, the reference.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from math import radians
 
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.kinematics.correction import CHECK, corrected_as
+from skiplatch.kinematics.correction import (
+    CHECK,
+    POSITIONS,
+    Correction,
+    Measured,
+    corrections,
+)
 from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
 from skiplatch.kinematics.firmware import Fit, TooFewError, fit
 from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
@@ -18,6 +25,7 @@ from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
 
 SLOPE_STEP_DEG = 1e-3
+ROUNDING_MM = 1e-9
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,6 +99,7 @@ class Evaluation:
         fit: The firmware's fit of the location errors.
         axes: Each measured axis.
         q_mm: Q141 to Q149.
+        combined: Sums of location errors that were corrected though their parts are not known.
     """
 
     mode: int
@@ -99,6 +108,7 @@ class Evaluation:
     fit: Fit
     axes: tuple[AxisResult, ...]
     q_mm: Mapping[int, float]
+    combined: tuple[str, ...] = ()
 
     @property
     def change_mm(self) -> float:
@@ -131,6 +141,31 @@ def _shown_more_deg(before: Machine, after: Machine) -> FloatArray:
     return more_deg
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Seen:
+    """What a correction leaves at the stations.
+
+    Attributes:
+        correction: The correction.
+        expected: What was expected before and after it.
+        reports: The firmware's report on each measured axis.
+        q_mm: Q141 to Q149.
+    """
+
+    correction: Correction
+    expected: Expectation
+    reports: Mapping[str, Results]
+    q_mm: Mapping[int, float]
+
+    def worse_than(self, other: "_Seen") -> frozenset[str]:
+        """Name the axes that scatter more than after another correction."""
+        return frozenset(
+            letter
+            for letter, report in self.reports.items()
+            if report.scatter_after_mm > other.reports[letter].scatter_after_mm + ROUNDING_MM
+        )
+
+
 def evaluate(
     machine: Machine, truth: Truth, stations: Stations, mode: int, touches: int
 ) -> Evaluation:
@@ -153,12 +188,56 @@ def evaluate(
     first = ~stations.is_second
     order = [LETTERS.index(letter) for letter in machine.letters]
     points = Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
-    corrected, correction = corrected_as(mode, known, points, touches)
-    corrected = replace(corrected, tool_mm=machine.tool_mm)
+    measured = Measured(points, touches, stations.letters())
+    see = partial(_see, machine, truth, stations, mode)
+    seen = see(next(corrections(POSITIONS, known, measured)))
+    if mode > POSITIONS:
+        seen = _no_worse_than(seen, map(see, corrections(mode, known, measured)), see)
     try:
         found = fit(known, points, touches=touches)
     except TooFewError:
-        found = correction
+        found = seen.correction.fit
+    return Evaluation(
+        mode,
+        machine,
+        replace(seen.correction.machine, tool_mm=machine.tool_mm),
+        found,
+        tuple(_axis(x, stations, seen.expected, report) for x, report in seen.reports.items()),
+        seen.q_mm,
+        seen.correction.combined,
+    )
+
+
+def _no_worse_than(
+    plain: _Seen, tried: Iterable[_Seen], see: Callable[[Correction], _Seen]
+) -> _Seen:
+    """Give the first correction of angles that leaves no more at any axis than positions alone.
+
+    Least squares weigh all positions together, the scatter goes from each axis's reference: an axis
+    may scatter more by a part of the noise. It is then corrected as in `plain`, and if that does
+    not do, fewer angles are.
+    """
+    for one in tried:
+        worse = one.worse_than(plain)
+        if not worse:
+            return one
+        axes = tuple(
+            old if old.letter in worse else new
+            for old, new in zip(
+                plain.correction.machine.axes, one.correction.machine.axes, strict=True
+            )
+        )
+        corrected = replace(one.correction.machine, axes=axes)
+        mixed = see(replace(one.correction, machine=corrected))
+        if not mixed.worse_than(plain):
+            return mixed
+    return plain
+
+
+def _see(
+    machine: Machine, truth: Truth, stations: Stations, mode: int, correction: Correction
+) -> _Seen:
+    corrected = correction.machine
     shown_deg = stations.angle_deg + _shown_more_deg(machine, corrected)
     corrected_stations = replace(stations, angle_deg=shown_deg)
     expected = Expectation(
@@ -168,9 +247,7 @@ def evaluate(
         offset_mm=_shift_mm(machine, corrected),
         is_optimised=mode != CHECK,
     )
-    reports, q_mm = results(stations, expected)
-    axes = tuple(_axis(letter, stations, expected, report) for letter, report in reports.items())
-    return Evaluation(mode, machine, corrected, found, axes, q_mm)
+    return _Seen(correction, expected, *results(stations, expected))
 
 
 def _axis(letter: str, stations: Stations, expected: Expectation, report: Results) -> AxisResult:

@@ -164,6 +164,7 @@ def _measured(
         play.raise_failure()
     report = play.report()
     notes += _moved_datums(evaluation)
+    notes += _combined(evaluation)
     loose = [axis.letter for axis in evaluation.axes if not stations.has_second(axis.letter)]
     if loose:
         notes.append(NO_BACKLASH.format(", ".join(loose)))
@@ -180,3 +181,11 @@ def _moved_datums(evaluation: Evaluation) -> Iterator[str]:
                 f"The machine datum of {before.letter} moves by {moved_arcsec:+.2f}″: it takes the "
                 "tilt of the axis carried, which no position tells from it."
             )
+
+
+def _combined(evaluation: Evaluation) -> Iterator[str]:
+    if evaluation.combined:
+        yield (
+            f"Known only in combination: {', '.join(evaluation.combined)}. The smallest correction "
+            "that does it is taken, offsets before tilts."
+        )

@@ -1,0 +1,88 @@
+"""What each mode of cycle 451 leaves on many machines of every type; `make kinematics-sweep`."""
+
+import argparse
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from measured_machines import ALL_KINDS, described, draw, left_mm, name_of, stations_of
+from rotary_machines import Kind, Planted
+from skiplatch.kinematics.evaluate import Evaluation, evaluate
+from skiplatch.kinematics.five_axis import Truth
+
+NOISE_MM = 2e-4
+SAME_MM = 1e-8
+TOUCHES = 2
+"""So few that a centre scatters alike in all directions, as the noise here does."""
+POSITIONS, ANGLES, ORIGIN = 1, 2, 3
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """One machine: what the modes left, and how far the fit is off.
+
+    Attributes:
+        more_um: How much more modes 2 and 3 left at the worst axis than mode 1; 0 if not more.
+        left_um: What mode 2 left at the worst axis.
+        off: Errors of what the positions determine, in standard uncertainties.
+    """
+
+    more_um: float
+    left_um: float
+    off: tuple[float, ...]
+
+
+def modes_of(kind: Kind) -> tuple[int, ...]:
+    """Give the modes that a machine can run: mode 3 needs one axis upon another."""
+    stacked = len(kind.table) > 1 or len(kind.head) > 1
+    return (POSITIONS, ANGLES, ORIGIN) if stacked else (POSITIONS, ANGLES)
+
+
+def judge(kind: Kind, seed: int) -> Judged:
+    """Measure one machine, correct it in every mode, and look with own matrices at what is left."""
+    rng = np.random.default_rng(seed)
+    planted = draw(kind, rng)
+    stations = stations_of(planted, rng, NOISE_MM)
+    machine = described(planted)
+    modes = modes_of(kind)
+    found = [evaluate(machine, Truth(), stations, mode, TOUCHES) for mode in modes]
+    tip = planted.tip.tolist()
+    plain, *angled = (left_mm(kind, tip, one.corrected, stations) for one in found)
+    more = max(one[x] - plain[x] for one in angled for x in plain)
+    worst = max(angled[0].values())
+    return Judged(
+        1000.0 * max(0.0, more - SAME_MM), 1000.0 * worst, tuple(_off(planted, found[-1]))
+    )
+
+
+def _off(planted: Planted, found: Evaluation) -> list[float]:
+    errors = planted.errors
+    single = [(e.value - errors[name], e) for name, e in found.fit.parameters.items()]
+    sums = [
+        (c.estimate.value - sum(a * errors[n] for n, a in c.amounts.items()), c.estimate)
+        for c in found.fit.combinations
+    ]
+    return [off / estimate.uncertainty for off, estimate in [*single, *sums]]
+
+
+def main() -> None:
+    """Print a row for each type."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--count", type=int, default=1000, help="machines of each type")
+    parser.add_argument("--jobs", type=int, default=2)
+    given = parser.parse_args()
+    print("type | mode 2 or 3 leaves more than mode 1 | errors within 3u, % | worst mode 2, µm")
+    with ProcessPoolExecutor(given.jobs) as pool:
+        for kind in ALL_KINDS:
+            judged = list(pool.map(partial(judge, kind), range(given.count), chunksize=10))
+            off = np.abs(np.concatenate([one.off for one in judged]))
+            more = sum(one.more_um > 0.0 for one in judged)
+            worst = max(one.left_um for one in judged)
+            share = 100.0 * np.mean(off <= 3.0)
+            print(f"{name_of(kind)} | {more} | {share:.2f} | {worst:.2f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
