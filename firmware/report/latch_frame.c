@@ -122,6 +122,33 @@ static void join(const uint8_t *first, const uint8_t *second, latch_record_t *re
     record->flags = (uint8_t)(first[1] & FLAGS_MASK);
 }
 
+/* A record that comes once more has the same sum. */
+static bool is_restart(const latch_decoder_t *decoder, const latch_record_t *record, uint16_t crc)
+{
+    if ((record->flags & LATCH_FLAG_FIRST_LAP) == 0u) {
+        return false;
+    }
+    return !decoder->is_first_lap || record->sequence < decoder->last_sequence ||
+           (record->sequence == decoder->last_sequence && crc != decoder->last_crc);
+}
+
+/* Count what lies between the last record and this one; false if it was seen before. */
+static bool follow(latch_decoder_t *decoder, const latch_record_t *record, uint16_t crc)
+{
+    uint16_t step = (uint16_t)(record->sequence - decoder->last_sequence) & LATCH_SEQUENCE_MASK;
+    if (is_restart(decoder, record, crc)) {
+        count(&decoder->restarts, 1u);
+        count(&decoder->lost_records, record->sequence);
+        return true;
+    }
+    if (step == 0u || step > LATCH_SEQUENCE_MASK / 2u) {
+        count(&decoder->repeated_frames, LATCH_FRAMES_PER_RECORD);
+        return false;
+    }
+    count(&decoder->lost_records, (uint16_t)(step - 1u));
+    return true;
+}
+
 static latch_frame_result_t take_second(latch_decoder_t *decoder, const uint8_t *frame,
                                         latch_record_t *record)
 {
@@ -129,15 +156,12 @@ static latch_frame_result_t take_second(latch_decoder_t *decoder, const uint8_t 
     join(decoder->first, frame, &joined);
     decoder->has_first = false;
 
-    uint16_t step = (uint16_t)(joined.sequence - decoder->last_sequence) & LATCH_SEQUENCE_MASK;
-    if (decoder->any_record) {
-        if (step == 0u || step > LATCH_SEQUENCE_MASK / 2u) {
-            count(&decoder->repeated_frames, LATCH_FRAMES_PER_RECORD);
-            return LATCH_FRAME_REPEATED;
-        }
-        count(&decoder->lost_records, (uint16_t)(step - 1u));
+    if (decoder->any_record && !follow(decoder, &joined, get_crc(frame))) {
+        return LATCH_FRAME_REPEATED;
     }
     decoder->any_record = true;
+    decoder->is_first_lap = (joined.flags & LATCH_FLAG_FIRST_LAP) != 0u;
+    decoder->last_crc = get_crc(frame);
     decoder->last_sequence = joined.sequence;
     *record = joined;
     return LATCH_FRAME_RECORD;

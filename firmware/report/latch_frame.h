@@ -8,6 +8,11 @@
  * s is the sequence number; byte 0 therefore counts frames modulo 256. Numbers are little-endian.
  * The CRC runs on from the first frame into the second, so two halves of different records never
  * fit.
+ *
+ * A controller that starts anew numbers from 0 again. LATCH_FLAG_FIRST_LAP tells its records from
+ * old ones, so that nothing that arrives after a restart is held back. Hidden stays a restart in
+ * the first lap of which records 0 to L are all lost, L being the last number that had arrived: the
+ * next one counts as following L.
  */
 #ifndef REPORT_LATCH_FRAME_H
 #define REPORT_LATCH_FRAME_H
@@ -38,7 +43,10 @@ typedef struct {
     uint16_t damaged_frames;  /* LATCH_FRAME_DAMAGED */
     uint16_t repeated_frames; /* LATCH_FRAME_REPEATED */
     uint16_t unpaired_frames; /* LATCH_FRAME_UNPAIRED */
+    uint16_t restarts;        /* the controller has started anew */
     uint16_t last_sequence;   /* of the last whole record, if any_record */
+    uint16_t last_crc;        /* of it */
+    bool     is_first_lap;    /* LATCH_FLAG_FIRST_LAP of it */
     bool     any_record;
     bool     has_first;                /* `first` waits for its second half */
     uint8_t  first[LATCH_FRAME_BYTES]; /* the last good first half */
@@ -56,7 +64,8 @@ bool latch_frame_is_good(const latch_decoder_t *decoder, const uint8_t frame[LAT
 
 /*
  * Take one frame; `record` is written only on LATCH_FRAME_RECORD. A record up to half the sequence
- * range older than the last one counts as repeated. Task.
+ * range older than the last one counts as repeated, and with LATCH_FLAG_FIRST_LAP as a restart: no
+ * bus that carries records lets one overtake another. Task.
  */
 latch_frame_result_t latch_frame_decode(latch_decoder_t *decoder,
                                         const uint8_t    frame[LATCH_FRAME_BYTES],

@@ -20,6 +20,11 @@ extern "C" {
 #define LATCH_FLAG_PLC     0x01u /* latched by the PLC task; otherwise by the skip input */
 #define LATCH_FLAG_BOUNCED 0x02u /* the contact opened and closed again before it was confirmed */
 #define LATCH_FLAG_OVERRUN 0x04u /* at least one earlier latch was lost because nobody took it */
+/*
+ * The sequence numbers have not wrapped since the controller started: record 0 with this flag is
+ * the first since a start. latch_report_begin() sets it.
+ */
+#define LATCH_FLAG_FIRST_LAP 0x08u
 
 typedef struct {
     uint32_t ticks; /* hal_clock ticks of the first edge, or of the scan that saw it; wraps */

@@ -14,7 +14,7 @@ extern "C" {
 /* Start from all zeros. */
 typedef struct {
     uint8_t  frames[LATCH_FRAMES_PER_RECORD][LATCH_FRAME_BYTES];
-    uint16_t sequence; /* of the next record */
+    uint16_t sequence; /* of the next record; the upper bit: it has wrapped since the start */
     uint8_t  pending;  /* frames still to be sent, the last ones of `frames` */
 } latch_report_t;
 

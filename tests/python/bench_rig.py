@@ -48,6 +48,7 @@ class Faults:
     refused: dict[int, Verdict] = field(default_factory=dict)
     mute_answers: set[int] = field(default_factory=set)
     expired: set[int] = field(default_factory=set)
+    restarts: set[int] = field(default_factory=set)
     is_silent: bool = False
 
 
@@ -106,10 +107,14 @@ class FakeBench(threading.Thread):
         """Put a frame on the bus."""
         self._bus.send(can.Message(arbitration_id=frame_id, data=frame, is_extended_id=False))
 
+    def restart(self) -> None:
+        """Number latches from 0 again, as a controller does after a reset."""
+        self._sequence = 0
+
     def latch(self, at_ns: int) -> None:
         """Report a latch, through the C codec."""
         position = int(at_ns * self._counts_per_ns) % 2**32
-        self._encode(LATCH_ID, f"latch {at_ns // TICK_NS % 2**32} {position} {self._sequence} 0 0")
+        self._encode(LATCH_ID, f"latch {at_ns // TICK_NS % 2**32} {position} {self._sequence} 0 8")
         self._sequence += 1
 
     def _obey(self, signals: dict[str, int]) -> None:
@@ -148,6 +153,8 @@ class FakeBench(threading.Thread):
         time.sleep(delay_us / 1e6)
         self.triggers += 1
         edge_ns = time.monotonic_ns()
+        if self.triggers in self._faults.restarts:
+            self.restart()
         damage = self.triggers in self._faults.damaged_edges
         self._encode(EDGE_ID, f"edge {edge_ns} {self.triggers} 12 1 0", damage=damage)
         if self.triggers not in self._faults.missed:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -108,6 +109,39 @@ def test_plan_becomes_a_campaign(plan: Callable[..., Path], channel: str) -> Non
     assert document["complete"] is True
     assert document["campaigns"][0]["touches"] == 12
     assert fake.commands[-1]["Kind"] == Kind.DISARM
+
+
+def test_restart_of_the_controller_loses_no_touch_and_is_told(
+    plan: Callable[..., Path], channel: str
+) -> None:
+    with FakeBench(channel, Faults(restarts={4, 9}), feed_mm_min=FEED):
+        result = play(plan(), channel, "--json", plan().parent / "a.json")
+
+    assert result.exit_code == 0, result.output
+    assert read_campaign(plan().parent / "out").touches.ok.all()
+    document: dict[str, Any] = json.loads((plan().parent / "a.json").read_text())
+    assert document["campaigns"][0]["restarts"] == 2
+    assert "2 restarts of the controller" in result.stderr
+
+
+def test_restart_is_told_by_the_monitor(channel: str) -> None:
+    def latch_and_restart(fake: FakeBench, stopped: threading.Event) -> None:
+        while not stopped.wait(0.03):
+            fake.latch(time.monotonic_ns())
+            fake.restart()
+
+    stopped = threading.Event()
+    with FakeBench(channel) as fake:
+        sender = threading.Thread(target=latch_and_restart, args=(fake, stopped))
+        sender.start()
+        options = ("--can-backend", "virtual", "--latches", "3", "--quiet-injector")
+        result = bench("monitor", channel, *options)
+        stopped.set()
+        sender.join()
+
+    assert result.exit_code == 0, result.output
+    assert "the controller has started anew; records lost up to now: 0" in result.output
+    assert re.search(r"^restarts +[2-9]$", result.output, re.MULTILINE)
 
 
 def test_delays_fall_anywhere_in_a_scan_and_follow_the_seed(

@@ -1,16 +1,21 @@
 /*
- * The C codec of the injection protocol on the command line, to be compared with the DBC file. Each
- * line of input names a kind of frame and its fields; the frame is printed in hexadecimal.
+ * The C codecs on the command line, to be compared with those of Python. Each line of input names a
+ * kind of frame and its fields, and the frame is printed in hexadecimal; or it says what to make of
+ * bytes that it gives in hexadecimal.
  */
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "inject/inject_crc.h"
 #include "inject/inject_frame.h"
+#include "report/latch_crc.h"
 #include "report/latch_frame.h"
 
 #define FIELDS_MAX 8u
+#define FRAMES_MAX 64u /* of one line */
 
 typedef uint8_t pair_t[2][INJECT_FRAME_BYTES];
 
@@ -78,6 +83,86 @@ static void put_latch(const uint64_t *field)
     print_frame(frames[1]);
 }
 
+/* ---- what the decoders make of frames ---- */
+
+static size_t read_bytes(const char *hex, uint8_t *bytes, size_t most)
+{
+    size_t   count = 0u;
+    unsigned value;
+    while (count < most && sscanf(hex + 2u * count, "%2x", &value) == 1) {
+        bytes[count++] = (uint8_t)value;
+    }
+    return count;
+}
+
+static void take(latch_decoder_t *decoder, const uint8_t *frame)
+{
+    latch_record_t       record = {0};
+    latch_frame_result_t result = latch_frame_decode(decoder, frame, &record);
+    if (result == LATCH_FRAME_RECORD) {
+        printf("%u:%u:%d:%u ", record.sequence, record.ticks, record.position_counts, record.flags);
+    }
+}
+
+static void print_counters(const latch_decoder_t *decoder)
+{
+    printf("lost=%u damaged=%u repeated=%u unpaired=%u restarts=%u\n", decoder->lost_records,
+           decoder->damaged_frames, decoder->repeated_frames, decoder->unpaired_frames,
+           decoder->restarts);
+}
+
+/* Frames one after the other: the records that come out, and the counters at the end. */
+static void decode(const char *hex)
+{
+    uint8_t         bytes[FRAMES_MAX * LATCH_FRAME_BYTES];
+    latch_decoder_t decoder = {0};
+    size_t          count = read_bytes(hex, bytes, sizeof bytes) / LATCH_FRAME_BYTES;
+    for (size_t i = 0u; i < count; ++i) {
+        take(&decoder, &bytes[i * LATCH_FRAME_BYTES]);
+    }
+    print_counters(&decoder);
+}
+
+static void print_sums(const char *hex)
+{
+    uint8_t bytes[FRAMES_MAX * LATCH_FRAME_BYTES];
+    size_t  count = read_bytes(hex, bytes, sizeof bytes);
+    printf("%u %u\n", latch_crc_update(LATCH_CRC_START, bytes, count),
+           inject_crc_finish(inject_crc_update(INJECT_CRC_START, bytes, count)));
+}
+
+static void parse_command(const char *hex)
+{
+    uint8_t          frame[INJECT_FRAME_BYTES];
+    inject_command_t command;
+    if (read_bytes(hex, frame, sizeof frame) != sizeof frame ||
+        !inject_frame_get_command(frame, &command)) {
+        puts("damaged");
+        return;
+    }
+    printf("Kind=%u Counter=%u WantedPage=%u Line=%u Level=%u ValidMs=%u Count=%u Token=%u "
+           "WidthUs=%u PeriodUs=%u DelayUs=%u\n",
+           command.kind, command.counter, command.page, command.line, command.level,
+           command.valid_ms, command.count, command.token, command.width_us, command.period_us,
+           command.delay_us);
+}
+
+static bool judge(const char *what, const char *hex)
+{
+    if (strcmp(what, "decode") == 0) {
+        decode(hex);
+    } else if (strcmp(what, "sums") == 0) {
+        print_sums(hex);
+    } else if (strcmp(what, "parse") == 0) {
+        parse_command(hex);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/* ---- the command line ---- */
+
 static void read_fields(char *rest, uint64_t field[FIELDS_MAX])
 {
     for (unsigned i = 0u; i < FIELDS_MAX; ++i) {
@@ -87,7 +172,7 @@ static void read_fields(char *rest, uint64_t field[FIELDS_MAX])
 
 int main(void)
 {
-    char line[256];
+    char line[2u * FRAMES_MAX * LATCH_FRAME_BYTES + 32u];
     while (fgets(line, sizeof line, stdin) != NULL) {
         uint64_t field[FIELDS_MAX];
         char    *space = strchr(line, ' ');
@@ -95,6 +180,10 @@ int main(void)
             return EXIT_FAILURE;
         }
         *space = '\0';
+        if (judge(line, space + 1)) {
+            (void)fflush(stdout);
+            continue;
+        }
         read_fields(space + 1, field);
         if (strcmp(line, "command") == 0) {
             put_command(field);

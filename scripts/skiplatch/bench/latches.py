@@ -11,6 +11,8 @@ SEQUENCES = 1 << 15
 TICKS = 1 << 32
 TICK_NS = 100  # of the Linux port
 PLC_FLAG = 0x01
+FIRST_LAP_FLAG = 0x08
+FRAMES_PER_RECORD = 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,15 +54,25 @@ def time_ns(latch: Latch, about_ns: int) -> int:
 
 
 class LatchReports:
-    """Puts records together, of two frames each, and counts what is lost, damaged or repeated."""
+    """Puts records together, of two frames each, as firmware/report/latch_frame.h says.
+
+    Attributes:
+        lost: Records that are missing in the sequence.
+        damaged: Frames with a wrong checksum.
+        repeated: Frames that were seen before.
+        unpaired: Frames whose other half did not come.
+        restarts: How often the controller has started anew.
+    """
 
     def __init__(self) -> None:
         self.lost = 0
+        self.restarts = 0
         self.damaged = 0
         self.repeated = 0
         self.unpaired = 0
         self._first: bytes | None = None
-        self._last: int | None = None
+        self._last: Latch | None = None
+        self._last_crc = 0
 
     def start_anew(self) -> None:
         """Expect a controller that was switched on just now, whose numbers start from 0."""
@@ -89,23 +101,44 @@ class LatchReports:
     def _take_second(self, frame: bytes) -> Latch | None:
         first = self._first
         if first is None or frame[0] != first[0] | 1:
-            self.unpaired += 1
+            self._count_stray(frame)
             return None
         if crc16(_sum_of(first), frame[:CRC_OFFSET]) != _sum_of(frame):
             self.damaged += 1
             return None
         self._first = None
-        return self._in_order(_joined(first, frame))
+        return self._in_order(_joined(first, frame), _sum_of(frame))
 
-    def _in_order(self, latch: Latch) -> Latch | None:
-        if self._last is not None:
-            step = (latch.sequence - self._last) % SEQUENCES
-            if step == 0 or step > SEQUENCES // 2:
-                self.repeated += 1
-                return None
-            self.lost += step - 1
-        self._last = latch.sequence
+    def _count_stray(self, frame: bytes) -> None:
+        if self._last is not None and frame[0] == (self._last.sequence << 1 | 1) & 0xFF:
+            self.repeated += 1
+        else:
+            self.unpaired += 1
+
+    def _in_order(self, latch: Latch, crc: int) -> Latch | None:
+        if self._last is not None and not self._follows(self._last, latch, crc):
+            self.repeated += FRAMES_PER_RECORD
+            return None
+        self._last, self._last_crc = latch, crc
         return latch
+
+    def _follows(self, last: Latch, latch: Latch, crc: int) -> bool:
+        """Count what lies between two records; tell whether the second one is new."""
+        if self._is_restart(last, latch, crc):
+            self.restarts += 1
+            self.lost += latch.sequence
+            return True
+        step = (latch.sequence - last.sequence) % SEQUENCES
+        if not 0 < step < SEQUENCES // 2:
+            return False
+        self.lost += step - 1
+        return True
+
+    def _is_restart(self, last: Latch, latch: Latch, crc: int) -> bool:
+        if not latch.flags & FIRST_LAP_FLAG:
+            return False
+        is_again = latch.sequence == last.sequence and crc == self._last_crc
+        return not last.flags & FIRST_LAP_FLAG or (latch.sequence <= last.sequence and not is_again)
 
 
 def _sum_of(frame: bytes) -> int:

@@ -26,6 +26,7 @@ class Monitor:
         self._tell = tell
         self._edge_ns: int | None = None
         self._start_ns = time.monotonic_ns()
+        self._restarts = 0
 
     def watch(self, seconds: float | None, latches: int | None) -> None:
         """Listen for so long and for so many latches; for ever without either."""
@@ -36,6 +37,7 @@ class Monitor:
                 return
             self._station.listen(left_s, self._has_news)
             self._take_in()
+            self._tell_restarts()
 
     def counters(self, counts: dict[str, int]) -> dict[str, Any]:
         """Give what was counted here, and what the injector counts."""
@@ -44,6 +46,7 @@ class Monitor:
             "latches": self.latched,
             "lost_latches": reports.lost,
             "damaged_latch_frames": reports.damaged,
+            "restarts": reports.restarts,
             "repeated_latch_frames": reports.repeated,
             "unpaired_latch_frames": reports.unpaired,
             "edges": self.edges,
@@ -52,6 +55,12 @@ class Monitor:
             "damaged_status_frames": self._station.damaged_status,
             "injector": counts,
         }
+
+    def _tell_restarts(self) -> None:
+        reports = self._station.latch_reports
+        if reports.restarts > self._restarts:
+            self._restarts = reports.restarts
+            self._tell(f"the controller has started anew; records lost up to now: {reports.lost}")
 
     def _has_news(self) -> bool:
         return bool(self._station.edges or self._station.latches)

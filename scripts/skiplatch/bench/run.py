@@ -49,12 +49,23 @@ class Rig:
 
 @dataclass
 class Recording:
-    """What was recorded with one scan period; grows while it is played."""
+    """What was recorded with one scan period; grows while it is played.
+
+    Attributes:
+        scan_us: Scan period of the controller.
+        axis: Its axis.
+        played: What came of each touch.
+        counters: What the controller counted, by path.
+        lost_latches: Records that were lost on the way.
+        restarts: How often the controller started anew while it was played.
+    """
 
     scan_us: int
     axis: VirtualAxis
     played: list[Played] = field(default_factory=list)
     counters: dict[str, dict[str, object]] = field(default_factory=dict)
+    lost_latches: int = 0
+    restarts: int = 0
 
 
 def injector(rig: Rig) -> AbstractContextManager[object]:
@@ -125,12 +136,16 @@ class Player:
         axis = VirtualAxis(max(self._plan.feeds_mm_min), resolution_um)
         recording = Recording(scan_us, axis)
         self.recordings.append(recording)
+        reports = self._station.latch_reports
+        lost, restarts = reports.lost, reports.restarts
         for path in self._plan.paths:
             watcher = controller(self._rig, self._plan, path, scan_us, axis)
             try:
                 with watcher:
                     self._play_path(recording, path, (driver, watcher))
             finally:
+                recording.lost_latches = reports.lost - lost
+                recording.restarts = reports.restarts - restarts
                 if isinstance(watcher, Program):
                     recording.counters[path.name.lower()] = watcher.counters
 
@@ -223,6 +238,8 @@ def summary(recording: Recording) -> dict[str, float]:
         "missed": sum(touch.arrival is None for touch in played),
         "false": sum(touch.is_false for touch in played),
         "without_edge": sum(touch.edge is None and not touch.is_false for touch in played),
+        "lost_latches": recording.lost_latches,
+        "restarts": recording.restarts,
         "edge_window_us": float(np.median(windows_us)) if windows_us else 0.0,
         "widest_edge_window_us": max(windows_us, default=0.0),
         "duration_s": round(seconds, 3),

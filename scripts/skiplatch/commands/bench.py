@@ -235,6 +235,12 @@ def _write(plan: Plan, recordings: Sequence[Recording], out: Path) -> dict[Path,
             f"{folder}: {found['touches']} touches, {found['missed']} missed, {found['false']} "
             f"false; edges known to {found['edge_window_us']:.1f} µs"
         )
+        if recording.lost_latches or recording.restarts:
+            click.echo(
+                f"{folder}: {recording.lost_latches} latch records lost on the bus, "
+                f"{recording.restarts} restarts of the controller",
+                err=True,
+            )
         written[folder] = recording
     return written
 
