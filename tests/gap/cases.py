@@ -1,26 +1,23 @@
 """The cases of a check: which effects a campaign has, and the campaign drawn from that."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
-from tests.gap.chain import Hook, Outcomes, Setup, Step, play
+from tests.gap.chain import BoolArray, FloatArray, Hook, Outcomes, Setup, Step, play
 from tests.gap.conditions import Recording, draw_setup
-from tests.gap.effects import BOTH, EFFECTS, draw_form
-from tests.gap.forms import Draw, Form
-from tests.gap.sizes import OBSERVABLES, Sizes, measure, replicates
-from tests.gap.strangers import DULL, STRANGERS
+from tests.gap.grammar import draw_stranger
+from tests.gap.parts import TRIES, Part, draw_part, needs, part_of
+from tests.gap.sizes import OBSERVABLES, replicates
 
-FAINTEST = 0.2  # an effect that shows less is drawn again, stronger
-TRIES = 12
 REPLICATES = 50
 HELD_BACK = 1 / 3
+RUN = (4, 16)
+"""Touches that are held back in a row, so that most of the others keep the touch before them."""
 OPTIONAL = ("axis", "position_mm", "rotary_deg", "temp_c", "report_us")
-
-
-OTHERS = {**STRANGERS, **DULL}
+SELDOM_RECORDED = 0.05
 
 
 class Case(StrEnum):
@@ -30,7 +27,10 @@ class Case(StrEnum):
     TWO = "two"
     NONE = "none"
     STRANGER = "stranger"
+    """One of those that were written down by hand."""
     DULL = "dull"
+    STRANGERS = "strangers"
+    """One of the grammar."""
 
 
 VERDICTS = {
@@ -39,6 +39,7 @@ VERDICTS = {
     Case.NONE: "no_gap",
     Case.STRANGER: "unknown",
     Case.DULL: "no_gap",
+    Case.STRANGERS: "unknown",
 }
 
 
@@ -52,22 +53,18 @@ class Order:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """One effect, stranger or dull variant that a campaign has.
+class Rig:
+    """What is played, before it is.
 
     Attributes:
-        id: Of the catalogue, or of one of the other tables.
-        form: The name of its form, empty if it has only one.
-        drawn: The form with its parameters.
-        size: The knob.
-        sizes: What it comes to.
+        setup: The rig and the conditions of all touches.
+        parts: Its effects in the order of the chain.
+        dropped: Columns that were not recorded.
     """
 
-    id: str
-    form: str
-    drawn: Form
-    size: float
-    sizes: Sizes
+    setup: Setup
+    parts: Sequence[Part]
+    dropped: frozenset[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,26 +87,11 @@ class Drawn:
     parts: Sequence[Part]
     dropped: frozenset[str]
     outcomes: Outcomes
-    held_back: np.typing.NDArray[np.bool_]
-    oracle: Mapping[str, np.typing.NDArray[np.float64]]
-    nominal: Mapping[str, np.typing.NDArray[np.float64]]
-    oracle_any_phase: Mapping[str, np.typing.NDArray[np.float64]]
-    nominal_any_phase: Mapping[str, np.typing.NDArray[np.float64]]
-
-
-def _needs(part: str) -> frozenset[str]:
-    return EFFECTS[part].needs if part in EFFECTS else OTHERS[part].needs
-
-
-def recordings_for(part: str) -> list[Recording]:
-    """Name the kinds of recording in which an effect, a stranger or a dull variant can be seen."""
-    on_bench = EFFECTS[part].on_bench if part in EFFECTS else OTHERS[part].on_bench
-    kinds = [Recording.BENCH] if on_bench else []
-    if part in EFFECTS or OTHERS[part].on_machine:
-        kinds.append(Recording.STAMPED)
-        if not _needs(part) & {"latch_us", "report_us"}:
-            kinds.append(Recording.POSITION)
-    return kinds
+    held_back: BoolArray
+    oracle: Mapping[str, FloatArray]
+    nominal: Mapping[str, FloatArray]
+    oracle_any_phase: Mapping[str, FloatArray]
+    nominal_any_phase: Mapping[str, FloatArray]
 
 
 def draw_campaign(rng: np.random.Generator, order: Order, touches: tuple[int, int]) -> Drawn:
@@ -118,28 +100,23 @@ def draw_campaign(rng: np.random.Generator, order: Order, touches: tuple[int, in
     Raises:
         ValueError: No rig of many showed it.
     """
-    dropped = _dropped(rng, order)
-    recorded = [name for name in OBSERVABLES if name not in dropped]
-    for _ in range(TRIES):
-        setup = draw_setup(rng, order.recording, touches)
-        parts = [_draw_part(rng, part, setup, recorded) for part in order.ids]
-        if all(part.id in DULL or part.sizes.visible >= FAINTEST for part in parts):
-            break
-    else:
+    draw_rig = _stranger if order.case is Case.STRANGERS else _known
+    rig = draw_rig(rng, order, touches)
+    if rig is None:
         raise ValueError(f"no rig shows {', '.join(order.ids)} in a {order.recording} recording")
-    for part in parts:
+    setup = rig.setup
+    for part in rig.parts:
         if part.drawn.delay_s is not None:
             setup = setup.retimed(part.drawn.delay_s)
-    hooks: list[Mapping[Step, Hook]] = [part.drawn.hooks for part in parts]
+    hooks: list[Mapping[Step, Hook]] = [part.drawn.hooks for part in rig.parts]
     outcomes, _ = play(setup, hooks, rng)
-    n = len(setup.touches)
     return Drawn(
         order=order,
         setup=setup,
-        parts=parts,
-        dropped=dropped,
+        parts=rig.parts,
+        dropped=rig.dropped,
         outcomes=outcomes,
-        held_back=np.isin(np.arange(n), rng.permutation(n)[: round(HELD_BACK * n)]),
+        held_back=_in_runs(rng, len(setup.touches)),
         oracle=replicates(setup, hooks, rng, REPLICATES),
         nominal=replicates(setup, [], rng, REPLICATES),
         oracle_any_phase=replicates(setup, hooks, rng, REPLICATES, any_phase=True),
@@ -147,35 +124,50 @@ def draw_campaign(rng: np.random.Generator, order: Order, touches: tuple[int, in
     )
 
 
-def _dropped(rng: np.random.Generator, order: Order) -> frozenset[str]:
+def _known(rng: np.random.Generator, order: Order, touches: tuple[int, int]) -> Rig | None:
+    """Draw a rig that shows every part of an order, or None if none of many does."""
+    dropped = _dropped(rng, order.recording, frozenset[str]().union(*map(needs, order.ids)))
+    for _ in range(TRIES):
+        setup = draw_setup(rng, order.recording, touches)
+        parts = [draw_part(rng, part, setup, _recorded(dropped)) for part in order.ids]
+        if all(part.shows for part in parts):
+            return Rig(setup, parts, dropped)
+    return None
+
+
+def _stranger(rng: np.random.Generator, order: Order, touches: tuple[int, int]) -> Rig | None:
+    """Draw a rig and a stranger of the grammar that shows on it."""
+    for _ in range(TRIES):
+        setup = draw_setup(rng, order.recording, touches)
+        stranger = draw_stranger(rng, setup, order.recording)
+        if stranger is not None:
+            dropped = _dropped(rng, order.recording, stranger.needs)
+            return Rig(setup, [part_of(stranger, setup, _recorded(dropped), rng)], dropped)
+    return None
+
+
+def _recorded(dropped: Collection[str]) -> list[str]:
+    return [name for name in OBSERVABLES if name not in dropped]
+
+
+def _dropped(
+    rng: np.random.Generator, recording: Recording, needed: Collection[str]
+) -> frozenset[str]:
     """Name columns that nobody recorded, but none without which the effect is invisible."""
-    needed = frozenset[str]().union(*map(_needs, order.ids))
-    dropped = {name for name in OPTIONAL if rng.random() < 0.05 and name not in needed}
+    seldom = [name for name in OPTIONAL if rng.random() < SELDOM_RECORDED]
+    dropped = {name for name in seldom if name not in needed}
     if "axis" in dropped:
         dropped.add("sign")
-    if order.recording is Recording.POSITION:
+    if recording is Recording.POSITION:
         dropped |= {"latch_us", "report_us"}
     return frozenset(dropped)
 
 
-def _draw_part(rng: np.random.Generator, part: str, setup: Setup, recorded: Sequence[str]) -> Part:
-    size = float(np.exp(rng.uniform(np.log(0.7), np.log(30.0))))
-    drawn = _draw_once(rng, part, size, setup, recorded)
-    for _ in range(TRIES):
-        if drawn.sizes.visible >= FAINTEST or part in DULL:
-            break
-        drawn = _draw_once(rng, part, 1.6 * drawn.size, setup, recorded)
-    return drawn
-
-
-def _draw_once(
-    rng: np.random.Generator, part: str, size: float, setup: Setup, recorded: Sequence[str]
-) -> Part:
-    draw = Draw(rng, setup, size)
-    if part in EFFECTS:
-        name, form = draw_form(part, draw)
-    else:
-        name, form = "", OTHERS[part].make(draw)
-    played = setup if form.delay_s is None else setup.retimed(form.delay_s)
-    paths = EFFECTS[part].paths if part in EFFECTS else BOTH
-    return Part(part, name, form, size, measure(form, played, recorded, paths, rng))
+def _in_runs(rng: np.random.Generator, n: int) -> BoolArray:
+    """Hold touches back in runs, shape (n,)."""
+    held_back, wanted = np.zeros(n, bool), round(HELD_BACK * n)
+    while (missing := wanted - np.count_nonzero(held_back)) > 0:
+        first = int(rng.integers(n))
+        run = np.arange(first, min(n, first + int(rng.integers(*RUN))))
+        held_back[run[~held_back[run]][:missing]] = True
+    return held_back

@@ -25,6 +25,7 @@ from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.files import atomic_write_text
 from tests.gap import baselines, confusion, goals
 from tests.gap.baselines import Baseline
+from tests.gap.cases import Case
 from tests.gap.heldout import read_predictions, shrink_to_oracle
 from tests.gap.nats import nats
 from tests.gap.scoring import FAILED, Found, Scored
@@ -206,7 +207,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="gap-check", description=__doc__)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=20, help="number of campaigns")
-    parser.add_argument("--cases", help="some of single,two,none,stranger,dull")
+    parser.add_argument("--cases", help=f"some of {','.join(Case)}")
     parser.add_argument("--kinds", help="some of bench,stamped,position")
     parser.add_argument("--jobs", type=int, default=1, help="diagnoses at the same time")
     parser.add_argument(
@@ -215,12 +216,17 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--no-baselines", action="store_true", help="leave the comparison out")
     parser.add_argument("--json", type=Path, help="write everything as JSON")
     parser.add_argument("--keep", type=Path, help="folder to keep campaigns, seals and answers in")
+    parser.add_argument("--dry", action="store_true", help="draw and seal in --keep, and no more")
     return parser
+
+
+def _order(options: argparse.Namespace) -> Order:
+    return Order(options.seed, options.count, options.cases, options.kinds)
 
 
 def run(options: argparse.Namespace, folder: Path) -> list[Scored]:
     """Run the check in a folder."""
-    order = Order(options.seed, options.count, options.cases, options.kinds)
+    order = _order(options)
     compared = [] if options.no_baselines else baselines.all_baselines()
     results = check(folder / "check", order, compared, options.jobs)
     if options.false_alarms:
@@ -234,6 +240,11 @@ def main() -> None:
     options = _parser().parse_args()
     if options.count < 1 or options.jobs < 1 or options.false_alarms < 0:
         _parser().error("--count and --jobs must be at least 1, --false-alarms at least 0")
+    if options.dry:
+        if not options.keep:
+            _parser().error("--dry draws campaigns and leaves them in --keep: name a folder")
+        generate(options.keep / "check", _order(options))
+        return
     with tempfile.TemporaryDirectory() as temporary:
         results = run(options, options.keep or Path(temporary))
     print(show(results))

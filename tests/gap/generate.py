@@ -13,11 +13,12 @@ from pathlib import Path
 import numpy as np
 
 from skiplatch.progress import shown
-from tests.gap.cases import Case, Order, draw_campaign, recordings_for
+from tests.gap.cases import Case, Order, draw_campaign
 from tests.gap.conditions import Recording
 from tests.gap.effects import EFFECTS
+from tests.gap.parts import recordings_for
 from tests.gap.strangers import DULL, STRANGERS
-from tests.gap.writing import write
+from tests.gap.writing import is_written, write
 
 FEWEST, MOST = 200, 2000  # touches of a campaign
 
@@ -27,6 +28,7 @@ TABLES: dict[Case, Sequence[str]] = {
     Case.NONE: (),
     Case.STRANGER: tuple(STRANGERS),
     Case.DULL: tuple(DULL),
+    Case.STRANGERS: (),
 }
 
 
@@ -44,7 +46,7 @@ def orders(
 
 
 def _turns(rng: np.random.Generator, case: Case, kinds: Sequence[Recording]) -> list[list[str]]:
-    if case is Case.NONE:
+    if not TABLES[case]:
         return [[]]
     possible = [[part] for part in TABLES[case] if set(recordings_for(part)) & set(kinds)]
     if not possible:
@@ -87,8 +89,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     plan = np.random.default_rng(np.random.SeedSequence(options.seed, spawn_key=(0,)))
     planned = orders(plan, options.count, options.kinds, options.cases)
     for i, order in enumerate(shown(planned, options.count, "campaigns")):
-        rng = np.random.default_rng(np.random.SeedSequence(options.seed, spawn_key=(1, i)))
-        write(options.out, f"g{i:04d}", draw_campaign(rng, order, tuple(options.touches)))
+        if not is_written(options.out, f"g{i:04d}"):
+            rng = np.random.default_rng(np.random.SeedSequence(options.seed, spawn_key=(1, i)))
+            write(options.out, f"g{i:04d}", draw_campaign(rng, order, tuple(options.touches)))
 
 
 if __name__ == "__main__":

@@ -25,9 +25,9 @@ from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect, effects
 from skiplatch.statistics import proportion
 from skiplatch.tables import compact, table
-from tests.gap.cases import recordings_for
 from tests.gap.chain import Setup
 from tests.gap.conditions import Recording, draw_setup
+from tests.gap.parts import recordings_for
 from tests.gap.simulated import as_recorded, draw_effect, play_once
 
 TOUCHES = (200, 1000)

@@ -2,6 +2,7 @@
 
 import io
 import json
+import shutil
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -14,11 +15,20 @@ from skiplatch.campaign.writing import format_touches
 from skiplatch.files import atomic_write_bytes, atomic_write_folder
 from tests.gap.cases import VERDICTS, Case, Drawn
 from tests.gap.chain import FloatArray
-from tests.gap.strangers import DULL, STRANGERS
+from tests.gap.parts import OTHERS, Part
+
+LAST_WRITTEN = "nominal_any_phase.npz"
+
+
+def is_written(out: Path, name: str) -> bool:
+    """Tell whether a campaign stands there in full; `write` begins anew what does not."""
+    return (out / "sealed" / name / LAST_WRITTEN).exists()
 
 
 def write(out: Path, name: str, drawn: Drawn) -> None:
     """Write OUT/campaigns/NAME and OUT/sealed/NAME."""
+    for folder in ("campaigns", "sealed"):
+        shutil.rmtree(out / folder / name, ignore_errors=True)
     played = _all_columns(drawn)
     kept, held_back = played.select(~drawn.held_back), played.select(drawn.held_back)
     atomic_write_folder(
@@ -37,7 +47,7 @@ def write(out: Path, name: str, drawn: Drawn) -> None:
         "oracle.npz": drawn.oracle,
         "nominal.npz": drawn.nominal,
         "oracle_any_phase.npz": drawn.oracle_any_phase,
-        "nominal_any_phase.npz": drawn.nominal_any_phase,
+        LAST_WRITTEN: drawn.nominal_any_phase,
     }
     for file, plays in sealed_plays.items():
         rows = {key: values[:, drawn.held_back] for key, values in plays.items()}
@@ -62,14 +72,18 @@ def _npz(arrays: Mapping[str, FloatArray | SerialArray]) -> bytes:
     return buffer.getvalue()
 
 
+def _note(part: Part) -> str:
+    """Say in a line what a stranger or a dull variant is."""
+    return OTHERS[part.id].note if part.id in OTHERS else part.id
+
+
 def _label(drawn: Drawn) -> dict[str, object]:
     case = drawn.order.case
     known = case in {Case.SINGLE, Case.TWO}
-    notes = {**STRANGERS, **DULL}
     return {
         "effects": [part.id for part in drawn.parts] if known else [],
         "verdict": VERDICTS[case],
-        "note": "" if known else "; ".join(notes[part.id].note for part in drawn.parts),
+        "note": "" if known else "; ".join(_note(part) for part in drawn.parts),
         "case": case,
         "recording": drawn.order.recording,
         "parts": [
@@ -81,6 +95,7 @@ def _label(drawn: Drawn) -> dict[str, object]:
                 "visible": round(part.sizes.visible, 3),
                 "missed": round(part.sizes.missed, 4),
                 "off_grid_ticks": round(part.sizes.off_grid, 3),
+                **part.facts,
                 "sizes": [
                     {
                         "observable": size.observable,

@@ -13,7 +13,7 @@ from tests.gap.scoring import FAILED, Scored
 
 # One of each case and a second single one: what is easy to see, so that a sound diagnosis needs no
 # luck. Both singles and the pair are plain; the rest has nothing to name.
-ORDER = check.Order(seed=20, count=6, touches=(200, 220))
+ORDER = check.Order(20, 6, "single,two,none,stranger,dull", touches=(200, 220))
 LEAST_RIGHT = 4
 """Naming nothing ever gets three right, and naming the same ever gets one."""
 

@@ -22,12 +22,13 @@ from skiplatch.campaign import (
 )
 from skiplatch.campaign.columns import MEASURED_OUTCOMES
 from tests.gap import conditions
-from tests.gap.cases import FAINTEST, Case, Drawn, Order, draw_campaign, recordings_for
+from tests.gap.cases import Case, Drawn, Order, draw_campaign
 from tests.gap.chain import Outcomes, Setup, State, play, travel_us
 from tests.gap.conditions import Recording
 from tests.gap.effects import EFFECTS
 from tests.gap.forms import Draw, Form
 from tests.gap.generate import main, orders
+from tests.gap.parts import FAINTEST, recordings_for
 from tests.gap.strangers import DULL, STRANGERS
 
 FORMS = [(effect, form) for effect, entry in EFFECTS.items() for form in entry.forms]
