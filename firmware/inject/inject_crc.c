@@ -1,6 +1,6 @@
 #include "inject/inject_crc.h"
 
-#define POLYNOMIAL 0x1Du
+#define POLYNOMIAL 0x2Fu
 
 uint8_t inject_crc_update(uint8_t crc, const uint8_t *bytes, size_t length)
 {

@@ -2,7 +2,7 @@
 
 #define STEP_MAX 127u /* half the counter's range lies ahead, half behind */
 
-/* Xorshift: not a secret, but no two tokens in a row are alike by chance. */
+/* Xorshift: no secret unless it is stirred, but no two tokens in a row are alike by chance. */
 static uint16_t next_token(inject_guard_t *guard)
 {
     uint16_t token;
@@ -15,7 +15,7 @@ static uint16_t next_token(inject_guard_t *guard)
     return token;
 }
 
-static void count(uint16_t *counter, uint16_t by)
+void inject_guard_count(uint16_t *counter, uint16_t by)
 {
     *counter = (uint16_t)(UINT16_MAX - *counter > by ? *counter + by : UINT16_MAX);
 }
@@ -26,8 +26,11 @@ static void forget_shot(inject_guard_t *guard)
     guard->has_train = false;
 }
 
-static void expire(inject_guard_t *guard, uint32_t now_ms)
+static void expire(inject_guard_t *guard, uint64_t now_ms)
 {
+    if (now_ms - guard->wrong_ms >= INJECT_LOCKED_MS) {
+        guard->wrong_tokens = 0u;
+    }
     if (guard->token != 0u && now_ms - guard->armed_ms >= guard->valid_ms) {
         guard->token = 0u;
         forget_shot(guard);
@@ -39,7 +42,15 @@ void inject_guard_begin(inject_guard_t *guard, uint32_t seed, uint8_t lines)
     *guard = (inject_guard_t){.random = seed != 0u ? seed : 1u, .lines = lines};
 }
 
-inject_state_t inject_guard_state(inject_guard_t *guard, uint32_t now_ms)
+void inject_guard_stir(inject_guard_t *guard, uint32_t entropy)
+{
+    guard->random ^= entropy;
+    if (guard->random == 0u) {
+        guard->random = 1u;
+    }
+}
+
+inject_state_t inject_guard_state(inject_guard_t *guard, uint64_t now_ms)
 {
     expire(guard, now_ms);
     if (guard->is_running) {
@@ -80,15 +91,18 @@ static inject_verdict_t check_order(inject_guard_t *guard, uint8_t counter)
         return INJECT_STALE;
     }
     if (step > 1u) {
-        count(&guard->lost_commands, (uint16_t)(step - 1u));
+        inject_guard_count(&guard->lost_commands, (uint16_t)(step - 1u));
         forget_shot(guard);
     }
     guard->last_counter = counter;
     return INJECT_OBEYED;
 }
 
-static inject_verdict_t arm(inject_guard_t *guard, const inject_command_t *command, uint32_t now_ms)
+static inject_verdict_t arm(inject_guard_t *guard, const inject_command_t *command, uint64_t now_ms)
 {
+    if (guard->wrong_tokens >= INJECT_WRONG_TOKENS_MAX) {
+        return INJECT_WRONG_TOKEN;
+    }
     guard->token = next_token(guard);
     guard->armed_ms = now_ms;
     guard->valid_ms = command->valid_ms;
@@ -127,11 +141,23 @@ static bool overlaps(const inject_shot_t *shot)
     return shot->count > 1u && shot->period_us <= shot->width_us;
 }
 
+/* Who tries tokens one after the other is stopped for a while, whoever arms. */
+static inject_verdict_t refuse_token(inject_guard_t *guard, uint64_t now_ms)
+{
+    guard->wrong_tokens++;
+    guard->wrong_ms = now_ms;
+    if (guard->wrong_tokens >= INJECT_WRONG_TOKENS_MAX) {
+        guard->token = 0u;
+        forget_shot(guard);
+    }
+    return INJECT_WRONG_TOKEN;
+}
+
 static inject_verdict_t trigger(inject_guard_t *guard, const inject_command_t *command,
-                                inject_order_t *order)
+                                uint64_t now_ms, inject_order_t *order)
 {
     if (command->token != guard->token) {
-        return INJECT_WRONG_TOKEN;
+        return refuse_token(guard, now_ms);
     }
     if (!guard->has_pulse || !guard->has_train) {
         return INJECT_INCOMPLETE;
@@ -150,7 +176,7 @@ static inject_verdict_t trigger(inject_guard_t *guard, const inject_command_t *c
 }
 
 static inject_verdict_t obey(inject_guard_t *guard, const inject_command_t *command,
-                             uint32_t now_ms, inject_order_t *order)
+                             uint64_t now_ms, inject_order_t *order)
 {
     if (command->kind == INJECT_ARM) {
         return arm(guard, command, now_ms);
@@ -167,12 +193,12 @@ static inject_verdict_t obey(inject_guard_t *guard, const inject_command_t *comm
     case INJECT_TRAIN:
         return set_train(guard, command);
     default:
-        return trigger(guard, command, order);
+        return trigger(guard, command, now_ms, order);
     }
 }
 
 static inject_verdict_t judge(inject_guard_t *guard, const uint8_t *frame, uint8_t length,
-                              uint32_t now_ms, inject_order_t *order)
+                              uint64_t now_ms, inject_order_t *order)
 {
     inject_command_t command;
     if (length != INJECT_FRAME_BYTES || !inject_frame_get_command(frame, &command)) {
@@ -193,12 +219,12 @@ static inject_verdict_t judge(inject_guard_t *guard, const uint8_t *frame, uint8
 }
 
 inject_order_t inject_guard_take(inject_guard_t *guard, const uint8_t *frame, uint8_t length,
-                                 uint32_t now_ms)
+                                 uint64_t now_ms)
 {
     inject_order_t order = {.verdict = INJECT_DAMAGED};
     expire(guard, now_ms);
     order.verdict = judge(guard, frame, length, now_ms, &order);
-    count(&guard->verdicts[order.verdict], 1u);
+    inject_guard_count(&guard->verdicts[order.verdict], 1u);
     return order;
 }
 
@@ -218,7 +244,7 @@ static void report_counts(const inject_guard_t *guard, uint8_t page, uint8_t cou
 }
 
 void inject_guard_report(inject_guard_t *guard, uint8_t page, inject_verdict_t verdict,
-                         uint8_t counter, uint32_t now_ms, uint8_t frame[INJECT_FRAME_BYTES])
+                         uint8_t counter, uint64_t now_ms, uint8_t frame[INJECT_FRAME_BYTES])
 {
     if (page >= 1u && page <= INJECT_PAGES) {
         report_counts(guard, page, counter, frame);

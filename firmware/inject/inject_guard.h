@@ -26,13 +26,17 @@ typedef enum {
     INJECT_STALE,        /* older than that */
     INJECT_OUT_OF_RANGE, /* unknown kind, a figure out of range, or pulses that overlap */
     INJECT_UNARMED,      /* never armed, disarmed, or the token has expired */
-    INJECT_WRONG_TOKEN,  /* another one than the last given, or a spent one */
+    INJECT_WRONG_TOKEN,  /* another one than the last given, or a spent one; ARM after too many */
     INJECT_INCOMPLETE,   /* TRIGGER without PULSE and TRAIN since arming or since a loss */
     INJECT_BUSY,         /* TRIGGER while a train plays */
     INJECT_VERDICTS
 } inject_verdict_t;
 
 typedef enum { INJECT_IDLE = 0, INJECT_ARMED = 1, INJECT_RUNNING = 2 } inject_state_t;
+
+/* After so many wrong tokens the token is dropped, and none is given for so long. */
+#define INJECT_WRONG_TOKENS_MAX 3u
+#define INJECT_LOCKED_MS        10000u
 
 /* What a TRIGGER asks for. */
 typedef struct {
@@ -52,11 +56,13 @@ typedef struct {
     uint16_t      dropped_frames; /* reports that the bus did not take: the port counts them */
     uint16_t      token;          /* 0: none */
     uint32_t      random;         /* where tokens come from; never 0 */
-    uint32_t      armed_ms;       /* when the token was given */
+    uint64_t      armed_ms;       /* when the token was given */
+    uint64_t      wrong_ms;       /* when the last wrong token came */
     inject_shot_t shot;           /* as PULSE and TRAIN have set it */
     uint16_t      valid_ms;
     uint8_t       last_counter; /* of the last command in order */
     uint8_t       lines;        /* how many lines there are to drive */
+    uint8_t       wrong_tokens; /* since the last pause of INJECT_LOCKED_MS */
     bool          has_pulse;
     bool          has_train;
     bool          is_running; /* a train plays: the port says so */
@@ -71,22 +77,31 @@ typedef struct {
     inject_shot_t    shot;     /* to be played, if has_shot */
 } inject_order_t;
 
-/* Start unarmed. `seed` should differ from start to start; `lines` is 1 … INJECT_LINES. */
+/*
+ * Start unarmed. `seed` should differ from start to start; `lines` is 1 … INJECT_LINES. `now_ms`
+ * below is a clock that never wraps, so that no token lives again.
+ */
 void inject_guard_begin(inject_guard_t *guard, uint32_t seed, uint8_t lines);
 
 /*
- * Judge one frame with the command id, `length` bytes long, at `now_ms` (wraps); say what is to be
- * done. The port has to look at least every 2^31 ms. Task.
+ * Make the next token as hard to guess as `entropy`: a port with a generator of random numbers
+ * calls this before every frame. Task.
  */
+void inject_guard_stir(inject_guard_t *guard, uint32_t entropy);
+
+/* Judge one frame with the command id, `length` bytes long; say what is to be done. Task. */
 inject_order_t inject_guard_take(inject_guard_t *guard, const uint8_t *frame, uint8_t length,
-                                 uint32_t now_ms);
+                                 uint64_t now_ms);
+
+/* Count one more, up to the maximum; for the counters that the port keeps, too. Any context. */
+void inject_guard_count(uint16_t *counter, uint16_t by);
 
 /* The state as it is to be reported; lets a token expire. Task. */
-inject_state_t inject_guard_state(inject_guard_t *guard, uint32_t now_ms);
+inject_state_t inject_guard_state(inject_guard_t *guard, uint64_t now_ms);
 
 /* Write page `page` (0: the answer with `verdict`) as status frame number `counter`. Task. */
 void inject_guard_report(inject_guard_t *guard, uint8_t page, inject_verdict_t verdict,
-                         uint8_t counter, uint32_t now_ms, uint8_t frame[INJECT_FRAME_BYTES]);
+                         uint8_t counter, uint64_t now_ms, uint8_t frame[INJECT_FRAME_BYTES]);
 
 #ifdef __cplusplus
 }

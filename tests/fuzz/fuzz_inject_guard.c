@@ -13,6 +13,7 @@
 
 #define LINES       3u
 #define STEP_BYTES  8u
+#define LATER_MS    (1ull << 40)
 #define GOOD_TOKENS 4u /* one trigger in so many gets the token that is wanted */
 
 #define CHECK(condition)                                                            \
@@ -61,7 +62,7 @@ static void check_shot(const inject_guard_t *before, const inject_guard_t *after
     CHECK(shot->count == 1u || shot->period_us > shot->width_us);
 }
 
-static void take(inject_guard_t *guard, const uint8_t *frame, uint8_t length, uint32_t now_ms)
+static void take(inject_guard_t *guard, const uint8_t *frame, uint8_t length, uint64_t now_ms)
 {
     inject_guard_t before = *guard;
     inject_order_t order = inject_guard_take(guard, frame, length, now_ms);
@@ -80,7 +81,7 @@ static void take(inject_guard_t *guard, const uint8_t *frame, uint8_t length, ui
 
 static void play_frames(inject_guard_t *guard, const uint8_t *data, size_t size)
 {
-    uint32_t now_ms = 0u;
+    uint64_t now_ms = 0u;
     for (; size > INJECT_FRAME_BYTES; data += INJECT_FRAME_BYTES + 1u) {
         now_ms += data[0] / 16u;
         take(guard, &data[1], data[0] % (INJECT_FRAME_BYTES + 1u), now_ms);
@@ -110,7 +111,7 @@ static inject_command_t command_of(const inject_guard_t *guard, const uint8_t *s
 
 static void play_script(inject_guard_t *guard, const uint8_t *data, size_t size)
 {
-    uint32_t now_ms = UINT32_MAX - 100u;
+    uint64_t now_ms = UINT32_MAX - 100u;
     for (; size >= STEP_BYTES; data += STEP_BYTES, size -= STEP_BYTES) {
         inject_command_t command = command_of(guard, data);
         uint8_t          frame[INJECT_FRAME_BYTES];
@@ -137,7 +138,7 @@ static void check_still_works(inject_guard_t *guard)
         commands[i].counter = (uint8_t)(guard->last_counter + 1u);
         commands[i].token = guard->token;
         inject_frame_put_command(&commands[i], frame);
-        order = inject_guard_take(guard, frame, INJECT_FRAME_BYTES, 5u);
+        order = inject_guard_take(guard, frame, INJECT_FRAME_BYTES, LATER_MS);
         CHECK(order.verdict == INJECT_OBEYED);
     }
     CHECK(order.has_shot);

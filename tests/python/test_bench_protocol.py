@@ -45,7 +45,7 @@ PAGES = {
 
 
 def test_check_values_of_both_sums_are_the_published_ones() -> None:
-    assert crc8(DIGITS) == 0x4B
+    assert crc8(DIGITS) == 0xDF
     assert crc16(0xFFFF, DIGITS) == 0x29B1
 
 

@@ -48,7 +48,7 @@ void test_the_check_value_of_the_crc_is_the_published_one(void)
 {
     uint8_t crc = inject_crc_update(INJECT_CRC_START, DIGITS, sizeof DIGITS);
 
-    TEST_ASSERT_EQUAL_HEX8(0x4Bu, inject_crc_finish(crc));
+    TEST_ASSERT_EQUAL_HEX8(0xDFu, inject_crc_finish(crc));
 }
 
 void test_every_command_comes_out_as_it_went_in(void)
@@ -146,4 +146,40 @@ void test_the_sum_of_the_second_half_depends_on_the_first(void)
 
     TEST_ASSERT_EQUAL_HEX8_ARRAY(of_one[1], of_two[1], CRC);
     TEST_ASSERT_TRUE(of_one[1][CRC] != of_two[1][CRC]);
+}
+
+static bool is_seen(uint8_t *frame, const unsigned *bits, unsigned count)
+{
+    inject_command_t got;
+    for (unsigned i = 0u; i < count; ++i) {
+        frame[bits[i] / 8u] ^= (uint8_t)(1u << bits[i] % 8u);
+    }
+    bool is_read = inject_frame_get_command(frame, &got);
+    for (unsigned i = 0u; i < count; ++i) {
+        frame[bits[i] / 8u] ^= (uint8_t)(1u << bits[i] % 8u);
+    }
+    return !is_read;
+}
+
+/* All 43,744 of them. */
+void test_every_error_of_one_two_or_three_bits_is_seen(void)
+{
+    uint8_t  frame[INJECT_FRAME_BYTES];
+    unsigned bits[3];
+    unsigned errors = 0u;
+    inject_frame_put_command(&COMMANDS[0], frame);
+
+    for (bits[0] = 0u; bits[0] < 64u; ++bits[0]) {
+        TEST_ASSERT_TRUE(is_seen(frame, bits, 1u));
+        ++errors;
+        for (bits[1] = bits[0] + 1u; bits[1] < 64u; ++bits[1]) {
+            TEST_ASSERT_TRUE(is_seen(frame, bits, 2u));
+            ++errors;
+            for (bits[2] = bits[1] + 1u; bits[2] < 64u; ++bits[2]) {
+                TEST_ASSERT_TRUE(is_seen(frame, bits, 3u));
+                ++errors;
+            }
+        }
+    }
+    TEST_ASSERT_EQUAL_UINT(43744u, errors);
 }

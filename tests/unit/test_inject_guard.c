@@ -13,12 +13,12 @@
 
 static inject_guard_t guard;
 static inject_order_t order;
-static uint32_t       now_ms;
+static uint64_t       now_ms;
 static uint8_t        counter; /* of the last command sent */
 
 void setUp(void)
 {
-    now_ms = UINT32_MAX - 10u; /* the clock wraps in every test */
+    now_ms = UINT32_MAX - 10u; /* 32 bits of the clock are too few in every test */
     counter = 0u;
     inject_guard_begin(&guard, SEED, LINES);
 }
@@ -188,6 +188,7 @@ void test_a_trigger_replayed_at_any_later_counter_is_refused(void)
         TEST_ASSERT_TRUE(send_as_it_is(&command) != INJECT_OBEYED);
 
         TEST_ASSERT_FALSE(order.has_shot);
+        guard.wrong_tokens = 0u;      /* as if long after the one before */
         counter = guard.last_counter; /* a replay in order moves the counter on */
         TEST_ASSERT_EQUAL(INJECT_OBEYED, send_pulse(100u));
     }
@@ -377,6 +378,99 @@ void test_counts_stop_at_their_maximum(void)
 
     TEST_ASSERT_EQUAL_UINT16(UINT16_MAX, guard.verdicts[INJECT_DAMAGED]);
 }
+
+void test_a_token_never_lives_again(void)
+{
+    prepare();
+    inject_command_t late = trigger();
+    now_ms += (uint64_t)UINT32_MAX + 1u;
+    assert_refused(INJECT_UNARMED, send(late));
+}
+
+/* ---- wrong tokens ---- */
+
+static inject_verdict_t send_wrong_token(void)
+{
+    inject_command_t wrong = trigger();
+    wrong.token ^= 1u;
+    return send(wrong);
+}
+
+static void send_wrong_tokens(unsigned count)
+{
+    for (unsigned i = 0u; i < count; ++i) {
+        prepare();
+        TEST_ASSERT_EQUAL(INJECT_WRONG_TOKEN, send_wrong_token());
+    }
+}
+
+void test_the_third_wrong_token_drops_the_token(void)
+{
+    send_wrong_tokens(INJECT_WRONG_TOKENS_MAX - 1u);
+    TEST_ASSERT_NOT_EQUAL(0u, guard.token);
+    inject_command_t right = trigger();
+    TEST_ASSERT_EQUAL(INJECT_WRONG_TOKEN, send_wrong_token());
+
+    TEST_ASSERT_EQUAL(INJECT_IDLE, inject_guard_state(&guard, now_ms));
+    assert_refused(INJECT_UNARMED, send(right));
+}
+
+void test_no_token_is_given_for_a_while_after_that(void)
+{
+    send_wrong_tokens(INJECT_WRONG_TOKENS_MAX);
+    now_ms += INJECT_LOCKED_MS - 1u;
+    TEST_ASSERT_EQUAL(INJECT_WRONG_TOKEN, send_arm());
+    now_ms += 1u;
+    TEST_ASSERT_EQUAL(INJECT_OBEYED, send_arm());
+    prepare();
+    TEST_ASSERT_EQUAL(INJECT_OBEYED, send(trigger()));
+}
+
+void test_right_tokens_in_between_buy_no_more_wrong_ones(void)
+{
+    for (unsigned i = 0u; i + 1u < INJECT_WRONG_TOKENS_MAX; ++i) {
+        send_wrong_tokens(1u);
+        TEST_ASSERT_EQUAL(INJECT_OBEYED, send(trigger()));
+    }
+    send_wrong_tokens(1u);
+    TEST_ASSERT_EQUAL(INJECT_WRONG_TOKEN, send_arm());
+}
+
+/* Every token in turn at 4,000 frames a second, arming whenever that helps. */
+void test_a_blind_sweep_gets_three_guesses_in_ten_seconds(void)
+{
+    uint32_t guesses = 0u;
+    uint64_t start_ms = now_ms;
+    for (uint32_t frame = 0u; frame < 40u * 4000u; ++frame) {
+        now_ms = start_ms + frame / 4u;
+        (void)send_arm();
+        inject_command_t guess = {.kind = INJECT_TRIGGER, .token = (uint16_t)frame};
+        bool             is_armed = guard.token != 0u && guard.token != guess.token;
+        guesses += send(guess) == INJECT_WRONG_TOKEN && is_armed;
+    }
+    TEST_ASSERT_EQUAL_UINT32(4u * INJECT_WRONG_TOKENS_MAX, guesses);
+}
+
+void test_entropy_makes_the_token(void)
+{
+    inject_guard_t other = guard;
+    inject_guard_stir(&guard, 0x12345678u);
+    inject_guard_stir(&other, 0x87654321u);
+    (void)send_arm();
+    inject_guard_t first = guard;
+    guard = other;
+    (void)(--counter, send_arm());
+    TEST_ASSERT_NOT_EQUAL(first.token, guard.token);
+}
+
+void test_no_entropy_stops_the_tokens(void)
+{
+    inject_guard_stir(&guard, guard.random);
+    TEST_ASSERT_EQUAL(INJECT_OBEYED, send_arm());
+    TEST_ASSERT_NOT_EQUAL(0u, guard.token);
+}
+
+/* ---- answers ---- */
 
 void test_answer_tells_state_verdict_counter_and_token(void)
 {

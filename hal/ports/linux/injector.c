@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <stddef.h>
 #include <string.h>
+#include <sys/random.h>
 #include <time.h>
 
 #include "can_socket.h"
@@ -18,9 +19,9 @@ static uint32_t now_us(void)
     return (uint32_t)(clock_now_ns() / CLOCK_NS_PER_US);
 }
 
-static uint32_t now_ms(void)
+static uint64_t now_ms(void)
 {
-    return (uint32_t)(clock_now_ns() / NS_PER_MS);
+    return clock_now_ns() / NS_PER_MS;
 }
 
 /* ---- reports ---- */
@@ -45,7 +46,7 @@ static void flush(injector_t *injector)
 static void report(injector_t *injector, uint16_t id, const uint8_t *frame)
 {
     if (injector->queue_count == INJECTOR_QUEUE_LENGTH) {
-        ++injector->guard.dropped_frames;
+        inject_guard_count(&injector->guard.dropped_frames, 1u);
         return;
     }
     uint32_t end = (injector->queue_first + injector->queue_count) % INJECTOR_QUEUE_LENGTH;
@@ -143,8 +144,18 @@ static void stop_train(injector_t *injector)
 
 /* ---- the loop ---- */
 
+/* The kernel's generator gives so few bytes at once, and waits only while the computer starts. */
+static uint32_t entropy(void)
+{
+    uint32_t number = 0u;
+    while (getrandom(&number, sizeof number, 0u) != (ssize_t)sizeof number) {
+    }
+    return number;
+}
+
 static void obey(injector_t *injector, const uint8_t *frame, uint8_t length)
 {
+    inject_guard_stir(&injector->guard, entropy());
     inject_order_t order = inject_guard_take(&injector->guard, frame, length, now_ms());
     if (order.has_stop) {
         stop_train(injector);

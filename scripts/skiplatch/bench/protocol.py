@@ -20,7 +20,7 @@ LATCH_ID = 0x181
 
 FRAME_BYTES = 8
 COUNTERS = 256
-CRC_POLYNOMIAL = 0x1D
+CRC_POLYNOMIAL = 0x2F
 CRC_START = 0xFF
 
 Signals = Mapping[str, int]
@@ -88,7 +88,7 @@ def _crc_table() -> list[int]:
 
 
 def crc8(data: bytes) -> int:
-    """Give the CRC-8/SAE-J1850 of the data."""
+    """Give the CRC-8/AUTOSAR of the data."""
     crc = CRC_START
     for byte in data:
         crc = _crc_table()[crc ^ byte]
