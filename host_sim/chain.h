@@ -24,23 +24,25 @@ typedef struct {
 
 /* The nominal chain: what the engineer believes of the rig. */
 typedef struct {
-    double     pretravel_um;
-    double     lobe_um;
-    double     lobe_phase_deg;
-    double     repeatability_um;
-    double     delay_us;
-    double     filter_us;
-    double     skip_latency_us;
-    double     skip_jitter_us;
-    double     tick_us;
-    double     scan_us;
-    double     resolution_um;
-    double     accel_mm_s2;
-    double     report_latency_us;
-    double     report_jitter_us;
-    double     reference_jitter_us;
-    int32_t    is_machine; /* 1: a probe touches a surface; 0: edges injected on a bench */
-    sim_seat_t seat;       /* not of nominal.toml: what the engineer knows nothing of */
+    double  pretravel_um;
+    double  lobe_um;
+    double  lobe_phase_deg;
+    double  repeatability_um;
+    double  delay_us;
+    double  filter_us;
+    double  skip_latency_us;
+    double  skip_jitter_us;
+    double  tick_us;
+    double  scan_us;
+    double  resolution_um;
+    double  accel_mm_s2;
+    double  report_latency_us;
+    double  report_jitter_us;
+    double  reference_jitter_us;
+    int32_t is_machine; /* 1: a probe touches a surface; 0: edges injected on a bench */
+    int32_t is_signed;  /* 1: a pretravel may be below 0, where the place of the surface has some
+                         * of it; 0: none is */
+    sim_seat_t seat;    /* not of nominal.toml: what the engineer knows nothing of */
 } sim_chain_t;
 
 /* How the controller is set up: the firmware's cycle and the motion behind it. */

@@ -19,6 +19,11 @@ static double seated_um(const sim_seat_t *seat, const sim_touch_t *touch, sim_re
     return sim_seat_pretravel_um(seat, touch->alpha_deg, touch->beta_deg) + reseat_um;
 }
 
+double sim_probe_admitted_um(const sim_chain_t *chain, double pretravel_um)
+{
+    return chain->is_signed ? pretravel_um : fmax(0.0, pretravel_um);
+}
+
 double sim_probe_pretravel_um(const sim_chain_t *chain, const sim_touch_t *touch, sim_rest_t *rest,
                               sim_random_t *random)
 {
@@ -28,5 +33,5 @@ double sim_probe_pretravel_um(const sim_chain_t *chain, const sim_touch_t *touch
     double systematic_um =
         sim_has_seat(chain) ? seated_um(&chain->seat, touch, rest) : lobed_um(chain, touch);
     double noise_um = sim_random_normal(random, chain->repeatability_um);
-    return fmax(0.0, systematic_um + noise_um);
+    return sim_probe_admitted_um(chain, systematic_um + noise_um);
 }

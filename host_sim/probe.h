@@ -11,7 +11,12 @@
 #include "seat.h"
 
 /*
- * Pretravel in µm of one approach in the direction of `touch`, never below 0:
+ * What of a pretravel in µm the chain admits: all of it, or nothing below 0.
+ */
+double sim_probe_admitted_um(const sim_chain_t *chain, double pretravel_um);
+
+/*
+ * Pretravel in µm of one approach in the direction of `touch`, as far as it is admitted:
  * w = pretravel + lobe·cos β·cos 3(α − phase) + N(0, repeatability), or with a seat, what that
  * makes of the direction and of the push before, which `rest` remembers, + N(0, repeatability).
  * 0 on a bench.

@@ -164,7 +164,10 @@ static sim_ns_t closing_time(sim_t *sim)
 static double draw_pretravel_um(sim_t *sim)
 {
     double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->rest, &sim->random);
-    return sim->chain->is_machine ? fmax(0.0, sim_change(sim, SIM_PRETRAVEL, pretravel_um)) : 0.0;
+    if (!sim->chain->is_machine) {
+        return 0.0;
+    }
+    return sim_probe_admitted_um(sim->chain, sim_change(sim, SIM_PRETRAVEL, pretravel_um));
 }
 
 void sim_move(sim_t *sim, double target_um, double feed_mm_min)

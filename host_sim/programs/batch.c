@@ -67,19 +67,20 @@ static bool is_seat(const sim_seat_t *seat)
 
 static bool is_chain(const sim_chain_t *chain)
 {
-    bool probe = is_within(chain->pretravel_um, 0.0, LENGTH_MAX_MM) &&
-                 is_within(chain->lobe_um, -LENGTH_MAX_MM, LENGTH_MAX_MM) &&
-                 isfinite(chain->lobe_phase_deg) &&
-                 is_within(chain->repeatability_um, 0.0, LENGTH_MAX_MM) &&
-                 is_duration(chain->delay_us);
-    bool input = is_duration(chain->filter_us) && is_duration(chain->skip_latency_us) &&
-                 is_duration(chain->skip_jitter_us) &&
-                 is_within(chain->tick_us, TICK_MIN_US, TICK_MAX_US) &&
-                 is_within(chain->scan_us, PLC_PERIOD_MIN_US, PLC_PERIOD_MAX_US);
-    bool axis = is_within(chain->resolution_um, 1.0e-4, 1.0e4) &&
-                is_within(chain->accel_mm_s2, 1.0e-3, 1.0e6);
-    bool report = is_duration(chain->report_latency_us) && is_duration(chain->report_jitter_us) &&
-                  is_duration(chain->reference_jitter_us);
+    double least_um = chain->is_signed ? -LENGTH_MAX_MM : 0.0;
+    bool   probe = is_within(chain->pretravel_um, least_um, LENGTH_MAX_MM) &&
+                   is_within(chain->lobe_um, -LENGTH_MAX_MM, LENGTH_MAX_MM) &&
+                   isfinite(chain->lobe_phase_deg) &&
+                   is_within(chain->repeatability_um, 0.0, LENGTH_MAX_MM) &&
+                   is_duration(chain->delay_us);
+    bool   input = is_duration(chain->filter_us) && is_duration(chain->skip_latency_us) &&
+                   is_duration(chain->skip_jitter_us) &&
+                   is_within(chain->tick_us, TICK_MIN_US, TICK_MAX_US) &&
+                   is_within(chain->scan_us, PLC_PERIOD_MIN_US, PLC_PERIOD_MAX_US);
+    bool   axis = is_within(chain->resolution_um, 1.0e-4, 1.0e4) &&
+                  is_within(chain->accel_mm_s2, 1.0e-3, 1.0e6);
+    bool   report = is_duration(chain->report_latency_us) && is_duration(chain->report_jitter_us) &&
+                    is_duration(chain->reference_jitter_us);
     return probe && is_seat(&chain->seat) && input && axis && report;
 }
 

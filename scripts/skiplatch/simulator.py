@@ -58,8 +58,13 @@ NOT_RECORDED_IS = {
     "sign": 1.0,
     "position_mm": 0.0,
     "rotary_deg": 0.0,
-    "temp_c": 20.0,
 }
+
+CALIBRATED_AT_C = 20.0
+"""What counts as neither warm nor cold in the simulation."""
+
+BESIDE_THE_CHAIN = {("probe", "calibrated_at_c"), ("axis", "min_mm"), ("axis", "max_mm")}
+"""Keys of nominal.toml that are no field of sim_chain_t."""
 
 ROOM_MM = 10.0
 """For latches that come later than the nominal chain lets expect."""
@@ -101,7 +106,7 @@ class Controller:
             + nominal.skip.latency_us
             + nominal.skip.jitter_us
         )
-        pretravel_um = nominal.probe.pretravel_um + abs(nominal.probe.lobe_um)
+        pretravel_um = max(0.0, nominal.probe.pretravel_um) + abs(nominal.probe.lobe_um)
         scatter_um = 10.0 * nominal.probe.repeatability_um
         stop_mm = speed_mm_s**2 / (2.0 * nominal.axis.accel_mm_s2)
         latch_mm = speed_mm_s * delay_us / US_PER_S + (pretravel_um + scatter_um) / UM_PER_MM
@@ -249,11 +254,12 @@ def rig_arguments(
 ) -> tuple[CData, CData, CData, int]:
     """Give what all functions of the library that play a rig take: chain, controller, effects."""
     binding = _binding()
+    effects_on = with_believed(nominal, switched_on)
     return (
         _chain(binding, nominal, None),
         _controller(binding, controller),
-        _settings(binding, switched_on),
-        len(switched_on),
+        _settings(binding, effects_on),
+        len(effects_on),
     )
 
 
@@ -271,11 +277,11 @@ def _chain(binding: _Binding, nominal: Nominal, seat: Seat | None) -> CData:
     """Fill sim_chain_t: a field is named after its key, or after section and key."""
     chain = binding.ffi.new("sim_chain_t *")
     names = {name for name, _ in binding.ffi.typeof("sim_chain_t").fields}
-    for section, key in KEYS:
+    for section, key in KEYS.keys() - BESIDE_THE_CHAIN:
         long_name = f"{section}_{key}"
-        value = getattr(getattr(nominal, section), key)
-        setattr(chain, long_name if long_name in names else key, value)
+        setattr(chain, long_name if long_name in names else key, nominal.number(section, key))
     chain.is_machine = nominal.kind == Kind.MACHINE
+    chain.is_signed = nominal.version > 1
     if seat is not None:
         chain.seat = asdict(seat)
     return chain
@@ -333,7 +339,15 @@ def _controller(binding: _Binding, controller: Controller) -> CData:
     return binding.ffi.new("sim_controller_t *", asdict(controller))
 
 
-def _touches(binding: _Binding, touches: Touches, pulse_us: float) -> NDArray[np.void]:
+def with_believed(nominal: Nominal, switched_on: Sequence[Effect]) -> tuple[Effect, ...]:
+    """Give the effects that the rig is believed to have, and those switched on."""
+    believed = (Effect(effect.id, effect.values) for effect in nominal.believed_effects)
+    return (*believed, *switched_on)
+
+
+def _touches(
+    binding: _Binding, nominal: Nominal, touches: Touches, pulse_us: float
+) -> NDArray[np.void]:
     rows = np.zeros(len(touches), dtype=binding.touch)
     for name in ("time_s", "feed_mm_min", "approach_mm", "touch"):
         rows[name] = getattr(touches, name)
@@ -343,6 +357,8 @@ def _touches(binding: _Binding, touches: Touches, pulse_us: float) -> NDArray[np
         touches.path == InputPath.PLC, binding.library.SIM_PATH_PLC, binding.library.SIM_PATH_SKIP
     )
     rows["axis"] = np.maximum(touches.axis, 0)  # what was not recorded counts as X
+    at_c = nominal.probe.calibrated_at_c
+    rows["temp_c"] = np.nan_to_num(touches.temp_c, nan=at_c) + (CALIBRATED_AT_C - at_c)
     rows["pulse_us"] = pulse_us
     return rows
 
@@ -382,14 +398,15 @@ def play(
     """
     binding = _binding()
     order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
-    rows = _touches(binding, touches, pulse_us)[order]
+    rows = _touches(binding, nominal, touches, pulse_us)[order]
+    effects_on = with_believed(nominal, switched_on)
     raw = np.empty((replicates, len(touches)), dtype=binding.outcome)
     ffi = binding.ffi
     code = binding.library.sim_play(
         _chain(binding, nominal, seat),
         _controller(binding, controller),
-        _settings(binding, switched_on),
-        len(switched_on),
+        _settings(binding, effects_on),
+        len(effects_on),
         ffi.from_buffer("sim_touch_t[]", rows),
         len(touches),
         seed,

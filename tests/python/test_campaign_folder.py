@@ -147,13 +147,14 @@ def test_files_are_written_one_by_one(bench: Campaign, tmp_path: Path) -> None:
 
 
 def test_table_of_columns_is_that_of_the_arrays() -> None:
-    assert list(COLUMNS) == list(Touches.__dataclass_fields__)
+    beside_them = ["session_names", "thermometers"]
+    assert [*COLUMNS, *beside_them] == list(Touches.__dataclass_fields__)
 
 
 def test_documents_name_every_column_and_key() -> None:
-    assert "| `feed_mm_min` | mm/min | a number > 0 | yes | programmed measuring feed |\n" in (
+    assert "| `feed_mm_min` | mm/min | a number > 0 | yes | programmed measuring feed; of a " in (
         columns_table()
     )
-    assert columns_table().count("\n") == 2 + 17
+    assert columns_table().count("\n") == 2 + 20
     assert "| `plc.scan_us` | µs | a number > 0 | scan period |\n" in keys_table()
-    assert keys_table().count("\n") == 2 + 15
+    assert keys_table().count("\n") == 2 + 18

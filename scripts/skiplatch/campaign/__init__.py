@@ -1,4 +1,4 @@
-"""Campaigns: what a bench or a machine recorded, format ``skiplatch-campaign/1``.
+"""Campaigns: what a bench or a machine recorded, format ``skiplatch-campaign/2`` and its subset 1.
 
 A campaign is a folder with ``nominal.toml`` (what the engineer believes of the rig) and
 ``touches.csv`` (one row a touch).
@@ -6,6 +6,7 @@ A campaign is a folder with ``nominal.toml`` (what the engineer believes of the 
 
 from skiplatch.campaign.column_kinds import NOT_RECORDED
 from skiplatch.campaign.columns import COLUMNS, CONDITIONS, Axis, InputPath, Status
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.campaign.folder import (
     NOMINAL_FILE,
     TOUCHES_FILE,
@@ -13,20 +14,22 @@ from skiplatch.campaign.folder import (
     read_campaign,
     write_campaign,
 )
+from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.nominal import (
-    FORMAT,
+    FORMATS,
     KEYS,
     AxisNominal,
+    BelievedEffect,
     BenchNominal,
     InputNominal,
-    Kind,
     Nominal,
     PlcNominal,
     ProbeNominal,
     ReportNominal,
     SkipNominal,
 )
-from skiplatch.campaign.nominal_toml import format_nominal, read_nominal, write_nominal
+from skiplatch.campaign.nominal_text import format_nominal, write_nominal
+from skiplatch.campaign.nominal_toml import read_nominal
 from skiplatch.campaign.reading import read_conditions, read_touches
 from skiplatch.campaign.touches import Touches
 from skiplatch.campaign.writing import format_touches, write_touches
@@ -34,15 +37,18 @@ from skiplatch.campaign.writing import format_touches, write_touches
 __all__ = [
     "COLUMNS",
     "CONDITIONS",
-    "FORMAT",
+    "FORMATS",
     "KEYS",
     "NOMINAL_FILE",
     "NOT_RECORDED",
     "TOUCHES_FILE",
     "Axis",
     "AxisNominal",
+    "BelievedEffect",
     "BenchNominal",
     "Campaign",
+    "Datum",
+    "DatumFreedom",
     "InputNominal",
     "InputPath",
     "Kind",

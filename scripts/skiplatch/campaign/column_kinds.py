@@ -18,12 +18,14 @@ from skiplatch.errors import quoted
 Values = NDArray[Any]
 
 NOT_RECORDED = -1  # the code of an empty cell in a column of choices
+LONGEST_LABEL = 100
 LARGEST_SERIAL = 2**53 - 1  # what a float64, and so every spreadsheet, holds exactly
 
 # float() takes more than the format does ("nan", "inf", "1_000", " 1", "１"); of texts made of
 # these characters it takes decimal numbers only.
 _FOREIGN_TO_NUMBERS = re.compile(r"[^0-9eE+.-]")
 _FOREIGN_TO_SERIALS = re.compile(r"[^0-9]")
+_SAY_NOTHING = {"nan", "na", "n/a", "null", "none"}
 
 
 class CellError(Exception):
@@ -47,13 +49,17 @@ class Column(ABC):
     Attributes:
         unit: The unit of its numbers; empty where there is none.
         meaning: One line for the documentation.
-        required: Whether the column must be there and no cell of it be empty.
+        since: Version of the format that has it first.
+        example: A cell.
+        lost: What cannot be told where it is not recorded.
         is_outcome: Whether it tells what came of the touch; conditions.csv has none of these.
     """
 
     unit: str = ""
     meaning: str
-    required: bool = False
+    example: str = ""
+    lost: str = ""
+    since: int = 1
     is_outcome: bool = False
 
     empty: ClassVar[np.generic]
@@ -67,20 +73,28 @@ class Column(ABC):
         mask: BoolArray = values != self.empty
         return mask
 
-    def admits(self, values: Values) -> BoolArray:
+    def admits(self, values: Values, *, required: bool = False) -> BoolArray:
         """Tell for each value, shape (n,), whether it may stand in this column."""
         fit = self._fit(values)
-        return fit if self.required else fit | ~self.recorded(values)
+        return fit if required else fit | ~self.recorded(values)
 
-    def parse(self, cells: Sequence[str]) -> Values:
+    def parse(self, cells: Sequence[str], *, required: bool = False) -> Values:
         """Turn cells into checked values, shape (n,).
+
+        Args:
+            cells: As they stand in the file.
+            required: Whether none of them may be empty.
 
         Raises:
             CellError: The first wrong cell.
         """
-        values = self._checked(cells)
+        values = self._checked(cells, required)
+        if values is not None:  # most files are written tidily, and need no tidying
+            return values
+        tidied = [self._tidied(cell) for cell in cells]
+        values = self._checked(tidied, required)
         if values is None:
-            index = next(i for i, cell in enumerate(cells) if self._checked([cell]) is None)
+            index = next(i for i, c in enumerate(tidied) if self._checked([c], required) is None)
             raise CellError(index, self._complaint(cells[index]))
         return values
 
@@ -104,12 +118,16 @@ class Column(ABC):
     def _expected_instead_of(self, _cell: str) -> str:
         return self.expected
 
-    def _checked(self, cells: Sequence[str]) -> Values | None:
+    def _tidied(self, cell: str) -> str:
+        """Give a cell without what people and spreadsheets put about it."""
+        return _tidy(cell)
+
+    def _checked(self, cells: Sequence[str], required: bool) -> Values | None:  # noqa: FBT001
         try:
             values = self._convert(cells)
         except (LookupError, ValueError, OverflowError):
             return None
-        return values if self.admits(values).all() else None
+        return values if self.admits(values, required=required).all() else None
 
     def _complaint(self, cell: str) -> str:
         unit = f" in {self.unit}" if self.unit else ""
@@ -217,5 +235,48 @@ class ChoiceColumn(Column):
         code_of = {**self.codes, "": NOT_RECORDED}
         return np.array([code_of[cell] for cell in cells], dtype=np.int8)
 
+    def _tidied(self, cell: str) -> str:
+        cell = _tidy(cell)
+        return next((text for text in self.codes if text.lower() == cell.lower()), cell)
+
     def _fit(self, values: Values) -> BoolArray:
         return np.isin(values, list(self.codes.values()))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LabelColumn(Column):
+    """Any text in one line; an empty cell is a label like any other."""
+
+    empty = np.str_("")
+
+    @property
+    def expected(self) -> str:
+        """What may stand in a cell, in words."""
+        return f"a text of at most {LONGEST_LABEL} printable characters"
+
+    def recorded(self, values: Values) -> BoolArray:
+        """Tell for each value, shape (n,), whether its cell is not empty."""
+        return np.array([bool(value) for value in values.tolist()], dtype=bool)
+
+    def format(self, values: Values) -> list[str]:
+        """Quote each text, shape (n,), where it has to be."""
+        return [_quoted_cell(value) for value in values.tolist()]
+
+    def _convert(self, cells: Sequence[str]) -> Values:
+        return np.array(cells, dtype=object)
+
+    def _fit(self, values: Values) -> BoolArray:
+        fit = [len(v) <= LONGEST_LABEL and (v.isprintable()) for v in values.tolist()]
+        return np.array(fit, dtype=bool)
+
+
+def _tidy(cell: str) -> str:
+    cell = cell.strip()
+    return "" if cell.lower() in _SAY_NOTHING else cell
+
+
+def _quoted_cell(text: str) -> str:
+    if not any(c in text for c in '",;#') and text == text.strip():
+        return text
+    doubled = text.replace('"', '""')
+    return f'"{doubled}"'

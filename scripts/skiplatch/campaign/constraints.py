@@ -11,6 +11,9 @@ from skiplatch.arrays import BoolArray, FloatArray
 # Beyond these a quantity is a slip of the pen, and its square or its inverse may not be finite.
 SMALLEST_POSITIVE = 1e-6
 LARGEST = 1e15
+LONGEST_UM = 1e7  # 10 m
+LARGEST_ANGLE = 1e7
+LEAST_GUARD = 1e4  # limits of this size and more are told only when they are broken
 
 
 class Constraint(Protocol):
@@ -41,9 +44,9 @@ class Range:
 
     def words_against(self, value: float) -> str:
         """Name the limit of size where only that is broken."""
-        if value > self.high == LARGEST:
-            return f"a number <= {LARGEST:g}"
-        if value < self.low == -LARGEST or 0 < value < self.low:
+        if value > self.high >= LEAST_GUARD:
+            return f"a number <= {self.high:g}"
+        if value < self.low <= -LEAST_GUARD or 0 < value < self.low:
             return f"a number >= {self.low:g}"
         return self.words
 
@@ -64,9 +67,17 @@ class OneOf:
         return self.words
 
 
-ANY_NUMBER = Range("a number")
+INSTANT_US = Range("a number")
 NOT_NEGATIVE = Range("a number >= 0", low=0.0)
 POSITIVE = Range("a number > 0", low=SMALLEST_POSITIVE)
-TEMPERATURE = Range("a number >= -273.15", low=-273.15)
+INSTANT_S = Range("a number >= 0", low=0.0, high=1e9)
+LENGTH_UM = Range("a number", low=-LONGEST_UM, high=LONGEST_UM)
+SIZE_UM = Range("a number >= 0", low=0.0, high=LONGEST_UM)
+STEP_UM = Range("a number > 0", low=SMALLEST_POSITIVE, high=LONGEST_UM)
+PLACE_MM = Range("a number", low=-LONGEST_UM, high=LONGEST_UM)
+WAY_MM = Range("a number > 0", low=SMALLEST_POSITIVE, high=LONGEST_UM)
+FEED = Range("a number > 0", low=SMALLEST_POSITIVE, high=1e9)
+ANGLE = Range("a number", low=-LARGEST_ANGLE, high=LARGEST_ANGLE)
+TEMPERATURE = Range("a number >= -273.15", low=-273.15, high=1e4)
 ELEVATION = Range("a number from -90 to 90", low=-90.0, high=90.0)
 SENSE = OneOf("1 or -1", (1.0, -1.0))

@@ -3,7 +3,7 @@
 import csv
 import re
 from collections.abc import Iterator
-from itertools import count
+from itertools import chain, count
 from pathlib import Path
 from typing import TextIO
 
@@ -13,6 +13,10 @@ from skiplatch.files import failures_named, refuse_special_or_large
 MAX_BYTES = 2 * 2**30
 MAX_LINE_CHARACTERS = 65_536
 
+DELIMITERS = (",", ";", "\t")
+
+_SEPARATOR = re.compile(r"sep=([,;\t])\s*$", re.IGNORECASE)
+_DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
 _UNDECODABLE = re.compile("[\udc80-\udcff]")
 
 Row = tuple[int, list[str]]
@@ -21,8 +25,9 @@ Row = tuple[int, list[str]]
 def read_rows(path: Path) -> Iterator[Row]:
     """Yield the line number and the cells of each row that is not blank.
 
-    A byte order mark and any of the usual line ends are accepted. The line of a row that
-    quoted line ends spread over several is its last one.
+    A byte order mark and any of the usual line ends are accepted, and semicolons or tabs between
+    the columns, then with decimal commas. Lines that begin with # are comments. The line of a row
+    that quoted line ends spread over several is its last one.
 
     Raises:
         InputError: The file cannot be read, is too large, or is no UTF-8 or CSV text.
@@ -34,15 +39,51 @@ def read_rows(path: Path) -> Iterator[Row]:
 
 
 def _rows(path: Path, file: TextIO) -> Iterator[Row]:
-    reader = csv.reader(_lines(path, file), strict=True)
+    try:
+        lines = _lines(path, file)
+        lead = _lead(lines)
+        delimiter = _delimiter(lead[-1] if lead else "")
+        rows = _parsed(path, chain(lead, lines), delimiter)
+        yield from rows if delimiter == "," else ((n, [_with_point(c) for c in r]) for n, r in rows)
+    except UnicodeDecodeError as error:
+        raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
+
+
+def _parsed(path: Path, lines: Iterator[str], delimiter: str) -> Iterator[Row]:
+    reader = csv.reader(lines, strict=True, delimiter=delimiter)
     try:
         for row in reader:
-            if row:
+            if row and not _is_aside(row):
                 yield reader.line_num, row
     except csv.Error as error:
         raise InputError(path, reader.line_num, None, f"not valid CSV: {error}") from error
-    except UnicodeDecodeError as error:
-        raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
+
+
+def _lead(lines: Iterator[str]) -> list[str]:
+    """Take the lines up to the first that is neither blank nor a comment."""
+    lead = []
+    for line in lines:
+        lead.append(line)
+        if line.strip() and not line.lstrip().startswith("#"):
+            break
+    return lead
+
+
+def _delimiter(line: str) -> str:
+    """Give what stands between the columns; spreadsheets may say so in a line of its own."""
+    if match := _SEPARATOR.match(line):
+        return match[1]
+    return max(DELIMITERS, key=line.count)
+
+
+def _is_aside(row: list[str]) -> bool:
+    """Tell whether a row is a comment, or says what stands between the columns."""
+    return row[0].lstrip().startswith("#") or row[0].lower() == "sep="
+
+
+def _with_point(cell: str) -> str:
+    """Turn a decimal comma into a point."""
+    return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 
 def _lines(path: Path, file: TextIO) -> Iterator[str]:

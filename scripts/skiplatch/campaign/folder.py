@@ -7,11 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from skiplatch.campaign.nominal import Kind, Nominal
-from skiplatch.campaign.nominal_toml import format_nominal, read_nominal
+from skiplatch.campaign.columns import REQUIRED, REQUIRED_IN_VERSION_1
+from skiplatch.campaign.kind import Kind
+from skiplatch.campaign.nominal import Nominal, in_version
+from skiplatch.campaign.nominal_text import format_nominal
+from skiplatch.campaign.nominal_toml import read_nominal
 from skiplatch.campaign.reading import read_touches
 from skiplatch.campaign.touches import Touches
-from skiplatch.campaign.writing import format_touches
+from skiplatch.campaign.writing import format_touches, needs_version_2
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import atomic_write_folder
 
@@ -45,7 +48,8 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         reason = "not a folder" if folder.exists() else "no such folder"
         raise InputError(path, None, None, reason)
     nominal = read_nominal(folder / NOMINAL_FILE)
-    touches = read_touches(folder / TOUCHES_FILE)
+    required = REQUIRED_IN_VERSION_1 if nominal.version == 1 else REQUIRED
+    touches = read_touches(folder / TOUCHES_FILE, required)
     if nominal.kind is Kind.MACHINE and not np.isnan(touches.edge_us).all():
         message = "recorded on a machine, though only a bench knows the true edge time"
         warning = CampaignWarning(folder / TOUCHES_FILE, None, "edge_us", message)
@@ -61,5 +65,7 @@ def write_campaign(path: str | os.PathLike[str], nominal: Nominal, touches: Touc
             cannot be written.
         ValueError: Some value is none that the format admits.
     """
+    if needs_version_2(touches):
+        nominal = in_version(nominal, 2)
     texts = {NOMINAL_FILE: format_nominal(nominal), TOUCHES_FILE: format_touches(touches)}
     atomic_write_folder(path, texts)

@@ -1,22 +1,38 @@
-"""Reading and writing nominal.toml."""
+"""Reading nominal.toml."""
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from skiplatch.campaign.nominal import FORMAT, KEYS, SECTIONS, Key, Kind, Nominal
+from skiplatch.campaign.constraints import SIZE_UM, Range
+from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.campaign.kind import Kind
+from skiplatch.campaign.nominal import (
+    FORMATS,
+    KEYS,
+    SECTIONS,
+    BelievedEffect,
+    Key,
+    Nominal,
+)
+from skiplatch.campaign.nominal_text import fits
 from skiplatch.campaign.toml_positions import KeyPath, Position, key_positions
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, hint, quoted
-from skiplatch.files import atomic_write_text
 
-_FORMAT_KEY = ("format",)
-_KIND_KEY = ("kind",)
-_REQUIRED: tuple[KeyPath, ...] = (_KIND_KEY, *KEYS)
+DATUM = "datum"
+EFFECT = "effect"
+NOTES = "notes"
+_TABLES = (*SECTIONS, DATUM)
+_FORMAT: KeyPath = ("format",)
+_KIND: KeyPath = ("kind",)
+_FREE: KeyPath = (DATUM, "free")
+_U_UM: KeyPath = (DATUM, "u_um")
+_PARAMETER = Key("", Range("a number"), 0.0, "parameter of an effect", "")
+_U = Key("", Range("a number >= 0", low=0.0), 0.0, "standard uncertainty", "")
+_U_OF_DATUM = Key("µm", SIZE_UM, 0.0, "standard uncertainty", "")
 
 
 def read_nominal(path: str | os.PathLike[str]) -> Nominal:
@@ -24,42 +40,30 @@ def read_nominal(path: str | os.PathLike[str]) -> Nominal:
 
     Raises:
         InputError: The file cannot be read; it is no TOML; the format is another one; a key is
-            unknown or missing; a value is of the wrong type or makes no sense.
+            unknown, or missing in version 1; a value is of the wrong type or makes no sense.
     """
     path = Path(path)
     text = read_toml_text(path)
     document = _Document(path, _entries(parse_toml(path, text)), key_positions(text))
-    document.check_format()
-    document.check_keys()
+    version = document.version()
+    document.check_keys(version)
+    given = {key: document.number(key, KEYS[key]) for key in KEYS if key in document.entries}
+    numbers = {key: given[key][0] if key in given else KEYS[key].default for key in KEYS}
+    kind = document.kind()
     return Nominal(
-        kind=document.kind(),
-        **{name: values(**document.numbers(name)) for name, values in SECTIONS.items()},
+        kind=kind,
+        **{name: _section(name, numbers) for name in SECTIONS},
+        uncertainty={key: u for key, (_, u) in given.items() if u is not None},
+        unknown=frozenset(KEYS.keys() - given.keys()) if version > 1 else frozenset(),
+        datum=document.datum(kind),
+        believed_effects=document.effects(),
+        version=version,
     )
 
 
-def write_nominal(path: str | os.PathLike[str], nominal: Nominal) -> None:
-    """Write nominal.toml so that it is read back exactly.
-
-    Raises:
-        InputError: The file cannot be written.
-        ValueError: Some number is none that the format admits.
-    """
-    atomic_write_text(path, format_nominal(nominal))
-
-
-def format_nominal(nominal: Nominal) -> str:
-    """Give the text of nominal.toml."""
-    lines = [f'format = "{FORMAT}"', f'kind = "{nominal.kind}"']
-    previous = None
-    for (section, name), key in KEYS.items():
-        value = float(getattr(getattr(nominal, section), name))
-        if not _fits(key, value):
-            raise ValueError(f"{section}.{name}: expected {key.constraint.words}, got {value}")
-        if section != previous:
-            lines += ["", f"[{section}]"]
-            previous = section
-        lines.append(f"{name} = {value!r}")
-    return "\n".join(lines) + "\n"
+def _section(section: str, numbers: Mapping[tuple[str, str], float]) -> Any:  # noqa: ANN401
+    """Make a section of nominal.toml, each of which has a class of its own."""
+    return SECTIONS[section](**{key: v for (where, key), v in numbers.items() if where == section})
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,58 +74,111 @@ class _Document:
     entries: Mapping[KeyPath, object]
     positions: Mapping[KeyPath, Position]
 
-    def check_format(self) -> None:
+    def version(self) -> int:
         """Judge the format before the keys, which another one may have others of."""
-        self._require(_FORMAT_KEY)
-        if self.entries[_FORMAT_KEY] != FORMAT:
-            raise self._wrong_value(_FORMAT_KEY, f'"{FORMAT}"')
+        if _FORMAT not in self.entries:
+            raise self._missing([_FORMAT])
+        for version, name in FORMATS.items():
+            if self.entries[_FORMAT] == name:
+                return version
+        raise self._wrong(_FORMAT, " or ".join(f'"{name}"' for name in FORMATS.values()))
 
-    def check_keys(self) -> None:
-        """Complain of the first unknown key, else of the first missing one."""
+    def check_keys(self, version: int) -> None:
+        """Complain of the first unknown key, else of all that are missing."""
         for key in self.entries:
-            if len(key) == 1 and key[0] in SECTIONS:
-                raise self._wrong_value(key, "a table")
-            if key != _FORMAT_KEY and key not in _REQUIRED:
+            if len(key) == 1 and key[0] in {*_TABLES, NOTES}:
+                raise self._wrong(key, "a table")
+            if key not in _known():
                 raise self._unknown(key)
-        for key in _REQUIRED:
-            self._require(key)
+            if version == 1 and key not in (_FORMAT, _KIND, *_in_version_1()):
+                raise self._unknown(key, f'; it needs format = "{FORMATS[2]}"')
+        missing = [key for key in (_KIND, *_in_version_1()) if key not in self.entries]
+        if version == 1 and missing:
+            raise self._missing(missing)
 
     def kind(self) -> Kind:
         """Give the kind or complain of it."""
-        for kind in Kind:
-            if self.entries[_KIND_KEY] == kind:
-                return kind
-        raise self._wrong_value(_KIND_KEY, " or ".join(f'"{kind}"' for kind in Kind))
+        kinds = {str(kind): kind for kind in Kind}
+        return kinds[self._choice(_KIND, kinds, Kind.MACHINE)]
 
-    def numbers(self, section: str) -> dict[str, float]:
-        """Give the numbers of a section by name, or complain of one."""
-        return {key[1]: self._number(key) for key in KEYS if key[0] == section}
+    def datum(self, kind: Kind) -> Datum:
+        """Give how the place of the surface is unknown, or complain of it."""
+        default = Datum.of_kind(kind)
+        choices = {str(free): free for free in DatumFreedom}
+        free = choices[self._choice(_FREE, choices, default.free)]
+        if _U_UM not in self.entries:
+            return Datum(free)
+        return Datum(free, self._plain(_U_UM, self.entries[_U_UM], _U_OF_DATUM))
 
-    def _number(self, key: tuple[str, str]) -> float:
-        value, unit, constraint = self.entries[key], KEYS[key].unit, KEYS[key].constraint
+    def effects(self) -> tuple[BelievedEffect, ...]:
+        """Give the effects that are believed, or complain of one."""
+        written = self.entries.get((EFFECT,), [])
+        if not isinstance(written, list):
+            raise self._wrong((EFFECT,), "tables written as [[effect]]")
+        return tuple(self._effect(table) for table in written)
+
+    def number(self, key: KeyPath, expected: Key) -> tuple[float, float | None]:
+        """Give the number of a key and its standard uncertainty, if it is given one."""
+        return self._measured(key, self.entries[key], expected)
+
+    def _effect(self, table: object) -> BelievedEffect:
+        if not isinstance(table, dict) or not isinstance(table.get("id"), str):
+            raise self._wrong((EFFECT,), 'a table with id = "…"')
+        numbers = {
+            name: self._measured((EFFECT, name), value, _PARAMETER)
+            for name, value in table.items()
+            if name != "id"
+        }
+        return BelievedEffect(
+            table["id"],
+            {name: value for name, (value, _) in numbers.items()},
+            {name: u for name, (_, u) in numbers.items() if u is not None},
+        )
+
+    def _choice(self, key: KeyPath, choices: Mapping[str, object], default: str) -> str:
+        value = self.entries.get(key, default)
+        if not isinstance(value, str) or value not in choices:
+            *others, last = (f'"{choice}"' for choice in choices)
+            raise self._wrong(key, f"{', '.join(others)} or {last}")
+        return str(value)
+
+    def _measured(self, key: KeyPath, given: object, expected: Key) -> tuple[float, float | None]:
+        if not isinstance(given, dict):
+            return self._plain(key, given, expected), None
+        if "value" not in given or given.keys() - {"value", "u"}:
+            raise self._wrong(key, "a number or {value = …, u = …}", given)
+        value = self._plain(key, given["value"], expected)
+        return value, self._plain(key, given["u"], _U) if "u" in given else None
+
+    def _plain(self, key: KeyPath, value: object, expected: Key) -> float:
+        unit = f" in {expected.unit}" if expected.unit else ""
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._wrong_value(key, f"{constraint.words} in {unit}")
+            raise self._wrong(key, f"{expected.constraint.words}{unit}", value)
         number = _as_float(value)
-        if not _fits(KEYS[key], number):
-            raise self._wrong_value(key, f"{constraint.words_against(number)} in {unit}")
+        if not fits(expected, number):
+            raise self._wrong(key, f"{expected.constraint.words_against(number)}{unit}", value)
         return number
 
-    def _require(self, key: KeyPath) -> None:
-        if key not in self.entries:
-            section = self.positions.get(key[:-1])
-            line = section.line if section else None
-            raise InputError(self.path, line, None, f"missing key {quoted('.'.join(key))}")
+    def _missing(self, keys: list[KeyPath]) -> InputError:
+        names = ", ".join(quoted(".".join(key)) for key in keys)
+        section = self.positions.get(keys[0][:-1])
+        line = section.line if section and len(keys) == 1 else None
+        message = f"missing {'keys' if len(keys) > 1 else 'key'} {names}"
+        if keys != [_FORMAT]:
+            message += f'; with format = "{FORMATS[2]}" any may be left out'
+        return InputError(self.path, line, None, message)
 
-    def _unknown(self, key: KeyPath) -> InputError:
+    def _unknown(self, key: KeyPath, why: str = "") -> InputError:
         place = self._place(key)
         name = ".".join(key)
-        known = SECTIONS if len(key) == 1 else (".".join(path) for path in KEYS)
+        sections = (*_TABLES, EFFECT, NOTES)
+        known = sections if len(key) == 1 else (".".join(path) for path in _known())
         column = place.key_column if place else None
-        return self._error(place, column, f"unknown key {quoted(name)}{hint(name, known)}")
+        return self._error(place, column, f"unknown key {quoted(name)}{why or hint(name, known)}")
 
-    def _wrong_value(self, key: KeyPath, expected: str) -> InputError:
+    def _wrong(self, key: KeyPath, expected: str, value: object = None) -> InputError:
         place = self._place(key)
-        got = _described(self.entries[key])
+        got = _described(self.entries[key] if value is None else value)
         column = place.value_column if place else None
         return self._error(place, column, f"{'.'.join(key)}: expected {expected}, got {got}")
 
@@ -132,19 +189,24 @@ class _Document:
         return InputError(self.path, place.line if place else None, column, message)
 
 
+def _known() -> Iterator[KeyPath]:
+    yield from (_FORMAT, _KIND, (EFFECT,), _FREE, _U_UM)
+    yield from KEYS
+
+
+def _in_version_1() -> Iterator[KeyPath]:
+    return (path for path, key in KEYS.items() if key.since == 1)
+
+
 def _entries(tables: Mapping[str, Any]) -> dict[KeyPath, object]:
-    """Lay the keys of the known sections out flat."""
+    """Lay the keys of the known sections out flat, without the notes."""
     entries: dict[KeyPath, object] = {}
     for name, value in tables.items():
-        if name in SECTIONS and isinstance(value, dict):
+        if name in _TABLES and isinstance(value, dict):
             entries |= {(name, key): inner for key, inner in value.items()}
-        else:
+        elif name != NOTES or not isinstance(value, dict):
             entries[name,] = value
     return entries
-
-
-def _fits(key: Key, value: float) -> bool:
-    return bool(key.constraint.holds(np.array(value)))
 
 
 def _as_float(value: float) -> float:

@@ -4,15 +4,26 @@ import os
 import warnings
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.campaign.column_kinds import CellError, Values
-from skiplatch.campaign.columns import COLUMNS, CONDITIONS, MEASURED_OUTCOMES, REQUIRED
-from skiplatch.campaign.csv_text import Row, read_rows
+from skiplatch.campaign.column_kinds import CellError, Column, Values
+from skiplatch.campaign.columns import (
+    COLUMNS,
+    CONDITIONS,
+    MEASURED_OUTCOMES,
+    REQUIRED_IN_VERSION_1,
+    THERMOMETER,
+    TIME,
+    is_thermometer,
+    place_of,
+)
+from skiplatch.campaign.csv_text import DELIMITERS, Row, read_rows
+from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.campaign.touches import Touches
 from skiplatch.errors import CampaignWarning, InputError, hint, quoted
 
@@ -23,16 +34,22 @@ CHUNK_ROWS = 2_000  # what the caches hold: larger chunks take twice the time
 LineArray = NDArray[np.int64]
 
 
-def read_touches(path: str | os.PathLike[str]) -> Touches:
+def read_touches(
+    path: str | os.PathLike[str], required: Collection[str] = REQUIRED_IN_VERSION_1
+) -> Touches:
     """Read recorded touches.
 
     Columns that are absent, but for the required ones, count as empty throughout. Blank lines
     are skipped. Unknown columns are ignored with a `CampaignWarning`.
 
+    Args:
+        path: The file.
+        required: Columns that have to be there, and no cell of them empty.
+
     Raises:
         InputError: The file cannot be read, or is no table of touches.
     """
-    return _read(Path(path), tuple(COLUMNS))
+    return _read(Path(path), tuple(COLUMNS), required)
 
 
 def read_conditions(path: str | os.PathLike[str]) -> Touches:
@@ -41,25 +58,38 @@ def read_conditions(path: str | os.PathLike[str]) -> Touches:
     A recorded touches.csv will do: its outcomes are not even looked at, and are empty in what is
     returned.
     """
-    return _read(Path(path), CONDITIONS)
+    return _read(Path(path), CONDITIONS, REQUIRED_IN_VERSION_1)
 
 
-def _read(path: Path, wanted: Collection[str]) -> Touches:
+def _read(path: Path, wanted: Collection[str], required: Collection[str]) -> Touches:
     rows = read_rows(path)
     header_line, header = next(rows, (1, []))
-    positions = _positions(path, header_line, header, wanted)
-    chunks = [_parse(path, chunk, len(header), positions) for chunk in _chunks(path, rows)]
+    header = [name.strip().lower() for name in header]
+    positions = _positions(path, header_line, header, wanted, required)
+    table = _Table(path, len(header), positions, frozenset(required))
+    chunks = [table.parse(chunk) for chunk in _chunks(path, rows)]
     if not chunks:
         raise InputError(path, header_line, None, "expected touches after the header, got none")
     lines = np.concatenate([lines for lines, _ in chunks])
     columns = {name: np.concatenate([part[name] for _, part in chunks]) for name in positions}
-    touches = Touches.from_columns(**columns)
+    if TIME_NAME in columns:
+        columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
+    thermometers = {name: columns.pop(name) for name in positions if is_thermometer(name)}
+    warmth = {place_of(name): values for name, values in thermometers.items()}
+    session = columns.pop("session", None)
+    touches = Touches.from_columns(**columns, session=session, thermometers=warmth)
     _check_serials(path, lines, touches)
     _check_missed(path, lines, touches)
     return touches
 
 
-def _positions(path: Path, line: int, header: list[str], wanted: Collection[str]) -> dict[str, int]:
+def _positions(
+    path: Path,
+    line: int,
+    header: list[str],
+    wanted: Collection[str],
+    required: Collection[str],
+) -> dict[str, int]:
     """Give where in a row each wanted column stands, and warn of unknown ones."""
     if not header:
         raise InputError(path, line, None, "expected a header row, got an empty file")
@@ -68,14 +98,22 @@ def _positions(path: Path, line: int, header: list[str], wanted: Collection[str]
     for name, times in Counter(header).items():
         if name and times > 1:
             raise InputError(path, line, None, f"column {quoted(name)} stands {times} times")
-    missing = [quoted(name) for name in REQUIRED if name not in header]
+    stands_for_time = TIME_NAME in header and "time_s" not in header
+    missing = [
+        quoted(name)
+        for name in required
+        if name not in header and not (name == "time_s" and stands_for_time)
+    ]
     if missing:
         raise InputError(path, line, None, f"missing column {', '.join(missing)}")
+    read = [name for name in header if name in wanted or is_thermometer(name)]
+    if stands_for_time:
+        read.append(TIME_NAME)
     for name in header:
-        if name not in COLUMNS:
+        if name not in COLUMNS and name not in read:
             message = f"unknown column {quoted(name)} is ignored{hint(name, COLUMNS)}"
             warnings.warn(CampaignWarning(path, line, None, message), stacklevel=4)
-    return {name: header.index(name) for name in wanted if name in header}
+    return {name: header.index(name) for name in read}
 
 
 def _chunks(path: Path, rows: Iterator[Row]) -> Iterator[list[Row]]:
@@ -88,25 +126,54 @@ def _chunks(path: Path, rows: Iterator[Row]) -> Iterator[list[Row]]:
         yield chunk
 
 
-def _parse(
-    path: Path, chunk: list[Row], width: int, positions: Mapping[str, int]
-) -> tuple[LineArray, dict[str, Values]]:
-    """Give the line of each row and the values of each column, or complain of the first row."""
-    for line, row in chunk:
-        if len(row) != width:
-            raise InputError(path, line, None, f"expected {width} cells, got {len(row)}")
-    lines = [line for line, _ in chunk]
-    cells = list(zip(*(row for _, row in chunk), strict=True))
-    values: dict[str, Values] = {}
-    errors: list[InputError] = []
-    for name, position in positions.items():
-        try:
-            values[name] = COLUMNS[name].parse(cells[position])
-        except CellError as error:
-            errors.append(InputError(path, lines[error.index], name, error.message))
-    if errors:
-        raise min(errors, key=lambda error: error.line or 0)
-    return np.array(lines), values
+@dataclass(frozen=True, slots=True)
+class _Table:
+    """How the rows of a file are read.
+
+    Attributes:
+        path: The file.
+        width: Cells of a row.
+        positions: Where in a row each column stands that is read.
+        required: Columns of which no cell may be empty.
+    """
+
+    path: Path
+    width: int
+    positions: Mapping[str, int]
+    required: frozenset[str]
+
+    def parse(self, chunk: list[Row]) -> tuple[LineArray, dict[str, Values]]:
+        """Give the line of each row and the values of each column, or complain of the first row."""
+        for line, row in chunk:
+            if len(row) != self.width:
+                message = f"expected {self.width} cells, got {len(row)}{_other_delimiter(row)}"
+                raise InputError(self.path, line, None, message)
+        lines = [line for line, _ in chunk]
+        cells = list(zip(*(row for _, row in chunk), strict=True))
+        values: dict[str, Values] = {}
+        errors: list[InputError] = []
+        for name, position in self.positions.items():
+            try:
+                is_required = name in self.required
+                values[name] = _column(name).parse(cells[position], required=is_required)
+            except CellError as error:
+                line = lines[error.index]
+                errors.append(InputError(self.path, line, name, error.message))
+        if errors:
+            raise min(errors, key=lambda error: error.line or 0)
+        return np.array(lines), values
+
+
+def _column(name: str) -> Column:
+    if name == TIME_NAME:
+        return TIME
+    return THERMOMETER if is_thermometer(name) else COLUMNS[name]
+
+
+def _other_delimiter(row: list[str]) -> str:
+    """Say what a row has between its columns that the header has not."""
+    found = [d for d in DELIMITERS[1:] if any(d in cell for cell in row)]
+    return f"; this file uses {found[0].replace(chr(9), 'tabs')} between columns" if found else ""
 
 
 def _check_serials(path: Path, lines: LineArray, touches: Touches) -> None:

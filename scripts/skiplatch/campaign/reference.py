@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from skiplatch.campaign.columns import COLUMNS
+from skiplatch.campaign.columns import COLUMNS, REQUIRED_IN_VERSION_1
 from skiplatch.campaign.nominal import KEYS
 
 
@@ -11,7 +11,7 @@ def columns_table() -> str:
     return _table(
         ("column", "unit", "expected", "required", "meaning"),
         (
-            (f"`{name}`", c.unit, c.expected, "yes" if c.required else "", c.meaning)
+            (f"`{name}`", c.unit, c.expected, _required(name), c.meaning)
             for name, c in COLUMNS.items()
         ),
     )
@@ -31,3 +31,7 @@ def keys_table() -> str:
 def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
     return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
+
+
+def _required(name: str) -> str:
+    return "yes" if name in REQUIRED_IN_VERSION_1 else ""

@@ -1,7 +1,8 @@
 """The touches of a campaign in memory: one array a column."""
 
-from dataclasses import dataclass, fields
-from typing import Self
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,22 +49,64 @@ class Touches:
     deviation_um: FloatArray
     status: CodeArray
     """Codes of `Status`; see `ok`, `missed` and `false`."""
+    session: SerialArray
+    """Numbers of `session_names`."""
+    position_deg: FloatArray
+    deviation_arcsec: FloatArray
+    # Of no type, so that columns by name can be given to replace().
+    session_names: Any = ("",)
+    """tuple[str, ...], in the order of the file; one that is empty where none was recorded."""
+    thermometers: Any = field(default_factory=dict)
+    """Mapping[str, FloatArray]: further temperatures in °C by the names of their places."""
 
     def __post_init__(self) -> None:
-        shapes = {getattr(self, field.name).shape for field in fields(self)}
+        arrays = [*self.columns().values(), *self.thermometers.values()]
+        shapes = {array.shape for array in arrays}
         if shapes != {self.touch.shape} or self.touch.ndim != 1:
             raise ValueError(f"columns of shapes {sorted(shapes)}, not all of one (n,)")
+        if len(self) and not 0 <= self.session.min() <= self.session.max() < len(
+            self.session_names
+        ):
+            raise ValueError(f"sessions beyond the {len(self.session_names)} that have a name")
 
     @classmethod
-    def from_columns(cls, **columns: Values) -> Self:
-        """Build from the columns that were recorded, each of shape (n,); the rest are empty."""
+    def from_columns(
+        cls,
+        *,
+        session: Any = None,  # noqa: ANN401
+        session_names: Any = None,  # noqa: ANN401
+        thermometers: Any = None,  # noqa: ANN401
+        **columns: Values,
+    ) -> Self:
+        """Build from the columns that were recorded, each of shape (n,); the rest are empty.
+
+        A path that was not recorded counts as skip.
+
+        Args:
+            session: Texts, or numbers of `session_names`.
+            session_names: tuple[str, ...]; without it all sessions that are numbers are 0.
+            thermometers: Mapping[str, FloatArray].
+            **columns: By name.
+        """
         rows = len(columns["touch"])
         absent = {name: COLUMNS[name].absent(rows) for name in COLUMNS.keys() - columns.keys()}
         given = {
             name: np.asarray(values, dtype=COLUMNS[name].empty.dtype)
             for name, values in columns.items()
         }
-        return cls(**given, **absent)
+        all_columns: dict[str, Any] = {**given, **absent}
+        path = all_columns["path"]
+        all_columns["path"] = np.where(path == NOT_RECORDED, np.int8(InputPath.SKIP), path)
+        if session is None:
+            session = np.zeros(rows, dtype=np.int64)
+        if np.asarray(session).dtype.kind in "OU":
+            session, session_names = _numbered(session)
+        all_columns["session"] = np.asarray(session, dtype=np.int64)
+        return cls(
+            **all_columns,
+            session_names=session_names or ("",),
+            thermometers=thermometers or {},
+        )
 
     def __len__(self) -> int:
         return len(self.touch)
@@ -74,10 +117,15 @@ class Touches:
 
     def select(self, rows: BoolArray | NDArray[np.intp] | slice) -> Self:
         """Give the rows of a mask, shape (n,), or of indices, shape (m,), or of a slice."""
-        return type(self)(**{name: values[rows] for name, values in self.columns().items()})
+        chosen: dict[str, Any] = {name: values[rows] for name, values in self.columns().items()}
+        warmth = {name: values[rows] for name, values in self.thermometers.items()}
+        return replace(self, **chosen, thermometers=warmth)
 
     def in_order_of_time(self) -> Self:
-        """Sort by the start of the measuring move; equal ones stay in the order of the file."""
+        """Sort by the start of the measuring move; equal ones stay in the order of the file.
+
+        So do touches whose time was not recorded, behind all others.
+        """
         return self.select(np.argsort(self.time_s, kind="stable"))
 
     @property
@@ -116,3 +164,10 @@ class Touches:
 def _mask(comparison: BoolArray) -> BoolArray:
     """Give numpy's comparisons, which the type checker knows nothing of, their type."""
     return comparison
+
+
+def _numbered(sessions: Sequence[str]) -> tuple[SerialArray, tuple[str, ...]]:
+    """Number texts in the order in which they come."""
+    names = tuple(dict.fromkeys(sessions))
+    number_of = {name: number for number, name in enumerate(names)}
+    return np.array([number_of[name] for name in sessions], dtype=np.int64), names

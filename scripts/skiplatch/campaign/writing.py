@@ -3,7 +3,18 @@
 import os
 from collections.abc import Collection
 
-from skiplatch.campaign.columns import COLUMNS
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign.column_kinds import Values
+from skiplatch.campaign.columns import (
+    COLUMNS,
+    REQUIRED,
+    REQUIRED_IN_VERSION_1,
+    THERMOMETER,
+    Axis,
+    is_thermometer,
+)
 from skiplatch.campaign.touches import Touches
 from skiplatch.files import atomic_write_text
 
@@ -21,19 +32,52 @@ def write_touches(path: str | os.PathLike[str], touches: Touches) -> None:
 
 
 def format_touches(touches: Touches, names: Collection[str] = tuple(COLUMNS)) -> str:
-    """Give the text of touches.csv, or of the named columns of it."""
+    """Give the text of touches.csv, or of the named columns of it.
+
+    Columns that only version 2 has are left out where nothing stands in them.
+    """
     _refuse_inadmissible(touches)
-    parts = [",".join(names) + "\n"]
+    written = {name: values for name, values in _written(touches).items() if name in names}
+    parts = [",".join((*written, *_thermometers(touches))) + "\n"]
     for start in range(0, len(touches), CHUNK_ROWS):
-        columns = touches.select(slice(start, start + CHUNK_ROWS)).columns()
-        cells = [COLUMNS[name].format(columns[name]) for name in names]
+        rows = slice(start, start + CHUNK_ROWS)
+        cells = [COLUMNS[name].format(values[rows]) for name, values in written.items()]
+        cells += [THERMOMETER.format(t[rows]) for t in _thermometers(touches).values()]
         parts += [",".join(row) + "\n" for row in zip(*cells, strict=True)]
     return "".join(parts)
+
+
+def needs_version_2(touches: Touches) -> bool:
+    """Tell whether version 1 of the format cannot hold these touches."""
+    if touches.thermometers or (touches.axis > Axis.Z).any():
+        return True
+    written = _written(touches)
+    return any(COLUMNS[name].since > 1 for name in written) or not all(
+        COLUMNS[name].recorded(written[name]).all() for name in REQUIRED_IN_VERSION_1
+    )
+
+
+def _written(touches: Touches) -> dict[str, Values]:
+    """Give the columns that are written, sessions by their names."""
+    columns = touches.columns()
+    columns["session"] = np.array(touches.session_names, dtype=object)[touches.session]
+    return {
+        name: values
+        for name, values in columns.items()
+        if COLUMNS[name].since == 1 or COLUMNS[name].recorded(values).any()
+    }
+
+
+def _thermometers(touches: Touches) -> dict[str, FloatArray]:
+    return {f"temp_{name}_c": values for name, values in touches.thermometers.items()}
 
 
 def _refuse_inadmissible(touches: Touches) -> None:
     if not len(touches):
         raise ValueError("a campaign has at least one touch")
-    for name, values in touches.columns().items():
-        if not COLUMNS[name].admits(values).all():
+    for name, values in _written(touches).items():
+        if not COLUMNS[name].admits(values, required=name in REQUIRED).all():
             raise ValueError(f"{name}: expected {COLUMNS[name].expected} throughout")
+    for name, values in _thermometers(touches).items():
+        if not (is_thermometer(name) and THERMOMETER.admits(values).all()):
+            raise ValueError(f"{name}: expected {THERMOMETER.expected} throughout")

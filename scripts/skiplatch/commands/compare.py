@@ -4,9 +4,9 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import read_campaign
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.comparison import DEFAULT_ALPHA, as_json, as_text, compare
+from skiplatch.stand_ins import read_playable
 
 EPILOG = """\b
 Example:
@@ -45,7 +45,7 @@ def command(
     µs and µm with 95 % intervals, the distance between them, and the noise floor, which is the
     distance that one replicate of the simulation in twenty exceeds.
     """
-    recorded = read_campaign(campaign)
+    recorded = read_playable(campaign)
     comparison = compare(recorded, seed=seed, jobs=jobs, alpha=alpha)
     click.echo(f"{campaign}: {recorded.nominal.kind} campaign, {len(recorded.touches)} touches\n")
     click.echo(as_text(comparison))

@@ -10,7 +10,7 @@ from typing import Any
 import click
 import numpy as np
 
-from skiplatch.campaign import COLUMNS, InputPath, read_campaign
+from skiplatch.campaign import COLUMNS, InputPath
 from skiplatch.campaign.column_kinds import ChoiceColumn
 from skiplatch.commands.options import SizeType, json_option, json_text, seed_option
 from skiplatch.compensation import text
@@ -32,6 +32,7 @@ from skiplatch.compensation.speeds import read_speeds
 from skiplatch.compensation.uncertainty import Inputs, Uncertainty, assess
 from skiplatch.errors import quoted
 from skiplatch.files import atomic_write_texts
+from skiplatch.stand_ins import read_playable
 
 EPILOG = """\b
 Example:
@@ -293,7 +294,7 @@ def _recorded(folder: Path, given: Mapping[str, Any]) -> Recorded:
     column = COLUMNS["path"]
     assert isinstance(column, ChoiceColumn)  # noqa: S101  for the type checker
     path = None if given["path"] is None else InputPath(column.codes[given["path"]])
-    return recorded(read_campaign(folder), path)
+    return recorded(read_playable(folder), path)
 
 
 def _from_campaign(given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:

@@ -4,12 +4,13 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import CONDITIONS, format_touches, read_campaign
+from skiplatch.campaign import CONDITIONS, format_touches
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.files import atomic_write_text
+from skiplatch.stand_ins import read_playable
 
 EPILOG = """\b
 Example:
@@ -43,7 +44,7 @@ def command(
     The candidates that are left after the diagnosis play touches drawn about the conditions of
     the campaign; those are written that are expected to tell most.
     """
-    recorded = read_campaign(campaign)
+    recorded = read_playable(campaign)
     diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
     experiment = next_experiment(recorded, diagnosis, seed=seed, jobs=jobs, touches=touches)
     atomic_write_text(out, format_touches(experiment.touches, CONDITIONS))

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign import Campaign
 from skiplatch.commands.options import (
     EffectType,
     SizeType,
@@ -19,6 +19,7 @@ from skiplatch.diagnosis.experiment import experiment_json, experiment_text, nex
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect
+from skiplatch.stand_ins import read_playable
 from skiplatch.transmission.source import periodic_sources, read_axis_train
 
 EPILOG = """\b
@@ -96,7 +97,7 @@ def command(
     and none that changes every stretch of the chain by less than is material (root mean square).
     """
     train = read_axis_train(train_path) if train_path is not None else None
-    recorded = read_campaign(campaign)
+    recorded = read_playable(campaign)
     materiality = Materiality(material_fraction, material_us, material_um)
     diagnosis = diagnose(
         recorded, seed=seed, jobs=jobs, materiality=materiality, truth=truth or None

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import read_campaign
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import Standing, outcome, rivals
 from skiplatch.diagnosis.experiment.words import name
 from skiplatch.errors import InputError
+from skiplatch.stand_ins import read_playable
 from skiplatch.tables import number, table
 
 EPILOG = """\b
@@ -35,7 +35,7 @@ def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | 
     not tell apart are fitted to both; one that expects the touches of MADE by 3 nats less than
     the best one does is ruled out, if the simulation expects such touches to do so.
     """
-    recorded, further = read_campaign(campaign), read_campaign(made)
+    recorded, further = read_playable(campaign), read_playable(made)
     if recorded.nominal != further.nominal:
         raise InputError(made, None, None, f"nominal.toml is not that of {campaign}: another rig")
     models = rivals(diagnose(recorded, seed=seed, jobs=jobs))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.campaign.column_kinds import CellError, Column, NumberColumn, SerialColumn, Values
-from skiplatch.campaign.constraints import ANY_NUMBER, POSITIVE, Range
+from skiplatch.campaign.constraints import LENGTH_UM, POSITIVE, Range
 from skiplatch.campaign.csv_text import Row, read_rows
 from skiplatch.errors import CampaignWarning, InputError, hint, quoted
 
@@ -18,23 +18,16 @@ MAX_ROWS = 100_000
 AZIMUTH = Range("a number from 0 to 360", low=0.0, high=360.0)
 ELEVATION = Range("a number from 0 to 90", low=0.0, high=90.0)
 
-ALPHA = NumberColumn(
-    required=True, unit="deg", constraint=AZIMUTH, decimals=6, meaning="azimuth of the direction"
-)
+ALPHA = NumberColumn(unit="deg", constraint=AZIMUTH, decimals=6, meaning="azimuth of the direction")
 BETA = NumberColumn(
-    required=True,
     unit="deg",
     constraint=ELEVATION,
     decimals=6,
     meaning="angle of the direction to the plane normal to the probe axis",
 )
-FEED = NumberColumn(
-    required=True, unit="mm/min", constraint=POSITIVE, decimals=4, meaning="measuring feed"
-)
-RADIUS = NumberColumn(
-    required=True, unit="µm", constraint=ANY_NUMBER, decimals=6, meaning="trigger radius"
-)
-RUN = SerialColumn(required=True, meaning="number of the run")
+FEED = NumberColumn(unit="mm/min", constraint=POSITIVE, decimals=4, meaning="measuring feed")
+RADIUS = NumberColumn(unit="µm", constraint=LENGTH_UM, decimals=6, meaning="trigger radius")
+RUN = SerialColumn(meaning="number of the run")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +70,7 @@ def read_columns(path: Path, columns: Mapping[str, Column]) -> Rows:
     faults: list[InputError] = []
     for name, column in columns.items():
         try:
-            values[name] = column.parse(cells[name])
+            values[name] = column.parse(cells[name], required=True)
         except CellError as error:
             faults.append(InputError(path, int(lines[error.index]), name, error.message))
     if faults:

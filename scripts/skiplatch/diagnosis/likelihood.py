@@ -237,7 +237,7 @@ def _mechanics_us(scene: Scene, change: Change) -> FloatArray:
     if not scene.is_machine:
         return np.full(len(scene), change.pin_us, dtype=float)
     speed = scene.speed * change.speed_ratio
-    pretravel = np.maximum(0.0, scene.pretravel_um + change.pretravel_um)
+    pretravel = np.maximum(scene.least_pretravel_um, scene.pretravel_um + change.pretravel_um)
     sooner = scene.pretravel_um / scene.speed
     return np.asarray(change.pin_us + change.contact_us + pretravel / speed - sooner)
 
@@ -524,7 +524,7 @@ def _deviation(scene: Scene, stream: Stream, change: Change) -> Law:
     speed = scene.speed * change.speed_ratio
     delays = change.pin_us + _path_us(stream, change)
     shift = (
-        np.maximum(0.0, scene.pretravel_um + change.pretravel_um)
+        np.maximum(scene.least_pretravel_um, scene.pretravel_um + change.pretravel_um)
         - scene.pretravel_um
         + (speed - scene.speed) * scene.wait_us
         + speed * delays

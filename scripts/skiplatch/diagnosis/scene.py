@@ -19,7 +19,6 @@ from skiplatch.motion import Contact, expected_contact
 LOBES = 3.0
 UM_US_PER_MM_S = 1e-3
 UM_PER_MM = 1e3
-CALIBRATION_C = 20.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +129,8 @@ class Scene:
     @cached_property
     def warmth(self) -> FloatArray:
         """Degrees above the calibration; shape (n,)."""
-        return np.nan_to_num(self.touches.temp_c, nan=CALIBRATION_C) - CALIBRATION_C
+        calibrated_at_c = self.nominal.probe.calibrated_at_c
+        return np.nan_to_num(self.touches.temp_c, nan=calibrated_at_c) - calibrated_at_c
 
     @cached_property
     def lobes_um(self) -> FloatArray:
@@ -139,11 +139,16 @@ class Scene:
         azimuth = LOBES * (self.alpha - np.deg2rad(probe.lobe_phase_deg))
         return np.asarray(probe.lobe_um * self.cos_beta * np.cos(azimuth))
 
+    @property
+    def least_pretravel_um(self) -> float:
+        """What no pretravel is below."""
+        return 0.0 if self.nominal.version == 1 else -np.inf
+
     @cached_property
     def pretravel_um(self) -> FloatArray:
         """Calibrated pretravel in the direction of each touch; shape (n,)."""
         calibrated = self.nominal.probe.pretravel_um + self.lobes_um
-        return np.asarray(np.maximum(0.0, calibrated)) * self.is_machine
+        return np.asarray(np.maximum(self.least_pretravel_um, calibrated)) * self.is_machine
 
     @cached_property
     def wait_us(self) -> FloatArray:

@@ -1,0 +1,149 @@
+"""What stands in for conditions that were not recorded, and what is emptied for want of them."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refusals import refusal
+from skiplatch.campaign import Axis, BelievedEffect, Campaign, Touches, read_campaign
+from skiplatch.comparison import compare
+from skiplatch.errors import CampaignWarning
+from skiplatch.motion import expected_contact
+from skiplatch.simulator import Controller, Effect, play
+from skiplatch.stand_ins import playable
+
+
+def without(campaign: Campaign, *names: str) -> Campaign:
+    nothing = np.full(len(campaign.touches), np.nan)
+    touches = replace(campaign.touches, **dict.fromkeys(names, nothing))
+    return replace(campaign, touches=touches)
+
+
+def said_of(campaign: Campaign) -> tuple[Campaign, list[str]]:
+    with pytest.warns(CampaignWarning) as caught:
+        made = playable(campaign)
+    return made, [str(w.message).split("touches.csv: ")[1] for w in caught]
+
+
+def test_what_was_all_recorded_stays_as_it_is(bench_sample: Path) -> None:
+    campaign = read_campaign(bench_sample)
+
+    assert playable(campaign).touches is campaign.touches
+
+
+def test_bench_without_motion_keeps_edges_and_latches(bench_sample: Path) -> None:
+    campaign = read_campaign(bench_sample)
+
+    made, said = said_of(without(campaign, "time_s", "feed_mm_min", "approach_mm"))
+
+    assert [line.split(":")[0] for line in said] == ["feed_mm_min", "approach_mm", "time_s"]
+    np.testing.assert_array_equal(made.touches.latch_us, campaign.touches.latch_us)
+    assert np.isnan(made.touches.deviation_um).all()
+    np.testing.assert_allclose(
+        expected_contact(made.nominal, made.touches).time_us, made.touches.edge_us, atol=1e-3
+    )
+
+
+def test_bench_without_motion_shows_the_same_gap(bench_sample: Path) -> None:
+    campaign = read_campaign(bench_sample)
+    made, _ = said_of(without(campaign, "time_s", "feed_mm_min", "approach_mm"))
+
+    gaps = compare(made, seed=1, jobs=2).differing
+
+    late = next(gap for gap in gaps if gap.observable.name == "latch_after_edge_us")
+    assert 41 < late.mean_difference.value < 43
+
+
+def test_machine_without_times_keeps_its_deviations_alone(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    stamped = replace(
+        campaign, touches=replace(campaign.touches, latch_us=np.ones(len(campaign.touches)))
+    )
+
+    made, said = said_of(without(stamped, "time_s", "approach_mm"))
+
+    assert said[1].startswith("time_s: not recorded; what cannot be told without it: drifts")
+    np.testing.assert_array_equal(made.touches.deviation_um, campaign.touches.deviation_um)
+    assert np.isnan(made.touches.latch_us).all()
+    assert (np.diff(made.touches.time_s) > 0).all()
+    assert (expected_contact(made.nominal, made.touches).speed_mm_s * 60).tolist() == (
+        pytest.approx(made.touches.feed_mm_min.tolist())
+    )
+
+
+def test_machine_without_feed_is_told(machine_sample: Path) -> None:
+    said = refusal(playable, without(read_campaign(machine_sample), "feed_mm_min"))
+
+    assert said.endswith(
+        "touches.csv: feed_mm_min: not recorded in 400 of 400 touches; "
+        "without it nobody can tell a delay from a length"
+    )
+
+
+def test_degrees_stand_for_millimetres(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    turned = Touches.from_columns(
+        touch=np.arange(2),
+        time_s=np.arange(2.0),
+        feed_mm_min=np.full(2, 60.0),
+        approach_mm=np.ones(2),
+        axis=np.array([Axis.B, Axis.X]),
+        position_deg=np.array([45.0, np.nan]),
+        position_mm=np.array([np.nan, 9.0]),
+        deviation_arcsec=np.array([3.6, np.nan]),
+        deviation_um=np.array([np.nan, 5.0]),
+    )
+
+    made = playable(replace(campaign, touches=turned)).touches
+
+    assert made.position_mm.tolist() == [45.0, 9.0]
+    assert made.deviation_um.tolist() == [1.0, 5.0]
+
+
+def test_believed_effects_are_played(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    controller = Controller.for_campaign(campaign.nominal, campaign.touches)
+    believed = BelievedEffect("isr_latency", {"latency_us": 500.0})
+    nominal = replace(campaign.nominal, believed_effects=(believed,))
+    effect = Effect("isr_latency", {"latency_us": 500.0})
+
+    switched_on = play(
+        replace(campaign.nominal, version=2),
+        controller,
+        campaign.touches,
+        seed=3,
+        switched_on=[effect],
+    )
+    of_the_belief = play(nominal, controller, campaign.touches, seed=3)
+
+    np.testing.assert_array_equal(of_the_belief.deviation_um, switched_on.deviation_um)
+
+
+def test_calibration_temperature_is_what_is_neither_warm_nor_cold(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    controller = Controller.for_campaign(campaign.nominal, campaign.touches)
+    growth = [Effect("thermal_drift", {"drift_um_k": 10.0})]
+    warmer = replace(campaign.touches, temp_c=campaign.touches.temp_c + 3.0)
+    probe = replace(campaign.nominal.probe, calibrated_at_c=23.0)
+    nominal = replace(campaign.nominal, version=2)
+
+    at_20 = play(nominal, controller, campaign.touches, seed=3, switched_on=growth)
+    at_23 = play(replace(nominal, probe=probe), controller, warmer, seed=3, switched_on=growth)
+
+    np.testing.assert_allclose(at_23.deviation_um, at_20.deviation_um, atol=0.51)
+
+
+@pytest.mark.parametrize(("version", "least_um"), [(1, 0.0), (2, -12.0)])
+def test_pretravel_below_nothing_is_played_in_version_2(
+    machine_sample: Path, version: int, least_um: float
+) -> None:
+    campaign = read_campaign(machine_sample)
+    still = replace(campaign.nominal.probe, pretravel_um=0.0, lobe_um=10.0, delay_us=0.0)
+    nominal = replace(campaign.nominal, probe=still, version=version)
+    controller = Controller.for_campaign(nominal, campaign.touches)
+
+    found = play(nominal, controller, campaign.touches, seed=3).deviation_um
+
+    assert least_um <= np.nanmin(found) <= least_um + 4.0
