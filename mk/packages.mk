@@ -1,10 +1,13 @@
 # The firmware as others take it up: docs/PACKAGES.md.
 
-setup-test: build/stamps/system-packages
-build/stamps/system-packages: scripts/setup_system.sh
-	@scripts/setup_system.sh packages || echo 'SKIPPED: no packages of the group packages to be had here'
+PACKAGE_TOOLS := build/stamps/system-packages build/stamps/system-arduino
+
+setup-test: $(PACKAGE_TOOLS)
+$(PACKAGE_TOOLS): build/stamps/system-%: scripts/setup_system.sh
+	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
 .PHONY: packages
-packages: setup setup-test ## build every package of the firmware and use it
+packages: setup setup-test ## build every package of the firmware and use it, into build/packages
+	@$(VENV_PYTHON) scripts/pack_firmware.py build/packages
 	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) -rs tests/python/test_packages_*.py

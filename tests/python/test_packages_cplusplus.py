@@ -1,12 +1,12 @@
 """The firmware from C++: every header compiles, and every exported function links, by g++."""
 
 import re
-import shutil
-import subprocess
 import tomllib
 from pathlib import Path
 
 import pytest
+
+from packages_rig import run, tool
 
 HEADERS = sorted([*Path("firmware").glob("*/*.h"), *Path("hal/include").glob("*.h")])
 UMBRELLA = Path("firmware/skiplatch.h")
@@ -18,18 +18,9 @@ OBJECTS = [
 MODULES = {path.stem for path in HEADERS}
 
 
-def run(*command: str | Path) -> str:
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
 @pytest.fixture(scope="module")
 def compiler() -> str:
-    path = shutil.which("g++")
-    if path is None:
-        pytest.skip("no g++ here: scripts/setup_system.sh packages")
-    return path
+    return tool("g++", "packages")
 
 
 @pytest.fixture(scope="module")

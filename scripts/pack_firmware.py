@@ -1,0 +1,106 @@
+"""Pack the core of the firmware: ``pack_firmware.py FOLDER``, started in the project's folder.
+
+Writes a library for Arduino and PlatformIO into FOLDER/skiplatch, and the core as a single header
+into FOLDER/skiplatch.h. Prints what it wrote.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+from pathlib import Path
+
+FIRMWARE = Path("firmware")
+HAL = Path("hal/include")
+PATTERNS = re.compile(r"set\(SKIPLATCH_core ([^)]+)\)")
+VERSION = re.compile(r'SKIPLATCH_VERSION "([0-9.]+)"')
+INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
+GUARD = re.compile(r"^#ifndef (\w+)\n#define \1\n(.*)^#endif\n\Z", re.MULTILINE | re.DOTALL)
+
+HEAD = """\
+/*
+ * skiplatch {version}: the core in one header. Define SKIPLATCH_IMPLEMENTATION in one C file that
+ * includes nothing else of yours before it. Licence: Apache-2.0.
+ */
+"""
+
+
+def core_sources() -> list[Path]:
+    """List the C files of the core, as parts.cmake has them."""
+    found = PATTERNS.search((FIRMWARE / "parts.cmake").read_text(encoding="utf-8"))
+    if found is None:
+        message = "firmware/parts.cmake: no SKIPLATCH_core"
+        raise ValueError(message)
+    return sorted(path for pattern in found[1].split() for path in FIRMWARE.glob(pattern))
+
+
+def core_headers() -> dict[str, Path]:
+    """Give the headers of the core by the name they are included by, what is needed first."""
+    headers: dict[str, Path] = {}
+
+    def add(name: str) -> None:
+        path = next(folder / name for folder in (FIRMWARE, HAL) if (folder / name).is_file())
+        for needed in INCLUDE.findall(path.read_text(encoding="utf-8")):
+            if needed not in headers:
+                add(needed)
+        headers[name] = path
+
+    add("skiplatch.h")
+    return headers
+
+
+def version() -> str:
+    """Give the version that skiplatch.h states."""
+    found = VERSION.search((FIRMWARE / "skiplatch.h").read_text(encoding="utf-8"))
+    if found is None:
+        message = "firmware/skiplatch.h: no SKIPLATCH_VERSION"
+        raise ValueError(message)
+    return found[1]
+
+
+def pack_library(folder: Path) -> None:
+    """Lay the core out as Arduino and PlatformIO want it: everything under src."""
+    shutil.rmtree(folder, ignore_errors=True)
+    copies = {path: str(path.relative_to(FIRMWARE)) for path in core_sources()}
+    copies |= {path: name for name, path in core_headers().items()}
+    for path, name in copies.items():
+        target = folder / "src" / name
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(path, target)
+    for manifest in ("library.properties", "library.json"):
+        text = (FIRMWARE / manifest).read_text(encoding="utf-8")
+        (folder / manifest).write_text(text.replace("@VERSION@", version()))
+    for example in sorted((FIRMWARE / "examples").glob("*/*.ino")):
+        shutil.copytree(example.parent, folder / "examples" / example.parent.name)
+    shutil.copy("LICENSE", folder)
+
+
+def _inline(path: Path) -> str:
+    text = path.read_text(encoding="utf-8")
+    guarded = GUARD.search(text)
+    body = text[: guarded.start()] + guarded[2] if guarded else text
+    return INCLUDE.sub("", body)
+
+
+def single_header() -> str:
+    """Join headers and sources of the core."""
+    parts = [HEAD.format(version=version()), "#ifndef SKIPLATCH_H\n#define SKIPLATCH_H\n\n"]
+    parts += [_inline(path) + "\n" for path in core_headers().values()]
+    parts.append("#ifdef SKIPLATCH_IMPLEMENTATION\n\n")
+    parts += [_inline(path) + "\n" for path in core_sources()]
+    parts.append("#endif\n\n#endif\n")
+    return "".join(parts)
+
+
+def main() -> int:
+    """Pack both."""
+    folder = Path(sys.argv[1])
+    pack_library(folder / "skiplatch")
+    (folder / "skiplatch.h").write_text(single_header(), encoding="utf-8")
+    print(f"{folder}/skiplatch\n{folder}/skiplatch.h")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

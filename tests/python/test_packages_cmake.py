@@ -1,0 +1,124 @@
+"""The CMake package, pkg-config, and what ESP-IDF and Zephyr read: built, installed and used."""
+
+import json
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from packages_rig import run, tool
+
+FIRMWARE = Path("firmware")
+DESK = FIRMWARE / "examples/desk"
+TOUCHED = "touched at tick 1000, count 4711, bounces 1\n"
+EXTENSIONS = ("kinematics", "pretravel", "transmission", "injection")
+
+
+def configure(source: Path, build: Path, *definitions: str) -> None:
+    tool("ninja", "packages")
+    run(tool("cmake", "packages"), "-G", "Ninja", "-S", source, "-B", build, *definitions)
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the package and install it into a folder of its own."""
+    folder = tmp_path_factory.mktemp("cmake")
+    configure(FIRMWARE, folder / "build", f"-DCMAKE_INSTALL_PREFIX={folder / 'usr'}",
+              "-DCMAKE_INSTALL_LIBDIR=lib", "-DCMAKE_C_FLAGS=-Wall -Wextra -Werror")  # fmt: skip
+    run("cmake", "--build", folder / "build", "--target", "install")
+    return folder / "usr"
+
+
+def test_find_package_builds_the_example(installed: Path, tmp_path: Path) -> None:
+    configure(DESK, tmp_path, f"-DCMAKE_PREFIX_PATH={installed}")
+    run("cmake", "--build", tmp_path)
+
+    assert run(tmp_path / "desk") == TOUCHED
+
+
+@pytest.mark.parametrize(
+    ("wanted", "refusal"),
+    [("0.1 COMPONENTS core polishing", "polishing"), ("0.2", '"0.2"'), ("1.0", '"1.0"')],
+)
+def test_find_package_refuses_what_is_not_there(
+    installed: Path, tmp_path: Path, wanted: str, refusal: str
+) -> None:
+    (tmp_path / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\nproject(refused LANGUAGES C)\n"
+        f"find_package(skiplatch {wanted} REQUIRED)\n"
+    )
+    done = subprocess.run(
+        [tool("cmake", "packages"), "-S", tmp_path, "-B", tmp_path / "b",
+         f"-DCMAKE_PREFIX_PATH={installed}"],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+    assert done.returncode != 0
+    assert refusal in done.stderr
+
+
+def test_pkg_config_builds_the_example(installed: Path, tmp_path: Path) -> None:
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig")}
+    flags = subprocess.run(
+        [tool("pkg-config", "packages"), "--cflags", "--libs", "skiplatch"],
+        env=environment, capture_output=True, text=True, check=True,
+    ).stdout.split()  # fmt: skip
+    run("gcc", DESK / "main.c", *flags, "-o", tmp_path / "desk")
+
+    assert run(tmp_path / "desk") == TOUCHED
+
+
+def test_every_file_belongs_to_one_library(installed: Path) -> None:
+    names = {"core": "skiplatch", **{part: f"skiplatch_{part}" for part in EXTENSIONS}}
+    members: list[str] = []
+    for name in names.values():
+        members += run("ar", "t", installed / f"lib/lib{name}.a").split()
+
+    assert sorted(members) == sorted(f"{path.name}.o" for path in FIRMWARE.glob("*/*.c"))
+
+
+def test_the_core_needs_no_extension(installed: Path) -> None:
+    listed = run("nm", "--undefined-only", installed / "lib/libskiplatch.a")
+    undefined = set(re.findall(r"U (\w+)", listed))
+    own = set(re.findall(r"T (\w+)", run("nm", installed / "lib/libskiplatch.a")))
+    of_others = {name for name in undefined - own if not name.startswith("hal_")}
+
+    assert of_others <= {"memcmp", "memcpy", "memmove", "sqrt", "__stack_chk_fail",
+                         "_GLOBAL_OFFSET_TABLE_"}  # fmt: skip
+
+
+@pytest.mark.parametrize(("system", "extension"), [("esp_idf", "inject"), ("zephyr", "pretravel")])
+def test_a_stand_in_builds_component_and_example(
+    system: str, extension: str, tmp_path: Path
+) -> None:
+    """The true systems are not at hand: what their CMake would be asked is answered here."""
+    module = (FIRMWARE / "zephyr/module.yml").read_text()
+    cmake_folder = re.search(r"cmake: (\w+)", module)
+    assert cmake_folder is not None
+    definitions = {
+        "FIRMWARE": FIRMWARE.resolve(),
+        "MODULE_CMAKE": cmake_folder[1],
+        "CMAKE_EXPORT_COMPILE_COMMANDS": "ON",
+    }
+    stand_in = Path("tests/packages", system)
+    configure(stand_in, tmp_path, *(f"-D{name}={value}" for name, value in definitions.items()))
+    run("cmake", "--build", tmp_path)
+
+    compiled = {
+        Path(entry["file"]).relative_to(FIRMWARE.resolve())
+        for entry in json.loads((tmp_path / "compile_commands.json").read_text())
+    }
+    assert Path("input/latch.c") in compiled
+    assert any(path.name.startswith(extension) for path in compiled)
+    assert not any("kinematics" in path.name for path in compiled)
+    assert Path("examples", system) in {
+        path.parents[-3] for path in compiled if len(path.parents) > 2
+    }
+
+
+def test_kconfig_offers_every_extension() -> None:
+    offered = re.findall(r"^config SKIPLATCH_(\w+)", (FIRMWARE / "Kconfig").read_text(), re.M)
+
+    assert sorted(name.lower() for name in offered) == sorted(EXTENSIONS)
