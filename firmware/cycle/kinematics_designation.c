@@ -12,7 +12,7 @@ kinematics_store_error_t kinematics_store_number(kinematics_designation_t *desig
     }
     memset(designation, 0, sizeof *designation);
     designation->bytes[0] = IS_NUMBER;
-    slot_put(designation->bytes + 1, 4u, (uint32_t)number);
+    kinematics_slot_put(designation->bytes + 1, 4u, (uint32_t)number);
     return KINEMATICS_STORE_OK;
 }
 
@@ -52,7 +52,7 @@ static void write_number(uint32_t number, char *text)
 void kinematics_store_text(const kinematics_designation_t *designation, char *text)
 {
     if (designation->bytes[0] == IS_NUMBER) {
-        write_number(slot_get(designation->bytes + 1, 4u), text);
+        write_number(kinematics_slot_get(designation->bytes + 1, 4u), text);
     } else {
         memcpy(text, designation->bytes + 1, KINEMATICS_STORE_NAME_MAX);
         text[KINEMATICS_STORE_NAME_MAX] = '\0';
@@ -83,7 +83,8 @@ bool kinematics_designation_is_own(const kinematics_designation_t *designation)
     case IS_ACTIVE:
         return is_blank(bytes, 1u);
     case IS_NUMBER:
-        return slot_get(bytes + 1, 4u) <= KINEMATICS_STORE_NUMBER_MAX && is_blank(bytes, 5u);
+        return kinematics_slot_get(bytes + 1, 4u) <= KINEMATICS_STORE_NUMBER_MAX &&
+               is_blank(bytes, 5u);
     case IS_NAME:
         return is_name(bytes);
     default:

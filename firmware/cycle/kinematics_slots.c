@@ -10,17 +10,17 @@
 const uint8_t SLOT_MARK[SLOT_MARK_BYTES] = {0xA5u, 0x1Eu, 0x93u, 0x6Cu, 0xD2u, 0x39u, 0x47u, 0xB8u};
 const uint8_t SLOT_WIPED[SLOT_MARK_BYTES] = {0u};
 
-uint32_t slot_offset(uint8_t slot)
+uint32_t kinematics_slot_offset(uint8_t slot)
 {
     return (uint32_t)slot * KINEMATICS_STORE_SLOT_BYTES;
 }
 
-const uint8_t *slot_at(const uint8_t *memory, uint8_t slot)
+const uint8_t *kinematics_slot_at(const uint8_t *memory, uint8_t slot)
 {
-    return memory + slot_offset(slot);
+    return memory + kinematics_slot_offset(slot);
 }
 
-uint32_t slot_get(const uint8_t *bytes, uint8_t count)
+uint32_t kinematics_slot_get(const uint8_t *bytes, uint8_t count)
 {
     uint32_t value = 0u;
     while (count-- > 0u) {
@@ -29,14 +29,14 @@ uint32_t slot_get(const uint8_t *bytes, uint8_t count)
     return value;
 }
 
-void slot_put(uint8_t *bytes, uint8_t count, uint32_t value)
+void kinematics_slot_put(uint8_t *bytes, uint8_t count, uint32_t value)
 {
     for (uint8_t i = 0u; i < count; i++) {
         bytes[i] = (uint8_t)(value >> 8u * i & 0xFFu);
     }
 }
 
-uint16_t slot_checksum(const uint8_t *slot, uint16_t payload_length)
+uint16_t kinematics_slot_checksum(const uint8_t *slot, uint16_t payload_length)
 {
     return latch_crc_update(LATCH_CRC_START, slot + AT_SERIAL,
                             (size_t)(AT_PAYLOAD - AT_SERIAL) + payload_length);
@@ -56,17 +56,17 @@ static uint8_t different_bits(const uint8_t *slot)
 
 static bool is_sound(const uint8_t *slot)
 {
-    uint16_t length = (uint16_t)slot_get(slot + AT_LENGTH, 2u);
+    uint16_t length = (uint16_t)kinematics_slot_get(slot + AT_LENGTH, 2u);
     return length > 0u && length <= KINEMATICS_STORE_PAYLOAD_MAX &&
-           slot_get(slot + AT_CHECKSUM, 2u) == slot_checksum(slot, length);
+           kinematics_slot_get(slot + AT_CHECKSUM, 2u) == kinematics_slot_checksum(slot, length);
 }
 
-bool slot_is_of(const uint8_t *slot, const kinematics_designation_t *designation)
+bool kinematics_slot_is_of(const uint8_t *slot, const kinematics_designation_t *designation)
 {
     return memcmp(slot + AT_DESIGNATION, designation->bytes, sizeof designation->bytes) == 0;
 }
 
-kinematics_designation_t slot_designation(const uint8_t *slot)
+kinematics_designation_t kinematics_slot_designation(const uint8_t *slot)
 {
     kinematics_designation_t designation;
     memcpy(designation.bytes, slot + AT_DESIGNATION, sizeof designation.bytes);
@@ -84,7 +84,7 @@ kinematics_slots_t kinematics_slots_read(const uint8_t *memory)
 {
     kinematics_slots_t slots = {.memory = memory};
     for (uint8_t i = 0u; i < KINEMATICS_STORE_SLOTS; i++) {
-        const uint8_t *slot = slot_at(memory, i);
+        const uint8_t *slot = kinematics_slot_at(memory, i);
         if (different_bits(slot) <= WRONG_BITS_MAX) {
             *(is_sound(slot) ? &slots.valid : &slots.damaged) |= bit(i);
         }
@@ -95,7 +95,8 @@ kinematics_slots_t kinematics_slots_read(const uint8_t *memory)
 /* Serial numbers wrap; those in a store lie close together. */
 static bool is_newer(const uint8_t *slot, const uint8_t *other)
 {
-    uint32_t ahead = slot_get(slot + AT_SERIAL, 4u) - slot_get(other + AT_SERIAL, 4u);
+    uint32_t ahead =
+        kinematics_slot_get(slot + AT_SERIAL, 4u) - kinematics_slot_get(other + AT_SERIAL, 4u);
     return ahead != 0u && ahead < 0x80000000u;
 }
 
@@ -104,10 +105,10 @@ uint8_t kinematics_slots_newest(const kinematics_slots_t       *slots,
 {
     uint8_t found = NO_SLOT;
     for (uint8_t i = 0u; i < KINEMATICS_STORE_SLOTS; i++) {
-        const uint8_t *slot = slot_at(slots->memory, i);
-        bool           fits = designation == NULL || slot_is_of(slot, designation);
+        const uint8_t *slot = kinematics_slot_at(slots->memory, i);
+        bool           fits = designation == NULL || kinematics_slot_is_of(slot, designation);
         if ((slots->valid & bit(i)) != 0u && fits &&
-            (found == NO_SLOT || is_newer(slot, slot_at(slots->memory, found)))) {
+            (found == NO_SLOT || is_newer(slot, kinematics_slot_at(slots->memory, found)))) {
             found = i;
         }
     }
@@ -116,7 +117,8 @@ uint8_t kinematics_slots_newest(const kinematics_slots_t       *slots,
 
 bool kinematics_slots_count(const kinematics_slots_t *slots, uint8_t slot)
 {
-    kinematics_designation_t designation = slot_designation(slot_at(slots->memory, slot));
+    kinematics_designation_t designation =
+        kinematics_slot_designation(kinematics_slot_at(slots->memory, slot));
     return (slots->valid & bit(slot)) != 0u && kinematics_slots_newest(slots, &designation) == slot;
 }
 
@@ -134,11 +136,11 @@ uint8_t kinematics_slots_free(const kinematics_slots_t *slots)
 /* Of two with the same designation one has to be the newer one. */
 static bool is_in_order(const kinematics_slots_t *slots, uint8_t index)
 {
-    const uint8_t           *slot = slot_at(slots->memory, index);
-    kinematics_designation_t designation = slot_designation(slot);
+    const uint8_t           *slot = kinematics_slot_at(slots->memory, index);
+    kinematics_designation_t designation = kinematics_slot_designation(slot);
     for (uint8_t i = 0u; i < index; i++) {
-        const uint8_t *other = slot_at(slots->memory, i);
-        if ((slots->valid & bit(i)) != 0u && slot_is_of(other, &designation) &&
+        const uint8_t *other = kinematics_slot_at(slots->memory, i);
+        if ((slots->valid & bit(i)) != 0u && kinematics_slot_is_of(other, &designation) &&
             !is_newer(slot, other) && !is_newer(other, slot)) {
             return false;
         }
@@ -150,7 +152,8 @@ bool kinematics_slots_are_own(const kinematics_slots_t *slots)
 {
     uint8_t counting = 0u;
     for (uint8_t i = 0u; i < KINEMATICS_STORE_SLOTS; i++) {
-        kinematics_designation_t designation = slot_designation(slot_at(slots->memory, i));
+        kinematics_designation_t designation =
+            kinematics_slot_designation(kinematics_slot_at(slots->memory, i));
         if ((slots->valid & bit(i)) != 0u &&
             (!kinematics_designation_is_own(&designation) || !is_in_order(slots, i))) {
             return false;

@@ -44,18 +44,18 @@ extern const uint8_t SLOT_MARK[SLOT_MARK_BYTES];
 extern const uint8_t SLOT_WIPED[SLOT_MARK_BYTES];
 
 /* Where a slot begins in the memory, and its bytes. */
-uint32_t       slot_offset(uint8_t slot);
-const uint8_t *slot_at(const uint8_t *memory, uint8_t slot);
+uint32_t       kinematics_slot_offset(uint8_t slot);
+const uint8_t *kinematics_slot_at(const uint8_t *memory, uint8_t slot);
 
 /* Numbers of `count` bytes, lowest first. */
-uint32_t slot_get(const uint8_t *bytes, uint8_t count);
-void     slot_put(uint8_t *bytes, uint8_t count, uint32_t value);
+uint32_t kinematics_slot_get(const uint8_t *bytes, uint8_t count);
+void     kinematics_slot_put(uint8_t *bytes, uint8_t count, uint32_t value);
 
 /* Of a slot's bytes, or their image, from AT_SERIAL to the end of the payload. */
-uint16_t slot_checksum(const uint8_t *slot, uint16_t payload_length);
+uint16_t kinematics_slot_checksum(const uint8_t *slot, uint16_t payload_length);
 
-bool slot_is_of(const uint8_t *slot, const kinematics_designation_t *designation);
-kinematics_designation_t slot_designation(const uint8_t *slot);
+bool kinematics_slot_is_of(const uint8_t *slot, const kinematics_designation_t *designation);
+kinematics_designation_t kinematics_slot_designation(const uint8_t *slot);
 
 /* What the slots are, a bit each: read once, for all that is asked about them. */
 typedef struct {

@@ -28,9 +28,9 @@ kinematics_store_error_t kinematics_store_check(const kinematics_store_t *store)
 
 static void read_slot(const uint8_t *slot, kinematics_record_t *record)
 {
-    record->designation = slot_designation(slot);
+    record->designation = kinematics_slot_designation(slot);
     record->payload = slot + AT_PAYLOAD;
-    record->length = (uint16_t)slot_get(slot + AT_LENGTH, 2u);
+    record->length = (uint16_t)kinematics_slot_get(slot + AT_LENGTH, 2u);
 }
 
 bool kinematics_store_find(const kinematics_store_t       *store,
@@ -41,7 +41,7 @@ bool kinematics_store_find(const kinematics_store_t       *store,
     if (slot == NO_SLOT || check(&slots) != KINEMATICS_STORE_OK) {
         return false;
     }
-    read_slot(slot_at(store->memory, slot), record);
+    read_slot(kinematics_slot_at(store->memory, slot), record);
     return true;
 }
 
@@ -53,7 +53,7 @@ bool kinematics_store_active(const kinematics_store_t *store, kinematics_record_
 static bool is_record(const kinematics_slots_t *slots, uint8_t slot)
 {
     return kinematics_slots_count(slots, slot) &&
-           !slot_is_of(slot_at(slots->memory, slot), &ACTIVE);
+           !kinematics_slot_is_of(kinematics_slot_at(slots->memory, slot), &ACTIVE);
 }
 
 bool kinematics_store_show(const kinematics_store_t *store, uint8_t index,
@@ -65,7 +65,7 @@ bool kinematics_store_show(const kinematics_store_t *store, uint8_t index,
     }
     for (uint8_t slot = 0u; slot < KINEMATICS_STORE_SLOTS; slot++) {
         if (is_record(&slots, slot) && index-- == 0u) {
-            read_slot(slot_at(store->memory, slot), record);
+            read_slot(kinematics_slot_at(store->memory, slot), record);
             return true;
         }
     }
@@ -91,7 +91,9 @@ static kinematics_store_error_t plan_write(kinematics_store_t             *store
     uint8_t *image = store->image;
     uint8_t  last = kinematics_slots_newest(slots, NULL);
     uint32_t serial =
-        last == NO_SLOT ? 0u : slot_get(slot_at(slots->memory, last) + AT_SERIAL, 4u) + 1u;
+        last == NO_SLOT
+            ? 0u
+            : kinematics_slot_get(kinematics_slot_at(slots->memory, last) + AT_SERIAL, 4u) + 1u;
 
     store->slot = kinematics_slots_free(slots);
     store->replaced = kinematics_slots_newest(slots, designation);
@@ -99,10 +101,10 @@ static kinematics_store_error_t plan_write(kinematics_store_t             *store
         return KINEMATICS_STORE_ERR_FULL;
     }
     memmove(image + AT_PAYLOAD, payload, length);
-    slot_put(image + AT_SERIAL, 4u, serial);
+    kinematics_slot_put(image + AT_SERIAL, 4u, serial);
     memcpy(image + AT_DESIGNATION, designation->bytes, sizeof designation->bytes);
-    slot_put(image + AT_LENGTH, 2u, length);
-    slot_put(image + AT_CHECKSUM, 2u, slot_checksum(image, length));
+    kinematics_slot_put(image + AT_LENGTH, 2u, length);
+    kinematics_slot_put(image + AT_CHECKSUM, 2u, kinematics_slot_checksum(image, length));
     store->image_length = (uint16_t)(AT_PAYLOAD + length);
     store->written = AT_CHECKSUM;
     store->step = STEP_BODY;
@@ -111,7 +113,7 @@ static kinematics_store_error_t plan_write(kinematics_store_t             *store
 
 static void write_mark(kinematics_store_write_t *write, uint8_t slot, const uint8_t *mark)
 {
-    write->offset = slot_offset(slot) + AT_MARK;
+    write->offset = kinematics_slot_offset(slot) + AT_MARK;
     write->length = SLOT_MARK_BYTES;
     memcpy(write->bytes, mark, SLOT_MARK_BYTES);
 }
@@ -123,7 +125,7 @@ static bool write_body(kinematics_store_t *store, kinematics_store_write_t *writ
         (uint8_t)(left < KINEMATICS_STORE_WRITE_MAX ? left : KINEMATICS_STORE_WRITE_MAX);
 
     write->length = length;
-    write->offset = slot_offset(store->slot) + store->written;
+    write->offset = kinematics_slot_offset(store->slot) + store->written;
     memcpy(write->bytes, store->image + store->written, length);
     store->written = (uint16_t)(store->written + length);
     if (store->written == store->image_length) {
@@ -139,7 +141,7 @@ static bool is_due(const kinematics_slots_t *slots, uint8_t turn)
     bool           counts = kinematics_slots_count(slots, slot);
     const uint8_t *mark = counts ? SLOT_MARK : SLOT_WIPED;
     return counts == (turn >= KINEMATICS_STORE_SLOTS) &&
-           memcmp(slot_at(slots->memory, slot) + AT_MARK, mark, SLOT_MARK_BYTES) != 0;
+           memcmp(kinematics_slot_at(slots->memory, slot) + AT_MARK, mark, SLOT_MARK_BYTES) != 0;
 }
 
 static uint8_t next_due(const kinematics_slots_t *slots, uint8_t turn)
@@ -155,7 +157,7 @@ static bool copy(kinematics_store_t *store, const kinematics_slots_t *slots, uin
                  kinematics_store_write_t *write)
 {
     kinematics_record_t record;
-    read_slot(slot_at(slots->memory, slot), &record);
+    read_slot(kinematics_slot_at(slots->memory, slot), &record);
     return plan_write(store, slots, &record.designation, record.payload, record.length) ==
                KINEMATICS_STORE_OK &&
            write_body(store, write);
@@ -282,7 +284,7 @@ static kinematics_store_error_t save(kinematics_store_t *store, const kinematics
     if (from == NO_SLOT) {
         return KINEMATICS_STORE_ERR_NO_ACTIVE;
     }
-    read_slot(slot_at(slots->memory, from), &active);
+    read_slot(kinematics_slot_at(slots->memory, from), &active);
     return plan_write(store, slots, designation, active.payload, active.length);
 }
 
@@ -294,7 +296,7 @@ static kinematics_store_error_t restore(kinematics_store_t *store, const kinemat
     if (from == NO_SLOT) {
         return KINEMATICS_STORE_ERR_NOT_FOUND;
     }
-    read_slot(slot_at(slots->memory, from), &saved);
+    read_slot(kinematics_slot_at(slots->memory, from), &saved);
     return plan_write(store, slots, &ACTIVE, saved.payload, saved.length);
 }
 

@@ -60,7 +60,7 @@ def test_every_function_links_from_a_port_in_cplusplus(
 
 def test_every_exported_name_begins_with_a_module(exported: list[str]) -> None:
     """A module is a header, or the first word or two of some: kinematics, transmission."""
-    families = {"inject", "kinematics", "pretravel", "slot", "transmission"}
+    families = {"inject", "kinematics", "pretravel", "transmission"}
     strangers = [
         name
         for name in exported

@@ -116,13 +116,13 @@ int store_rig_count(void)
 
 uint8_t *store_rig_slot(uint8_t slot)
 {
-    return store_rig_memory + slot_offset(slot);
+    return store_rig_memory + kinematics_slot_offset(slot);
 }
 
 void store_rig_close(uint8_t *slot)
 {
-    uint16_t length = (uint16_t)slot_get(slot + AT_LENGTH, 2u);
-    slot_put(slot + AT_CHECKSUM, 2u, slot_checksum(slot, length));
+    uint16_t length = (uint16_t)kinematics_slot_get(slot + AT_LENGTH, 2u);
+    kinematics_slot_put(slot + AT_CHECKSUM, 2u, kinematics_slot_checksum(slot, length));
 }
 
 void store_rig_forge(uint8_t slot, uint32_t serial, const kinematics_designation_t *designation,
@@ -130,9 +130,9 @@ void store_rig_forge(uint8_t slot, uint32_t serial, const kinematics_designation
 {
     uint8_t *bytes = store_rig_slot(slot);
     memcpy(bytes, SLOT_MARK, SLOT_MARK_BYTES);
-    slot_put(bytes + AT_SERIAL, 4u, serial);
+    kinematics_slot_put(bytes + AT_SERIAL, 4u, serial);
     memcpy(bytes + AT_DESIGNATION, designation->bytes, sizeof designation->bytes);
-    slot_put(bytes + AT_LENGTH, 2u, (uint32_t)strlen(payload));
+    kinematics_slot_put(bytes + AT_LENGTH, 2u, (uint32_t)strlen(payload));
     memcpy(bytes + AT_PAYLOAD, payload, strlen(payload));
     store_rig_close(bytes);
 }

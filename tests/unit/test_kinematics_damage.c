@@ -110,7 +110,7 @@ void test_a_damaged_store_is_not_written_until_the_loss_is_accepted(void)
     uint8_t                  slot = 0u;
 
     fill();
-    while (!slot_is_of(store_rig_slot(slot), &one) ||
+    while (!kinematics_slot_is_of(store_rig_slot(slot), &one) ||
            memcmp(store_rig_slot(slot), SLOT_MARK, SLOT_MARK_BYTES) != 0) {
         slot++;
     }

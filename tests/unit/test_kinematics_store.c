@@ -147,7 +147,7 @@ static void age(uint32_t serial)
     for (uint8_t slot = 0u; slot < KINEMATICS_STORE_SLOTS; slot++) {
         uint8_t *bytes = store_rig_slot(slot);
         if (memcmp(bytes, SLOT_MARK, SLOT_MARK_BYTES) == 0) {
-            slot_put(bytes + AT_SERIAL, 4u, serial);
+            kinematics_slot_put(bytes + AT_SERIAL, 4u, serial);
             store_rig_close(bytes);
         }
     }
