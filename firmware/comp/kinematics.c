@@ -126,6 +126,7 @@ static void tell_values(const kinematics_rank_t *rank, const kinematics_triangle
     kinematics_triangle_variances(triangle, variances);
     result->residual_um = UM_PER_MM * scatter_mm;
     memcpy(result->sphere_mm, unknowns, sizeof result->sphere_mm);
+    memcpy(result->tip_mm, unknowns + 3, sizeof result->tip_mm);
     for (int32_t i = 0; i < rank->rank; i++) {
         int32_t column = rank->pivots[i];
         if (column >= KINEMATICS_NUISANCES) {

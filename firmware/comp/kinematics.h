@@ -109,6 +109,7 @@ typedef struct {
     int32_t freedom;      /* coordinates measured minus rank */
     double  residual_um;  /* standard deviation of one coordinate across the tool */
     double  sphere_mm[3]; /* with every axis at 0 */
+    double  tip_mm[3];    /* the same; as given where it is known */
 } kinematics_result_t;
 
 /*

@@ -170,6 +170,7 @@ static void tell_after(const design_t *design, const kinematics_point_t *points,
     kinematics_problem_rank_of(design->machine, &all, n + found, &rank);
     kinematics_problem_describe(design->machine, &rank, n + found, after);
     memcpy(after->sphere_mm, design->unknowns, sizeof after->sphere_mm);
+    memcpy(after->tip_mm, design->unknowns + 3, sizeof after->tip_mm);
 }
 
 int32_t kinematics_recommend(const kinematics_machine_t *machine, const kinematics_point_t *points,

@@ -53,18 +53,21 @@ static void begin_probing(kinematics_cycle_t *cycle, kinematics_cycle_step_t ste
     kinematics_request_probe_step(cycle, &motion);
 }
 
-/* One sphere, unless the cycle only searches for it, is the one of Q407. */
+/* Whether it is the sphere of Q407. */
+static bool is_the_sphere(const kinematics_job_t *job, double contact_mm)
+{
+    double limit = job->machine.max_dev_cal_ball_mm;
+    return !(limit > 0.0) || fabs(contact_mm - kinematics_conditions_contact(job)) <= limit;
+}
+
 static bool take_sphere(kinematics_cycle_t *cycle)
 {
-    double limit = cycle->job.machine.max_dev_cal_ball_mm;
-
     if (!sphere_probe_solve(&cycle->probe, cycle->sphere_mm, &cycle->contact_mm)) {
         fail(cycle, KINEMATICS_CYCLE_ERR_NO_SPHERE, KINEMATICS_SETTINGS);
         return false;
     }
-    bool is_watched = cycle->step != KINEMATICS_STEP_SEARCH && limit > 0.0;
-    if (is_watched &&
-        !(fabs(cycle->contact_mm - kinematics_conditions_contact(&cycle->job)) <= limit)) {
+    bool is_watched = cycle->step != KINEMATICS_STEP_SEARCH;
+    if (is_watched && !is_the_sphere(&cycle->job, cycle->contact_mm)) {
         fail(cycle, KINEMATICS_CYCLE_ERR_BALL_RADIUS, KINEMATICS_Q407_SPHERE_RADIUS);
         return false;
     }
@@ -255,23 +258,55 @@ static void place(kinematics_cycle_t *cycle)
     copy(cycle->tool_axis, machine->tool_axis);
 }
 
-kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t               *cycle,
-                                                const kinematics_settings_t      *settings,
-                                                const kinematics_cycle_machine_t *machine)
+/* Check all and make the plan; nothing is asked for yet. */
+static bool begin(kinematics_cycle_t *cycle, const kinematics_settings_t *settings,
+                  const kinematics_cycle_machine_t *machine)
 {
     memset(cycle, 0, sizeof *cycle); /* too large to be copied by way of the stack */
     cycle->job.settings = *settings;
     cycle->job.machine = *machine;
     place(cycle);
     cycle->fault = kinematics_conditions_check(&cycle->job, &cycle->plan);
-    if (cycle->fault.error != KINEMATICS_CYCLE_OK) {
-        cycle->state = KINEMATICS_CYCLE_FAILED;
+    bool is_sound = cycle->fault.error == KINEMATICS_CYCLE_OK;
+    cycle->state = is_sound ? KINEMATICS_CYCLE_RUNNING : KINEMATICS_CYCLE_FAILED;
+    return is_sound;
+}
+
+kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t               *cycle,
+                                                const kinematics_settings_t      *settings,
+                                                const kinematics_cycle_machine_t *machine)
+{
+    if (!begin(cycle, settings, machine)) {
         return cycle->fault.error;
     }
     expect_sphere(cycle);
-    cycle->state = KINEMATICS_CYCLE_RUNNING;
     (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CANCEL_ROTATION,
                                    KINEMATICS_CYCLE_CANCEL_ROTATION);
+    return KINEMATICS_CYCLE_OK;
+}
+
+kinematics_cycle_error_t kinematics_cycle_start_measured(kinematics_cycle_t               *cycle,
+                                                         const kinematics_settings_t      *settings,
+                                                         const kinematics_cycle_machine_t *machine,
+                                                         const kinematics_station_t       *stations,
+                                                         uint8_t                           count)
+{
+    if (!begin(cycle, settings, machine)) {
+        return cycle->fault.error;
+    }
+    if (count == 0u || count > KINEMATICS_STATIONS_MAX) {
+        fail(cycle, KINEMATICS_CYCLE_ERR_NOTHING, KINEMATICS_SETTINGS);
+        return cycle->fault.error;
+    }
+    for (uint8_t i = 0u; i < count; i++) {
+        cycle->plan.stations[i] = stations[i];
+        if (!is_the_sphere(&cycle->job, stations[i].radius_mm + machine->tip_radius_mm)) {
+            fail(cycle, KINEMATICS_CYCLE_ERR_BALL_RADIUS, KINEMATICS_Q407_SPHERE_RADIUS);
+            return cycle->fault.error;
+        }
+    }
+    cycle->plan.count = cycle->plan.measured = count;
+    (void)kinematics_request_begin(cycle, KINEMATICS_STEP_EVALUATE, KINEMATICS_CYCLE_EVALUATE);
     return KINEMATICS_CYCLE_OK;
 }
 

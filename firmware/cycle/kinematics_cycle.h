@@ -141,6 +141,18 @@ kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t              
                                                 const kinematics_settings_t      *settings,
                                                 const kinematics_cycle_machine_t *machine);
 
+/*
+ * The same for what was measured before, `count` stations: nothing moves or is touched, and the
+ * cycle asks at once for the evaluation. A radius that is off by more than maxDevCalBall is an
+ * error as in a cycle that measures; KINEMATICS_CYCLE_ERR_NOTHING for no station or more than
+ * KINEMATICS_STATIONS_MAX. Task.
+ */
+kinematics_cycle_error_t kinematics_cycle_start_measured(kinematics_cycle_t               *cycle,
+                                                         const kinematics_settings_t      *settings,
+                                                         const kinematics_cycle_machine_t *machine,
+                                                         const kinematics_station_t       *stations,
+                                                         uint8_t                           count);
+
 /* One step. Task. */
 kinematics_cycle_state_t kinematics_cycle_poll(kinematics_cycle_t             *cycle,
                                                const kinematics_cycle_input_t *input);

@@ -7,6 +7,7 @@
 #include "programs/batch.h"
 #include "programs/five_axis_belief.h"
 #include "programs/five_axis_rig.h"
+#include "programs/five_axis_station.h"
 
 #define MOVE_S 1.0 /* of a motion of the linear axes */
 
@@ -287,7 +288,7 @@ const char *sim_451_fault_phrase(int error)
     return kinematics_cycle_phrase((kinematics_cycle_error_t)error);
 }
 
-const char *sim_451_limits(uint16_t id, double *low, double *high)
+const char *sim_451_limits(uint16_t id, double *low, double *high, double *initial)
 {
     const kinematics_setting_description_t *row =
         kinematics_settings_describe((uint32_t)kinematics_settings_find(id));
@@ -296,6 +297,7 @@ const char *sim_451_limits(uint16_t id, double *low, double *high)
     }
     *low = row->low;
     *high = row->high;
+    *initial = row->initial;
     return row->name;
 }
 
@@ -309,6 +311,23 @@ int sim_451_run(sim_451_t *play)
             KINEMATICS_CYCLE_OK) {
             return SIM_451_FAILED;
         }
+    }
+    return run_on(play);
+}
+
+int sim_451_run_measured(sim_451_t *play, const sim_station_t *stations, uint32_t n)
+{
+    kinematics_cycle_machine_t machine = description(play);
+    kinematics_station_t       measured[KINEMATICS_STATIONS_MAX];
+    uint32_t count = n <= KINEMATICS_STATIONS_MAX ? n : 0u; /* the cycle refuses none */
+    for (uint32_t i = 0u; i < count; ++i) {
+        measured[i] = five_axis_station(&stations[i]);
+    }
+    play->is_started = true;
+    play->input.outcome = KINEMATICS_CYCLE_CARRIED_OUT;
+    if (kinematics_cycle_start_measured(&play->cycle, &play->settings, &machine, measured,
+                                        (uint8_t)count) != KINEMATICS_CYCLE_OK) {
+        return SIM_451_FAILED;
     }
     return run_on(play);
 }

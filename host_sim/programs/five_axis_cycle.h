@@ -95,11 +95,19 @@ const char *sim_451_phrase(int setting_error);
 /* A phrase for sim_451_report_t.error. */
 const char *sim_451_fault_phrase(int error);
 
-/* Limits of Q<id> and its name; NULL if the cycle has no such parameter. */
-const char *sim_451_limits(uint16_t id, double *low, double *high);
+/* Limits of Q<id>, its default and its name; NULL if the cycle has no such parameter. */
+const char *sim_451_limits(uint16_t id, double *low, double *high, double *initial);
 
-/* Start the cycle (once), respectively answer what it came back for, and run on. */
+/* Start the cycle (once), and run until it comes back for something. */
 int sim_451_run(sim_451_t *play);
+
+/*
+ * Start the cycle (once) with what was measured elsewhere: it obeys the same rules, and comes back
+ * for the evaluation without a motion. At most as many stations as a cycle has.
+ */
+int sim_451_run_measured(sim_451_t *play, const sim_station_t *stations, uint32_t n);
+
+/* Answer what the cycle came back for, and run on. */
 int sim_451_answer(sim_451_t *play, double change_mm, int32_t is_possible);
 
 /* From now on the controller believes this of its axes. */

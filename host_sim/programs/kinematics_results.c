@@ -3,21 +3,7 @@
 #include <string.h>
 
 #include "cycle/kinematics_report.h"
-
-static kinematics_station_t station_of(const sim_station_t *from)
-{
-    kinematics_station_t station = {
-        .axis = (uint8_t)from->axis,
-        .serves = (uint8_t)from->serves,
-        .approach = (int8_t)from->approach,
-        .is_reference = from->is_reference != 0,
-        .is_second = from->is_second != 0,
-        .radius_mm = from->radius_mm,
-    };
-    memcpy(station.angle_deg, from->angle_deg, sizeof station.angle_deg);
-    memcpy(station.centre_mm, from->centre_mm, sizeof station.centre_mm);
-    return station;
-}
+#include "programs/five_axis_station.h"
 
 static sim_axis_result_t result_of(const kinematics_axis_report_t *axis)
 {
@@ -51,7 +37,7 @@ int sim_451_results(const sim_station_t *stations, uint32_t n, const sim_expecta
         return -1;
     }
     for (uint32_t i = 0u; i < n; i++) {
-        plan.stations[i] = station_of(&stations[i]);
+        plan.stations[i] = five_axis_station(&stations[i]);
     }
     plan.count = plan.measured = (uint8_t)n;
     memcpy(seen.offset_mm, expected->offset_mm, sizeof seen.offset_mm);

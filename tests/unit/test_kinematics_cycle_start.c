@@ -206,3 +206,43 @@ void test_every_error_has_its_own_phrase(void)
         }
     }
 }
+
+/* ---- what was measured before ---- */
+
+static kinematics_cycle_error_t start_measured(uint8_t count, double radius_mm)
+{
+    kinematics_station_t stations[KINEMATICS_STATIONS_MAX] = {
+        {{0.0}, 0u, 0u, 0, false, false, {0.0}, 0.0}};
+    for (uint8_t i = 0u; i < count && i < KINEMATICS_STATIONS_MAX; i++) {
+        stations[i].centre_mm[0] = (double)i;
+        stations[i].radius_mm = radius_mm;
+    }
+    return kinematics_cycle_start_measured(&machine.cycle, &machine.settings, &machine.data,
+                                           stations, count);
+}
+
+void test_what_was_measured_before_asks_at_once_for_the_evaluation(void)
+{
+    kinematics_cycle_request_t request;
+
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_OK, start_measured(3u, 12.5));
+
+    TEST_ASSERT_TRUE(kinematics_cycle_take_request(&machine.cycle, &request));
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_EVALUATE, request.kind);
+    TEST_ASSERT_EQUAL(3, kinematics_cycle_plan(&machine.cycle)->measured);
+    TEST_ASSERT_EQUAL_DOUBLE(2.0, kinematics_cycle_plan(&machine.cycle)->stations[2].centre_mm[0]);
+}
+
+void test_what_was_measured_before_obeys_the_same_rules(void)
+{
+    machine.data.is_tcpm_on = true;
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_ERR_TCPM, start_measured(3u, 12.5));
+    machine.data.is_tcpm_on = false;
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_ERR_NOTHING, start_measured(0u, 12.5));
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_ERR_NOTHING,
+                      start_measured(KINEMATICS_STATIONS_MAX + 1u, 12.5));
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_OK, start_measured(KINEMATICS_STATIONS_MAX, 12.5));
+    double off_mm = machine.data.max_dev_cal_ball_mm;
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_OK, start_measured(3u, 12.5 + 0.99 * off_mm));
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_ERR_BALL_RADIUS, start_measured(3u, 12.5 + 1.01 * off_mm));
+}

@@ -11,24 +11,19 @@ import click
 import numpy as np
 
 from skiplatch.campaign import InputPath
-from skiplatch.commands.kinematics_fit import tell, too_few_named
+from skiplatch.commands.kinematics_fit import tell
 from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
-from skiplatch.kinematics.correction import CHECK, Measured, corrections
-from skiplatch.kinematics.firmware import fit
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
 from skiplatch.kinematics.memory import Memory, format_machine
-from skiplatch.kinematics.points import columns_of, read_points
+from skiplatch.kinematics.points import TOLD_COLUMNS, columns_of, read_points
 from skiplatch.kinematics.program import Program, read_program
 from skiplatch.kinematics.run import (
-    MODE,
-    TOUCHES,
     Outcome,
     Run,
     Setup,
-    asked,
     run_program,
 )
 from skiplatch.kinematics.truth import draw_truth, read_truth
@@ -41,6 +36,7 @@ MEMORY_NAME = "kinematics.bin"
 DEFAULT_MACHINE = ROOT / "scripts" / "samples" / "kinematics" / "machine_bc.toml"
 FILE = click.Path(path_type=Path, dir_okay=False)
 UM_PER_MM = 1000.0
+SECONDS_PER_MINUTE = 60.0
 
 EPILOG = """\b
 Example:
@@ -96,7 +92,7 @@ Example:
     "--from-points",
     "recorded_path",
     type=FILE,
-    help="Fit these sphere centres of a real machine and simulate nothing; see 'fit'.",
+    help="Evaluate these sphere centres of a real machine and simulate nothing; see 'fit'.",
 )
 @click.option("--points", "points_path", type=FILE, help="Write the sphere centres as POINTS.csv.")
 @click.option("--corrected", "corrected_path", type=FILE, help="Write the kinematics at the end.")
@@ -138,10 +134,13 @@ def command(
     """
     program = read_program(program_path)
     machine = read_machine(machine_path)
-    if recorded_path is not None:
-        _fit_recorded(recorded_path, program, machine, corrected_path, json_path)
-        return
-    truth = draw_truth(machine, seed) if truth_path is None else read_truth(truth_path, machine)
+    recorded = None if recorded_path is None else read_points(recorded_path, machine)
+    if recorded is not None:
+        truth = Truth()
+    elif truth_path is None:
+        truth = draw_truth(machine, seed)
+    else:
+        truth = read_truth(truth_path, machine)
     control = read_control(
         machine_path, input_path=InputPath[path_name.upper()], tip_radius_mm=truth.tip_radius_mm
     )
@@ -152,6 +151,7 @@ def command(
         seed=seed,
         acknowledged=acknowledged,
         switched_on=switched_on,
+        recorded=recorded,
     )
     memory = Memory(
         memory_path or program_path.parent / MEMORY_NAME, discards_damaged=discards_damaged
@@ -167,37 +167,18 @@ def command(
         atomic_write_text(points_path, _points(machine, outcome))
     if corrected_path is not None:
         atomic_write_text(corrected_path, format_machine(outcome.machine))
-    write_json(json_path, _json(outcome, truth))
+    result = _json(outcome) if recorded is not None else {**_json(outcome), "truth": asdict(truth)}
     click.echo("\n".join([*outcome.said, *(_text(run) for run in outcome.runs)]))
     if outcome.runs:
         click.echo(f"log: {log_path}")
-
-
-def _fit_recorded(
-    points_path: Path,
-    program: Program,
-    machine: Machine,
-    corrected_path: Path | None,
-    json_path: Path | None,
-) -> None:
-    mode, touches = asked(program, MODE), asked(program, TOUCHES)
-    points = read_points(points_path, machine)
-    with too_few_named(points_path, points):
-        found = fit(machine, points, touches=touches)
-        measured = Measured(points, touches, machine.letters)
-        best = next(corrections(mode, machine, measured))
-    result = tell(machine, points, found)
+    if recorded is not None and outcome.runs:
+        result |= tell(machine, recorded, outcome.runs[-1].evaluation.fit)
     write_json(json_path, result)
-    if corrected_path is not None:
-        atomic_write_text(
-            corrected_path, format_machine(machine if mode == CHECK else best.machine)
-        )
 
 
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:
     logged = [
-        Logged(run.evaluation, run.parameters, run.report.touches, run.report.duration_s, run.notes)
-        for run in outcome.runs
+        Logged(run.evaluation, run.parameters, _effort(run), run.notes) for run in outcome.runs
     ]
     return lay_out(
         logged,
@@ -207,6 +188,14 @@ def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome)
         tool=program.tool,
         kinematics=machine_path.stem,
     )
+
+
+def _effort(run: Run) -> str:
+    """Say what the measurement took, or where it comes from."""
+    if run.report.touches == 0:
+        return f"{len(np.unique(run.stations.centre_mm, axis=0))} recorded positions"
+    minutes = run.report.duration_s / SECONDS_PER_MINUTE
+    return f"{run.report.touches} touches in {minutes:.1f} min"
 
 
 def _text(run: Run) -> str:
@@ -229,7 +218,7 @@ def _text(run: Run) -> str:
     left = ", ".join(u.name for u in evaluation.fit.undetermined)
     return "\n".join(
         [
-            f"cycle 451, mode {evaluation.mode}, {run.report.touches} touches",
+            f"cycle 451, mode {evaluation.mode}, {_effort(run)}",
             *run.notes,
             table(header, rows),
             *found,
@@ -243,15 +232,17 @@ def _points(machine: Machine, outcome: Outcome) -> str:
     places = [LETTERS.index(letter) for letter in machine.letters]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns_of(machine))
+    writer.writerow((*columns_of(machine), *TOLD_COLUMNS))
     for run in outcome.runs:
-        rows = np.hstack([run.stations.angle_deg[:, places], run.stations.centre_mm])
-        writer.writerows([f"{value:.6f}" for value in row] for row in rows)
+        seen = run.stations
+        rows = np.hstack([seen.angle_deg[:, places], seen.centre_mm])
+        for row, approach, radius_mm in zip(rows, seen.approach, seen.radius_mm, strict=True):
+            writer.writerow([*(f"{value:.6f}" for value in row), approach, f"{radius_mm:.6f}"])
     return text.getvalue()
 
 
-def _json(outcome: Outcome, truth: Truth) -> dict[str, object]:
-    return {"runs": [_run_json(run) for run in outcome.runs], "truth": asdict(truth)}
+def _json(outcome: Outcome) -> dict[str, object]:
+    return {"runs": [_run_json(run) for run in outcome.runs]}
 
 
 def _run_json(run: Run) -> dict[str, object]:
@@ -259,6 +250,8 @@ def _run_json(run: Run) -> dict[str, object]:
     return {
         "mode": evaluation.mode,
         "touches": run.report.touches,
+        "duration_s": run.report.duration_s,
+        "notes": list(run.notes),
         "preset_mm": list(run.report.preset_mm),
         "q": {f"Q{q}": value for q, value in evaluation.q_parameters().items()},
         "parameters": {

@@ -145,6 +145,12 @@ class Play:
         self._asked = lib.sim_451_run(self._handle)
         return bool(self._asked == lib.SIM_451_EVALUATE)
 
+    def begin_measured(self, stations: Stations) -> bool:
+        """Start with what was measured elsewhere; False if the cycle refused it."""
+        _, lib = connection()
+        self._asked = lib.sim_451_run_measured(self._handle, _rows(stations), len(stations.axis))
+        return bool(self._asked == lib.SIM_451_EVALUATE)
+
     def answer(self, change_mm: float = 0.0, *, is_possible: bool = True) -> None:
         """Answer what the cycle came back for, and run on."""
         _, lib = connection()
@@ -198,11 +204,27 @@ class Play:
         raise CycleRefusedError(report.parameter, f"{named}{phrase}")
 
 
-def _limits(number: int) -> str:
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """A parameter of the cycle as the firmware's table has it."""
+
+    name: str
+    low: float
+    high: float
+    initial: float
+
+
+def setting(number: int) -> Setting | None:
+    """Describe Q<number>; None if the cycle has no such parameter."""
     ffi, lib = connection()
-    low, high = ffi.new("double *"), ffi.new("double *")
-    name = lib.sim_451_limits(number, low, high)
-    return f" ({ffi.string(name).decode()}: {low[0]:.9g} to {high[0]:.9g})" if name else ""
+    low, high, initial = (ffi.new("double *") for _ in range(3))
+    name = lib.sim_451_limits(number, low, high, initial)
+    return Setting(ffi.string(name).decode(), low[0], high[0], initial[0]) if name else None
+
+
+def _limits(number: int) -> str:
+    row = setting(number)
+    return "" if row is None else f" ({row.name}: {row.low:.9g} to {row.high:.9g})"
 
 
 @contextmanager

@@ -167,7 +167,12 @@ class _Seen:
 
 
 def evaluate(
-    machine: Machine, truth: Truth, stations: Stations, mode: int, touches: int
+    machine: Machine,
+    truth: Truth,
+    stations: Stations,
+    mode: int,
+    touches: int,
+    recorded: Points | None = None,
 ) -> Evaluation:
     """Fit the location errors and tell what each axis shows before and after the correction.
 
@@ -180,16 +185,19 @@ def evaluate(
         stations: What was measured.
         mode: Q406.
         touches: Q423.
+        recorded: Positions of a real machine that count in the fit, stations or not; the place of a
+            tip that the machine does not tell is then unknown. None: the stations of the simulated
+            one, whose tip stands at 0 where nothing else is said.
 
     Raises:
         NoFitError: The positions are too few.
     """
-    known = replace(machine, tool_mm=machine.tool_mm or (0.0, 0.0, 0.0))
-    first = ~stations.is_second
-    order = [LETTERS.index(letter) for letter in machine.letters]
-    points = Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
+    known, points = machine, recorded
+    if points is None:
+        known = replace(machine, tool_mm=machine.tool_mm or (0.0, 0.0, 0.0))
+        points = _points_of(machine, stations)
     measured = Measured(points, touches, stations.letters())
-    see = partial(_see, machine, truth, stations, mode)
+    see = partial(_see, _with_tip(known, measured), truth, stations, mode, measured)
     seen = see(next(corrections(POSITIONS, known, measured)))
     if mode > POSITIONS:
         seen = _no_worse_than(seen, map(see, corrections(mode, known, measured)), see)
@@ -234,10 +242,28 @@ def _no_worse_than(
     return plain
 
 
+def _points_of(machine: Machine, stations: Stations) -> Points:
+    first = ~stations.is_second
+    order = [LETTERS.index(letter) for letter in machine.letters]
+    return Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
+
+
+def _with_tip(machine: Machine, measured: Measured) -> Machine:
+    """Place a tip that nobody has told where the machine's axes have it."""
+    if machine.tool_mm is not None or not any(axis.in_head for axis in machine.axes):
+        return machine
+    return replace(machine, tool_mm=fit(machine, measured.points, free=()).tip_mm)
+
+
 def _see(
-    machine: Machine, truth: Truth, stations: Stations, mode: int, correction: Correction
+    machine: Machine,
+    truth: Truth,
+    stations: Stations,
+    mode: int,
+    measured: Measured,
+    correction: Correction,
 ) -> _Seen:
-    corrected = correction.machine
+    corrected = _with_tip(correction.machine, measured)
     shown_deg = stations.angle_deg + _shown_more_deg(machine, corrected)
     corrected_stations = replace(stations, angle_deg=shown_deg)
     expected = Expectation(

@@ -97,6 +97,7 @@ class Fit:
         residual_um: Standard deviation of one coordinate, across the tool; 0 where nothing was
             fitted.
         sphere_mm: The sphere with every axis at 0, as fitted.
+        tip_mm: The tip with every axis at 0; as fitted where it was not known.
         unknowns: Location errors, coordinates of the sphere and, with a head axis, of the tip.
         rank: How many of them the positions determine.
         freedom: Coordinates measured minus rank.
@@ -107,6 +108,7 @@ class Fit:
     undetermined: tuple[Undetermined, ...]
     residual_um: float
     sphere_mm: tuple[float, float, float]
+    tip_mm: tuple[float, float, float]
     unknowns: int
     rank: int
     freedom: int
@@ -307,6 +309,7 @@ def _fit(ffi: CData, library: CData, result: CData) -> Fit:
         undetermined,
         result.residual_um,
         tuple(result.sphere_mm),
+        tuple(result.tip_mm),
         result.unknowns,
         result.rank,
         result.freedom,

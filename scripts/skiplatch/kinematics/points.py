@@ -13,6 +13,8 @@ from skiplatch.errors import InputError, hint, quoted
 from skiplatch.kinematics.machine import LETTERS, Machine
 
 POSITION_COLUMNS = ("x_mm", "y_mm", "z_mm")
+APPROACH, RADIUS = TOLD_COLUMNS = ("approach", "radius_mm")
+"""Columns that a file may have besides."""
 LARGEST = 1e6
 
 
@@ -23,10 +25,14 @@ class Points:
     Attributes:
         angles_deg: Shape (n, axes), in the order of the machine's axes.
         positions_mm: Shape (n, 3), what the linear axes read at the sphere's centre.
+        approach: 1 or -1 for the sense in which the axis came, 0 as it came; shape (n,), or None.
+        radius_mm: The sphere's radius as measured, shape (n,), or None.
     """
 
     angles_deg: NDArray[np.float64]
     positions_mm: NDArray[np.float64]
+    approach: NDArray[np.int64] | None = None
+    radius_mm: NDArray[np.float64] | None = None
 
     def __len__(self) -> int:
         return len(self.positions_mm)
@@ -55,12 +61,21 @@ def read_points(path: Path, machine: Machine) -> Points:
         raise InputError(path, None, None, "empty; expected a header and a row for each position")
     names = [name.strip() for name in header]
     places = _places(path, line, names, machine)
-    wanted = columns_of(machine)
+    told = [name for name in TOLD_COLUMNS if name in names]
+    wanted = (*columns_of(machine), *told)
+    places += [names.index(name) for name in told]
     values = np.array(
         [_values(path, number, cells, len(names), wanted, places) for number, cells in rows]
     ).reshape(-1, len(wanted))
     count = len(machine.axes)
-    return Points(values[:, :count], values[:, count:])
+    more = dict(zip(told, values[:, count + 3 :].T, strict=True))
+    approach = more.get(APPROACH)
+    return Points(
+        values[:, :count],
+        values[:, count : count + 3],
+        None if approach is None else approach.astype(np.int64),
+        more.get(RADIUS),
+    )
 
 
 def _places(path: Path, line: int, names: Sequence[str], machine: Machine) -> list[int]:
@@ -98,6 +113,8 @@ def _value(path: Path, line: int, name: str, cell: str) -> float:
         value = float(cell)
     except ValueError:
         value = math.nan
+    if name == APPROACH and value not in (-1.0, 0.0, 1.0):
+        raise InputError(path, line, name, f"expected 1, -1 or 0, got {quoted(cell)}")
     if not abs(value) <= LARGEST:
         unit = name.rpartition("_")[2]
         message = f"expected a number in {unit}, at most {LARGEST:g}, got {quoted(cell)}"

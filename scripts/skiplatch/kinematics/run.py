@@ -4,14 +4,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from skiplatch.errors import InputError
-from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK, ORIGIN
+from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK
 from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
 from skiplatch.kinematics.evaluate import Evaluation, evaluate
 from skiplatch.kinematics.firmware import NoFitError
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import Machine
 from skiplatch.kinematics.memory import Memory, run_450
+from skiplatch.kinematics.points import Points
 from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
+from skiplatch.kinematics.recorded import RecordedError, sort_recorded
 from skiplatch.simulator import Effect
 
 LENGTHS = (407, 320, 408, 253)
@@ -25,7 +27,6 @@ NO_BACKLASH = (
     "the axis that it carries."
 )
 DEFAULTS = {MODE: CHECK, TOUCHES: 4}
-RANGES = {MODE: range(ORIGIN + 1), TOUCHES: range(3, 9)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,8 @@ class Setup:
         seed: Picks the random numbers.
         acknowledged: The operator presses NC start where a change exceeds maxModification.
         switched_on: Effects on every touch.
+        recorded: Sphere centres of a real machine, that each cycle 451 evaluates; None: the
+            simulated one measures.
     """
 
     machine: Machine
@@ -47,6 +50,7 @@ class Setup:
     seed: int
     acknowledged: bool
     switched_on: Sequence[Effect] = ()
+    recorded: Points | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -91,25 +95,6 @@ def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
     return Outcome(tuple(runs), tuple(said), believed)
 
 
-def asked(program: Program, number: int) -> int:
-    """Give a whole number of the last cycle 451, `MODE` or `TOUCHES`.
-
-    Raises:
-        InputError: There is no cycle 451, or no such number.
-    """
-    cycles = [cycle for cycle in program.cycles if cycle.number == 451]
-    if not cycles:
-        raise InputError(program.path, None, None, "no cycle 451 says what to correct")
-    given = cycles[-1].parameters.get(number)
-    if given is None:
-        return DEFAULTS[number]
-    admitted = RANGES[number]
-    if given.value not in admitted:
-        message = f"Q{number}: expected {admitted[0]} to {admitted[-1]}, a whole number"
-        raise InputError(program.path, given.line, given.column, message)
-    return int(given.value)
-
-
 def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
     scale = MM_PER_INCH if program.is_inch else 1.0
     return {
@@ -138,19 +123,24 @@ def _run_451(program: Program, cycle: Cycle, setup: Setup, believed: Machine, pl
         given = cycle.parameters.get(error.parameter)
         line, column = (given.line, given.column) if given else (cycle.line, None)
         raise InputError(program.path, line, column, f"cycle 451: {error}") from error
-    except NoFitError as error:
+    except (NoFitError, RecordedError) as error:
         raise InputError(program.path, cycle.line, None, f"cycle 451: {error}") from error
 
 
 def _measured(
     play: Play, parameters: Mapping[int, float | str], setup: Setup, believed: Machine
 ) -> Run:
+    recorded = None
     notes: list[str] = []
-    if not play.begin():
+    if setup.recorded is not None:
+        recorded = sort_recorded(believed, setup.recorded, parameters)
+        notes += recorded.notes
+    if not (play.begin() if recorded is None else play.begin_measured(recorded.stations)):
         play.raise_failure()
     stations = play.stations()
     mode, touches = (int(parameters.get(q, DEFAULTS[q])) for q in (MODE, TOUCHES))
-    evaluation = evaluate(believed, setup.truth, stations, mode, touches)
+    points = recorded.points if recorded is not None else None
+    evaluation = evaluate(believed, setup.truth, stations, mode, touches, points)
     play.answer(evaluation.change_mm)
     while play.asks in ("acknowledge", "apply"):
         if play.asks == "acknowledge":

@@ -11,6 +11,7 @@ from skiplatch.kinematics.correction import ANGLES, CHECK
 from skiplatch.kinematics.evaluate import AxisResult, Evaluation
 from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis
+from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
 from skiplatch.report.layout import render
 
 TEMPLATE = "kinematics.html"
@@ -20,11 +21,6 @@ MODES = (
     "optimise positions and angles",
     "optimise origin and angles",
 )
-PARAMETERS_OF_AXIS = {
-    "A": (411, 412, 413, 414),
-    "B": (415, 416, 417, 418),
-    "C": (419, 420, 421, 422),
-}
 UM_PER_MM = 1000.0
 
 
@@ -35,15 +31,13 @@ class Logged:
     Attributes:
         evaluation: What it found.
         parameters: Q parameters by number, as the cycle had them.
-        touches: How often the probe touched.
-        duration_s: Virtual time of the whole cycle.
+        effort: What the measurement took, such as touches and time.
         notes: What the operator should know, a sentence each.
     """
 
     evaluation: Evaluation
     parameters: Mapping[int, float | str]
-    touches: int
-    duration_s: float
+    effort: str
     notes: Sequence[str] = ()
 
 
@@ -124,8 +118,7 @@ def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[st
         "mode": f"{evaluation.mode} = {MODES[evaluation.mode]}",
         "mode_words": MODES[evaluation.mode],
         "incidence": _incidence(logged),
-        "touches": logged.touches,
-        "minutes": f"{logged.duration_s / 60.0:.1f} min",
+        "effort": logged.effort,
         "notes": [*logged.notes, *_undetermined(evaluation)],
         "lead": _lead(evaluation),
         "axes": sections,

@@ -1,0 +1,10 @@
+/* A station of the shared library's users in the firmware's terms. */
+#ifndef PROGRAMS_FIVE_AXIS_STATION_H
+#define PROGRAMS_FIVE_AXIS_STATION_H
+
+#include "cycle/kinematics_plan.h"
+#include "programs/five_axis_cycle.h"
+
+kinematics_station_t five_axis_station(const sim_station_t *from);
+
+#endif
