@@ -16,6 +16,8 @@ BAD_INPUT = 2
 COMMANDS = {
     "latch": "How well each input path latches a touch: the error distributions.",
     "simulate": "Play conditions through the nominal simulation and write a campaign.",
+    "check": "Say what in a campaign is odd or missing, and what it cannot tell.",
+    "columns": "List the columns and keys of a campaign.",
     "compare": "Hold a recorded campaign against the nominal simulation.",
     "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
     "predict": "Play conditions with the effects that a diagnosis found.",

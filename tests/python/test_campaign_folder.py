@@ -19,7 +19,6 @@ from skiplatch.campaign import (
     write_nominal,
     write_touches,
 )
-from skiplatch.campaign.reference import columns_table, keys_table
 from skiplatch.errors import CampaignWarning
 
 
@@ -149,12 +148,3 @@ def test_files_are_written_one_by_one(bench: Campaign, tmp_path: Path) -> None:
 def test_table_of_columns_is_that_of_the_arrays() -> None:
     beside_them = ["session_names", "thermometers"]
     assert [*COLUMNS, *beside_them] == list(Touches.__dataclass_fields__)
-
-
-def test_documents_name_every_column_and_key() -> None:
-    assert "| `feed_mm_min` | mm/min | a number > 0 | yes | programmed measuring feed; of a " in (
-        columns_table()
-    )
-    assert columns_table().count("\n") == 2 + 20
-    assert "| `plc.scan_us` | µs | a number > 0 | scan period |\n" in keys_table()
-    assert keys_table().count("\n") == 2 + 18

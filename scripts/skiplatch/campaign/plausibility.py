@@ -1,0 +1,226 @@
+"""What in a campaign cannot be as it stands: wrong units, clocks that run backwards, and the like.
+
+Each rule looks at recorded numbers alone, takes milliseconds, and names the touches it is about.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.campaign.folder import Campaign
+from skiplatch.campaign.kind import Kind
+from skiplatch.campaign.steps import common_step
+from skiplatch.campaign.touches import SerialArray, Touches
+
+US_PER_S = 1e6
+S_PER_MIN = 60.0
+UM_PER_MM = 1e3
+FACTORS = {
+    1e3: "1000",
+    1e-3: "1/1000",
+    1e6: "1,000,000",
+    1e-6: "1/1,000,000",
+    25.4: "25.4",
+    1 / 25.4: "1/25.4",
+    60.0: "60",
+    1 / 60.0: "1/60",
+}
+"""By which a quantity is off that was written in another unit."""
+SLIP = 0.1  # share by which a factor may be missed: an offset shows beside it
+FEWEST = 5  # touches before their middle is looked at
+MANY_STEPS = 4  # as many different values show a scatter
+SHOWN = 6
+
+Rule = Callable[[Campaign], "Iterator[Oddity]"]
+
+
+@dataclass(frozen=True, slots=True)
+class Oddity:
+    """Something that cannot be as it stands.
+
+    Attributes:
+        what: One sentence without the touches.
+        touches: Serial numbers of the touches it is about; empty where it is about all.
+    """
+
+    what: str
+    touches: tuple[int, ...] = ()
+
+    @property
+    def line(self) -> str:
+        """The sentence with the touches, some of them where they are many."""
+        if not self.touches:
+            return self.what
+        shown = ", ".join(str(touch) for touch in self.touches[:SHOWN])
+        more = len(self.touches) - SHOWN
+        rest = f" and {more} more" if more > 0 else ""
+        return f"{self.what}: touch{'es' if len(self.touches) > 1 else ''} {shown}{rest}"
+
+
+def oddities(campaign: Campaign) -> list[Oddity]:
+    """Find all that is odd, the gravest first."""
+    return [oddity for rule in RULES for oddity in rule(campaign)]
+
+
+def _numbers(touches: Touches, rows: BoolArray) -> tuple[int, ...]:
+    found: SerialArray = touches.touch[rows]
+    return tuple(found.tolist())
+
+
+def _factor(ratio: float) -> str | None:
+    """Give the factor of two units that a ratio is near to."""
+    for factor, text in FACTORS.items():
+        if abs(ratio / factor - 1.0) < SLIP:
+            return text
+    return None
+
+
+def _wrong_unit(name: str, measured: FloatArray, expected: FloatArray, by: str) -> Iterator[Oddity]:
+    """Hold a quantity against what it has to be by others; arrays of shape (n,)."""
+    known = np.isfinite(measured) & np.isfinite(expected) & (expected != 0.0)
+    if known.sum() < FEWEST:
+        return
+    factor = _factor(float(np.median(measured[known] / expected[known])))
+    if factor is not None:
+        yield Oddity(f"{name} is {factor} times what {by} let expect: another unit?")
+
+
+def _slope(y: FloatArray, x: FloatArray) -> float:
+    known = np.isfinite(y) & np.isfinite(x)
+    if known.sum() < FEWEST or np.ptp(x[known]) == 0.0:
+        return np.nan
+    return float(np.polyfit(x[known], y[known], 1)[0])
+
+
+def _clock_units(campaign: Campaign) -> Iterator[Oddity]:
+    touches = campaign.touches
+    for name in ("edge_us", "latch_us", "report_us"):
+        factor = _factor(_slope(getattr(touches, name), touches.time_s * US_PER_S))
+        if factor is not None:
+            yield Oddity(f"{name} runs {factor} times as fast as time_s: another unit?")
+    if np.isnan(touches.time_s).all():
+        factor = _factor(_slope(touches.latch_us, touches.edge_us))
+        if factor is not None:
+            yield Oddity(f"latch_us runs {factor} times as fast as edge_us: another unit?")
+
+
+def _travel_units(campaign: Campaign) -> Iterator[Oddity]:
+    """On a bench the edge tells how long the approach took."""
+    touches = campaign.touches
+    speed_mm_s = touches.feed_mm_min / S_PER_MIN
+    ramp_s = speed_mm_s / (2.0 * campaign.nominal.axis.accel_mm_s2)
+    took_s = touches.edge_us / US_PER_S - touches.time_s - ramp_s
+    expected_s = touches.approach_mm / speed_mm_s
+    yield from _wrong_unit("the time of the approach", took_s, expected_s, "approach_mm and feed")
+
+
+def _deviation_units(campaign: Campaign) -> Iterator[Oddity]:
+    touches = campaign.touches
+    way_um = touches.feed_mm_min / S_PER_MIN * (touches.latch_us - touches.edge_us) / 1e3
+    resolution = campaign.nominal.axis.resolution_um
+    seen = np.abs(way_um) > resolution
+    way_um = np.where(seen, way_um, np.nan)
+    yield from _wrong_unit("deviation_um", touches.deviation_um, way_um, "latch_us and feed_mm_min")
+    step = common_step(touches.deviation_um)
+    if ("axis", "resolution_um") in campaign.nominal.unknown or step is None:
+        return
+    factor = _factor(step / resolution)
+    if factor is not None:
+        yield Oddity(
+            f"deviation_um goes in steps of {step:g}, {factor} times axis.resolution_um = "
+            f"{resolution:g}: another unit?"
+        )
+
+
+def _order_of_stamps(campaign: Campaign) -> Iterator[Oddity]:
+    touches = campaign.touches
+    before = touches.edge_us < touches.time_s * US_PER_S
+    if before.any():
+        what = "edge_us lies before time_s, when the move began"
+        yield Oddity(what, _numbers(touches, before))
+    tick = campaign.nominal.skip.tick_us + 6.0 * campaign.nominal.bench.reference_jitter_us
+    for early, late in (("latch_us", "edge_us"), ("report_us", "latch_us")):
+        wrong = getattr(touches, early) + tick < getattr(touches, late)
+        if campaign.nominal.kind is Kind.BENCH and wrong.any():
+            yield Oddity(f"{early} lies before {late}", _numbers(touches, wrong))
+
+
+def _backwards(campaign: Campaign) -> Iterator[Oddity]:
+    ordered = campaign.touches.in_order_of_time()
+    for name in ("edge_us", "latch_us", "report_us"):
+        known = ordered.select(np.isfinite(getattr(ordered, name)))
+        is_same_session = np.diff(known.session, prepend=known.session[:1]) == 0
+        back = np.diff(getattr(known, name), prepend=-np.inf) < 0
+        if (back & is_same_session).any():
+            yield Oddity(f"{name} runs backwards", _numbers(known, back & is_same_session))
+
+
+def _equal_stamps(campaign: Campaign) -> Iterator[Oddity]:
+    touches = campaign.touches
+    for name in ("time_s", "edge_us", "latch_us", "report_us"):
+        values = getattr(touches, name)
+        known = np.isfinite(values)
+        _, first, counts = np.unique(values[known], return_index=True, return_counts=True)
+        if (counts > 1).any():
+            repeated = np.ones(int(known.sum()), dtype=bool)
+            repeated[first] = False
+            rows = np.zeros(len(touches), dtype=bool)
+            rows[np.flatnonzero(known)[repeated]] = True
+            yield Oddity(f"{name} stands there more than once", _numbers(touches, rows))
+
+
+def _no_scatter(campaign: Campaign) -> Iterator[Oddity]:
+    """Touches in the same conditions that scatter by nothing or by a step or two."""
+    touches = campaign.touches
+    for name, unit in (("deviation_um", "µm"), ("deviation_arcsec", "arcsec")):
+        values = getattr(touches, name)
+        step = common_step(values)
+        if step is None and not _is_still(values):
+            continue
+        for rows in alike(touches, np.isfinite(values)):
+            different = len(np.unique(values[rows]))
+            if len(rows) >= FEWEST and different < MANY_STEPS:
+                how = f"steps of {step:g}" if step else f"one value, {values[rows[0]]:g}"
+                where = (
+                    f"{name}: {len(rows)} touches in the same conditions have {different} values"
+                )
+                found = tuple(touches.touch[rows].tolist())
+                yield Oddity(f"{where}, {how} {unit}, which hides their scatter", found)
+                break
+
+
+def _is_still(values: FloatArray) -> bool:
+    known = values[np.isfinite(values)]
+    return len(known) >= FEWEST and bool((known == known[0]).all())
+
+
+def alike(touches: Touches, known: BoolArray) -> Iterator[SerialArray]:
+    """Give the rows of each set of touches in the same conditions, as far as recorded."""
+    conditions = np.column_stack(
+        [
+            np.nan_to_num(np.asarray(getattr(touches, name), dtype=float), nan=np.inf)
+            for name in ("path", "axis", "sign", "alpha_deg", "beta_deg", "feed_mm_min")
+        ]
+        + [np.nan_to_num(np.round(touches.position_mm, 2), nan=np.inf)]
+        + [np.nan_to_num(np.round(touches.position_deg, 2), nan=np.inf)]
+    )
+    rows = np.flatnonzero(known)
+    if not len(rows):
+        return
+    _, group = np.unique(conditions[rows], axis=0, return_inverse=True)
+    group = group.ravel()
+    for number in range(int(group.max()) + 1):
+        yield rows[group == number]
+
+
+RULES: tuple[Rule, ...] = (
+    _clock_units,
+    _travel_units,
+    _deviation_units,
+    _order_of_stamps,
+    _backwards,
+    _equal_stamps,
+    _no_scatter,
+)

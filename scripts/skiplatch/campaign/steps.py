@@ -1,0 +1,30 @@
+"""The step in which recorded numbers go."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+
+FEWEST_VALUES = 3
+SLACK = 0.02  # of a step: what the decimals of a table cut off
+FEWEST_PER_VALUE = 2.0  # numbers a different value; fewer come from the decimals alone
+
+
+def common_step(values: FloatArray) -> float | None:
+    """Give the step that all differences are multiples of, or None where none shows.
+
+    A step shows where numbers fall on the same values again and again.
+
+    Args:
+        values: Shape (n,); NaN counts as not there.
+    """
+    known = np.unique(values[np.isfinite(values)])
+    if len(known) < FEWEST_VALUES or np.isfinite(values).sum() < FEWEST_PER_VALUE * len(known):
+        return None
+    gaps = np.array([b - a for a, b in pairwise(known.tolist())])
+    step = float(gaps.min())
+    multiples = (known - known[0]) / step
+    if np.abs(multiples - np.round(multiples)).max() > SLACK * max(1.0, multiples.max() / 50.0):
+        return None
+    return float((known[-1] - known[0]) / np.round(multiples[-1]))

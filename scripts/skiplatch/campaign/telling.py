@@ -1,0 +1,84 @@
+"""What a campaign cannot tell, because it was not recorded or not varied."""
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign.columns import COLUMNS
+from skiplatch.campaign.folder import Campaign
+from skiplatch.campaign.kind import Kind
+from skiplatch.campaign.nominal import KEYS
+from skiplatch.campaign.touches import Touches
+
+# What a column or a key is for; where there is none of that, nobody misses it.
+_OF_A_BENCH = {"edge_us"}
+_OF_A_MACHINE = {"alpha_deg", "beta_deg", "sign"}
+_ROTARY = {"position_deg", "deviation_arcsec"}
+_RARE = {"rotary_deg", "session", "status"}
+_FEW_TOUCHES = 20
+
+
+def missing_columns(campaign: Campaign) -> dict[str, str]:
+    """Give what is lost by each column in which nothing stands, for this kind of campaign."""
+    other_kind = _OF_A_MACHINE if campaign.nominal.kind is Kind.BENCH else _OF_A_BENCH
+    unmissed = {"touch", "path"} | other_kind | _ROTARY | _RARE
+    columns = campaign.touches.columns()
+    return {
+        name: column.lost
+        for name, column in COLUMNS.items()
+        if name not in unmissed and not column.recorded(columns[name]).any()
+    }
+
+
+def missing_keys(campaign: Campaign) -> dict[str, str]:
+    """Give what is lost by each key that was left out and that these touches depend on."""
+    touches, kind = campaign.touches, campaign.nominal.kind
+    unmissed = {"axis.min_mm", "axis.max_mm", "probe.calibrated_at_c"}
+    sections = {
+        "probe": kind is Kind.MACHINE,
+        "bench": kind is Kind.BENCH,
+        "plc": bool(touches.on_plc.any()),
+        "skip": bool(touches.on_skip.any()),
+        "report": not bool(np.isnan(touches.report_us).all()),
+    }
+    return {
+        f"{section}.{name}": KEYS[section, name].lost
+        for section, name in sorted(campaign.nominal.unknown, key=list(KEYS).index)
+        if sections.get(section, True) and f"{section}.{name}" not in unmissed
+    }
+
+
+def cannot_be_told(campaign: Campaign) -> list[str]:
+    """Say what was not varied, and which touches would help."""
+    touches = campaign.touches
+    said = []
+    if _one_value(touches.feed_mm_min):
+        said.append("one feed: a delay and a length look alike; touch at a second feed")
+    if campaign.nominal.kind is Kind.MACHINE:
+        said += _not_varied_on_a_machine(touches)
+    if _one_value(touches.temp_c):
+        said.append("one temperature: growth with it does not show; touch while the rig warms up")
+    if len(touches) < _FEW_TOUCHES:
+        said.append(f"{len(touches)} touches: only what stands far out of the scatter shows")
+    return said + _order_lost(touches)
+
+
+def _not_varied_on_a_machine(touches: Touches) -> list[str]:
+    said = []
+    if _one_value(touches.sign):
+        said.append("one sense of motion: backlash does not show; touch from the other side too")
+    if _one_value(touches.position_mm) and not np.isfinite(touches.position_deg).any():
+        said.append("one place: errors along the axis do not show; touch at other positions")
+    if _one_value(touches.alpha_deg):
+        said.append("one direction: the probe's lobes do not show; touch from others")
+    return said
+
+
+def _one_value(values: FloatArray) -> bool:
+    known = values[np.isfinite(values)]
+    return len(known) > 0 and bool((known == known[0]).all())
+
+
+def _order_lost(touches: Touches) -> list[str]:
+    if np.isfinite(touches.time_s).any():
+        return []
+    return ["no times: the order of the rows counts as that of the touches"]

@@ -1,0 +1,49 @@
+"""``skiplatch check``: what is odd in a campaign, what is missing, what it cannot tell."""
+
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign.plausibility import oddities
+from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
+from skiplatch.commands.options import json_option, write_json
+
+EPILOG = """\b
+Example:
+  skiplatch check scripts/samples/bench_isr_latency
+"""
+
+
+@click.command(epilog=EPILOG)
+@click.argument("campaign", type=click.Path(path_type=Path))
+@json_option
+def command(campaign: Path, json_path: Path | None) -> None:
+    """Say in a second what in a CAMPAIGN is odd, what is missing, and what it cannot tell."""
+    read = read_campaign(campaign)
+    click.echo(check_text(read))
+    found = {
+        "odd": [asdict(oddity) for oddity in oddities(read)],
+        "missing_columns": missing_columns(read),
+        "missing_keys": missing_keys(read),
+        "cannot_be_told": cannot_be_told(read),
+    }
+    head = {"campaign": str(campaign), "kind": read.nominal.kind, "touches": len(read.touches)}
+    write_json(json_path, {**head, **found})
+
+
+def check_text(campaign: Campaign) -> str:
+    """Give what is found, a line each."""
+    kind, n = campaign.nominal.kind, len(campaign.touches)
+    columns, keys = missing_columns(campaign), missing_keys(campaign)
+    lost = [f"{name}: {what}" for name, what in {**columns, **keys}.items()]
+    parts = (
+        ("Odd", [oddity.line for oddity in oddities(campaign)]),
+        ("Not recorded or left out, and what cannot be told for it", lost),
+        ("Not varied, and what would help", cannot_be_told(campaign)),
+    )
+    lines = [f"{campaign.path}: {kind} campaign, {n} touches"]
+    for head, found in parts:
+        lines += ["", head, *(f"  {line}" for line in found or ["nothing"])]
+    return "\n".join(lines)

@@ -1,0 +1,186 @@
+"""``skiplatch check``: what cannot be as it stands, what is missing, what was not varied."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from skiplatch.campaign import Campaign, Touches, read_campaign, write_campaign
+from skiplatch.campaign.plausibility import oddities
+from skiplatch.campaign.steps import common_step
+from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
+from skiplatch.cli import group
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+
+Change = Callable[[Touches], Touches]
+
+
+def lines(campaign: Campaign, change: Change) -> list[str]:
+    changed = replace(campaign, touches=change(campaign.touches))
+    return [oddity.line for oddity in oddities(changed)]
+
+
+@pytest.mark.parametrize(
+    "sample",
+    ["bench_isr_latency", "machine_no_gap", "rig_nominal", "rig_debounce", "rig_bus_load"],
+)
+def test_recorded_samples_are_not_odd(sample: str) -> None:
+    assert oddities(read_campaign(SAMPLES / sample)) == []
+
+
+@pytest.mark.parametrize("scale", ["1000", "1/1000", "1/1,000,000"])
+@pytest.mark.parametrize("name", ["edge_us", "latch_us", "report_us"])
+def test_clock_in_another_unit_is_told(bench_sample: Path, name: str, scale: str) -> None:
+    factor = {"1000": 1e3, "1/1000": 1e-3, "1/1,000,000": 1e-6}[scale]
+    found = lines(
+        read_campaign(bench_sample), lambda t: replace(t, **{name: getattr(t, name) * factor})
+    )
+
+    assert f"{name} runs {scale} times as fast as time_s: another unit?" in found
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "words"),
+    [
+        ("feed_mm_min", 1 / 60.0, "the time of the approach is 1/60 times"),
+        ("feed_mm_min", 1 / 25.4, "the time of the approach is 1/25.4 times"),
+        ("approach_mm", 1e3, "the time of the approach is 1/1000 times"),
+        ("deviation_um", 1e-3, "deviation_um is 1/1000 times what latch_us and feed_mm_min let"),
+        ("deviation_um", 1 / 25.4, "deviation_um is 1/25.4 times"),
+    ],
+)
+def test_length_in_another_unit_is_told(
+    bench_sample: Path, name: str, factor: float, words: str
+) -> None:
+    found = lines(
+        read_campaign(bench_sample), lambda t: replace(t, **{name: getattr(t, name) * factor})
+    )
+
+    assert any(line.startswith(words) for line in found), found
+
+
+def test_deviations_in_millimetres_are_told_by_their_step(machine_sample: Path) -> None:
+    found = lines(
+        read_campaign(machine_sample), lambda t: replace(t, deviation_um=t.deviation_um / 1e3)
+    )
+
+    assert found == [
+        "deviation_um goes in steps of 0.0005, 1/1000 times axis.resolution_um = 0.5: another unit?"
+    ]
+
+
+def test_clock_that_runs_backwards_is_told_with_its_touches(bench_sample: Path) -> None:
+    campaign = read_campaign(bench_sample)
+    order = np.argsort(campaign.touches.time_s)
+    latch_us = campaign.touches.latch_us.copy()
+    latch_us[order[10]] = latch_us[order[9]] - 1000.0
+
+    found = lines(campaign, lambda t: replace(t, latch_us=latch_us))
+
+    touch = campaign.touches.touch[order[10]]
+    assert f"latch_us runs backwards: touch {touch}" in found
+    assert any(line.startswith("latch_us lies before edge_us: touch") for line in found)
+
+
+def test_new_session_may_set_its_clock_anew(bench_sample: Path) -> None:
+    touches = read_campaign(bench_sample).touches.in_order_of_time()
+    late = np.arange(len(touches)) >= 200
+    again = replace(
+        touches,
+        latch_us=np.where(late, touches.latch_us - 1e9, touches.latch_us),
+        report_us=np.full(len(touches), np.nan),
+        edge_us=np.full(len(touches), np.nan),
+        session=late.astype(np.int64),
+        session_names=("a", "b"),
+    )
+    campaign = replace(read_campaign(bench_sample), touches=again)
+
+    assert not any("backwards" in o.what for o in oddities(campaign))
+    one = replace(again, session=again.session * 0)
+    assert any("backwards" in o.what for o in oddities(replace(campaign, touches=one)))
+
+
+def test_equal_stamps_are_told(bench_sample: Path) -> None:
+    campaign = read_campaign(bench_sample)
+    edge_us = campaign.touches.edge_us.copy()
+    edge_us[:10] = edge_us[0]
+
+    found = lines(campaign, lambda t: replace(t, edge_us=edge_us))
+
+    shown = ", ".join(str(touch) for touch in campaign.touches.touch[1:7])
+    assert f"edge_us stands there more than once: touches {shown} and 3 more" in found
+
+
+def test_scatter_hidden_by_a_step_is_told(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    touches = Touches.from_columns(
+        touch=np.arange(40),
+        feed_mm_min=np.full(40, 60.0),
+        deviation_um=np.where(np.arange(40) % 3, 12.5, np.where(np.arange(40) % 2, 0.0, 25.0)),
+    )
+
+    found = lines(campaign, lambda _: touches)
+
+    assert any("40 touches in the same conditions have 3 values, steps of 12.5" in f for f in found)
+
+
+def test_no_scatter_at_all_is_told(machine_sample: Path) -> None:
+    touches = Touches.from_columns(touch=np.arange(9), deviation_um=np.full(9, 4.0))
+
+    (found,) = lines(read_campaign(machine_sample), lambda _: touches)
+
+    assert "9 touches in the same conditions have 1 values, one value, 4 µm" in found
+
+
+@pytest.mark.parametrize(
+    ("values", "step"),
+    [
+        ([0.0, 0.5, 1.5, 0.5, 0.0, 1.5], 0.5),
+        ([1.0, 1.1, 1.3, 1.1, 1.0, 1.3, np.nan], 0.1),
+        ([0.013, 0.5, 1.47, 2.1, 0.9], None),
+        ([3.0, 3.0, 3.0], None),
+    ],
+)
+def test_step_shows_where_values_repeat(values: list[float], step: float | None) -> None:
+    found = common_step(np.array(values))
+
+    assert found == (step if step is None else pytest.approx(step))
+
+
+def test_bare_machine_says_all_that_is_missing(tmp_path: Path) -> None:
+    (tmp_path / "nominal.toml").write_text('format = "skiplatch-campaign/2"\n')
+    (tmp_path / "touches.csv").write_text("touch,feed_mm_min,deviation_um\n1,60,3.1\n2,60,4.7\n")
+    campaign = read_campaign(tmp_path)
+
+    assert list(missing_columns(campaign)) == [
+        *("time_s", "axis", "sign", "alpha_deg", "beta_deg", "approach_mm"),
+        *("position_mm", "temp_c", "latch_us", "report_us"),
+    ]
+    assert "plc.scan_us" not in missing_keys(campaign)
+    assert missing_keys(campaign)["axis.resolution_um"].startswith("rounding of the positions")
+    assert cannot_be_told(campaign) == [
+        "one feed: a delay and a length look alike; touch at a second feed",
+        "2 touches: only what stands far out of the scatter shows",
+        "no times: the order of the rows counts as that of the touches",
+    ]
+
+
+def test_command_says_and_writes_it(bench_sample: Path, tmp_path: Path) -> None:
+    campaign = read_campaign(bench_sample)
+    wrong = replace(campaign.touches, feed_mm_min=campaign.touches.feed_mm_min / 60.0)
+    write_campaign(tmp_path / "wrong", campaign.nominal, wrong)
+    out = tmp_path / "check.json"
+
+    result = CliRunner().invoke(group, ["check", str(tmp_path / "wrong"), "--json", str(out)])
+
+    assert result.exit_code == 0
+    assert "\nOdd\n  the time of the approach is 1/60 times" in result.output
+    document = json.loads(out.read_text())
+    assert document["touches"] == 400
+    assert document["odd"][0]["touches"] == []
+    assert document["missing_columns"] == {}
