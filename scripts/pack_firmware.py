@@ -1,7 +1,8 @@
 """Pack the core of the firmware: ``pack_firmware.py FOLDER``, started in the project's folder.
 
-Writes a library for Arduino and PlatformIO into FOLDER/skiplatch, and the core as a single header
-into FOLDER/skiplatch.h. Prints what it wrote.
+Writes a library for Arduino and PlatformIO into FOLDER/skiplatch, the core as a single header into
+FOLDER/skiplatch.h, and what halcompile builds for LinuxCNC into FOLDER/linuxcnc. Prints the names
+of these three.
 """
 
 from __future__ import annotations
@@ -83,22 +84,33 @@ def _inline(path: Path) -> str:
     return INCLUDE.sub("", body)
 
 
-def single_header() -> str:
-    """Join headers and sources of the core."""
+def single_header(sources: list[Path]) -> str:
+    """Join the headers of the core, and these sources."""
     parts = [HEAD.format(version=version()), "#ifndef SKIPLATCH_H\n#define SKIPLATCH_H\n\n"]
     parts += [_inline(path) + "\n" for path in core_headers().values()]
     parts.append("#ifdef SKIPLATCH_IMPLEMENTATION\n\n")
-    parts += [_inline(path) + "\n" for path in core_sources()]
+    parts += [_inline(path) + "\n" for path in sources]
     parts.append("#endif\n\n#endif\n")
     return "".join(parts)
+
+
+def pack_linuxcnc(folder: Path) -> None:
+    """Put the component beside the one module it needs, which halcompile includes from there."""
+    folder.mkdir(parents=True, exist_ok=True)
+    shutil.copy(FIRMWARE / "linuxcnc/skiplatch.comp", folder)
+    latch = single_header([FIRMWARE / "input/latch.c"])
+    (folder / "skiplatch.h").write_text(
+        f"#define SKIPLATCH_IMPLEMENTATION\n{latch}", encoding="utf-8"
+    )
 
 
 def main() -> int:
     """Pack both."""
     folder = Path(sys.argv[1])
     pack_library(folder / "skiplatch")
-    (folder / "skiplatch.h").write_text(single_header(), encoding="utf-8")
-    print(f"{folder}/skiplatch\n{folder}/skiplatch.h")
+    (folder / "skiplatch.h").write_text(single_header(core_sources()), encoding="utf-8")
+    pack_linuxcnc(folder / "linuxcnc")
+    print(f"{folder}/skiplatch\n{folder}/skiplatch.h\n{folder}/linuxcnc")
     return 0
 
 

@@ -30,6 +30,8 @@ packages_of() {
     rig) echo iproute2 rt-tests can-utils ;;
     # what the packages of the firmware are built with; see docs/PACKAGES.md
     packages) echo g++ cmake ninja-build pkg-config ;;
+    # the real controller that the latch is held beside; see docs/LINUXCNC.md
+    linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     arduino) echo arduino-builder arduino-core-avr ;;
     # On distributions that have version 2; see setup_gpiod.sh.
     bench) echo libgpiod-dev ;;
