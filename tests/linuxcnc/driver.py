@@ -2,8 +2,8 @@
 """Touches the simulated surface from inside LinuxCNC, as its display; writes touches.csv.
 
 Each row of that is a touch: where the surface was, where LinuxCNC says and where the component says
-it was touched. What is to be touched stands in plan.json; the lines that were run go to program.ngc,
-and LinuxCNC itself writes probe.log.
+it was touched. What is to be touched stands in plan.json; the lines that were run go to
+program.ngc, and LinuxCNC itself writes probe.log.
 """
 
 import csv
