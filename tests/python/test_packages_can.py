@@ -1,0 +1,80 @@
+"""The frames as others read them: python-can and cantools with the DBC, beside the C codec."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import can
+import pytest
+
+from bench_rig import c_frames
+from packages_rig import run
+from skiplatch.bench.protocol import DBC, LATCH_ID
+
+EXAMPLE = Path("firmware/examples/can/read_log.py")
+RECORDS = (
+    # ticks, position, sequence, channel, flags
+    (0x12345678, -2, 0x7ABC, 5, 0x9),
+    (4294967295, 2147483647, 0, 0, 0x0),
+    (0, -2147483648, 32767, 7, 0xF),
+)
+
+
+def frames_of_c() -> list[bytes]:
+    lines = [
+        f"latch {ticks} {position % 2**32} {sequence} {channel} {flags}"
+        for ticks, position, sequence, channel, flags in RECORDS
+    ]
+    return c_frames(*lines)
+
+
+@pytest.mark.parametrize("ending", ["log", "asc", "blf"])
+def test_the_example_reads_what_the_c_codec_wrote(ending: str, tmp_path: Path) -> None:
+    log = tmp_path / f"bus.{ending}"
+    with can.Logger(log) as logger:
+        for at, frame in enumerate(frames_of_c()):
+            logger(
+                can.Message(
+                    timestamp=1.0 + at, arbitration_id=LATCH_ID, data=frame, is_extended_id=False
+                )
+            )
+    rows = [line.split()[1:] for line in run(sys.executable, EXAMPLE, DBC, log).splitlines()]
+
+    assert rows == [[str(field) for field in (sequence, channel, flags, ticks, position)]
+                    for ticks, position, sequence, channel, flags in RECORDS]  # fmt: skip
+
+
+def test_a_second_half_alone_is_no_latch(tmp_path: Path) -> None:
+    log = tmp_path / "bus.log"
+    frames = frames_of_c()
+    rows = [f"(1.000000) can0 {LATCH_ID:03X}#{frame.hex().upper()}\n" for frame in frames]
+    log.write_text("".join([rows[1], rows[0], rows[3]]))
+
+    assert run(sys.executable, EXAMPLE, DBC, log) == ""
+
+
+def test_candump_is_decoded_by_cantools(tmp_path: Path) -> None:
+    """As ``candump vcan0 | cantools decode docs/injection.dbc``."""
+    shown = "".join(
+        f"  vcan0  {LATCH_ID:03X}   [8]  {frame.hex(' ').upper()}\n" for frame in frames_of_c()
+    )
+    decoded = subprocess.run(
+        [sys.executable, "-m", "cantools", "decode", "--single-line", DBC],
+        input=shown, check=True, capture_output=True, text=True,
+    ).stdout  # fmt: skip
+
+    ticks = [int(value) for value in re.findall(r"\bTicks: (\d+)", decoded)]
+    positions = [int(value) for value in re.findall(r"PositionCounts: (-?\d+)", decoded)]
+    assert ticks == [record[0] for record in RECORDS]
+    assert positions == [record[1] for record in RECORDS]
+
+
+def test_the_dbc_names_every_flag() -> None:
+    """What bit of Flags means what stands in latch_record.h, and in the comment of the signal."""
+    header = Path("firmware/report/latch_record.h").read_text()
+    comment = re.search(r'CM_ SG_ 385 Flags "([^"]*)"', DBC.read_text())
+
+    assert comment is not None
+    for name, bit in re.findall(r"#define LATCH_FLAG_(\w+)\s+(0x\w+)u", header):
+        assert f"{int(bit, 16)} {name.lower().replace('_', ' ')}" in comment[1]
