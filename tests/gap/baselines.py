@@ -40,6 +40,8 @@ def as_text(results: Sequence[Scored]) -> str:
         ("named on none", _of(results, "none"), _names),
         ("named on dull", _of(results, "dull"), _names),
         ("named on strangers", _of(results, "stranger"), _names),
+        ("of the grammar", _of(results, "strangers"), _names),
+        ("named on datum", _of(results, "datum"), _names),
     ]
     lines = [(title, *(_count(here, title, hit) for _, here, hit in columns)) for title in titles]
     return table(("", *(column[0] for column in columns)), lines)

@@ -87,7 +87,7 @@ class State:
         self.feed_um_us = setup.feed_um_us
         self.accel_um_us2 = np.full(n, setup.nominal.axis.accel_mm_s2 * 1e-9)
         self.filter_us: Numbers = setup.nominal.input.filter_us
-        self.scan_us = setup.nominal.plc.scan_us
+        self.scan_us: Numbers = setup.nominal.plc.scan_us
         self.resolution_um: Numbers = setup.nominal.axis.resolution_um
         self.tick_us = np.full(n, setup.nominal.skip.tick_us)
         # What becomes of each touch.
@@ -168,7 +168,8 @@ def _probe(s: State) -> None:
 
 
 def _edge(s: State) -> None:
-    s.edge_us = s.contact_us + np.maximum(s.pretravel_um, 0.0) / s.speed_um_us + s.delay_us
+    least = 0.0 if s.setup.nominal.version == 1 else -np.inf
+    s.edge_us = s.contact_us + np.maximum(s.pretravel_um, least) / s.speed_um_us + s.delay_us
 
 
 def _pin(s: State) -> None:
@@ -183,7 +184,7 @@ def _skip(s: State) -> None:
 def _scan(s: State) -> None:
     due = np.ceil((s.pin_us - s.setup.scan_phase_us) / s.scan_us)
     s.scan_number = due[:, None] + SCANS
-    s.start_us = s.setup.scan_phase_us + s.scan_number * s.scan_us
+    s.start_us = s.setup.scan_phase_us + s.scan_number * np.reshape(s.scan_us, (-1, 1))
 
 
 def _image(s: State) -> None:

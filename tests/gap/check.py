@@ -6,148 +6,89 @@ a folder with nothing but one campaign; the labels lie elsewhere until all is di
 
 import argparse
 import json
-import os
-import shutil
-import subprocess
-import sys
 import tempfile
-import time
-from collections.abc import Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.files import atomic_write_text
-from tests.gap import baselines, confusion, goals
+from skiplatch.progress import shown
+from tests.gap import baselines, confusion, goals, verdicts
 from tests.gap.baselines import Baseline
-from tests.gap.cases import Case
 from tests.gap.heldout import read_predictions, shrink_to_oracle
 from tests.gap.nats import nats
-from tests.gap.scoring import FAILED, Found, Scored
+from tests.gap.orders import Case
+from tests.gap.runs import ANSWERS, Answer, Order, diagnose_all, generate, kept_order, names
+from tests.gap.scoring import Found, Scored
 from tests.gap.sealed import LABEL, HeldBack, Label
 
-ROOT = Path(__file__).parents[2]
-SKIPLATCH = Path(sys.executable).with_name("skiplatch")
-REPLICATES = 100  # of a prediction
-TOUCHES = (200, 1000)
 FEW_TOUCHES = (200, 300)  # of the campaigns that are for false alarms alone
-PASSED_ON = ("PATH", "HOME", "LANG", "TMPDIR")  # of the environment, to a diagnosis
-FORMAT = "skiplatch-gap-check/1"
+FORMAT = "skiplatch-gap-check/2"
 NOT_MEASURED = """\
 Not measured here: parameters (the generator's forms have others than the catalogue), tried with
 PLANTED=54; the recommended experiment (a sealed campaign cannot be gone on with), with TIES=40."""
-DIAGNOSIS, PREDICTED = "diagnosis.json", "predicted.csv"
-BROKEN: dict[str, Any] = {"verdict": FAILED, "effects": [], "where": []}
+EXAMPLE = """\
+example, from the root of the tree: draw and seal, diagnose, and diagnose anew what was drawn
+  python -m tests.gap.check --count 60 --seed 7 --cases strangers,datum --keep build/kept --dry
+  python -m tests.gap.check --kept --keep build/kept --verdicts build/before.jsonl
+  python -m tests.gap.check --kept --keep build/kept --answers after --verdicts build/after.jsonl
+"""
 
 
-@dataclass(frozen=True, slots=True)
-class Order:
-    """What the generator is to draw."""
-
-    seed: int
-    count: int
-    cases: str | None = None
-    kinds: str | None = None
-    touches: tuple[int, int] = TOUCHES
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """What came of a diagnosis: its JSON, how long it took, and what it predicts."""
-
-    diagnosis: dict[str, Any]
-    seconds: float
-    predicted: Path
-
-
-def generate(out: Path, order: Order) -> None:
-    """Let the generator write campaigns and sealed labels."""
-    command = [sys.executable, "-m", "tests.gap.generate", str(out)]
-    command += ["--seed", str(order.seed), "--count", str(order.count)]
-    command += ["--touches", *map(str, order.touches)]
-    for option, value in (("--cases", order.cases), ("--kinds", order.kinds)):
-        command += [option, value] if value else []
-    made = subprocess.run(command, cwd=ROOT, check=False, capture_output=True, text=True)
-    if made.returncode:
-        raise SystemExit(f"gap-check: the generator failed: {made.stderr.strip()[-500:]}")
-
-
-def diagnose(campaign: Path, seed: int, out: Path) -> Answer:
-    """Diagnose in a folder with nothing but a copy of the campaign, and predict from there.
-
-    A diagnosis that breaks down is an answer too; its prediction is that of the unchanged chain.
-    """
-    out.mkdir(parents=True)
-    with tempfile.TemporaryDirectory() as empty:
-        shutil.copytree(campaign, Path(empty) / "campaign")
-        begin = time.perf_counter()
-        said = run_skiplatch(
-            empty, "diagnose", "campaign", "--json", DIAGNOSIS, "--seed", str(seed)
-        )
-        seconds = time.perf_counter() - begin
-        options = ["--conditions", "campaign/conditions.csv", "--out", PREDICTED]
-        options += ["--replicates", str(REPLICATES), "--seed", str(seed)]
-        if said:
-            (out / "failure.txt").write_text(said, encoding="utf-8")
-        else:
-            options += ["--diagnosis", DIAGNOSIS]
-            shutil.copy(Path(empty) / DIAGNOSIS, out)
-        if said_then := run_skiplatch(empty, "predict", "campaign", *options):
-            raise SystemExit(f"gap-check: skiplatch predict failed: {said_then}")
-        shutil.copy(Path(empty) / PREDICTED, out)
-    document = BROKEN if said else json.loads((out / DIAGNOSIS).read_text(encoding="utf-8"))
-    return Answer(document, seconds, out / PREDICTED)
-
-
-def run_skiplatch(folder: str, *arguments: str) -> str:
-    """Run a command in a folder; gives the end of what it said if it failed, else nothing."""
-    environment = {name: os.environ[name] for name in PASSED_ON if name in os.environ}
-    command = [str(SKIPLATCH), *arguments]
-    done = subprocess.run(
-        command, cwd=folder, env=environment, check=False, capture_output=True, text=True
-    )
-    return (done.stderr.strip()[-500:] or "no reason given") if done.returncode else ""
-
-
-def open_seal(folder: Path, name: str, answer: Answer, guesses: dict[str, str | None]) -> Scored:
+def open_seal(
+    folder: Path, name: str, seed: int, answer: Answer, guesses: dict[str, str | None]
+) -> Scored:
     """Score one campaign."""
     sealed = folder / "sealed" / name
-    held_back = HeldBack.read(folder / "campaigns" / name, sealed)
+    held_back = HeldBack.read(sealed)
     label = Label.read(sealed / LABEL)
     rng = np.random.default_rng(0)
-    recorded = label.touches - len(held_back.touches)
-    predicted = read_predictions(answer.predicted, held_back.expected)
+    shrink = float("nan")
+    if answer.predicted:
+        predicted = read_predictions(answer.predicted, held_back.expected)
+        shrink = shrink_to_oracle(held_back, predicted, rng)
     return Scored(
         label=label,
         found=Found.of(answer.diagnosis),
         seconds=answer.seconds,
-        nats=nats(held_back, recorded, rng),
-        shrink=shrink_to_oracle(held_back, predicted, rng),
+        nats=nats(held_back, label.touches - len(held_back.touches), np.random.default_rng(0)),
+        shrink=shrink,
         guesses=guesses,
+        name=f"{seed}/{name}",
     )
 
 
 def check(
-    folder: Path, order: Order, compared: Sequence[Baseline], jobs: int, title: str = "diagnoses"
+    folder: Path,
+    order: Order,
+    compared: Sequence[Baseline],
+    jobs: int,
+    title: str = "diagnoses",
+    answers: str = ANSWERS,
 ) -> list[Scored]:
     """Generate, diagnose, and only then open the seals."""
     generate(folder, order)
-    campaigns = sorted((folder / "campaigns").iterdir())
-    with ThreadPoolExecutor(jobs) as pool:
-        answers = pool.map(lambda c: diagnose(c, order.seed, folder / "found" / c.name), campaigns)
-        answered = list(_shown(answers, len(campaigns), title))
-    guessed = _guess(campaigns, compared, jobs)
-    names = [path.name for path in campaigns]
-    return [open_seal(folder, *one) for one in zip(names, answered, guessed, strict=True)]
+    return check_kept(folder, order.seed, compared, jobs, title, answers)
 
 
-def _shown(steps: Iterable[Any], total: int, title: str) -> Iterable[Any]:
-    return tqdm(steps, total=total, desc=title, leave=False, disable=None)
+def check_kept(
+    folder: Path,
+    seed: int,
+    compared: Sequence[Baseline],
+    jobs: int,
+    title: str = "diagnoses",
+    answers: str = ANSWERS,
+) -> list[Scored]:
+    """Diagnose what was drawn, and only then open the seals."""
+    answered = diagnose_all(folder, seed, jobs, title, answers)
+    campaigns = names(folder)
+    guessed = _guess([folder / "campaigns" / name for name in campaigns], compared, jobs)
+    each = zip(campaigns, answered, guessed, strict=True)
+    return [open_seal(folder, name, seed, answer, guess) for name, answer, guess in each]
 
 
 def _guess(
@@ -158,9 +99,9 @@ def _guess(
         return [{} for _ in campaigns]
     tasks = [(baseline, path) for path in campaigns for baseline in compared]
     with ProcessPoolExecutor(jobs) as pool:
-        names = list(_shown(pool.map(_name, tasks), len(tasks), "baselines"))
+        named = list(shown(pool.map(_name, tasks), len(tasks), "baselines"))
     titles = [baseline.title for baseline in compared]
-    rows = [names[i : i + len(titles)] for i in range(0, len(names), len(titles))]
+    rows = [named[i : i + len(titles)] for i in range(0, len(named), len(titles))]
     return [dict(zip(titles, row, strict=True)) for row in rows]
 
 
@@ -204,7 +145,12 @@ def as_json(results: Sequence[Scored], order: Order) -> dict[str, Any]:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="gap-check", description=__doc__)
+    parser = argparse.ArgumentParser(
+        prog="gap-check",
+        description=__doc__,
+        epilog=EXAMPLE,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=20, help="number of campaigns")
     parser.add_argument("--cases", help=f"some of {','.join(Case)}")
@@ -215,8 +161,15 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--no-baselines", action="store_true", help="leave the comparison out")
     parser.add_argument("--json", type=Path, help="write everything as JSON")
-    parser.add_argument("--keep", type=Path, help="folder to keep campaigns, seals and answers in")
+    parser.add_argument("--verdicts", type=Path, help="write a line of JSON for each campaign")
+    parser.add_argument(
+        "--keep", type=Path, help="folder of campaigns, seals and answers; what it has is kept"
+    )
     parser.add_argument("--dry", action="store_true", help="draw and seal in --keep, and no more")
+    parser.add_argument("--kept", action="store_true", help="draw nothing: take what --keep has")
+    parser.add_argument(
+        "--answers", default=ANSWERS, help="where in --keep answers stand; another name, anew"
+    )
     return parser
 
 
@@ -224,34 +177,45 @@ def _order(options: argparse.Namespace) -> Order:
     return Order(options.seed, options.count, options.cases, options.kinds)
 
 
-def run(options: argparse.Namespace, folder: Path) -> list[Scored]:
-    """Run the check in a folder."""
-    order = _order(options)
+def run(options: argparse.Namespace, folder: Path) -> tuple[list[Scored], Order]:
+    """Run the check in a folder; gives what it was drawn from, too."""
+    order = kept_order(folder / "check") if options.kept else _order(options)
     compared = [] if options.no_baselines else baselines.all_baselines()
-    results = check(folder / "check", order, compared, options.jobs)
+    if not options.kept:
+        generate(folder / "check", order)
+    results = check_kept(
+        folder / "check", order.seed, compared, options.jobs, answers=options.answers
+    )
     if options.false_alarms:
-        none = Order(options.seed, options.false_alarms, "none", options.kinds, FEW_TOUCHES)
-        results += check(folder / "none", none, [], options.jobs, "false alarms")
-    return results
+        none = Order(order.seed, options.false_alarms, "none", options.kinds, FEW_TOUCHES)
+        results += check(
+            folder / "none", none, [], options.jobs, "false alarms", answers=options.answers
+        )
+    return results, order
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Read the command line and run the check."""
-    options = _parser().parse_args()
+    options = _parser().parse_args(arguments)
     if options.count < 1 or options.jobs < 1 or options.false_alarms < 0:
         _parser().error("--count and --jobs must be at least 1, --false-alarms at least 0")
+    if (options.dry or options.kept) and not options.keep:
+        _parser().error("--dry and --kept need a folder: name it with --keep")
     if options.dry:
-        if not options.keep:
-            _parser().error("--dry draws campaigns and leaves them in --keep: name a folder")
         generate(options.keep / "check", _order(options))
         return
     with tempfile.TemporaryDirectory() as temporary:
-        results = run(options, options.keep or Path(temporary))
+        results, order = run(options, options.keep or Path(temporary))
     print(show(results))
+    _write(options, results, order)
+
+
+def _write(options: argparse.Namespace, results: Sequence[Scored], order: Order) -> None:
     if options.json:
-        order = Order(options.seed, options.count)
         document = json.dumps(as_json(results, order), indent=1, ensure_ascii=False)
         atomic_write_text(options.json, document + "\n")
+    if options.verdicts:
+        atomic_write_text(options.verdicts, verdicts.as_lines(results))
 
 
 if __name__ == "__main__":

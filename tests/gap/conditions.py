@@ -46,7 +46,7 @@ APPROACHES_MM = (2.0, 3.0, 5.0, 8.0)
 def draw_setup(rng: Rng, recording: Recording, touches: tuple[int, int]) -> Setup:
     """Draw a rig and between `touches` many touches, in the order of time."""
     nominal = _nominal(rng, recording)
-    n = round(_log_uniform(rng, *touches))
+    n = round(log_uniform(rng, *touches))
     conditions = _touches(rng, nominal, n)
     return Setup(nominal, conditions, round(rng.uniform(0.0, nominal.plc.scan_us), 3))
 
@@ -55,7 +55,8 @@ def _pick(rng: Rng, *values: float) -> float:
     return values[rng.integers(len(values))]
 
 
-def _log_uniform(rng: Rng, low: float, high: float) -> float:
+def log_uniform(rng: Rng, low: float, high: float) -> float:
+    """Draw a size: every factor between both is as likely."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 

@@ -25,7 +25,7 @@ def matrix(results: Sequence[Scored]) -> Counter[tuple[str, str]]:
     """
     counts: Counter[tuple[str, str]] = Counter()
     for scored in results:
-        if scored.label.case != "two":
+        if len(scored.truth) <= 1:
             counts[_truth(scored), _named(scored)] += 1
     return counts
 
@@ -47,7 +47,7 @@ def matrix_text(results: Sequence[Scored]) -> str:
     lines = []
     for truth in _in_order({truth for truth, _ in counts}):
         named = {name: n for (t, name), n in counts.items() if t == truth}
-        right = NOTHING if truth in {"(none)", "(dull)"} else UNKNOWN
+        right = UNKNOWN if truth in {"(stranger)", "(strangers)"} else NOTHING
         right = truth if truth in EFFECTS else right
         others = sorted(((n, name) for name, n in named.items() if name != right), reverse=True)
         words = ", ".join(f"{name} {n}" for n, name in others)

@@ -51,7 +51,7 @@ EFFECTS: Mapping[str, Effect] = {
     "isr_latency": Effect("latch", SKIP, latch.ISR_LATENCY, on_bench=True),
     "isr_blocking": Effect("latch", SKIP, latch.ISR_BLOCKING, on_bench=True),
     "timer_quantisation": Effect(
-        "latch", SKIP, latch.TIMER_QUANTISATION, on_bench=True, needs=STAMPS
+        "latch", BOTH, latch.TIMER_QUANTISATION, on_bench=True, needs=STAMPS
     ),
     "timer_drift": Effect("latch", BOTH, latch.TIMER_DRIFT, on_bench=True, needs=STAMPS),
     "scan_period": Effect("scan", PLC, scan.SCAN_PERIOD, on_bench=True),

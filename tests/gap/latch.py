@@ -1,5 +1,7 @@
 """Forms of the effects of the skip input and of its clock."""
 
+from collections.abc import Callable, Mapping
+
 import numpy as np
 
 from tests.gap.chain import FloatArray, Hook, State, Step
@@ -107,36 +109,37 @@ def _tick_us(d: Draw) -> float:
     return tick * max(2.0, round(d.size * d.between(0.7, 1.4)))
 
 
+def _ticking(coarse: Callable[[FloatArray], FloatArray]) -> Mapping[Step, Hook]:
+    """Let a coarse clock stamp both paths; the skip input's position is that of its stamp."""
+
+    def read(s: State) -> None:
+        s.read_us = np.where(s.touches.on_skip, coarse(s.read_us), s.read_us)
+
+    def stamp(s: State) -> None:
+        s.stamp_us = coarse(s.stamp_us)
+
+    return {Step.READ: read, Step.STAMP: stamp}
+
+
 def _coarse_tick(d: Draw) -> Form:
     tick = _tick_us(d)
-
-    def hook(s: State) -> None:
-        s.tick_us = np.where(s.touches.on_skip, tick, s.tick_us)
-
-    return Form(f"ticks of {tick:.4g} µs", {Step.STAMP: hook})
+    hooks = _ticking(lambda at_us: np.floor(at_us / tick) * tick)
+    return Form(f"ticks of {tick:.4g} µs", hooks)
 
 
 def _nearest_tick(d: Draw) -> Form:
     """A timer that is read in the middle of its coarse tick."""
     tick = _tick_us(d)
-
-    def hook(s: State) -> None:
-        near = np.round(s.stamp_us / tick) * tick
-        s.stamp_us = np.where(s.touches.on_skip, near, s.stamp_us)
-
-    return Form(f"ticks of {tick:.4g} µs, rounded to the nearest", {Step.STAMP: hook})
+    hooks = _ticking(lambda at_us: np.round(at_us / tick) * tick)
+    return Form(f"ticks of {tick:.4g} µs, rounded to the nearest", hooks)
 
 
 def _odd_tick(d: Draw) -> Form:
     """A prescaler that is no multiple of the believed tick, with an origin of its own."""
     tick = _tick_us(d) * d.pick(1.1, 1.28, 1.5)
     origin = d.between(0.0, tick)
-
-    def hook(s: State) -> None:
-        coarse = np.floor((s.stamp_us - origin) / tick) * tick + origin
-        s.stamp_us = np.where(s.touches.on_skip, coarse, s.stamp_us)
-
-    return Form(f"ticks of {tick:.4g} µs from an origin of their own", {Step.STAMP: hook})
+    hooks = _ticking(lambda at_us: np.floor((at_us - origin) / tick) * tick + origin)
+    return Form(f"ticks of {tick:.4g} µs from an origin of their own", hooks)
 
 
 def _ppm(d: Draw) -> float:

@@ -51,7 +51,7 @@ def _limping_period(d: Draw) -> Form:
     off, limp = _other_period(d), d.between(0.005, 0.05)
 
     def hook(s: State) -> None:
-        s.start_us = s.start_us + limp * s.scan_us * (s.scan_number % 2)
+        s.start_us = s.start_us + limp * (s.scan_number % 2) * np.reshape(s.scan_us, (-1, 1))
 
     words = f"scan period off by {100 * off:.4g} %, in turns {100 * limp:.2g} % longer and shorter"
     return Form(words, {Step.RIG: _sets_period(off), Step.SCAN: hook})

@@ -12,6 +12,7 @@ FAILED = "failed"
 """The verdict of a diagnosis that broke down."""
 SURE = 0.9
 """Confidence from which on a wrong name is the worst outcome."""
+HALF = 0.5
 BINS = (0.0, 0.5, 0.7, 0.8, 0.9, 0.95, 0.99, 1.0)
 
 
@@ -33,6 +34,36 @@ class Name:
 
 
 @dataclass(frozen=True, slots=True)
+class Shrink:
+    """By how much a diagnosis says that the gap of an observable shrinks: 1 is all of it.
+
+    Attributes:
+        observable: As the diagnosis calls it.
+        value: The share; NaN if it does not say.
+        low: Where its interval begins.
+        high: Where that ends.
+        has_gap: Whether there is a gap beyond the noise, as it says.
+    """
+
+    observable: str
+    value: float
+    low: float
+    high: float
+    has_gap: bool
+
+    @classmethod
+    def of(cls, observable: str, gap: Mapping[str, Any]) -> "Shrink":
+        """Take it from an entry of the gap in the JSON of a diagnosis."""
+        low, high = gap.get("shrink_interval") or (None, None)
+        ends = (_number(gap.get("shrink")), _number(low), _number(high))
+        return cls(observable, *ends, bool(gap.get("beyond_noise")))
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+@dataclass(frozen=True, slots=True)
 class Found:
     """What a diagnosis says, as far as it is scored."""
 
@@ -40,6 +71,9 @@ class Found:
     names: tuple[Name, ...]
     places: tuple[str, ...]
     """Stages where the gap is said to sit, the first one first."""
+    shrinks: tuple[Shrink, ...] = ()
+    outliers: frozenset[int] = frozenset()
+    """Serial numbers of touches that it lists as gross outliers."""
 
     @classmethod
     def of(cls, diagnosis: Mapping[str, Any]) -> "Found":
@@ -48,7 +82,18 @@ class Found:
             Name(e["id"], frozenset({e["id"], *e["alternatives"]}), e["stage"], e["confidence"])
             for e in diagnosis["effects"]
         )
-        return cls(diagnosis["verdict"], names, tuple(p["stage"] for p in diagnosis["where"]))
+        return cls(
+            diagnosis["verdict"],
+            names,
+            tuple(p["stage"] for p in diagnosis["where"]),
+            tuple(Shrink.of(name, gap) for name, gap in diagnosis.get("gap", {}).items()),
+            frozenset(int(touch) for touch in diagnosis.get("outliers", ())),
+        )
+
+    @property
+    def shrinks_by_half(self) -> bool:
+        """Whether it says of any gap that it shrinks by half at least."""
+        return any(s.has_gap and s.value >= HALF for s in self.shrinks)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +108,7 @@ class Scored:
         shrink: Of what the oracle's simulation takes away of the gap, the share that the diagnosed
             one does; NaN where there is too little to take away.
         guesses: What each baseline named, by its title.
+        name: Of the campaign: the seed, a slash, and its name in the set.
     """
 
     label: Label
@@ -71,6 +117,7 @@ class Scored:
     nats: float
     shrink: float
     guesses: Mapping[str, str | None]
+    name: str = ""
 
     @property
     def truth(self) -> frozenset[str]:
@@ -83,9 +130,14 @@ class Scored:
         return self.truth & frozenset[str]().union(*(name.group for name in self.found.names))
 
     @property
+    def wrong_names(self) -> list[Name]:
+        """Named effects that are not in the campaign, nor is any that would do as well."""
+        return [name for name in self.found.names if not name.group & self.truth]
+
+    @property
     def strays(self) -> int:
-        """Named effects whose group holds no true one."""
-        return sum(not name.group & self.truth for name in self.found.names)
+        """How many names are wrong."""
+        return len(self.wrong_names)
 
     @property
     def names_exactly(self) -> bool:
@@ -113,9 +165,15 @@ class Scored:
         """Whether something was named with great confidence."""
         return any(name.confidence >= SURE for name in self.found.names)
 
+    @property
+    def is_surely_wrong(self) -> bool:
+        """Whether a wrong name was given with great confidence."""
+        return any(name.confidence >= SURE for name in self.wrong_names)
+
     def as_json(self) -> dict[str, Any]:
         """Give it in plain types."""
         return {
+            "name": self.name,
             "case": self.label.case,
             "recording": self.label.recording,
             "touches": self.label.touches,

@@ -29,6 +29,14 @@ class Label:
     not_recorded: frozenset[str]
     touches: int
     scan_phase_us: float
+    verdict: str = ""
+    """What a diagnosis should say."""
+    parts: tuple[str, ...] = ()
+    """All that is the matter with it, in words."""
+    outliers: frozenset[int] = frozenset()
+    """Serial numbers of touches that are grossly off."""
+    plain_outliers: frozenset[int] = frozenset()
+    """Those of them that nobody can overlook."""
 
     @classmethod
     def read(cls, path: Path) -> "Label":
@@ -42,6 +50,10 @@ class Label:
             not_recorded=frozenset(label["not_recorded"]),
             touches=label["touches"],
             scan_phase_us=label["scan_phase_us"],
+            verdict=label["verdict"],
+            parts=_in_words(label),
+            outliers=frozenset(one["touch"] for one in label["outliers"]),
+            plain_outliers=frozenset(one["touch"] for one in label["outliers"] if one["plain"]),
         )
 
     @property
@@ -58,15 +70,21 @@ class Label:
         return {EFFECTS[effect].stage for effect in self.effects}
 
 
+def _in_words(label: Mapping[str, Any]) -> tuple[str, ...]:
+    parts = [f"{p['id']}, {p['form']}: {p['parameters']}" for p in label["parts"]]
+    beliefs = [f"{name} is {b['true']:.6g}" for name, b in label["beliefs_off"].items()]
+    return (*parts, *beliefs)
+
+
 @dataclass(frozen=True, eq=False)
 class HeldBack:
     """The touches that were held back: what became of them, and plays of the truth and of nothing.
 
     Attributes:
-        nominal: What the engineer believes of the rig.
+        nominal: The rig as it is, but for its effects.
         touches: The touches with their true outcomes, all columns, shape (n,).
         oracle: Plays of the truth, shape (replicates, n).
-        unchanged: Plays of the unchanged chain, likewise.
+        unchanged: Plays of the rig without its effects, likewise.
         oracle_any_phase: Plays of the truth by somebody who does not know the phase of the scans.
         unchanged_any_phase: Plays of the unchanged chain, likewise.
         recorded: Streams that the campaign allows to look at.
@@ -83,11 +101,11 @@ class HeldBack:
     scan_phase_us: float
 
     @classmethod
-    def read(cls, campaign: Path, sealed: Path) -> "HeldBack":
+    def read(cls, sealed: Path) -> "HeldBack":
         """Open the seals of one campaign."""
         label = Label.read(sealed / LABEL)
         return cls(
-            nominal=read_nominal(campaign / "nominal.toml"),
+            nominal=read_nominal(sealed / "nominal.toml"),
             touches=read_touches(sealed / "truth.csv"),
             oracle=_plays(sealed / "oracle.npz"),
             unchanged=_plays(sealed / "nominal.npz"),

@@ -22,11 +22,12 @@ from skiplatch.campaign import format_nominal, format_touches, read_conditions
 from skiplatch.files import atomic_write_folder, atomic_write_text
 from skiplatch.statistics import proportion
 from skiplatch.tables import table
-from tests.gap.cases import Case, Drawn, Order, draw_campaign
-from tests.gap.check import run_skiplatch
+from tests.gap.cases import Drawn, draw_campaign
 from tests.gap.conditions import Recording
+from tests.gap.orders import Case, Order
 from tests.gap.parts import recordings_for
 from tests.gap.resume import resume
+from tests.gap.runs import run_skiplatch
 from tests.gap.writing import write
 
 GOAL = 0.95

@@ -13,8 +13,9 @@ from skiplatch.campaign import COLUMNS, CONDITIONS, Status, Touches, format_nomi
 from skiplatch.campaign.touches import SerialArray
 from skiplatch.campaign.writing import format_touches
 from skiplatch.files import atomic_write_bytes, atomic_write_folder
-from tests.gap.cases import VERDICTS, Case, Drawn
+from tests.gap.cases import Drawn
 from tests.gap.chain import FloatArray
+from tests.gap.effects import EFFECTS
 from tests.gap.parts import OTHERS, Part
 
 LAST_WRITTEN = "nominal_any_phase.npz"
@@ -34,7 +35,7 @@ def write(out: Path, name: str, drawn: Drawn) -> None:
     atomic_write_folder(
         out / "campaigns" / name,
         {
-            "nominal.toml": format_nominal(drawn.setup.nominal),
+            "nominal.toml": format_nominal(drawn.beliefs.nominal),
             "touches.csv": format_touches(_recorded(kept, drawn.dropped)),
             "conditions.csv": format_touches(_recorded(held_back, drawn.dropped), CONDITIONS),
         },
@@ -42,7 +43,9 @@ def write(out: Path, name: str, drawn: Drawn) -> None:
     sealed = out / "sealed" / name
     label = json.dumps(_label(drawn), indent=1, ensure_ascii=False)
     truth = format_touches(held_back)
-    atomic_write_folder(sealed, {"label.json": label + "\n", "truth.csv": truth})
+    true = format_nominal(drawn.setup.nominal)
+    texts = {"label.json": label + "\n", "nominal.toml": true, "truth.csv": truth}
+    atomic_write_folder(sealed, texts)
     sealed_plays = {
         "oracle.npz": drawn.oracle,
         "nominal.npz": drawn.nominal,
@@ -78,38 +81,41 @@ def _note(part: Part) -> str:
 
 
 def _label(drawn: Drawn) -> dict[str, object]:
-    case = drawn.order.case
-    known = case in {Case.SINGLE, Case.TWO}
+    order = drawn.order
+    effects = [part.id for part in drawn.parts if part.id in EFFECTS]
     return {
-        "effects": [part.id for part in drawn.parts] if known else [],
-        "verdict": VERDICTS[case],
-        "note": "" if known else "; ".join(_note(part) for part in drawn.parts),
-        "case": case,
-        "recording": drawn.order.recording,
-        "parts": [
-            {
-                "id": part.id,
-                "form": part.form,
-                "parameters": part.drawn.words,
-                "size": round(part.size, 3),
-                "visible": round(part.sizes.visible, 3),
-                "missed": round(part.sizes.missed, 4),
-                "off_grid_ticks": round(part.sizes.off_grid, 3),
-                **part.facts,
-                "sizes": [
-                    {
-                        "observable": size.observable,
-                        "path": size.path,
-                        "shift": round(size.shift, 3),
-                        "scatter": round(size.scatter, 3),
-                    }
-                    for size in part.sizes.sizes
-                ],
-            }
-            for part in drawn.parts
-        ],
+        "effects": effects,
+        "verdict": order.verdict,
+        "note": "; ".join(_note(part) for part in drawn.parts if part.id not in EFFECTS),
+        "case": order.case,
+        "recording": order.recording,
+        "parts": [_part(part) for part in drawn.parts],
+        "beliefs_off": drawn.beliefs.off_as_json(),
+        "outliers": drawn.outliers.as_json(drawn.setup.touches.touch) if drawn.outliers else [],
         "not_recorded": [key for key in COLUMNS if key in drawn.dropped],
         "touches": len(drawn.held_back),
         "missed": int(np.count_nonzero(drawn.outcomes.status == Status.MISSED)),
         "scan_phase_us": drawn.setup.scan_phase_us,
+    }
+
+
+def _part(part: Part) -> dict[str, object]:
+    return {
+        "id": part.id,
+        "form": part.form,
+        "parameters": part.drawn.words,
+        "size": round(part.size, 3),
+        "visible": round(part.sizes.visible, 3),
+        "missed": round(part.sizes.missed, 4),
+        "off_grid_ticks": round(part.sizes.off_grid, 3),
+        **part.facts,
+        "sizes": [
+            {
+                "observable": size.observable,
+                "path": size.path,
+                "shift": round(size.shift, 3),
+                "scatter": round(size.scatter, 3),
+            }
+            for size in part.sizes.sizes
+        ],
     }

@@ -8,17 +8,17 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch import cli
-from tests.gap import check, goals
+from tests.gap import check, goals, runs
 from tests.gap.scoring import FAILED, Scored
 
 # One of each case and a second single one: what is easy to see, so that a sound diagnosis needs no
 # luck. Both singles and the pair are plain; the rest has nothing to name.
-ORDER = check.Order(20, 6, "single,two,none,stranger,dull", touches=(200, 220))
+ORDER = runs.Order(20, 6, "single,two,none,stranger,dull", touches=(200, 220))
 LEAST_RIGHT = 4
 """Naming nothing ever gets three right, and naming the same ever gets one."""
 
 
-def run_here(folder: str, *arguments: str) -> str:
+def run_here(folder: Path, *arguments: str) -> str:
     """Run a command in a folder without a process of its own, which takes a second to start."""
     with chdir(folder):
         result = CliRunner().invoke(cli.group, arguments)
@@ -29,13 +29,13 @@ def run_here(folder: str, *arguments: str) -> str:
 def results(tmp_path_factory: pytest.TempPathFactory) -> list[Scored]:
     """Run the check once, with the diagnoses one after the other."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(check, "run_skiplatch", run_here)
+        patch.setattr(runs, "run_skiplatch", run_here)
         return check.check(tmp_path_factory.mktemp("gap") / "set", ORDER, [], jobs=1)
 
 
 def test_a_command_runs_in_a_process_of_its_own(tmp_path: Path) -> None:
     """Ties try one that succeeds."""
-    assert "none: no such folder" in check.run_skiplatch(str(tmp_path), "compare", "none")
+    assert "none: no such folder" in runs.run_skiplatch(tmp_path, "compare", "none")
 
 
 def of(results: list[Scored], case: str) -> list[Scored]:

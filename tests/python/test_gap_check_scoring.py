@@ -1,7 +1,8 @@
 """The scorer of the withheld check, on made-up labels, diagnoses and plays."""
 
+import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,10 +10,10 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
-from tests.gap import baselines, check, confusion, goals
+from tests.gap import baselines, confusion, goals, runs, verdicts
 from tests.gap.heldout import read_predictions, shrink_to_oracle
 from tests.gap.nats import nats
-from tests.gap.scoring import Found, Scored, calibration_error
+from tests.gap.scoring import FAILED, Found, Scored, calibration_error
 from tests.gap.sealed import HeldBack, Label
 from tests.gap.simulated import play_once
 from tests.gap.streams import Expected, Played, cells, residuals
@@ -108,11 +109,12 @@ def test_table_counts_plain_effects_by_recording() -> None:
         scored(stamped, found(GROUP)),
     ]
 
-    assert row(results, "right name, bench").value == pytest.approx(1 / 3)
-    assert row(results, "name or group").value == pytest.approx(2 / 3)
-    assert row(results, "name or group, machine with stamps").value == 1.0
-    assert row(results, "name or group, position only").count == 0
-    assert row(results, "name or group, faint (10–30 nats)").value == 0.0
+    assert row(results, "one effect that shows: name or group").value == 0.75
+    assert row(results, "the very name, bench").value == pytest.approx(1 / 3)
+    assert row(results, "bench").value == pytest.approx(2 / 3)
+    assert row(results, "machine with stamps").value == 1.0
+    assert row(results, "position only").count == 0
+    assert row(results, "faint (10–30 nats)").value == 0.0
     assert row(results, "truth in the reported group").count == 4
     assert row(results, "nothing named of one effect").value == 0.25
     assert row(results, "median size of the group").value == 2.0
@@ -128,9 +130,9 @@ def test_pairs_count_if_both_effects_show() -> None:
         scored(faint, NOTHING),
     ]
 
-    assert row(results, "both of two effects, bench").value == 0.5
-    assert row(results, "both of two effects, bench").count == 2
-    assert row(results, "a wrong name beside two effects").value == 0.5
+    assert row(results, "both of two effects").value == 0.5
+    assert row(results, "both of two effects").count == 2
+    assert row(results, "a wrong name beside them").value == 0.5
 
 
 def test_abstention_is_counted_by_case() -> None:
@@ -146,11 +148,122 @@ def test_abstention_is_counted_by_case() -> None:
         scored(label("stranger"), NOTHING),
     ]
 
-    assert row(results, "false alarm, no gap").value == 0.25
-    assert row(results, "false material gap, dull base").met is True
-    assert row(results, "stranger not named").value == 0.5
-    assert row(results, "stranger named with confidence ≥ 0.9").value == 0.25
-    assert row(results, "stranger told as unknown").value == 0.25
+    assert row(results, "no gap: said so").value == 0.75
+    assert row(results, "dull base: no gap").met is True
+    assert row(results, "strangers by hand named").value == 0.5
+    assert row(results, "strangers of the grammar named").count == 0
+    assert row(results, "campaigns with such a name").value == pytest.approx(1 / 9)
+    assert row(results, "wrong of the names with confidence ≥ 0.9").value == 1.0
+
+
+def case(name: str, *said: Found) -> list[Scored]:
+    return [scored(label(name), one) for one in said]
+
+
+UNSURE = ("backlash", (), 0.6)
+
+
+@pytest.mark.parametrize(
+    ("results", "title", "value"),
+    [
+        (case("strangers", found(UNSURE), NOTHING), "strangers of the grammar named", 0.5),
+        (case("strangers", found(UNSURE), found(verdict="unknown")), "told as unknown", 0.5),
+        (case("datum", found(SURE), NOTHING, NOTHING, NOTHING), "datum off: no gap", 0.75),
+        (
+            case("wrong_noise", NOTHING, found(verdict="undecided")),
+            "wrong noise believed: no gap",
+            0.5,
+        ),
+        (case("outliers", NOTHING, found(SURE)), "outliers: right all the same", 0.5),
+        (case("none", NOTHING, found(verdict="undecided")), "undecided", 0.5),
+    ],
+)
+def test_cases_without_an_effect_have_rows(results: list[Scored], title: str, value: float) -> None:
+    assert row(results, title).value == value
+    assert row(results, title).interval is not None
+
+
+@pytest.mark.parametrize(
+    ("kind", "title"),
+    [
+        ("uncertain", "name or group, beliefs uncertain"),
+        ("onset", "name or group, begins or ends"),
+        ("small", "name or group, few touches"),
+    ],
+)
+def test_variants_of_one_effect_have_rows_of_what_shows(kind: str, title: str) -> None:
+    one = label(kind, "isr_latency")
+    results = [
+        scored(one, found(GROUP)),
+        scored(one, found(WRONG)),
+        scored(one, NOTHING, nats=20.0),
+    ]
+
+    assert row(results, title).value == 0.5
+    assert row(results, title).count == 2
+
+
+def test_three_effects_count_if_all_are_named_and_no_other() -> None:
+    three = label("three", "isr_latency", "backlash", "report_delay")
+    late = ("isr_blocking", ("report_delay",), 0.9)
+    results = [scored(three, found(SURE, WRONG, late)), scored(three, found(SURE, WRONG))]
+
+    assert row(results, "all of three effects").value == 0.5
+
+
+def shrinking(verdict: str, *shrinks: tuple[float, bool]) -> Found:
+    gap = {
+        str(i): {"shrink": value, "shrink_interval": [value, value], "beyond_noise": has_gap}
+        for i, (value, has_gap) in enumerate(shrinks)
+    }
+    return Found.of({"verdict": verdict, "effects": [], "where": [], "gap": gap})
+
+
+def test_explained_without_a_gap_that_shrinks_by_half_is_counted() -> None:
+    results = [
+        scored(SINGLE, shrinking("explained", (0.9, True), (0.0, False))),
+        scored(SINGLE, shrinking("explained", (0.4, True), (0.9, False))),
+        scored(SINGLE, shrinking("unknown", (0.0, True))),
+        scored(SINGLE, shrinking("explained")),
+    ]
+
+    assert row(results, "explained, and nothing shrinks by half").value == 0.5
+    assert row(results, "explained, and nothing shrinks by half").met is False
+
+
+def test_outliers_are_counted_by_touch() -> None:
+    spoilt = replace(
+        label("outliers"), outliers=frozenset({3, 5, 8}), plain_outliers=frozenset({3, 5})
+    )
+    said = replace(NOTHING, outliers=frozenset({3, 8, 9}))
+    results = [scored(spoilt, said)]
+
+    assert row(results, "those of ten spreads that are listed").value == 0.5
+    assert row(results, "listed ones that are some").value == pytest.approx(2 / 3)
+
+
+def test_a_name_is_wrong_beside_the_right_one_too() -> None:
+    results = [scored(SINGLE, found(SURE, WRONG)), scored(SINGLE, found(GROUP))]
+
+    assert row(results, "wrong of the names with confidence ≥ 0.9").value == pytest.approx(1 / 3)
+    assert row(results, "campaigns with such a name").value == 0.5
+
+
+def test_a_line_of_verdicts_is_whole_json_of_a_campaign() -> None:
+    said = replace(found(SURE, WRONG), shrinks=shrinking("", (0.9, True), (NAN, False)).shrinks)
+    results = [
+        replace(scored(SINGLE, said), name="7/g0001"),
+        replace(scored(label("none"), NOTHING), name="7/g0000"),
+    ]
+
+    first, second = map(json.loads, verdicts.as_lines(results).splitlines())
+
+    assert (first["campaign"], first["confidence"], first["names"]) == ("g0000", None, {})
+    assert (second["seed"], second["campaign"], second["case"]) == (7, "g0001", "single")
+    assert second["names"] == {"isr_latency": [], "backlash": []}
+    assert second["wrong_names"] == ["backlash"]
+    assert second["shrink"]["0"] == {"of": 0.9, "interval": [0.9, 0.9], "gap": True}
+    assert second["shrink"]["1"]["of"] is None
 
 
 def test_goals_are_met_at_their_very_value() -> None:
@@ -230,7 +343,7 @@ def test_baselines_are_counted_beside_the_diagnosis() -> None:
 
     ours, theirs = (line.split() for line in baselines.as_text(results).splitlines()[1:])
 
-    # Right of plain ones and of all, one of two, named on none and on strangers; no dull ones.
+    # Right of plain ones and of all, one of two, named on none and on strangers; no others.
     assert ours[2:] == ["0/1", "0/1", "1/1", "0/1", "1/1"]
     assert theirs[1:] == ["1/1", "1/1", "1/1", "1/1", "0/1"]
 
@@ -401,19 +514,77 @@ def test_diagnosis_sees_nothing_but_its_campaign(
         "sys.exit(open('diagnosis.json').read())\n"
     )
     spy.chmod(0o755)
-    monkeypatch.setattr(check, "SKIPLATCH", spy)
+    monkeypatch.setattr(runs, "SKIPLATCH", spy)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
 
-    with pytest.raises(SystemExit, match="predict failed"):
-        check.diagnose(campaign, 1, tmp_path / "found")
+    answer = runs.diagnose(campaign, 1, tmp_path / "found")
 
     said = (tmp_path / "found" / "failure.txt").read_text()
     assert "['campaign']" in said
     assert "PYTHONPATH" not in said
+    assert answer.diagnosis["verdict"] == FAILED
+    assert answer.predicted is None
+
+
+def counting(counted: Path) -> Callable[..., str]:
+    """Stand in for skiplatch: write what it would, and a line for each command."""
+
+    def run(folder: Path, *arguments: str) -> str:
+        with counted.open("a") as file:
+            file.write(arguments[0] + "\n")
+        written = arguments[
+            arguments.index("--json" if arguments[0] == "diagnose" else "--out") + 1
+        ]
+        (folder / written).write_text('{"verdict": "no_gap", "effects": [], "where": []}')
+        return ""
+
+    return run
+
+
+@pytest.fixture
+def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    for name in ("g0000", "g0001"):
+        campaign = tmp_path / "set" / "campaigns" / name
+        campaign.mkdir(parents=True)
+        (campaign / "touches.csv").write_text("")
+    monkeypatch.setattr(runs, "run_skiplatch", counting(tmp_path / "counted"))
+    return tmp_path / "set"
+
+
+def test_diagnoses_go_on_where_they_were_broken_off(kept: Path) -> None:
+    runs.diagnose(kept / "campaigns" / "g0000", 1, kept / "found" / "g0000")
+    half = kept / "found" / "g0001"
+    half.mkdir()
+    (half / "diagnosis.json").write_text("half a")
+
+    first = runs.diagnose_all(kept, 1, jobs=1, title="")
+    again = runs.diagnose_all(kept, 1, jobs=1, title="")
+
+    assert [answer.diagnosis["verdict"] for answer in first] == ["no_gap", "no_gap"]
+    assert first == again
+    assert (kept.parent / "counted").read_text().split() == ["diagnose", "predict"] * 2
+
+
+def test_answers_of_another_name_are_made_anew(kept: Path) -> None:
+    runs.diagnose_all(kept, 1, jobs=1, title="")
+    runs.diagnose_all(kept, 1, jobs=1, title="", answers="after")
+
+    assert (kept.parent / "counted").read_text().split() == ["diagnose", "predict"] * 4
+    assert (kept / "found" / "g0000" / "answered.json").exists()
 
 
 def test_a_generator_that_fails_ends_the_check(tmp_path: Path) -> None:
-    order = check.Order(seed=1, count=1, cases="nonsense")
+    order = runs.Order(seed=1, count=1, cases="nonsense")
 
     with pytest.raises(SystemExit, match="the generator failed"):
-        check.generate(tmp_path / "out", order)
+        runs.generate(tmp_path / "out", order)
+
+
+def test_a_set_is_gone_on_with_only_by_its_own_order(tmp_path: Path) -> None:
+    (tmp_path / "set.json").write_text('{"seed": 1, "count": 2, "touches": [60, 90]}\n')
+
+    with pytest.raises(SystemExit, match="holds another set"):
+        runs.generate(tmp_path, runs.Order(seed=2, count=2))
+    assert runs.kept_order(tmp_path) == runs.Order(1, 2, touches=(60, 90))
+    with pytest.raises(SystemExit, match="no set was drawn"):
+        runs.kept_order(tmp_path / "nowhere")

@@ -5,8 +5,9 @@ import pytest
 
 from skiplatch.campaign import Touches
 from tests.gap import ties
-from tests.gap.cases import Case, Drawn, Order, draw_campaign
+from tests.gap.cases import Drawn, draw_campaign
 from tests.gap.conditions import Recording
+from tests.gap.orders import Case, Order
 from tests.gap.resume import resume
 from tests.gap.ties import Fate, Tie
 

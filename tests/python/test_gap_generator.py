@@ -21,12 +21,13 @@ from skiplatch.campaign import (
     read_touches,
 )
 from tests.gap import conditions
-from tests.gap.cases import Case, Drawn, Order, draw_campaign
+from tests.gap.cases import Drawn, draw_campaign
 from tests.gap.chain import Outcomes, Setup, State, play, travel_us
 from tests.gap.conditions import Recording
 from tests.gap.effects import EFFECTS
 from tests.gap.forms import Draw, Form
-from tests.gap.generate import main, orders
+from tests.gap.generate import main
+from tests.gap.orders import Case, Order, orders
 from tests.gap.parts import FAINTEST, recordings_for
 from tests.gap.strangers import DULL, STRANGERS
 
@@ -196,6 +197,18 @@ def test_pretravel_is_never_negative() -> None:
     assert (state.edge_us >= state.contact_us).all()
 
 
+def test_pretravel_may_be_negative_in_version_2_of_the_format() -> None:
+    setup = draw_setup(Recording.STAMPED)
+    probe = ProbeNominal(0.1, 3.0, 0.0, 0.0, 0.0)
+    nominal = replace(setup.nominal, probe=probe, version=2)
+
+    _, state = play(replace(setup, nominal=nominal), [], rng())
+
+    early = state.edge_us < state.contact_us
+    assert (early == (state.pretravel_um < 0.0)).all()
+    assert early.any()
+
+
 # ---- the effects ---------------------------------------------------------------------------------
 
 
@@ -239,7 +252,7 @@ def test_effect_changes_its_paths_and_no_other(effect: str, form: str) -> None:
 
 
 UNTOUCHED = {
-    "timer_quantisation": ("report_us", "deviation_um"),
+    "timer_quantisation": ("report_us",),
     "timer_drift": ("report_us", "deviation_um"),
     "report_delay": ("latch_us", "deviation_um"),
     **{
@@ -512,10 +525,14 @@ def test_plan_takes_cases_and_effects_in_turns() -> None:
         assert ranks.index(order.ids[0]) < ranks.index(order.ids[1])
 
 
+CERTAIN = ["--cases", "single,two,none,stranger,dull"]
+"""Cases of the rig as it is believed to be."""
+
+
 @pytest.fixture(scope="module")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("gap")
-    main([str(out), "--seed", "11", "--count", "10", "--touches", "60", "90"])
+    main([str(out), "--seed", "11", "--count", "10", "--touches", "60", "90", *CERTAIN])
     return out
 
 
@@ -529,7 +546,7 @@ def test_sealed_files_stand_apart(written: Path) -> None:
     for folder in (written / "campaigns").iterdir():
         assert names(folder) == {"nominal.toml", "touches.csv", "conditions.csv"}
         plays = ("oracle", "nominal", "oracle_any_phase", "nominal_any_phase")
-        sealed = {"label.json", "truth.csv", *(f"{name}.npz" for name in plays)}
+        sealed = {"label.json", "nominal.toml", "truth.csv", *(f"{name}.npz" for name in plays)}
         assert names(written / "sealed" / folder.name) == sealed
 
 
@@ -588,7 +605,7 @@ def contents(out: Path) -> dict[str, bytes]:
 def test_same_seed_gives_the_same_bytes_and_another_one_others(
     written: Path, tmp_path: Path
 ) -> None:
-    common = ["--count", "10", "--touches", "60", "90"]
+    common = ["--count", "10", "--touches", "60", "90", *CERTAIN]
     main([str(tmp_path / "same"), "--seed", "11", *common])
     main([str(tmp_path / "other"), "--seed", "12", *common])
 
