@@ -18,6 +18,8 @@ COMMANDS = {
     "simulate": "Play conditions through the nominal simulation and write a campaign.",
     "check": "Say what in a campaign is odd or missing, and what it cannot tell.",
     "columns": "List the columns and keys of a campaign.",
+    "import": "Make a campaign out of a machine's or an instrument's log.",
+    "init": "Write a commented nominal.toml for a kind of rig.",
     "compare": "Hold a recorded campaign against the nominal simulation.",
     "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
     "predict": "Play conditions with the effects that a diagnosis found.",
@@ -33,6 +35,8 @@ COMMANDS = {
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }
 
+MODULES = {"import": "import_log"}  # a keyword is no name of a module
+
 
 class _LazyGroup(click.Group):
     """A group whose commands live in ``skiplatch.commands``, one module each."""
@@ -43,7 +47,8 @@ class _LazyGroup(click.Group):
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = import_module(f"skiplatch.commands.{cmd_name}").command
+        module = MODULES.get(cmd_name, cmd_name)
+        command: click.Command = import_module(f"skiplatch.commands.{module}").command
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002

@@ -1,0 +1,258 @@
+"""``skiplatch import``: from a log that people have to a campaign."""
+
+from pathlib import Path
+
+import click
+
+from skiplatch.campaign import Kind, read_campaign
+from skiplatch.campaign.plausibility import oddities
+from skiplatch.campaign.telling import cannot_be_told
+from skiplatch.commands.options import Decorator, json_option, write_json
+from skiplatch.files import refuse_occupied
+from skiplatch.importing.model import Imported
+from skiplatch.importing.writing import write_imported
+
+EPILOG = """\b
+Example:
+  skiplatch import klipper klippy.log --out build/printer
+  skiplatch import linuxcnc probe.txt --program probe.ngc --out build/mill
+"""
+
+out_option: Decorator = click.option(
+    "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder of the campaign."
+)
+feed_option: Decorator = click.option(
+    "--feed",
+    type=click.FloatRange(0.0, min_open=True),
+    metavar="MM/MIN",
+    help="Measuring feed, where the log does not say it.",
+)
+log_argument: Decorator = click.argument("log", type=click.Path(path_type=Path))
+axis_option: Decorator = click.option(
+    "--axis", type=click.Choice(list("XYZABC"), case_sensitive=False), help="The axis that probed."
+)
+
+
+@click.group(epilog=EPILOG)
+def command() -> None:
+    """Make a campaign out of a log, and say what is known, assumed, and cannot be told from it.
+
+    The folder then goes through check, repeat, compare and diagnose.
+    """
+
+
+def finish(
+    imported: Imported, sources: tuple[Path, ...], out: Path, json_path: Path | None
+) -> None:
+    """Write the campaign and say what is in it."""
+    write_imported(out, imported, sources)
+    campaign = read_campaign(out)
+    untold = cannot_be_told(campaign)
+    odd = [oddity.line for oddity in oddities(campaign)]
+    parts = (
+        ("Known", imported.known),
+        ("Assumed", imported.assumed),
+        ("Could not be read", imported.unread),
+        ("Odd", odd),
+        ("Cannot be told from it", untold),
+    )
+    click.echo(f"wrote {out}: {campaign.nominal.kind} campaign, {len(campaign.touches)} touches")
+    for head, lines in parts:
+        if lines:
+            click.echo(f"\n{head}")
+            for line in lines:
+                click.echo(f"  {line}")
+    click.echo(f"\nNext: skiplatch check {out}, skiplatch repeat {out}, skiplatch diagnose {out}")
+    said = {name.lower().replace(" ", "_"): lines for name, lines in parts}
+    about = {"out": str(out), "kind": campaign.nominal.kind, "touches": len(campaign.touches)}
+    write_json(json_path, {**about, **said})
+
+
+@command.command(epilog="Example: skiplatch import linuxcnc probe.txt --program probe.ngc -o mill")
+@log_argument
+@click.option(
+    "--program",
+    type=click.Path(path_type=Path),
+    help="The G-code whose G38.x moves made the log: feeds, axes, senses.",
+)
+@axis_option
+@feed_option
+@click.option("--inch", is_flag=True, help="The program's unit was the inch.")
+@out_option
+@json_option
+def linuxcnc(
+    *,
+    log: Path,
+    program: Path | None,
+    axis: str | None,
+    feed: float | None,
+    inch: bool,
+    out: Path,
+    json_path: Path | None,
+) -> None:
+    """Read the LOG that (PROBEOPEN …) made."""
+    from skiplatch.importing.linuxcnc import read_linuxcnc  # noqa: PLC0415
+
+    refuse_occupied(out)
+    found = read_linuxcnc(log, program, axis.upper() if axis else None, feed, inch=inch)
+    finish(found, (log,) if program is None else (log, program), out, json_path)
+
+
+@command.command(epilog="Example: skiplatch import grbl serial.log --out build/router")
+@log_argument
+@feed_option
+@click.option("--inch", is_flag=True, help="Commands and replies are in inches.")
+@out_option
+@json_option
+def grbl(*, log: Path, feed: float | None, inch: bool, out: Path, json_path: Path | None) -> None:
+    """Read the LOG of a serial line with grbl, grblHAL, FluidNC or Grbl_Esp32."""
+    from skiplatch.importing.grbl import read_grbl  # noqa: PLC0415
+
+    refuse_occupied(out)
+    finish(read_grbl(log, feed, inch=inch), (log,), out, json_path)
+
+
+@command.command(epilog="Example: skiplatch import klipper klippy.log --out build/printer")
+@log_argument
+@feed_option
+@out_option
+@json_option
+def klipper(log: Path, feed: float | None, out: Path, json_path: Path | None) -> None:
+    """Read klippy.log or a copied console as LOG."""
+    from skiplatch.importing.klipper import read_klipper  # noqa: PLC0415
+
+    refuse_occupied(out)
+    finish(read_klipper(log, feed), (log,), out, json_path)
+
+
+@command.command(epilog="Example: skiplatch import marlin m48.log --feed 120 --out build/printer")
+@log_argument
+@feed_option
+@out_option
+@json_option
+def marlin(log: Path, feed: float | None, out: Path, json_path: Path | None) -> None:
+    """Read the console of M48 V4 or G30 as LOG."""
+    from skiplatch.importing.marlin import read_marlin  # noqa: PLC0415
+
+    refuse_occupied(out)
+    finish(read_marlin(log, feed), (log,), out, json_path)
+
+
+@command.command(
+    epilog='Example: skiplatch import csv t.csv --map "deviation_um=Error [mm]" --out build/table'
+)
+@click.argument("table", type=click.Path(path_type=Path))
+@click.option(
+    "--map",
+    "mappings",
+    multiple=True,
+    required=True,
+    metavar='COLUMN="HEAD [UNIT]"',
+    help="A column of a campaign (skiplatch columns), or coordinate_mm, and the head of the "
+    "table's column that stands for it, with its unit where that differs.",
+)
+@click.option("--kind", type=click.Choice(list(Kind)), default=Kind.MACHINE, show_default=True)
+@axis_option
+@click.option("--sign", type=click.Choice(["1", "-1"]), help="Sense of the motion.")
+@feed_option
+@out_option
+@json_option
+def csv(
+    table: Path,
+    mappings: tuple[str, ...],
+    kind: str,
+    axis: str | None,
+    sign: str | None,
+    feed: float | None,
+    out: Path,
+    json_path: Path | None,
+) -> None:
+    """Read any TABLE; units are converted."""
+    from skiplatch.importing.table import parse_mapping, read_table  # noqa: PLC0415
+
+    refuse_occupied(out)
+    try:
+        mapped = [parse_mapping(text) for text in mappings]
+    except ValueError as error:
+        raise click.BadParameter(str(error), param_hint="--map") from error
+    found = read_table(
+        table,
+        mapped,
+        kind=Kind(kind),
+        axis=(axis or "Z").upper(),
+        sign=int(sign) if sign else None,
+        feed=feed,
+    )
+    finish(found, (table,), out, json_path)
+
+
+@command.command(
+    epilog="Example: skiplatch import edges capture.vcd --probe D0 --latch D1 --out build/bench"
+)
+@click.argument("capture", type=click.Path(path_type=Path))
+@click.option("--probe", metavar="CHANNEL", help="Channel of the injected edge.")
+@click.option("--latch", metavar="CHANNEL", help="Channel that changes at the latch.")
+@click.option("--report", metavar="CHANNEL", help="Channel that changes at the report.")
+@click.option("--falling", is_flag=True, help="Falling edges count rather than rising ones.")
+@click.option(
+    "--holdoff-us",
+    type=click.FloatRange(0.0),
+    default=1000.0,
+    show_default=True,
+    help="Edges of the probe within this time of one before are its bounces.",
+)
+@out_option
+@json_option
+def edges(
+    *,
+    capture: Path,
+    probe: str | None,
+    latch: str | None,
+    report: str | None,
+    falling: bool,
+    holdoff_us: float,
+    out: Path,
+    json_path: Path | None,
+) -> None:
+    """Read the CAPTURE of a logic analyser: CSV of Saleae Logic, VCD, or sigrok's .sr."""
+    from skiplatch.importing.edges import read_edges  # noqa: PLC0415
+
+    refuse_occupied(out)
+    holdoff_s = holdoff_us / 1e6
+    found = read_edges(capture, probe, latch, report, falling=falling, holdoff_s=holdoff_s)
+    finish(found, (capture,), out, json_path)
+
+
+@command.command(epilog="Example: skiplatch import can bus.log --out build/bench")
+@log_argument
+@out_option
+@json_option
+def can(log: Path, out: Path, json_path: Path | None) -> None:
+    """Read a LOG of CAN traffic (candump -L, ASC, BLF) with the project's own frames."""
+    from skiplatch.importing.can_frames import read_can  # noqa: PLC0415
+
+    refuse_occupied(out)
+    finish(read_can(log), (log,), out, json_path)
+
+
+@command.command(epilog="Example: skiplatch import iso230 x_axis.csv --axis X --out build/x")
+@click.argument("table", type=click.Path(path_type=Path))
+@axis_option
+@click.option("--unit", type=click.Choice(["um", "mm"]), default="um", show_default=True)
+@feed_option
+@out_option
+@json_option
+def iso230(
+    table: Path,
+    axis: str | None,
+    unit: str,
+    feed: float | None,
+    out: Path,
+    json_path: Path | None,
+) -> None:
+    """Read a TABLE of positions × runs × senses, as ISO 230-2 has it."""
+    from skiplatch.importing.iso230 import read_iso230  # noqa: PLC0415
+
+    refuse_occupied(out)
+    found = read_iso230(table, (axis or "X").upper(), in_mm=unit == "mm", feed=feed)
+    finish(found, (table,), out, json_path)

@@ -1,0 +1,140 @@
+"""Logs of CAN traffic with the project's own frames: latch records and edge reports.
+
+candump -L, ASC, BLF and what else python-can reads.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import can
+import numpy as np
+
+from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
+from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
+from skiplatch.campaign import InputPath, Kind, Touches
+from skiplatch.errors import InputError
+from skiplatch.files import failures_named
+from skiplatch.importing.model import Imported
+
+NS_PER_US = 1e3
+LATEST_NS = 1_000_000_000  # from an edge to its latch
+
+
+@dataclass(frozen=True, slots=True)
+class _Traffic:
+    """What was found on the bus.
+
+    Attributes:
+        edges: In the order in which they were reported.
+        latches: Likewise.
+        latch_ns: Their device clock, extended beyond its 32 bits.
+        lost: Records that are missing, damaged or without their other half.
+    """
+
+    edges: list[Edge]
+    latches: list[Latch]
+    latch_ns: list[int]
+    lost: int
+
+
+def read_can(path: Path) -> Imported:
+    """Read a log.
+
+    Raises:
+        InputError: It cannot be read, or holds no latch record.
+    """
+    traffic = _read(path)
+    if not traffic.latches:
+        expected = f"expected latch records, two frames of id {LATCH_ID:#x} each, found none"
+        raise InputError(path, None, None, expected)
+    found = Imported(kind=Kind.BENCH, preset="bench")
+    if traffic.edges:
+        found.columns = _of_edges(traffic, found)
+    else:
+        found.columns = _of_latches(traffic)
+        found.assumed.append(
+            "no edge reports on the bus: latches alone, so no delay can be told, only their paths "
+            "and the times between them"
+        )
+    found.figure("skip", "tick_us", TICK_NS / NS_PER_US, "tick of the latch record's clock")
+    if traffic.lost:
+        found.unread.append(f"{traffic.lost} frames or records are damaged, lost or without a half")
+    found.assumed.append(
+        "the log's own times are of another clock than the records: report_us is left out"
+    )
+    return found
+
+
+def _read(path: Path) -> _Traffic:
+    latches, edges = LatchReports(), EdgeReports()
+    found_latches: list[Latch] = []
+    found_edges: list[Edge] = []
+    try:
+        with failures_named(path, "read"), can.LogReader(path) as reader:
+            for message in reader:
+                data = bytes(message.data)
+                if message.arbitration_id == LATCH_ID and (latch := latches.take(data)):
+                    found_latches.append(latch)
+                elif message.arbitration_id == EDGE_ID and (edge := edges.take(data)):
+                    found_edges.append(edge)
+    except (ValueError, IndexError, can.CanError, EOFError) as error:
+        raise InputError(path, None, None, f"no log that python-can reads: {error}") from error
+    lost = latches.lost + latches.damaged + latches.unpaired + edges.damaged + edges.unpaired
+    return _Traffic(found_edges, found_latches, _extended(found_latches, found_edges), lost)
+
+
+def _extended(latches: list[Latch], edges: list[Edge]) -> list[int]:
+    """Extend the clock, from the first edge on where there is one."""
+    if not latches:
+        return []
+    about = edges[0].time_ns // TICK_NS if edges else latches[0].ticks
+    found = []
+    for latch in latches:
+        ahead = (latch.ticks - about + TICKS // 2) % TICKS - TICKS // 2
+        about += ahead
+        found.append(about * TICK_NS)
+    return found
+
+
+def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
+    edge_ns = np.array([edge.time_ns + edge.window_ns / 2.0 for edge in traffic.edges])
+    latch_ns = np.array(traffic.latch_ns, dtype=float)
+    order = np.argsort(latch_ns, kind="stable")
+    index = np.searchsorted(latch_ns[order], edge_ns - max(e.window_ns for e in traffic.edges))
+    following = np.append(edge_ns[1:], np.inf)
+    padded = np.append(latch_ns[order], np.inf)
+    latched = padded[index]
+    missed = (latched >= following) | (latched - edge_ns > LATEST_NS)
+    row = order[np.minimum(index, len(order) - 1)]
+    paths = np.array([_path(traffic.latches[i]) for i in row])
+    zero = float(edge_ns[0])
+    if missed.any():
+        found.known.append(f"{int(missed.sum())} edges without a latch")
+    windows = np.array([edge.window_ns for edge in traffic.edges]) / NS_PER_US
+    found.figure(
+        "bench",
+        "reference_jitter_us",
+        float(np.median(windows) / np.sqrt(12.0)),
+        "width of the window that edge reports give, over √12",
+    )
+    found.known.append("edges and latches, both by CLOCK_MONOTONIC of the rig")
+    return Touches.from_columns(
+        touch=np.arange(len(edge_ns)),
+        path=paths,
+        edge_us=(edge_ns - zero) / NS_PER_US,
+        latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
+        status=np.where(missed, 1, 0),
+    )
+
+
+def _of_latches(traffic: _Traffic) -> Touches:
+    latch_ns = np.array(traffic.latch_ns, dtype=float)
+    return Touches.from_columns(
+        touch=np.arange(len(latch_ns)),
+        path=np.array([_path(latch) for latch in traffic.latches]),
+        latch_us=(latch_ns - latch_ns[0]) / NS_PER_US,
+    )
+
+
+def _path(latch: Latch) -> InputPath:
+    return InputPath.PLC if latch.path == "plc" else InputPath.SKIP

@@ -1,0 +1,278 @@
+"""G-code as far as probing moves need it: words, modes, positions, parameters and loops.
+
+What is not known is left out rather than guessed: a move to a place that hangs on an unknown
+parameter has no target.
+"""
+
+import ast
+import math
+import operator
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+
+from skiplatch.importing.model import MM_PER_INCH
+
+AXES = "XYZABC"
+LINEAR = "XYZ"
+MOST_LINES = 200_000  # executed, so that a loop that never ends does
+
+_COMMENT = re.compile(r"\([^)]*\)|;.*$")
+_INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
+_WORD = re.compile(r"([A-Z])\s*([-+]?\s*(?:\d+\.?\d*|\.\d+)|#[<\w]+>?|\[)", re.IGNORECASE)
+_ASSIGNMENT = re.compile(r"^\s*#\s*(<[^>]*>|\d+)\s*=\s*(.+)$")
+_LOOP = re.compile(
+    r"^\s*O\s*(<[^>]*>|\d+)\s*(REPEAT|ENDREPEAT|WHILE|ENDWHILE)\s*(?:\[(.*)\])?\s*$", re.IGNORECASE
+)
+_PARAMETER = re.compile(r"#\s*(<[^>]*>|\d+)")
+_OPERATORS: Mapping[type[ast.AST], Callable[..., float]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: math.pow,
+    ast.Mod: math.fmod,
+    ast.USub: operator.neg,
+    ast.UAdd: operator.pos,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+}
+_WORDS = {"LT": "<", "LE": "<=", "GT": ">", "GE": ">=", "EQ": "==", "NE": "!=", "MOD": "%"}
+
+
+@dataclass(frozen=True, slots=True)
+class ProbeMove:
+    """A move by G38.2 to G38.5, in mm, degrees and mm/min.
+
+    Attributes:
+        line: Number of the line, from 1.
+        axis: That mostly moves; None where that is not known.
+        sign: Its sense; None where it is not known.
+        start: Where the move begins, as far as known, by axis.
+        feed: None where it is not known.
+    """
+
+    line: int
+    axis: str | None
+    sign: int | None
+    start: Mapping[str, float]
+    feed: float | None
+
+
+@dataclass(slots=True)
+class Machine:
+    """Modes and position of a controller that is fed line by line."""
+
+    is_relative: bool = False
+    is_inch: bool = False
+    feed: float | None = None
+    motion: str = "G0"
+    position: dict[str, float] = field(default_factory=dict)
+    parameters: dict[str, float] = field(default_factory=dict)
+
+    def execute(self, line: str, number: int) -> ProbeMove | None:
+        """Carry out a line and give the probing move in it."""
+        text = _COMMENT.sub("", line).strip()
+        if assignment := _ASSIGNMENT.match(text):
+            value = self.value(assignment[2])
+            name = assignment[1].lower()
+            if value is None:
+                self.parameters.pop(name, None)
+            else:
+                self.parameters[name] = value
+            return None
+        words = self.words(text)
+        is_absolute_here = self._set_modes(words)
+        targets = {letter: value for letter, value in words if letter in AXES}
+        if any(letter == "G" and value in (4.0, 10.0, 92.0) for letter, value in words):
+            self._offsets_change(words)
+            return None
+        if not targets or self.motion not in {"G0", "G1", "G38"}:
+            return None
+        return self._move(targets, number, is_absolute_here=is_absolute_here)
+
+    def touched(self, position: Mapping[str, float]) -> None:
+        """Go on from where a probing move ended."""
+        self.position.update(position)
+
+    def words(self, text: str) -> list[tuple[str, float | None]]:
+        """Give letters and values of a line; None where a value is not known."""
+        found: list[tuple[str, float | None]] = []
+        at = 0
+        while match := _WORD.search(text, at):
+            letter, value = match[1].upper(), match[2]
+            if value == "[":
+                end = _closing(text, match.end() - 1)
+                found.append((letter, self.value(text[match.end() : end])))
+                at = end + 1
+            else:
+                found.append((letter, self.value(value)))
+                at = match.end()
+        return found
+
+    def value(self, text: str) -> float | None:
+        """Work out an expression; None where something in it is not known."""
+        python = text.upper()
+        for word, sign in _WORDS.items():
+            python = re.sub(rf"\b{word}\b", sign, python)
+        known = True
+
+        def parameter(match: re.Match[str]) -> str:
+            nonlocal known
+            value = self.parameters.get(match[1].lower())
+            known = known and value is not None
+            return f"({value})"
+
+        python = _PARAMETER.sub(parameter, python).replace("[", "(").replace("]", ")")
+        if not known:
+            return None
+        try:
+            return _evaluated(ast.parse(python.strip().replace(" ", ""), mode="eval").body)
+        except (SyntaxError, ValueError, ArithmeticError, RecursionError):
+            return None
+
+    def _set_modes(self, words: list[tuple[str, float | None]]) -> bool:
+        codes = [value for letter, value in words if letter == "G" and value is not None]
+        for code in codes:
+            if code in (90.0, 91.0):
+                self.is_relative = code == 91.0
+            elif code in (20.0, 21.0):
+                self.is_inch = code == 20.0
+            elif code in (0.0, 1.0, 2.0, 3.0, 80.0):
+                self.motion = f"G{code:g}"
+            elif 38.0 < code < 39.0:
+                self.motion = "G38"
+        for letter, value in words:
+            if letter == "F":
+                self.feed = None if value is None else value * self._unit
+        return 53.0 in codes
+
+    @property
+    def _unit(self) -> float:
+        return MM_PER_INCH if self.is_inch else 1.0
+
+    def _offsets_change(self, words: list[tuple[str, float | None]]) -> None:
+        """Forget the coordinates that G10 or G92 have set anew."""
+        if not any(letter == "G" and value == 4.0 for letter, value in words):
+            for letter, _ in words:
+                self.position.pop(letter, None)
+
+    def _move(
+        self, targets: Mapping[str, float | None], number: int, *, is_absolute_here: bool
+    ) -> ProbeMove | None:
+        start = dict(self.position)
+        ways: dict[str, float | None] = {}
+        for axis, value in targets.items():
+            here = start.get(axis)
+            unit = self._unit if axis in LINEAR else 1.0
+            if value is None:
+                ways[axis] = None
+                self.position.pop(axis, None)
+            elif self.is_relative and not is_absolute_here:
+                ways[axis] = value * unit
+                if here is not None:
+                    self.position[axis] = here + value * unit
+            else:
+                ways[axis] = None if here is None else value * unit - here
+                self.position[axis] = value * unit
+        if is_absolute_here:
+            self.position.clear()
+        if self.motion != "G38":
+            return None
+        probing, sign = _main_axis(ways)
+        self.position = {k: v for k, v in start.items() if k not in targets}
+        return ProbeMove(number, probing, sign, start, self.feed)
+
+
+def is_in_inches(text: str) -> bool:
+    """Tell whether a program calls for inches."""
+    return any(_INCHES.search(_COMMENT.sub("", line)) for line in text.splitlines())
+
+
+def run(text: str) -> Iterator[ProbeMove]:
+    """Run a program and give its probing moves, loops carried out."""
+    lines = text.splitlines()
+    machine = Machine()
+    yield from _run(lines, machine)
+
+
+def _run(lines: list[str], machine: Machine) -> Iterator[ProbeMove]:
+    begins, ends = _loops(lines)
+    left: dict[int, int] = {}
+    at = executed = 0
+    while at < len(lines) and executed < MOST_LINES:
+        executed += 1
+        loop = _LOOP.match(_COMMENT.sub("", lines[at]))
+        if loop and at in begins:
+            goes_on = _goes_on(loop, machine, left, at)
+            at = at + 1 if goes_on else begins[at] + 1
+        elif loop and at in ends:
+            at = ends[at]
+        else:
+            if move := machine.execute(lines[at], at + 1):
+                yield move
+            at += 1
+
+
+def _loops(lines: list[str]) -> tuple[dict[int, int], dict[int, int]]:
+    """Give the ends of loops by their beginnings, and the other way round."""
+    begins: dict[int, int] = {}
+    open_loops: dict[str, int] = {}
+    for at, line in enumerate(lines):
+        if loop := _LOOP.match(_COMMENT.sub("", line)):
+            name = loop[1].lower()
+            if not loop[2].upper().startswith("END"):
+                open_loops[name] = at
+            elif name in open_loops:
+                begins[open_loops.pop(name)] = at
+    return begins, {end: begin for begin, end in begins.items()}
+
+
+def _goes_on(loop: re.Match[str], machine: Machine, left: dict[int, int], at: int) -> bool:
+    value = machine.value(loop[3] or "0")
+    if loop[2].upper() == "WHILE":
+        return bool(value)
+    left[at] = left.get(at, int(value or 0)) - 1
+    if left[at] < 0:
+        del left[at]
+        return False
+    return True
+
+
+def _main_axis(ways: Mapping[str, float | None]) -> tuple[str | None, int | None]:
+    if len(ways) == 1:
+        ((only, way),) = ways.items()
+        return only, None if not way else int(math.copysign(1, way))
+    known = {axis: way for axis, way in ways.items() if way}
+    if not known or None in ways.values():
+        return None, None
+    longest = max(known, key=lambda name: abs(known[name]))
+    return longest, int(math.copysign(1, known[longest]))
+
+
+def _closing(text: str, start: int) -> int:
+    """Give where the bracket at `start` closes."""
+    depth = 0
+    for at in range(start, len(text)):
+        depth += {"[": 1, "]": -1}.get(text[at], 0)
+        if depth == 0:
+            return at
+    return len(text)
+
+
+def _evaluated(node: ast.AST) -> float:
+    """Work out a tree of numbers and operators."""
+    match node:
+        case ast.Constant(value=int() | float() as number):
+            return float(number)
+        case ast.UnaryOp(op=op, operand=operand):
+            return _OPERATORS[type(op)](_evaluated(operand))
+        case ast.BinOp(left=left, op=op, right=right):
+            return _OPERATORS[type(op)](_evaluated(left), _evaluated(right))
+        case ast.Compare(left=left, ops=[op], comparators=[right]):
+            return float(_OPERATORS[type(op)](_evaluated(left), _evaluated(right)))
+    raise ValueError("an expression that is not worked out")

@@ -1,0 +1,187 @@
+"""grbl, grblHAL, FluidNC, Grbl_Esp32: ``[PRB:…]``, the commands before it, and `$` settings."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from skiplatch.errors import InputError
+from skiplatch.importing.gcode import AXES, Machine, ProbeMove
+from skiplatch.importing.log_lines import Line, read_lines, spread_times
+from skiplatch.importing.model import MM_PER_INCH, NO_TIMES, Imported, Touch
+
+_PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
+_SETTING = re.compile(r"\$(\d{1,3})\s*=\s*([-\d.]+)")
+_COMMAND = re.compile(
+    r"(?:^|[\s\[:>\"'])((?:N\d+\s*)?(?:G|F|M|X|Y|Z|#)\s*[-+\d.\[#].*)", re.IGNORECASE
+)
+_MODES = re.compile(r"\[GC:([^\]]*)\]")
+_FEED_0 = re.compile(r"\bF0(?:\.0*)?\b")
+_ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
+_PROBES = re.compile(r"G38", re.IGNORECASE)
+_NOT_BEGUN = re.compile(r"ALARM:4\b")  # the probe was open or closed already
+_REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
+_GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
+_HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
+_STEPS, _ACCEL, _INCHES = 100, 120, 13
+UM_PER_MM = 1e3
+
+
+def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported:
+    """Read the log of a serial line.
+
+    Args:
+        path: The log.
+        feed: In mm/min, where the log has no commands.
+        inch: Whether commands and replies are in inches, where the log does not say it.
+
+    Raises:
+        InputError: It cannot be read, or holds no ``[PRB:…]``.
+    """
+    reader = _Reader(feed, inch=inch)
+    for line in read_lines(path):
+        reader.take(line)
+    if not reader.touches:
+        raise InputError(path, None, None, "expected replies such as [PRB:0.000,0.000,-5.123:1]")
+    return reader.result()
+
+
+class _Reader:
+    """Follows commands and replies."""
+
+    def __init__(self, feed: float | None, *, inch: bool) -> None:
+        self.touches: list[Touch] = []
+        self._machine = Machine(is_inch=inch)
+        self._inch = inch
+        self._moves: list[ProbeMove] = []
+        self._feed = feed
+        self._settings: dict[int, float] = {}
+        self._last: tuple[float, ...] | None = None
+        self._session = 0
+        self._is_hal = False
+        self._guessed = 0
+
+    def take(self, line: Line) -> None:
+        """Take in a line: settings, a command, a reply, or several of them in one."""
+        for number, value in _SETTING.findall(line.text):
+            self._settings[int(number)] = float(value)
+        self._is_hal = self._is_hal or bool(_GRBL_HAL.search(line.text))
+        if _HOMED.search(line.text) and self.touches:
+            self._session += 1
+        if modes := _MODES.search(line.text):
+            self._machine.execute(_FEED_0.sub("", modes[1]), line.number)
+            return
+        reply = _PRB.search(line.text)
+        if not self._answered(line, has_touched=reply is not None):
+            before = line.text[: reply.start()] if reply else line.text
+            if not _REPORT.match(before) and (command := _COMMAND.search(before)):
+                self._command(command[1].split("]")[0], line)
+        if reply:
+            self._reply(reply, line)
+        elif _NOT_BEGUN.search(line.text):
+            self._moves = self._moves[1:]
+
+    def _answered(self, line: Line, *, has_touched: bool) -> bool:
+        """Take a line with a command and its answer, ``[ G38.2 X62 F80 ] [PRB:…]``.
+
+        The command stands there again with each further answer, so one that probes counts only
+        with a touch.
+        """
+        answered = _ANSWERED.match(line.text)
+        if answered is None:
+            return False
+        if has_touched or not _PROBES.search(answered[1]):
+            self._command(answered[1], line)
+        return True
+
+    def _command(self, text: str, line: Line) -> None:
+        move = self._machine.execute(text.replace("*", ""), line.number)
+        if not self._machine.is_relative:
+            move = self._in_unknown_offset(move, text)
+        if move:
+            self._moves.append(move)
+
+    def _in_unknown_offset(self, move: ProbeMove | None, text: str) -> ProbeMove | None:
+        """Forget what hangs on the offset between the program's coordinates and the machine's."""
+        for letter, _ in self._machine.words(text):
+            self._machine.position.pop(letter, None)
+        if move is None:
+            return None
+        return replace(move, sign=-1 if move.axis == "Z" else None)
+
+    def _reply(self, reply: re.Match[str], line: Line) -> None:
+        try:
+            numbers = [float(value) for value in reply[1].split(",")]
+        except ValueError:
+            return
+        unit = MM_PER_INCH if self._settings.get(_INCHES, self._inch) == 1 else 1.0
+        position = tuple(v * (unit if i < 3 else 1.0) for i, v in enumerate(numbers[: len(AXES)]))
+        move = self._moves.pop(0) if self._moves else None
+        axis = (move.axis if move else None) or self._guess(position)
+        index = AXES.index(axis)
+        missed = reply[2] == "0"
+        start = move.start.get(axis) if move else None
+        self.touches.append(
+            Touch(
+                axis=axis,
+                coordinate=None if missed else position[index],
+                sign=(move.sign if move else None) or (-1 if axis == "Z" else None),
+                place=tuple(v for i, v in enumerate(position) if i != index),
+                feed=(move.feed if move else None) or self._feed,
+                approach=None if start is None or missed else abs(position[index] - start),
+                time_s=line.time_s,
+                session=f"after homing {self._session}" if self._session else "",
+            )
+        )
+        self._last = position
+        # The reply is in machine coordinates; the program goes on from there in its own, which
+        # are the same only where no offset is set. Relative moves need no more than this.
+        self._machine.position = dict(zip(AXES, position, strict=False))
+
+    def _guess(self, position: Sequence[float]) -> str:
+        """Take the axis that moved since the touch before, or Z."""
+        self._guessed += 1
+        if self._last is None or len(self._last) != len(position):
+            return "Z"
+        ways = [abs(a - b) for a, b in zip(position, self._last, strict=True)]
+        return AXES[ways.index(max(ways))] if max(ways) > 0 else self.touches[-1].axis
+
+    def result(self) -> Imported:
+        """Say what was found."""
+        found = Imported(preset="grblhal" if self._is_hal else "grbl-avr", touches=self.touches)
+        for touch, time_s in zip(
+            self.touches, spread_times([t.time_s for t in self.touches]), strict=True
+        ):
+            touch.time_s = time_s
+        axis = AXES.index(self.touches[-1].axis) if self.touches[-1].axis in "XYZ" else 2
+        if steps := self._settings.get(_STEPS + axis):
+            found.figure("axis", "resolution_um", UM_PER_MM / steps, f"${_STEPS + axis} of the log")
+        if accel := self._settings.get(_ACCEL + axis):
+            found.figure("axis", "accel_mm_s2", accel, f"${_ACCEL + axis} of the log")
+        self._say(found)
+        return found
+
+    def _say(self, found: Imported) -> None:
+        found.known.append("where each touch was latched, in machine coordinates")
+        missed = sum(touch.coordinate is None for touch in self.touches)
+        if missed:
+            found.known.append(f"{missed} moves ended without a touch (:0])")
+        if not found.figures:
+            found.assumed.append(
+                "no $ settings in the log: steps per mm and acceleration are grbl's defaults; "
+                "type $$ before probing"
+            )
+        if self._guessed:
+            found.assumed.append(
+                f"{self._guessed} replies have no command before them: their axis is the one that "
+                "moved, else Z, their sense is not known"
+            )
+        if any(touch.axis == "Z" for touch in self.touches):
+            found.assumed.append("Z was touched from above where no command says otherwise")
+        if any(touch.feed is None for touch in self.touches):
+            found.assumed.append("the feed is not known: log the commands too, or give --feed")
+        if all(touch.time_s is None for touch in self.touches):
+            found.assumed.append(NO_TIMES)
+        found.assumed.append(
+            f"a controller as {found.preset!r} stands for (skiplatch init --preset)"
+        )

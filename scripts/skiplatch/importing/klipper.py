@@ -1,0 +1,195 @@
+"""Klipper: klippy.log, or a console with PROBE, PROBE_ACCURACY or another probing command."""
+
+import re
+from pathlib import Path
+
+from skiplatch.errors import InputError
+from skiplatch.importing.log_lines import Line, read_lines, spread_times
+from skiplatch.importing.model import NO_TIMES, S_PER_MIN, Imported, Touch
+
+_PROBE = re.compile(
+    r"probe(?:: at| at) (-?[\d.]+),\s*(-?[\d.]+) (?:is|bed will contact at) z=(-?[\d.]+)",
+    re.IGNORECASE,
+)
+_ACCURACY = re.compile(
+    r"PROBE_ACCURACY at X:(-?[\d.]+) Y:(-?[\d.]+) Z:(-?[\d.]+)\s*\((?P<options>[^)]*)\)"
+)
+_OPTION = re.compile(r"(\w+)=([\d.]+)")
+_STATS = re.compile(r"^Stats (\d+\.\d+):")
+_TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?[\d.]+ )?temp=(-?[\d.]+)")
+_SECTION = re.compile(r"^\[([^\]]+)\]$")
+_ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
+_SPEED_WORD = re.compile(r"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*([\d.]+)", re.IGNORECASE)
+_HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
+_PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}
+_DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
+UM_PER_MM = 1e3
+
+
+def read_klipper(path: Path, feed: float | None) -> Imported:
+    """Read klippy.log or a console.
+
+    Args:
+        path: The log.
+        feed: In mm/min, where the log does not say it.
+
+    Raises:
+        InputError: It cannot be read, or holds no touch.
+    """
+    reader = _Reader(feed)
+    for line in read_lines(path):
+        reader.take(line)
+    if not reader.touches:
+        expected = 'expected lines such as "probe at 97.000,2.000 is z=1.320000"'
+        raise InputError(path, None, None, expected)
+    return reader.result()
+
+
+class _Reader:
+    """Follows a log line by line."""
+
+    def __init__(self, feed: float | None) -> None:
+        self.touches: list[Touch] = []
+        self._feed = feed
+        self._options: dict[str, float] = {}
+        self._start_z: float | None = None
+        self._stats_s: float | None = None
+        self._temperatures: dict[str, float] = {}
+        self._section = ""
+        self._config: dict[tuple[str, str], str] = {}
+        self._command_speed: float | None = None
+        self._session = 0
+        self._last_place: tuple[float, float] | None = None
+        self._feeds_from = ""
+
+    def take(self, line: Line) -> None:
+        """Take in a line."""
+        text = line.text
+        if match := _PROBE.search(text):
+            self._touch(match, line)
+        elif match := _ACCURACY.search(text):
+            self._options = {k: float(v) for k, v in _OPTION.findall(match["options"])}
+            self._start_z = float(match[3])
+        elif match := _STATS.match(text):
+            self._stats_s = float(match[1])
+            self._temperatures |= {
+                name.strip(): float(value) for name, value in _TEMPERATURE.findall(text)
+            }
+        elif _HOMED.match(text):
+            self._session += bool(self.touches)
+            self._options, self._start_z = {}, None
+        elif match := _SPEED_WORD.search(text):
+            self._command_speed = float(match[1])
+        elif match := _SECTION.match(text):
+            self._section = match[1].strip()
+        elif match := _ENTRY.match(text):
+            self._config[self._section, match[1]] = match[2].strip()
+
+    def _touch(self, match: re.Match[str], line: Line) -> None:
+        x, y, z = (float(value) for value in match.groups())
+        if self._last_place != (x, y):
+            self._forget_options_of_elsewhere()
+        approach = self._options.get("retract")
+        if self._start_z is not None:
+            approach, self._start_z = self._start_z - z, None
+        self.touches.append(
+            Touch(
+                axis="Z",
+                sign=-1,
+                coordinate=z,
+                place=(x, y),
+                feed=self._speed(),
+                approach=approach,
+                time_s=self._stats_s if self._stats_s is not None else line.time_s,
+                session=f"after homing {self._session}" if self._session else "",
+                temperatures=dict(self._temperatures),
+            )
+        )
+        self._last_place = (x, y)
+
+    def _forget_options_of_elsewhere(self) -> None:
+        """A PROBE_ACCURACY before counts only as long as the place stays the same."""
+        if self._start_z is None:
+            self._options = {}
+
+    def _speed(self) -> float | None:
+        """Give the feed in mm/min and remember where it is from."""
+        configured = next(
+            (
+                float(value)
+                for (section, name), value in self._config.items()
+                if name == "speed"
+                and section.split()[0:1]
+                and section.split()[0] in _PROBE_SECTIONS
+            ),
+            None,
+        )
+        for speed, source in (
+            (self._options.get("speed"), "PROBE_ACCURACY"),
+            (self._command_speed, "PROBE_SPEED"),
+            (self._feed / S_PER_MIN if self._feed else None, "--feed"),
+            (configured, "the configuration in the log"),
+        ):
+            if speed is not None:
+                self._feeds_from = source
+                return speed * S_PER_MIN
+        return None
+
+    def result(self) -> Imported:
+        """Say what was found."""
+        found = Imported(preset="klipper", touches=self.touches)
+        times = spread_times([touch.time_s for touch in self.touches])
+        for touch, time_s in zip(self.touches, times, strict=True):
+            touch.time_s = time_s
+        self._feeds(found)
+        self._steps(found)
+        found.known.append("where each touch was latched, and at which X and Y")
+        if all(time_s is None for time_s in times):
+            found.assumed.append(NO_TIMES)
+        elif self._stats_s is not None:
+            found.assumed.append(
+                "times are those of the statistics lines before, 1 s apart, spread evenly"
+            )
+        names = sorted({name for touch in self.touches for name in touch.temperatures})
+        if names:
+            found.known.append(f"temperatures of {', '.join(names)} from the statistics lines")
+        else:
+            found.assumed.append("no temperatures in the log: those of klippy.log are not here")
+        return found
+
+    def _feeds(self, found: Imported) -> None:
+        unknown = [touch for touch in self.touches if touch.feed is None]
+        for touch in unknown:
+            touch.feed = _DEFAULT_SPEED_MM_S * S_PER_MIN
+        if self._feeds_from:
+            found.known.append(f"feeds from {self._feeds_from}")
+        if unknown:
+            found.assumed.append(
+                f"{len(unknown)} touches at Klipper's default of {_DEFAULT_SPEED_MM_S:g} mm/s: "
+                "the log does not say their speed; else give --feed"
+            )
+
+    def _steps(self, found: Imported) -> None:
+        """Work the step of Z out of the configuration that klippy.log begins with."""
+        get = self._config.get
+        try:
+            distance = float(get(("stepper_z", "rotation_distance"), ""))
+            microsteps = float(get(("stepper_z", "microsteps"), ""))
+            full = float(get(("stepper_z", "full_steps_per_rotation"), "200"))
+            ratio = _gear_ratio(get(("stepper_z", "gear_ratio"), "1:1"))
+            step_um = UM_PER_MM * distance / (full * microsteps * ratio)
+        except (ValueError, ZeroDivisionError):
+            found.assumed.append("no [stepper_z] in the log: the step of Z is not known")
+        else:
+            found.figure("axis", "resolution_um", step_um, "[stepper_z] of the log")
+        accel = get(("printer", "max_z_accel"))
+        if accel is not None and re.fullmatch(r"[\d.]+", accel):
+            found.figure("axis", "accel_mm_s2", float(accel), "[printer] max_z_accel of the log")
+
+
+def _gear_ratio(text: str) -> float:
+    ratio = 1.0
+    for pair in text.split(","):
+        driven, driving = pair.split(":")
+        ratio *= float(driven) / float(driving)
+    return ratio

@@ -1,0 +1,151 @@
+"""LinuxCNC: the file that ``(PROBEOPEN …)`` makes, and the program that made it.
+
+A line a touch, nine coordinates X Y Z A B C U V W in units of the program. LinuxCNC writes no line
+for a touch that ends exactly where the one before did.
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from skiplatch.errors import InputError
+from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove, is_in_inches, run
+from skiplatch.importing.log_lines import read_text
+from skiplatch.importing.model import MM_PER_INCH, Imported, Touch
+
+COLUMNS = 9
+FEWEST = 3
+ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
+NEGLIGIBLE = 1e-4
+
+Row = tuple[float, ...]
+Value = TypeVar("Value", str, int, float)
+
+
+def read_linuxcnc(
+    path: Path, program: Path | None, axis: str | None, feed: float | None, *, inch: bool
+) -> Imported:
+    """Read a probe log.
+
+    Args:
+        path: The log.
+        program: The program, whose G38.x moves give feeds, axes and senses.
+        axis: The axis that probed, if the program is not at hand.
+        feed: The feed in mm/min, likewise.
+        inch: Whether the program's unit was the inch.
+
+    Raises:
+        InputError: A file cannot be read, or holds no touch.
+    """
+    rows, broken = _rows(path)
+    text = read_text(program) if program else ""
+    moves = list(run(text))
+    inch = inch or is_in_inches(text)
+    if program and not moves:
+        raise InputError(program, None, None, "expected moves by G38.2 to G38.5, found none")
+    found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
+    if broken:
+        found.unread.append(f"{broken} lines that do not hold {COLUMNS} numbers")
+    unit = MM_PER_INCH if inch else 1.0
+    matched = _matched(rows, moves, found)
+    fallback = axis or _only(move.axis for move in moves) or _probed_axis(rows)
+    if (
+        not axis
+        and not _only(move.axis for move in moves)
+        and not all(m and m.axis for m in matched)
+    ):
+        found.assumed.append(f"axis {fallback}, whose coordinates look touched; else give --axis")
+    for row, move in zip(rows, matched, strict=True):
+        found.touches.append(_touch(row, move, fallback, feed, unit))
+    _say(found, moves, feed, inch=inch)
+    return found
+
+
+def _rows(path: Path) -> tuple[list[Row], int]:
+    rows: list[Row] = []
+    broken = 0
+    for line in read_text(path).splitlines():
+        try:
+            numbers = tuple(float(word) for word in line.split())
+        except ValueError:
+            numbers = ()
+        if len(numbers) in (COLUMNS, FEWEST):
+            rows.append(numbers)
+        elif line.strip():
+            broken += 1
+    if not rows:
+        expected = f"expected lines of {COLUMNS} numbers, as (PROBEOPEN {path.name}) writes them"
+        raise InputError(path, None, None, expected)
+    return rows, broken
+
+
+def _matched(
+    rows: Sequence[Row], moves: Sequence[ProbeMove], found: Imported
+) -> list[ProbeMove | None]:
+    """Give each line its move, where there are as many."""
+    if len(rows) == len(moves):
+        return list(moves)
+    if moves:
+        found.assumed.append(
+            f"the log has {len(rows)} lines and the program {len(moves)} probing moves, so only "
+            "what is the same in all of them was taken from it (LinuxCNC writes no line for a "
+            "touch that ends exactly where the one before did)"
+        )
+    same = ProbeMove(
+        0,
+        _only(move.axis for move in moves),
+        _only(move.sign for move in moves),
+        {},
+        _only(move.feed for move in moves),
+    )
+    return [same if moves else None] * len(rows)
+
+
+def _touch(
+    row: Row, move: ProbeMove | None, fallback: str, feed: float | None, unit: float
+) -> Touch:
+    axis = (move.axis if move else None) or fallback
+    number = AXES.index(axis)
+    scale = [unit if letter in LINEAR else 1.0 for letter in AXES]
+    coordinate = row[number] * scale[number]
+    start = move.start.get(axis) if move else None
+    return Touch(
+        axis=axis,
+        coordinate=coordinate,
+        sign=move.sign if move and move.sign else (-1 if axis == "Z" and not move else None),
+        place=tuple(v * scale[i] for i, v in enumerate(row[: len(AXES)]) if i != number),
+        feed=(move.feed if move else None) or feed,
+        approach=None if start is None else abs(coordinate - start),
+    )
+
+
+def _probed_axis(rows: Sequence[Row]) -> str:
+    """Give the axis whose coordinates look touched rather than programmed."""
+
+    def touched(number: int) -> int:
+        values = [row[number] for row in rows if number < len(row)]
+        multiples = (value / ROUND_MM for value in values)
+        return sum(abs(m - round(m)) > NEGLIGIBLE for m in multiples)
+
+    return max(reversed(AXES[:3]), key=lambda axis: touched(AXES.index(axis)))
+
+
+def _only(values: Iterable[Value | None]) -> Value | None:
+    """Give the value that all are, or None."""
+    found = set(values)
+    return found.pop() if len(found) == 1 else None
+
+
+def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inch: bool) -> None:
+    found.known.append("where each touch was latched, in the order of the touches; no times")
+    if not moves:
+        found.assumed.append("no program was given (--program FILE.ngc), so no senses are known")
+        if any(touch.axis == "Z" for touch in found.touches):
+            found.assumed.append("Z was touched from above")
+    if feed is None and any(touch.feed is None for touch in found.touches):
+        found.assumed.append("the feed is not known: give it by --program or --feed")
+    if inch:
+        found.known.append("the program's unit was the inch")
+    elif not moves:
+        found.assumed.append("the program's unit was the millimetre; else give --inch")
+    found.assumed.append("a servo period of 1 ms (SERVO_PERIOD in the .ini); plc.scan_us says so")

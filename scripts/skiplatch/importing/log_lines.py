@@ -1,0 +1,135 @@
+"""Lines of logs: what programs put before them is taken off, and their time is read.
+
+Real logs come by way of terminals, web pages and forums: with a time before each line or in a line
+of its own, with ``Recv:``, ``>>>``, ``//``, list marks and HTML spaces.
+"""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+from skiplatch.errors import InputError
+from skiplatch.files import failures_named, refuse_special_or_large
+
+MAX_BYTES = 500 * 2**20
+S_PER_DAY = 86_400.0
+
+_TIME = (
+    r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2}(?:[.,]\d+)?)(?:\s*(?P<half>[AaPp][Mm]))?"
+    r"(?:Z|[+-]\d{2}:?\d{2})?"
+)
+_DATE = r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[,T ]?\s*)?"
+_STAMP = re.compile(rf"^\s*[\[(]?{_DATE}{_TIME}\s*[\])]?\s*[:|>-]*\s*")
+_MARK = re.compile(
+    r"^(?:\s|[-*•]\s|\$ |>>>|<<<|>(?!\s*$)|<(?![A-Za-z])|//|!!|echo:|"
+    r"(?:Recv|Send|RX|TX|READ|SENT|SENDING|RECV|INFO|DEBUG)\s*:?\s*(?=\W|\w)|\|)+",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of a log.
+
+    Attributes:
+        number: From 1.
+        text: Without what stands before it.
+        raw: As it stands in the file.
+        time_s: Time of day, going on past midnight; None where the log has none.
+    """
+
+    number: int
+    text: str
+    raw: str
+    time_s: float | None
+
+
+def read_text(path: Path) -> str:
+    """Read a log in any of the usual encodings.
+
+    Raises:
+        InputError: It cannot be read or is no text.
+    """
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, MAX_BYTES)
+        data = path.read_bytes()
+    if not data.strip():
+        raise InputError(path, None, None, "an empty file")
+    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        return data.decode("utf-16", errors="replace")
+    if b"\0" in data[:4096]:
+        raise InputError(path, None, None, "no text: expected a log")
+    return data.decode("utf-8-sig", errors="replace")
+
+
+def read_lines(path: Path) -> list[Line]:
+    """Give the lines of a log that are not blank, the oldest first.
+
+    Raises:
+        InputError: It cannot be read or is no text.
+    """
+    lines = list(_lines(read_text(path)))
+    return _oldest_first(lines)
+
+
+def _lines(text: str) -> Iterator[Line]:
+    time_s: float | None = None
+    for number, raw in enumerate(text.splitlines(), 1):
+        rest = raw.replace("\u00a0", " ")
+        rest = _without_marks(rest)
+        if stamp := _STAMP.match(rest):
+            time_s = _seconds(stamp)
+            rest = _without_marks(rest[stamp.end() :])
+        if rest.strip():
+            yield Line(number, rest.strip(), raw, time_s)
+
+
+def _without_marks(text: str) -> str:
+    match = _MARK.match(text)
+    return text[match.end() :] if match else text
+
+
+def _seconds(stamp: re.Match[str]) -> float:
+    hour = int(stamp["h"]) % 24
+    if stamp["half"]:
+        hour = hour % 12 + (12 if stamp["half"].lower() == "pm" else 0)
+    return hour * 3600.0 + int(stamp["m"]) * 60.0 + float(stamp["s"].replace(",", "."))
+
+
+def _oldest_first(lines: list[Line]) -> list[Line]:
+    """Turn consoles round that show the newest line first, and let times go on past midnight."""
+    times = [line.time_s for line in lines if line.time_s is not None]
+    pairs = list(pairwise(times))
+    falls = sum(later < earlier for earlier, later in pairs)
+    rises = sum(later > earlier for earlier, later in pairs)
+    if falls > max(1, rises):
+        lines = lines[::-1]
+    days, last, found = 0, None, []
+    for line in lines:
+        time_s = line.time_s
+        if time_s is not None:
+            if last is not None and time_s < last - S_PER_DAY / 2:
+                days += 1
+            last = time_s
+            time_s += days * S_PER_DAY
+        found.append(Line(line.number, line.text, line.raw, time_s))
+    return found
+
+
+def spread_times(times: list[float | None]) -> list[float | None]:
+    """Spread times that stand there more than once evenly up to the next one."""
+    found = list(times)
+    start = 0
+    while start < len(times):
+        end = start
+        while end < len(times) and times[end] == times[start]:
+            end += 1
+        first = times[start]
+        if first is not None and end - start > 1:
+            following = times[end] if end < len(times) else None
+            span = following - first if following is not None and following > first else 1.0
+            for i in range(start, end):
+                found[i] = first + span * (i - start) / (end - start)
+        start = end
+    return found

@@ -1,0 +1,146 @@
+"""Marlin: M48 at V2 and above, and G30."""
+
+import re
+from pathlib import Path
+
+from skiplatch.errors import InputError
+from skiplatch.importing.log_lines import Line, read_lines, spread_times
+from skiplatch.importing.model import NO_TIMES, Imported, Touch
+
+_SAMPLE = re.compile(r"(\d+) of (\d+):?\s*z:\s*(-?[\d.]+)(?:.*?[Mm]ean:\s*(-?[\d.]+))?")
+_BED = re.compile(r"Bed X:\s*(-?[\d.]+)\s*Y:\s*(-?[\d.]+)\s*Z:\s*(-?[\d.]+)")
+_PLACE = re.compile(r"\bM48\b.*?\bX(-?[\d.]+).*?\bY(-?[\d.]+)", re.IGNORECASE)
+_TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
+_STEPS = re.compile(r"\bM92\b.*?\bZ\s*([\d.]+)")
+_ACCEL = re.compile(r"\bM201\b.*?\bZ\s*([\d.]+)")
+_TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?[\d.]+)\s*/")
+_HOMED = re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE)
+_PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
+UM_PER_MM = 1e3
+
+
+def read_marlin(path: Path, feed: float | None) -> Imported:
+    """Read a console.
+
+    Args:
+        path: The log.
+        feed: In mm/min; Marlin does not print it.
+
+    Raises:
+        InputError: It cannot be read, or holds no touch.
+    """
+    reader = _Reader(feed)
+    for line in read_lines(path):
+        reader.take(line)
+    if not reader.touches:
+        expected = 'expected lines such as "1 of 10: z: 0.185" of M48 V4, or "Bed X: … Z: …" of G30'
+        raise InputError(path, None, None, expected)
+    return reader.result()
+
+
+class _Reader:
+    """Follows a log line by line."""
+
+    def __init__(self, feed: float | None) -> None:
+        self.touches: list[Touch] = []
+        self._feed = feed
+        self._place: tuple[float, ...] = ()
+        self._in_test = False
+        self._session = 0
+        self._test = 0
+        self._sum = 0.0
+        self._steps: float | None = None
+        self._accel: float | None = None
+        self._temperatures: dict[str, float] = {}
+        self._from_means = 0
+
+    def take(self, line: Line) -> None:
+        """Take in a line."""
+        text = line.text
+        for name, value in _TEMPERATURE.findall(text):
+            self._temperatures[_PLACES.get(name, name.lower())] = float(value)
+        if match := _SAMPLE.search(text):
+            self._sample(match, line)
+        elif match := _PLACE.search(text):
+            self._place, self._in_test = (float(match[1]), float(match[2])), False
+        elif match := _BED.search(text):
+            self._bed(match, line)
+        elif _HOMED.match(text):
+            self._session += bool(self.touches)
+            self._in_test = False
+        elif match := _STEPS.search(text):
+            self._steps = float(match[1])
+        elif match := _ACCEL.search(text):
+            self._accel = float(match[1])
+        if _TEST.search(text):
+            self._in_test, self._test = True, self._test + 1
+
+    def _sample(self, match: re.Match[str], line: Line) -> None:
+        """Take z, with more digits where the running mean gives them."""
+        number, z = int(match[1]), float(match[3])
+        if number == 1:
+            self._sum = 0.0
+        if match[4] is not None:
+            total = float(match[4]) * number
+            exact = total - self._sum
+            self._sum = total
+            if _decimals(match[4]) > _decimals(match[3]) + 1 and abs(exact - z) < _half(match[3]):
+                digit = 0.5 * 10.0 ** -_decimals(match[4]) * (2 * number - 1)
+                if digit < _half(match[3]):
+                    z, self._from_means = round(exact, 6), self._from_means + 1
+        self._add(z, self._place, line)
+
+    def _bed(self, match: re.Match[str], line: Line) -> None:
+        """Take a result of G30; in a test it only repeats the first sample."""
+        place = (float(match[1]), float(match[2]))
+        if self._in_test:
+            self._place = place
+        else:
+            self._add(float(match[3]), place, line)
+
+    def _add(self, z: float, place: tuple[float, ...], line: Line) -> None:
+        session = f"after homing {self._session}" if self._session else ""
+        self.touches.append(
+            Touch(
+                axis="Z",
+                sign=-1,
+                coordinate=z,
+                place=place,
+                feed=self._feed,
+                time_s=line.time_s,
+                session=session,
+                temperatures=dict(self._temperatures),
+            )
+        )
+
+    def result(self) -> Imported:
+        """Say what was found."""
+        found = Imported(preset="marlin", touches=self.touches)
+        times = spread_times([touch.time_s for touch in self.touches])
+        for touch, time_s in zip(self.touches, times, strict=True):
+            touch.time_s = time_s
+        found.known.append("the z of each touch")
+        if self._from_means:
+            found.known.append(f"{self._from_means} of them finer than printed, from the means")
+        if self._steps:
+            found.figure("axis", "resolution_um", UM_PER_MM / self._steps, "M92 of the log")
+        else:
+            found.assumed.append("400 steps/mm of Z, Marlin's default; M503 prints yours (M92)")
+        if self._accel:
+            found.figure("axis", "accel_mm_s2", self._accel, "M201 of the log")
+        if self._feed is None:
+            found.assumed.append(
+                "the feed is not known: Marlin does not print it; give --feed "
+                "(Z_PROBE_FEEDRATE_SLOW of Configuration.h, mm/min)"
+            )
+        if all(time_s is None for time_s in times):
+            found.assumed.append(NO_TIMES)
+        return found
+
+
+def _decimals(text: str) -> int:
+    return len(text.partition(".")[2])
+
+
+def _half(text: str) -> float:
+    return 0.51 * 10.0 ** -_decimals(text)

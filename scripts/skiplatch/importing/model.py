@@ -1,0 +1,75 @@
+"""What the readers of logs give."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from skiplatch.campaign import Kind, Touches
+
+MM_PER_INCH = 25.4
+S_PER_MIN = 60.0
+KeyPath = tuple[str, str]
+NO_TIMES = "no times in the log: the order of the lines is that of the touches"
+
+
+@dataclass(slots=True, kw_only=True)
+class Touch:
+    """One touch as a log tells it; None is what it does not tell.
+
+    Lengths in mm and feeds in mm/min; of rotary axes degrees.
+    """
+
+    axis: str
+    """X, Y, Z, A, B or C."""
+    coordinate: float | None
+    """Where the axis was latched; None where it was not."""
+    sign: int | None = None
+    place: tuple[float, ...] = ()
+    """What else tells this surface from others: the coordinates of the other axes."""
+    feed: float | None = None
+    approach: float | None = None
+    time_s: float | None = None
+    session: str = ""
+    temperatures: dict[str, float] = field(default_factory=dict)
+    """In °C by the names of their places."""
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """A number of nominal.toml and where it is from."""
+
+    value: float
+    source: str
+    u: float | None = None
+
+
+@dataclass(slots=True, kw_only=True)
+class Imported:
+    """What a log holds.
+
+    Attributes:
+        kind: Of the campaign.
+        touches: What was touched, on a machine.
+        columns: In place of touches: columns that need no reference surface.
+        preset: Name of the figures that such a rig has where the log says nothing else.
+        figures: What the log says of the rig.
+        known: What is known, a sentence each.
+        assumed: What was assumed.
+        unread: What could not be read.
+    """
+
+    kind: Kind = Kind.MACHINE
+    touches: list[Touch] = field(default_factory=list)
+    columns: Touches | None = None
+    preset: str
+    path_is_plc: bool = False
+    figures: dict[KeyPath, Figure] = field(default_factory=dict)
+    known: list[str] = field(default_factory=list)
+    assumed: list[str] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
+
+    def figure(self, section: str, name: str, value: float, source: str) -> None:
+        """Note what the log says of the rig."""
+        self.figures[section, name] = Figure(value, source)
+
+
+Figures = Mapping[KeyPath, Figure]

@@ -1,0 +1,125 @@
+"""From where touches were latched to how far they are off: surfaces and their references.
+
+Nobody knows where the surface is. Touches that belong to one surface are held against their own
+middle, and the campaign says by `[datum]` that this middle is unknown.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from statistics import median
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Axis, DatumFreedom, InputPath, Touches
+from skiplatch.importing.model import Touch
+
+SAME_SURFACE_MM = 0.6
+"""Touches of one place that are closer than this have touched one surface."""
+UM_PER_MM = 1e3
+ARCSEC_PER_DEG = 3600.0
+DECIMALS = 3
+Key = tuple[str, str, int, tuple[float, ...], int]
+
+
+def as_touches(
+    touches: Sequence[Touch], *, is_plc: bool
+) -> tuple[Touches, DatumFreedom, dict[str, int]]:
+    """Give columns, what the datum shares, and how many touches each surface has."""
+    surfaces = _surfaces(touches)
+    names = {key: _name(key, surfaces) for key in surfaces}
+    number_of = {id(touch): key for key, group in surfaces.items() for touch in group}
+    keys = [number_of[id(touch)] for touch in touches]
+    references = {key: _reference(group) for key, group in surfaces.items()}
+    reference = np.array([references[key] for key in keys])
+    coordinate = _column(touch.coordinate for touch in touches)
+    sense = np.array([float(touch.sign or 1) for touch in touches])
+    beyond = sense * (coordinate - reference)
+    axes = np.array([Axis[touch.axis] for touch in touches])
+    turns = axes >= Axis.A
+    places = sorted({name for touch in touches for name in touch.temperatures})
+    columns = Touches.from_columns(
+        touch=np.arange(len(touches)),
+        time_s=_from_zero(_column(touch.time_s for touch in touches)),
+        path=np.full(len(touches), InputPath.PLC if is_plc else InputPath.SKIP),
+        axis=axes,
+        sign=_column(touch.sign for touch in touches),
+        feed_mm_min=_column(touch.feed for touch in touches),
+        approach_mm=_column(_approach(touch) for touch in touches),
+        position_mm=np.where(turns, np.nan, reference),
+        deviation_um=np.where(turns, np.nan, beyond * UM_PER_MM),
+        position_deg=np.where(turns, reference, np.nan),
+        deviation_arcsec=np.where(turns, beyond * ARCSEC_PER_DEG, np.nan),
+        status=np.where(np.isnan(coordinate), 1, 0),
+        session=[names[key] for key in keys] if any(names.values()) else [""] * len(touches),
+        thermometers={
+            place: _column(touch.temperatures.get(place) for touch in touches) for place in places
+        },
+    )
+    return columns, _freedom(surfaces), {_words(k): len(v) for k, v in surfaces.items()}
+
+
+def _approach(touch: Touch) -> float | None:
+    return touch.approach if touch.approach is not None and touch.approach > 0.0 else None
+
+
+def _surfaces(touches: Sequence[Touch]) -> dict[Key, list[Touch]]:
+    """Group touches: of one session, axis, sense and place, and near to each other."""
+    grouped: dict[tuple[str, str, int, tuple[float, ...]], list[Touch]] = defaultdict(list)
+    for touch in touches:
+        place = tuple(round(value, 1) + 0.0 for value in touch.place)
+        grouped[touch.session, touch.axis, touch.sign or 0, place].append(touch)
+    surfaces: dict[Key, list[Touch]] = {}
+    for key, group in grouped.items():
+        for number, near in enumerate(_near(group)):
+            surfaces[*key, number] = near
+    return surfaces
+
+
+def _near(group: Sequence[Touch]) -> list[list[Touch]]:
+    """Part touches where their coordinates leave a gap; missed ones go with the first."""
+    missed = [touch for touch in group if touch.coordinate is None]
+    known = [touch for touch in group if touch.coordinate is not None]
+    known.sort(key=lambda touch: touch.coordinate or 0.0)
+    parts: list[list[Touch]] = [[]]
+    for touch in known:
+        last = parts[-1][-1].coordinate if parts[-1] else touch.coordinate
+        if (touch.coordinate or 0.0) - (last or 0.0) > SAME_SURFACE_MM:
+            parts.append([])
+        parts[-1].append(touch)
+    parts[0] += missed
+    return parts
+
+
+def _reference(group: Sequence[Touch]) -> float:
+    known = [touch.coordinate for touch in group if touch.coordinate is not None]
+    return round(median(known), DECIMALS) if known else 0.0
+
+
+def _freedom(surfaces: dict[Key, list[Touch]]) -> DatumFreedom:
+    """Give each surface a place of its own; one for an axis is what a machine has anyway."""
+    axes = [key[1] for key in surfaces]
+    return DatumFreedom.AXIS if len(set(axes)) == len(axes) else DatumFreedom.SESSION
+
+
+def _name(key: Key, surfaces: dict[Key, list[Touch]]) -> str:
+    """Name the session that makes a surface one of its own, where that is needed."""
+    if _freedom(surfaces) is DatumFreedom.AXIS:
+        return key[0]
+    return _words(key)
+
+
+def _words(key: Key) -> str:
+    session, axis, sign, place, number = key
+    where = " ".join(f"{value:g}" for value in place)
+    sense = {1: "+", -1: "-", 0: ""}[sign]
+    parts = (session, f"{axis}{sense}", f"at {where}" if place else "", f"#{number}" * (number > 0))
+    return " ".join(part for part in parts if part)
+
+
+def _column(values: Iterable[float | None]) -> FloatArray:
+    return np.array([np.nan if v is None else v for v in values], dtype=float)
+
+
+def _from_zero(time_s: FloatArray) -> FloatArray:
+    return time_s if np.isnan(time_s).all() else time_s - np.nanmin(time_s)

@@ -1,0 +1,211 @@
+"""Any table: which of its columns is which of a campaign's, in which unit."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import COLUMNS, Axis, Kind, Touches
+from skiplatch.campaign.column_kinds import CellError, LabelColumn, NumberColumn
+from skiplatch.campaign.columns import TIME, is_thermometer, place_of
+from skiplatch.campaign.csv_text import read_rows
+from skiplatch.campaign.time_stamps import TIME_NAME, seconds
+from skiplatch.errors import InputError, hint, quoted
+from skiplatch.importing.model import Imported, Touch
+
+_MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<name>.*?)(?:\[(?P<unit>[^\]]*)\])?$")
+COORDINATE = "coordinate_mm"
+"""Not of a campaign: where the axis was latched, from which deviations are made."""
+
+UNITS: Mapping[str, Mapping[str, float]] = {
+    "mm": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3, "in": 25.4, "inch": 25.4, "mil": 0.0254},
+    "µm": {"µm": 1.0, "um": 1.0, "mm": 1e3, "m": 1e6, "nm": 1e-3, "in": 25400.0, "mil": 25.4},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
+    "µs": {"µs": 1.0, "us": 1.0, "ms": 1e3, "s": 1e6, "ns": 1e-3},
+    "mm/min": {"mm/min": 1.0, "mm/s": 60.0, "m/min": 1e3, "m/s": 6e4, "in/min": 25.4, "ipm": 25.4},
+    "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "arcsec": 1.0 / 3600.0},
+    "arcsec": {"arcsec": 1.0, '"': 1.0, "deg": 3600.0, "rad": 180.0 * 3600.0 / np.pi},
+    "°C": {"°C": 1.0, "C": 1.0, "degC": 1.0, "K": 1.0, "F": 5.0 / 9.0, "°F": 5.0 / 9.0},
+}
+_ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped:
+    """A column of a campaign that a column of a table stands for.
+
+    Attributes:
+        column: Of the campaign.
+        name: Its head in the table.
+        unit: Of the table's column; empty where it is that of the campaign.
+    """
+
+    column: str
+    name: str
+    unit: str
+
+
+def parse_mapping(text: str) -> Mapped:
+    """Read ``deviation_um=Error [mm]``.
+
+    Raises:
+        ValueError: It is none; says why.
+    """
+    match = _MAPPING.match(text)
+    if not match:
+        raise ValueError(f'expected COLUMN=HEAD or COLUMN="HEAD [unit]", got {quoted(text)}')
+    column, unit = match["column"], (match["unit"] or "").strip()
+    known = (*COLUMNS, COORDINATE, TIME_NAME)
+    if column not in known and not is_thermometer(column):
+        raise ValueError(f"{quoted(column)} is no column of a campaign{hint(column, known)}")
+    units = UNITS.get(_unit_of(column), {})
+    if unit and unit not in units:
+        raise ValueError(f"{column}: unit {quoted(unit)} is none of {', '.join(units) or 'any'}")
+    return Mapped(column, match["name"].strip(), unit)
+
+
+def read_table(
+    path: Path,
+    mapped: Sequence[Mapped],
+    *,
+    kind: Kind,
+    axis: str,
+    sign: int | None,
+    feed: float | None,
+) -> Imported:
+    """Read a table of touches.
+
+    Args:
+        path: The table.
+        mapped: Which of its columns are which.
+        kind: Of the campaign.
+        axis: Where no column says it.
+        sign: Likewise.
+        feed: Likewise, in mm/min.
+
+    Raises:
+        InputError: It cannot be read, lacks a column, or holds a wrong cell.
+    """
+    rows = list(read_rows(path))
+    if not rows:
+        raise InputError(path, None, None, "expected a header row, got an empty file")
+    (header_line, header), body = rows[0], rows[1:]
+    heads = [head.strip() for head in header]
+    columns = {m.column: _cells(path, header_line, heads, body, m) for m in mapped}
+    lines = np.array([line for line, _ in body])
+    if not body:
+        raise InputError(path, header_line, None, "expected touches after the header, got none")
+    if TIME_NAME in columns:
+        columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
+    found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
+    found.known += [f"{m.column} from {quoted(m.name)}{_in(m)}" for m in mapped]
+    ignored = [head for head in heads if head not in {m.name for m in mapped} and head]
+    if ignored:
+        found.unread.append(f"columns that no --map names: {', '.join(ignored[:20])}")
+    if COORDINATE in columns:
+        _from_coordinates(found, columns, axis, sign, feed)
+    else:
+        _as_they_are(found, columns, len(body), axis, sign, feed)
+    return found
+
+
+def _unit_of(column: str) -> str:
+    if column == COORDINATE:
+        return "mm"
+    return "°C" if is_thermometer(column) else COLUMNS[column].unit if column in COLUMNS else ""
+
+
+def _in(mapped: Mapped) -> str:
+    return f" in {mapped.unit}" if mapped.unit else ""
+
+
+def _cells(
+    path: Path, header_line: int, heads: list[str], body: list[tuple[int, list[str]]], m: Mapped
+) -> FloatArray:
+    if m.name not in heads:
+        message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {', '.join(heads)}"
+        raise InputError(path, header_line, None, message)
+    position = heads.index(m.name)
+    cells = [row[position] if position < len(row) else "" for _, row in body]
+    about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
+    if about is None or isinstance(about, NumberColumn):
+        about = _LOOSE
+    try:
+        values = about.parse(cells)
+    except CellError as error:
+        raise InputError(path, body[error.index][0], m.name, error.message) from error
+    if isinstance(about, LabelColumn) or about is not _LOOSE:
+        return values
+    factor = UNITS.get(_unit_of(m.column), {}).get(m.unit, 1.0)
+    scaled: FloatArray = values * factor + _ZEROS.get(m.unit, 0.0)
+    return scaled
+
+
+_LOOSE = NumberColumn(
+    constraint=COLUMNS["latch_us"].constraint,  # type: ignore[attr-defined]
+    decimals=9,
+    meaning="any number",
+)
+
+
+def _from_coordinates(
+    found: Imported,
+    columns: Mapping[str, FloatArray],
+    axis: str,
+    sign: int | None,
+    feed: float | None,
+) -> None:
+    """Hold coordinates against the middle of their surface."""
+    coordinates = columns[COORDINATE]
+    for row, coordinate in enumerate(coordinates.tolist()):
+
+        def value(name: str, row: int = row) -> float | None:
+            cell = columns[name][row] if name in columns else np.nan
+            return None if np.isnan(cell) else float(cell)
+
+        own_axis = Axis(int(columns["axis"][row])).name if "axis" in columns else axis
+        own_sign = value("sign")
+        place = [value("position_mm"), value("alpha_deg"), value("beta_deg")]
+        found.touches.append(
+            Touch(
+                axis=own_axis,
+                coordinate=None if np.isnan(coordinate) else coordinate,
+                sign=int(own_sign) if own_sign else sign,
+                place=tuple(v for v in place if v is not None),
+                feed=value("feed_mm_min") or feed,
+                approach=value("approach_mm"),
+                time_s=value("time_s"),
+                session=str(columns["session"][row]) if "session" in columns else "",
+                temperatures={
+                    place_of(name): float(columns[name][row])
+                    for name in columns
+                    if is_thermometer(name) and not np.isnan(columns[name][row])
+                },
+            )
+        )
+
+
+def _as_they_are(
+    found: Imported,
+    columns: dict[str, FloatArray],
+    rows: int,
+    axis: str,
+    sign: int | None,
+    feed: float | None,
+) -> None:
+    columns = dict(columns)
+    if "touch" not in columns:
+        columns["touch"] = np.arange(rows, dtype=float)
+        found.assumed.append("touches are numbered in the order of the rows")
+    if found.kind is Kind.MACHINE:
+        columns.setdefault("axis", np.full(rows, Axis[axis]))
+        if sign is not None:
+            columns.setdefault("sign", np.full(rows, float(sign)))
+    if feed is not None:
+        columns.setdefault("feed_mm_min", np.full(rows, feed))
+    warmth = {place_of(name): columns.pop(name) for name in list(columns) if is_thermometer(name)}
+    session = columns.pop("session", None)
+    found.columns = Touches.from_columns(**columns, session=session, thermometers=warmth)

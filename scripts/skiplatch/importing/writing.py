@@ -1,0 +1,113 @@
+"""Writing what was read as a campaign whose nominal.toml says where each figure is from."""
+
+from collections.abc import Mapping, Sequence
+from math import isinf
+from pathlib import Path
+from textwrap import wrap
+
+from skiplatch.campaign import (
+    FORMATS,
+    KEYS,
+    NOMINAL_FILE,
+    TOUCHES_FILE,
+    DatumFreedom,
+    Kind,
+    Touches,
+    format_touches,
+)
+from skiplatch.campaign.datum import Datum
+from skiplatch.campaign.nominal import Key
+from skiplatch.files import atomic_write_folder
+from skiplatch.importing.model import Figure, Figures, Imported
+from skiplatch.importing.placing import as_touches
+from skiplatch.importing.presets import PRESETS
+
+WIDTH = 98
+
+
+def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> None:
+    """Write a campaign folder, all of it or nothing.
+
+    Raises:
+        InputError: The folder cannot be written, or something stands there already.
+    """
+    if imported.columns is not None:
+        touches: Touches = imported.columns
+        free = Datum.of_kind(imported.kind).free
+    else:
+        touches, free, surfaces = as_touches(imported.touches, is_plc=imported.path_is_plc)
+        imported.known.append(_surfaces(surfaces))
+        single = sum(1 for n in surfaces.values() if n == 1)
+        if single:
+            imported.assumed.append(
+                f"{single} of {len(surfaces)} surfaces were touched once only and so deviate by "
+                "nothing: they tell nothing of the scatter"
+            )
+    figures = {**PRESETS[imported.preset].figures, **imported.figures}
+    notes = {
+        "made_from": ", ".join(path.name for path in sources),
+        "known": imported.known,
+        "assumed": imported.assumed,
+        "unread": imported.unread,
+    }
+    toml = nominal_text(imported.kind, figures, free, notes)
+    atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: format_touches(touches)})
+
+
+def nominal_text(
+    kind: Kind,
+    figures: Figures,
+    free: DatumFreedom,
+    notes: Mapping[str, str | Sequence[str]] | None = None,
+) -> str:
+    """Give nominal.toml with every key in it: with its source, or as a comment where unknown."""
+    lines = [
+        "# What is believed of the rig. A line that begins with # is not known: its default is",
+        "# taken. Take the # away and put the figure in; {value = …, u = …} gives its uncertainty.",
+        f'format = "{FORMATS[2]}"',
+        f'kind = "{kind}"',
+    ]
+    previous = ""
+    for (section, name), key in KEYS.items():
+        if section != previous:
+            lines += ["", f"[{section}]"]
+            previous = section
+        lines += _entry(name, key, figures.get((section, name)))
+    lines += ["", "# What shares one unknown place of the surface.", "[datum]", f'free = "{free}"']
+    lines += _notes(notes or {})
+    return "\n".join(lines) + "\n"
+
+
+def _entry(name: str, key: Key, figure: Figure | None) -> list[str]:
+    unit = f" in {key.unit}" if key.unit else ""
+    if figure is None:
+        default = "0.0" if isinf(key.default) else repr(key.default)
+        return [f"# {key.meaning}{unit}; unknown", f"# {name} = {default}"]
+    comment = [f"# {line}" for line in wrap(f"{key.meaning}{unit}; {figure.source}", WIDTH)]
+    u = "" if figure.u is None else f", u = {float(figure.u)!r}}}"
+    value = repr(float(figure.value))
+    return [*comment, f"{name} = {value}" if not u else f"{name} = {{value = {value}{u}"]
+
+
+def _notes(notes: Mapping[str, str | Sequence[str]]) -> list[str]:
+    if not notes:
+        return []
+    lines = ["", "[notes]"]
+    for name, said in notes.items():
+        if isinstance(said, str):
+            lines.append(f"{name} = {_quoted(said)}")
+        elif said:
+            lines += [f"{name} = [", *(f"    {_quoted(line)}," for line in said), "]"]
+    return lines
+
+
+def _quoted(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else "?" for c in escaped)[:900] + '"'
+
+
+def _surfaces(surfaces: Mapping[str, int]) -> str:
+    n = sum(surfaces.values())
+    if len(surfaces) == 1:
+        return f"{n} touches of one surface"
+    return f"{n} touches of {len(surfaces)} surfaces"

@@ -1,0 +1,379 @@
+"""``skiplatch import``: logs of each kind, and what is said of them."""
+
+import json
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from bench_rig import c_frames
+from refusals import Program
+from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
+from skiplatch.campaign import Axis, Campaign, DatumFreedom, InputPath, Kind, read_campaign
+from skiplatch.cli import group
+
+LOGS = Path(__file__).parent / "data" / "logs"
+
+
+class Run:
+    """An import: what it wrote and said."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        out = folder / "campaign"
+        words = [*arguments, "--out", str(out), "--json", str(folder / "said.json")]
+        result = CliRunner().invoke(group, ["import", *words], catch_exceptions=False)
+        assert result.exit_code == 0, result.output
+        self.text = result.output
+        self.said = json.loads((folder / "said.json").read_text())
+        self.campaign: Campaign = read_campaign(out)
+        self.toml = (out / "nominal.toml").read_text()
+
+    def coordinates(self) -> list[float]:
+        """Where each touch was latched."""
+        t = self.campaign.touches
+        sense = np.nan_to_num(t.sign, nan=1.0)
+        return [round(v, 6) for v in (t.position_mm + sense * t.deviation_um / 1e3).tolist()]
+
+
+def log(name: str) -> str:
+    return str(LOGS / name)
+
+
+def test_klipper_console_keeps_places_feeds_and_approaches(tmp_path: Path) -> None:
+    run = Run(tmp_path, "klipper", log("klipper_octoprint.log"))
+
+    assert run.coordinates() == [1.32, 1.3175, 1.325, 1.32, 1.3025, 1.315]
+    assert set(run.campaign.touches.feed_mm_min) == {600.0}
+    assert run.campaign.touches.approach_mm.tolist() == [1.995, 2, 2, 2, 2, 2]
+    assert (run.campaign.touches.sign == -1).all()
+    assert "one feed: a delay and a length look alike; touch at a second feed" in run.text
+    assert (
+        "no times in the log: the order of the lines is that of the touches" in run.said["assumed"]
+    )
+
+
+def test_console_with_the_newest_line_first_is_turned_round(tmp_path: Path) -> None:
+    run = Run(tmp_path, "klipper", log("klipper_newest_first.log"))
+
+    assert run.coordinates() == [6.098598, 6.098598, 6.101098, 6.101098, 6.101098]
+    assert run.campaign.touches.time_s.tolist() == [0, 6, 7, 8, 9]
+
+
+def test_klippy_log_gives_steps_temperatures_and_times(tmp_path: Path) -> None:
+    run = Run(tmp_path, "klipper", log("klippy.log"))
+
+    touches, nominal = run.campaign.touches, run.campaign.nominal
+    assert nominal.axis.resolution_um == pytest.approx(1e3 * 8 / (200 * 16 * 10))
+    assert nominal.axis.accel_mm_s2 == 100.0
+    assert set(touches.feed_mm_min) == {300.0}
+    assert touches.thermometers["heater_bed"].tolist() == [59.5, 59.5, 60.5, 60.5]
+    assert touches.thermometers["frame"].tolist() == [31.2, 31.2, 31.4, 31.4]
+    assert touches.time_s.tolist() == [0.0, 0.5, 1.0, 1.5]
+    assert nominal.datum.free is DatumFreedom.SESSION
+    assert len(touches.session_names) == 2
+    assert run.coordinates() == [1.00125, 1.001875, 1.003125, 1.25]
+    assert any("1 of 2 surfaces were touched once only" in line for line in run.said["assumed"])
+
+
+def test_grbl_commands_queued_before_their_replies_go_with_them(tmp_path: Path) -> None:
+    run = Run(tmp_path, "grbl", log("grbl_serial.log"))
+
+    touches = run.campaign.touches
+    assert [Axis(a).name for a in touches.axis] == ["Z", "Z", "Z", "X"]
+    assert touches.feed_mm_min.tolist() == [100, 25, 50, 60]
+    assert touches.sign.tolist() == [-1, -1, -1, -1]
+    assert touches.missed.tolist() == [False, False, True, False]
+    assert touches.session_names[touches.session[3]].startswith("after homing 1")
+    assert run.campaign.nominal.axis.resolution_um == 4.0
+    assert run.coordinates()[:2] == [-7.125, -7.13]
+    assert "1 moves ended without a touch (:0])" in run.said["known"]
+
+
+def test_grbl_settings_of_the_axis_that_probed_count(tmp_path: Path) -> None:
+    text = (LOGS / "grbl_serial.log").read_text().split(">>> $H")[0]
+    (tmp_path / "z.log").write_text(text)
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "z.log"))
+
+    assert run.campaign.nominal.axis.resolution_um == 2.5
+    assert run.campaign.nominal.axis.accel_mm_s2 == 50.0
+    assert "$102 of the log" in run.toml
+
+
+def test_grbl_echoes_within_the_marks_of_a_page_are_read(tmp_path: Path) -> None:
+    run = Run(tmp_path, "grbl", log("grbl_echoed.log"), "--inch")
+
+    assert run.coordinates() == [round(25.4 * v, 6) for v in (-3.0375, -2.9454, -3.2879, -3.3772)]
+    assert run.campaign.touches.sign.tolist() == [-1, -1, 1, 1]
+    assert set(run.campaign.touches.feed_mm_min) == {25.4}
+
+
+def test_command_that_stands_there_with_each_answer_counts_once(tmp_path: Path) -> None:
+    run = Run(tmp_path, "grbl", log("fluidnc_answered.log"))
+
+    touches = run.campaign.touches
+    assert touches.feed_mm_min.tolist() == [200, 80]
+    assert touches.sign.tolist() == [1, 1]
+    assert touches.approach_mm[1] == pytest.approx(44.643 - 44.572 + 3)
+    assert touches.time_s.tolist() == [0, 3]
+
+
+def test_replies_without_commands_are_read_with_what_is_not_known(tmp_path: Path) -> None:
+    (tmp_path / "r.log").write_text("[PRB:0.000,0.000,-1.000:1]\r\n[PRB:0.000,0.000,-1.003:1]\r\n")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "r.log"))
+
+    assert run.coordinates() == [-1.0, -1.003]
+    assert np.isnan(run.campaign.touches.feed_mm_min).all()
+    assert any("2 replies have no command" in line for line in run.said["assumed"])
+    assert any(line.startswith("the feed is not known") for line in run.said["assumed"])
+
+
+def test_marlin_means_give_more_digits_than_are_printed(tmp_path: Path) -> None:
+    run = Run(tmp_path, "marlin", log("marlin_m48.log"), "--feed", "120")
+
+    assert run.coordinates() == pytest.approx([0.01125, 0.01125, 0.01, -0.2675, 0.0075], abs=2e-6)
+    assert set(run.campaign.touches.feed_mm_min) == {120.0}
+
+
+def test_marlin_g30_goes_on_past_midnight(tmp_path: Path) -> None:
+    run = Run(tmp_path, "marlin", log("marlin_g30.log"))
+
+    assert run.coordinates() == [0.12, 0.13, 0.11]
+    assert run.campaign.touches.time_s.tolist() == [0, 43190, 43194]
+    assert run.campaign.nominal.axis.resolution_um == 2.5
+    assert run.campaign.touches.thermometers["bed"].tolist() == [60.25] * 3
+    assert any("Marlin does not print it; give --feed" in line for line in run.said["assumed"])
+
+
+def test_linuxcnc_log_gets_feeds_and_senses_from_its_program(tmp_path: Path) -> None:
+    run = Run(
+        tmp_path, "linuxcnc", log("linuxcnc_probe.txt"), "--program", log("linuxcnc_probe.ngc")
+    )
+
+    touches = run.campaign.touches
+    assert touches.feed_mm_min.tolist() == [100, 400] * 3
+    assert (touches.path == InputPath.PLC).all()
+    assert run.campaign.nominal.plc.scan_us == 1000.0
+    assert touches.approach_mm[1] == pytest.approx(5.006321)
+    assert run.coordinates()[:2] == [0.001234, -0.006321]
+    assert run.said["could_not_be_read"] == ["1 lines that do not hold 9 numbers"]
+
+
+def test_linuxcnc_program_with_other_count_gives_what_all_moves_share(tmp_path: Path) -> None:
+    (tmp_path / "p.ngc").write_text("G20 G91\nG38.2 Z-1 F4\n")
+
+    run = Run(tmp_path, "linuxcnc", log("linuxcnc_probe.txt"), "--program", str(tmp_path / "p.ngc"))
+
+    assert run.campaign.touches.feed_mm_min.tolist() == pytest.approx([101.6] * 6)
+    assert run.coordinates()[0] == pytest.approx(0.001234 * 25.4, abs=1e-6)
+    assert any("6 lines and the program 1 probing moves" in line for line in run.said["assumed"])
+
+
+def test_linuxcnc_log_alone_finds_its_axis(tmp_path: Path) -> None:
+    run = Run(tmp_path, "linuxcnc", log("linuxcnc_probe.txt"), "--feed", "50")
+
+    assert {Axis(a) for a in run.campaign.touches.axis} == {Axis.Z}
+    assert any(line.startswith("axis Z, whose") for line in run.said["assumed"])
+
+
+@pytest.mark.parametrize(
+    ("name", "latched_us"),
+    [("saleae.csv", [12.5, 13.0, np.nan]), ("capture.vcd", [12.0, 14.0])],
+)
+def test_edges_and_latches_are_a_bench(tmp_path: Path, name: str, latched_us: list[float]) -> None:
+    run = Run(tmp_path, "edges", log(name))
+
+    touches = run.campaign.touches
+    assert run.campaign.nominal.kind is Kind.BENCH
+    np.testing.assert_allclose(touches.latch_us - touches.edge_us, latched_us, atol=1e-3)
+    assert touches.missed.tolist() == np.isnan(latched_us).tolist()
+
+
+def test_bounces_are_one_edge(tmp_path: Path) -> None:
+    run = Run(tmp_path, "edges", log("saleae.csv"))
+
+    assert run.campaign.touches.edge_us.tolist() == [0.0, 1e6, 2e6]
+    assert "1 edges so near to one before are its bounces (--holdoff)" in run.said["assumed"]
+
+
+def test_channels_are_named_or_numbered(tmp_path: Path, refused: Program) -> None:
+    turned = Run(tmp_path, "edges", log("saleae.csv"), "--probe", "1", "--latch", "Channel 0")
+    said = refused(
+        *("import", "edges", log("saleae.csv"), "--probe", "Chanel 0", "-o", tmp_path / "x")
+    )
+
+    assert len(turned.campaign.touches) == 2
+    assert 'no channel "Chanel 0"; did you mean "Channel 0"?; there are: Channel 0, ' in said
+
+
+def test_session_of_sigrok_is_read(tmp_path: Path) -> None:
+    samples = bytearray(1000)
+    samples[100:200] = bytes([0b01]) * 100
+    samples[112:150] = bytes([0b11]) * 38
+    metadata = (
+        "[global]\nsigrok version=0.5.2\n[device 1]\ncapturefile=logic-1\ntotal probes=2\n"
+        "samplerate=1 MHz\nprobe1=D0\nprobe2=D1\nunitsize=1\n"
+    )
+    with zipfile.ZipFile(tmp_path / "s.sr", "w") as archive:
+        archive.writestr("version", "2")
+        archive.writestr("metadata", metadata)
+        archive.writestr("logic-1-2", bytes(samples[500:]))
+        archive.writestr("logic-1-1", bytes(samples[:500]))
+
+    run = Run(tmp_path, "edges", str(tmp_path / "s.sr"))
+
+    assert run.campaign.touches.latch_us.tolist() == [12.0]
+    assert run.campaign.nominal.skip.tick_us == 1.0
+    assert run.campaign.nominal.bench.reference_jitter_us == pytest.approx(0.2887, abs=1e-4)
+
+
+def test_iso_table_gives_positions_runs_and_senses(tmp_path: Path) -> None:
+    run = Run(tmp_path, "iso230", log("iso230_x.csv"), "--axis", "Y", "--feed", "1000")
+
+    touches = run.campaign.touches
+    assert touches.position_mm.tolist() == [0, 100, 200, 200, 100, 0, 0, 100, 200, 100, 0]
+    assert touches.deviation_um.tolist()[:6] == [0.5, 1.5, 2.5, 0.5, 1.5, 2.5]
+    assert touches.sign.tolist()[2:4] == [1, -1]
+    assert touches.session_names == ("run 1", "run 2", "run 3", "run 4")
+
+
+def test_rotary_table_is_in_degrees(tmp_path: Path) -> None:
+    run = Run(tmp_path, "iso230", log("iso230_x.csv"), "--axis", "B")
+
+    assert run.campaign.touches.position_deg.tolist()[:3] == [0, 100, 200]
+    assert run.campaign.touches.deviation_arcsec.tolist()[:3] == [0.5, 1.5, 2.5]
+
+
+def test_any_table_is_mapped_with_its_units(tmp_path: Path) -> None:
+    run = Run(
+        tmp_path,
+        *("csv", log("table.csv"), "--axis", "X", "--sign", "-1", "--map", "time=When"),
+        *("--map", "deviation_um=Error (mm) [mm]", "--map", "feed_mm_min=Speed"),
+        *("--map", "position_mm=Where [in]"),
+    )
+
+    touches = run.campaign.touches
+    assert touches.time_s.tolist() == [0, 5, 10]
+    assert touches.deviation_um.tolist()[:2] == pytest.approx([12.3, -4.5])
+    assert touches.position_mm.tolist() == pytest.approx([266.7] * 3)
+    assert {Axis(a) for a in touches.axis} == {Axis.X}
+    assert run.said["could_not_be_read"] == ["columns that no --map names: Remark"]
+
+
+def test_coordinates_of_a_table_are_held_against_their_surface(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("z;place\n1,5;1\n1,502;1\n7,25;2\n")
+
+    run = Run(
+        tmp_path,
+        *("csv", str(tmp_path / "t.csv"), "--map", "coordinate_mm=z", "--map", "session=place"),
+    )
+
+    assert run.coordinates() == [1.5, 1.502, 7.25]
+    assert run.campaign.nominal.datum.free is DatumFreedom.SESSION
+
+
+@pytest.mark.parametrize(
+    ("mapping", "message"),
+    [
+        (
+            "deviation_mm=x",
+            '"deviation_mm" is no column of a campaign; did you mean "deviation_um"',
+        ),
+        ("deviation_um=Error [furlong]", 'deviation_um: unit "furlong" is none of µm, um, mm'),
+        ("nothing", "expected COLUMN=HEAD"),
+    ],
+)
+def test_wrong_mapping_is_told(tmp_path: Path, mapping: str, message: str) -> None:
+    arguments = ["import", "csv", log("table.csv"), "--map", mapping, "-o", str(tmp_path / "x")]
+
+    result = CliRunner().invoke(group, arguments)
+
+    assert result.exit_code == 2
+    assert message in result.output
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("linuxcnc", "expected lines of 9 numbers"),
+        ("grbl", "expected replies such as [PRB:"),
+        ("klipper", "expected lines such as"),
+        ("marlin", "expected lines such as"),
+        ("edges", "expected a header such as"),
+        ("can", "python-can"),
+        ("iso230", "expected a number"),
+    ],
+)
+def test_log_of_another_kind_is_told_and_nothing_written(
+    tmp_path: Path, refused: Program, kind: str, words: str
+) -> None:
+    (tmp_path / "other.txt").write_text("what, is\nthis, then\n")
+
+    said = refused("import", kind, tmp_path / "other.txt", "--out", tmp_path / "x")
+
+    assert said.startswith(f"skiplatch: {tmp_path}/other.txt")
+    assert words in said
+    assert not (tmp_path / "x").exists()
+
+
+def test_occupied_folder_is_refused_before_the_work(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine").write_text("")
+
+    said = refused("import", "grbl", tmp_path / "none.log", "-o", tmp_path / "full")
+
+    assert "full: exists already and is not an empty folder" in said
+
+
+@pytest.fixture
+def candump(tmp_path: Path) -> Callable[..., Path]:
+    """A log of what the C codec makes of lines."""
+
+    def write(*lines: str) -> Path:
+        ids = {"edge": EDGE_ID, "latch": LATCH_ID}
+        frames = [(ids[line.split()[0]], frame) for line in lines for frame in c_frames(line)]
+        text = "".join(
+            f"(1700000000.{i:06d}) can0 {number:03X}#{frame.hex().upper()}\n"
+            for i, (number, frame) in enumerate(frames)
+        )
+        (tmp_path / "bus.log").write_text(text)
+        return tmp_path / "bus.log"
+
+    return write
+
+
+WRAP_NS = 2**32 * 100
+
+
+def test_edges_and_latches_of_a_candump_go_together_over_the_wrap(
+    tmp_path: Path, candump: Callable[..., Path]
+) -> None:
+    lines = []
+    for number in range(4):
+        edge_ns = WRAP_NS - 1_500_000_000 + number * 1_000_000_000
+        latch_ticks = (edge_ns + 65_000) // 100 % 2**32
+        lines.append(f"edge {edge_ns} {number} 12 1 0")
+        if number != 2:
+            sequence = number - (number > 2)
+            lines.append(f"latch {latch_ticks} 0 {sequence} {int(number == 3)} 8")
+
+    run = Run(tmp_path, "can", str(candump(*lines)))
+
+    touches = run.campaign.touches
+    late_us = (touches.latch_us - touches.edge_us).tolist()
+    assert late_us[:2] == pytest.approx([65 - 2.048] * 2, abs=0.1)
+    assert touches.missed.tolist() == [False, False, True, False]
+    assert "1 edges without a latch" in run.said["known"]
+
+
+def test_latches_alone_are_read_with_what_they_cannot_tell(
+    tmp_path: Path, candump: Callable[..., Path]
+) -> None:
+    run = Run(tmp_path, "can", str(candump("latch 10 0 0 0 8", "latch 4010 0 1 0 8")))
+
+    assert run.campaign.touches.latch_us.tolist() == [0.0, 400.0]
+    assert any(line.startswith("no edge reports on the bus") for line in run.said["assumed"])
