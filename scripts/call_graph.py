@@ -215,11 +215,11 @@ def parse_disassembly(text: str, processor: Processor) -> dict[str, Function]:
 
 
 def compiled(objects: Path, room: str, ending: str) -> list[Path]:
-    """Return what was compiled of the sources in a folder of the project that are still there."""
+    """Return what was compiled of a folder's sources that are still there, without its tests."""
     return [
         path
         for path in sorted((objects / room).rglob(f"*{ending}"))
-        if path.relative_to(objects).with_suffix(".c").is_file()
+        if path.relative_to(objects).with_suffix(".c").is_file() and path.parent.name != "tests"
     ]
 
 
@@ -250,9 +250,9 @@ def read_call_graph(program: Path, objects: Path, processor: Processor) -> CallG
 
 def programs(board: str) -> dict[str, Path]:
     """Return the linked programs of a board by what docs/SIZE.md calls them."""
-    named = {"program": "firmware.elf", "transmission program": "transmission.elf"}
-    paths = {what: Path("build/boards", board, name) for what, name in named.items()}
-    return {what: path for what, path in paths.items() if what == "program" or path.is_file()}
+    folder = Path("build/boards", board)
+    others = [path for path in sorted(folder.glob("*.elf")) if not path.stem.startswith("firmware")]
+    return {"program": folder / "firmware.elf"} | {f"{path.stem} program": path for path in others}
 
 
 def task_root(graph: CallGraph) -> str:

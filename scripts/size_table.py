@@ -33,9 +33,9 @@ MARGIN_BYTES = 16
 MARGIN_PERCENT = 2
 SKIPPED = 77
 
-# Of the issue: what latching and reporting may take on an AVR.
+# Of the issue: what latching and reporting may take on a board of this family.
 GOALS = {("input + report", "flash"): 3072, ("input + report", "RAM"): 128}
-GOAL_BOARDS = ("atmega328p", "atmega2560")
+GOAL_FAMILY = "avr"
 
 ROW = re.compile(r"^\| (\w+) \| ([^|]+?) \| (\d+) \| (\d+) \| (\d+) \|$", re.MULTILINE)
 COMPILER = re.compile(r"^\* (\w+): (.+)$", re.MULTILINE)
@@ -55,8 +55,7 @@ more: a change that is worth it is recorded in the same commit.
   variables; the deepest path of the task and, on top of it, of the interrupts that can come
   together. On an AVR that is one interrupt, beside such as let others in; on a Cortex-M all of
   them, each with the nine words that the processor may push: a bound, as some share a priority.
-* **transmission program** is a second one, for a chip that does nothing else:
-  `main_transmission.c`, with docs/TRANSMISSION.md.
+* A **NAME program** is a second one, of `main_NAME.c`, for a chip that does nothing else.
 * **input**, **report**, **cycle**, **inject** are the folders of `firmware/`, all that is compiled,
   whether a board needs it or not. RAM is one of each structure that a caller owns
   (`tests/boards/one_of_each.c`); stack is the deepest path inside the folder, 0 where the program
@@ -65,8 +64,9 @@ more: a change that is worth it is recorded in the same commit.
   AVR: {goal_flash} of flash, {goal_ram} of RAM. Flash is without what only a receiver of records
   uses (the decoder), which is not linked; RAM is `skip_input_t`, `plc_task_t` and `latch_report_t`.
 
-`cortex_m0plus` and `cortex_m4f` are the port `cortex_m3` compiled for those cores, to keep it
-portable. With its floating-point unit on, an M4F pushes up to 18 words more at each interrupt.
+A board that has no folder in `hal/ports` is another one's port compiled for that core (OTHER_CORES
+in its `board.mk`), to keep it portable. With its floating-point unit on, a Cortex-M4F pushes up to
+18 words more at each interrupt.
 
 Stack comes from `-fstack-usage` and the call graph of the linked program (`scripts/call_graph.py`);
 a tail call is counted as a call, so it too is a bound.
@@ -231,13 +231,13 @@ def compare(old: Table, new: Table) -> tuple[list[str], list[str]]:
     return lines, faults
 
 
-def missed_goals(table: Table) -> list[str]:
-    """Return the goals that are not reached."""
+def missed_goals(table: Table, families: dict[str, str]) -> list[str]:
+    """Return the goals that are not reached, with the family of each board."""
     return [
         f"{board}, {what}: {column} is {table[board, what].columns()[column]} bytes, goal {goal}"
         for (what, column), goal in GOALS.items()
-        for board in GOAL_BOARDS
-        if (board, what) in table and table[board, what].columns()[column] > goal
+        for board, family in families.items()
+        if family == GOAL_FAMILY and table[board, what].columns()[column] > goal
     ]
 
 
@@ -253,7 +253,7 @@ def main(arguments: list[str]) -> int:
         RECORD.write_text(format_record(old | new, recorded | compilers), encoding="utf-8")
     lines, faults = compare(old, new)
     print("\n".join(lines))
-    goals = missed_goals(new)
+    goals = missed_goals(new, families)
     print("\n".join(goals if arguments[0] == "record" else faults + goals))
     foreign = [name for family, name in compilers.items() if recorded.get(family, name) != name]
     if foreign and arguments[0] == "compare":

@@ -1,8 +1,8 @@
 /*
  * What a port has to offer for the suites of this folder to run on it: its stimuli and its ears,
  * and a few facts about the board. One implementation is linked per port;
- * tests/support/port_host_sim.c is that of the simulated rig. A later port adds a file of its own
- * and touches no suite.
+ * hal/ports/BOARD/tests/port_under_test.c, and tests/support/port_host_sim.c for the simulated rig.
+ * A later port adds a file of its own and touches no suite.
  *
  * hal_edge_on_latch() is implemented by tests/support/edge_log.c.
  */

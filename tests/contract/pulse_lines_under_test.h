@@ -1,6 +1,6 @@
 /*
  * What a port with pulse inputs has to offer for test_hal_pulse.c: the two lines, time, and a few
- * facts. One implementation is linked per port, tests/support/pulse_lines_PORT.c.
+ * facts. One implementation is linked per port, hal/ports/PORT/tests/pulse_lines.c.
  */
 #ifndef CONTRACT_PULSE_LINES_UNDER_TEST_H
 #define CONTRACT_PULSE_LINES_UNDER_TEST_H

@@ -38,7 +38,7 @@ def commands(text: str) -> Iterator[list[str]]:
 
 def project_in(folder: Path) -> Run:
     """Give what runs a command of the document in a copy of the project, and gives its output."""
-    for name in ("firmware", "hal", "scripts", ".clang-format"):
+    for name in ("firmware", "hal", "mk", "scripts", ".clang-format"):
         (folder / name).symlink_to(ROOT / name)
     shutil.copy(ROOT / "Makefile", folder)
     shutil.copytree(ROOT / "host_sim", folder / "host_sim")

@@ -1,6 +1,6 @@
 /*
  * How a suite that runs on a board, or in its emulator, speaks and ends. One implementation a
- * family: target_avr.c, target_arm.c. Unity is compiled to use it (see the Makefile).
+ * family: target_avr.c, target_arm.c. Unity is compiled to use it (mk/variants.mk).
  */
 #ifndef SUPPORT_TARGET_H
 #define SUPPORT_TARGET_H

@@ -1,6 +1,6 @@
 """The program of the ATmega328P that measures a transmission error, in simavr: how fast, how well.
 
-    python -m tests.boards.transmission_rig build/boards/atmega328p/transmission.elf
+    python -m hal.ports.atmega328p.tests.transmission_rig build/boards/atmega328p/transmission.elf
 
 Two trains of pulses of the simulated gear train go to the program's pins, at rising speed, until it
 loses one. What it reports is held against the same firmware on this host, fed with the stamps that
@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from hal.ports.atmega328p.tests.simavr_rig import CAPTURE, FRAME_BYTES, Events, Stimulus, run
 from skiplatch.transmission.firmware import INPUT, NAS_PER_ARCSEC, Transmission
 from skiplatch.transmission.simulated import Encoder, Gear, GearStage, Machine, simulated_pulses
-from tests.boards.simavr_rig import CAPTURE, FRAME_BYTES, Events, Stimulus, run
 
 CLOCK_HZ = 16e6
 LINES1, LINES2, RATIO = 1024, 3600, Fraction(407, 10)

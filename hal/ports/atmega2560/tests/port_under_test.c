@@ -6,10 +6,10 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 
-#include "../contract/port_under_test.h"
-#include "../hal/ports/atmega2560/axis.h"
-#include "../hal/ports/atmega2560/bus.h"
-#include "../hal/ports/atmega2560/clock.h"
+#include "../axis.h"
+#include "../bus.h"
+#include "../clock.h"
+#include "contract/port_under_test.h"
 
 #define LINE          (1u << PD4)
 #define HEARD_BYTES   1024u

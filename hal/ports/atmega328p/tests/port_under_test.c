@@ -6,13 +6,13 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 
-#include "../contract/port_under_test.h"
-#include "../hal/ports/atmega328p/axis.h"
-#include "../hal/ports/atmega328p/board.h"
-#include "../hal/ports/atmega328p/bus.h"
-#include "../hal/ports/atmega328p/clock.h"
-#include "../hal/ports/atmega328p/deferred.h"
-#include "../hal/ports/atmega328p/scan.h"
+#include "../axis.h"
+#include "../board.h"
+#include "../bus.h"
+#include "../clock.h"
+#include "../deferred.h"
+#include "../scan.h"
+#include "contract/port_under_test.h"
 #include "hal_edge.h"
 
 #define HEARD_BYTES   256u

@@ -13,12 +13,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "../contract/port_under_test.h"
-#include "../hal/ports/linux/axis.h"
-#include "../hal/ports/linux/bus.h"
-#include "../hal/ports/linux/clock.h"
-#include "../hal/ports/linux/edge.h"
-#include "../hal/ports/linux/loop.h"
+#include "../axis.h"
+#include "../bus.h"
+#include "../clock.h"
+#include "../edge.h"
+#include "../loop.h"
+#include "contract/port_under_test.h"
 #include "hal_clock.h"
 #include "unity.h"
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hal.ports.cortex_m3.tests import qemu_rig
 from skiplatch.bench.latches import Latch
 from skiplatch.campaign import InputPath
-from tests.boards import qemu_rig
 from tests.boards.record import Recorded
 
 PROGRAM = Path("build/boards/cortex_m3/firmware.elf")

@@ -1,6 +1,6 @@
 """Run one suite on the Cortex-M3 in QEMU, with its pin and its UARTs wired to themselves.
 
-    python -m tests.boards.qemu_suite build/boards/cortex_m3/contract/test_hal_edge
+    python -m hal.ports.cortex_m3.tests.qemu_suite build/boards/cortex_m3/contract/test_hal_edge
 
 The report comes by semihosting, and so does the exit status.
 """
@@ -10,7 +10,7 @@ import sys
 from contextlib import suppress
 from pathlib import Path
 
-from tests.boards.qemu import Emulator
+from hal.ports.cortex_m3.tests.emulator import Emulator
 
 TIMEOUT_S = 240.0
 SEMIHOSTING = (

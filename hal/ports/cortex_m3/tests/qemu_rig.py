@@ -1,6 +1,6 @@
 """The Cortex-M3 board in QEMU as a bench: injects edges, records a campaign.
 
-    python -m tests.boards.qemu_rig build/boards/cortex_m3/firmware.elf --out build/campaign
+    python -m hal.ports.cortex_m3.tests.qemu_rig PROGRAM.elf --out build/campaign
 
 How the times are known: an edge is programmed on the bench's timer while the emulator stands, so
 that its instant of virtual time is exact; the master clock that tells it has ticks of 20 ns. The
@@ -23,6 +23,7 @@ from pathlib import Path
 import numpy as np
 from tqdm import tqdm
 
+from hal.ports.cortex_m3.tests.emulator import COUNTS, TICK_NS, Emulator
 from skiplatch.bench.latches import Latch, LatchReports
 from skiplatch.campaign import (
     AxisNominal,
@@ -38,7 +39,6 @@ from skiplatch.campaign import (
     write_campaign,
 )
 from skiplatch.motion import S_PER_MIN, US_PER_S
-from tests.boards.qemu import COUNTS, TICK_NS, Emulator
 from tests.boards.record import APPROACH_MM, LEAD_S, Recorded, as_touches
 
 TICKS_PER_US = 50

@@ -9,10 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skiplatch.campaign import InputPath
-from tests.boards import simavr_rig
-from tests.boards.record import Recorded
-from tests.boards.simavr_rig import (
+from hal.ports.atmega328p.tests import simavr_rig
+from hal.ports.atmega328p.tests.simavr_rig import (
     CAPTURE,
     CYCLES_PER_US,
     PIN_CHANGE,
@@ -20,6 +18,8 @@ from tests.boards.simavr_rig import (
     Stimulus,
     commands,
 )
+from skiplatch.campaign import InputPath
+from tests.boards.record import Recorded
 
 FOLDER = Path("build/boards/atmega328p")
 TOUCHES = 60  # on each path

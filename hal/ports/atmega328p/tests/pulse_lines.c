@@ -5,9 +5,9 @@
 #include <avr/interrupt.h>
 #include <avr/io.h>
 
-#include "../contract/pulse_lines_under_test.h"
-#include "../hal/ports/atmega328p/clock.h"
-#include "../hal/ports/atmega328p/pulse.h"
+#include "../clock.h"
+#include "../pulse.h"
+#include "contract/pulse_lines_under_test.h"
 #include "hal_pulse.h"
 
 #define INPUT_BIT     _BV(PD2)

@@ -9,9 +9,9 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "../contract/pulse_lines_under_test.h"
-#include "../hal/ports/linux/clock.h"
-#include "../hal/ports/linux/pulse.h"
+#include "../clock.h"
+#include "../pulse.h"
+#include "contract/pulse_lines_under_test.h"
 #include "hal_clock.h"
 #include "unity.h"
 

@@ -1,6 +1,6 @@
 """The ATmega328P in simavr as a bench: injects edges at exact cycles, records a campaign.
 
-    python -m tests.boards.simavr_rig build/boards/atmega328p/firmware.elf --out build/campaign
+    python -m hal.ports.atmega328p.tests.simavr_rig PROGRAM.elf --out build/campaign
 
 How the times are known: an edge is applied at the end of the instruction that runs at its cycle,
 and the rig is told that cycle. The clock of the board starts some cycles after the chip; how many
@@ -37,7 +37,7 @@ from skiplatch.campaign import (
 )
 from tests.boards.record import Recorded, as_touches
 
-RIG = Path("build/host/simavr_rig")
+RIG = Path("build/rigs/atmega328p/tests/simavr_rig")
 CYCLES_PER_US = 16
 RESOLUTION_UM = 2.0
 SCAN_US = 2000

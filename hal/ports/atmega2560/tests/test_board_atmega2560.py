@@ -11,7 +11,7 @@ import pytest
 from skiplatch.bench.latches import Latch, LatchReports
 
 PROGRAM = Path("build/boards/atmega2560/firmware.elf")
-RUN = Path("build/host/atmega2560_run")
+RUN = Path("build/rigs/atmega2560/tests/run")
 RAM_BYTES = 8192
 FRAME_BYTES = 8
 TOUCHES = 300

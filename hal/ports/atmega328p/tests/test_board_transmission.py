@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from hal.ports.atmega328p.tests import simavr_rig, transmission_rig
+from hal.ports.atmega328p.tests.simavr_rig import FRAME_BYTES, Events
+from hal.ports.atmega328p.tests.transmission_rig import Trains
 from skiplatch.transmission.firmware import NAS_PER_ARCSEC
-from tests.boards import simavr_rig, transmission_rig
-from tests.boards.simavr_rig import FRAME_BYTES, Events
-from tests.boards.transmission_rig import Trains
 
 PROGRAM = Path("build/boards/atmega328p/transmission.elf")
 SPEED_REV_S = 5.0

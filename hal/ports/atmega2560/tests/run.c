@@ -1,7 +1,7 @@
 /*
  * Plays touches to the program of the ATmega2560 port in simavr:
  *
- *   atmega2560_run FIRMWARE.elf PATH TOUCHES SEED
+ *   run FIRMWARE.elf PATH TOUCHES SEED
  *
  * PATH is the byte that chooses it, "s" or "p". The axis runs at one step every 200 µs; touches
  * come every 9 to 13 ms and last 4.5 ms, longer than a scan. Written are, one a line: "edge CYCLE
@@ -146,7 +146,7 @@ int main(int argc, char **argv)
 {
     avr_t *avr = argc == 5 ? load(argv[1]) : NULL;
     if (avr == NULL) {
-        fprintf(stderr, "usage: atmega2560_run FIRMWARE.elf s|p TOUCHES SEED\n");
+        fprintf(stderr, "usage: run FIRMWARE.elf s|p TOUCHES SEED\n");
         return EXIT_USAGE;
     }
     rig_t rig = {

@@ -1,14 +1,14 @@
 /*
  * The Cortex-M3 port under test, in QEMU: the interrupt output of timer 3 is wired to the trigger
- * pin, and the two UARTs to each other, by tests/boards/qemu_suite.py. Time passes by the watchdog,
+ * pin, and the two UARTs to each other, by qemu_suite.py. Time passes by the watchdog,
  * which the port does not use; the timers cannot be read there.
  *
  * The emulated UART takes no time for a byte. So that a queue can fill, its interrupt comes only
  * while time is let pass.
  */
-#include "../contract/port_under_test.h"
-#include "../hal/ports/cortex_m3/board.h"
-#include "../hal/ports/cortex_m3/lm3s6965.h"
+#include "contract/port_under_test.h"
+#include "../board.h"
+#include "../lm3s6965.h"
 #include "unity.h"
 
 #define WATCHDOG_LOAD  REGISTER(0x40000000u)

@@ -1,0 +1,50 @@
+# A kernel with a GPIO character device and SocketCAN. It runs here, as programs of its own.
+FAMILY.$(board) := linux
+
+# libgpiod 2 of the system, or the one that setup_gpiod.sh has unpacked aside; without it there is no
+# Linux port.
+GPIOD_SYSTEM := $(shell grep -ls gpiod_chip_request_lines /usr/include/gpiod.h)
+GPIOD_ASIDE  := $(if $(GPIOD_SYSTEM),,$(wildcard build/gpiod/usr/include/gpiod.h))
+GPIOD_LIB    := $(if $(GPIOD_SYSTEM),-lgpiod,$(wildcard build/gpiod/usr/lib/*/libgpiod.a))
+CFLAGS.$(board) = $(filter-out -std=c99 -flto -ffat-lto-objects,$(CFLAGS.hal)) -std=c11 -D_GNU_SOURCE \
+                $(if $(GPIOD_ASIDE),-isystem build/gpiod/usr/include)
+
+LINUX    := $(if $(GPIOD_LIB),$(wildcard hal/ports/linux/*.c))
+INJECTOR := $(filter hal/ports/linux/injector%,$(LINUX))
+RECORDER := $(filter hal/ports/linux/recorder%,$(LINUX))
+CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
+
+$(OUT)/liblinux_port.a: $$(call object_of,$$(filter-out $(CONTROL) $(INJECTOR) $(RECORDER),$(LINUX)) \
+                                          $$(FIRMWARE))
+	@rm -f $@
+	@ar rcs $@ $^
+
+LINUX_PROGRAMS := $(if $(LINUX),$(addprefix $(OUT)/skiplatch-,controller injector recorder))
+$(OUT)/skiplatch-controller: $$(call object_of,$(CONTROL)) $(OUT)/liblinux_port.a
+$(OUT)/skiplatch-injector: $$(call object_of,$(INJECTOR)) $(OUT)/liblinux_port.a
+$(OUT)/skiplatch-recorder: $$(call object_of,$(RECORDER)) $(OUT)/liblinux_port.a
+$(LINUX_PROGRAMS):
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
+
+# The programs of the rig in tests/bench.
+$(OUT)/tests/bench/%: $(OUT)/obj/tests/bench/%.o $(OUT)/liblinux_port.a
+	@mkdir -p $(@D)
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
+
+# The contract suites once more, on this port, where there are gpio-sim and vcan: in the bench's
+# machine, or on a host that has them.
+CONTRACT_LINUX := $(if $(LINUX),$(filter-out %/test_hal_error.c,$(wildcard tests/contract/test_*.c)))
+.PHONY: contract-linux-programs run-contract-linux
+contract-linux-programs: $(CONTRACT_LINUX:tests/contract/%.c=$(OUT)/contract-linux/%)
+$(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
+                         $(OUT)/foreign/unity.o $$(call object_of,$$(call under_test,$$*,linux)) \
+                         $(OUT)/liblinux_port.a
+	@mkdir -p $(@D)
+	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
+
+RESULTS.contract-linux := $(RESULTS)/contract-linux/contract-linux.check
+run-contract-linux: $(RESULTS.contract-linux)
+$(RESULTS.contract-linux): contract-linux-programs FORCE
+	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))

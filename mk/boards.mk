@@ -1,0 +1,78 @@
+# The boards: every folder hal/ports/BOARD that has a board.mk. Here is how those are read, and what
+# the boards of a family have in common; the rules stand in mk/on_board.mk.
+#
+# What a board.mk may say, all of it with `.$(board)` at the end of the name:
+#
+#   FAMILY       avr, arm: runs on a board of that compiler; host: compiled and linked here, run nowhere
+#   FLAGS        the processor, for the compiler
+#   LINKER_SCRIPT   in its folder
+#   OTHER_CORES  names of cores that the port is linked and measured for as well; FLAGS.CORE of each
+#   SUITE_RUN    command that runs one suite, before the program's name; a family may know one
+#   RIG          Python module that records a campaign of a build in the emulator
+#   RIG_TOOLS    programs that rig or tests want: build/rigs/BOARD/tests/NAME of tests/NAME.c
+#   BUILDS       the builds to record: nominal, and names joined by -
+#   DISTURBANCE.$(board).NAME   flags of what a name in a build stands for
+#   LEFT_OUT     files of the folder that no build holds; = and $(in_build) where it depends on it
+#   TOUCHES, RIG_OPTIONS        how many on each path, and options of the rig; also ….BUILD
+#   MEASURE      more to run in `make board`: a target of its own
+
+PORTS := $(patsubst hal/ports/%/board.mk,%,$(wildcard hal/ports/*/board.mk))
+
+define read_board
+board := $1
+include hal/ports/$1/board.mk
+endef
+$(foreach port,$(PORTS),$(eval $(call read_board,$(port))))
+
+define read_core
+PORT.$2   := $1
+FAMILY.$2 := $(FAMILY.$1)
+endef
+$(foreach port,$(PORTS),$(foreach core,$(OTHER_CORES.$(port)),$(eval $(call read_core,$(port),$(core)))))
+
+# ---- families ------------------------------------------------------------------------------------
+
+CC.avr := avr-gcc
+CC.arm := arm-none-eabi-gcc
+
+WARNINGS.arm      := -Wduplicated-branches -Wduplicated-cond -Wlogical-op -Wnull-dereference
+# The old compiler for the AVR warns of conversions that were asked for.
+SUITE_CFLAGS.avr  := -Wno-conversion -Wno-sign-conversion
+# An AVR's suites keep their texts in RAM; avr_test_run gives the chip enough of it.
+SUITE_LDFLAGS.avr := -Wl,--defsym=__DATA_REGION_LENGTH__=0x3D00 -Wl,--defsym=__stack=0x3FFF
+LDFLAGS.arm       := --specs=nano.specs -nostartfiles
+
+AVR_TEST_RUN  := build/rigs/avr_test_run
+SUITE_RUN.avr  = $(AVR_TEST_RUN) $(patsubst -mmcu=%,%,$(filter -mmcu=%,$(FLAGS)))
+UNSUITED.avr.test_overtravel := it holds the sums to 64 bits, and the double of avr-gcc has 32
+
+# What each family needs, and the command that installs it.
+TOOLS.avr    := $(and $(shell command -v avr-gcc),$(wildcard /usr/include/simavr/sim_avr.h))
+TOOLS.arm    := $(and $(shell command -v arm-none-eabi-gcc),$(shell command -v qemu-system-arm))
+NO_TOOLS.avr := no avr-gcc or libsimavr here: scripts/setup_system.sh cross emulators
+NO_TOOLS.arm := no arm-none-eabi-gcc or qemu-system-arm here: scripts/setup_system.sh cross emulators
+
+# ---- what follows --------------------------------------------------------------------------------
+
+ports_of   = $(foreach port,$(PORTS),$(if $(filter $1,$(FAMILY.$(port))),$(port)))
+BOARDS    := $(call ports_of,avr arm)
+HOST_PORTS := $(call ports_of,host)
+CORES     := $(foreach board,$(BOARDS),$(OTHER_CORES.$(board)))
+MEASURED  := $(foreach board,$(BOARDS),$(if $(RIG.$(board)),$(board)))
+# What can be linked here; other cores are for the figures alone.
+LINKED    := $(foreach board,$(BOARDS) $(CORES),\
+               $(if $(shell command -v $(CC.$(FAMILY.$(board)))),$(board)))
+# What can be run here.
+RUN_HERE  := $(foreach board,$(BOARDS),$(if $(TOOLS.$(FAMILY.$(board))),$(board)))
+
+# Of this variant: the board (or core), and the folder its port is in.
+TARGET  := $(patsubst boards/%,%,$(filter boards/%,$(VARIANT)))
+FAMILY  := $(FAMILY.$(TARGET))
+PORT    := $(or $(PORT.$(TARGET)),$(TARGET))
+PORT_FOLDER   := hal/ports/$(PORT)
+PORT_SOURCES  := $(if $(TARGET),$(wildcard $(PORT_FOLDER)/*.c))
+LINKER_SCRIPT := $(LINKER_SCRIPT.$(PORT):%=$(PORT_FOLDER)/%)
+LDFLAGS       := $(LDFLAGS.$(FAMILY)) $(LINKER_SCRIPT:%=-T %)
+ifneq ($(and $(TARGET),$(if $(FAMILY),,no)),)
+$(error no board $(TARGET); there are: $(BOARDS) $(CORES))
+endif

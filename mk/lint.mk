@@ -1,0 +1,54 @@
+# Static checks, each of them a check of the suite `lint`.
+
+ON_CROSS := $(addprefix compile-,$(BOARDS) $(CORES))
+LINT := compile-gcc compile-clang $(ON_CROSS) clang-format clang-tidy cppcheck \
+        dependencies firmware isr-calls size ruff-check ruff-format mypy shellcheck
+RESULTS.lint := $(LINT:%=$(RESULTS)/lint/%.check)
+
+.PHONY: run-lint
+run-lint: $(RESULTS.lint)
+	@:
+
+$(RESULTS)/lint/compile-gcc.check: FORCE
+	$(check) $(MAKE) VARIANT=gcc objects
+$(RESULTS)/lint/compile-clang.check: FORCE
+	$(check) $(MAKE) VARIANT=clang objects
+# What is linked of a board is there before: two makes at once would write the same objects.
+$(ON_CROSS:%=$(RESULTS)/lint/%.check): $(RESULTS)/lint/compile-%.check: \
+        $$(addprefix linked-,$$(filter $$*,$(LINKED))) FORCE
+	$(check) $(call with_tool,$(CC.$(FAMILY.$*)),$(MAKE) VARIANT=boards/$* objects)
+
+$(RESULTS)/lint/clang-format.check: FORCE
+	$(check) .venv/bin/clang-format --dry-run -Werror $(or $(C_FILES),--version)
+$(RESULTS)/lint/clang-tidy.check: FORCE
+	$(check) $(MAKE) VARIANT=clang tidy
+$(RESULTS)/lint/cppcheck.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/lint_cppcheck.py build/cppcheck \
+	    --portable $(HOST_PORTS:%=hal/ports/%) --hosted $(addprefix hal/ports/,$(call ports_of,linux))
+$(RESULTS)/lint/dependencies.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/lint_dependencies.py
+$(RESULTS)/lint/firmware.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/lint_firmware.py
+
+$(RESULTS)/lint/isr-calls.check $(RESULTS)/lint/size.check: $(LINKED:%=linked-%) FORCE
+$(RESULTS)/lint/isr-calls.check:
+	$(check) $(if $(LINKED),$(VENV_PYTHON) scripts/lint_isr_calls.py $(WITH_FAMILY),$(NO_CROSS))
+$(RESULTS)/lint/size.check:
+	$(check) $(if $(LINKED),$(SIZE_TABLE) compare $(WITH_FAMILY),$(NO_CROSS))
+
+$(RESULTS)/lint/ruff-check.check: FORCE
+	$(check) .venv/bin/ruff check --config scripts/pyproject.toml $(PYTHON_FOLDERS)
+$(RESULTS)/lint/ruff-format.check: FORCE
+	$(check) .venv/bin/ruff format --check --diff --config scripts/pyproject.toml $(PYTHON_FOLDERS)
+$(RESULTS)/lint/mypy.check: FORCE
+	$(check) .venv/bin/mypy --config-file scripts/pyproject.toml --cache-dir build/mypy_cache \
+	    $(PYTHON_FILES)
+$(RESULTS)/lint/shellcheck.check: FORCE
+	$(check) shellcheck $(SHELL_FILES)
+
+.PHONY: tidy
+tidy: $(C_SOURCES:%=$(OUT)/tidy/%.ok)
+$(OUT)/tidy/%.ok: % .clang-tidy $(OUT)/flags/$$(call room_of,$$*) $(C_HEADERS)
+	@mkdir -p $(@D)
+	@.venv/bin/clang-tidy --quiet $< -- $(filter-out -Werror,$(call cflags_of,$<))
+	@touch $@

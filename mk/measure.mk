@@ -1,0 +1,40 @@
+# What is measured on this host: reach of the tests, speed, the diagnosis on sealed campaigns.
+
+COVERAGE         := $(VENV_PYTHON) -m coverage
+COVERAGE_OPTIONS := --rcfile=scripts/pyproject.toml --data-file=build/coverage/python
+.PHONY: coverage
+coverage: setup setup-test ## run all tests and report what they reach, in build/coverage/report
+	@rm -rf build/coverage/report && mkdir -p build/coverage/report/c
+	@find build/coverage -name '*.gcda' -delete
+	@$(INNER_MAKE) VARIANT=coverage library
+	-@$(MAKE) VARIANT=coverage c-tests
+	@.venv/bin/gcovr --root . --object-directory build/coverage \
+	    --filter firmware/ --filter host_sim/ --print-summary \
+	    --txt build/coverage/report/c.txt --html-details build/coverage/report/c/index.html
+	-@$(COVERAGE) run $(COVERAGE_OPTIONS) -m pytest $(PYTEST_OPTIONS) --quiet tests/python
+	@$(COVERAGE) report $(COVERAGE_OPTIONS) | tee build/coverage/report/python.txt
+
+build/perf/libfloor.so: $(call object_of,$(PERF)) $(OUT)/libskiplatch_sim.a
+	@mkdir -p $(@D)
+	$(SAY) 'link $@'
+	$(Q)$(CC) $(FLAGS) $(LTO) -shared $^ -lm -o $@
+
+.PHONY: bench
+bench: setup $(STAMPS)/bench $(STAMPS)/system-rig ## measure speed
+	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so) $(if $(LINUX),$(RIG:%.c=$(OUT)/%)) program
+	@$(VENV_PYTHON) tests/perf/bench.py
+	@$(VENV_PYTHON) -m tests.bench.latency
+
+COUNT        ?= 20
+SEED         ?= 1
+FALSE_ALARMS ?= 0
+TIES         ?= 0
+PLANTED      ?= 0
+.PHONY: gap-check
+gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and score that
+	@$(VENV_PYTHON) -m tests.gap.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
+	    --false-alarms $(FALSE_ALARMS) $(OPTIONS)
+	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.gap.ties --count $(TIES) \
+	    --seed $(SEED) --jobs $(shell nproc))
+	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.gap.planted --count $(PLANTED) \
+	    --seed $(SEED) --jobs $(shell nproc))

@@ -1,0 +1,38 @@
+# What has to be installed.
+
+STAMPS      := build/stamps
+VENV_PYTHON := .venv/bin/python
+VENV        := .venv/skiplatch.key
+
+$(STAMPS)/system-%: scripts/setup_system.sh
+	@scripts/setup_system.sh $*
+	@mkdir -p $(@D) && touch $@
+
+$(STAMPS)/cmock: scripts/setup_cmock.sh
+	@scripts/setup_cmock.sh
+	@mkdir -p $(@D) && touch $@
+
+$(STAMPS)/gpiod: scripts/setup_gpiod.sh
+	@scripts/setup_gpiod.sh
+	@mkdir -p $(@D) && touch $@
+
+# What needs an absent cross compiler, emulator or tool of the rig is counted as skipped.
+$(addprefix $(STAMPS)/system-,cross emulators rig): $(STAMPS)/system-%: scripts/setup_system.sh
+	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
+	@mkdir -p $(@D) && touch $@
+
+$(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.toml \
+         | $(STAMPS)/system-build
+	@scripts/setup_python.sh
+
+.PHONY: setup-build setup-test setup-lint
+setup-build: $(STAMPS)/system-build $(STAMPS)/gpiod $(VENV)
+setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock \
+            $(STAMPS)/system-cross $(STAMPS)/system-emulators
+setup-lint: setup-test $(STAMPS)/system-lint $(STAMPS)/system-cross
+
+# Without the general tool that the diagnosis is compared with, the rest of the benchmark still runs.
+$(STAMPS)/bench: scripts/requirements-bench.lock $(VENV)
+	@mkdir -p $(@D)
+	@$(VENV_PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes \
+	    --requirement $< && touch $@ || echo 'SKIPPED: no pyABC to be had here'

@@ -1,0 +1,31 @@
+# What there is to compile and to check.
+
+FIRMWARE := $(wildcard firmware/*/*.c)
+SIM      := $(wildcard host_sim/*.c host_sim/effects/*.c)
+MAIN     := $(wildcard host_sim/programs/main.c)
+PROGRAMS := $(filter-out $(MAIN),$(wildcard host_sim/programs/*.c))
+TEMPLATE := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))
+
+TESTS.unit     := $(wildcard tests/unit/test_*.c hal/ports/*/tests/test_*.c)
+TESTS.contract := $(wildcard tests/contract/test_*.c)
+TESTS.scenario := $(wildcard tests/scenario/test_*.c)
+TESTS          := $(TESTS.unit) $(TESTS.contract) $(TESTS.scenario)
+FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
+FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
+PERF           := $(wildcard tests/perf/*.c)
+RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
+
+# A board's headers are checked where its own are compiled.
+headers_of = $(wildcard $(1:%=hal/ports/%/*.h))
+C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE) $(LINUX)
+C_HEADERS := $(wildcard firmware/*.h firmware/*/*.h hal/include/*.h host_sim/*.h host_sim/*/*.h) \
+             $(call headers_of,$(HOST_PORTS)) $(if $(LINUX),$(call headers_of,$(call ports_of,linux)))
+C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
+                    $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] tests/*/*.[ch]))
+PYTHON_FOLDERS := scripts $(wildcard tests hal)
+PYTHON_FILES   := $(wildcard scripts/skiplatch) \
+                  $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
+                             tests/gap/*.py tests/bench/*.py tests/boards/*.py hal/ports/*/tests/*.py)
+SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh) .ci/run
+
+object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)

@@ -1,0 +1,80 @@
+# The suites: what each consists of, how its outcomes come to be and are counted.
+
+C_SUITES    := unit contract scenario
+ON_BOARDS   := $(BOARDS:%=target-%)
+TEST_SUITES := $(C_SUITES) template contract-linux $(ON_BOARDS) fuzz-regression python
+
+# Every result first becomes an empty file: what does not build or run is then counted as failed.
+define run_suites
+	@rm -rf $(addprefix $(RESULTS)/,$1) && mkdir -p $(addprefix $(RESULTS)/,$1)
+	@touch $(RESULTS)/.declared $(foreach suite,$1,$(RESULTS.$(suite)))
+	-@$(INNER_MAKE) $(addprefix run-,$1)
+	@$(VENV_PYTHON) scripts/count_tests.py $(RESULTS) $1
+endef
+
+.PHONY: $(TEST_SUITES)
+$(TEST_SUITES): setup setup-test # one suite alone, e.g. make unit
+	$(call run_suites,$@)
+
+.PHONY: c-tests
+c-tests:
+	$(call run_suites,$(C_SUITES))
+
+result_of               = $(patsubst %,$(RESULTS)/$1/%.log,$(notdir $(basename $(TESTS.$1))))
+RESULTS.unit            := $(call result_of,unit)
+RESULTS.contract        := $(call result_of,contract)
+RESULTS.scenario        := $(call result_of,scenario)
+RESULTS.template        := $(HOST_PORTS:%=$(RESULTS)/template/%.check)
+RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
+RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
+RESULTS.long            := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/long/pytest.xml)
+
+.PHONY: $(addprefix run-,$(C_SUITES) template python long)
+$(addprefix run-,$(C_SUITES) template python long): run-%: $$(RESULTS.$$*)
+	@:
+
+check = @scripts/run_check.sh $@ $(basename $(@F))
+skip  = sh -c 'echo "$1"; exit 77'
+# $(call with_tool,avr-gcc,command): the command, or a loud skip where the tool is absent.
+with_tool = $(if $(shell command -v $1),$2,$(call skip,no $1 here))
+
+TEST_TIMEOUT_S := 300
+define result_rules
+$(RESULTS)/$2/$(notdir $1).log: $(OUT)/$1 FORCE
+	@timeout $(TEST_TIMEOUT_S) $$< >$$@ 2>&1; echo "exit status $$$$?" >>$$@
+	@printf '%-40s %s\n' '$2/$(notdir $1)' "$$$$(grep -E '^[0-9]+ Tests ' $$@ || tail -n 1 $$@)"
+endef
+$(foreach suite,$(C_SUITES),$(foreach test,$(TESTS.$(suite):.c=),\
+    $(eval $(call result_rules,$(test),$(suite)))))
+
+$(RESULTS.template): $(RESULTS)/template/%.check: $(OUT)/ports/% FORCE
+	$(check) true
+
+PYTHON_TESTS   := tests/python $(sort $(dir $(wildcard hal/ports/*/tests/test_*.py)))
+PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
+$(RESULTS)/python/pytest.xml: MARKED = not long
+$(RESULTS)/long/pytest.xml:   MARKED = long
+# A file's tests share what is dear to make, and the last files are short ones; long ones share nothing.
+$(RESULTS)/python/pytest.xml: PYTEST_DIST = loadfile --no-loadscope-reorder
+$(RESULTS)/long/pytest.xml:   PYTEST_DIST = worksteal
+$(RESULTS)/python/pytest.xml $(RESULTS)/long/pytest.xml: \
+                              library program $(OUT)/inject-codec $(RUN_HERE:%=programs-%) FORCE
+	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \
+	    -m '$(MARKED)' --quiet --junitxml=$@ $(PYTHON_TESTS) || true
+
+# ---- the rig of the Linux port: one in the virtual machine, one on this host's vcan and gpio-sim ----
+
+RIG_SUITES := bench-vm bench-host
+.PHONY: $(RIG_SUITES) $(RIG_SUITES:%=run-%)
+bench-vm: setup setup-test ## test the Linux port in a virtual machine with CAN and GPIO, and time it
+	$(call run_suites,$@)
+bench-host: setup setup-test ## the same on this host, as root, with vcan and gpio-sim
+	$(call run_suites,$@)
+
+RESULTS.bench-vm   := $(RESULTS)/bench-vm/bench-vm.check
+RESULTS.bench-host := $(RESULTS)/bench-host/bench-host.check
+# Whatever the suite wrote beside its one declared result is counted as well.
+$(RIG_SUITES:%=run-%): run-bench-%: program $(if $(LINUX),contract-linux-programs $(RIG:%.c=$(OUT)/%))
+	@scripts/run_check.sh $(RESULTS)/bench-$*/bench-$*.check bench-$* \
+	    $(if $(LINUX),tests/bench/run_suite.sh $* $(RESULTS)/bench-$*,$(call skip,no libgpiod 2 here))
+	@sed -n '/^scan wake-up/,$$p' $(RESULTS)/bench-$*/bench.txt 2>/dev/null || true
