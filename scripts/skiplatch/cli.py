@@ -20,6 +20,7 @@ COMMANDS = {
     "columns": "List the columns and keys of a campaign.",
     "import": "Make a campaign out of a machine's or an instrument's log.",
     "init": "Write a commented nominal.toml for a kind of rig.",
+    "repeat": "Say how well touches repeat, from a campaign or straight from a log.",
     "compare": "Hold a recorded campaign against the nominal simulation.",
     "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
     "predict": "Play conditions with the effects that a diagnosis found.",

@@ -1,13 +1,11 @@
 """The step in which recorded numbers go."""
 
-from itertools import pairwise
-
 import numpy as np
 
 from skiplatch.arrays import FloatArray
 
 FEWEST_VALUES = 3
-SLACK = 0.02  # of a step: what the decimals of a table cut off
+SLACK = 0.05  # of a step: what the decimals of a table cut off
 FEWEST_PER_VALUE = 2.0  # numbers a different value; fewer come from the decimals alone
 
 
@@ -22,9 +20,11 @@ def common_step(values: FloatArray) -> float | None:
     known = np.unique(values[np.isfinite(values)])
     if len(known) < FEWEST_VALUES or np.isfinite(values).sum() < FEWEST_PER_VALUE * len(known):
         return None
-    gaps = np.array([b - a for a, b in pairwise(known.tolist())])
-    step = float(gaps.min())
-    multiples = (known - known[0]) / step
-    if np.abs(multiples - np.round(multiples)).max() > SLACK * max(1.0, multiples.max() / 50.0):
+    ways = known - known[0]
+    step = float(np.diff(known).min())
+    for way in ways[1:].tolist():  # the longer the way, the finer it tells the step
+        step = way / max(round(way / step), 1)
+    multiples = ways / step
+    if np.abs(multiples - np.round(multiples)).max() > SLACK:
         return None
-    return float((known[-1] - known[0]) / np.round(multiples[-1]))
+    return step

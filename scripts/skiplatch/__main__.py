@@ -1,0 +1,5 @@
+"""``python -m skiplatch``."""
+
+from skiplatch.cli import main
+
+main()

@@ -1,0 +1,290 @@
+"""How well touches of one surface repeat, with nothing believed of the rig.
+
+Deviations are held against the middle of their surface, and one straight line each in the number
+of the touch and in the feed is fitted to all of them together. First touches of a series and
+outliers are looked at apart and do not enter.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.campaign import Campaign, Touches
+from skiplatch.campaign.steps import common_step
+from skiplatch.errors import InputError
+from skiplatch.statistics import CONFIDENCE, Interval
+
+UM_PER_MS_PER_MM_MIN = 1.0 / 60.0  # a mm/min in µm/ms
+NORMAL_PER_MAD = 1.4826
+OUTLYING_SIGMAS = 5.0  # one in a million of a normal scatter
+OUTLYING_STEPS = 2.5
+FEWEST = 3
+FEWEST_AFTER_FIRST = 4
+TURNS = 5  # of leaving outliers out until they stay the same
+NOTHING_UM = 1e-9  # less is what floating-point sums leave
+HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Repeatability:
+    """What repeated touches show.
+
+    Attributes:
+        touches: Serial numbers of the n touches, in their order.
+        off_um: Each less the middle of its surface and feed; shape (n,).
+        surfaces: How many surfaces were touched.
+        mean: Mean deviation in µm.
+        sigma: Standard deviation in µm about lines and middles.
+        range_um: Widest range of a surface.
+        first: How far the first touches of series are off the others, in µm; None for want of any.
+        drift: From touch to touch in µm; None where the order tells nothing.
+        per_kelvin: The same in µm/K by the name of a thermometer that moves.
+        slope: Against the feed in ms: a delay; None where there is one feed.
+        outliers: Serial numbers.
+        step_um: What deviations are multiples of, if they are.
+    """
+
+    touches: tuple[int, ...]
+    off_um: FloatArray
+    surfaces: int
+    mean: Interval
+    sigma: Interval
+    range_um: float
+    first: Interval | None
+    drift: Interval | None
+    per_kelvin: dict[str, Interval]
+    slope: Interval | None
+    outliers: tuple[int, ...]
+    step_um: float | None
+
+    @property
+    def is_limited_by_resolution(self) -> bool:
+        """Whether the step of the positions hides the scatter."""
+        if self.sigma.value == 0.0:
+            return True
+        return self.step_um is not None and self.sigma.value < HIDING * self.step_um
+
+
+def repeatability(campaign: Campaign) -> Repeatability:
+    """Work it out.
+
+    Raises:
+        InputError: No surface was touched often enough, or no deviation was recorded.
+    """
+    ordered = campaign.touches.in_order_of_time()
+    touches = ordered.select(~np.isnan(ordered.deviation_um) & ~ordered.false)
+    surface = _surfaces(touches)
+    often = np.bincount(surface, minlength=1)[surface] >= FEWEST if len(surface) else surface > 0
+    if not often.any():
+        found = f"{len(touches)} deviations of {len(set(surface.tolist()))} surfaces"
+        message = f"expected a surface that was touched {FEWEST} times or more, got {found}"
+        raise InputError(campaign.path, None, None, message)
+    touches, surface = touches.select(often), surface[often]
+    return _of(touches, np.unique(surface, return_inverse=True)[1].ravel())
+
+
+def _of(touches: Touches, surface: np.typing.NDArray[np.intp]) -> Repeatability:
+    y = touches.deviation_um
+    is_first = _firsts(touches, surface)
+    dummies = (surface[:, None] == np.arange(surface.max() + 1)).astype(float)
+    order = np.arange(len(y), dtype=float)
+    speed = touches.feed_mm_min * UM_PER_MS_PER_MM_MIN
+    lines = {"order": order}
+    if _varies_within(speed, surface):
+        lines["speed"] = speed
+    step = common_step(y)
+    regular, fit = _without_outliers(y, dummies, lines, ~is_first, step)
+    outliers = ~regular & ~is_first | _outlying(fit.residuals, regular, step) & is_first
+    offsets = y - dummies @ _means(y, dummies, regular)
+    return Repeatability(
+        touches=tuple(touches.touch.tolist()),
+        off_um=fit.residuals + fit.part("order", order),
+        surfaces=dummies.shape[1],
+        mean=_mean(y),
+        sigma=fit.sigma,
+        range_um=max(float(np.ptp(y[surface == s])) for s in range(dummies.shape[1])),
+        first=_first(fit.residuals, is_first, regular, fit.freedom),
+        drift=fit.interval("order"),
+        per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
+        slope=fit.interval("speed") if "speed" in lines else None,
+        outliers=tuple(touches.touch[outliers].tolist()),
+        step_um=step,
+    )
+
+
+def _surfaces(touches: Touches) -> np.typing.NDArray[np.intp]:
+    """Number the surfaces: what was touched alike but for the feed."""
+    names = ("path", "axis", "sign", "alpha_deg", "beta_deg", "session")
+    columns = [np.asarray(getattr(touches, name), dtype=float) for name in names]
+    columns.append(np.round(touches.position_mm, 2))
+    if not len(touches):
+        return np.zeros(0, dtype=np.intp)
+    table = np.nan_to_num(np.column_stack(columns), nan=1e300)
+    return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel())
+
+
+def _firsts(touches: Touches, surface: np.typing.NDArray[np.intp]) -> BoolArray:
+    """Tell the first touch of each series of one surface and feed, if enough follow it."""
+    feed = np.nan_to_num(touches.feed_mm_min, nan=-1.0)
+    begins = np.ones(len(surface), dtype=bool)
+    begins[1:] = (np.diff(surface) != 0) | (np.diff(feed) != 0)
+    starts = np.flatnonzero(begins)
+    lengths = np.diff(np.append(starts, len(surface)))
+    firsts = np.zeros(len(surface), dtype=bool)
+    firsts[starts[lengths > FEWEST_AFTER_FIRST]] = True
+    return firsts
+
+
+def _varies_within(values: FloatArray, surface: np.typing.NDArray[np.intp]) -> bool:
+    if np.isnan(values).any():
+        return False
+    return any(np.ptp(values[surface == s]) > 0.0 for s in range(int(surface.max()) + 1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    """Middles of surfaces and straight lines, by least squares.
+
+    Attributes:
+        residuals: Of all touches, those left out too; shape (n,).
+        lines: Slope and its standard error, by name.
+        freedom: Degrees of freedom.
+        sigma: Of the residuals.
+    """
+
+    residuals: FloatArray
+    lines: dict[str, tuple[float, float]]
+    freedom: int
+    sigma: Interval
+
+    def interval(self, name: str) -> Interval | None:
+        """Give a slope with its interval."""
+        if name not in self.lines:
+            return None
+        slope, error = self.lines[name]
+        return _by_t(slope, error, self.freedom)
+
+    def part(self, name: str, values: FloatArray) -> FloatArray:
+        """Give what a line adds, less its mean; shape (n,)."""
+        slope = self.lines.get(name, (0.0, 0.0))[0]
+        return np.asarray(slope * (values - values.mean()))
+
+
+def _by_t(value: float, error: float, freedom: int) -> Interval:
+    reach = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, max(freedom, 1))) * error
+    return Interval(value, value - reach, value + reach)
+
+
+def _fit(y: FloatArray, dummies: FloatArray, lines: dict[str, FloatArray], rows: BoolArray) -> _Fit:
+    used = {name: x for name, x in lines.items() if rows.sum() > dummies.shape[1] + len(lines)}
+    design = np.column_stack([dummies, *used.values()])
+    scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
+    scaled = design / scale
+    beta, _, rank, _ = np.linalg.lstsq(scaled[rows], y[rows], rcond=None)
+    beta[np.abs(beta) < NOTHING_UM] = 0.0
+    residuals = y - scaled @ beta
+    residuals[np.abs(residuals) < NOTHING_UM] = 0.0
+    freedom = max(int(rows.sum() - rank), 1)
+    variance = float(np.sum(residuals[rows] ** 2) / freedom)
+    covariance = variance * np.linalg.pinv(scaled[rows].T @ scaled[rows])
+    first = dummies.shape[1]
+    slopes = {
+        name: (
+            float(beta[first + i] / scale[first + i]),
+            float(np.sqrt(max(covariance[first + i, first + i], 0.0)) / scale[first + i]),
+        )
+        for i, name in enumerate(used)
+    }
+    return _Fit(residuals, slopes, freedom, _sigma(variance, freedom))
+
+
+def _sigma(variance: float, freedom: int) -> Interval:
+    low = float(stats.chi2.ppf(0.5 + CONFIDENCE / 2.0, freedom))
+    high = float(stats.chi2.ppf(0.5 - CONFIDENCE / 2.0, freedom))
+    return Interval(
+        float(np.sqrt(variance)),
+        float(np.sqrt(variance * freedom / low)),
+        float(np.sqrt(variance * freedom / high)),
+    )
+
+
+def _without_outliers(
+    y: FloatArray,
+    dummies: FloatArray,
+    lines: dict[str, FloatArray],
+    rows: BoolArray,
+    step: float | None,
+) -> tuple[BoolArray, _Fit]:
+    """Fit, leave out what lies far off, and fit again until that stays the same."""
+    centred = y - dummies @ _medians(y, dummies)
+    regular = rows & ~_outlying(centred, rows, step, OUTLYING_SIGMAS * 2.0)
+    fit = _fit(y, dummies, lines, regular)
+    for _ in range(TURNS):
+        again = rows & ~_outlying(fit.residuals, regular, step)
+        if (again == regular).all() or again.sum() <= dummies.shape[1] + len(lines):
+            break
+        regular = again
+        fit = _fit(y, dummies, lines, regular)
+    return regular, fit
+
+
+def _outlying(
+    residuals: FloatArray, rows: BoolArray, step: float | None, sigmas: float = OUTLYING_SIGMAS
+) -> BoolArray:
+    """Tell what lies far off by the middle size of the others."""
+    centre = float(np.median(residuals[rows]))
+    scatter = NORMAL_PER_MAD * float(np.median(np.abs(residuals[rows] - centre)))
+    limit = max(sigmas * scatter, OUTLYING_STEPS * (step or 0.0), 1e-9)
+    return np.asarray(np.abs(residuals - centre) > limit)
+
+
+def _means(y: FloatArray, dummies: FloatArray, rows: BoolArray) -> FloatArray:
+    count = np.maximum(dummies[rows].sum(axis=0), 1.0)
+    means: FloatArray = (dummies[rows].T @ y[rows]) / count
+    return means
+
+
+def _medians(y: FloatArray, dummies: FloatArray) -> FloatArray:
+    return np.array([np.median(y[column > 0]) for column in dummies.T])
+
+
+def _mean(y: FloatArray) -> Interval:
+    error = float(np.std(y, ddof=1) / np.sqrt(len(y)))
+    return _by_t(float(y.mean()), error, len(y) - 1)
+
+
+def _first(
+    residuals: FloatArray, is_first: BoolArray, regular: BoolArray, freedom: int
+) -> Interval | None:
+    """Give how far first touches are off, each a new draw of the common scatter."""
+    n = int(is_first.sum())
+    if n == 0 or not regular.any():
+        return None
+    variance = float(np.sum(residuals[regular] ** 2) / freedom)
+    if n > 1:
+        variance = max(variance, float(np.var(residuals[is_first], ddof=1)))
+    error = np.sqrt(variance * (1.0 / n + 1.0 / regular.sum()))
+    return _by_t(float(residuals[is_first].mean()), float(error), freedom)
+
+
+def _per_kelvin(
+    touches: Touches, offsets: FloatArray, regular: BoolArray, surfaces: int
+) -> dict[str, Interval]:
+    """Give the slope against each thermometer that moves, in place of the drift by number."""
+    warmth = {"machine": touches.temp_c, **touches.thermometers}
+    found = {}
+    for name, values in warmth.items():
+        rows = regular & ~np.isnan(values)
+        if rows.sum() > surfaces + FEWEST and np.ptp(values[rows]) > 0.0:
+            line = {"order": values - values[rows].mean()}
+            fit = _fit(np.nan_to_num(offsets), np.ones((len(offsets), 1)), _filled(line), rows)
+            slope = fit.interval("order")
+            if slope is not None:
+                found[name] = slope
+    return found
+
+
+def _filled(lines: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    return {name: np.nan_to_num(values) for name, values in lines.items()}

@@ -1,0 +1,174 @@
+"""``skiplatch repeat``: what repeated touches show with nothing believed of the rig."""
+
+import json
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from refusals import Program
+from skiplatch.campaign import Campaign, Touches, read_campaign
+from skiplatch.cli import group
+from skiplatch.commands.repeat import sentence
+from skiplatch.repeatability import Repeatability, repeatability
+from skiplatch.statistics import Interval
+
+LOGS = Path(__file__).parent / "data" / "logs"
+SIGMA_UM = 2.0
+
+
+def of(machine_sample: Path, deviation_um: np.ndarray, **columns: np.ndarray) -> Repeatability:
+    touches = Touches.from_columns(
+        touch=np.arange(len(deviation_um)), deviation_um=deviation_um, **columns
+    )
+    return repeatability(replace(read_campaign(machine_sample), touches=touches))
+
+
+def noise(n: int, seed: int = 5) -> np.ndarray:
+    return np.random.default_rng(seed).normal(0.0, SIGMA_UM, n)
+
+
+def holds(figure: Interval | None, truth: float) -> bool:
+    return figure is not None and figure.low <= truth <= figure.high
+
+
+def test_plain_scatter_is_found_and_nothing_else(machine_sample: Path) -> None:
+    found = of(machine_sample, 40.0 + noise(60))
+
+    assert holds(found.sigma, SIGMA_UM)
+    assert holds(found.mean, 40.0)
+    assert holds(found.drift, 0.0)
+    assert holds(found.first, 0.0)
+    assert found.slope is None
+    assert found.outliers == ()
+    assert sentence(found).count(";") == 0
+
+
+def test_delay_drift_and_first_touch_are_told_apart(machine_sample: Path) -> None:
+    n = 80
+    feed = np.where(np.arange(n) // 20 % 2, 600.0, 120.0)
+    y = noise(n) + 3.0 * feed / 60.0 + 0.1 * np.arange(n)
+    y[::20] += 25.0
+
+    found = of(machine_sample, y, feed_mm_min=feed)
+
+    assert holds(found.slope, 3.0)
+    assert holds(found.drift, 0.1)
+    assert holds(found.first, 25.0)
+    assert holds(found.sigma, SIGMA_UM)
+
+
+def test_outliers_are_named_and_left_out(machine_sample: Path) -> None:
+    y = noise(50)
+    y[[17, 31]] += (90.0, -120.0)
+
+    found = of(machine_sample, y)
+
+    assert found.outliers == (17, 31)
+    assert holds(found.sigma, SIGMA_UM)
+    assert "2 lie far outside" in sentence(found)
+
+
+def test_surfaces_have_middles_of_their_own(machine_sample: Path) -> None:
+    place = np.repeat([0.0, 100.0], 40)
+
+    found = of(machine_sample, noise(80) + place, position_mm=place)
+
+    assert found.surfaces == 2
+    assert holds(found.sigma, SIGMA_UM)
+    assert found.range_um < 20.0
+
+
+def test_scatter_below_the_step_is_limited_by_the_resolution(machine_sample: Path) -> None:
+    found = of(machine_sample, np.round(noise(50, seed=2) / 5.0) * 5.0)
+
+    assert found.step_um == pytest.approx(5.0)
+    assert found.is_limited_by_resolution
+    assert "limited by the resolution of 5 µm" in sentence(found)
+
+
+def test_the_same_again_and_again_has_no_drift(machine_sample: Path) -> None:
+    found = of(machine_sample, np.full(10, 36.084))
+
+    assert found.sigma.value == 0.0
+    assert found.drift == Interval(0.0, 0.0, 0.0)
+    assert found.is_limited_by_resolution
+
+
+def test_growth_with_the_temperature_is_told_by_its_thermometer(machine_sample: Path) -> None:
+    temp_c = 20.0 + 3.0 * np.sin(np.arange(60) / 5.0)
+
+    found = of(machine_sample, noise(60) + 4.0 * temp_c, temp_c=temp_c)
+
+    assert holds(found.per_kelvin["machine"], 4.0)
+
+
+@pytest.mark.parametrize("seed_of_many", [0])
+def test_intervals_hold_the_truth_as_often_as_stated(
+    machine_sample: Path, seed_of_many: int
+) -> None:
+    campaign: Campaign = read_campaign(machine_sample)
+    right = {"sigma": 0, "drift": 0, "slope": 0, "first": 0}
+    runs = 300
+    for seed in range(runs):
+        feed = np.where(np.arange(24) // 8 % 2, 600.0, 120.0)
+        y = noise(24, seed + seed_of_many)
+        made = Touches.from_columns(touch=np.arange(24), deviation_um=y, feed_mm_min=feed)
+        found = repeatability(replace(campaign, touches=made))
+        right["sigma"] += holds(found.sigma, SIGMA_UM)
+        for name in ("drift", "slope", "first"):
+            right[name] += holds(getattr(found, name), 0.0)
+
+    # 95 % of 300 is 285; below 272 or above 296 is one in a thousand.
+    assert all(270 <= count <= 298 for count in right.values()), right
+
+
+def test_log_goes_straight_to_json_and_picture(tmp_path: Path) -> None:
+    out, picture = tmp_path / "r.json", tmp_path / "r.svg"
+    arguments = ["repeat", str(LOGS / "klipper_octoprint.log"), "--json", str(out)]
+
+    result = CliRunner().invoke(group, [*arguments, "--picture", str(picture)])
+
+    assert result.exit_code == 0, result.output
+    document = json.loads(out.read_text())
+    assert document["n"] == 6
+    assert document["range_um"] == pytest.approx(22.5)
+    assert document["sigma_um_interval"][0] < document["sigma_um"]
+    assert document["slope_ms"] is None
+    assert {"mean_um", "first_touch_um", "drift_um_per_touch", "outliers"} <= document.keys()
+    assert "<svg" in picture.read_text()
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("klipper_newest_first.log", "klipper"),
+        ("marlin_m48.log", "marlin"),
+        ("linuxcnc_probe.txt", "linuxcnc"),
+    ],
+)
+def test_kind_of_a_log_is_told_by_what_stands_in_it(name: str, kind: str) -> None:
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / name)])
+
+    assert result.exit_code == 0, result.output
+    assert f"log of {kind}" in result.output
+
+
+def test_what_cannot_be_told_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "x.txt").write_text("hello\n")
+    (tmp_path / "few.log").write_text("[PRB:0.000,0.000,-1.000:1]\n")
+
+    assert "expected a campaign or a log of grbl" in refused("repeat", tmp_path / "x.txt")
+    assert "touched 3 times or more" in refused("repeat", tmp_path / "few.log")
+
+
+def test_package_runs_as_a_module() -> None:
+    words = [sys.executable, "-m", "skiplatch", "--version"]
+
+    said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+
+    assert said.startswith("skiplatch, version ")
