@@ -294,3 +294,84 @@ def test_teeth_that_make_another_ratio_are_refused(tmp_path: Path) -> None:
 
     with pytest.raises(InputError, match="ratio of 198/5"):
         cli.group(["transmission", str(tmp_path / "x.csv"), *options], standalone_mode=False)
+
+
+@pytest.mark.parametrize("magic", [b"SKLPULS2", b"\x00\x01\x02\x03\x04\x05\x06\x07"])
+def test_a_wrong_magic_is_told_as_such(tmp_path: Path, magic: bytes) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(0.1)])
+    data = (tmp_path / "pulses.bin").read_bytes()
+    (tmp_path / "pulses.bin").write_bytes(magic + data[8:])
+
+    with pytest.raises(
+        InputError, match=r'a binary file that begins with ".*", expected "SKLPULS1"'
+    ):
+        next(read_pulses(tmp_path / "pulses.bin"))
+
+
+def test_less_than_a_turn_has_a_trend_and_no_slow_orders(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(0.6)])
+
+    found = run(tmp_path)
+
+    assert found["orders"][0]["order"] == pytest.approx(40.7, abs=0.02)
+    assert found["orders"][0]["amplitude_arcsec"] == pytest.approx(0.785, rel=0.02)
+    assert found["noise_arcsec"] < 0.15  # the slow order is no noise
+    slow = 4.0 * np.sin(2.0 * np.pi * np.linspace(0.0, 0.6, 100) + np.deg2rad(20.0))
+    assert found["trend_arcsec"] == pytest.approx(np.ptp(slow), abs=0.3)
+    assert found["limits"]["lowest_order"] == pytest.approx(1.0 / 0.6, rel=0.01)
+    assert any("orders below 1.669 are out of reach" in each for each in found["warnings"])
+
+
+def refusal(folder: Path, *options: str) -> str:
+    arguments = ["transmission", str(folder / "pulses.bin"), *OPTIONS, *options]
+    result = CliRunner().invoke(cli.group, arguments)
+    assert isinstance(result.exception, InputError)
+    return str(result.exception)
+
+
+def test_the_analog_meter_refuses_a_period_that_it_cannot_average(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(6.0)])
+
+    said = refusal(tmp_path, "--method", "phase-analog")
+
+    assert "a period of 2544 ms is too long for the meter's 10 ms" in said
+    assert "less than 43.55 ms" in said
+
+
+def test_digital_comparison_refuses_a_speed_that_it_takes_for_error(tmp_path: Path) -> None:
+    turn = np.arange(int(6.0 * LINES2)) / LINES2
+    inputs = np.arange(int(6.0 * RATIO * LINES1)) / LINES1 / RATIO
+
+    def at_s(turns: NDArray[np.float64]) -> NDArray[np.float64]:  # by 1 % slower and faster
+        return turns * RATIO / SPEED + 0.01 * np.sin(3.0 * turns) * RATIO / SPEED
+
+    write_binary(tmp_path / "pulses.bin", [merged(at_s(inputs) + 0.1, at_s(turn) + 0.1)])
+
+    said = refusal(tmp_path, "--method", "phase-digital")
+
+    assert "a period is 405 000″, and the speed changes by" in said
+    assert "hardly more than the speed is seen" in said
+    assert run(tmp_path)["total_arcsec"] < 0.1  # which subdivided counting does not mind
+
+
+def test_digital_comparison_says_which_orders_fold(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(6.0)])
+
+    found = run(tmp_path, "--method", "phase-digital")
+
+    assert found["limits"]["highest_order"] == pytest.approx(1.6, rel=0.01)
+    assert found["limits"]["range_arcsec"] == pytest.approx(405_000.0, rel=0.01)
+    assert any("orders above 1.6 are out of reach" in each for each in found["warnings"])
+
+
+def test_within_its_limits_a_method_has_nothing_to_warn_of(tmp_path: Path) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(6.0)])
+
+    for method in ("subdivided", "phase-subdivided"):
+        found = run(tmp_path, "--method", method)
+        assert found["warnings"] == []
+        # 100 ns at 5 rev/s, i = 40.7: 0.016″
+        assert found["limits"]["quantum_arcsec"] == pytest.approx(0.0159, rel=0.01)
+    direct = run(tmp_path, "--method", "direct")
+    assert direct["limits"]["quantum_arcsec"] == pytest.approx(31.1, abs=0.01)
+    assert any("a line of the denser train is 31.10″" in each for each in direct["warnings"])

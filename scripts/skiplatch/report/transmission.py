@@ -36,6 +36,7 @@ def as_html(
         turns=compact(values.turns),
         headline=f"Transmission error {number(values.total_arcsec)}″ peak to peak",
         lead=_lead(found, train),
+        warnings=found.limits.warnings,
         drawings=drawings,
         sizes=Table(("value", "arcsec"), size_rows(found)),
         orders=Table(header, rows),

@@ -1,6 +1,6 @@
 """From a file of pulses to the transmission error: the firmware counts, Python evaluates."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -19,12 +19,15 @@ from skiplatch.transmission.firmware import (
     Transmission,
     TransmissionError,
 )
+from skiplatch.transmission.limits import ARCSEC_PER_TURN, Limits, Pace, Periods, Run, limits_of
 from skiplatch.transmission.pulses import Pulses, read_pulses
 from skiplatch.transmission.train import GearTrain
 from skiplatch.transmission.values import Backlash, Evaluation, IntArray, Values
 
 PENDING = 64
 """More gating pulses than wait for a point at the end of a block."""
+LEAST_LINES = 4
+"""Of the denser train in a period, as in firmware/comp."""
 NAMES = {INPUT: "input", OUTPUT: "output"}
 
 
@@ -43,6 +46,18 @@ class Chain:
     meter_s: float
     """Time constant of the meter of analog phase comparison."""
 
+    @property
+    def line_arcsec(self) -> float:
+        """A line of the denser train at the output: what counting alone resolves."""
+        return ARCSEC_PER_TURN / max(float(self.lines1 * self.ratio), float(self.lines2))
+
+    @property
+    def period_lines(self) -> int:
+        """Lines of the denser train in a period of the highest common frequency; at least four."""
+        divided = self.lines1 * self.ratio / self.lines2
+        lines = max(divided.numerator, divided.denominator)
+        return lines * -(-LEAST_LINES // lines)
+
     def pitch_turns(self, train: GearTrain | None) -> float:
         """One tooth pitch in output turns; of a train that is not described, an input turn."""
         teeth = train.mesh_order if train is not None else None
@@ -58,6 +73,8 @@ class Measurement:
     """Of a run in both senses."""
     counters: dict[int, Counters]
     """By channel."""
+    limits: Limits
+    """What the method can tell of this run."""
 
 
 def measure_all(
@@ -93,25 +110,48 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     lines = float(chain.lines2 if firmware.gate_is_output else chain.lines1 * chain.ratio)
     evaluation = Evaluation(lines, chain.pitch_turns(train))
     spans = _Spans(path)
+    pace = Pace()
+    periods = Periods(INPUT if firmware.gate_is_output else OUTPUT, chain.period_lines)
     gate = _Gate(OUTPUT if firmware.gate_is_output else INPUT)
     evaluation.take(
-        gate.placed(pulses, _fed(path, firmware, pulses))
-        for pulses in spans.watched(read_pulses(path))
+        gate.placed(pulses, _fed(path, firmware, pulses, pace))
+        for pulses in _each(spans.watched(read_pulses(path)), periods.add)
     )
     spans.refuse_apart()
     values = evaluation.values()
     if values is None:
         message = "the trains are too short: no point of the transmission error came of them"
         raise NotMeasurableError(path, None, None, message)
+    limits = limits_of(
+        Run(
+            method,
+            chain.line_arcsec,
+            float(chain.ratio),
+            chain.meter_s,
+            pace,
+            periods.uneven,
+            values,
+        )
+    )
+    if limits.fault is not None:
+        raise NotMeasurableError(path, None, None, f"{method.value}: {limits.fault}")
     counters = {channel: firmware.counters(channel) for channel in NAMES}
-    return Measurement(values, evaluation.backlash(), counters)
+    return Measurement(values, evaluation.backlash(), counters, limits)
 
 
-def _fed(path: Path, firmware: Transmission, pulses: Pulses) -> Points:
+def _each(blocks: Iterator[Pulses], watch: Callable[[Pulses], None]) -> Iterator[Pulses]:
+    for pulses in blocks:
+        watch(pulses)
+        yield pulses
+
+
+def _fed(path: Path, firmware: Transmission, pulses: Pulses, pace: Pace) -> Points:
     try:
-        return firmware.feed(pulses.channel, pulses.t_ns)
+        points = firmware.feed(pulses.channel, pulses.t_ns)
     except TransmissionError as error:
         raise InputError(path, None, None, f"pulse {error.pulse}: {error}") from error
+    pace.add(points)
+    return points
 
 
 class _Gate:

@@ -59,10 +59,21 @@ def read_pulses(path: Path) -> Iterator[Pulses]:
             back.
     """
     with failures_named(path, "read"), path.open("rb") as file:
-        is_binary = file.read(len(MAGIC)) == MAGIC
+        is_binary = _is_binary(path, file.read(MOST_HEADER_BYTES))
         file.seek(0)
         blocks = _binary(path, file) if is_binary else _csv(path, file)
         yield from _in_order(path, blocks, is_binary=is_binary)
+
+
+def _is_binary(path: Path, head: bytes) -> bool:
+    """Tell a binary file by its magic; what is neither that nor text is refused."""
+    magic = head[: len(MAGIC)]
+    is_text = b"\0" not in head and not magic.startswith(MAGIC[:-1])
+    if magic == MAGIC or is_text:
+        return magic == MAGIC
+    shown = magic.decode("ascii", "backslashreplace")
+    message = f"a binary file that begins with {quoted(shown)}, expected {quoted(MAGIC.decode())}"
+    raise InputError(path, None, None, message)
 
 
 def write_binary(path: Path, blocks: Iterable[Pulses]) -> int:

@@ -6,9 +6,10 @@ found to far less than one over the number of turns.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy import fft, signal
 
@@ -23,6 +24,9 @@ APART_BINS = 2.5
 """Peaks nearer than that to a higher one are its side lobes; the next round looks again."""
 SLOWEST_BINS = 0.9
 """What has fewer periods in the samples is not told from a drift."""
+SHORT_TURNS = 1.0
+SHORT_DEGREE = 3
+"""Of less than a turn the slow orders are out of reach: a cubic takes what they leave."""
 ROUNDS = 8
 SMALLEST_SHARE = 0.02
 """Of the highest peak of a round: what is lower waits until the higher ones are fitted."""
@@ -30,6 +34,7 @@ ITERATIONS = 5
 CONVERGED_BINS = 1e-5
 DRIFT_TURNS = 3.0
 """From so many turns on a drift is told from the slowest order."""
+CURVE_POINTS = 101
 CHUNK = 1 << 13
 """Samples of which the sines are held at a time."""
 
@@ -51,10 +56,23 @@ class Fit:
     """Cycles per output turn; shape (k,)."""
     waves: NDArray[np.complex128]
     """Amplitude and phase of each sine, at turn 0; shape (k,), arcsec."""
-    mean_arcsec: float
-    drift_arcsec_per_turn: float
+    trend: Polynomial
+    """Of turns, in arcsec: a mean, of three turns and more a drift, of less than one a cubic."""
     noise_arcsec: float
     """Root mean square of what the fit leaves."""
+
+    @property
+    def drift_arcsec_per_turn(self) -> float:
+        """Mean slope of the trend."""
+        low, high = map(float, self.trend.domain)
+        return float(self.trend(high) - self.trend(low)) / (high - low)
+
+    @property
+    def bend_arcsec(self) -> float:
+        """Peak to peak of the trend where it stands for orders out of reach, else 0."""
+        if self.trend.degree() < SHORT_DEGREE:
+            return 0.0
+        return float(np.ptp(self.trend.linspace(CURVE_POINTS)[1]))
 
     def sorted_orders(self) -> list[Order]:
         """Give the sines, the largest first."""
@@ -98,10 +116,11 @@ def refit(turns: FloatArray, delta_arcsec: FloatArray, orders: FloatArray) -> Fi
     """Fit amplitudes, phases, mean and drift at orders that are known."""
     solved = _solve(turns, delta_arcsec, orders, None)
     k = len(orders)
-    drift = float(solved[2 * k + 1]) if len(solved) > 2 * k + 1 else 0.0
-    fit = Fit(orders, solved[:k] + 1j * solved[k : 2 * k], float(solved[2 * k]), drift, 0.0)
+    middle, half = _scale(turns)
+    trend = Polynomial(solved[2 * k :], domain=[middle - half, middle + half])
+    fit = Fit(orders, solved[:k] + 1j * solved[k : 2 * k], trend, 0.0)
     left = residual(fit, turns, delta_arcsec)
-    return Fit(orders, fit.waves, fit.mean_arcsec, drift, float(np.sqrt(np.mean(left**2))))
+    return replace(fit, noise_arcsec=float(np.sqrt(np.mean(left**2))))
 
 
 def residual(fit: Fit, turns: FloatArray, delta_arcsec: FloatArray) -> FloatArray:
@@ -109,8 +128,12 @@ def residual(fit: Fit, turns: FloatArray, delta_arcsec: FloatArray) -> FloatArra
     left = np.empty(len(turns))
     for rows in _chunks(len(turns)):
         sine, cosine = _sines(turns[rows], fit.orders)
-        line = fit.mean_arcsec + fit.drift_arcsec_per_turn * turns[rows]
-        left[rows] = delta_arcsec[rows] - line - sine @ fit.waves.real - cosine @ fit.waves.imag
+        left[rows] = (
+            delta_arcsec[rows]
+            - fit.trend(turns[rows])
+            - sine @ fit.waves.real
+            - cosine @ fit.waves.imag
+        )
     return left
 
 
@@ -123,12 +146,16 @@ def _refined(turns: FloatArray, delta: FloatArray, orders: FloatArray) -> FloatA
     for _ in range(ITERATIONS):
         solved = _solve(turns, delta, orders, waves)
         waves = solved[:k] + 1j * solved[k : 2 * k]
-        step = np.clip(solved[-k:], -0.5 * bin_width, 0.5 * bin_width)
+        step = np.clip(solved[-k:] / (np.pi / bin_width), -0.5 * bin_width, 0.5 * bin_width)
         orders = orders + step
         if np.max(np.abs(step)) < CONVERGED_BINS * bin_width:
             break
-    stays = (np.abs(orders - start) <= bin_width) & (orders >= SLOWEST_BINS * bin_width)
+    stays = (np.abs(orders - start) <= bin_width) & (orders >= _slowest_bins(turns) * bin_width)
     return _distinct(orders[stays], 0.5 * bin_width)
+
+
+def _slowest_bins(turns: FloatArray) -> float:
+    return SLOWEST_BINS if float(np.ptp(turns)) >= SHORT_TURNS else 1.0
 
 
 def _distinct(orders: FloatArray, apart: float) -> FloatArray:
@@ -143,44 +170,42 @@ def _solve(
     orders: FloatArray,
     waves: NDArray[np.complex128] | None,
 ) -> FloatArray:
-    """Solve the normal equations: sines, cosines, mean, drift, and steps of the orders if asked."""
-    with_drift = bool(np.ptp(turns) >= DRIFT_TURNS)
-    size = 2 * len(orders) + 1 + int(with_drift) + (len(orders) if waves is not None else 0)
+    """Solve the normal equations: sines, cosines, trend, and steps of the orders if asked.
+
+    Trend and steps are those of the place within the samples, from -1 to 1.
+    """
+    size = 2 * len(orders) + 1 + _degree(turns) + (len(orders) if waves is not None else 0)
     square, right = np.zeros((size, size)), np.zeros(size)
-    half = max(0.5 * float(np.ptp(turns)), 1e-12)
-    middle = float(np.min(turns)) + half
+    middle, half = _scale(turns)
     for rows in _chunks(len(turns)):
-        columns = _columns(turns[rows], orders, waves, (middle, half), with_drift=with_drift)
+        place = (turns[rows] - middle) / half
+        columns = _columns(turns[rows], orders, waves, place, _degree(turns))
         square += columns.T @ columns
         right += columns.T @ delta[rows]
-    solved = np.asarray(np.linalg.lstsq(square, right, rcond=1e-13)[0])
-    return _unscaled(solved, len(orders), middle, half, with_drift=with_drift)
+    return np.asarray(np.linalg.lstsq(square, right, rcond=1e-13)[0])
 
 
-def _unscaled(
-    solved: FloatArray, k: int, middle: float, half: float, *, with_drift: bool
-) -> FloatArray:
-    """Take back that the columns of the drift and of the orders were scaled to one."""
-    if with_drift:
-        solved[2 * k + 1] /= half
-        solved[2 * k] -= solved[2 * k + 1] * middle
-    solved[2 * k + 1 + int(with_drift) :] /= 2.0 * np.pi * half
-    return solved
+def _scale(turns: FloatArray) -> tuple[float, float]:
+    half = max(0.5 * float(np.ptp(turns)), 1e-12)
+    return float(np.min(turns)) + half, half
+
+
+def _degree(turns: FloatArray) -> int:
+    length = float(np.ptp(turns))
+    if length < SHORT_TURNS:
+        return min(SHORT_DEGREE, len(turns) - 1)
+    return int(length >= DRIFT_TURNS)
 
 
 def _columns(
     turns: FloatArray,
     orders: FloatArray,
     waves: NDArray[np.complex128] | None,
-    scale: tuple[float, float],
-    *,
-    with_drift: bool,
+    place: FloatArray,
+    degree: int,
 ) -> FloatArray:
     sine, cosine = _sines(turns, orders)
-    place = (turns - scale[0]) / scale[1]
-    parts = [sine, cosine, np.ones((len(turns), 1))]
-    if with_drift:
-        parts.append(place[:, None])
+    parts = [sine, cosine, np.vander(place, degree + 1, increasing=True)]
     if waves is not None:
         # The phase is held at the middle, so that order and phase hardly depend on each other.
         parts.append(place[:, None] * (cosine * waves.real - sine * waves.imag))
@@ -205,7 +230,7 @@ def _peaks(turns: FloatArray, left: FloatArray, per_turn: float) -> FloatArray:
     floor_least = (1e-12 * float(np.max(np.abs(left), initial=0.0)) * len(grid)) ** 2
     stands_out = np.log(len(grid) / FALSE_ALARM) * np.maximum(floor, floor_least)
     tops, _ = signal.find_peaks(power, distance=max(round(APART_BINS * fold), 1))
-    tops = tops[(power[tops] > stands_out[tops]) & (tops >= SLOWEST_BINS * fold)]
+    tops = tops[(power[tops] > stands_out[tops]) & (tops >= _slowest_bins(turns) * fold)]
     tops = tops[power[tops] > SMALLEST_SHARE**2 * np.max(power[tops], initial=0.0)]
     highest = tops[np.argsort(-power[tops])]
     return np.asarray(_vertex(power, highest) / length * per_turn)

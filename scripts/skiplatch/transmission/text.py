@@ -4,11 +4,11 @@ from collections.abc import Mapping
 
 from skiplatch.tables import NOTHING, compact, number, table, whole
 from skiplatch.transmission.firmware import INPUT, OUTPUT
+from skiplatch.transmission.limits import ARCSEC_PER_TURN
 from skiplatch.transmission.measure import Chain, Measurement, NotMeasurableError
 from skiplatch.transmission.train import GearTrain
 
 SHOWN_ORDERS = 12
-ARCSEC_PER_TURN = 1_296_000.0
 
 
 def as_text(name: str, method: str, found: Measurement, train: GearTrain | None) -> str:
@@ -20,6 +20,7 @@ def as_text(name: str, method: str, found: Measurement, train: GearTrain | None)
         table(("", "arcsec"), size_rows(found)),
         _orders_text(found, train),
         f"missing pulses {_missing(found)}, extra pulses {_extra(found)}, slips {_slips(found)}",
+        "\n".join(f"Warning: {each}." for each in found.limits.warnings),
     ]
     return "\n\n".join(part for part in parts if part)
 
@@ -35,6 +36,8 @@ def size_rows(found: Measurement) -> list[tuple[str, str]]:
         ("noise (rms)", number(values.noise_arcsec)),
         ("drift a turn", number(values.drift_arcsec_per_turn, 2)),
     ]
+    if values.trend_arcsec > 0.0:
+        rows.append(("trend (peak to peak)", number(values.trend_arcsec)))
     if found.backlash is not None:
         rows.append(("backlash", number(found.backlash.mean_arcsec)))
     return rows
@@ -90,6 +93,9 @@ def as_json(method: str, found: Measurement, train: GearTrain | None) -> dict[st
         "drift_arcsec_per_turn": values.drift_arcsec_per_turn,
         "orders": orders,
         "noise_arcsec": values.noise_arcsec,
+        "trend_arcsec": values.trend_arcsec,
+        "limits": found.limits.numbers,
+        "warnings": list(found.limits.warnings),
         "backlash_arcsec": found.backlash.mean_arcsec if found.backlash is not None else None,
         "missing_pulses": _missing(found),
         "extra_pulses": _extra(found),
@@ -130,7 +136,7 @@ def methods_json(
     methods = [
         {
             **_method_json(method, found),
-            "quantum_arcsec": _quantum_arcsec(chain) if method == "direct" else None,
+            "quantum_arcsec": chain.line_arcsec if method == "direct" else None,
             "limit": _limit(method, chain),
         }
         for method, found in results.items()
@@ -144,14 +150,9 @@ def _method_json(method: str, found: Measurement | NotMeasurableError) -> dict[s
     return as_json(method, found, None)
 
 
-def _quantum_arcsec(chain: Chain) -> float:
-    """A line of the denser train at the output: what counting alone resolves."""
-    return ARCSEC_PER_TURN / max(float(chain.lines1 * chain.ratio), float(chain.lines2))
-
-
 def _limit(method: str, chain: Chain) -> str:
     """Say the limit that the document states of a method, for this chain."""
-    quantum = number(_quantum_arcsec(chain))
+    quantum = number(chain.line_arcsec)
     divided = chain.lines1 * chain.ratio / chain.lines2
     period = ARCSEC_PER_TURN * divided.denominator / chain.lines2
     by = f"one frequency only: divided by {divided.numerator} and {divided.denominator}"

@@ -6,7 +6,7 @@ memory does not grow with the train.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,8 @@ class Values:
     """f'k: the largest peak to peak, within one tooth pitch, of what that mean leaves."""
     tooth_pitch_turns: float
     drift_arcsec_per_turn: float
+    trend_arcsec: float
+    """Of less than a turn: peak to peak of the trend that stands for orders out of reach."""
     orders: Sequence[Order]
     noise_arcsec: float
     curve: Curve
@@ -120,6 +122,7 @@ class Evaluation:
             short_wave_arcsec=self._waves.short_wave,
             tooth_pitch_turns=self._pitch_turns,
             drift_arcsec_per_turn=self._spectrum.drift(),
+            trend_arcsec=self._spectrum.bend(),
             orders=self._spectrum.orders(),
             noise_arcsec=self._spectrum.noise(),
             curve=self._fold.curve(),
@@ -276,7 +279,7 @@ class _Spectrum:
         phases = np.unwrap(np.angle(waves), axis=0)
         steps = np.polyfit(middles, phases, 1)[0] / (2.0 * np.pi)
         turned = waves * np.exp(-2j * np.pi * np.outer(middles, steps))
-        mean = Fit(first.orders + steps, turned.mean(axis=0), 0.0, 0.0, 0.0)
+        mean = replace(first, orders=first.orders + steps, waves=turned.mean(axis=0))
         return mean.sorted_orders()
 
     def drift(self) -> float:
@@ -286,11 +289,12 @@ class _Spectrum:
             return self._fits[0].drift_arcsec_per_turn
         middles = np.array([self._middles[i] for i in kept])
         fits = [self._fits[i] for i in kept]
-        levels = [
-            fit.mean_arcsec + fit.drift_arcsec_per_turn * middle
-            for fit, middle in zip(fits, middles, strict=True)
-        ]
+        levels = [fit.trend(middle) for fit, middle in zip(fits, middles, strict=True)]
         return float(np.polyfit(middles, levels, 1)[0])
+
+    def bend(self) -> float:
+        """Give the trend of samples of less than a turn."""
+        return self._fits[0].bend_arcsec if len(self._fits) == 1 else 0.0
 
     def noise(self) -> float:
         """Give the root mean square of what the fits leave."""
