@@ -88,3 +88,24 @@ def test_bad_option_is_told_and_ends_with_2(arguments: list[str], message: str) 
 
     assert result.exit_code == 2
     assert message in result.output
+
+
+def test_the_overtravel_of_the_fast_touch_is_shown_and_limited(tmp_path: Path) -> None:
+    _, found = document(tmp_path, "--path", "plc", "--uncertainty-um", "2")
+
+    best, played = found["best"], found["simulated"]
+    v_mm_s = best["fast_feed_mm_min"] / 60.0
+    latest_s = 0.004 + 0.002  # a whole scan, then the reaction
+    expected_mm = v_mm_s * latest_s + v_mm_s**2 / (2.0 * 3000.0)
+    assert best["model"]["fast_overtravel_mm"] == pytest.approx(expected_mm, rel=0.01)
+    assert best["model"]["overtravel_mm"] < 0.01 * best["model"]["fast_overtravel_mm"]
+    assert played["fast_overtravel_mm"] == pytest.approx(expected_mm, rel=0.02)
+    assert (
+        "overtravel of the fast touch, mm" in run("--path", "plc", "--uncertainty-um", "2").output
+    )
+    _, tight = document(
+        tmp_path, "--path", "plc", "--uncertainty-um", "2", "--overtravel-mm", "0.3"
+    )
+    assert tight["best"]["fast_feed_mm_min"] < best["fast_feed_mm_min"]
+    assert tight["simulated"]["fast_overtravel_mm"] <= 0.3
+    assert found["one_touch"]["model"]["fast_overtravel_mm"] is None

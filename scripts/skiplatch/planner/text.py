@@ -62,13 +62,14 @@ def _found_json(plan: Plan, found: Strategy | Obstacle) -> dict[str, Any]:
     return {"allowed": True, **asdict(found), "model": _model(plan.limits, found)}
 
 
-def _model(limits: Limits, strategy: Strategy) -> dict[str, float]:
-    feed = strategy.measuring_feed_mm_min
+def _model(limits: Limits, strategy: Strategy) -> dict[str, float | None]:
+    feed, fast = strategy.measuring_feed_mm_min, strategy.fast_feed_mm_min
     return {
         "range_um": range_um(limits, feed),
         "standard_uncertainty_um": standard_uncertainty_um(limits, feed),
         "cycle_s": cycle_s(limits, strategy),
         "overtravel_mm": overtravel_mm(limits, feed),
+        "fast_overtravel_mm": None if fast is None else overtravel_mm(limits, fast),
     }
 
 
@@ -93,16 +94,19 @@ def _outcome(plan: Plan, best: Strategy, trial: Trial) -> str:
         trial.standard_uncertainty_um.value,
         trial.cycle_s.value,
         trial.overtravel_mm,
+        trial.fast_overtravel_mm,
     )
     names = (
         "full range, µm",
         "standard uncertainty, µm",
         "mean cycle, s",
         "overtravel at most, mm",
+        "overtravel of the fast touch, mm",
     )
     rows = [
         (name, number(expected), number(found))
         for name, expected, found in zip(names, model.values(), simulated, strict=True)
+        if expected is not None and found is not None
     ]
     return table(("", "model", f"{whole(trial.cycles)} cycles simulated"), rows)
 

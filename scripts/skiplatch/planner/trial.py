@@ -23,12 +23,15 @@ class Trial:
     """Mean time of a cycle."""
     overtravel_mm: float
     """The farthest that the probe was driven past the surface in the measuring touch."""
+    fast_overtravel_mm: float | None
+    """The same in the fast touch before it; None for one touch."""
 
     def confirms(self, limits: Limits, wanted_um: float) -> bool:
         """Whether all of them were within what was wanted and, to a count, allowed."""
         count_mm = limits.nominal.axis.resolution_um / UM_PER_MM
         is_certain = self.range_um <= wanted_um * ROUNDING
-        return is_certain and self.overtravel_mm <= limits.overtravel_mm + count_mm
+        farthest_mm = max(self.overtravel_mm, self.fast_overtravel_mm or 0.0)
+        return is_certain and farthest_mm <= limits.overtravel_mm + count_mm
 
 
 def try_out(limits: Limits, strategy: Strategy, effort: Effort) -> Trial:
@@ -50,4 +53,14 @@ def try_out(limits: Limits, strategy: Strategy, effort: Effort) -> Trial:
         ),
         cycle_s=statistics.mean(float(cycle_s.mean()), float(cycle_s.std()), effort.touches),
         overtravel_mm=float(np.max(deviation_um + overtravel_um)) / UM_PER_MM,
+        fast_overtravel_mm=_fast_overtravel_mm(limits, strategy, effort),
     )
+
+
+def _fast_overtravel_mm(limits: Limits, strategy: Strategy, effort: Effort) -> float | None:
+    """Play the fast touch by itself: it starts as far off, and stops alike."""
+    if strategy.fast_feed_mm_min is None:
+        return None
+    alone = Strategy(measuring_feed_mm_min=strategy.fast_feed_mm_min)
+    played = alone.probing(limits).latched(effort)
+    return max(float(np.max(o.deviation_um[0] + o.overtravel_um[0])) for o in played) / UM_PER_MM
