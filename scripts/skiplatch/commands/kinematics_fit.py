@@ -20,6 +20,7 @@ from skiplatch.kinematics.firmware import (
     recommend,
 )
 from skiplatch.kinematics.machine import Machine, read_machine
+from skiplatch.kinematics.outliers import without_outliers
 from skiplatch.kinematics.points import Points, columns_of, read_points
 from skiplatch.tables import number, table
 
@@ -91,9 +92,13 @@ def command(
     machine = read_machine(machine_path)
     points = read_points(points_path, machine)
     with too_few_named(points_path, points):
-        found = fit(machine, points, touches=touches)
-        advice = recommend(machine, points, RECOMMENDED_MAX) if with_positions else None
-    result = tell(machine, points, found)
+        judged = without_outliers(machine, points, touches)
+        found = fit(machine, judged.kept, touches=touches)
+        advice = recommend(machine, judged.kept, RECOMMENDED_MAX) if with_positions else None
+    for outlier in judged.outliers:
+        click.echo(f"Outlier, left out: position {outlier.place + 1}, {outlier.text}.")
+    result = tell(machine, judged.kept, found)
+    result["outliers"] = [asdict(outlier) for outlier in judged.outliers]
     if advice is not None:
         click.echo(_advice_text(machine, *advice))
         result["recommended"] = _advice_json(machine, *advice)

@@ -260,6 +260,7 @@ def _run_json(run: Run) -> dict[str, object]:
         },
         "undetermined": [u.name for u in evaluation.fit.undetermined],
         "residual_um": evaluation.fit.residual_um,
+        "outliers": [asdict(outlier) for outlier in evaluation.outliers],
         "axes": {
             axis.letter: {
                 "angle_deg": axis.angle_deg.tolist(),

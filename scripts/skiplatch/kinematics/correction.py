@@ -98,9 +98,9 @@ def corrections(mode: int, machine: Machine, measured: Measured) -> Iterator[Cor
         straight = _straightened(machine, carried)
         for found in _fits(mode, straight, measured):
             if all(f"{carrier}O{carrier}" in found.parameters for carrier, _ in carried):
-                yield Correction(_correct(straight, found), found)
+                yield Correction(apply_fit(straight, found), found)
     for found in _fits(mode, machine, measured):
-        yield Correction(_correct(machine, found), found)
+        yield Correction(apply_fit(machine, found), found)
 
 
 def _straightened(machine: Machine, pairs: Sequence[tuple[str, str]]) -> Machine:
@@ -188,7 +188,7 @@ def _least(found: Fit) -> dict[str, float]:
     return dict(zip(names, values.tolist(), strict=True))
 
 
-def _correct(machine: Machine, found: Fit) -> Machine:
+def apply_fit(machine: Machine, found: Fit) -> Machine:
     """Put what was found into the description; what shows at no position is left alone."""
     amounts = _least(found)
     return replace(machine, axes=tuple(_corrected(axis, amounts) for axis in machine.axes))

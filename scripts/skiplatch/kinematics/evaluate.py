@@ -22,6 +22,7 @@ from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_
 from skiplatch.kinematics.firmware import Fit, TooFewError, fit
 from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
+from skiplatch.kinematics.outliers import Outlier, without_outliers
 from skiplatch.kinematics.points import Points
 
 SLOPE_STEP_DEG = 1e-3
@@ -100,6 +101,7 @@ class Evaluation:
         axes: Each measured axis.
         q_mm: Q141 to Q149.
         combined: Sums of location errors that were corrected though their parts are not known.
+        outliers: Positions that the fit left out.
     """
 
     mode: int
@@ -109,6 +111,7 @@ class Evaluation:
     axes: tuple[AxisResult, ...]
     q_mm: Mapping[int, float]
     combined: tuple[str, ...] = ()
+    outliers: tuple[Outlier, ...] = ()
 
     @property
     def change_mm(self) -> float:
@@ -196,6 +199,8 @@ def evaluate(
     if points is None:
         known = replace(machine, tool_mm=machine.tool_mm or (0.0, 0.0, 0.0))
         points = _points_of(machine, stations)
+    judged = without_outliers(known, points, touches)
+    points = judged.kept
     measured = Measured(points, touches, stations.letters())
     see = partial(_see, _with_tip(known, measured), truth, stations, mode, measured)
     seen = see(next(corrections(POSITIONS, known, measured)))
@@ -213,6 +218,7 @@ def evaluate(
         tuple(_axis(x, stations, seen.expected, report) for x, report in seen.reports.items()),
         seen.q_mm,
         seen.correction.combined,
+        judged.outliers,
     )
 
 

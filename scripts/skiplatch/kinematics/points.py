@@ -1,14 +1,14 @@
 """Recorded centres of a sphere: ``POINTS.csv``."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.campaign.csv_text import read_rows
+from skiplatch.campaign.csv_text import Row, read_rows
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.kinematics.machine import LETTERS, Machine
 
@@ -48,6 +48,21 @@ def columns_of(machine: Machine) -> tuple[str, ...]:
     return (*(angle_column(letter) for letter in machine.letters), *POSITION_COLUMNS)
 
 
+def read_positions(path: Path) -> NDArray[np.float64]:
+    """Read points in space, shape (n, 3) in mm; columns may stand in any order, with others.
+
+    Raises:
+        InputError: The file cannot be read, a column is missing, or a value is no finite number.
+    """
+    rows = read_rows(path)
+    line, names = _header(path, rows)
+    places = _places_of(path, line, names, POSITION_COLUMNS)
+    values = [
+        _values(path, number, cells, len(names), POSITION_COLUMNS, places) for number, cells in rows
+    ]
+    return np.array(values).reshape(-1, len(POSITION_COLUMNS))
+
+
 def read_points(path: Path, machine: Machine) -> Points:
     """Read the centres; columns may stand in any order, and foreign ones are not looked at.
 
@@ -56,10 +71,7 @@ def read_points(path: Path, machine: Machine) -> Points:
             does not have, or a value is no finite number.
     """
     rows = read_rows(path)
-    line, header = next(rows, (None, []))
-    if line is None:
-        raise InputError(path, None, None, "empty; expected a header and a row for each position")
-    names = [name.strip() for name in header]
+    line, names = _header(path, rows)
     places = _places(path, line, names, machine)
     told = [name for name in TOLD_COLUMNS if name in names]
     wanted = (*columns_of(machine), *told)
@@ -78,17 +90,28 @@ def read_points(path: Path, machine: Machine) -> Points:
     )
 
 
+def _header(path: Path, rows: Iterator[Row]) -> tuple[int, list[str]]:
+    line, header = next(rows, (None, []))
+    if line is None:
+        raise InputError(path, None, None, "empty; expected a header and a row for each position")
+    return line, [name.strip() for name in header]
+
+
 def _places(path: Path, line: int, names: Sequence[str], machine: Machine) -> list[int]:
     for letter in LETTERS:
         name = angle_column(letter)
         if name in names and letter not in machine.letters:
             raise InputError(path, line, name, f"the machine has no axis {letter}")
-    for name in columns_of(machine):
+    return _places_of(path, line, names, columns_of(machine))
+
+
+def _places_of(path: Path, line: int, names: Sequence[str], wanted: Sequence[str]) -> list[int]:
+    for name in wanted:
         if name not in names:
             raise InputError(path, line, name, f"column missing{_near(name, names)}")
         if names.count(name) > 1:
             raise InputError(path, line, name, "the column stands here twice")
-    return [names.index(name) for name in columns_of(machine)]
+    return [names.index(name) for name in wanted]
 
 
 def _near(name: str, names: Sequence[str]) -> str:

@@ -155,6 +155,10 @@ def _measured(
     report = play.report()
     notes += _moved_datums(evaluation)
     notes += _combined(evaluation)
+    notes += [
+        f"Outlier: {outlier.text}. The fit leaves it out: measure it again."
+        for outlier in evaluation.outliers
+    ]
     loose = [axis.letter for axis in evaluation.axes if not stations.has_second(axis.letter)]
     if loose:
         notes.append(NO_BACKLASH.format(", ".join(loose)))
