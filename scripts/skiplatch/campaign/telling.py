@@ -33,6 +33,8 @@ def missing_keys(campaign: Campaign) -> dict[str, str]:
     """Give what is lost by each key that was left out and that these touches depend on."""
     touches, kind = campaign.touches, campaign.nominal.kind
     unmissed = {"axis.min_mm", "axis.max_mm", "probe.calibrated_at_c"}
+    if np.isnan(touches.latch_us).all():
+        unmissed.add("skip.tick_us")
     sections = {
         "probe": kind is Kind.MACHINE,
         "bench": kind is Kind.BENCH,
