@@ -7,7 +7,7 @@ from typing import TextIO
 
 import click
 
-from skiplatch.errors import CampaignWarning, InputError
+from skiplatch.errors import CampaignWarning, InputError, hint, quoted
 from skiplatch.simulator import SimulationError
 
 BAD_INPUT = 2
@@ -44,6 +44,13 @@ class _LazyGroup(click.Group):
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         return list(COMMANDS)
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
+            ctx.fail(f"no command {quoted(args[0])}{hint(args[0], COMMANDS)}")
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:

@@ -84,12 +84,27 @@ def test_touches_the_format_does_not_admit_leave_nothing(bench: Campaign, tmp_pa
 
 @pytest.mark.parametrize(
     ("name", "message"),
-    [("none", "no such folder"), ("file", "not a folder")],
+    [
+        ("none", "no such folder"),
+        (
+            "file",
+            "not a folder; skiplatch import makes a campaign of a log, skiplatch repeat reads it",
+        ),
+    ],
 )
 def test_what_is_no_folder_is_told(tmp_path: Path, name: str, message: str) -> None:
     (tmp_path / "file").write_text("")
 
     assert refusal(read_campaign, tmp_path / name) == f"{tmp_path}/{name}: {message}"
+
+
+def test_folder_of_campaigns_lists_them(bench: Campaign, tmp_path: Path) -> None:
+    for name in ("b", "a"):
+        write_campaign(tmp_path / name, bench.nominal, bench.touches)
+
+    said = refusal(read_campaign, tmp_path)
+
+    assert said == f"{tmp_path}: no campaign, but a folder of some: a, b"
 
 
 @pytest.mark.parametrize("lost", ["nominal.toml", "touches.csv"])

@@ -166,6 +166,13 @@ def test_what_cannot_be_told_is_refused(tmp_path: Path, refused: Program) -> Non
     assert "touched 3 times or more" in refused("repeat", tmp_path / "few.log")
 
 
+def test_slip_in_the_name_of_a_command_is_told() -> None:
+    result = CliRunner().invoke(group, ["diagnoze", "x"])
+
+    assert result.exit_code == 2
+    assert 'no command "diagnoze"; did you mean "diagnose"?' in result.output
+
+
 def test_package_runs_as_a_module() -> None:
     words = [sys.executable, "-m", "skiplatch", "--version"]
 

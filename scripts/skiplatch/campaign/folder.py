@@ -16,10 +16,12 @@ from skiplatch.campaign.reading import read_touches
 from skiplatch.campaign.touches import Touches
 from skiplatch.campaign.writing import format_touches, needs_version_2
 from skiplatch.errors import CampaignWarning, InputError
-from skiplatch.files import atomic_write_folder
+from skiplatch.files import atomic_write_folder, failures_named
 
 NOMINAL_FILE = "nominal.toml"
 TOUCHES_FILE = "touches.csv"
+NOT_A_FOLDER = "not a folder; skiplatch import makes a campaign of a log, skiplatch repeat reads it"
+MOST_NAMED = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,8 +47,11 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     """
     folder = Path(path)
     if not folder.is_dir():
-        reason = "not a folder" if folder.exists() else "no such folder"
+        reason = NOT_A_FOLDER if folder.exists() else "no such folder"
         raise InputError(path, None, None, reason)
+    if not (folder / NOMINAL_FILE).exists() and (inner := _campaigns_in(folder)):
+        message = f"no campaign, but a folder of some: {', '.join(inner[:MOST_NAMED])}"
+        raise InputError(path, None, None, message)
     nominal = read_nominal(folder / NOMINAL_FILE)
     required = REQUIRED_IN_VERSION_1 if nominal.version == 1 else REQUIRED
     touches = read_touches(folder / TOUCHES_FILE, required)
@@ -55,6 +60,11 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         warning = CampaignWarning(folder / TOUCHES_FILE, None, "edge_us", message)
         warnings.warn(warning, stacklevel=2)
     return Campaign(nominal, touches, folder)
+
+
+def _campaigns_in(folder: Path) -> list[str]:
+    with failures_named(folder, "read"):
+        return sorted(entry.parent.name for entry in folder.glob(f"*/{NOMINAL_FILE}"))
 
 
 def write_campaign(path: str | os.PathLike[str], nominal: Nominal, touches: Touches) -> None:
