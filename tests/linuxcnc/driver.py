@@ -23,8 +23,8 @@ STOP_MM_PER_FEED2 = 1.0 / 3.6e6
 """Way to reach a feed in mm/min, squared, at 1000 mm/s², of which the planner takes half."""
 TIMEOUT_S = 60.0
 COLUMNS = (
-    "feed_mm_min", "surface_mm", "linuxcnc_mm", "skiplatch_mm",
-    "overtravel_mm", "age_us", "window_us", "bounces", "late_ticks",
+    "time_s", "feed_mm_min", "surface_mm", "sense", "approach_mm", "linuxcnc_mm", "skiplatch_mm",
+    "overtravel_mm", "age_us", "window_us", "off_us", "bounces", "late_ticks",
 )  # fmt: skip
 
 
@@ -72,31 +72,39 @@ def value(pin: str) -> float:
     return hal.get_value(pin)
 
 
-def touch(
-    machine: Machine, feed: float, surface: float, further: float, bounces: int
-) -> dict[str, float]:
-    """Touch once, and go back; ``further`` away begins the move, which moves the phase of ticks."""
-    start = surface - CLEAR_MM - further - 1.5 * feed * feed * STOP_MM_PER_FEED2
+def touch(machine: Machine, planned: dict[str, float]) -> dict[str, float]:
+    """Touch once, and go back."""
+    feed, surface, sense = planned["feed"], planned["surface"], planned["sense"]
+    # Where the move begins moves the phase of the ticks at which the surface is met.
+    approach = CLEAR_MM + planned["further"] + 1.5 * feed * feed * STOP_MM_PER_FEED2
+    start = surface - sense * approach
     machine.run(f"G0 X{start:.4f}")
-    hal.set_p("touchrig.0.surface", f"{surface:.6f}")
-    hal.set_p("touchrig.0.bounces", str(bounces))
+    time.sleep(0.02)  # the feedback may lag
+    for pin in ("surface", "sense", "bounces", "bounce-us"):
+        if pin in planned:
+            hal.set_p(f"touchrig.0.{pin}", str(planned[pin]))
     counted = value("skiplatch.0.bounce-count"), value("touchrig.0.late-ticks")
-    machine.run(f"G38.2 X{surface + PAST_MM:.4f} F{feed}")
+    began_s = time.monotonic()
+    machine.run(f"G38.2 X{surface + sense * PAST_MM:.4f} F{feed}")
     machine.status.poll()
     row = {
+        "time_s": began_s,
         "feed_mm_min": feed,
         "surface_mm": surface,
+        "sense": sense,
+        "approach_mm": approach,
         "linuxcnc_mm": machine.status.probed_position[0],
         "skiplatch_mm": value("skiplatch.0.position"),
         "overtravel_mm": value("skiplatch.0.overtravel"),
         "age_us": value("skiplatch.0.age-us"),
         "window_us": value("skiplatch.0.window-us"),
+        "off_us": value("touchrig.0.off-us"),
         "bounces": value("skiplatch.0.bounce-count") - counted[0],
         "late_ticks": value("touchrig.0.late-ticks") - counted[1],
     }
     machine.run(f"G0 X{start:.4f}")
     time.sleep(0.02)  # the release
-    hal.set_p("touchrig.0.surface", str(AWAY_MM))  # the way to the next one is free
+    hal.set_p("touchrig.0.surface", str(AWAY_MM * sense))  # the way to the next one is free
     return row
 
 
@@ -114,7 +122,7 @@ def main() -> int:
         writer = csv.DictWriter(file, COLUMNS)
         writer.writeheader()
         for planned in plan["touches"]:
-            writer.writerow(touch(machine, **planned))
+            writer.writerow(touch(machine, planned))
             file.flush()
     machine.run("(PROBECLOSE)")
     Path("finished").touch()

@@ -3,8 +3,10 @@
 The real LinuxCNC, without a screen, probes a simulated surface by G38.2, at several feeds. At first
 it latches by itself while the component looks on; then the component stands between, and what the
 program finds in #5061 is what the component has latched. Errors are against where the surface was.
-Touches in which the machine stalled, so that the fast thread left out ticks around the edge, are
-left out and counted. Prints a table; writes figures.json.
+Touches in which the machine stalled are left out and counted: a tick of the servo thread came more
+than a tenth of a period off its time shortly before, or the fast thread left out ticks around the
+edge. (After a stall LinuxCNC makes up for lost ticks, and the axis leaps.) Prints a table; writes
+figures.json.
 """
 
 import argparse
@@ -19,13 +21,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 
 HERE = Path(__file__).parent
 FEEDS_MM_MIN = (50, 200, 600, 1500, 3000)
 BASE_NS = 100_000
-STALLED_US = 2.0 * BASE_NS / 1000.0
+SERVO_NS = 1_000_000
+STALL = 0.1
+"""Share of a servo period that a tick of it may be off its time."""
 US_PER_MIN_BY_UM_PER_MM = 60_000.0
 """So many µs is an error of 1 µm at 1 mm/min."""
 MODULES = Path("build/linuxcnc/modules")
@@ -92,6 +97,7 @@ def plan(touches: int, seed: int, bounces: int) -> list[dict[str, float]]:
         {
             "feed": int(feed),
             "surface": round(float(rng.uniform(10.0, 11.0)), 6),
+            "sense": 1,
             "further": float(rng.uniform(0.0, 0.2)),
             "bounces": bounces,
         }
@@ -100,12 +106,18 @@ def plan(touches: int, seed: int, bounces: int) -> list[dict[str, float]]:
 
 
 def run(
-    folder: Path, mode: str, touches: list[dict[str, float]], pins: Mapping[str, float]
+    folder: Path,
+    mode: str,
+    touches: list[dict[str, float]],
+    pins: Mapping[str, float],
+    servo_ns: int = SERVO_NS,
 ) -> None:
     """Let LinuxCNC make the touches, into touches.csv and probe.log of the folder."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "plan.json").write_text(json.dumps({"pins": dict(pins), "touches": touches}))
-    subprocess.run([HERE / "run.sh", MODULES, folder, mode, str(BASE_NS)], check=True)
+    subprocess.run(
+        [HERE / "run.sh", MODULES, folder, mode, str(BASE_NS), str(servo_ns)], check=True
+    )
 
 
 def read(folder: Path) -> dict[str, FloatArray]:
@@ -113,6 +125,12 @@ def read(folder: Path) -> dict[str, FloatArray]:
     with (folder / "touches.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def on_time(columns: dict[str, FloatArray], servo_ns: int = SERVO_NS) -> NDArray[np.bool_]:
+    """Tell the touches around which the machine did not stall."""
+    servo = columns["off_us"] <= STALL * servo_ns / 1000.0
+    return servo & (columns["window_us"] <= 2.0 * BASE_NS / 1000.0)
 
 
 def errors(latched_mm: FloatArray, surface_mm: FloatArray, feed_mm_min: float) -> Errors:
@@ -128,7 +146,7 @@ def table(mode: str, columns: dict[str, FloatArray]) -> list[Row]:
     rows = []
     for feed in FEEDS_MM_MIN:
         at_feed = columns["feed_mm_min"] == feed
-        good = at_feed & (columns["window_us"] <= STALLED_US)
+        good = at_feed & on_time(columns)
         if not good.any():
             continue
         surface = columns["surface_mm"][good]

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Runs LinuxCNC without a screen: run.sh MODULES FOLDER beside|through BASE_NS, as root.
+# Runs LinuxCNC without a screen: run.sh MODULES FOLDER MODE BASE_NS SERVO_NS, as root.
+# MODE is beside, debounced or through: which of these .hal files is taken.
 #
 # FOLDER has plan.json and gets touches.csv, probe.log, program.ngc. MODULES has touchrig.so and skiplatch.so.
 # LinuxCNC gets processes, shared memory, network and /tmp of its own, so several can run at once and
@@ -17,7 +18,7 @@ mount -t tmpfs tmpfs /tmp
 mkdir /tmp/modules /tmp/rig
 cp -r /usr/lib/linuxcnc/modules/* "$modules"/*.so /tmp/modules/
 cp "$here"/*.hal "$here"/driver.py /mnt/plan.json /tmp/rig/
-sed "s/@MODE@/$3/; s/@BASE_NS@/$4/" "$here"/rig.ini >/tmp/rig/rig.ini
+sed "s/@MODE@/$3/; s/@BASE_NS@/$4/; s/@SERVO_NS@/$5/" "$here"/rig.ini >/tmp/rig/rig.ini
 chmod -R a+rX /tmp/modules /tmp/rig
 chown -R nobody /tmp/rig
 mount --bind /tmp/modules /usr/lib/linuxcnc/modules

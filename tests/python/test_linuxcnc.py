@@ -29,6 +29,7 @@ def planned(count: int, bounces: int) -> list[dict[str, float]]:
         {
             "feed": FEED_MM_MIN,
             "surface": round(float(rng.uniform(10.0, 11.0)), 6),
+            "sense": 1,
             "further": float(rng.uniform(0.0, 0.2)),
             "bounces": bounces,
         }
@@ -47,7 +48,7 @@ def played(
 
 def errors_us(columns: dict[str, FloatArray], latch: str) -> FloatArray:
     """Give the errors of the touches at which the machine did not stall."""
-    good = columns["window_us"] <= measure.STALLED_US
+    good = measure.on_time(columns)
     error_um: FloatArray = 1000.0 * (columns[latch] - columns["surface_mm"])[good]
     return 1000.0 * error_um / UM_PER_MS
 
@@ -81,7 +82,11 @@ def test_debouncing_costs_way_and_moves_no_latch(tmp_path: Path) -> None:
 
 def test_bounces_while_braking_end_no_program_and_move_no_latch(tmp_path: Path) -> None:
     """The contact opens thrice, for 3 ms each, while the axis brakes for 25 ms."""
-    pins = {"touchrig.0.bounce-us": 3000, "skiplatch.0.confirm-us": 500}
+    pins = {
+        "touchrig.0.bounce-us": 3000,
+        "touchrig.0.closing-us": 3000,
+        "skiplatch.0.confirm-us": 500,
+    }
     columns = played(tmp_path, "through", 8, 3, pins)
 
     assert np.median(columns["bounces"]) == 3.0
@@ -91,6 +96,8 @@ def test_bounces_while_braking_end_no_program_and_move_no_latch(tmp_path: Path) 
 
 def test_without_the_component_such_bounces_end_the_program(tmp_path: Path) -> None:
     with pytest.raises(subprocess.CalledProcessError):
-        played(tmp_path, "beside", 1, 3, {"touchrig.0.bounce-us": 3000})
+        played(
+            tmp_path, "beside", 1, 3, {"touchrig.0.bounce-us": 3000, "touchrig.0.closing-us": 3000}
+        )
 
     assert "Probe tripped during non-probe move" in (tmp_path / "log.txt").read_text()
