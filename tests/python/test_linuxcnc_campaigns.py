@@ -33,7 +33,7 @@ def test_what_linuxcnc_logged_is_in_the_campaign(name: str) -> None:
 
 @pytest.mark.long
 def test_a_sound_machine_has_no_gap() -> None:
-    assert diagnosed("nothing").effects == ()
+    assert list(diagnosed("nothing").effects) == []
 
 
 # Effect that is named or listed as not to be told from it, a parameter, its truth, and how far off.
