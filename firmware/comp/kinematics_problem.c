@@ -189,7 +189,7 @@ void kinematics_problem_shares(const kinematics_machine_t *machine, const double
                                const kinematics_point_t *points, int32_t n, kinematics_rank_t *rank)
 {
     kinematics_triangle_t triangle;
-    int32_t               classes[KINEMATICS_UNKNOWNS_MAX];
+    int32_t               classes[KINEMATICS_UNKNOWNS_MAX] = {0};
     triangle_of(machine, unknowns, points, n, &triangle);
     for (int32_t i = 0; i < kinematics_problem_columns(machine); i++) {
         classes[i] = rank->depends[i] ? KINEMATICS_RANK_NEVER : KINEMATICS_RANK_FIRST;
@@ -251,7 +251,7 @@ static void rank_of_places(const kinematics_machine_t  *machine,
                            const kinematics_triangle_t *triangle, int32_t n,
                            kinematics_rank_t *rank)
 {
-    int32_t classes[KINEMATICS_UNKNOWNS_MAX];
+    int32_t classes[KINEMATICS_UNKNOWNS_MAX] = {0};
     for (int32_t i = 0; i < kinematics_problem_columns(machine); i++) {
         classes[i] = i < KINEMATICS_NUISANCES ? KINEMATICS_RANK_FIRST : KINEMATICS_RANK_NEVER;
     }

@@ -131,9 +131,9 @@ static sums_t sum_up(const sphere_probe_t *probe, const double *mean)
 /* The circle that minimises Σ(u² + v² − 2·a·u − 2·b·v − c)², around the mean of the points. */
 static bool fit_circle(const sphere_probe_t *probe, double *centre, double *height, double *radius)
 {
-    double n = probe->config.touches;
-    sums_t sums = sum_up(probe, (const double[]){0.0, 0.0});
-    double mean[2] = {sums.u / n, sums.v / n};
+    double       n = probe->config.touches;
+    sums_t       sums = sum_up(probe, (const double[]){0.0, 0.0});
+    const double mean[2] = {sums.u / n, sums.v / n};
 
     *height = sums.height / n;
     sums = sum_up(probe, mean);

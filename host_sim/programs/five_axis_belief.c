@@ -47,7 +47,7 @@ void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3
                       const double angle_deg[3], double reading_mm[3])
 {
     const double *tool_mm = belief->machine.tool_mm;
-    double        unknowns[KINEMATICS_UNKNOWNS_MAX] = {sphere_mm[0], sphere_mm[1], sphere_mm[2],
+    const double  unknowns[KINEMATICS_UNKNOWNS_MAX] = {sphere_mm[0], sphere_mm[1], sphere_mm[2],
                                                        tool_mm[0],   tool_mm[1],   tool_mm[2]};
     double        angles_deg[KINEMATICS_AXES_MAX] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; i < belief->chain.axes_count; ++i) {

@@ -17,7 +17,7 @@
 #define GUARD      64u   /* before and behind the table */
 #define TAU_MS     12.68
 #define TOP        (51.0 + 20.0)
-#define UNIT       (TOP / PRETRAVEL_VERTEX_MAX)
+#define UNIT       (TOP / (double)PRETRAVEL_VERTEX_MAX)
 
 static pretravel_cell_t   cells[DIRECTIONS];
 static double             speed_mm_min[DIRECTIONS];
@@ -50,7 +50,7 @@ static int build(uint8_t divisions)
 
 static double found_mm_min(int16_t dx, int16_t dy, int16_t dz)
 {
-    return UNIT / PRETRAVEL_LOOKUP_PARTS * (double)pretravel_lookup(&lookup, dx, dy, dz);
+    return UNIT / (double)PRETRAVEL_LOOKUP_PARTS * (double)pretravel_lookup(&lookup, dx, dy, dz);
 }
 
 static double exact_mm_min(int16_t dx, int16_t dy, int16_t dz)

@@ -45,7 +45,8 @@ static struct gpiod_chip *open_by_label(const char *label)
     DIR               *folder = opendir(DEVICES);
     struct gpiod_chip *chip = NULL;
     while (folder != NULL && chip == NULL) {
-        struct dirent *entry = readdir(folder); /* NOLINT(concurrency-mt-unsafe): one thread */
+        const struct dirent *entry =
+            readdir(folder); /* NOLINT(concurrency-mt-unsafe): one thread */
         if (entry == NULL) {
             break;
         }
