@@ -9,7 +9,8 @@
 #include "programs/five_axis_rig.h"
 #include "programs/five_axis_station.h"
 
-#define MOVE_S 1.0 /* of a motion of the linear axes */
+#define S_PER_MIN 60.0
+#define MOVE_S    1.0 /* of the virtual clock, for a motion of the linear axes */
 
 struct sim_451 {
     five_axis_rig_t          rig;
@@ -22,9 +23,11 @@ struct sim_451 {
     kinematics_cycle_input_t input;
     double                   position_mm[3];
     double                   preset_mm[3];
+    double                   shown_deg[3]; /* what the control shows */
     double                   change_mm;
     int32_t                  presets;
     int64_t                  touches;
+    double                   duration_s; /* of the motions as programmed, and of the touches */
     bool                     is_started;
     bool                     is_rotation_cancelled;
 };
@@ -55,11 +58,30 @@ static void turn_axis(sim_451_t *play, int32_t axis, double shown_deg)
     five_axis_turn(&play->rig, axis, five_axis_encoder_deg(&play->belief, axis, shown_deg));
 }
 
+/* A motion at the programmed feed; mm and degrees alike. */
+static void take_time(sim_451_t *play, double way, double feed_per_min)
+{
+    play->duration_s += feed_per_min > 0.0 ? way / feed_per_min * S_PER_MIN : 0.0;
+}
+
+static double apart(const double a[3], const double b[3])
+{
+    double square = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        square += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    return sqrt(square);
+}
+
 static void turn(sim_451_t *play, const kinematics_cycle_request_t *request)
 {
     double sphere_mm[3];
     double goes_mm[3];
+    double from_mm[3];
+    double turns_deg = fabs(request->angle_deg[request->axis] - play->shown_deg[request->axis]);
 
+    copy(from_mm, play->position_mm);
+    play->shown_deg[request->axis] = request->angle_deg[request->axis];
     five_axis_turn_back(&play->belief, request->from_angle_deg, request->sphere_mm, sphere_mm);
     five_axis_expect(&play->belief, sphere_mm, request->angle_deg, goes_mm);
     turn_axis(play, (int32_t)request->axis, request->angle_deg[request->axis]);
@@ -68,6 +90,7 @@ static void turn(sim_451_t *play, const kinematics_cycle_request_t *request)
     if (request->follow) {
         ahead(goes_mm, play->input.tool_axis, request->stand_off_mm, play->position_mm);
     }
+    take_time(play, fmax(turns_deg, apart(from_mm, play->position_mm)), request->feed_mm_min);
 }
 
 /* A straight motion that is watched: false if the ball strikes the sphere on its way. */
@@ -95,14 +118,21 @@ static bool touch(sim_451_t *play, const kinematics_cycle_request_t *request)
 {
     ++play->touches;
     copy(play->position_mm, request->target_mm);
-    return five_axis_touch(&play->rig, request->target_mm, request->direction,
-                           request->stand_off_mm + play->control.search_mm, play->input.touched_mm);
+    bool touched =
+        five_axis_touch(&play->rig, request->target_mm, request->direction,
+                        request->stand_off_mm + play->control.search_mm, play->input.touched_mm);
+    play->duration_s += touched ? play->rig.cycle_s : 0.0;
+    return touched;
 }
 
-static void retract(sim_451_t *play, double height_mm)
+static void retract(sim_451_t *play, const kinematics_cycle_request_t *request)
 {
+    double from_mm[3];
+    copy(from_mm, play->position_mm);
     copy(play->position_mm, play->preset_mm);
-    play->position_mm[2] += height_mm; /* of the workpiece system, which has its zero there */
+    /* Of the workpiece system, which has its zero there. */
+    play->position_mm[2] += request->retract_height_mm;
+    take_time(play, apart(from_mm, play->position_mm), request->feed_mm_min);
 }
 
 /* Carry out what is this side's work; false for what could not be done. */
@@ -113,13 +143,14 @@ static bool carry_out(sim_451_t *play, const kinematics_cycle_request_t *request
         play->is_rotation_cancelled = true;
         return true;
     case KINEMATICS_CYCLE_RETRACT:
-        retract(play, request->retract_height_mm);
+        retract(play, request);
         return true;
     case KINEMATICS_CYCLE_TURN:
     case KINEMATICS_CYCLE_TURN_BY_M_FUNCTION:
         turn(play, request);
         return true;
     case KINEMATICS_CYCLE_MOVE:
+        take_time(play, apart(request->target_mm, play->position_mm), request->feed_mm_min);
         return move(play, request->target_mm);
     case KINEMATICS_CYCLE_TOUCH:
         return touch(play, request);
@@ -216,6 +247,7 @@ static void prepare(sim_451_t *play)
         play->truth.sphere_radius_mm + play->control.tip_radius_mm + play->control.start_above_mm;
     for (int32_t i = 0; i < SIM_ROTARIES; ++i) {
         turn_axis(play, i, play->control.start_deg[i]);
+        play->shown_deg[i] = play->control.start_deg[i];
     }
     five_axis_concentric(&play->truth, &play->rig.stance, play->preset_mm);
     ahead(play->preset_mm, play->control.preset_miss_mm, 1.0, play->preset_mm);
@@ -374,7 +406,7 @@ void sim_451_report(const sim_451_t *play, sim_451_report_t *report)
         kinematics_settings_describe((uint32_t)fault->parameter);
     *report = (sim_451_report_t){
         .change_mm = play->change_mm,
-        .duration_s = play->rig.touch.time_s,
+        .duration_s = play->duration_s,
         .touches = play->touches,
         .error = (int32_t)fault->error,
         .parameter = row == NULL ? 0 : row->id,

@@ -63,8 +63,8 @@ enum {
 /* What the cycle has done so far. */
 typedef struct {
     double  preset_mm[3];
-    double  change_mm; /* that waits for its acknowledgement */
-    double  duration_s;
+    double  change_mm;  /* that waits for its acknowledgement */
+    double  duration_s; /* motions at their feeds, and touches; no ring calibration */
     int64_t touches;
     int32_t error;       /* kinematics_cycle_error_t */
     int32_t parameter;   /* at fault: 406 for Q406; 0: none */

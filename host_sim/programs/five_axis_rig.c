@@ -33,6 +33,7 @@ static double play(five_axis_rig_t *rig, double approach_mm, double overtravel_m
         return NAN;
     }
     rig->error = outcome.error;
+    rig->cycle_s = outcome.error == TOUCH_OK ? outcome.cycle_s : 0.0;
     return outcome.error == TOUCH_OK ? outcome.deviation_um / UM_PER_MM : (double)NAN;
 }
 

@@ -21,6 +21,7 @@ typedef struct {
     sim_random_t         random;
     sim_touch_t          touch;         /* the last one */
     double               calibrated_mm; /* contact to latch, mean; taken off every touch */
+    double               cycle_s;       /* of the last touch, back at its start */
     int32_t              error;         /* touch_error_t of the last touch */
     bool                 is_broken;     /* the firmware refused to start its input */
 } five_axis_rig_t;

@@ -257,3 +257,36 @@ def test_the_same_seed_gives_the_same_result(tmp_path: Path) -> None:
         results.append((tmp_path / "out.json").read_text())
 
     assert results[0] == results[1] != results[2]
+
+
+def duration_s(folder: Path, **changed: str) -> float:
+    text = (SAMPLES / "save_and_check.h").read_text(encoding="utf-8")
+    for name, value in changed.items():
+        text = re.sub(rf"{name}=\S+", f"{name}={value}", text)
+    result = run(program_of(folder, text), folder)
+    assert result.exit_code == 0, result.output
+    found: float = json.loads((folder / "out.json").read_text())["runs"][0]["duration_s"]
+    return found
+
+
+def test_the_duration_is_that_of_the_motions(tmp_path: Path) -> None:
+    usual = duration_s(tmp_path)
+    slow = duration_s(tmp_path, Q253="+75")
+    high = duration_s(tmp_path, Q408="+200")
+
+    assert 60.0 < usual < 600.0  # 5 spheres of 5 touches, 540° at 750°/min; no calibration
+    turned_deg = 2.0 * (90.0 + 180.0 + 90.0)  # B and C there and back: at least so much
+    assert slow - usual > turned_deg * 60.0 / 75.0 * 0.6
+    assert high > usual + 4.0 * 200.0 / 750.0 * 60.0  # up before every turn
+
+
+def test_positions_of_axes_are_told_from_the_spindle_nose(tmp_path: Path) -> None:
+    machine = tmp_path / "machine.toml"
+    text = MACHINE.read_text(encoding="utf-8")
+    machine.write_text("spindle_mm = [10, 20, 300]\n" + text, encoding="utf-8")
+
+    result = run(SAMPLES / "save_and_check.h", tmp_path, "--machine", str(machine))
+
+    assert result.exit_code == 0, result.output
+    log = (tmp_path / "log.html").read_text(encoding="utf-8")
+    assert "X -10.0000, Y -20.0000, Z -300.0000 mm" in log

@@ -16,7 +16,7 @@ from skiplatch.commands.options import EffectType, json_option, seed_option, wri
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
 from skiplatch.kinematics.five_axis import Truth
-from skiplatch.kinematics.machine import LETTERS, Machine, read_machine
+from skiplatch.kinematics.machine import LETTERS, Machine, read_machine, read_spindle
 from skiplatch.kinematics.memory import Memory, format_machine
 from skiplatch.kinematics.points import TOLD_COLUMNS, columns_of, read_points
 from skiplatch.kinematics.program import Program, read_program
@@ -177,8 +177,10 @@ def command(
 
 
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:
+    spindle_mm = read_spindle(machine_path)
     logged = [
-        Logged(run.evaluation, run.parameters, _effort(run), run.notes) for run in outcome.runs
+        Logged(run.evaluation, run.parameters, _effort(run), run.notes, spindle_mm)
+        for run in outcome.runs
     ]
     return lay_out(
         logged,

@@ -13,7 +13,8 @@ from skiplatch.errors import InputError, hint, quoted
 LETTERS = ("A", "B", "C")
 DEFAULT_TRAVEL_DEG = {"A": (-90.0, 90.0), "B": (-90.0, 90.0), "C": (-180.0, 180.0)}
 AXIS_KEYS = ("direction", "point_mm", "range_deg", "datum_deg")
-TOP_KEYS = ("table", "head", "tool_mm", "axes")
+SPINDLE = "spindle_mm"
+TOP_KEYS = ("table", "head", "tool_mm", SPINDLE, "axes")
 UNIT_TOLERANCE = 1e-4
 OWN_COSINE_MIN = 0.5
 FARTHEST_MM = 1e5
@@ -132,6 +133,18 @@ def read_machine(path: Path) -> Machine:
         _axis(reader, axes[name], name, place >= len(table)) for place, name in enumerate(chain)
     )
     return Machine(tuple(rotary), tool_mm)
+
+
+def read_spindle(path: Path) -> Vector:
+    """Read where the spindle nose is with every axis at 0: the start of the chain, else the origin.
+
+    Raises:
+        InputError: The file cannot be read, or the place is none.
+    """
+    reader = _Reader(path)
+    if SPINDLE not in reader.document:
+        return 0.0, 0.0, 0.0
+    return reader.vector(reader.document, (SPINDLE,))
 
 
 def is_possible(machine: Machine) -> bool:

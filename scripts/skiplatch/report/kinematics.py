@@ -10,7 +10,7 @@ from skiplatch.figures.kinematics import draw_axis
 from skiplatch.kinematics.correction import ANGLES, CHECK
 from skiplatch.kinematics.evaluate import AxisResult, Evaluation
 from skiplatch.kinematics.firmware import Estimate
-from skiplatch.kinematics.machine import LETTERS, RotaryAxis
+from skiplatch.kinematics.machine import LETTERS, RotaryAxis, Vector
 from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
 from skiplatch.report.layout import render
 
@@ -33,12 +33,14 @@ class Logged:
         parameters: Q parameters by number, as the cycle had them.
         effort: What the measurement took, such as touches and time.
         notes: What the operator should know, a sentence each.
+        spindle_mm: The spindle nose with every axis at 0: positions of axes are told from there.
     """
 
     evaluation: Evaluation
     parameters: Mapping[int, float | str]
     effort: str
     notes: Sequence[str] = ()
+    spindle_mm: Vector = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,8 +194,8 @@ def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
         (f"scatter, {would}", f"{axis.scatter_after_mm:.4f} mm"),
         ("greatest error, measured", f"{axis.greatest_before_mm:.4f} mm"),
         (f"greatest error, {would}", f"{axis.greatest_after_mm:.4f} mm"),
-        ("position of the axis before", _vector(before.point_mm)),
-        (f"position of the axis, {would}", _vector(after.point_mm)),
+        ("position of the axis before, from the spindle nose", _seen(before, logged)),
+        (f"position of the axis, {would}, from the spindle nose", _seen(after, logged)),
         ("compensation in X, Y, Z (shift of the preset)", _vector(_shift(before, after))),
         ("mean positioning error relative to 0°", positioning),
     ]
@@ -219,6 +221,11 @@ def _tilts(evaluation: Evaluation, letter: str) -> str:
 
 def _shift(before: RotaryAxis, after: RotaryAxis) -> tuple[float, ...]:
     return tuple(a - b for a, b in zip(after.point_mm, before.point_mm, strict=True))
+
+
+def _seen(axis: RotaryAxis, logged: Logged) -> str:
+    pairs = zip(axis.point_mm, logged.spindle_mm, strict=True)
+    return _vector([point - start for point, start in pairs])
 
 
 def _vector(values: Sequence[float]) -> str:
