@@ -19,6 +19,7 @@ from skiplatch.campaign import (
     SkipNominal,
     Touches,
 )
+from skiplatch.campaign.datum import Datum
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.reaction import reaction_of
 from skiplatch.simulator import (
@@ -53,7 +54,8 @@ MOST_COUNTS = 2**28  # of the axis, in the firmware
 
 def on_bench(nominal: Nominal) -> Nominal:
     """Take the probe away, so that nothing but the input is late."""
-    return replace(nominal, kind=Kind.BENCH, probe=NO_PROBE)
+    datum = Datum.of_kind(Kind.BENCH)
+    return replace(nominal, kind=Kind.BENCH, probe=NO_PROBE, datum=datum, version=1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
