@@ -441,7 +441,7 @@ void test_a_blind_sweep_gets_three_guesses_in_ten_seconds(void)
 {
     uint32_t guesses = 0u;
     uint64_t start_ms = now_ms;
-    for (uint32_t frame = 0u; frame < 40u * 4000u; ++frame) {
+    for (uint32_t frame = 0u; frame < UINT32_C(40) * 4000u; ++frame) {
         now_ms = start_ms + frame / 4u;
         (void)send_arm();
         inject_command_t guess = {.kind = INJECT_TRIGGER, .token = (uint16_t)frame};
