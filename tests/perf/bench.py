@@ -88,7 +88,7 @@ class Rows:
         self.chain = simulator._chain(self.binding, nominal, None)
         controller = simulator.Controller.for_campaign(nominal, touches)
         self.controller = simulator._controller(self.binding, controller)
-        self._touches = simulator._touches(self.binding, touches, 0.0)
+        self._touches = simulator._touches(self.binding, nominal, touches, 0.0)
         self._outcomes = np.zeros(self.n, dtype=self.binding.outcome)
         self.touches = self.ffi.from_buffer("sim_touch_t[]", self._touches)
         self.outcomes = self.ffi.from_buffer("sim_outcome_t[]", self._outcomes)
