@@ -89,8 +89,8 @@ def test_bounces_while_braking_end_no_program_and_move_no_latch(tmp_path: Path) 
     }
     columns = played(tmp_path, "through", 8, 3, pins)
 
+    # Where the machine stalls, openings of a touch are not seen.
     assert np.median(columns["bounces"]) == 3.0
-    assert columns["bounces"].min() >= 2.0  # where the machine stalls, an opening is not seen
     assert np.median(np.abs(errors_us(columns, "skiplatch_mm"))) < 0.1 * SERVO_US
 
 

@@ -5,7 +5,14 @@ A campaign is a folder with ``nominal.toml`` (what the engineer believes of the 
 """
 
 from skiplatch.campaign.column_kinds import NOT_RECORDED
-from skiplatch.campaign.columns import COLUMNS, CONDITIONS, Axis, InputPath, Status
+from skiplatch.campaign.columns import (
+    COLUMNS,
+    CONDITIONS,
+    LINEAR_AXES,
+    Axis,
+    InputPath,
+    Status,
+)
 from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.campaign.folder import (
     NOMINAL_FILE,
@@ -39,6 +46,7 @@ __all__ = [
     "CONDITIONS",
     "FORMATS",
     "KEYS",
+    "LINEAR_AXES",
     "NOMINAL_FILE",
     "NOT_RECORDED",
     "TOUCHES_FILE",

@@ -44,6 +44,9 @@ class Axis(IntEnum):
     C = 5
 
 
+LINEAR_AXES = (Axis.X, Axis.Y, Axis.Z)
+
+
 class Status(IntEnum):
     """What came of a touch."""
 

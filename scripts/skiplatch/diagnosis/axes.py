@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Axis
+from skiplatch.campaign import LINEAR_AXES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.scene import Scene
@@ -72,7 +72,7 @@ def _by_axis(scene: Scene, given: Change, unit_um: FloatArray) -> list[float] | 
     law = law_under(scene, stream, given).select(rows)
     scores = (stream.residuals[rows] - law.mean) / law.spread
     units, offset = unit_um[rows] / law.spread, 1.0 / law.spread
-    on_axes = [scene.touches.axis[rows] == axis for axis in Axis]
+    on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
     if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
         return None
@@ -81,7 +81,7 @@ def _by_axis(scene: Scene, given: Change, unit_um: FloatArray) -> list[float] | 
     parted, lower = robust_fit([*(units * on_axes[k] for k in seen), offset], scores, scale)
     if cost - lower < A_NEWS * (len(seen) - 1):
         return None
-    sizes = np.full(len(Axis), common[0])
+    sizes = np.full(len(LINEAR_AXES), common[0])
     sizes[seen] = parted[:-1]
     least = np.abs(sizes).max() / MOST_OVER
     first = float(sizes[0] if abs(sizes[0]) > least else np.copysign(least, sizes[0]))

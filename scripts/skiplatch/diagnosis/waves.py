@@ -8,7 +8,7 @@ import numpy as np
 from scipy import signal
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.campaign import Axis
+from skiplatch.campaign import LINEAR_AXES, Axis
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import law_under
 from skiplatch.diagnosis.periodogram import explained_by_sines
@@ -50,7 +50,7 @@ def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     law = law_under(scene, stream, given).select(rows)
     error_um = scene.sign[rows] * (stream.residuals[rows] - law.mean)
     limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
-    on_axes = [scene.touches.axis[rows] == axis for axis in Axis]
+    on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     places = scene.latched_mm[rows], scene.touches.position_mm[rows]
     seen = [_Seen(place, limited, 1.0 / law.spread**2, on_axes).starts() for place in places]
     if not all(seen):
@@ -116,7 +116,7 @@ class _Seen:
         waves = (np.sin(turn), np.cos(turn), np.ones(len(turn)))
         left, found = self._least([self.on_axes[k] * wave for k in self.axes for wave in waves])
         sizes, phases_deg = _polar(found.reshape(len(self.axes), 3)[:, :2])
-        more, ahead_deg = [0.0] * len(Axis), [0.0] * len(Axis)
+        more, ahead_deg = [0.0] * len(LINEAR_AXES), [0.0] * len(LINEAR_AXES)
         for k, size, phase_deg in zip(self.axes, sizes, phases_deg, strict=True):
             more[k], ahead_deg[k] = size / sizes[0] - 1.0, (phase_deg - phases_deg[0]) % TURN_DEG
         first = [sizes[0], 1.0 / per_mm, phases_deg[0], *[0.0] * 2 * (MOST_ORDERS - 1)]
