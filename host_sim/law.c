@@ -1,6 +1,8 @@
 #include "law.h"
 
 #include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
 
 #include "angle.h"
 
@@ -12,6 +14,12 @@
 #define SQRT_2_PI     2.5066282746310002
 #define NO_TAIL       12.0    /* sigmas beyond which what is left of a Gaussian changes no sum */
 #define NOTHING       (-40.0) /* sigmas from which down a Gaussian is 0 in any sum */
+#define ROUNDS        2       /* parabolas that the best length is taken from */
+#define NARROWER      0.3     /* steps of a round, over those of the one before */
+#define FARTHEST      2.0     /* steps from the middle of a parabola that its top is believed */
+#define FAR           0.7     /* steps to the top beyond which a parabola is drawn again */
+#define NEAR          4.0     /* steps within which 0 may be as likely as the best length */
+#define FLAT          1e-9    /* nats by which a parabola bends at least */
 #define ASYMPTOTIC    (-20.0) /* sigmas from which down the series of the tail is exact */
 
 static double square(double x)
@@ -195,22 +203,12 @@ static double with_extra(const sim_law_t *law, const sim_extra_t *extra, double 
     return density(sum, x);
 }
 
-/* Add to the densities what one extra makes of them. */
-static void add_extra(const double *residuals, const sim_law_t *laws, uint64_t n,
-                      const sim_extra_t *extras, double resolution, double *densities)
-{
-    for (uint64_t i = 0; i < n; ++i) {
-        densities[i] +=
-            extras[i].share * with_extra(&laws[i], &extras[i], residuals[i], resolution);
-    }
-}
-
-/* Share of the residuals that get no extra. */
-static double share_left(const sim_extra_t *extras, uint64_t n, uint32_t extra_count)
+/* Share that gets no extra of residual i. */
+static double share_left(const sim_extra_t *extras, uint64_t n, uint32_t extra_count, uint64_t i)
 {
     double left = 1.0;
     for (uint32_t k = 0; k < extra_count; ++k) {
-        left -= extras[k * n].share;
+        left -= extras[k * n + i].share;
     }
     return left;
 }
@@ -220,19 +218,138 @@ static double cauchy(double x, double width)
     return 1.0 / (PI * width * (1.0 + square(x / width)));
 }
 
-void sim_law_log_density(const double *residuals, const sim_law_t *laws, uint64_t n,
-                         const sim_extra_t *extras, uint32_t extra_count, double reach,
-                         double resolution, double *log_densities)
+/* The density of residual i, moved by -moved. */
+static double log_density(const sim_residuals_t *of, uint64_t i, double moved)
 {
-    double left = n > 0 ? share_left(extras, n, extra_count) : 1.0;
-    for (uint64_t i = 0; i < n; ++i) {
-        log_densities[i] = left * plain(&laws[i], residuals[i], resolution);
+    double x = of->residuals[i] - moved;
+    double sum = share_left(of->extras, of->n, of->extra_count, i) *
+                 plain(&of->laws[i], x, of->resolution);
+    for (uint32_t k = 0; k < of->extra_count; ++k) {
+        const sim_extra_t *extra = &of->extras[k * of->n + i];
+        if (extra->share > 0.0) {
+            sum += extra->share * with_extra(&of->laws[i], extra, x, of->resolution);
+        }
     }
-    for (uint32_t k = 0; k < extra_count; ++k) {
-        add_extra(residuals, laws, n, &extras[k * n], resolution, log_densities);
+    return log((1.0 - CONTAMINATION) * sum + CONTAMINATION * cauchy(x, of->reach[i]));
+}
+
+void sim_law_log_density(const sim_residuals_t *of, double *log_densities)
+{
+    for (uint64_t i = 0; i < of->n; ++i) {
+        log_densities[i] = log_density(of, i, 0.0);
     }
-    for (uint64_t i = 0; i < n; ++i) {
-        double anywhere = cauchy(residuals[i], reach);
-        log_densities[i] = log((1.0 - CONTAMINATION) * log_densities[i] + CONTAMINATION * anywhere);
+}
+
+/* The best length of each group so far, and what was tried last. */
+typedef struct {
+    double  *best;  /* of each group */
+    double  *most;  /* log-likelihood there */
+    double  *tried; /* of each group */
+    double  *value; /* log-likelihood there */
+    double  *kept;  /* log-densities at the best, of each residual */
+    double  *seen;  /* at what was tried */
+} search_t;
+
+static double believed(double datum, double u)
+{
+    return u > 0.0 ? -0.5 * square(datum / u) : 0.0;
+}
+
+/* Evaluate what is tried, and keep what is better. */
+static void evaluate(const sim_residuals_t *of, const sim_datum_t *datum, search_t *search)
+{
+    for (uint32_t g = 0; g < datum->group_count; ++g) {
+        search->value[g] = believed(search->tried[g], datum->u);
     }
+    for (uint64_t i = 0; i < of->n; ++i) {
+        uint32_t g = datum->groups[i];
+        search->seen[i] = log_density(of, i, search->tried[g] * datum->per_length[i]);
+        search->value[g] += search->seen[i];
+    }
+    for (uint64_t i = 0; i < of->n; ++i) {
+        uint32_t g = datum->groups[i];
+        if (search->value[g] > search->most[g]) {
+            search->kept[i] = search->seen[i];
+        }
+    }
+    for (uint32_t g = 0; g < datum->group_count; ++g) {
+        if (search->value[g] > search->most[g]) {
+            search->most[g] = search->value[g];
+            search->best[g] = search->tried[g];
+        }
+    }
+}
+
+/* Go to the top of a parabola through the best length and one step to either side; again, with
+ * narrower steps, where that was far away. `work` has room for three values of each group. */
+static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t *search,
+                  double *work)
+{
+    uint32_t groups = datum->group_count;
+    double  *middle = work;
+    double  *most = work + groups;
+    double  *left = work + 2 * groups;
+    double   narrower = 1.0;
+    bool     is_far = true;
+    for (int round = 0; round < ROUNDS && is_far; ++round) {
+        for (uint32_t g = 0; g < groups; ++g) {
+            middle[g] = search->best[g];
+            most[g] = search->most[g];
+            search->tried[g] = middle[g] - narrower * datum->steps[g];
+        }
+        evaluate(of, datum, search);
+        for (uint32_t g = 0; g < groups; ++g) {
+            left[g] = search->value[g];
+            search->tried[g] = middle[g] + narrower * datum->steps[g];
+        }
+        evaluate(of, datum, search);
+        is_far = false;
+        for (uint32_t g = 0; g < groups; ++g) {
+            double bend = fmax(2.0 * most[g] - left[g] - search->value[g], FLAT);
+            double turn = 0.5 * (search->value[g] - left[g]) / bend;
+            double steps = fmin(fmax(turn, -FARTHEST), FARTHEST);
+            search->tried[g] = middle[g] + narrower * steps * datum->steps[g];
+            is_far = is_far || fabs(turn) > FAR;
+        }
+        evaluate(of, datum, search);
+        narrower *= NARROWER;
+    }
+}
+
+/* What is believed loses nothing: 0 is tried as well where it is near. */
+static void try_believed(const sim_residuals_t *of, const sim_datum_t *datum, search_t *search)
+{
+    bool is_near = false;
+    for (uint32_t g = 0; g < datum->group_count; ++g) {
+        search->tried[g] = 0.0;
+        is_near = is_near || fabs(search->best[g]) < NEAR * datum->steps[g];
+    }
+    if (is_near) {
+        evaluate(of, datum, search);
+    }
+}
+
+int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, double *found,
+                          double *log_densities)
+{
+    uint32_t groups = datum->group_count;
+    double  *work = calloc(6 * (size_t)groups + of->n + 1, sizeof *work);
+    if (work == NULL) {
+        return -1;
+    }
+    search_t search = {.best = found,
+                       .most = work,
+                       .tried = work + groups,
+                       .value = work + 2 * (size_t)groups,
+                       .kept = log_densities,
+                       .seen = work + 6 * (size_t)groups};
+    for (uint32_t g = 0; g < groups; ++g) {
+        search.most[g] = -HUGE_VAL;
+        search.tried[g] = datum->guesses[g];
+    }
+    evaluate(of, datum, &search);
+    climb(of, datum, &search, work + 3 * (size_t)groups);
+    try_believed(of, datum, &search);
+    free(work);
+    return 0;
 }

@@ -28,18 +28,43 @@ typedef struct {
     double boxless; /* 1 if box_a of the law is not there for these touches, else 0 */
 } sim_extra_t;
 
+/* Residuals and what is believed of each. Arrays of n, but for extras: [extra_count][n]. */
+typedef struct {
+    const double      *residuals;
+    const sim_law_t   *laws;
+    const sim_extra_t *extras;
+    const double      *reach; /* width over which a contaminated residual may lie, > 0 */
+    uint64_t           n;
+    uint32_t           extra_count;
+    double             resolution; /* scatter that is not resolved, > 0 */
+} sim_residuals_t;
+
+/* Lengths that are not known, each shared by a group of residuals. */
+typedef struct {
+    const double   *per_length; /* by how much a unit of it moves each residual; n */
+    const uint32_t *groups;     /* whose length moves it; n */
+    const double   *guesses;    /* where to begin; group_count */
+    const double   *steps;      /* and with what steps, > 0; group_count */
+    uint32_t        group_count;
+    double          u; /* standard uncertainty of a length about 0; 0 if it may be anything */
+} sim_datum_t;
+
 /*
- * Write the logarithm of the density of each of n residuals under its own law and `extra_count`
- * extras, extras[extra][residual], of the same share for all residuals. One residual in a thousand
- * may lie anywhere, over a width of about `reach` (> 0). Scatter below `resolution` (> 0) is not
- * resolved.
+ * Write the logarithm of the density of each residual under its own law and extras. One in a
+ * thousand may lie anywhere. Shares of the extras of a residual add up to 1 at the most.
  *
  * A box or an exponential of less than a tenth of the scatter, a box of less than a ten-thousandth
  * of the exponential, and the narrowest of three boxes count by mean and variance alone.
  */
-void sim_law_log_density(const double *residuals, const sim_law_t *laws, uint64_t n,
-                         const sim_extra_t *extras, uint32_t extra_count, double reach,
-                         double resolution, double *log_densities);
+void sim_law_log_density(const sim_residuals_t *of, double *log_densities);
+
+/*
+ * Find the likeliest length of each group, starting from 0 and from the guess, and write it to
+ * found[group_count], and the logarithms of the densities there to log_densities[n]. 0, or -1 if
+ * there is no memory.
+ */
+int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, double *found,
+                          double *log_densities);
 
 #pragma GCC visibility pop
 

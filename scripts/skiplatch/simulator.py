@@ -421,38 +421,132 @@ def play(
     return Outcomes(*(np.ascontiguousarray(raw[field.name][:, back]) for field in fields(Outcomes)))
 
 
-def log_density(
-    residuals: FloatArray, law: object, extras: Sequence[object], reach: float, resolution: float
-) -> FloatArray:
-    """Logarithm of the density of each residual under a law of sums; see ``host_sim/law.h``.
+@dataclass(frozen=True, slots=True, eq=False)
+class Residuals:
+    """Residuals laid out for C with the law of each; see ``host_sim/law.h``.
 
-    Args:
-        residuals: Shape (n,).
-        law: Has an attribute for each field of sim_law_t: arrays of shape (n,), or numbers.
-        extras: The same, each for the fields of sim_extra_t.
-        reach: Width over which a contaminated residual may lie anywhere.
+    Attributes:
+        values: Shape (n,).
+        laws: Shape (n,).
+        extras: Shape (e, n).
+        reach: Width over which a contaminated one may lie anywhere; shape (n,).
         resolution: Scatter below which nothing is resolved.
     """
-    binding = _binding()
-    n = len(residuals)
-    laws = np.empty(n, dtype=binding.law)
-    _fill(laws, law)
-    more = np.empty((len(extras), n), dtype=binding.extra)
-    for row, extra in zip(more, extras, strict=True):
-        _fill(row, extra)
-    found = np.empty(n)
-    ffi = binding.ffi
-    binding.library.sim_law_log_density(
-        ffi.from_buffer("double[]", np.ascontiguousarray(residuals, dtype=np.float64)),
-        ffi.from_buffer("sim_law_t[]", laws),
-        n,
-        ffi.from_buffer("sim_extra_t[]", more),
-        len(extras),
-        reach,
-        resolution,
-        ffi.from_buffer("double[]", found, require_writable=True),
-    )
-    return found
+
+    values: FloatArray
+    laws: NDArray[np.void]
+    extras: NDArray[np.void]
+    reach: FloatArray
+    resolution: float
+
+    @classmethod
+    def of(
+        cls,
+        values: FloatArray,
+        law: object,
+        extras: Sequence[object],
+        reach: float,
+        resolution: float,
+    ) -> Self:
+        """Lay them out.
+
+        Args:
+            values: Shape (n,).
+            law: Has an attribute for each field of sim_law_t: arrays of shape (n,), or numbers.
+            extras: The same, each for the fields of sim_extra_t.
+            reach: Width over which a contaminated one may lie anywhere.
+            resolution: Scatter below which nothing is resolved.
+        """
+        binding, n = _binding(), len(values)
+        laws = np.empty(n, dtype=binding.law)
+        _fill(laws, law)
+        more = np.empty((len(extras), n), dtype=binding.extra)
+        for row, extra in zip(more, extras, strict=True):
+            _fill(row, extra)
+        return cls(
+            np.ascontiguousarray(values, dtype=np.float64),
+            laws,
+            more,
+            np.full(n, reach),
+            resolution,
+        )
+
+    @classmethod
+    def together(cls, several: Sequence[Self]) -> Self:
+        """Put residuals end to end; who has fewer extras has some of no share."""
+        if len(several) == 1:
+            return several[0]
+        ends = np.cumsum([0, *(len(one.values) for one in several)])
+        extras = np.zeros((max(len(one.extras) for one in several), ends[-1]), _binding().extra)
+        for begin, end, one in zip(ends[:-1], ends[1:], several, strict=True):
+            extras[: len(one.extras), begin:end] = one.extras
+        return cls(
+            np.concatenate([one.values for one in several]),
+            np.concatenate([one.laws for one in several]),
+            extras,
+            np.concatenate([one.reach for one in several]),
+            several[0].resolution,
+        )
+
+    def _laid_out(self) -> tuple[CData, object]:
+        """Give the structure for C, and what has to live as long."""
+        ffi = _binding().ffi
+        parts = (
+            ffi.from_buffer("double[]", self.values),
+            ffi.from_buffer("sim_law_t[]", self.laws),
+            ffi.from_buffer("sim_extra_t[]", self.extras),
+            ffi.from_buffer("double[]", self.reach),
+        )
+        counts = (len(self.values), len(self.extras), self.resolution)
+        return ffi.new("sim_residuals_t *", (*parts, *counts)), parts
+
+    def log_densities(self) -> FloatArray:
+        """Logarithm of the density of each; shape (n,)."""
+        binding, found = _binding(), np.empty(len(self.values))
+        laid_out, _kept = self._laid_out()
+        binding.library.sim_law_log_density(
+            laid_out, binding.ffi.from_buffer("double[]", found, require_writable=True)
+        )
+        return found
+
+    def at_best_datum(
+        self,
+        per_length: FloatArray,
+        groups: NDArray[np.intp],
+        guesses: FloatArray,
+        steps: FloatArray,
+        u: float | None,
+    ) -> tuple[FloatArray, FloatArray]:
+        """Find the length that each group of residuals is off by; see ``sim_law_at_best_datum``.
+
+        Args:
+            per_length: By how much a unit of it moves each residual; shape (n,).
+            groups: Numbers of the groups; shape (n,).
+            guesses: Where the search begins, beside 0; shape (g,).
+            steps: Its steps; shape (g,).
+            u: Standard uncertainty about 0; None if it may be anything.
+
+        Returns:
+            The lengths, shape (g,), and the logarithms of the densities there, shape (n,).
+        """
+        binding, found, logs = _binding(), np.zeros(len(guesses)), np.empty(len(self.values))
+        ffi = binding.ffi
+        kept = (
+            ffi.from_buffer("double[]", np.ascontiguousarray(per_length, dtype=np.float64)),
+            ffi.from_buffer("uint32_t[]", np.ascontiguousarray(groups, dtype=np.uint32)),
+            ffi.from_buffer("double[]", np.ascontiguousarray(guesses, dtype=np.float64)),
+            ffi.from_buffer("double[]", np.ascontiguousarray(steps, dtype=np.float64)),
+        )
+        laid_out, _alive = self._laid_out()
+        code = binding.library.sim_law_at_best_datum(
+            laid_out,
+            ffi.new("sim_datum_t *", (*kept, len(guesses), u or 0.0)),
+            ffi.from_buffer("double[]", found, require_writable=True),
+            ffi.from_buffer("double[]", logs, require_writable=True),
+        )
+        if code:
+            raise MemoryError
+        return found, logs
 
 
 def _fill(rows: NDArray[np.void], source: object) -> None:

@@ -7,13 +7,14 @@ from pathlib import Path
 import click
 import numpy as np
 
-from skiplatch.campaign import Touches, read_campaign, read_conditions, read_nominal
+from skiplatch.campaign import Nominal, Touches, read_campaign, read_conditions, read_nominal
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
-from skiplatch.diagnosis import effects_from_json
+from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text, failures_named
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator import Outcomes
 
 EPILOG = """\b
 Example:
@@ -25,13 +26,14 @@ FILE = click.Path(path_type=Path, dir_okay=False)
 HEADER = "touch,replicate,edge_us,latch_us,report_us,deviation_um,status"
 
 
-def _found_effects(path: Path | None) -> list[Effect]:
+def _rig(path: Path | None, nominal: Nominal) -> Rig:
+    """Give the rig that a diagnosis says it is, or the believed one."""
     if path is None:
-        return []
+        return Rig(nominal)
     with failures_named(path, "read"):
         text = path.read_text(encoding="utf-8", errors="replace")
     try:
-        return effects_from_json(json.loads(text))
+        return rig_from_json(json.loads(text), nominal)
     except json.JSONDecodeError as error:
         raise InputError(path, error.lineno, error.colno, f"no JSON: {error.msg}") from error
     except ValueError as error:
@@ -86,21 +88,13 @@ def command(
     """
     nominal = read_nominal(campaign / "nominal.toml")
     conditions = read_conditions(conditions_path)
-    found = _found_effects(diagnosis)
-    given = at_given_edges(nominal, conditions, found)
+    rig = _rig(diagnosis, nominal)
+    given = at_given_edges(rig, conditions)
     if diagnosis is None:
-        controller = Controller.for_campaign(nominal, given)
-        outcomes = play(nominal, controller, given, seed=seed, replicates=replicates, jobs=jobs)
+        outcomes = rig.play(given, seed=seed, replicates=replicates, jobs=jobs)
     else:
-        outcomes = play_in_phase(
-            nominal,
-            read_campaign(campaign).touches,
-            given,
-            seed=seed,
-            replicates=replicates,
-            jobs=jobs,
-            switched_on=found,
-        )
+        recorded = read_campaign(campaign).touches
+        outcomes = play_in_phase(rig, recorded, given, seed=seed, replicates=replicates, jobs=jobs)
     atomic_write_text(out, "\n".join(_lines(conditions, outcomes)) + "\n")
     click.echo(f"{out}: {len(conditions)} touches, {replicates} times")
     write_json(json_path, {"out": str(out), "touches": len(conditions), "replicates": replicates})

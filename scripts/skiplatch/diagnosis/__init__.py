@@ -1,7 +1,8 @@
 """Where the gap between a campaign and its simulation lies, what causes it, how far it shrinks."""
 
-from skiplatch.diagnosis.diagnose import Diagnosis, Named, Verdict, diagnose
-from skiplatch.diagnosis.text import as_json, as_text, effects_from_json
+from skiplatch.diagnosis.diagnose import Diagnosis, Named, diagnose
+from skiplatch.diagnosis.text import as_json, as_text, effects_from_json, rig_from_json
+from skiplatch.diagnosis.verdict import Verdict
 from skiplatch.diagnosis.where import Place
 
 __all__ = [
@@ -13,4 +14,5 @@ __all__ = [
     "as_text",
     "diagnose",
     "effects_from_json",
+    "rig_from_json",
 ]

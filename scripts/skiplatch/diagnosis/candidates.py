@@ -71,6 +71,25 @@ def _machine(scene: Scene) -> bool:
     return scene.is_machine
 
 
+def _varies(column: str) -> Callable[[Scene], bool]:
+    """Tell whether a condition was recorded and varied: else nothing can be seen to go with it."""
+
+    def applies(scene: Scene) -> bool:
+        values = getattr(scene.touches, column)
+        known = values[~np.isnan(values)]
+        return bool(len(known) and np.ptp(known) > 0.0)
+
+    return applies
+
+
+def _shows_waves(scene: Scene) -> bool:
+    return bool(np.isfinite(scene.shortest_wave_mm))
+
+
+def _shows_lobes(scene: Scene) -> bool:
+    return scene.is_machine and _varies("alpha_deg")(scene)
+
+
 def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
     """Refine by axes of their own; `first` is the number of y_more."""
     return ({first: 0.1}, {first: -0.5}, {first + 1: -0.9}, {first: 0.1, first + 1: -0.9})
@@ -98,7 +117,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ("amplitude_um", "azimuth_deg"),
             surrogates.lobing,
             starts.fixed(*([2.0, azimuth] for azimuth in (0.0, 30.0, 60.0, 90.0))),
-            _machine,
+            _shows_lobes,
         ),
         Candidate(
             "trigger_delay",
@@ -243,6 +262,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 linear=2,
                 y_more=2,
             ),
+            applies=_varies("sign"),
             refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
         ),
         Candidate(
@@ -263,6 +283,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ),
             surrogates.transmission,
             transmissions,
+            _shows_waves,
             refinements=(
                 *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
                 *_per_axis(7),
@@ -274,6 +295,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             surrogates.scaled,
             each_axis(surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_more=1),
             refinements=_per_axis(1),
+            applies=_varies("position_mm"),
         ),
         Candidate(
             "encoder_quantisation",
@@ -295,6 +317,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 linear=1,
                 y_more=3,
             ),
+            applies=_varies("temp_c"),
             refinements=_per_axis(3),
         ),
         Candidate(
@@ -308,6 +331,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                     for unset, mirrored in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
                 )
             ),
+            applies=_varies("rotary_deg"),
         ),
         Candidate(
             "report_delay",

@@ -4,7 +4,7 @@ It also tells which models the recorded columns cannot tell apart: campaigns pla
 fitted with the other.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -13,16 +13,15 @@ from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
-from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.decide import TEMPER, TIED, Finding
-from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.judge import Scored, Split
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
+from skiplatch.diagnosis.observed import observed
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.replay import as_recorded, replayed
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, fit
-from skiplatch.diagnosis.shrink import play_scene
-from skiplatch.simulator import Effect, Outcomes
+from skiplatch.simulator import Outcomes
 from skiplatch.statistics import Interval
 
 REACH = 15.0
@@ -44,7 +43,7 @@ MOST_FITTED = 400
 HOPELESS = 100.0
 """Nats behind, beyond which neither a fit nor another campaign changes the answer."""
 
-AsEffects = Callable[[Fit], Sequence[Effect]]
+AsRig = Callable[[Fit | None], Rig]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,7 +80,7 @@ def settle(
     scene: Scene,
     parts: Split,
     finding: Finding,
-    as_effects: AsEffects,
+    as_rig: AsRig,
     *,
     seed: int,
     jobs: int = 1,
@@ -93,7 +92,7 @@ def settle(
         scene: The touches.
         parts: Of them; the checking part decides.
         finding: As the surrogates propose it.
-        as_effects: Gives a fit as the simulator takes it.
+        as_rig: Gives the rig that a fit says it is, or for None the believed one.
         seed: Of the plays.
         jobs: Threads to play on.
         executor: Fits side by side.
@@ -101,12 +100,12 @@ def settle(
     models = contenders(finding)
     if not models:
         return finding, None
-    played = [as_effects(model.fit) for model in models]
-    found = confirm(scene, parts.checking, played, seed=seed, jobs=jobs)
+    rigs = [as_rig(model.fit) for model in models]
+    found = confirm(scene, parts.checking, as_rig(None), rigs, seed=seed, jobs=jobs)
     best = models[found.chosen]
     rivals = [model for model in models if model is not best]
     told = inseparable(
-        scene, parts.naming, best, rivals, played[found.chosen], seed=seed, executor=executor
+        scene, parts.naming, best, rivals, rigs[found.chosen], seed=seed, executor=executor
     )
     return _widened(finding, best, told), found
 
@@ -121,11 +120,11 @@ def contenders(finding: Finding) -> list[Scored]:
 
 
 def confirm(
-    scene: Scene, rows: BoolArray, models: Sequence[Sequence[Effect]], *, seed: int, jobs: int = 1
+    scene: Scene, rows: BoolArray, believed: Rig, rigs: Sequence[Rig], *, seed: int, jobs: int = 1
 ) -> Confirmation:
-    """Play models, the proposed one first, and score them on touches they were not fitted to."""
-    unchanged = _play(scene, (), seed, jobs)
-    plays = [_play(scene, effects, seed, jobs) for effects in models]
+    """Play rigs, the proposed one first, and score them on touches they were not fitted to."""
+    unchanged = _play(scene, believed, seed, jobs)
+    plays = [_play(scene, rig, seed, jobs) for rig in rigs]
     scorer = _Scorer(scene, rows, unchanged)
     scores = [scorer.scores(played) for played in plays]
     gains = [_interval(scorer.unchanged - score, GAIN_ERRORS) for score in scores]
@@ -165,9 +164,10 @@ def _interval(values: FloatArray, errors: float) -> Interval:
     return Interval(value, value - half, value + half)
 
 
-def _play(scene: Scene, switched_on: Sequence[Effect], seed: int, jobs: int) -> Outcomes:
+def _play(scene: Scene, rig: Rig, seed: int, jobs: int) -> Outcomes:
     replicates = np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES)
-    return play_scene(scene, switched_on, seed, int(replicates) // BATCHES * BATCHES, jobs)
+    whole = int(replicates) // BATCHES * BATCHES
+    return rig.play(scene.touches, seed=seed, replicates=whole, jobs=jobs)
 
 
 class _Scorer:
@@ -176,8 +176,8 @@ class _Scorer:
     def __init__(self, scene: Scene, rows: BoolArray, unchanged: Outcomes) -> None:
         self._scene = scene
         self._rows = rows
-        self._recorded = _observed(scene, scene.touches)
-        nominal = _observed(scene, unchanged)
+        self._recorded = observed(scene, scene.touches)
+        nominal = observed(scene, unchanged)
         self._centre = {name: _mean(values) for name, values in nominal.items()}
         self._noise = {
             name: _mean((values - self._centre[name]) ** 2) ** 0.5 + _step(scene, name)
@@ -188,7 +188,7 @@ class _Scorer:
     def scores(self, outcomes: Outcomes) -> FloatArray:
         """Score the m chosen touches, each over all that was recorded of it; shape (b, m)."""
         total = np.tile(self._missed(outcomes), (BATCHES, 1))
-        for name, played in _observed(self._scene, outcomes).items():
+        for name, played in observed(self._scene, outcomes).items():
             recorded = self._recorded[name]
             rows = self._rows & ~np.isnan(recorded) & ~np.isnan(played).all(axis=0)
             if rows.any():
@@ -233,27 +233,12 @@ def _step(scene: Scene, name: str) -> float:
     return chain.axis.resolution_um if name == "position" else chain.skip.tick_us
 
 
-def _observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
-    """Take outcomes apart by the stretches of the chain, as far as was recorded; (…, n)."""
-    edges = scene.touches.edge_us
-    begin = np.where(np.isnan(edges), scene.contact.time_us, recorded.edge_us)
-    later = recorded.latch_us - begin
-    beyond = recorded.deviation_um - scene.speed * later
-    return {
-        "edge": recorded.edge_us - scene.contact.time_us,
-        "latch": later,
-        "grid": off_grid(np.where(scene.plc, recorded.latch_us, np.nan), scene.nominal.plc.scan_us),
-        "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
-        "report": recorded.report_us - recorded.latch_us,
-    }
-
-
 def inseparable(
     scene: Scene,
     rows: BoolArray,
     best: Scored,
     rivals: Sequence[Scored],
-    effects: Sequence[Effect],
+    rig: Rig,
     *,
     seed: int,
     executor: Executor | None = None,
@@ -265,7 +250,7 @@ def inseparable(
         rows: Those that served the naming; shape (n,).
         best: The model.
         rivals: Others.
-        effects: The model's, as the simulator takes them.
+        rig: The one that it says it is.
         seed: Of the campaigns that are played.
         executor: Fits side by side.
     """
@@ -273,7 +258,7 @@ def inseparable(
         return []
     chosen = _some(rows, seed)
     scale = float(rows.sum()) / len(chosen)
-    campaigns = replayed(scene, chosen, effects, seed)
+    campaigns = replayed(scene, chosen, rig, seed)
     behind = _behind(campaigns, best, rivals, scale, executor)
     return [
         Separation(rival, nats, best.score - rival.score)

@@ -1,40 +1,41 @@
-"""Which effects a campaign shows: forward search, groups that cannot be told apart, strangers."""
+"""Which effects a campaign shows: one after the other, as long as something is left.
 
-from collections.abc import Iterable, Iterator, Sequence
+A hypothesis is a set of effects. It is extended only where it leaves something that can be seen
+(`leftover`), and only by an effect that gains more than chance on other touches than it was fitted
+to.
+Several first effects are kept open, for the best of them may be one that takes two for its scatter.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.diagnosis.judge import ENOUGH_FIT, NEARLY, PLAIN, Judge, Scored, without_twins
+from skiplatch.diagnosis.judge import Judge, Scored, without_twins
 
+MOST_EFFECTS = 4
 BETTER = 2.0
-"""Nats by which a form found in a pair has to be better than the one found alone."""
+"""Nats by which a form found in company has to be better than the one found alone."""
 PLAIN_SECOND = 0.2
-"""Gain of a second effect over that of the first, whose form is never just the one fitted.
-
-One that gains less is believed only where it mends all that the first one leaves, or goes with a
-condition that the first one does not go with."""
-FAINTEST_SECOND = 0.03
-"""The same below which it is not believed, unless the first one's form leaves nothing: that much
-any form is off."""
-SMALLEST_LEFT = 0.1
-"""The same of what no effect explains."""
+"""Gain of a further effect over that of the others where it acts, from which on it is no form of
+theirs; one that gains less has to go with a condition of its own, or leave nothing."""
+FAINTEST = 0.03
+"""The same below which it is not believed beside an effect that needs slack: that much any
+approximate model is off by."""
 NEXT_BEST = 0.5
-"""Share of the best effect's gain from which on another is tried as the first of two."""
-MOST_NEXT_BEST = 2
-MOST_SWAPS = 2
+"""Share of the best effect's gain from which on another is tried as the first of several."""
+BEAM = 2
+"""First effects that are kept open."""
 MOST_TURNED = 3
 """Pairs that are searched from their second effect as well."""
-MIMICRY = 0.99
-"""Share of a family's gain that an effect has to reach to be named in its place."""
-MAY_HIDE = 0.9
-"""Share of an effect's gain from which on a family may be two effects that hide each other."""
-LEFT_OVER = 1.5
-"""What a family may gain on top of an effect, as a share of the effect's own gain."""
+MOST_SWAPS = 2
 TEMPER = 0.5
 """How far differences in nats are believed: no real effect has just the form that is fitted."""
 TIED = 6.0
 """Nats of difference that do not tell two effects apart: tempered, one in twenty."""
+
+Noticed = Callable[[Scored], frozenset[str]]
+"""Names the streams in which something can still be seen once a model is played."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +45,7 @@ class Finding:
     Attributes:
         model: They and their parameters, or None for no effect.
         alternatives: For each effect, the ids that would do as well.
-        confidences: For each effect, that of it or one of its alternatives being right.
+        confidences: For each effect, how much of the weight of all that was tried it and they have.
         ranking: The models that were tried last, by falling score.
         small: An effect that is there, but too small to matter.
     """
@@ -64,63 +65,82 @@ class Finding:
         return (self.model, *(s for s in others if s.score > self.model.score - TIED))
 
 
-def find(judge: Judge) -> Finding:
-    """Search forward for one effect, then for a second one."""
+def find(judge: Judge, noticed: Noticed) -> Finding:
+    """Search forward, from several first effects, for as many as the touches ask for."""
     ranked = judge.singles()
-    best = ranked[0]
-    if not judge.is_significant(best):
+    if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
-    pairs = _pairs(judge, best, ranked)
-    if judge.is_scatter(best) or not _mends_all(judge, pairs[0]):
-        # Scatter leaves nothing to any family; loose pairs are never believed.
-        hidden = _hidden(judge, ranked, (best if pairs[0].fit.is_loose else pairs[0]).score)
-        if hidden:
-            return hidden
-    again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
-    if again.score > best.score + BETTER:
-        # The pair has shown the way to a better form of one of its effects alone.
-        best = again
-        ranked = [best, *(scored for scored in ranked if scored.ids != best.ids)]
-        pairs = _pairs(judge, best, ranked)
-    tied = (pair for pair in pairs if pair.score > pairs[0].score - TIED)
-    has_second = any(_is_second(judge, pair, best) for pair in tied)
+    best = ranked[0]
+    if not noticed(best):
+        return _single(judge, best, ranked)
+    best, pairs = _with_second(judge, best, noticed)
+    if not _is_accepted(judge, pairs, best, noticed):
+        # What scatters, or needs slack, may have taken two for one: the next best may be half.
+        pairs = _from_next_best(judge, ranked, best, noticed)
+        if not pairs:
+            ranked = [best, *(s for s in ranked if s.ids != best.ids)]
+            return _single(judge, best, ranked)
+    model, tried = pairs[0], pairs
+    while len(model.ids) < MOST_EFFECTS and (streams := noticed(model)):
+        further = judge.pairs(model, streams)
+        if not further or not _is_further(judge, further[0], model, noticed):
+            break
+        model, tried = further[0], further
+    return several(judge, model, tried)
+
+
+def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:
     if not judge.is_material(best):
-        # What is too small to matter may still hide what is not.
-        if has_second:
-            return _second(judge, pairs)
         return Finding(None, ranking=tuple(ranked), small=best)
-    if has_second:
-        return _two(judge, pairs)
     group, confidence = _ranked_group(ranked, 0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
-def _pairs(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> list[Scored]:
-    """Search the second effects of the best one, with and without the slack that it has alone.
+def _with_second(judge: Judge, best: Scored, noticed: Noticed) -> tuple[Scored, list[Scored]]:
+    """Extend the best effect: give it, in a better form if its pairs show one, and the pairs."""
+    pairs = _pairs(judge, best, noticed(best))
+    if not pairs:
+        return best, pairs
+    again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
+    if again.score > best.score + BETTER:
+        return again, _pairs(judge, again, noticed(again)) or pairs
+    return best, pairs
 
-    That may stand for the second one, which then gains nothing beside it, if the two need none.
+
+def _is_accepted(judge: Judge, pairs: Sequence[Scored], first: Scored, noticed: Noticed) -> bool:
+    return bool(pairs) and _is_further(judge, pairs[0], first, noticed)
+
+
+def _from_next_best(
+    judge: Judge, ranked: Sequence[Scored], best: Scored, noticed: Noticed
+) -> list[Scored]:
+    """Give the best pairs of other first effects, if they beat the best effect; else none."""
+    near = [s for s in without_twins(ranked[1:]) if s.score > NEXT_BEST * best.score]
+    near = [s for s in near if s.ids[0] != best.ids[0]]
+    near.sort(key=judge.is_scatter)  # scatter hides best what is none
+    for first in near[: BEAM - 1]:
+        pairs = _pairs(judge, first, noticed(first))
+        is_better = bool(pairs) and pairs[0].score > best.score + TIED
+        if is_better and _is_accepted(judge, pairs, first, noticed):
+            return pairs
+    return []
+
+
+def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
+    """Search further effects of one, with and without the slack that it has alone.
+
+    That may stand for the further one, which then gains nothing beside it, if the two need none.
     """
-    pairs = judge.pairs(best)
+    pairs = judge.pairs(best, streams)
     if best.fit.slack > 0.0:
         stiff = judge.score(replace(best.fit, slack=0.0))
-        near = [pair for pair in without_twins(judge.on_top(stiff)) if pair.fit.slack == 0.0]
+        near = [
+            pair for pair in without_twins(judge.on_top(stiff, streams)) if pair.fit.slack == 0.0
+        ]
+        near = [*pairs[:1], *near]
         models = [(pair, judge.alone(pair, position=1)) for pair in near[:MOST_TURNED]]
-        turned = judge.turned(models)
-        pairs = _better(pairs, [pair for pair in turned if pair.fit.slack == 0.0])
-    return _both_ways(judge, pairs, ranked)
-
-
-def _both_ways(judge: Judge, pairs: list[Scored], ranked: Sequence[Scored]) -> list[Scored]:
-    """Search the best pairs from their second effects as well, where the first one has slack.
-
-    An effect that has to stand for two takes a form from which the way to its own may be lost.
-    """
-    alone = {scored.ids[0]: scored for scored in ranked}
-    near = [pair for pair in without_twins(pairs) if pair.score > pairs[0].score - TIED]
-    near = [pair for pair in near if pair.fit.slack > 0.0]
-    near = [pair for pair in near if alone[pair.ids[1]].score > SMALLEST_LEFT * pair.score]
-    turned = judge.turned([(pair, alone[pair.ids[1]]) for pair in near[:MOST_TURNED]])
-    return _better(pairs, turned)
+        pairs = _better(pairs, judge.turned(models))
+    return pairs
 
 
 def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
@@ -130,213 +150,49 @@ def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
     return sorted(better, key=lambda pair: -pair.score)
 
 
-def _hidden(judge: Judge, ranked: Sequence[Scored], score: float) -> Finding | None:
-    """Find two effects behind one that takes what both do for scatter, or for slack of its form.
-
-    The next best ones, each of which is mended less by itself, may do far better together. So may
-    one that is nearly as good: beside it the best one may have another form than alone.
-
-    Args:
-        judge: Fits and scores.
-        ranked: The effects alone, by falling score.
-        score: Of what is found with the best one.
-    """
-    best = ranked[0]
-    is_scatter = judge.is_scatter(best)
-    is_mended = is_scatter or best.fit.is_loose
-    least = NEXT_BEST * best.score if is_mended else best.score - NEARLY
-    near = [s for s in without_twins(ranked[1:]) if least < s.score < best.score - TIED]
-    if is_scatter:
-        near.sort(key=judge.is_scatter)  # scatter hides best what is none
-    found = []
-    for first in near[:MOST_NEXT_BEST]:
-        if is_scatter and best.ids[0] in judge.on_top(first)[0].ids:
-            continue  # the search that begins with the best one finds this pair
-        pairs = judge.pairs(first)
-        is_new = is_scatter or pairs[0].fit.slack == 0.0
-        is_better = pairs[0].score > score + PLAIN and judge.is_enough(pairs[0], best)
-        if is_new and is_better and _is_second(judge, pairs[0], first):
-            found.append(pairs)
-    return _two(judge, max(found, key=lambda pairs: pairs[0].score)) if found else None
-
-
-def only(judge: Judge, single: Scored) -> Finding:
-    """Name one effect of the two that were found."""
-    ranked = [single, *(scored for scored in judge.singles() if scored.ids != single.ids)]
-    group, confidence = _ranked_group(ranked, 0)
-    return Finding(single, (group,), (confidence,), tuple(ranked))
-
-
-def _is_second(judge: Judge, pair: Scored, first: Scored) -> bool:
-    """Tell whether the second effect of a pair is one of its own, and no form of the first."""
-    if not judge.is_enough(pair, first):
+def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed) -> bool:
+    """Tell whether the last effect of a model is one of its own, and no form of the others."""
+    if not judge.is_enough(larger, smaller):
         return False
-    if judge.is_elsewhere(pair, first):
-        # The first one may well have another form: it cannot be that of what shows elsewhere.
-        return not _is_a_form(judge, pair, ENOUGH_FIT, instead_of=(1,))
-    share = judge.share(pair, first)
-    is_faint = share < FAINTEST_SECOND and not _mends_all(judge, first)
-    if is_faint or pair.fit.is_loose:
+    if judge.is_elsewhere(larger, smaller):
+        return True
+    share = judge.share(larger, smaller)
+    if larger.fit.is_loose or (share < FAINTEST and smaller.fit.slack > 0.0):
         return False
-    if _mends_all(judge, pair):
-        return not _is_a_form(judge, pair, 0.0)
-    is_plain = share >= PLAIN_SECOND or judge.goes_its_own_way(pair)
-    return is_plain and not _is_a_form(judge, pair, -TIED)
+    if share >= PLAIN_SECOND or judge.goes_its_own_way(larger):
+        return True
+    return not noticed(larger) and bool(noticed(smaller))
 
 
-def _mends_all(judge: Judge, model: Scored) -> bool:
-    """Tell whether a model needs no slack and leaves nothing that another form could be.
-
-    A second effect that but mends the first one's form seldom gets there.
-    """
-    return model.fit.slack == 0.0 and judge.generic(model.fit)[0].score <= model.score
-
-
-def _is_a_form(
-    judge: Judge, pair: Scored, margin: float, instead_of: Sequence[int] = (0, 1)
-) -> bool:
-    """Tell whether a family in place of one of the effects does better than a pair by a margin.
-
-    One that has the first effect among its own forms does as well in its place: it has to do
-    clearly better.
-    """
-    margins = (max(margin, ENOUGH_FIT), margin)
-    return any(
-        judge.generic(judge.alone(pair, 1 - position).fit)[0].score > pair.score + margins[position]
-        for position in instead_of
-    )
-
-
-def weigh(judge: Judge, finding: Finding) -> tuple[Finding, str]:
-    """Hold a finding against the families that name no effect.
-
-    Returns:
-        The finding, without a model if a family does clearly better than it, and the family that
-        is left over, alone or on top of the finding; empty for none.
-    """
-    generic = judge.generic()
-    plain = next((g for g in generic if judge.is_enough(g)), None)
-    if finding.model is None:
-        # An effect too small to matter explains as well what a family does with more.
-        is_new = plain is not None and plain.score > finding.ranking[0].score
-        return finding, plain.ids[0] if plain and is_new else ""
-    score = finding.model.score
-    if plain and plain.score > MAY_HIDE * score:
-        is_beaten = plain.score > score + ENOUGH_FIT and score < MIMICRY * plain.score
-        is_single = len(finding.model.ids) == 1
-        hidden = _behind(judge, plain, score) if is_beaten or is_single else None
-        if hidden or is_beaten:
-            return hidden or Finding(None, ranking=finding.ranking), "" if hidden else plain.ids[0]
-    on_top = _left_over(judge, finding.model)
-    if on_top and on_top[0].score - score > score * LEFT_OVER:
-        return Finding(None, ranking=finding.ranking), on_top[0].ids[-1]
-    return finding, on_top[0].ids[-1] if on_top else ""
-
-
-def _left_over(judge: Judge, model: Scored) -> list[Scored]:
-    """Give the families that a model leaves something to, by falling score."""
-    on_top = judge.generic(model.fit)
-    return [
-        g for g in on_top if judge.is_enough(g, model) and judge.share(g, model) >= SMALLEST_LEFT
-    ]
-
-
-def with_third(judge: Judge, finding: Finding, left_over: str) -> tuple[Finding, str]:
-    """Add a third effect to two that leave something where neither of them reaches.
-
-    There they have no form that could be mended; of what they leave elsewhere that cannot be said.
-
-    Args:
-        judge: Fits and scores.
-        finding: As it was weighed.
-        left_over: The family that it leaves something to; empty for none.
-
-    Returns:
-        The finding, and what it leaves now.
-    """
-    two = finding.model
-    if two is None or len(two.ids) == 1 or not judge.is_left_elsewhere(two):
-        return finding, left_over
-    ranked = next((r for r in _by_streams(judge, two) if _is_third(judge, r[0], two)), None)
-    if ranked is None:
-        return finding, left_over
-    three = judge.jointly(ranked[:1])[0]
-    ranking = (three, *ranked[1:])
-    # What the third one explains may have decided between the first two and others.
-    groups = [_group_in_place(judge, three, position) for position in range(2)]
-    names, confidences = zip(*groups, _ranked_group(ranking, 2), strict=True)
-    still = _left_over(judge, three)
-    return Finding(three, names, confidences, ranking), still[0].ids[-1] if still else ""
-
-
-def _group_in_place(judge: Judge, model: Scored, position: int) -> tuple[tuple[str, ...], float]:
-    """Name the effects tied with one of a model, the others as they are."""
-    own = model.ids[position]
-    tried = judge.on_top(judge.without(model, position))
-    return _group(own, [(own, model.score), *((s.ids[-1], s.score) for s in tried)])
-
-
-def _by_streams(judge: Judge, two: Scored) -> Iterator[list[Scored]]:
-    """Give the effects on top of two, parted by the streams where they show, by falling score."""
-    reached = ((model, judge.reached(model)) for model in judge.on_top(two))
-    rest = [(model, where) for model, where in reached if where]
-    while rest:
-        there = rest[0][1]
-        yield [model for model, where in rest if where & there]
-        rest = [(model, where) for model, where in rest if not where & there]
-
-
-def _is_third(judge: Judge, three: Scored, two: Scored) -> bool:
-    """Tell whether an effect on top of two is one of its own, and no family does better there."""
-    if not (judge.is_enough(three, two) and judge.is_elsewhere(three, two)):
-        return False
-    there = judge.reached(three)
-    families = (family for family in judge.generic(two.fit) if judge.reached(family) & there)
-    return all(family.score <= three.score + ENOUGH_FIT for family in families)
-
-
-def _behind(judge: Judge, family: Scored, score: float) -> Finding | None:
-    """Find two effects that look like a family together, each hiding what the other looks like.
-
-    On top of the family the stronger of them shows, for the family stands for the other one. That
-    two effects leave nothing, and do far better than one of them with the family, is no accident.
-
-    Args:
-        judge: Fits and scores.
-        family: It does nearly as well as what was found, or better.
-        score: Of what was found.
-    """
-    shown = judge.on_top(family)[0]
-    if not judge.is_enough(shown, family):
-        return None
-    first = judge.alone(shown, position=1)
-    pairs = judge.pairs(first)
-    best = pairs[0]
-    is_better = best.score > max(shown.score, score) + PLAIN and judge.is_enough(best, first)
-    return _two(judge, pairs) if is_better and _mends_all(judge, best) else None
-
-
-def _second(judge: Judge, pairs: list[Scored]) -> Finding:
-    """Name only the second effect of the best pair."""
-    alone = judge.alone(pairs[0], position=1)
-    group, confidence = _ranked_group(pairs, 1)
-    return Finding(alone, (group,), (confidence,), tuple(pairs))
-
-
-def _two(judge: Judge, pairs: list[Scored]) -> Finding:
-    """Settle two effects: each is searched for anew, given the other, until neither changes."""
-    best, other = pairs[0], pairs
+def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:
+    """Settle several effects: each is searched for anew, given the others, until none changes."""
     for _ in range(MOST_SWAPS):
-        swapped = judge.pairs(judge.alone(best, position=1))
-        if set(swapped[0].ids) == set(best.ids) or swapped[0].score <= best.score:
+        in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
+        best = max(
+            (others[0] for others in in_place if others),
+            key=lambda other: other.score,
+            default=model,
+        )
+        if best.score <= model.score + BETTER:
             break
-        best, other = swapped[0], swapped
+        model = judge.jointly([best])[0]
     else:
-        swapped = judge.pairs(judge.alone(best, position=1))
-    second = _group(best.ids[1], [(pair.ids[1], pair.score) for pair in (best, *other)])
-    alike = [(twin.ids[0], twin.score) for twin in (best, *judge.twins(best, 0))]
-    first = _group(best.ids[0], [*alike, *((pair.ids[1], pair.score) for pair in swapped)])
-    return Finding(best, (first[0], second[0]), (first[1], second[1]), tuple(other))
+        in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
+    groups = [
+        _group(model.ids[i], [(model.ids[i], model.score), *((o.ids[-1], o.score) for o in others)])
+        for i, others in enumerate(in_place)
+    ]
+    names, confidences = zip(*groups, strict=True)
+    ranking = sorted([model, *(s for s in tried if s.ids != model.ids)], key=lambda s: -s.score)
+    return Finding(model, names, confidences, tuple(ranking))
+
+
+def reduced(judge: Judge, model: Scored) -> Finding:
+    """Give a finding with a model that has fewer effects than were found."""
+    if len(model.ids) > 1:
+        return several(judge, model, ())
+    ranked = [model, *(scored for scored in judge.singles() if scored.ids != model.ids)]
+    return _single(judge, model, ranked)
 
 
 def _ranked_group(ranked: Sequence[Scored], position: int) -> tuple[tuple[str, ...], float]:

@@ -1,15 +1,17 @@
-"""Models of a campaign, fitted and scored: candidates alone and on top of others, and families."""
+"""Models of a campaign, fitted and scored: candidates alone, and on top of others."""
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import cached_property, reduce
 
 import numpy as np
 
-from skiplatch.arrays import BoolArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.generic import families
+from skiplatch.diagnosis.covariates import conditions, varying
+from skiplatch.diagnosis.law import SMALLEST
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.scene import Scene
@@ -24,26 +26,28 @@ from skiplatch.diagnosis.search import (
     refine,
 )
 from skiplatch.diagnosis.simulated import catalogue
-from skiplatch.diagnosis.structure import goes_its_own_way, structures
 
 ENOUGH_FIT = 5.0
 """Nats that an effect has to gain, beyond what its parameters are worth."""
 ENOUGH_CHECK = 1.0
 """Nats of gain on touches that it was not fitted to."""
-CONTENDS = 0.25
+CONTENDS = 0.4
 """Share of the best gain from which on other forms of an effect are tried."""
-REFINED_PAIRS = 5
+MOST_POLISHED = 6
+"""Candidates of a contest that are fitted in other forms."""
+REFINED_PAIRS = 4
 NEARLY = 30.0
 """Nats behind the best pair up to which a pair is refined jointly."""
 NEARLY_AS_MUCH = 0.5
 """Share of the best second effect's gain from which on it is as well."""
-COARSE = (0.1, 0.0)
 MISSING = 0.2
 """Share of the gain that rare events may cost where the check happens to have none."""
 PLAIN = 15.0
 """Nats of gain that need no check to be believed, only that it does not speak against."""
 IMPOSSIBLE = 10.0
 """Nats against an effect that cannot be, unless the believed chain is wrong there as well."""
+GOES_WITH, GOES_WITHOUT = 0.9, 0.3
+"""Correlations of a shift with a condition that it goes with, and with one that it does not."""
 SCATTERED = 3.0
 """Times the believed spread from which on an effect explains by scatter."""
 
@@ -137,7 +141,17 @@ class Judge:
         parts: Split,
         executor: Executor | None = None,
         materiality: Materiality = DEFAULT,
+        noticed: Collection[str] | None = None,
     ) -> None:
+        """Prepare to fit models.
+
+        Args:
+            scene: The touches.
+            parts: Which of them serve what.
+            executor: Fits side by side.
+            materiality: From which size on a change matters.
+            noticed: Streams in which there may be something to explain; None for all.
+        """
         self.scene = scene
         self.materiality = materiality
         self.parts = parts
@@ -145,7 +159,8 @@ class Judge:
         self._checking = scene.select(parts.checking)
         self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
         self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
-        self._families: dict[tuple[object, ...], list[Scored]] = {}
+        self._noticed = None if noticed is None else frozenset(noticed)
+        self._reaches: dict[str, frozenset[str]] = {}
         self._on_top: dict[tuple[object, ...], list[Scored]] = {}
 
     def score(self, model: Fit) -> Scored:
@@ -164,10 +179,13 @@ class Judge:
 
     def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
+        if not candidates:
+            return []
         fits = list(self._map(_fit, [(self._fitting, c, given) for c in candidates]))
         gains = [self._gain(found, given) for found in fits]
         least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
-        near = [i for i, gain in enumerate(gains) if gain >= least]
+        order = sorted(range(len(gains)), key=lambda i: -gains[i])
+        near = [i for i in order[:MOST_POLISHED] if gains[i] >= least]
         for i, found in zip(
             near, self._map(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
         ):
@@ -181,36 +199,16 @@ class Judge:
         most = max(likelihood(self._fitting, change).total for change in changes)
         return most - likelihood(self._fitting, given).total
 
-    def generic(self, given: Fit | None = None) -> list[Scored]:
-        """Every family that names no effect, alone or on top of a model, by falling score."""
-        key = _key(given)
-        if key not in self._families:
-            self._families[key] = self._fitted_families(given)
-        return self._families[key]
+    def pairs(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
+        """A model with every other effect: one by one on top of it, the best then jointly.
 
-    def _fitted_families(self, given: Fit | None) -> list[Scored]:
-        change = given.change(self._fitting) if given else NOTHING
-        return self._ranked(
-            _both(given, found) if given else found
-            for family in families(self._fitting, change)
-            for found in [
-                polish(
-                    self._fitting,
-                    fit(
-                        self._fitting,
-                        [family],
-                        family.starts(self._fitting, change),
-                        change,
-                        COARSE,
-                    ),
-                    change,
-                )
-            ]
-        )
-
-    def pairs(self, first: Scored) -> list[Scored]:
-        """The first effect with every other one: one by one on top of it, the best then jointly."""
-        on_top = without_twins(self.on_top(first))
+        Args:
+            first: The model.
+            streams: In which something is left that the other one has to change; None for any.
+        """
+        on_top = without_twins(self.on_top(first, streams))
+        if not on_top:
+            return []
         most = on_top[0].score
         least = most - max(NEARLY, (1.0 - NEARLY_AS_MUCH) * (most - first.score))
         near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
@@ -233,13 +231,14 @@ class Judge:
             for model, joint in zip(models, refined, strict=True)
         ]
 
-    def on_top(self, first: Scored) -> list[Scored]:
+    def on_top(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
         """Every other effect on top of a model that stays as it is, by falling score."""
-        key = _key(first.fit)
+        key = (*_key(first.fit), streams)
         if key not in self._on_top:
             given = first.fit.change(self._fitting)
             there = {twin.ids[i] for i in range(len(first.ids)) for twin in self.twins(first, i)}
             others = [c for c in self._candidates() if c.id not in {*first.ids, *there}]
+            others = self._acting_in(others, streams)
             on_top = [_both(first.fit, second) for second in self._contest(others, given)]
             self._on_top[key] = self._with_twins(map(self.score, on_top))
         return self._on_top[key]
@@ -247,7 +246,7 @@ class Judge:
     def twins(self, model: Scored, position: int) -> list[Scored]:
         """Give a model with other effects, that do just the same, in place of one of it."""
         own, found = model.fit.candidates[position], []
-        for other in self._applicable():
+        for other in self._applicable:
             if other.change == own.change and other.id != own.id:
                 candidates = list(model.fit.candidates)
                 candidates[position] = other
@@ -273,20 +272,51 @@ class Judge:
         parameters = tuple(found.parameters[i] for i in left)
         return self.score(replace(found, candidates=candidates, parameters=parameters))
 
+    def in_place(self, model: Scored, position: int) -> list[Scored]:
+        """Give a model with others in place of one effect, which come last; by falling score.
+
+        Only what acts where that effect does can stand in its place.
+        """
+        there = self._reach(model.fit.candidates[position])
+        return self.on_top(self.without(model, position), there)
+
     def again(self, model: Fit, position: int) -> Scored:
         """Fit one effect of a model alone, from the parameters that it has there."""
         candidates, starts = (model.candidates[position],), [model.parameters[position]]
         return self.score(anew(self._fitting, candidates, starts))
 
-    def _ranked(self, fits: Iterable[Fit]) -> list[Scored]:
-        return sorted(map(self.score, fits), key=lambda scored: -scored.score)
+    def again_without(self, model: Scored, position: int) -> Scored:
+        """Fit a model without one of its effects, from where the others are."""
+        left = self.without(model, position).fit
+        return self.score(anew(self._fitting, left.candidates, [np.concatenate(left.parameters)]))
 
+    @cached_property
     def _applicable(self) -> list[Candidate]:
-        return [c for c in catalogue().values() if c.applies(self.scene)]
+        """Give the effects that the campaign can show, and that act where something is noticed."""
+        return self._acting_in(
+            [c for c in catalogue().values() if c.applies(self.scene)], self._noticed
+        )
+
+    def _acting_in(
+        self, candidates: Sequence[Candidate], streams: frozenset[str] | None
+    ) -> list[Candidate]:
+        """Keep the effects that change some of the streams; what only simulation knows is kept."""
+        if streams is None:
+            return list(candidates)
+        return [c for c in candidates if not c.is_named or self._reach(c) & streams]
+
+    def _reach(self, candidate: Candidate) -> frozenset[str]:
+        """Name the streams that an effect can change."""
+        if candidate.id not in self._reaches:
+            starts = map(np.array, candidate.starts(self._fitting, NOTHING))
+            changes = (candidate.change(self._fitting, start) for start in starts)
+            reached = (affected(self._fitting, change) for change in changes)
+            self._reaches[candidate.id] = frozenset().union(*reached)
+        return self._reaches[candidate.id]
 
     def _candidates(self) -> list[Candidate]:
         """Give the effects that have to be fitted: one of those that do just the same."""
-        return list({c.change: c for c in reversed(self._applicable())}.values())[::-1]
+        return list({c.change: c for c in reversed(self._applicable)}.values())[::-1]
 
     def is_enough(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether a model is worth naming over a smaller one, or over none."""
@@ -312,27 +342,14 @@ class Judge:
         )
         return _is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
 
-    def goes_its_own_way(self, pair: Scored) -> bool:
-        """Tell whether the second effect of a pair goes with a condition that the first does not.
+    def goes_its_own_way(self, model: Scored) -> bool:
+        """Tell whether the last effect goes with a condition that the others do not go with.
 
-        Another form of the first one would have to do that by chance.
+        Another form of them would have to do that by chance.
         """
-        effects = zip(pair.fit.candidates, pair.fit.parameters, strict=True)
-        first, second = (c.change(self._fitting, parameters) for c, parameters in effects)
-        return goes_its_own_way(self._fitting, second, first)
-
-    def is_left_elsewhere(self, model: Scored) -> bool:
-        """Tell whether something is left in a stream where a model changes nothing."""
-        part = self.scene.select(self.parts.naming)
-        change = model.fit.change(part)
-        reached = affected(part, change)
-        return any(
-            left.stream.name not in reached for left in structures(part, change, self.materiality)
-        )
-
-    def reached(self, model: Scored) -> frozenset[str]:
-        """Name the streams where the last of a model changes anything."""
-        return _reached(self._fitting, model.fit)
+        effects = zip(model.fit.candidates, model.fit.parameters, strict=True)
+        *others, last = (c.change(self._fitting, parameters) for c, parameters in effects)
+        return _goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
 
     def share(self, pair: Scored, first: Scored) -> float:
         """What the last of a model gains, over what the first gains in the streams it reaches.
@@ -367,6 +384,28 @@ class Judge:
         touches = int(self.parts.naming.sum())
         is_seen = gained / touches > self.materiality.nats_a_touch
         return is_seen and is_material(self._fitting, change, self.materiality)
+
+
+def _goes_its_own_way(scene: Scene, change: Change, other: Change) -> bool:
+    """Tell whether a change shifts some stream with a condition that the other does not go with."""
+    for stream in scene.streams.values():
+        rows = stream.rows
+        own, others = (
+            (law_under(scene, stream, c).mean - stream.law.mean)[rows] for c in (change, other)
+        )
+        for values in varying(conditions(scene), rows).values():
+            goes, other_goes = (_correlation(shift, values) for shift in (own, others))
+            if goes > GOES_WITH and other_goes < GOES_WITHOUT:
+                return True
+    return False
+
+
+def _correlation(shift: FloatArray, values: FloatArray) -> float:
+    """Size of the correlation of two arrays, where the values are known; 0 if one is constant."""
+    known = ~np.isnan(values)
+    if min(np.ptp(shift[known]), np.ptp(values[known])) < SMALLEST:
+        return 0.0
+    return abs(float(np.corrcoef(shift[known], values[known])[0, 1]))
 
 
 def without_twins(ranked: Iterable[Scored]) -> list[Scored]:

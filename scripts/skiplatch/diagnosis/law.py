@@ -110,7 +110,11 @@ class Law:
             residuals: Shape (n,).
             reach: Width over which a contaminated residual may lie anywhere.
         """
-        return simulator.log_density(residuals, self, self.extras, reach, SMALLEST)
+        return self.laid_out(residuals, reach).log_densities()
+
+    def laid_out(self, residuals: FloatArray, reach: float) -> simulator.Residuals:
+        """Lay residuals out with this law, for more than their density."""
+        return simulator.Residuals.of(residuals, self, self.extras, reach, SMALLEST)
 
 
 def extra_variance(law: Law) -> FloatArray:

@@ -3,19 +3,23 @@
 The change is carried through the chain to the law of every stream it can be seen in.
 """
 
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, reduce
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, ndimage, special, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis import datum
 from skiplatch.diagnosis.change import Change, Number
+from skiplatch.diagnosis.datum import FAMILIES, SHIFTED
 from skiplatch.diagnosis.grid import folded
 from skiplatch.diagnosis.law import Extra, Law
 from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.simulator import Residuals
 
 MISSED = "missed"
 """Name of the stream of touches that were not latched."""
@@ -99,11 +103,14 @@ def likelihood(
         names: Of the streams to evaluate; all without it.
         widening: Smoothes the laws of some streams for a coarse search, by so much in their unit.
     """
-    values = {
-        name: _stream_values(scene, stream, change, widening.get(name, 0.0))
-        for name, stream in scene.streams.items()
-        if names is None or name in names
-    }
+    wanted = set(scene.streams if names is None else names) & scene.streams.keys()
+    found: dict[str, FloatArray] = {}
+    for family in _families(scene, wanted):
+        members = [
+            _Member.of(scene, scene.streams[n], change, widening.get(n, 0.0)) for n in family
+        ]
+        found |= _values(scene, members)[1]
+    values = {name: found[name] for name in scene.streams if name in wanted}
     if names is None or MISSED in names:
         values[MISSED] = _missed(scene, change)
     return Likelihood(values)
@@ -139,22 +146,94 @@ def _missed(scene: Scene, change: Change) -> FloatArray:
     return np.asarray(np.where(missed, np.log(rate), np.log1p(-rate)))
 
 
-def _stream_values(scene: Scene, stream: Stream, change: Change, widening: float) -> FloatArray:
-    values = np.zeros(len(scene))
-    rows = stream.indices
-    if not len(rows):
-        return values
-    law = law_under(scene, stream, change).select(rows)
-    if widening:
-        law = law.widened(widening)
-    if stream.name == "lattice":
-        values[rows] = _lattice_values(scene, stream, change, law)
-        return values
-    known = stream.known
-    if stream.name == "position" and scene.plc.any():
-        known = known - _rest_of_a_tick_um(scene, stream, law)
-    values[rows] = law.log_density(known, 10.0 * law.usual_spread + stream.far)
-    return values + _grid_bonus(scene, stream, change)
+def _families(scene: Scene, wanted: Collection[str]) -> Iterator[list[str]]:
+    """Give the streams to evaluate: together those that one datum shifts, if it is unknown."""
+    shared: Sequence[tuple[str, ...]] = FAMILIES if scene.datum_groups is not None else ()
+    for family in shared:
+        if not set(family).intersection(wanted):
+            continue
+        yield [name for name in family if name in scene.streams]
+    apart = {name for family in shared for name in family}
+    yield from ([name] for name in wanted if name not in apart)
+
+
+def with_shared_datum(scene: Scene, names: Collection[str]) -> frozenset[str]:
+    """Add the streams that tell of the same datum as some others."""
+    return frozenset(name for family in _families(scene, set(names)) for name in family)
+
+
+def fitted_datum_um(scene: Scene, change: Change) -> dict[tuple[str, ...], FloatArray]:
+    """Give the likeliest datum of each group, shape (g,), by the family of streams that tells it.
+
+    None of a scene whose datum is known.
+    """
+    if scene.datum_groups is None:
+        return {}
+    found: dict[tuple[str, ...], FloatArray] = {}
+    for family in FAMILIES:
+        there = [scene.streams[name] for name in family if name in scene.streams]
+        if there:
+            members = [_Member.of(scene, stream, change, 0.0) for stream in there]
+            found[family] = _values(scene, members)[0]
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Member:
+    """One stream under a change, laid out for evaluation."""
+
+    stream: Stream
+    law: Law
+    """Of `rows` alone."""
+    change: Change
+    residuals: Residuals | None = None
+    """None for the grid of the scans, whose law is that of all stamps together."""
+    off: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """By how much they are off the middle of the law."""
+    bonus: FloatArray | float = 0.0
+
+    @classmethod
+    def of(cls, scene: Scene, stream: Stream, change: Change, widening: float) -> Self:
+        rows, known = stream.indices, stream.known
+        law = law_under(scene, stream, change).select(rows)
+        if widening:
+            law = law.widened(widening)
+        if stream.name == "lattice" or not len(rows):
+            return cls(stream, law, change)
+        if stream.name == "position" and scene.plc.any():
+            known = known - _rest_of_a_tick_um(scene, stream, law)
+        residuals = law.laid_out(known, 10.0 * law.usual_spread + stream.far)
+        off = known - law.mean if scene.datum_groups is not None else known
+        return cls(stream, law, change, residuals, off, _grid_bonus(scene, stream, change))
+
+    def values(self, scene: Scene, logs: FloatArray | None) -> FloatArray:
+        """Give the log-likelihood of each touch, shape (n,), by that of the rows."""
+        values, rows = np.zeros(len(scene)), self.stream.indices
+        if self.residuals is not None:
+            values[rows] = self.residuals.log_densities() if logs is None else logs
+        elif len(rows):
+            values[rows] = _lattice_values(scene, self.stream, self.change, self.law)
+        return values + self.bonus
+
+
+def _values(scene: Scene, members: Sequence[_Member]) -> tuple[FloatArray, dict[str, FloatArray]]:
+    """Give the likeliest datum of each group by some streams, and their log-likelihoods there."""
+    parts = {
+        m.stream.name: datum.Part(
+            m.residuals,
+            m.off,
+            m.law.variance,
+            scene.per_datum_um(m.stream)[m.stream.indices],
+            scene.datum_groups[m.stream.indices],
+        )
+        for m in members
+        if m.residuals is not None and scene.datum_groups is not None and m.stream.name in SHIFTED
+    }
+    if not parts:
+        return np.zeros(scene.datum_count), {m.stream.name: m.values(scene, None) for m in members}
+    found, logs = datum.at_best_datum([*parts.values()], scene.datum_count, scene.datum_u_um)
+    known = dict(zip(parts, logs, strict=True))
+    return found, {m.stream.name: m.values(scene, known.get(m.stream.name)) for m in members}
 
 
 def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law) -> FloatArray:
@@ -166,9 +245,21 @@ def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law) -> FloatArray:
     speed = np.where(scene.plc, scene.speed, 0.0)[stream.indices]
     variance, half = law.variance, scene.nominal.skip.tick_us / 2.0
     reach = CALM * np.sqrt(variance)
-    off = np.clip(stream.known - law.mean, -reach, reach)
+    off = np.clip(_off_datum(scene, stream, stream.known - law.mean), -reach, reach)
     rest_us = (speed / variance) @ off / max(float((speed / variance) @ speed), TINY)
     return np.asarray(speed * np.clip(rest_us, -half, half))
+
+
+def _off_datum(scene: Scene, stream: Stream, off: FloatArray) -> FloatArray:
+    """Take the middle of each group of touches away if their datum is unknown; (rows,)."""
+    if scene.datum_groups is None:
+        return off
+    groups = scene.datum_of(stream)
+    middles = [
+        np.median(off[groups == g]) if (groups == g).any() else 0.0
+        for g in range(scene.datum_count)
+    ]
+    return np.asarray(off - np.array(middles)[groups])
 
 
 def law_under(scene: Scene, stream: Stream, change: Change) -> Law:

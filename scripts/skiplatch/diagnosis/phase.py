@@ -4,16 +4,16 @@ A play of its own switches the PLC on at some moment. The recorded rig's was swi
 its stamps show which: they lie on the grid of the scans, and so will those of further touches.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Nominal, Touches
+from skiplatch.campaign import Touches
 from skiplatch.diagnosis.grid import mean_turn
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.motion import DEG_PER_TURN, US_PER_S
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator import Effect, Outcomes
 
 NOISE_EXPLAINS = 1.5
 """Times the noise of the reference instrument, root mean square, that edges may lie off by."""
@@ -26,47 +26,36 @@ ON_THE_CLOCK = {"servo_hold": "period_us", "link_slotting": "slot_us"}
 TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
 
 
-def at_given_edges(nominal: Nominal, conditions: Touches, switched_on: Sequence[Effect]) -> Touches:
+def at_given_edges(rig: Rig, conditions: Touches) -> Touches:
     """Start the moves so that contacts close when a bench is known to have closed them.
 
     What the noise of the reference instrument explains is left: the rig latched the edge, and not
     its reading.
     """
-    controller = Controller.for_campaign(nominal, conditions)
-    played = play(nominal, controller, conditions, seed=0, switched_on=switched_on)
+    played = rig.play(conditions, seed=0, replicates=1)
     off_us = conditions.edge_us - played.true_edge_us[0]
     known = off_us[~np.isnan(off_us)]
-    noise_us = NOISE_EXPLAINS * nominal.bench.reference_jitter_us + RESOLVED_US
+    noise_us = NOISE_EXPLAINS * rig.nominal.bench.reference_jitter_us + RESOLVED_US
     if not len(known) or np.sqrt(np.mean(known**2)) <= noise_us:
         return conditions
     return _later(conditions, np.nan_to_num(off_us))
 
 
 def play_in_phase(
-    nominal: Nominal,
+    rig: Rig,
     recorded: Touches,
     conditions: Touches,
     *,
     seed: int,
     replicates: int,
     jobs: int,
-    switched_on: Sequence[Effect],
 ) -> Outcomes:
     """Play conditions on the rig of a record: its scans begin when the recorded ones did.
 
     Where the recorded stamps keep no grid, each replicate has a phase of its own.
     """
-    controller = Controller.for_campaign(nominal, conditions)
-    free = play(
-        nominal,
-        controller,
-        conditions,
-        seed=seed,
-        replicates=replicates,
-        jobs=jobs,
-        switched_on=switched_on,
-    )
-    period_us = _period_us(nominal, switched_on)
+    free = rig.play(conditions, seed=seed, replicates=replicates, jobs=jobs)
+    period_us = _period_us(rig)
     stamps = recorded.latch_us[recorded.on_plc]
     turn, plc = mean_turn(stamps, period_us), conditions.on_plc
     if not plc.any() or abs(turn) < KEPT or np.isfinite(stamps).sum() < FEWEST_STAMPS:
@@ -74,13 +63,8 @@ def play_in_phase(
     own = mean_turn(free.latch_us[:, plc], period_us)
     later_us = np.angle(own * np.conj(turn)) / (2.0 * np.pi) * period_us
     bound = [
-        play(
-            nominal,
-            controller,
-            _later(conditions, later),
-            seed=seed,
-            first_replicate=replicate,
-            switched_on=[_moved(effect, later) for effect in switched_on],
+        replace(rig, effects=[_moved(effect, later) for effect in rig.effects]).play(
+            _later(conditions, later), seed=seed, replicates=1, first_replicate=replicate
         )
         for replicate, later in enumerate(later_us)
     ]
@@ -116,7 +100,7 @@ def _moved(effect: Effect, by_us: float) -> Effect:
     return replace(effect, parameters={**effect.parameters, "phase_deg": moved_deg or DEG_PER_TURN})
 
 
-def _period_us(nominal: Nominal, switched_on: Sequence[Effect]) -> float:
+def _period_us(rig: Rig) -> float:
     """Give the period of the scans as far as effects change it."""
-    changes = [e.parameters["period_us"] for e in switched_on if e.id == "scan_period"]
-    return nominal.plc.scan_us + sum(changes)
+    changes = [e.parameters["period_us"] for e in rig.effects if e.id == "scan_period"]
+    return rig.nominal.plc.scan_us + sum(changes)

@@ -1,6 +1,5 @@
 """A campaign played over again with effects, in the columns that were recorded of it."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,26 +8,24 @@ from numpy.typing import NDArray
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Status, Touches
 from skiplatch.campaign.column_kinds import NOT_RECORDED
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.shrink import play_scene
-from skiplatch.simulator import Effect, Outcomes
+from skiplatch.simulator import Outcomes
 
 CAMPAIGNS = 4
 OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
 
 
-def replayed(
-    scene: Scene, rows: BoolArray | NDArray[np.intp], effects: Sequence[Effect], seed: int
-) -> list[Scene]:
-    """Play some of the touches with effects, a few times over.
+def replayed(scene: Scene, rows: BoolArray | NDArray[np.intp], rig: Rig, seed: int) -> list[Scene]:
+    """Play some of the touches on a rig, a few times over.
 
     Args:
         scene: The touches.
         rows: Those that are wanted; shape (n,), or their numbers.
-        effects: What is switched on.
+        rig: What to play on.
         seed: Of the plays.
     """
-    outcomes = play_scene(scene, effects, seed, CAMPAIGNS, jobs=1)
+    outcomes = rig.play(scene.touches, seed=seed, replicates=CAMPAIGNS)
     columns = (as_recorded(scene.touches, outcomes, k) for k in range(CAMPAIGNS))
     return [Scene(scene.nominal, touches).select(rows) for touches in columns]
 

@@ -12,13 +12,22 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Nominal, Status, Touches
+from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.diagnosis.datum import SHIFTED
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.law import Law
 from skiplatch.motion import Contact, expected_contact
 
+CodeArray = NDArray[np.intp]
+
 LOBES = 3.0
 UM_US_PER_MM_S = 1e-3
 UM_PER_MM = 1e3
+FEWEST_POSITIONS = 8
+"""Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
+DISTINCT_DIGITS = 2  # of a mm
+CLOSE = 0.1
+"""Share of the gaps between distinct positions that are smaller than what counts as spacing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +90,11 @@ class Scene:
         """Give some of the touches."""
         chosen = np.arange(len(self))[rows]
         return Scene(self.nominal, self.touches.select(rows), self, chosen)
+
+    def with_nominal(self, nominal: Nominal) -> "Scene":
+        """Give the same touches under another belief."""
+        whole = None if self.whole is None else self.whole.with_nominal(nominal)
+        return Scene(nominal, self.touches, whole, self.chosen)
 
     def __len__(self) -> int:
         return len(self.touches)
@@ -205,6 +219,44 @@ class Scene:
         return np.roll(self.alpha, 1)
 
     @cached_property
+    def shortest_wave_mm(self) -> float:
+        """Shortest period that the positions can show; infinite for too few of them."""
+        return 2.0 * spacing_mm(self.touches.position_mm)
+
+    @cached_property
+    def datum_groups(self) -> CodeArray | None:
+        """Number of the datum that each touch has, shape (n,); None where it is known."""
+        names = self.datum_names
+        return None if names is None else np.searchsorted(np.unique(names), names)
+
+    @cached_property
+    def datum_names(self) -> NDArray[np.str_] | None:
+        """Names of the data of the touches, shape (n,); None where they are known."""
+        return datum_names(self.nominal, self.touches)
+
+    @cached_property
+    def datum_count(self) -> int:
+        """How many data there are, at least one."""
+        return 1 if self.datum_groups is None else int(self.datum_groups.max(initial=0)) + 1
+
+    @property
+    def datum_u_um(self) -> float | None:
+        """Standard uncertainty of each about 0; None for a datum that may be anywhere."""
+        return self.nominal.datum.u_um
+
+    def datum_of(self, stream: Stream) -> CodeArray:
+        """Number of the datum of each touch in a stream's rows; 0 where it is known."""
+        if self.datum_groups is None:
+            return np.zeros(len(stream.indices), dtype=np.intp)
+        return self.datum_groups[stream.indices]
+
+    def per_datum_um(self, stream: Stream) -> FloatArray:
+        """By how much a µm of datum shifts the residuals of a stream; shape (n,)."""
+        if stream.name not in SHIFTED:
+            return np.zeros(len(self))
+        return 1.0 / self.speed if stream.unit == "µs" else np.ones(len(self))
+
+    @cached_property
     def has_stamps(self) -> BoolArray:
         """The latch was stamped; shape (n,)."""
         return ~np.isnan(self.touches.latch_us)
@@ -316,8 +368,38 @@ class Scene:
         return self._stream("report", "µs", ("report",), residuals, law, everywhere)
 
 
+def spacing_mm(positions: FloatArray) -> float:
+    """Give how far apart distinct positions lie, where they are close; infinite for too few.
+
+    No wave of less than twice that can be told from a longer one.
+    """
+    distinct = np.unique(np.round(positions[~np.isnan(positions)], DISTINCT_DIGITS))
+    if len(distinct) < FEWEST_POSITIONS:
+        return np.inf
+    return float(np.quantile(np.diff(distinct), CLOSE))
+
+
 def rounding_step(scene: Scene, stream: Stream) -> float:
     """What the residuals of a stream are rounded to, in its unit."""
     if stream.unit == "µs":
         return scene.nominal.skip.tick_us
     return scene.nominal.axis.resolution_um
+
+
+def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
+    """Name the datum of each touch, the same in every part of a campaign; shape (n,).
+
+    None where it is known.
+    """
+    axes = np.array([*(axis.name for axis in Axis), "axis"])[touches.axis]
+    match nominal.datum.free:
+        case DatumFreedom.NONE:
+            return None
+        case DatumFreedom.CAMPAIGN:
+            return np.full(len(touches), "campaign")
+        case DatumFreedom.AXIS:
+            return axes
+        case DatumFreedom.AXIS_SENSE:
+            return np.char.add(axes, np.where(touches.sign < 0.0, "-", "+"))
+        case DatumFreedom.SESSION:
+            return np.array([f"session {name}" for name in touches.session_names])[touches.session]

@@ -18,6 +18,7 @@ from skiplatch.diagnosis.likelihood import (
     affected,
     law_under,
     likelihood,
+    with_shared_datum,
 )
 from skiplatch.diagnosis.scene import Scene, Stream
 
@@ -99,6 +100,7 @@ class _Target:
         if given.slack and self._names & LATCHES:
             # What comes after a latch is read beside it, as far as the slack leaves it open.
             self._names |= AFTER_LATCH & scene.streams.keys()
+        self._names |= with_shared_datum(scene, self._names)
         # By what is off still: a share of what is explained already would blur the rest.
         self._sizes = {
             name: stream.off(law_under(scene, stream, given))

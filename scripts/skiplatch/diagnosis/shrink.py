@@ -24,9 +24,10 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.grid import off_grid
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator import Outcomes
 from skiplatch.statistics import CONFIDENCE, Interval
 
 PLAYED_TOUCHES = 40_000
@@ -56,6 +57,8 @@ class Gap:
     """What the simulation with the effects scores on its own plays."""
     shrink: Interval
     """Share of what lay above the noise floor that is gone."""
+    could_hide: float = 0.0
+    """Shift of half of the touches against the others that could have hidden, 95 %."""
     is_clear: bool = True
     """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
     oracle: float | None = None
@@ -125,24 +128,26 @@ class _Scores:
 def shrink(
     scene: Scene,
     held_out: BoolArray,
-    switched_on: Sequence[Effect],
+    before: Rig,
+    after: Rig,
     *,
     seed: int,
     jobs: int,
-    truth: Sequence[Effect] | None = None,
+    truth: Rig | None = None,
 ) -> Mapping[str, Gap]:
     """Measure every observable that was recorded; by name.
 
     Args:
         scene: The campaign.
         held_out: Which touches to score; shape (n,).
-        switched_on: The effects that were found.
+        before: The rig as it is believed to be.
+        after: The rig with the effects that were found.
         seed: Of the plays.
         jobs: Threads.
-        truth: The effects that a simulated campaign really has.
+        truth: The rig that a simulated campaign really is of.
     """
-    models = [(), switched_on] if truth is None else [(), switched_on, truth]
-    plays = [_play(scene, model, seed, jobs) for model in models]
+    rigs = [before, after] if truth is None else [before, after, truth]
+    plays = [_play(scene, rig, seed, jobs) for rig in rigs]
     gaps = {}
     for observable in _observables(scene):
         cells = list(_cells(scene, held_out, observable, plays))
@@ -151,24 +156,9 @@ def shrink(
     return gaps
 
 
-def _play(scene: Scene, switched_on: Sequence[Effect], seed: int, jobs: int) -> Outcomes:
+def _play(scene: Scene, rig: Rig, seed: int, jobs: int) -> Outcomes:
     replicates = int(np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES))
-    return play_scene(scene, switched_on, seed, replicates, jobs)
-
-
-def play_scene(
-    scene: Scene, switched_on: Sequence[Effect], seed: int, replicates: int, jobs: int
-) -> Outcomes:
-    """Play the conditions of a scene with effects, on as many threads as `jobs`."""
-    return play(
-        scene.nominal,
-        Controller.for_campaign(scene.nominal, scene.touches),
-        scene.touches,
-        seed=seed,
-        replicates=replicates,
-        jobs=jobs,
-        switched_on=switched_on,
-    )
+    return rig.play(scene.touches, seed=seed, replicates=replicates, jobs=jobs)
 
 
 def _observables(scene: Scene) -> Iterator[Observable]:

@@ -1,63 +1,106 @@
-"""Whether a second effect is needed: played with the first alone, a campaign may seem to have it.
+"""Whether each effect is needed: by the beliefs that may move, and by plays of the rig without it.
 
-The surrogate of an effect is not its simulation, and what it lacks another effect may make up for.
+A belief that moves within its uncertainty may do what an effect does. And the surrogate of an effect
+is not its simulation: played without the last effect, a campaign may seem to have it all the same.
 """
 
+from collections.abc import Callable
 from concurrent.futures import Executor
+from dataclasses import replace
 
 import numpy as np
 
-from skiplatch.diagnosis.confirm import AsEffects
-from skiplatch.diagnosis.decide import Finding, only
-from skiplatch.diagnosis.judge import PLAIN, Judge, worth
+from skiplatch.diagnosis.beliefs import Fitted, fit_beliefs, uncertain
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.confirm import AsRig
+from skiplatch.diagnosis.decide import Finding, reduced
+from skiplatch.diagnosis.judge import ENOUGH_FIT, PLAIN, Judge, Scored, worth
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.replay import replayed
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, anew
 
 PLAINLY_NEEDED = 100.0
-"""Nats of a second effect that no surrogate lacks."""
+"""Nats of an effect that no surrogate lacks and no belief can take up."""
 
 
 def without_surplus(
     judge: Judge,
     finding: Finding,
-    as_effects: AsEffects,
+    as_rig: AsRig,
     *,
     seed: int,
     executor: Executor | None = None,
 ) -> Finding:
-    """Drop the second effect unless it gains clearly more than where there is none.
+    """Drop effects that are not needed, the least needed first.
 
     Args:
         judge: Fits and scores on the campaign.
         finding: As the surrogates propose it.
-        as_effects: Gives a fit as the simulator takes it.
-        seed: Of the campaigns that are played with one effect.
+        as_rig: Gives the rig that a fit says it is.
+        seed: Of the campaigns that are played without an effect.
         executor: Fits side by side.
     """
-    pair = finding.model
-    if pair is None or len(pair.ids) == 1:
-        return finding
-    single = max((judge.again(pair.fit, i) for i in (0, 1)), key=lambda scored: scored.score)
-    gained = pair.score - single.score
-    if gained > PLAINLY_NEEDED:
-        return finding
-    campaigns = replayed(judge.scene, judge.parts.naming, as_effects(single.fit), seed)
-    tasks = [(campaign, single.fit, pair.fit) for campaign in campaigns]
-    by_nature = executor.map(_gain, tasks) if executor else map(_gain, tasks)
-    return finding if gained > max(by_nature) + PLAIN else only(judge, single)
+    while (model := finding.model) is not None:
+        if len(model.ids) == 1:
+            is_needed = _beliefs_leave(judge, model, None) > ENOUGH_FIT
+            return (
+                finding
+                if is_needed
+                else replace(finding, model=None, alternatives=(), confidences=())
+            )
+        fewer = [judge.again_without(model, i) for i in range(len(model.ids))]
+        least = max(fewer, key=lambda smaller: smaller.score)
+        gained = model.score - least.score
+        if gained > PLAINLY_NEEDED:
+            return finding
+        if gained > _by_nature(judge, model, least, as_rig, seed, executor) + PLAIN and (
+            _beliefs_leave(judge, model, least) > ENOUGH_FIT
+        ):
+            return finding
+        finding = reduced(judge, least)
+    return finding
+
+
+def _beliefs_leave(judge: Judge, larger: Scored, smaller: Scored | None) -> float:
+    """Give the nats that a model gains over a smaller one, or none, once beliefs may move in both."""
+    scene = judge.scene.select(judge.parts.naming)
+    beliefs = uncertain(scene.nominal)
+
+    def settled(model: Scored | None) -> Fitted:
+        change = model.fit.change(scene) if model else Change()
+        return fit_beliefs(scene, change, beliefs)
+
+    gained = settled(larger).nats - settled(smaller).nats
+    return gained - worth(larger.fit.size - (smaller.fit.size if smaller else 0))
+
+
+def _by_nature(
+    judge: Judge,
+    model: Scored,
+    smaller: Scored,
+    as_rig: AsRig,
+    seed: int,
+    executor: Executor | None,
+) -> float:
+    """Give the nats that a model gains over a smaller one where the smaller one is the truth."""
+    campaigns = replayed(judge.scene, judge.parts.naming, as_rig(smaller.fit), seed)
+    tasks = [(campaign, smaller.fit, model.fit) for campaign in campaigns]
+    run: Callable[..., object] = executor.map if executor else map
+    return max(run(_gain, tasks))  # type: ignore[call-overload, no-any-return]
 
 
 def _gain(task: tuple[Scene, Fit, Fit]) -> float:
-    """Give by how much a pair, fitted anew, scores better than one of its effects."""
-    campaign, single, pair = task
-    pair_anew = anew(campaign, pair.candidates, [np.concatenate(pair.parameters)])
-    position = pair.candidates.index(single.candidates[0])
-    # What the pair finds has to be open to the single one: a sharp peak is easily missed.
-    starts = [single.parameters[0], pair_anew.parameters[position]]
-    single_anew = anew(campaign, single.candidates, starts)
-    return _score(campaign, pair_anew) - _score(campaign, single_anew)
+    """Give by how much a model, fitted anew, scores better than one with an effect less."""
+    campaign, smaller, model = task
+    larger = anew(campaign, model.candidates, [np.concatenate(model.parameters)])
+    kept = [model.candidates.index(candidate) for candidate in smaller.candidates]
+    # What the larger one finds has to be open to the smaller one: a sharp peak is easily missed.
+    starts = [
+        np.concatenate(smaller.parameters),
+        np.concatenate([larger.parameters[i] for i in kept]),
+    ]
+    return _score(campaign, larger) - _score(campaign, anew(campaign, smaller.candidates, starts))
 
 
 def _score(campaign: Scene, model: Fit) -> float:

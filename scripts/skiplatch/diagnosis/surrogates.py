@@ -138,8 +138,8 @@ def transmission(scene: Scene, p: Parameters) -> Change:
     known = _where_mm(scene.whole or scene, p)
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
     period = max(abs(p[1]), SHORTEST_MM)
-    if period > max(span, SHORTEST_MM):
-        return Change()  # what shows less than a period is not periodic
+    if not (scene.whole or scene).shortest_wave_mm <= period <= max(span, SHORTEST_MM):
+        return Change()  # what shows less than a period is not periodic, nor what nobody can see
     turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[9], p[10]))
     error_um = p[0] * np.sin(turn + np.deg2rad(p[2]))
     for order, size_um, phase_deg in ((2.0, p[3], p[4]), (3.0, p[5], p[6])):

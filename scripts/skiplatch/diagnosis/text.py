@@ -4,14 +4,21 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
-from skiplatch.diagnosis.diagnose import Diagnosis, Named, Verdict
+from skiplatch.campaign import Nominal
+from skiplatch.campaign.nominal import KEYS
+from skiplatch.diagnosis.beliefs import believing
+from skiplatch.diagnosis.diagnose import Diagnosis, Named
 from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.playing import FittedDatum, Rig
 from skiplatch.diagnosis.shrink import Gap
+from skiplatch.diagnosis.verdict import Verdict
 from skiplatch.simulator import Effect, effects
 from skiplatch.statistics import Interval
 from skiplatch.tables import number, table
 
-FORMAT = "skiplatch-diagnosis/1"
+FORMAT = "skiplatch-diagnosis/2"
+FORMATS = ("skiplatch-diagnosis/1", FORMAT)
+"""Those that can be read."""
 Json = Any
 
 VERDICTS = {
@@ -19,7 +26,13 @@ VERDICTS = {
     Verdict.EXPLAINED: "The gap is explained.",
     Verdict.PARTLY_EXPLAINED: "The gap is explained in part; something else is left.",
     Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it.",
+    Verdict.UNDECIDED: "Too few touches to tell whether there is a gap.",
 }
+HALF = 0.5
+"""Standard uncertainties by which a belief has to move to be told."""
+SURFACE, COORDINATE = "surface_um", "coordinate_um"
+"""What is off of a datum."""
+MOST_LISTED = 12
 
 
 def as_text(diagnosis: Diagnosis) -> str:
@@ -31,9 +44,19 @@ def as_text(diagnosis: Diagnosis) -> str:
             for p in diagnosis.where
         ]
         parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
+    if diagnosis.verdict in (Verdict.NO_GAP, Verdict.UNDECIDED):
+        parts.append(_hidden_text(diagnosis.gap))
     if diagnosis.effects:
         parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
     parts.append(_threshold_text(diagnosis.materiality))
+    if moved := _moved(diagnosis):
+        parts.append(
+            "Beliefs, as the touches move them\n" + table(("belief", "believed", "now"), moved)
+        )
+    if diagnosis.outliers:
+        listed = ", ".join(map(str, diagnosis.outliers[:MOST_LISTED]))
+        more = "" if len(diagnosis.outliers) <= MOST_LISTED else ", …"
+        parts.append(f"Far off the rest, by touch: {listed}{more}")
     if diagnosis.notes:
         parts.append("\n".join(diagnosis.notes))
     return "\n\n".join(parts)
@@ -45,14 +68,32 @@ def _effect_text(named: Named) -> str:
     for parameter in described.parameters:
         value = named.effect.parameters[parameter.name]
         low, high = named.intervals[parameter.name]
+        limit = ", at the limit of its range" if parameter.name in named.at_limit else ""
         lines.append(
             f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}) "
-            f"{parameter.unit}, {parameter.meaning}"
+            f"{parameter.unit}, {parameter.meaning}{limit}"
         )
     lines.append(f"  confidence {named.confidence:.3f}")
     if named.alternatives:
         lines.append(f"  cannot be told from: {', '.join(named.alternatives)}")
     return "\n".join(lines)
+
+
+def _hidden_text(gaps: Mapping[str, Gap]) -> str:
+    rows = [(name, gap.unit, number(gap.could_hide, 2)) for name, gap in gaps.items()]
+    title = "A shift of half of the touches against the others that could have hidden (95 %)"
+    return f"{title}\n" + table(("observable", "unit", "size"), rows)
+
+
+def _moved(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
+    """Give the beliefs that have moved by half their uncertainty, and every datum."""
+    rows = [
+        (belief.name, number(belief.value), number(value))
+        for belief, value in diagnosis.beliefs
+        if abs(belief.uncertainties(value)) > HALF
+    ]
+    data = _datum_json(diagnosis.rig.datum)
+    return rows + [(name, "0", number(entry["value"], 3)) for name, entry in data.items()]
 
 
 def _size(size: float, unit: str) -> str:
@@ -114,14 +155,52 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "intervals": {name: list(ends) for name, ends in named.intervals.items()},
                 "alternatives": list(named.alternatives),
                 "confidence": named.confidence,
+                "at_limit": {name: name in named.at_limit for name in named.effect.parameters},
             }
             for named in diagnosis.effects
         ],
         "gap": {name: _gap_json(gap) for name, gap in diagnosis.gap.items()},
+        "left": [
+            {
+                "observable": one.observable,
+                "path": one.path,
+                "condition": one.looks_like,
+                "size": float(one.size),
+                "unit": one.unit,
+                "p": one.p_value,
+            }
+            for one in diagnosis.left
+        ],
+        "outliers": list(diagnosis.outliers),
+        "beliefs": _beliefs_json(diagnosis),
+        "failed": [asdict(failure) for failure in diagnosis.failures],
         "material": asdict(diagnosis.materiality),
         "touches": diagnosis.touches,
         "touches_searched": diagnosis.used,
         "notes": list(diagnosis.notes),
+    }
+
+
+def _beliefs_json(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:
+    """Give beliefs by name: what was believed, its standard uncertainty, and what was fitted."""
+    known = {
+        belief.name: {"value": belief.value, "u": belief.u_absolute, "fitted": value}
+        for belief, value in diagnosis.beliefs
+    }
+    data = _datum_json(diagnosis.rig.datum)
+    return known | {
+        f"datum.{name}": {"value": 0.0, "u": None, "fitted": entry["value"]}
+        for name, entry in data.items()
+    }
+
+
+def _datum_json(datum: FittedDatum) -> dict[str, dict[str, float]]:
+    """Give what each datum is off by, by name and kind."""
+    kinds = {SURFACE: datum.surface_um, COORDINATE: datum.coordinate_um}
+    return {
+        f"{name}.{kind}": {"value": value}
+        for kind, values in kinds.items()
+        for name, value in values.items()
     }
 
 
@@ -134,6 +213,7 @@ def _gap_json(gap: Gap) -> dict[str, Any]:
         "shrink": gap.shrink.value,
         "shrink_interval": [gap.shrink.low, gap.shrink.high],
         "beyond_noise": gap.is_clear,
+        "could_hide": gap.could_hide,
     }
     if gap.oracle_shrink is None:
         return known
@@ -148,7 +228,7 @@ def effects_from_json(document: Json) -> list[Effect]:
     Raises:
         ValueError: It is no diagnosis.
     """
-    if not isinstance(document, dict) or document.get("format") != FORMAT:
+    if not isinstance(document, dict) or document.get("format") not in FORMATS:
         raise ValueError(f'expected a diagnosis of the format "{FORMAT}"')
     try:
         return [
@@ -157,3 +237,34 @@ def effects_from_json(document: Json) -> list[Effect]:
         ]
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"not a whole diagnosis: {error!r}") from error
+
+
+def rig_from_json(document: Json, nominal: Nominal) -> Rig:
+    """Read back what a diagnosis says the rig is: effects, beliefs and data.
+
+    Args:
+        document: As `as_json` gives it.
+        nominal: What was believed.
+
+    Raises:
+        ValueError: It is no diagnosis.
+    """
+    found = effects_from_json(document)
+    try:
+        beliefs = {
+            str(name): float(entry["fitted"]) for name, entry in document.get("beliefs", {}).items()
+        }
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ValueError(f"not a whole diagnosis: {error!r}") from error
+    kinds: dict[str, dict[str, float]] = {SURFACE: {}, COORDINATE: {}}
+    values = {}
+    for name, value in beliefs.items():
+        first, _, rest = name.partition(".")
+        datum, _, kind = rest.rpartition(".")
+        if first == "datum" and kind in kinds:
+            kinds[kind][datum] = value
+        elif (first, rest) in KEYS:
+            values[first, rest] = value
+        else:
+            raise ValueError(f"no belief is called {name!r}")
+    return Rig(believing(nominal, values), found, FittedDatum(kinds[SURFACE], kinds[COORDINATE]))

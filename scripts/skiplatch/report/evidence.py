@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
+from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis import Diagnosis
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.report.conditions import Condition, conditions
-from skiplatch.simulator import Controller, Effect, Outcomes, effects, play
+from skiplatch.simulator import Outcomes, effects
 
 MOST_TOUCHES = 4_000
 """Touches that are played; of a larger campaign, some are drawn."""
@@ -90,9 +91,8 @@ def gather(campaign: Campaign, diagnosis: Diagnosis, *, seed: int, jobs: int) ->
     touches = campaign.touches.in_order_of_time()
     rows = _drawn(len(touches), seed)
     shown = touches.select(rows)
-    found = [named.effect for named in diagnosis.effects]
-    before = _play(campaign.nominal, shown, (), seed, jobs)
-    after = _play(campaign.nominal, shown, found, seed, jobs) if found else None
+    before = _play(diagnosis.believed, shown, seed, jobs)
+    after = _play(diagnosis.rig, shown, seed, jobs) if diagnosis.effects else None
     seen = _seen(shown, expected_contact(campaign.nominal, shown), before, after)
     return Evidence(
         touches=shown,
@@ -111,19 +111,9 @@ def _drawn(count: int, seed: int) -> NDArray[np.intp]:
     return np.sort(drawn)
 
 
-def _play(
-    nominal: Nominal, touches: Touches, switched_on: Sequence[Effect], seed: int, jobs: int
-) -> Outcomes:
+def _play(rig: Rig, touches: Touches, seed: int, jobs: int) -> Outcomes:
     replicates = int(np.clip(PLAYED_TOUCHES // len(touches), FEWEST_REPLICATES, MOST_REPLICATES))
-    return play(
-        nominal,
-        Controller.for_campaign(nominal, touches),
-        touches,
-        seed=seed,
-        replicates=replicates,
-        jobs=jobs,
-        switched_on=switched_on,
-    )
+    return rig.play(touches, seed=seed, replicates=replicates, jobs=jobs)
 
 
 def _seen(

@@ -15,6 +15,7 @@ from skiplatch.tables import NOTHING, compact, number, whole, with_interval
 DIGITS = 3
 LEAST = 1e-3  # µm or µs
 MOST_RANKED = 10
+MOST_LEFT = 8
 LEAST_NAMED_NATS = 5.0
 """No effect is named that gains less."""
 PER_CENT = 100.0
@@ -67,6 +68,7 @@ def headline(diagnosis: Diagnosis) -> str:
         Verdict.EXPLAINED: f"{names} {'explain' if many else 'explains'} the gap",
         Verdict.PARTLY_EXPLAINED: f"{names} {'explain' if many else 'explains'} part of the gap",
         Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it",
+        Verdict.UNDECIDED: "Too few touches to tell whether there is a gap",
     }[diagnosis.verdict]
 
 
@@ -77,6 +79,8 @@ def lead(diagnosis: Diagnosis, telling: str) -> str:
             "Nothing that was recorded differs from the nominal simulation by more than chance "
             "would make it, or by so much that it would matter."
         )
+    if diagnosis.verdict == Verdict.UNDECIDED:
+        return "A gap as large as the rig's own noise could have hidden in these touches."
     if not diagnosis.where:
         return "No single stretch of the chain tells where it sits."
     if diagnosis.verdict == Verdict.UNKNOWN:
@@ -158,8 +162,13 @@ def where_table(diagnosis: Diagnosis) -> Table:
 def left_table(diagnosis: Diagnosis) -> Table:
     """Give what no effect accounts for."""
     rows = [
-        (s.stream.name, s.looks_like, number(s.size, DIGITS), f"{s.p_value:.1g}")
-        for s in diagnosis.left
+        (
+            f"{one.observable}, {PATHS[one.path]}",
+            one.looks_like,
+            _with_unit(one.size, one.unit),
+            f"{one.p_value:.1g}",
+        )
+        for one in diagnosis.left[:MOST_LEFT]
     ]
     return Table(("stretch", "looks like", "size", "p"), rows)
 

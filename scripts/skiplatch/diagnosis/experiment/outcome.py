@@ -11,8 +11,8 @@ from skiplatch.diagnosis.experiment.channels import recorded
 from skiplatch.diagnosis.experiment.joint import added_nats
 from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.shrink import play_scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,10 @@ def outcome(
     """
     before, new = Rehearsal.of(campaign, models), Scene.of(further)
     added = [added_nats(before.old, new, fit) for fit in before.fits]
-    played = [play_scene(new, model, seed, REHEARSALS, jobs) for model in models]
+    played = [
+        Rig(new.nominal, model).play(new.touches, seed=seed, replicates=REHEARSALS, jobs=jobs)
+        for model in models
+    ]
     columns = recorded(new.nominal, new.touches)
     groups = before.groups(new.touches, played, columns)
     best = int(np.argmax(added))

@@ -34,6 +34,8 @@ def without_rivals(verdict: str, finding: str) -> str:
     )
     if verdict == "no_gap":
         return f"There is no gap to settle. To look for one once more: {_lowered(spread)}"
+    if verdict == "undecided":
+        return f"There are too few touches to tell whether there is a gap. {spread}"
     if verdict == "unknown":
         return f"No effect of the catalogue is left to be told from another. {spread}"
     return f"Nothing that was tried rivals {finding}. To confirm it: {_lowered(spread)}"

@@ -1,0 +1,62 @@
+"""How large a gap could have hidden: what an acceptance has to know of a campaign without one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import FloatArray
+from skiplatch.comparison.observables import OBSERVABLES
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+
+CONFIDENCE = 0.95
+PLAYS = 30
+FEWEST = 4
+ERRORS = float(stats.norm.ppf(0.5 + CONFIDENCE / 2.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Hidden:
+    """What could have hidden in one observable.
+
+    Attributes:
+        size: Of a shift of half of the touches of a path against the other half, in the
+            observable's unit, that would be within their scatter with 95 %.
+        relative: The same over the scatter of a touch.
+    """
+
+    size: float
+    relative: float
+
+
+def could_hide(scene: Scene, rig: Rig, *, seed: int) -> Mapping[str, Hidden]:
+    """Give it for every observable that was recorded, on the path that tells most; by name."""
+    outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
+    found = {}
+    for observable in OBSERVABLES:
+        recorded = observable.values(scene.touches, scene.contact)
+        played = observable.values(outcomes, scene.contact)
+        known = ~np.isnan(recorded) & ~np.isnan(played).all(axis=0)
+        paths = [known & ~scene.plc, known & scene.plc]
+        hidden = [
+            _hidden((recorded - _middle(played))[rows], played[:, rows])
+            for rows in paths
+            if rows.sum() >= FEWEST
+        ]
+        if hidden:
+            found[observable.name] = min(hidden, key=lambda one: one.size)
+    return found
+
+
+def _middle(played: FloatArray) -> FloatArray:
+    return np.nanmedian(np.where(np.isnan(played).all(axis=0), 0.0, played), axis=0)
+
+
+def _hidden(off: FloatArray, played: FloatArray) -> Hidden:
+    """Two halves of n touches differ by chance by twice the scatter over the root of n."""
+    noise = float(np.sqrt(np.nanmedian(np.nanvar(played, axis=0)) + 1e-12))
+    scatter = max(noise, float(stats.median_abs_deviation(off, scale="normal")))
+    size = ERRORS * 2.0 * scatter / float(np.sqrt(len(off)))
+    return Hidden(size, size / scatter)

@@ -1,0 +1,183 @@
+"""What a hypothesis leaves: can one tell from anything known which touches its plays miss?
+
+What it leaves to chance (which edges bounce, where a value lies between two lines) has to be so.
+If something known tells it, the hypothesis does not hold, whatever form the truth has, and what
+tells it is what that looks like.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.covariates import varying
+from skiplatch.diagnosis.look import (
+    EVERYWHERE,
+    FEWEST,
+    SMALLEST,
+    Left,
+    Look,
+    Memo,
+    Setting,
+    told_by_forest,
+)
+from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.observed import observed
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.simulator import Outcomes
+
+PLAYS = 60
+"""Of each touch: ranks to a sixtieth."""
+MOST_TOUCHES = 1_500
+NOTICED = 3.5
+"""Standard errors from which on something may be worth a search, which then decides."""
+MISSED = "missed"
+FEWEST_MISSED = 5
+USUALLY_MISSED = 1e-3
+"""Share of touches that any rig may miss."""
+
+
+def left_over(
+    scene: Scene, rig: Rig, *, seed: int, jobs: int = 1, memo: Memo | None = None
+) -> list[Left]:
+    """Look for all that a rig leaves of a scene; all that was tried, the most significant first.
+
+    Args:
+        scene: The touches.
+        rig: What to play.
+        seed: Of the plays and of the forests.
+        jobs: Threads to play on.
+        memo: What was found of other rigs, to be looked up and added to.
+    """
+    if len(scene) > MOST_TOUCHES:
+        rows = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
+        scene = scene.select(np.sort(rows))
+    outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS, jobs=jobs)
+    recorded, played = _without_rests(scene, *_dithered(scene, outcomes, seed))
+    setting, memo = Setting(scene, seed), {} if memo is None else memo
+    found: list[Left] = []
+    paths: Mapping[str, BoolArray] = {"skip": ~scene.plc, "plc": scene.plc}
+    for path, here in paths.items():
+        for name in recorded:
+            known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
+            seen: BoolArray = here & known
+            if seen.sum() >= FEWEST:
+                look = Look(setting, name, path, seen, recorded[name], played[name])
+                found += look.all(memo)
+        found += _missing(setting, path, here, outcomes)
+    return sorted(found, key=lambda left: -left.z)
+
+
+STREAMS = {
+    "edge": ("motion",),
+    "latch": ("latch_skip", "latch_plc"),
+    "grid": ("lattice",),
+    "position": ("position", "deviation_skip", "deviation_plc"),
+    "report": ("report",),
+    MISSED: (MISSED,),
+}
+"""Of the likelihood, by the observable that shows the same."""
+
+
+def noticed(looks: Sequence[Left], materiality: Materiality) -> frozenset[str]:
+    """Name the streams in which something that matters may be left, by path where they are apart."""
+    other = {"skip": "plc", "plc": "skip"}
+    return frozenset(
+        stream
+        for look in looks
+        if look.z > NOTICED and look.is_material(materiality)
+        for stream in STREAMS[look.observable]
+        if not stream.endswith(f"_{other[look.path]}")
+    )
+
+
+def _dithered(
+    scene: Scene, outcomes: Outcomes, seed: int
+) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
+    """Take record and plays apart, all lengths spread evenly over what they are rounded to.
+
+    A datum that was fitted need not be a whole number of steps, and a play moved by it would lie
+    between the values that the record can have.
+    """
+    rng, step_um = np.random.default_rng(seed), scene.nominal.axis.resolution_um
+    recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
+    if scene.datum_names is None:
+        return recorded, played
+
+    def spread(values: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
+        position = values["position"]
+        return {**values, "position": position + step_um * (rng.random(position.shape) - 0.5)}
+
+    return spread(recorded), spread(played)
+
+
+def _without_rests(
+    scene: Scene, recorded: Mapping[str, FloatArray], played: Mapping[str, FloatArray]
+) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
+    """Take away what all scans of a rig are stamped early by, in the positions of record and plays.
+
+    Where the scan period is a whole number of ticks that is one rest of a tick, another in each
+    play, and all positions of a path are off by its way.
+    """
+    rows = scene.plc & scene.has_stamps & ~np.isnan(recorded["position"])
+    rows &= ~np.isnan(played["position"]).any(axis=0)
+    if not rows.any():
+        return recorded, played
+    middle, speed = played["position"][:, rows].mean(axis=0), scene.speed[rows]
+    weight = speed / np.maximum(played["position"][:, rows].var(axis=0), SMALLEST**2)
+    half_us = scene.nominal.skip.tick_us / 2.0
+
+    def calm(position: FloatArray) -> FloatArray:
+        off = position[..., rows] - middle
+        rest_us = np.clip(off @ weight / (weight @ speed), -half_us, half_us)
+        calmed = position.copy()
+        calmed[..., rows] -= rest_us[..., None] * speed
+        return calmed
+
+    return (
+        {**recorded, "position": calm(recorded["position"])},
+        {**played, "position": calm(played["position"])},
+    )
+
+
+def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -> Iterator[Left]:
+    """Look at the touches that were not latched: how many, and which."""
+    if not here.any():
+        return
+    missed, played = setting.scene.touches.missed[here], ~outcomes.ok[:, here]
+    n, expected = len(missed), float(played.mean())
+    error = np.sqrt(max(expected * (1.0 - expected), USUALLY_MISSED) / n)
+    share = float(missed.mean()) - expected
+    if missed.any() or expected > USUALLY_MISSED:
+        yield Left(
+            MISSED,
+            path,
+            "share",
+            (EVERYWHERE,),
+            abs(share),
+            "1",
+            abs(share),
+            0.0,
+            0.0,
+            abs(share) / error,
+        )
+    if FEWEST_MISSED <= missed.sum() <= n - FEWEST_MISSED:
+        columns = varying(setting.known, here)
+        predicted, names = told_by_forest(columns, missed.astype(float), setting.seed)
+        if np.ptp(predicted) > 0.0:
+            correlation = float(np.corrcoef(predicted, missed)[0, 1])
+            high = predicted > np.median(predicted)
+            apart = float(missed[high].mean() - missed[~high].mean()) if high.any() else 0.0
+            yield Left(
+                MISSED,
+                path,
+                "share",
+                names,
+                abs(apart) / 2.0,
+                "1",
+                abs(apart),
+                0.0,
+                0.0,
+                correlation * np.sqrt(n),
+            )

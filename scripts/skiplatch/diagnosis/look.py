@@ -1,0 +1,360 @@
+"""One observable of the touches on one path, held against its plays from every side.
+
+Each recorded touch has a rank among plays of the same touch, and with it a normal score. If what is
+played is right, the scores know nothing: not of the conditions, not of the sequence, not of the
+touches around. So they are looked at as a whole, along every condition, along waves, and by a
+forest that predicts each touch by trees that have not seen it (Breiman, Machine Learning 45 (2001)
+5, on out-of-bag estimates).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import stats
+from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.covariates import Order, conditions, neighbours, sequence, varying
+from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.observed import UNITS
+from skiplatch.diagnosis.periodogram import explained_by_sines
+from skiplatch.diagnosis.scene import Scene
+
+TREES = 60
+LEAF = 5
+"""Touches in a leaf, at least."""
+FEWEST = 8
+"""Touches from which on anything can be seen."""
+FEWEST_FOR_FOREST = 25
+"""The same of what only a forest sees."""
+SIGNIFICANT = 5.0
+"""Standard errors of the correlation between prediction and score."""
+DIGITS = 6
+"""Decimals of a µs or µm from which on values are the same."""
+SMALLEST = 1e-4
+RESOLVED = 0.25
+"""Steps of rounding that a difference has to exceed."""
+NAMED = 3
+"""Covariates that are named at most."""
+LEAST_TURNS = 1.0
+"""Of a wave over what was recorded; slower ones a forest sees."""
+EVERYWHERE = "everywhere"
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """Something that a hypothesis may leave.
+
+    Attributes:
+        observable: In which it shows.
+        path: "skip" or "plc".
+        kind: "shift", "scatter", "wave" or "share".
+        conditions: What it goes with, the most telling first; or that it is everywhere.
+        size: Of the difference: by condition, half of that between touches that are predicted high
+            and low.
+        unit: Of the size.
+        relative: The same in units of what the plays scatter by.
+        noise: What the plays of a touch scatter by, in the middle.
+        step: What the observable is rounded to.
+        z: How many standard errors it is from nothing.
+    """
+
+    observable: str
+    path: str
+    kind: str
+    conditions: tuple[str, ...]
+    size: float
+    unit: str
+    relative: float
+    noise: float
+    step: float
+    z: float
+
+    def is_material(self, materiality: Materiality) -> bool:
+        """It is large enough to matter, and to be told from rounding, which need not be random."""
+        if self.size <= RESOLVED * self.step:
+            return False
+        least = materiality.absolute(self.unit) if self.unit != "1" else None
+        return self.relative > materiality.fraction if least is None else self.size > least
+
+    @property
+    def p_value(self) -> float:
+        """Chance of as much where nothing is left."""
+        return float(stats.norm.sf(self.z))
+
+    @property
+    def is_predicted(self) -> bool:
+        """It goes with something known; otherwise it is everywhere."""
+        return self.conditions != (EVERYWHERE,)
+
+    def is_of(self, other: "Left") -> bool:
+        """It shows in the same observable on the same path."""
+        return (self.observable, self.path) == (other.observable, other.path)
+
+    @property
+    def is_significant(self) -> bool:
+        """It is no accident of the touches, nor of the many looks."""
+        return self.z > SIGNIFICANT
+
+    @property
+    def looks_like(self) -> str:
+        """Give it in words."""
+        what = "" if self.kind in ("shift", "wave") else f"{self.kind} "
+        return (
+            f"{what}goes with {' and '.join(self.conditions)}"
+            if self.is_predicted
+            else f"{self.kind} everywhere"
+        )
+
+
+Memo = dict[bytes, list[Left]]
+"""What was left of an observable, by its record and its plays: many hypotheses leave it alone."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A line along which a wave may lie; arrays of shape (n,).
+
+    Attributes:
+        name: For reports.
+        unit: Of `where`.
+        where: Each touch lies on it.
+        sense: What multiplies a score, 1 or -1.
+        shortest: Wave that can be told; 0 for what the number of touches lets tell.
+    """
+
+    name: str
+    unit: str
+    where: FloatArray
+    sense: FloatArray
+    shortest: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What is known of all touches of a scene, whatever they are held against."""
+
+    scene: Scene
+    seed: int
+
+    @cached_property
+    def order(self) -> Order:
+        """The sequence of the touches."""
+        return Order.of(self.scene)
+
+    @cached_property
+    def known(self) -> Mapping[str, FloatArray]:
+        """What each could depend on; shape (n,)."""
+        return {**conditions(self.scene), **sequence(self.scene)}
+
+    @cached_property
+    def places(self) -> Sequence[Place]:
+        """Where waves are looked for."""
+        touches, sign = self.scene.touches, self.scene.sign
+        along = np.ones(len(self.scene))
+        found = [
+            Place("time", "s", touches.time_s, along),
+            Place("serial number", "touches", self.order.serial.astype(float), along, 2.0),
+        ]
+        shortest_mm = self.scene.shortest_wave_mm
+        if np.isfinite(shortest_mm):
+            position = touches.position_mm
+            found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
+        return found
+
+    def step(self, observable: str) -> float:
+        """Give what an observable is rounded to, in its unit."""
+        chain = self.scene.nominal
+        if UNITS[observable] == "µs":
+            return chain.skip.tick_us
+        stamped = self.scene.has_stamps.any()
+        way_um = chain.skip.tick_us * float(np.median(self.scene.speed)) if stamped else 0.0
+        return chain.axis.resolution_um + way_um
+
+
+def normal_scores(recorded: FloatArray, played: FloatArray) -> FloatArray:
+    """Rank touches, shape (n,), among their plays, shape (r, n); NaN where there is none."""
+    known = ~np.isnan(played)
+    below = np.where(known, played < recorded, False).sum(axis=0)
+    same = np.where(known, played == recorded, False).sum(axis=0)
+    count = known.sum(axis=0)
+    share = (below + 0.5 * same + 0.5) / (count + 1.0)
+    return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
+
+
+class Look:
+    """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m)."""
+
+    def __init__(
+        self,
+        setting: Setting,
+        name: str,
+        path: str,
+        rows: BoolArray,
+        recorded: FloatArray,
+        played: FloatArray,
+    ) -> None:
+        """Rank the touches among their plays.
+
+        Args:
+            setting: What is known of all touches.
+            name: Of the observable.
+            path: On which the touches were latched.
+            rows: Which touches these are; shape (n,).
+            recorded: Shape (n,).
+            played: Shape (r, n).
+        """
+        self._setting, self._name, self._path, self._rows = setting, name, path, rows
+        self._step = setting.step(name)
+        self._played = np.round(played[:, rows], DIGITS)
+        self._scores = normal_scores(np.round(recorded[rows], DIGITS), self._played)
+        self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
+        self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
+
+    def all(self, memo: Memo) -> list[Left]:
+        """Give everything that may be left of it."""
+        seen = b"".join(np.round(v, DIGITS).tobytes() for v in (self._scores, self._off))
+        key = f"{self._name} {self._path} ".encode() + seen
+        if key not in memo:
+            looks = (self.everywhere(), self.straight(), self.predicted(), self.waves())
+            memo[key] = [left for found in looks for left in found]
+        return memo[key]
+
+    def everywhere(self) -> Iterator[Left]:
+        """Compare middle and scatter of the scores with those of plays among the others."""
+        others = [
+            normal_scores(self._played[k], np.delete(self._played, k, axis=0))
+            for k in range(len(self._played))
+        ]
+        for kind, power in (("shift", 1), ("scatter", 2)):
+            usual = np.array([np.nanmean(scores**power) for scores in others])
+            size = float(np.mean(self._scores**power) - usual.mean())
+            error = max(float(usual.std(ddof=1)), SMALLEST)
+            yield self._left(
+                kind, (EVERYWHERE,), np.full(len(self._off), fill_value=True), abs(size) / error
+            )
+
+    def straight(self) -> Iterator[Left]:
+        """Rank the scores by every condition, one by one: few touches tell no more."""
+        columns = varying(self._setting.known, self._rows)
+        for kind, target in (("shift", self._scores), ("scatter", np.abs(self._scores))):
+            best: tuple[float, str] | None = None
+            for name, values in columns.items():
+                seen = ~np.isnan(values)
+                if seen.sum() >= FEWEST and np.ptp(values[seen]) > 0.0 < np.ptp(target[seen]):
+                    p_value = float(stats.spearmanr(values[seen], target[seen]).pvalue)
+                    best = min(best or (p_value, name), (p_value, name))
+            if best is not None:
+                chance = np.clip(best[0] * len(columns), 1e-300, 0.5)
+                values = columns[best[1]]
+                high = values > np.nanmedian(values)
+                high = high if high.any() else values >= np.nanmedian(values)
+                yield self._left(kind, (best[1],), high, float(stats.norm.isf(chance)))
+
+    def predicted(self) -> Iterator[Left]:
+        """Let a forest predict the scores, and how far they are off, both by the same trees."""
+        targets = np.column_stack([self._scores, np.abs(self._scores)])
+        if len(targets) < FEWEST_FOR_FOREST or np.any(np.ptp(targets, axis=0) == 0.0):
+            return
+        columns = dict(varying(self._setting.known, self._rows))
+        for values, kind in zip(targets.T, ("", " in size"), strict=True):
+            full = np.full(len(self._rows), np.nan)
+            full[self._rows] = values
+            around = varying(neighbours(self._setting.order, full), self._rows)
+            columns |= {f"{name}{kind}": column for name, column in around.items()}
+        if not columns:
+            return
+        predicted, names = told_by_forest(
+            columns, targets / targets.std(axis=0), self._setting.seed
+        )
+        for told, target, kind in zip(predicted.T, targets.T, ("shift", "scatter"), strict=True):
+            if np.ptp(told) > 0.0:
+                correlation = float(np.corrcoef(told, target)[0, 1])
+                z = correlation * float(np.sqrt(len(target)))
+                yield self._left(kind, names, told > np.median(told), z)
+
+    def waves(self) -> Iterator[Left]:
+        """Look for a wave in the position, in time or in the sequence: too fast for a forest.
+
+        The chance of the best of many frequencies is that of Zechmeister and Kürster, Astronomy &
+        Astrophysics 496 (2009) 577, eq. 24.
+        """
+        for place in self._setting.places:
+            sense = place.sense[self._rows]
+            wave = _wave(place.where[self._rows], self._scores * sense, place.shortest)
+            if wave is None:
+                continue
+            period, share, z = wave
+            size = float(np.sqrt(share)) * scatter(self._off)
+            relative = float(np.sqrt(share)) * scatter(self._off / self._noise)
+            words = (f"{place.name}, in waves of {period:.3g} {place.unit}",)
+            yield self._of("wave", words, size, relative, z)
+
+    def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
+        """Say how large it is, by the difference between the touches of a mask and the others."""
+        size, relative = (
+            _apart(values, high, kind) for values in (self._off, self._off / self._noise)
+        )
+        if high.all() and kind == "scatter":
+            size, relative = (
+                np.sqrt(abs(size**2 - float(np.median(self._noise)) ** 2)),
+                np.sqrt(abs(relative**2 - 1.0)),
+            )
+        return self._of(kind, names, size, relative, z)
+
+    def _of(
+        self, kind: str, names: tuple[str, ...], size: float, relative: float, z: float
+    ) -> Left:
+        noise, unit = float(np.median(self._noise)), UNITS[self._name]
+        return Left(self._name, self._path, kind, names, size, unit, relative, noise, self._step, z)
+
+
+def told_by_forest(
+    columns: Mapping[str, FloatArray], targets: FloatArray, seed: int
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Predict targets, shape (m,) or (m, k), from columns, and name what that goes by most."""
+    forest = RandomForestRegressor(
+        TREES,
+        min_samples_leaf=LEAF,
+        max_features=1.0 / 3.0,
+        oob_score=True,
+        random_state=seed,
+    ).fit(np.column_stack(list(columns.values())), targets)
+    names = list(columns)
+    strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
+    return np.asarray(forest.oob_prediction_), tuple(strongest[:NAMED])
+
+
+def _wave(
+    place: FloatArray, scores: FloatArray, shortest: float
+) -> tuple[float, float, float] | None:
+    """Find the wave that explains most of scores, shape (m,): period, share, and standard errors."""
+    known = ~np.isnan(place)
+    place, scores, n = place[known], scores[known], int(known.sum())
+    span = float(np.ptp(place)) if n else 0.0
+    if n < FEWEST or span <= 0.0 or np.ptp(scores) == 0.0:
+        return None
+    fastest = min(0.5 * n / span, 1.0 / shortest if shortest else np.inf)
+    if fastest * span < LEAST_TURNS + 1.0:
+        return None
+    frequencies, shares = explained_by_sines(place, scores, np.ones(n), LEAST_TURNS, fastest)
+    best = int(np.argmax(shares))
+    share = min(float(shares[best]), 1.0 - SMALLEST)
+    tried = max(span * fastest, 1.0)
+    chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
+    z = float(stats.norm.isf(np.clip(chance, 1e-300, 0.5)))
+    return 1.0 / float(frequencies[best]), share, z
+
+
+def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
+    """Give half the difference of middle or scatter between touches; of all of them from 0."""
+    measure = np.median if kind == "shift" else scatter
+    if high.all():
+        return abs(float(measure(off)))
+    return 0.5 * abs(float(measure(off[high]) - measure(off[~high]))) if high.any() else 0.0
+
+
+def scatter(values: FloatArray) -> float:
+    return float(stats.median_abs_deviation(values, scale="normal"))

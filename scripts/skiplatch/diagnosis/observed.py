@@ -1,0 +1,37 @@
+"""What was recorded of touches, taken apart by the stretches of the chain."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.comparison.observables import Recorded
+from skiplatch.diagnosis.grid import off_grid
+from skiplatch.diagnosis.scene import Scene
+
+UNITS: Mapping[str, str] = {
+    "edge": "µs",
+    "latch": "µs",
+    "grid": "µs",
+    "position": "µm",
+    "report": "µs",
+}
+
+
+def observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
+    """Take outcomes apart, as far as was recorded; each of shape (…, n), NaN where it was not.
+
+    The edge after the expected contact, the latch after its begin, the stamp of a scan off the grid
+    of the others, the position beyond the way since the begin, and the report after the latch.
+    """
+    edges = scene.touches.edge_us
+    begin = np.where(np.isnan(edges), scene.contact.time_us, recorded.edge_us)
+    later = recorded.latch_us - begin
+    beyond = recorded.deviation_um - scene.speed * later
+    return {
+        "edge": recorded.edge_us - scene.contact.time_us,
+        "latch": later,
+        "grid": off_grid(np.where(scene.plc, recorded.latch_us, np.nan), scene.nominal.plc.scan_us),
+        "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
+        "report": recorded.report_us - recorded.latch_us,
+    }

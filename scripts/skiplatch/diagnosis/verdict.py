@@ -1,0 +1,248 @@
+"""What a diagnosis comes to, by rules that each say why they are there.
+
+A rule looks at the evidence alone: made-up evidence tries it without playing a campaign.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from skiplatch.diagnosis.look import SIGNIFICANT, Left
+from skiplatch.diagnosis.shrink import Gap
+
+
+CHANCE = 4.0
+"""Standard errors from which on something is kept as evidence."""
+MORE_NOISE = 1.1
+"""Scatter of the plays over that of the believed chain from which on a finding adds to chance."""
+
+
+class Verdict(StrEnum):
+    """What a diagnosis comes to."""
+
+    NO_GAP = "no_gap"
+    EXPLAINED = "explained"
+    PARTLY_EXPLAINED = "partly_explained"
+    UNKNOWN = "unknown"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """All that a verdict rests on.
+
+    Attributes:
+        gaps: Observables on touches held out, with the gap before and after; by name.
+        believed: All that was looked at under the believed chain.
+        before: What that leaves that is material and hardly an accident.
+        after: The same of the finding; of none, if nothing was found.
+        hidden: By how many times its noise an observable may be off unseen, the best of them.
+        effects: Ids of the effects found.
+        at_limit: Parameters at an end of their range, as "effect.parameter".
+        open: Parameters whose interval tells nothing, likewise.
+        is_loose: The effects need all the slack there is.
+        is_confirmed: Plain simulation of them does better than the believed chain.
+        false: Latches without a contact.
+    """
+
+    gaps: Mapping[str, Gap] = field(default_factory=dict)
+    believed: Sequence[Left] = ()
+    before: Sequence[Left] = ()
+    after: Sequence[Left] = ()
+    hidden: float = 0.0
+    effects: Sequence[str] = ()
+    at_limit: Sequence[str] = ()
+    open: Sequence[str] = ()
+    is_loose: bool = False
+    is_confirmed: bool = True
+    false: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One rule.
+
+    Attributes:
+        name: For reports and tests.
+        threshold: Beyond which it fails.
+        reason: Where the threshold comes from: theory, a level, or tuned, and on what.
+        misses: By how much the evidence misses it, in words; empty if it holds.
+    """
+
+    name: str
+    threshold: float
+    reason: str
+    misses: Callable[[Evidence, float], str]
+
+
+def _seen_enough(evidence: Evidence, threshold: float) -> str:
+    if evidence.hidden <= threshold:
+        return ""
+    return f"a gap of {evidence.hidden:.2g} times the noise could have hidden"
+
+
+def _few_false(evidence: Evidence, threshold: float) -> str:
+    return f"{evidence.false} latches without a contact" if evidence.false > threshold else ""
+
+
+def _clear(evidence: Evidence) -> Mapping[str, Gap]:
+    return {name: gap for name, gap in evidence.gaps.items() if gap.is_clear}
+
+
+def _shrinks(evidence: Evidence, threshold: float) -> str:
+    small = [
+        f"{n} by {g.shrink.low:.0%}"
+        for n, g in _clear(evidence).items()
+        if g.shrink.low < threshold
+    ]
+    return f"the gap shrinks for certain only: {', '.join(small)}" if small else ""
+
+
+def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
+    clear = _clear(evidence)
+    if any(gap.shrink.low > threshold for gap in clear.values()):
+        return ""
+    return "no gap shrinks for certain" if clear else "no gap on the touches held out"
+
+
+def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
+    grown = [name for name, gap in _clear(evidence).items() if gap.shrink.high < threshold]
+    return f"the gap grows: {', '.join(grown)}" if grown else ""
+
+
+def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
+    left = [one for one in evidence.after if one.z > threshold]
+    return f"left: {left[0].observable} on {left[0].path}, {left[0].looks_like}" if left else ""
+
+
+def _within_limits(evidence: Evidence, _: float) -> str:
+    return f"at a limit of its range: {', '.join(evidence.at_limit)}" if evidence.at_limit else ""
+
+
+def _known(evidence: Evidence, _: float) -> str:
+    return f"may be anything in its range: {', '.join(evidence.open)}" if evidence.open else ""
+
+
+def _has_form(evidence: Evidence, _: float) -> str:
+    return "its form is as far off as can be" if evidence.is_loose else ""
+
+
+def _is_confirmed(evidence: Evidence, _: float) -> str:
+    return "" if evidence.is_confirmed else "plain simulation does no better with it"
+
+
+def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
+    for one in evidence.after:
+        if one.is_predicted and one.z > threshold and _is_scattered(evidence, one):
+            return f"what it leaves to chance in {one.observable} {one.looks_like}"
+    return ""
+
+
+def _is_scattered(evidence: Evidence, left: Left) -> bool:
+    """Tell whether the finding lets more to chance, where something is left, than was believed."""
+    believed = [one.noise for one in evidence.believed if one.is_of(left)]
+    return bool(believed) and left.noise > MORE_NOISE * believed[0]
+
+
+def _takes_most(evidence: Evidence, threshold: float) -> str:
+    for one in evidence.after:
+        was = max((b.relative for b in evidence.before if b.is_of(one)), default=0.0)
+        if one.z > SIGNIFICANT and one.relative > threshold * was:
+            return (
+                f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
+            )
+    return ""
+
+
+EXPLAINS: Sequence[Rule] = (
+    Rule(
+        "shrinks",
+        0.8,
+        "a level: what an engineer calls explained; lower end of the interval",
+        _shrinks,
+    ),
+    Rule(
+        "leaves_nothing",
+        SIGNIFICANT,
+        "a level: one in a million for each of some hundred looks, which are not quite normal",
+        _leaves_nothing,
+    ),
+    Rule(
+        "within_limits",
+        0.0,
+        "theory: at an end of its range a parameter is not found",
+        _within_limits,
+    ),
+    Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
+    Rule(
+        "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
+    ),
+)
+"""What holds of a finding that explains the gap."""
+NAMES: Sequence[Rule] = (
+    Rule(
+        "shrinks_somewhere",
+        0.2,
+        "a level: of something that is named for certain; lower end of the interval",
+        _shrinks_somewhere,
+    ),
+    Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
+    Rule(
+        "chance_is_chance",
+        CHANCE,
+        "theory: chance goes with nothing; a level of one in thirty thousand a look",
+        _chance_is_chance,
+    ),
+    Rule(
+        "takes_most",
+        0.5,
+        "a level: what leaves more than half of a gap is not its cause",
+        _takes_most,
+    ),
+)
+"""What holds of a finding whose effects are named at all."""
+SEES: Sequence[Rule] = (
+    Rule("seen_enough", 1.0, "a level: the noise itself is the size that matters", _seen_enough),
+)
+"""What holds of touches that tell whether there is a gap."""
+HAS_GAP: Sequence[Rule] = (
+    Rule("few_false", 1.0, "theory: two latches without a contact are no accident", _few_false),
+    Rule("believed_leaves_nothing", SIGNIFICANT, "a level, as above", _leaves_nothing),
+)
+"""What holds of touches without a gap, in which nothing was found."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A rule that does not hold, and by how much."""
+
+    rule: str
+    threshold: float
+    reason: str
+    words: str
+
+
+def failures(rules: Sequence[Rule], evidence: Evidence) -> list[Failure]:
+    """Give the rules that the evidence fails."""
+    found = []
+    for rule in rules:
+        words = rule.misses(evidence, rule.threshold)
+        if words:
+            found.append(Failure(rule.name, rule.threshold, rule.reason, words))
+    return found
+
+
+def decide(evidence: Evidence) -> tuple[Verdict, list[Failure]]:
+    """Apply the rules: give the verdict, and what kept it from a better one."""
+    if evidence.effects:
+        unnamed = failures(NAMES, evidence)
+        if unnamed:
+            return Verdict.UNKNOWN, unnamed
+        short = failures(EXPLAINS, evidence)
+        return (Verdict.PARTLY_EXPLAINED if short else Verdict.EXPLAINED), short
+    gap = failures(HAS_GAP, evidence)
+    if gap:
+        return Verdict.UNKNOWN, gap
+    unseen = failures(SEES, evidence)
+    return (Verdict.UNDECIDED if unseen else Verdict.NO_GAP), unseen
