@@ -28,7 +28,9 @@ void sim_port_bind_pulses(sim_pulse_input_t *input)
 
 uint32_t hal_clock_now_ticks(void)
 {
-    return (uint32_t)sim_clock_ticks(bound, bound->now);
+    sim_ns_t later;
+    return (uint32_t)(bound->is_scanning ? sim_stamp_ticks(bound, &later)
+                                         : sim_clock_ticks(bound, bound->now));
 }
 
 uint32_t hal_clock_tick_ps(void)
@@ -69,10 +71,11 @@ bool hal_edge_level(uint8_t channel)
 /* The time of which the position is read. */
 static sim_ns_t position_time(void)
 {
+    sim_ns_t time = bound->now + bound->captured_later;
     if (!sim_effects_reach(&bound->effects, SIM_POSITION_TIME)) {
-        return bound->now;
+        return time;
     }
-    return sim_ns_from_us(sim_change(bound, SIM_POSITION_TIME, sim_us_from_ns(bound->now)));
+    return sim_ns_from_us(sim_change(bound, SIM_POSITION_TIME, sim_us_from_ns(time)));
 }
 
 int32_t hal_axis_position_counts(uint8_t axis)

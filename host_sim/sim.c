@@ -248,21 +248,27 @@ static void change_pin(sim_t *sim)
     }
 }
 
-static uint32_t captured_ticks(sim_t *sim)
+uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later)
 {
+    *later = 0;
     if (!sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
-        return (uint32_t)sim_clock_ticks(sim, sim->now);
+        return sim_clock_ticks(sim, sim->now);
     }
     /* Unrounded: a clock that rounds otherwise does not round what was rounded down before. */
     double device_us = (double)device_time(sim, sim->now) / SIM_NS_PER_US;
     double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
-    return (uint32_t)(uint64_t)floor(sim_change(sim, SIM_CAPTURE, device_us) * ticks_per_us);
+    double stamp_us = sim_change(sim, SIM_CAPTURE, device_us);
+    *later = sim_ns_from_us(stamp_us - device_us);
+    return (uint64_t)floor(stamp_us * ticks_per_us);
 }
 
+/* Captured are the tick and the position that the axis has there. */
 static sim_event_t run_edge_interrupt(sim_t *sim)
 {
     sim->edge_at = SIM_NEVER;
-    hal_edge_on_latch(0u, captured_ticks(sim));
+    uint32_t ticks = (uint32_t)sim_stamp_ticks(sim, &sim->captured_later);
+    hal_edge_on_latch(0u, ticks);
+    sim->captured_later = 0;
     return SIM_EVENT_EDGE;
 }
 
@@ -282,6 +288,7 @@ sim_event_t sim_advance(sim_t *sim)
             return SIM_EVENT_NONE;
         }
         sim->now = next;
+        sim->is_scanning = next == sim->scan.next_at;
         if (next == sim->line.contact_at) {
             change_contact(sim);
         } else if (next == sim->line.pin_at) {

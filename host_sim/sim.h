@@ -57,6 +57,8 @@ typedef struct {
     sim_line_t         line;
     sim_scan_t         scan;
     sim_bus_t          bus;
+    sim_ns_t           captured_later; /* while an edge is captured: its stamp, less its time */
+    bool               is_scanning;    /* what the clock shows goes into the stamp of a scan */
     sim_effects_t      effects;
 } sim_t;
 
@@ -98,5 +100,8 @@ void sim_wake_after(sim_t *sim, uint32_t ticks);
 
 /* Device clock without the wrap. */
 uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time);
+
+/* The same now, as it gets into a stamp; and by how much `later` than now that is. */
+uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later);
 
 #endif

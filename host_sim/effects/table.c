@@ -58,7 +58,7 @@ static const sim_effect_t EFFECTS[] = {
        {"length_us", "µs", "of the masked stretch; the rest of it is waited for", 0.1, 20000.0},
        {"tail_us", "µs", "mean of an exponential addition, of other lengths", 0.0, 20000.0}}},
      SIM_INTERRUPT, effect_isr_blocking},
-    {{"timer_quantisation", "latch", "skip", "the capture clock ticks more coarsely than believed",
+    {{"timer_quantisation", "latch", "both", "the device clock ticks more coarsely than believed",
       {{"tick_us", "µs", "real tick", 0.01, 10000.0},
        {"origin_us", "µs", "what the stamps read late on top of rounding", -10000.0, 10000.0},
        {"nearest", "1", "0: rounded down; 1: to the nearest tick", 0.0, 1.0}}},

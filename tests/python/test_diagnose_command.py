@@ -52,7 +52,7 @@ def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
 def test_diagnosis_and_prediction_go_together(diagnosed: tuple[str, Path], tmp_path: Path) -> None:
     _, diagnosis = diagnosed
     document = json.loads(diagnosis.read_text())
-    assert document["format"] == "skiplatch-diagnosis/1"
+    assert document["format"] == "skiplatch-diagnosis/2"
     assert document["verdict"] == "explained"
     assert [effect["id"] for effect in document["effects"]] == ["isr_latency"]
 
@@ -108,7 +108,7 @@ def test_a_bad_threshold_is_refused(option: str, value: str) -> None:
     ("text", "message"),
     [
         ("{", "diagnosis.json:1:2: no JSON"),
-        ("[]", 'expected a diagnosis of the format "skiplatch-diagnosis/1"'),
+        ("[]", 'expected a diagnosis of the format "skiplatch-diagnosis/2"'),
     ],
 )
 def test_a_bad_diagnosis_is_one_line(tmp_path: Path, text: str, message: str) -> None:

@@ -1,21 +1,30 @@
 """Plain simulation decides between models, and tells which ones the record cannot tell apart."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from played_campaigns import BENCH, MACHINE, played, played_again
+from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.confirm import confirm, contenders, inseparable, settle
+from skiplatch.diagnosis.confirm import (
+    AsRig,
+    Confirmation,
+    confirm,
+    contenders,
+    inseparable,
+    settle,
+)
 from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.diagnose import as_effects
 from skiplatch.diagnosis.judge import Scored, Split, split
 from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.simulator import Effect
@@ -47,18 +56,30 @@ def model(scene: Scene, parts: Split, *effects: Effect) -> Scored:
     return Scored(fit, gain(parts.fitting), gain(parts.checking))
 
 
+def as_rig(scene: Scene) -> AsRig:
+    """Give the rig that a fit says it is, its beliefs and data as they stand."""
+    return lambda fit: Rig(scene.nominal, as_effects(fit) if fit else ())
+
+
+def confirmed(
+    scene: Scene, rows: BoolArray, models: Sequence[Sequence[Effect]], *, seed: int, jobs: int = 1
+) -> Confirmation:
+    rigs = [Rig(scene.nominal, effects) for effects in models]
+    return confirm(scene, rows, Rig(scene.nominal), rigs, seed=seed, jobs=jobs)
+
+
 def separation(folder: Path, truth: Effect, *rivals: Effect) -> Mapping[str, tuple[float, bool]]:
     """Expected nats between the truth and rivals, and whether they are told."""
     scene, parts = parts_of(played(folder, truth))
     best, *others = (model(scene, parts, effect) for effect in (truth, *rivals))
-    told = inseparable(scene, parts.naming, best, others, [truth], seed=3)
+    told = inseparable(scene, parts.naming, best, others, Rig(scene.nominal, [truth]), seed=3)
     return {s.rival.ids[0]: (s.expected, s.is_told) for s in told}
 
 
 def test_a_wrong_winner_loses_to_the_right_effect() -> None:
     scene, parts = parts_of(played(BENCH, BACKLASH))
 
-    found = confirm(scene, parts.checking, [[DRIFT], [BACKLASH]], seed=1)
+    found = confirmed(scene, parts.checking, [[DRIFT], [BACKLASH]], seed=1)
 
     assert found.chosen == 1
     assert found.holds
@@ -72,7 +93,7 @@ def test_a_finding_that_plain_simulation_overrules_changes_its_name() -> None:
     wrong = replace(model(scene, parts, DRIFT), fitted=right.fitted + 5.0, checked=right.checked)
     proposed = Finding(wrong, ((),), (0.9,), (wrong, right))
 
-    finding, found = settle(scene, parts, proposed, as_effects, seed=1)
+    finding, found = settle(scene, parts, proposed, as_rig(scene), seed=1)
 
     assert found is not None
     assert finding.model is right
@@ -92,13 +113,13 @@ def test_a_right_winner_is_not_overruled_by_one_that_differs_in_its_random_scans
     for seed in range(12):
         scene, parts = parts_of(played(folder, BACKLASH, seed=seed))
 
-        assert confirm(scene, parts.checking, [[BACKLASH], other], seed=seed).chosen == 0
+        assert confirmed(scene, parts.checking, [[BACKLASH], other], seed=seed).chosen == 0
 
 
 def test_a_model_that_gains_nothing_does_not_hold() -> None:
     scene, parts = parts_of(played(BENCH))
 
-    found = confirm(scene, parts.checking, [[BACKLASH]], seed=1)
+    found = confirmed(scene, parts.checking, [[BACKLASH]], seed=1)
 
     assert not found.holds
     assert found.gains[0].high < 0.0
@@ -122,7 +143,7 @@ def thrice(campaign: Campaign) -> Campaign:
 def test_a_large_campaign_is_held_against_fewer_plays_of_a_model_that_gains_nothing() -> None:
     scene, parts = parts_of(played_again(thrice(read_campaign(BENCH))))
 
-    found = confirm(scene, parts.checking, [[BACKLASH]], seed=3)
+    found = confirmed(scene, parts.checking, [[BACKLASH]], seed=3)
 
     assert not found.holds
 
@@ -132,7 +153,7 @@ def test_a_rare_effect_holds_where_the_checked_touches_happen_to_have_none() -> 
     scene, parts = parts_of(played(BENCH, rare))
     calm = parts.checking & ~scene.touches.missed
 
-    found = confirm(scene, calm, [[rare]], seed=1)
+    found = confirmed(scene, calm, [[rare]], seed=1)
 
     assert found.gains[0].value < 0.0
     assert found.holds
@@ -142,13 +163,13 @@ def test_a_record_without_stamps_is_confirmed_by_its_positions() -> None:
     scene, parts = parts_of(played(MACHINE, BACKLASH))
     assert not scene.has_stamps.any()
 
-    assert confirm(scene, parts.checking, [[BACKLASH]], seed=1).gains[0].low > 0.0
+    assert confirmed(scene, parts.checking, [[BACKLASH]], seed=1).gains[0].low > 0.0
 
 
 def test_the_result_does_not_depend_on_the_number_of_threads() -> None:
     scene, parts = parts_of(played(MACHINE, BACKLASH))
 
-    one, two = (confirm(scene, parts.checking, [[BACKLASH]], seed=1, jobs=j) for j in (1, 2))
+    one, two = (confirmed(scene, parts.checking, [[BACKLASH]], seed=1, jobs=j) for j in (1, 2))
 
     assert one.gains == two.gains
 
@@ -182,7 +203,7 @@ def test_a_rival_is_fitted_anew_before_it_is_told() -> None:
     scene, parts = parts_of(played(MACHINE, DELAY))
     best, rival = (model(scene, parts, effect) for effect in (DELAY, off))
 
-    (found,) = inseparable(scene, parts.naming, best, [rival], [DELAY], seed=3)
+    (found,) = inseparable(scene, parts.naming, best, [rival], Rig(scene.nominal, [DELAY]), seed=3)
 
     assert found.expected < 1.0
 
@@ -202,7 +223,7 @@ def test_alternatives_of_one_of_two_effects_join_its_own_group() -> None:
     rival = model(scene, parts, BACKLASH, FILTER)
     proposed = Finding(best, ((), ()), (0.8, 0.5), (best, rival))
 
-    finding, _ = settle(scene, parts, proposed, as_effects, seed=1)
+    finding, _ = settle(scene, parts, proposed, as_rig(scene), seed=1)
 
     assert finding.alternatives == ((), ("input_filter",))
     assert finding.confidences == pytest.approx((0.8, 1.0))

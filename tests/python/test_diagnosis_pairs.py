@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from diagnosed import Search, found
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.diagnosis.decide import Finding, find, weigh, with_third
-from skiplatch.diagnosis.judge import Judge, split
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.decide import Finding
+from skiplatch.diagnosis.judge import Judge
 from skiplatch.simulator import Effect
 
 pytestmark = pytest.mark.long
@@ -22,13 +22,7 @@ CLOCK_AND_SCANS = Path(__file__).parent / "data" / "bench_drift_and_jitter"
 
 
 def judged(campaign: Campaign) -> Judge:
-    scene = Scene.of(campaign)
-    return Judge(scene, split(len(scene), seed=1))
-
-
-def found(campaign: Campaign) -> Finding:
-    judge = judged(campaign)
-    return weigh(judge, find(judge))[0]
+    return Search(campaign).judge
 
 
 def groups(finding: Finding) -> list[set[str]]:
@@ -52,8 +46,7 @@ def test_a_second_effect_is_named_though_it_gains_a_twentieth_of_the_first() -> 
     assert length == {"backlash"}
 
 
-def test_a_family_that_has_the_first_effect_among_its_forms_does_not_cost_the_second() -> None:
-    """Errors by azimuth, of which three lobes are some."""
+def test_lobes_that_are_an_error_by_azimuth_do_not_cost_the_second() -> None:
     campaign = played(
         MACHINE,
         Effect("pretravel_lobing", {"amplitude_um": 6.0, "azimuth_deg": 55.0}),
@@ -125,21 +118,19 @@ def test_a_pair_searched_the_other_way_round_is_the_same_pair() -> None:
 
 
 def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
-    judge = judged(
+    search = Search(
         played(
             BENCH,
             Effect("backlash", {"backlash_um": 3.0}),
             Effect("encoder_quantisation", {"resolution_um": 4.0}),
         )
     )
-    ranked = judge.singles()
-    half = next(single for single in ranked if single.ids == ("backlash",))
 
-    finding, left = weigh(judge, Finding(half, ((),), (1.0,), tuple(ranked)))
+    finding = search.found()
 
     assert finding.model is not None
     assert sorted(finding.model.ids) == ["backlash", "encoder_quantisation"]
-    assert not left
+    assert not search.left(finding.model)
 
 
 def test_an_acceleration_a_thousandth_too_slow_is_found() -> None:
@@ -205,16 +196,16 @@ THREE = (
 
 
 def test_a_third_effect_is_named_where_the_other_two_change_nothing() -> None:
-    judge = judged(played(BENCH, *THREE))
+    search = Search(played(BENCH, *THREE))
 
-    finding, left = with_third(judge, *weigh(judge, find(judge)))
+    finding = search.found()
 
     assert finding.model is not None
     assert set(finding.model.ids) == {effect.id for effect in THREE}
     assert len(finding.alternatives) == len(finding.confidences) == len(THREE)
     for name, others in zip(finding.model.ids, finding.alternatives, strict=True):
         assert not {name, *others} & ({effect.id for effect in THREE} - {name})
-    assert not left
+    assert not search.left(finding.model)
 
 
 def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
@@ -222,16 +213,13 @@ def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
     touches, rng = campaign.touches, np.random.default_rng(5)
     noise_um = np.where(rng.random(len(touches)) < 0.4, rng.normal(0.0, 0.3, len(touches)), 0.0)
     odd = replace(touches, deviation_um=touches.deviation_um + noise_um)
-    judge, quiet = judged(replace(campaign, touches=odd)), judged(campaign)
-    found = find(quiet)
-    assert found.model is not None
-    two = replace(found, model=judge.score(found.model.fit))
+    search = Search(replace(campaign, touches=odd))
 
-    finding, left = with_third(judge, two, "")
+    finding = search.found()
 
     assert finding.model is not None
     assert set(finding.model.ids) == {effect.id for effect in THREE}
-    assert left.startswith("~position")
+    assert "position" in {one.observable for one in search.left(finding.model)}
 
 
 def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None:
@@ -239,20 +227,5 @@ def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None
     touches = campaign.touches
     more_um = 2.0 * touches.sign * np.sin(touches.time_s)
     odd = replace(touches, deviation_um=touches.deviation_um + more_um)
-    judge = judged(replace(campaign, touches=odd))
-    two = weigh(judge, find(judge))[0]
 
-    finding, _ = with_third(judge, two, "")
-
-    assert len(groups(two)) == 2
-    assert finding is two
-
-
-def test_families_on_top_of_one_model_are_fitted_once() -> None:
-    judge = judged(played(BENCH, Effect("backlash", {"backlash_um": 1.0})))
-    first, second = judge.singles()[:2]
-
-    again = judge.generic(replace(first.fit))
-
-    assert again is judge.generic(first.fit)
-    assert again is not judge.generic(second.fit)
+    assert len(groups(found(replace(campaign, touches=odd)))) == 2

@@ -13,13 +13,12 @@ from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
-from skiplatch.diagnosis.judge import IMPOSSIBLE, Judge, split, worth
+from skiplatch.diagnosis.judge import IMPOSSIBLE, Judge, _goes_its_own_way, split, worth
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import holds, resolutions, slots
-from skiplatch.diagnosis.structure import SCATTER, goes_its_own_way, structures
 from skiplatch.simulator import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -40,36 +39,15 @@ def test_streams_of_a_campaign_without_a_gap_are_as_wide_as_believed(folder: Pat
         assert scores.std() < 1.0 + 5.0 * error, stream.name
 
 
-@pytest.mark.parametrize("folder", NO_GAP)
-def test_nothing_is_left_where_there_is_no_gap(folder: Path) -> None:
-    assert structures(Scene.of(read_campaign(folder)), Change()) == []
-
-
-@pytest.mark.parametrize(("off_ticks", "is_news"), [(0.5, False), (1.0, True)])
-def test_what_is_rounded_up_or_down_from_one_place_is_no_scatter(
-    off_ticks: float, is_news: bool
-) -> None:
-    campaign = read_campaign(DATA / "bench_no_gap")
-    nominal = replace(campaign.nominal, skip=replace(campaign.nominal.skip, jitter_us=0.0))
-    stream = Scene(nominal, campaign.touches).streams["latch_skip"]
-    off_us = off_ticks * nominal.skip.tick_us * np.where(campaign.touches.touch % 2, 1.0, -1.0)
-    moved_us = np.where(stream.rows, stream.law.mean + off_us - stream.residuals, 0.0)
-    touches = replace(campaign.touches, latch_us=campaign.touches.latch_us + moved_us)
-
-    left = [s for s in structures(Scene(nominal, touches), Change()) if s.looks_like == SCATTER]
-
-    assert ([s.stream.name for s in left] == ["latch_skip"]) is is_news
-
-
 def test_a_shift_goes_its_own_way_with_a_condition_that_another_does_not_go_with() -> None:
     scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
     with_feed = Change(position_um=3.0 * scene.speed)
     with_sense = Change(position_um=2.0 * scene.sign)
 
-    assert goes_its_own_way(scene, with_feed, with_sense)
-    assert goes_its_own_way(scene, with_sense, with_feed)
-    assert not goes_its_own_way(scene, with_feed, Change(position_um=scene.speed))
-    assert not goes_its_own_way(scene, Change(position_um=3.0), with_sense)
+    assert _goes_its_own_way(scene, with_feed, with_sense)
+    assert _goes_its_own_way(scene, with_sense, with_feed)
+    assert not _goes_its_own_way(scene, with_feed, Change(position_um=scene.speed))
+    assert not _goes_its_own_way(scene, Change(position_um=3.0), with_sense)
 
 
 def test_the_likelihood_prefers_the_truth() -> None:
@@ -139,6 +117,17 @@ def test_what_a_stamp_tells_of_a_slack_is_not_left_open_after_it(name: str) -> N
     missed = (stream.residuals - law.mean)[skip]
     assert np.all(law.spread[skip] < believed + 3.0 * scale)
     assert np.sqrt(np.mean((missed / law.spread[skip]) ** 2)) < 1.5
+
+
+def test_a_touch_whose_predecessor_was_not_recorded_follows_none() -> None:
+    touches = played(BENCH).touches.in_order_of_time()
+    kept = np.array([0, 1, 2, 4, 5, 8])
+
+    scene = Scene(played(BENCH).nominal, touches.select(kept))
+
+    np.testing.assert_array_equal(scene.follows, np.diff(scene.touches.touch, prepend=-9) == 1)
+    assert scene.follows.sum() == np.sum(np.diff(touches.touch[kept]) == 1)
+    np.testing.assert_array_equal(scene.select(np.arange(6) > 2).follows, scene.follows[3:])
 
 
 def test_a_grid_of_no_whole_number_of_believed_steps_is_proposed() -> None:

@@ -8,6 +8,7 @@ import pytest
 from played_campaigns import BENCH, played
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.simulator import Controller, Effect, Outcomes, play
 
 REPLICATES = 4
@@ -17,13 +18,12 @@ FAR_US = 50_000.0
 def predicted(campaign: Campaign, *effects: Effect, seed: int = 5) -> Outcomes:
     """Predict the recorded touches themselves, with the random numbers of another seed."""
     return play_in_phase(
-        campaign.nominal,
+        Rig(campaign.nominal, effects),
         campaign.touches,
         campaign.touches,
         seed=seed,
         replicates=REPLICATES,
         jobs=1,
-        switched_on=effects,
     )
 
 
@@ -71,7 +71,7 @@ def test_updates_of_the_position_are_those_of_the_record_on_both_paths() -> None
 def test_noise_of_the_reference_instrument_moves_no_contact() -> None:
     campaign = played(BENCH)
 
-    assert at_given_edges(campaign.nominal, campaign.touches, []) is campaign.touches
+    assert at_given_edges(Rig(campaign.nominal), campaign.touches) is campaign.touches
 
 
 @pytest.mark.parametrize("off_us", [FAR_US, -FAR_US])
@@ -80,7 +80,7 @@ def test_contacts_close_at_the_edges_that_were_injected(off_us: float) -> None:
     edges = campaign.touches.edge_us + off_us * np.linspace(0.5, 1.0, len(campaign.touches))
     conditions = replace(campaign.touches, edge_us=edges)
 
-    retimed = at_given_edges(campaign.nominal, conditions, [])
+    retimed = at_given_edges(Rig(campaign.nominal), conditions)
     controller = Controller.for_campaign(campaign.nominal, retimed)
     closed_us = play(campaign.nominal, controller, retimed, seed=1).true_edge_us[0]
 

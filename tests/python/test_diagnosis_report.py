@@ -17,9 +17,10 @@ from skiplatch.campaign import Campaign, Touches, read_campaign
 from skiplatch.commands import diagnose as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
 from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import Gap, shrink
-from skiplatch.diagnosis.structure import Structure
 from skiplatch.errors import InputError
 from skiplatch.report.conditions import conditions, most_telling
 from skiplatch.report.evidence import gather
@@ -50,17 +51,20 @@ def diagnosed(campaign: Campaign, verdict: Verdict, *found: Effect) -> Diagnosis
     scene = Scene.of(campaign)
     everything = scene.has_stamps | ~scene.has_stamps
     intervals = {name: (value - 0.5, value + 0.5) for name, value in LATE.parameters.items()}
+    believed, rig = Rig(campaign.nominal), Rig(campaign.nominal, found)
     return Diagnosis(
         verdict=verdict,
         where=[Place("latch", "skip", "latch_skip", "everywhere", 41.7, "µs")] if found else [],
         effects=[Named(one, "latch", intervals, ("input_filter",), 0.9) for one in found],
-        gap=shrink(scene, everything, found, seed=1, jobs=2),
+        gap=shrink(scene, everything, believed, rig, seed=1, jobs=2),
         ranking=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5), Ranked((), -2.0)],
         rivals=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5)],
         left=[],
         touches=len(scene),
         used=len(scene),
         notes=["A note."],
+        believed=believed,
+        rig=rig,
     )
 
 
@@ -79,9 +83,8 @@ def no_gap() -> tuple[Campaign, Diagnosis]:
 @cache
 def unknown() -> tuple[Campaign, Diagnosis]:
     campaign = read_campaign(BENCH)
-    stream = Scene.of(campaign).streams["latch_skip"]
     place = Place("latch", "skip", "latch_skip", "time squared", 0.4, "1")
-    left = [Structure(stream, "time squared", 0.4, 1e-20)]
+    left = [Left("latch", "skip", "shift", ("time",), 0.4, "µs", 1.2, 0.25, 9.5)]
     return campaign, replace(diagnosed(campaign, Verdict.UNKNOWN), where=[place], left=left)
 
 
@@ -218,7 +221,7 @@ def test_unknown_says_where_it_sits_and_what_it_looks_like(pages: dict[str, str]
 
     assert "no effect of the catalogue explains it" in text
     assert "It shows in latch_skip" in text
-    assert "latch_skip time squared 0.400 1e-20" in text
+    assert "latch, skip input goes with time 0.400 µs 1e-21" in text
     assert re.findall(r'class="stage left"><b>(\w+)', pages["unknown"]) == ["latch"]
     assert "What causes it" not in text
 

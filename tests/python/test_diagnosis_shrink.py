@@ -13,6 +13,7 @@ from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import (
     Gap,
@@ -40,7 +41,9 @@ def shrunk(
     campaign: Campaign, *found: Effect, truth: Sequence[Effect] | None = None, jobs: int = 2
 ) -> Mapping[str, Gap]:
     scene = Scene.of(campaign)
-    return shrink(scene, held_out(campaign), found, seed=1, jobs=jobs, truth=truth)
+    before, after = (Rig(scene.nominal, effects) for effects in ((), found))
+    oracle = None if truth is None else Rig(scene.nominal, truth)
+    return shrink(scene, held_out(campaign), before, after, seed=1, jobs=jobs, truth=oracle)
 
 
 def test_a_gap_on_one_path_shows_at_its_size() -> None:

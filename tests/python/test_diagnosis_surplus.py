@@ -3,15 +3,27 @@
 import pytest
 
 from played_campaigns import BENCH, played
+from skiplatch.diagnosis.as_effects import as_effects
+from skiplatch.diagnosis.confirm import AsRig
 from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.diagnose import as_effects
 from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.surplus import without_surplus
 from skiplatch.simulator import Effect
 
 JITTER = Effect("scan_jitter", {"jitter_us": 250.0, "tail_us": 500.0})
 LATE = Effect("isr_latency", {"latency_us": 4.0, "jitter_us": 0.0})
+
+
+def as_rig(scene: Scene) -> AsRig:
+    """Give the rig that a fit says it is, its beliefs as they stand."""
+
+    def rig(fit: Fit | None) -> Rig:
+        return Rig(scene.nominal, as_effects(fit) if fit else ())
+
+    return rig
 
 
 @pytest.mark.parametrize("second", [None, LATE])
@@ -20,7 +32,7 @@ def test_only_a_second_effect_that_is_there_is_kept(second: Effect | None) -> No
     judge = Judge(scene, split(len(scene), 1))
     pair = judge.pairs(judge.singles()[0])[0]
 
-    kept = without_surplus(judge, Finding(pair), as_effects, seed=1)
+    kept = without_surplus(judge, Finding(pair), as_rig(scene), seed=1)
 
     assert kept.model is not None
     assert "scan_jitter" in kept.model.ids
@@ -33,7 +45,7 @@ def test_a_first_effect_that_is_hard_to_hit_does_not_cost_the_second_one() -> No
     judge = Judge(scene, split(len(scene), 1))
     pair = judge.pairs(judge.singles()[0])[0]
 
-    kept = without_surplus(judge, Finding(pair), as_effects, seed=1)
+    kept = without_surplus(judge, Finding(pair), as_rig(scene), seed=1)
 
     assert kept.model is not None
     assert kept.model.ids == ("scan_period", "lost_trigger")

@@ -201,7 +201,7 @@ class _Member:
         if stream.name == "lattice" or not len(rows):
             return cls(stream, law, change)
         if stream.name == "position" and scene.plc.any():
-            known = known - _rest_of_a_tick_um(scene, stream, law)
+            known = known - _rest_of_a_tick_um(scene, stream, law, change.coarse_us)
         residuals = law.laid_out(known, 10.0 * law.usual_spread + stream.far)
         off = known - law.mean if scene.datum_groups is not None else known
         return cls(stream, law, change, residuals, off, _grid_bonus(scene, stream, change))
@@ -236,14 +236,14 @@ def _values(scene: Scene, members: Sequence[_Member]) -> tuple[FloatArray, dict[
     return found, {m.stream.name: m.values(scene, known.get(m.stream.name)) for m in members}
 
 
-def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law) -> FloatArray:
+def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law, coarse_us: float) -> FloatArray:
     """Give how far positions are off because scans are stamped early by a rest of a tick; (rows,).
 
     Where the scan period is a whole number of ticks, that is the same for all scans, and no
     scatter: the positions of all of them are off together. The touches say by how much.
     """
     speed = np.where(scene.plc, scene.speed, 0.0)[stream.indices]
-    variance, half = law.variance, scene.nominal.skip.tick_us / 2.0
+    variance, half = law.variance, max(scene.nominal.skip.tick_us, coarse_us) / 2.0
     reach = CALM * np.sqrt(variance)
     off = np.clip(_off_datum(scene, stream, stream.known - law.mean), -reach, reach)
     rest_us = (speed / variance) @ off / max(float((speed / variance) @ speed), TINY)
@@ -341,7 +341,7 @@ def _path_us(stream: Stream, change: Change) -> FloatArray | float:
 def _latch(scene: Scene, stream: Stream, change: Change) -> Law:
     law = stream.law
     later = _mechanics_us(scene, change) + change.stamp_us + _path_us(stream, change)
-    coarser = 0.0 if stream.is_polled else _coarser_tick_us(scene, change)
+    coarser = _coarser_tick_us(scene, change)
     is_held = change.tick_line_us == 0.0
     rounded = _rounded_again(coarser, scene.nominal.skip.tick_us, is_held=is_held)
     return Law(
@@ -430,9 +430,12 @@ def _coarser_tick_us(scene: Scene, change: Change) -> float:
     return max(0.0, change.coarse_us - scene.nominal.skip.tick_us)
 
 
-def _coarser_us(scene: Scene, change: Change) -> FloatArray:
-    """By how much a tick of the stamps is longer than believed; skip path only."""
-    return np.where(scene.plc, 0.0, _coarser_tick_us(scene, change))
+def _position_after_stamp_us(scene: Scene, change: Change) -> FloatArray:
+    """By how much the position of a scan is later than its coarse stamp, at the most; shape (n,).
+
+    On the skip path the position is captured along with the tick.
+    """
+    return np.where(scene.plc, _coarser_tick_us(scene, change), 0.0)
 
 
 def _coarser_um(scene: Scene, change: Change) -> float:
@@ -450,8 +453,13 @@ def _rounded_again(coarser: float, fine: float, *, is_held: bool) -> float:
     return 0.0 if coarser == 0.0 or is_held else fine / np.sqrt(12.0)
 
 
-def _lattice(_scene: Scene, stream: Stream, change: Change) -> Law:
-    return replace(stream.law, extras=change.lattice_extra)
+def _lattice(scene: Scene, stream: Stream, change: Change) -> Law:
+    coarser = _coarser_tick_us(scene, change)
+    ticks = scan_period_us(scene, change) / max(change.coarse_us, TINY)
+    # Scans a whole number of ticks apart are all stamped early by the same rest.
+    box = coarser if abs(ticks - np.rint(ticks)) > ROUNDING else 0.0
+    law = replace(stream.law, box_a=stream.law.box_a + box, extras=change.lattice_extra)
+    return replace(law, offset=law.offset - box / 2.0)
 
 
 def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, FloatArray]:
@@ -591,7 +599,7 @@ def _position(scene: Scene, stream: Stream, change: Change) -> Law:
     return Law(
         offset=law.offset + np.where(scene.has_stamps, shift, 0.0) - coarser_um / 2.0,
         sigma=_position_sigma(scene, law, change),
-        box_a=law.box_a + scene.speed * _coarser_us(scene, change),
+        box_a=law.box_a + scene.speed * _position_after_stamp_us(scene, change),
         box_b=law.box_b + coarser_um,
         extras=_position_extras(change),
     )
@@ -622,12 +630,13 @@ def _deviation(scene: Scene, stream: Stream, change: Change) -> Law:
         + change.position_um
     )
     coarser = _coarser_um(scene, change)
+    sooner = 0.0 if stream.is_polled else speed * _coarser_tick_us(scene, change)
     extras = _latch_extras(scene, stream, change, speed)
     return Law(
-        offset=law.offset + shift - coarser / 2.0,
+        offset=law.offset + shift - coarser / 2.0 - sooner,
         sigma=_position_sigma(scene, law, change),
         box_a=_waiting(scene, stream, law.box_a * change.speed_ratio, change, speed),
-        box_b=law.box_b + coarser,
+        box_b=law.box_b + coarser + sooner,
         extras=_joint(extras, _position_extras(change)),
     )
 
@@ -639,7 +648,7 @@ def _report(scene: Scene, stream: Stream, change: Change) -> Law:
         offset=law.offset + np.where(scene.has_stamps, shift, 0.0),
         sigma=law.sigma,
         box_a=law.box_a,
-        box_b=law.box_b + _coarser_us(scene, change),
+        box_b=law.box_b + _coarser_tick_us(scene, change),
         extras=change.report_extra,
     )
 

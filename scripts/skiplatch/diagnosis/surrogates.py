@@ -332,7 +332,8 @@ def coarse_ticks(scene: Scene, p: Parameters) -> Change:
     # Of two clocks that share no grid, both round down, one after the other.
     again = 0.5 * scene.nominal.skip.tick_us if p[1] else 0.0
     later = p[1] + 0.5 * abs(p[0]) * as_share(p[2]) - again
-    return Change(coarse_us=abs(p[0]), stamp_us=np.where(scene.plc, 0.0, later), tick_line_us=p[1])
+    with_it_um = np.where(scene.plc, 0.0, scene.speed * later)  # the position of the stamp
+    return Change(coarse_us=abs(p[0]), stamp_us=later, position_um=with_it_um, tick_line_us=p[1])
 
 
 def coarse_positions(scene: Scene, p: Parameters) -> Change:

@@ -1,0 +1,36 @@
+"""What the diagnosis finds in a campaign, before plain simulation judges it."""
+
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.decide import Finding, find
+from skiplatch.diagnosis.diagnose import _mattering, _Work
+from skiplatch.diagnosis.judge import Judge, Scored
+from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.material import DEFAULT
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
+
+
+class Search:
+    """The search in one campaign, with the callbacks that the diagnosis gives it."""
+
+    def __init__(self, campaign: Campaign) -> None:
+        self._work = _Work(Scene.of(campaign), None, 1, 1, DEFAULT)
+        self.judge = Judge(self._work.scene, self._work.parts)
+
+    def rig(self, fit: Fit | None) -> Rig:
+        return self._work.rig(fit)
+
+    def found(self) -> Finding:
+        """The effects by their surrogates."""
+        return find(self.judge, self._work.noticed)
+
+    def left(self, model: Scored) -> list[Left]:
+        """What a model leaves that is significant and matters."""
+        looks = self._work.left(self._work.scene, self.rig(model.fit))
+        return _mattering(looks, DEFAULT)
+
+
+def found(campaign: Campaign) -> Finding:
+    """The same of a campaign alone."""
+    return Search(campaign).found()
