@@ -1,7 +1,7 @@
 """Where the gap between a campaign and its simulation lies, what causes it, how far it shrinks."""
 
 from skiplatch.diagnosis.diagnose import Diagnosis, Named, diagnose
-from skiplatch.diagnosis.text import as_json, as_text, effects_from_json, rig_from_json
+from skiplatch.diagnosis.text import as_json, as_text, effects_from_json, explained, rig_from_json
 from skiplatch.diagnosis.verdict import Verdict
 from skiplatch.diagnosis.where import Place
 
@@ -14,5 +14,6 @@ __all__ = [
     "as_text",
     "diagnose",
     "effects_from_json",
+    "explained",
     "rig_from_json",
 ]

@@ -7,18 +7,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.campaign import Campaign, InputPath
+from skiplatch.arrays import BoolArray
+from skiplatch.campaign import Campaign
+from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.beliefs import Belief, Fitted, fit_beliefs, uncertain
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
-from skiplatch.diagnosis.decide import Finding, find
-from skiplatch.diagnosis.hidden import could_hide
+from skiplatch.diagnosis.decide import Finding, find, reduced
+from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.judge import Judge, Scored, Split, split
-from skiplatch.diagnosis.leftover import left_over, noticed
+from skiplatch.diagnosis.leftover import left_over, noticed, streams_of
 from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.diagnosis.notes import notes
 from skiplatch.diagnosis.outliers import outliers
 from skiplatch.diagnosis.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reliability import reliability
@@ -26,7 +29,7 @@ from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.surplus import without_surplus
-from skiplatch.diagnosis.verdict import CHANCE, Evidence, Failure, Verdict, decide
+from skiplatch.diagnosis.verdict import CHANCE, Evidence, Failure, Verdict, decide, told_of_chance
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, effects
 
@@ -114,7 +117,9 @@ def diagnose(
     executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
     with executor as pool:
         work = _Work(scene, pool, seed, jobs, materiality)
-        return replace(_concluded(work, truth), touches=len(whole))
+        found = _concluded(work, truth)
+    odd = [oddity.line for oddity in oddities(campaign)]
+    return replace(found, touches=len(whole), notes=[*odd, *found.notes])
 
 
 def _drawn(scene: Scene, seed: int) -> Scene:
@@ -141,6 +146,7 @@ class _Work:
         self.parts: Split = split(len(scene), seed)
         self.naming = scene.select(self.parts.naming)
         self.beliefs = uncertain(scene.nominal)
+        self.judge: Judge | None = None
         self._memo: Memo = {}
 
     def fitted(self, fit: Fit | None) -> Fitted:
@@ -168,9 +174,13 @@ class _Work:
         streams = noticed(before, self.materiality)
         if not streams:
             return Finding(None), None
-        judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
-        finding = find(judge, self.noticed)
-        finding = without_surplus(judge, finding, self.rig, seed=self.seed, executor=self.pool)
+        self.judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
+        finding = find(self.judge, self.noticed)
+        finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
+        return self.confirmed(finding)
+
+    def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
+        """Let plain simulation choose among a finding and what is near it."""
         return settle(
             self.scene,
             self.parts,
@@ -181,29 +191,74 @@ class _Work:
             executor=self.pool,
         )
 
+    def without_mimics(self, finding: Finding, told: Sequence[Left]) -> Finding | None:
+        """Take the effects out whose chance can be told; None if nothing else would be left."""
+        model, judge = finding.model, self.judge
+        if model is None or judge is None:
+            return None
+        streams = frozenset(name for one in told for name in streams_of(one))
+        mimics = [i for i in range(len(model.ids)) if judge.scatters(model, i) & streams]
+        if not mimics or len(mimics) == len(model.ids):
+            return None
+        for i in reversed(mimics):
+            model = judge.again_without(model, i)
+        return reduced(judge, model)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Conclusion:
+    """A finding with all that its verdict rests on."""
+
+    finding: Finding
+    rig: Rig
+    known: Rig
+    """The same with an effect that is too small to matter."""
+    named: Sequence[Named]
+    gap: Mapping[str, Gap]
+    hidden: Mapping[str, Hidden]
+    evidence: Evidence
+
 
 def _concluded(work: _Work, truth: Sequence[Effect] | None) -> Diagnosis:
-    scene, parts = work.scene, work.parts
     believed = work.rig(None)
-    before = work.left(scene, believed)
+    before = work.left(work.scene, believed)
     finding, confirmed = work.search(before)
+    found = _conclusion(work, believed, before, finding, confirmed, truth)
+    if told := told_of_chance(found.evidence):
+        kept = work.without_mimics(finding, told)
+        if kept is not None:
+            finding, confirmed = work.confirmed(kept)
+            found = _conclusion(work, believed, before, finding, confirmed, truth)
+    return _diagnosis(work, believed, before, found)
+
+
+def _conclusion(
+    work: _Work,
+    believed: Rig,
+    before: Sequence[Left],
+    finding: Finding,
+    confirmed: Confirmation | None,
+    truth: Sequence[Effect] | None,
+) -> _Conclusion:
+    scene = work.scene
     rig = work.rig(finding.model.fit) if finding.model else believed
     known = work.rig(finding.small.fit) if finding.small else rig
     after = before if known is believed else work.left(scene, known)
     named = _named(scene.with_nominal(rig.nominal), finding)
-    held_out = parts.shrinking if finding.model else np.full(len(scene), fill_value=True)
-    gap = shrink(
-        scene,
-        held_out,
-        believed,
-        rig,
-        seed=work.seed,
-        jobs=work.jobs,
-        truth=None if truth is None else replace(rig, effects=truth),
-    )
+    true_rig = None if truth is None else replace(rig, effects=truth)
+
+    def gaps(rows: BoolArray) -> Mapping[str, Gap]:
+        return shrink(scene, rows, believed, rig, seed=work.seed, jobs=work.jobs, truth=true_rig)
+
+    everywhere = np.full(len(scene), fill_value=True)
+    gap = gaps(work.parts.shrinking if finding.model else everywhere)
+    is_held_out = finding.model is None or any(one.is_clear for one in gap.values())
+    if not is_held_out:
+        gap = gaps(everywhere)  # so few were held out that they show no gap
     hidden = could_hide(scene, known, seed=work.seed)
     evidence = Evidence(
         gaps=gap,
+        is_held_out=is_held_out,
         believed=before,
         before=_mattering(before, work.materiality),
         after=_mattering(after, work.materiality),
@@ -215,29 +270,37 @@ def _concluded(work: _Work, truth: Sequence[Effect] | None) -> Diagnosis:
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
     )
+    return _Conclusion(finding, rig, known, named, gap, hidden, evidence)
+
+
+def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Conclusion) -> Diagnosis:
+    scene, evidence, finding = work.scene, found.evidence, found.finding
     verdict, failures = decide(evidence)
     is_named = verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
     kept = finding if is_named else replace(finding, model=None)
-    remains = evidence.after if is_named or known is not rig else evidence.before
+    is_small = found.known is not found.rig
+    remains = evidence.after if is_named or is_small else evidence.before
     left = [one for one in remains if one.is_significant]
+    rig = found.rig if is_named else believed
     return Diagnosis(
         verdict=verdict,
         where=places(scene, kept, before, left),
-        effects=[_sure(one, verdict) for one in named] if is_named else [],
+        effects=[_sure(one, verdict) for one in found.named] if is_named else [],
         gap={
-            n: replace(g, could_hide=hidden[n].size if n in hidden else 0.0) for n, g in gap.items()
+            name: replace(gap, could_hide=found.hidden[name].size if name in found.hidden else 0.0)
+            for name, gap in found.gap.items()
         },
         ranking=_ranked(finding.ranking),
         rivals=_ranked(kept.rivals),
         left=left,
         touches=len(scene),
         used=len(scene),
-        notes=_notes(work, verdict, failures, before),
-        materiality=work.materiality,
+        notes=notes(scene, verdict, failures, evidence.before),
         believed=believed,
-        rig=rig if is_named else believed,
-        beliefs=_values(work, rig if is_named else believed),
-        outliers=outliers(scene, known, seed=work.seed),
+        rig=rig,
+        materiality=work.materiality,
+        beliefs=_values(work, rig),
+        outliers=outliers(scene, found.known, seed=work.seed),
         failures=failures,
     )
 
@@ -265,7 +328,7 @@ def _named(scene: Scene, finding: Finding) -> list[Named]:
 
 
 def _at_limit(effect: Effect) -> frozenset[str]:
-    """Name the sizes that stand at an end of their range; what is 0, or an angle, is at no limit."""
+    """Name the sizes that stand at an end of their range; no angle does, nor what is 0."""
     return frozenset(
         p.name
         for p in effects()[effect.id].parameters
@@ -276,7 +339,7 @@ def _at_limit(effect: Effect) -> frozenset[str]:
 
 
 def _open(named: Named) -> list[str]:
-    """Name the sizes of which the interval leaves open most of the range, or whether they are any."""
+    """Name the sizes of which the interval leaves open most of the range."""
     found = []
     for p in effects()[named.effect.id].parameters:
         low, high = named.intervals[p.name]
@@ -302,43 +365,3 @@ def _values(work: _Work, rig: Rig) -> list[tuple[Belief, float]]:
         return float(getattr(getattr(rig.nominal, section), name))
 
     return [(belief, now(belief)) for belief in work.beliefs]
-
-
-def _notes(
-    work: _Work, verdict: Verdict, failures: Sequence[Failure], before: Sequence[Left]
-) -> list[str]:
-    scene = work.scene
-    notes: list[str] = []
-    if verdict is Verdict.UNKNOWN and _mattering(before, work.materiality):
-        first = _mattering(before, work.materiality)[0]
-        notes.append(
-            f"What it looks like: {first.observable}, {first.path} path: {first.looks_like}."
-        )
-    if verdict is not Verdict.EXPLAINED:
-        notes += [f"Not explained: {failure.words}." for failure in failures]
-    for path in InputPath:
-        if not (scene.touches.path == path).any():
-            name = path.name.lower()
-            notes.append(f"No touches on the {name} path: nothing can be said of it.")
-    if not scene.has_stamps.any():
-        notes.append("No time stamps: what shifts time and what shifts length look alike.")
-    notes += _untold(scene)
-    return notes
-
-
-def _untold(scene: Scene) -> list[str]:
-    """Say what the touches cannot tell, for want of variety."""
-    touches = scene.touches
-    notes: list[str] = []
-    if not scene.is_machine:
-        return notes
-    if len(np.unique(touches.feed_mm_min)) == 1:
-        notes.append("One feed: a delay and a length look alike; touch at a second feed.")
-    for axis in np.unique(touches.axis):
-        senses = np.unique(scene.sign[touches.axis == axis])
-        if len(senses) == 1:
-            notes.append(
-                "One sense of motion on an axis: backlash cannot be seen; touch from the other side."
-            )
-            break
-    return notes

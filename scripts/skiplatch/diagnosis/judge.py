@@ -48,6 +48,8 @@ IMPOSSIBLE = 10.0
 """Nats against an effect that cannot be, unless the believed chain is wrong there as well."""
 GOES_WITH, GOES_WITHOUT = 0.9, 0.3
 """Correlations of a shift with a condition that it goes with, and with one that it does not."""
+MORE_VARIANCE = 1.2
+"""Variance over the believed one from which on an effect leaves more to chance."""
 SCATTERED = 3.0
 """Times the believed spread from which on an effect explains by scatter."""
 
@@ -350,6 +352,18 @@ class Judge:
         effects = zip(model.fit.candidates, model.fit.parameters, strict=True)
         *others, last = (c.change(self._fitting, parameters) for c, parameters in effects)
         return _goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
+
+    def scatters(self, model: Scored, position: int) -> frozenset[str]:
+        """Name the streams in which one effect of a model leaves more to chance."""
+        candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]
+        change, scene = candidate.change(self._fitting, parameters), self._fitting
+        found = set()
+        for name in affected(scene, change) & scene.streams.keys():
+            stream = scene.streams[name]
+            variance = law_under(scene, stream, change).variance[stream.rows]
+            if np.median(variance / stream.law.variance[stream.rows]) > MORE_VARIANCE:
+                found.add(name)
+        return frozenset(found)
 
     def share(self, pair: Scored, first: Scored) -> float:
         """What the last of a model gains, over what the first gains in the streams it reaches.

@@ -80,16 +80,16 @@ STREAMS = {
 """Of the likelihood, by the observable that shows the same."""
 
 
+def streams_of(left: Left) -> frozenset[str]:
+    """Name the streams that show the same; those of its path where the paths are apart."""
+    other = {"skip": "plc", "plc": "skip"}[left.path]
+    return frozenset(s for s in STREAMS[left.observable] if not s.endswith(f"_{other}"))
+
+
 def noticed(looks: Sequence[Left], materiality: Materiality) -> frozenset[str]:
-    """Name the streams in which something that matters may be left, by path where they are apart."""
-    other = {"skip": "plc", "plc": "skip"}
-    return frozenset(
-        stream
-        for look in looks
-        if look.z > NOTICED and look.is_material(materiality)
-        for stream in STREAMS[look.observable]
-        if not stream.endswith(f"_{other[look.path]}")
-    )
+    """Name the streams in which something that matters may be left."""
+    seen = (look for look in looks if look.z > NOTICED and look.is_material(materiality))
+    return frozenset(name for look in seen for name in streams_of(look))
 
 
 def _dithered(

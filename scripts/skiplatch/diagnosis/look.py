@@ -330,7 +330,7 @@ def told_by_forest(
 def _wave(
     place: FloatArray, scores: FloatArray, shortest: float
 ) -> tuple[float, float, float] | None:
-    """Find the wave that explains most of scores, shape (m,): period, share, and standard errors."""
+    """Find the wave that explains most of scores, shape (m,): period, share, standard errors."""
     known = ~np.isnan(place)
     place, scores, n = place[known], scores[known], int(known.sum())
     span = float(np.ptp(place)) if n else 0.0
@@ -357,4 +357,5 @@ def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
 
 
 def scatter(values: FloatArray) -> float:
+    """Give the standard deviation of a normal law with the same median absolute deviation."""
     return float(stats.median_abs_deviation(values, scale="normal"))

@@ -16,7 +16,7 @@ MOST_OUTLIERS = 0.05
 
 
 def outliers(scene: Scene, rig: Rig, *, seed: int) -> list[int]:
-    """List the touches that are far off what a rig plays, by their serial numbers, if they are few."""
+    """List the touches, by serial number, that are far off what a rig plays, if they are few."""
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
     far = np.full(len(scene), fill_value=False)

@@ -1,10 +1,9 @@
 """Whether each effect is needed: by the beliefs that may move, and by plays of the rig without it.
 
-A belief that moves within its uncertainty may do what an effect does. And the surrogate of an effect
-is not its simulation: played without the last effect, a campaign may seem to have it all the same.
+A belief that moves within its uncertainty may do what an effect does. And the surrogate of an
+effect is not its simulation: played without the last effect, a campaign may seem to have it.
 """
 
-from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import replace
 
@@ -63,7 +62,7 @@ def without_surplus(
 
 
 def _beliefs_leave(judge: Judge, larger: Scored, smaller: Scored | None) -> float:
-    """Give the nats that a model gains over a smaller one, or none, once beliefs may move in both."""
+    """Give the nats that a model gains over a smaller one, or none, if beliefs move in both."""
     scene = judge.scene.select(judge.parts.naming)
     beliefs = uncertain(scene.nominal)
 
@@ -86,8 +85,7 @@ def _by_nature(
     """Give the nats that a model gains over a smaller one where the smaller one is the truth."""
     campaigns = replayed(judge.scene, judge.parts.naming, as_rig(smaller.fit), seed)
     tasks = [(campaign, smaller.fit, model.fit) for campaign in campaigns]
-    run: Callable[..., object] = executor.map if executor else map
-    return max(run(_gain, tasks))  # type: ignore[call-overload, no-any-return]
+    return max(executor.map(_gain, tasks) if executor else map(_gain, tasks))
 
 
 def _gain(task: tuple[Scene, Fit, Fit]) -> float:

@@ -11,7 +11,7 @@ from skiplatch.diagnosis.diagnose import Diagnosis, Named
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.playing import FittedDatum, Rig
 from skiplatch.diagnosis.shrink import Gap
-from skiplatch.diagnosis.verdict import Verdict
+from skiplatch.diagnosis.verdict import EXPLAINS, HAS_GAP, NAMES, SEES, Verdict
 from skiplatch.simulator import Effect, effects
 from skiplatch.statistics import Interval
 from skiplatch.tables import number, table
@@ -129,6 +129,31 @@ def _gap_table(gaps: Mapping[str, Gap]) -> str:
 
 def _shrunk(share: Interval) -> str:
     return f"{share.value:.0%} ({share.low:.0%} … {share.high:.0%})"
+
+
+def explained(diagnosis: Diagnosis) -> str:
+    """Give every rule with what the finding misses of it, and what other models are short of."""
+    missed = {failure.rule: failure.words for failure in diagnosis.failures}
+    rules = [
+        (rule.name, number(rule.threshold), missed.get(rule.name, "not missed"), rule.reason)
+        for group in (NAMES, EXPLAINS, HAS_GAP, SEES)
+        for rule in group
+    ]
+    parts = ["Rules\n" + table(("rule", "threshold", "finding", "why this threshold"), rules)]
+    if diagnosis.ranking:
+        best = diagnosis.ranking[0].score_nats
+        tried = [
+            (
+                " + ".join(effect.id for effect in model.effects),
+                number(model.score_nats),
+                "gains no more than chance"
+                if model.score_nats <= 0.0
+                else f"{number(best - model.score_nats)} nats behind",
+            )
+            for model in diagnosis.ranking
+        ]
+        parts.append("Models tried last\n" + table(("model", "gain, nats", "short of"), tried))
+    return "\n\n".join(parts)
 
 
 def as_json(diagnosis: Diagnosis) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from enum import StrEnum
 from skiplatch.diagnosis.look import SIGNIFICANT, Left
 from skiplatch.diagnosis.shrink import Gap
 
-
 CHANCE = 4.0
 """Standard errors from which on something is kept as evidence."""
 MORE_NOISE = 1.1
@@ -33,6 +32,8 @@ class Evidence:
 
     Attributes:
         gaps: Observables on touches held out, with the gap before and after; by name.
+        is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
+            all touches.
         believed: All that was looked at under the believed chain.
         before: What that leaves that is material and hardly an accident.
         after: The same of the finding; of none, if nothing was found.
@@ -46,6 +47,7 @@ class Evidence:
     """
 
     gaps: Mapping[str, Gap] = field(default_factory=dict)
+    is_held_out: bool = True
     believed: Sequence[Left] = ()
     before: Sequence[Left] = ()
     after: Sequence[Left] = ()
@@ -102,7 +104,7 @@ def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
     clear = _clear(evidence)
     if any(gap.shrink.low > threshold for gap in clear.values()):
         return ""
-    return "no gap shrinks for certain" if clear else "no gap on the touches held out"
+    return "no gap shrinks for certain" if clear else "no gap is clear"
 
 
 def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
@@ -113,6 +115,10 @@ def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
 def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
     left = [one for one in evidence.after if one.z > threshold]
     return f"left: {left[0].observable} on {left[0].path}, {left[0].looks_like}" if left else ""
+
+
+def _held_out(evidence: Evidence, _: float) -> str:
+    return "" if evidence.is_held_out else "so few touches were held out that they show no gap"
 
 
 def _within_limits(evidence: Evidence, _: float) -> str:
@@ -131,11 +137,20 @@ def _is_confirmed(evidence: Evidence, _: float) -> str:
     return "" if evidence.is_confirmed else "plain simulation does no better with it"
 
 
+def told_of_chance(evidence: Evidence, threshold: float = CHANCE) -> list[Left]:
+    """Give what tells of touches how a finding's chance fell: it is none, then."""
+    return [
+        one
+        for one in evidence.after
+        if one.is_predicted and one.z > threshold and _is_scattered(evidence, one)
+    ]
+
+
 def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
-    for one in evidence.after:
-        if one.is_predicted and one.z > threshold and _is_scattered(evidence, one):
-            return f"what it leaves to chance in {one.observable} {one.looks_like}"
-    return ""
+    found = told_of_chance(evidence, threshold)
+    return (
+        f"what it leaves to chance in {found[0].observable} {found[0].looks_like}" if found else ""
+    )
 
 
 def _is_scattered(evidence: Evidence, left: Left) -> bool:
@@ -167,6 +182,7 @@ EXPLAINS: Sequence[Rule] = (
         "a level: one in a million for each of some hundred looks, which are not quite normal",
         _leaves_nothing,
     ),
+    Rule("held_out", 0.0, "theory: fitted touches do not judge the fit", _held_out),
     Rule(
         "within_limits",
         0.0,
@@ -174,7 +190,6 @@ EXPLAINS: Sequence[Rule] = (
         _within_limits,
     ),
     Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
-    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule(
         "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
     ),
@@ -187,6 +202,7 @@ NAMES: Sequence[Rule] = (
         "a level: of something that is named for certain; lower end of the interval",
         _shrinks_somewhere,
     ),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
     Rule(
         "chance_is_chance",
