@@ -17,7 +17,7 @@ import numpy as np
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.files import atomic_write_text
 from skiplatch.progress import shown
-from tests.gap import baselines, confusion, goals, verdicts
+from tests.gap import baselines, confusion, goals, reliability, verdicts
 from tests.gap.baselines import Baseline
 from tests.gap.heldout import read_predictions, shrink_to_oracle
 from tests.gap.nats import nats
@@ -163,6 +163,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--json", type=Path, help="write everything as JSON")
     parser.add_argument("--verdicts", type=Path, help="write a line of JSON for each campaign")
     parser.add_argument(
+        "--reliability", type=Path, help="write how often names were right, for the diagnosis"
+    )
+    parser.add_argument(
         "--keep", type=Path, help="folder of campaigns, seals and answers; what it has is kept"
     )
     parser.add_argument("--dry", action="store_true", help="draw and seal in --keep, and no more")
@@ -214,6 +217,8 @@ def _write(options: argparse.Namespace, results: Sequence[Scored], order: Order)
     if options.json:
         document = json.dumps(as_json(results, order), indent=1, ensure_ascii=False)
         atomic_write_text(options.json, document + "\n")
+    if options.reliability:
+        atomic_write_text(options.reliability, reliability.as_json(results, order.seed))
     if options.verdicts:
         atomic_write_text(options.verdicts, verdicts.as_lines(results))
 
