@@ -28,7 +28,7 @@ class Search:
     def left(self, model: Scored) -> list[Left]:
         """What a model leaves that is significant and matters."""
         looks = self._work.left(self._work.scene, self.rig(model.fit))
-        return _mattering(looks, DEFAULT)
+        return [one for one in _mattering(looks, DEFAULT) if one.is_significant]
 
 
 def found(campaign: Campaign) -> Finding:

@@ -84,7 +84,7 @@ def no_gap() -> tuple[Campaign, Diagnosis]:
 def unknown() -> tuple[Campaign, Diagnosis]:
     campaign = read_campaign(BENCH)
     place = Place("latch", "skip", "latch_skip", "time squared", 0.4, "1")
-    left = [Left("latch", "skip", "shift", ("time",), 0.4, "µs", 1.2, 0.25, 9.5)]
+    left = [Left("latch", "skip", "shift", ("time",), 0.4, "µs", 1.2, 0.33, 0.25, 9.5)]
     return campaign, replace(diagnosed(campaign, Verdict.UNKNOWN), where=[place], left=left)
 
 
@@ -221,7 +221,7 @@ def test_unknown_says_where_it_sits_and_what_it_looks_like(pages: dict[str, str]
 
     assert "no effect of the catalogue explains it" in text
     assert "It shows in latch_skip" in text
-    assert "latch, skip input goes with time 0.400 µs 1e-21" in text
+    assert "latch, the skip path goes with time 0.400 µs 1e-21" in text
     assert re.findall(r'class="stage left"><b>(\w+)', pages["unknown"]) == ["latch"]
     assert "What causes it" not in text
 

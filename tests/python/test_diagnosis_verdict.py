@@ -10,6 +10,7 @@ from skiplatch.diagnosis.shrink import Gap
 from skiplatch.diagnosis.verdict import (
     EXPLAINS,
     HAS_GAP,
+    MORE_NOISE,
     NAMES,
     SEES,
     Evidence,
@@ -17,6 +18,7 @@ from skiplatch.diagnosis.verdict import (
     Verdict,
     decide,
     failures,
+    told_of_chance,
 )
 from skiplatch.statistics import Interval
 
@@ -24,9 +26,10 @@ RULES = {rule.name: rule for rule in (*EXPLAINS, *NAMES, *SEES, *HAS_GAP)}
 A_BIT = 1e-6
 
 
-def left(z: float, *conditions: str) -> Left:
-    """Something left of a position."""
-    return Left("position", "skip", "shift", conditions or (EVERYWHERE,), 1.0, "µm", 1.0, 0.1, z)
+def left(z: float, *conditions: str, relative: float = 1.0, noise: float = 1.0) -> Left:
+    """Something left of a position, where plays scatter by so much."""
+    names = conditions or (EVERYWHERE,)
+    return Left("position", "skip", "shift", names, relative, "µm", relative, noise, 0.1, z)
 
 
 def gap(low: float, high: float = 1.0, *, is_clear: bool = True) -> Gap:
@@ -40,7 +43,11 @@ def gaps(*several: Gap) -> Mapping[str, Gap]:
 
 
 FOUND = Evidence(
-    gaps=gaps(gap(0.95)), before=[left(20.0, "feed")], effects=["backlash"], hidden=0.1
+    gaps=gaps(gap(0.95)),
+    believed=[left(20.0, "feed", relative=4.0)],
+    before=[left(20.0, "feed", relative=4.0)],
+    effects=["backlash"],
+    hidden=0.1,
 )
 """A finding that explains all."""
 NOTHING = Evidence(gaps=gaps(gap(0.0, 0.0, is_clear=False)), hidden=0.1)
@@ -57,8 +64,14 @@ def leaving(z: float) -> Evidence:
     return Evidence(after=[left(z)])
 
 
-def told_before_and_after(before: float, after: float) -> Evidence:
-    return Evidence(before=[left(before, "feed")], after=[left(after, "feed")])
+def telling_of_chance(z: float, noise: float = 3.0) -> Evidence:
+    """Something known tells of what a finding that scatters more has left to chance."""
+    return Evidence(believed=[left(0.0)], after=[left(z, "feed", noise=noise)])
+
+
+def leaving_of_four(relative: float) -> Evidence:
+    """So much is left of four times the noise."""
+    return Evidence(before=[left(20.0, relative=4.0)], after=[left(20.0, relative=relative)])
 
 
 SIDES: Mapping[str, tuple[Change, Change]] = {
@@ -85,9 +98,13 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         lambda rule: Evidence(gaps=gaps(gap(-1.0, rule.threshold))),
         lambda rule: Evidence(gaps=gaps(gap(-1.0, rule.threshold - A_BIT))),
     ),
-    "is_no_mimic": (
-        lambda rule: told_before_and_after(20.0, 20.0 * rule.threshold**0.5),
-        lambda rule: told_before_and_after(20.0, 20.0 * rule.threshold**0.5 + A_BIT),
+    "chance_is_chance": (
+        lambda rule: telling_of_chance(rule.threshold),
+        lambda rule: telling_of_chance(rule.threshold + A_BIT),
+    ),
+    "takes_most": (
+        lambda rule: leaving_of_four(4.0 * rule.threshold),
+        lambda rule: leaving_of_four(4.0 * rule.threshold + A_BIT),
     ),
     "seen_enough": (
         lambda rule: Evidence(hidden=rule.threshold),
@@ -147,16 +164,46 @@ def test_no_clear_gap_shrinks_nowhere() -> None:
     assert failure.words == "no gap on the touches held out"
 
 
-def test_what_is_everywhere_is_no_sign_of_a_mimic() -> None:
-    evidence = Evidence(before=[left(20.0, "feed")], after=[left(30.0)])
+def test_what_is_everywhere_tells_nothing_of_chance() -> None:
+    evidence = Evidence(believed=[left(0.0)], after=[left(30.0, noise=3.0)])
 
-    assert failures([RULES["is_no_mimic"]], evidence) == []
+    assert told_of_chance(evidence) == []
+    assert failures([RULES["chance_is_chance"]], evidence) == []
 
 
-def test_what_tells_a_mimic_is_named() -> None:
-    (failure,) = failures([RULES["is_no_mimic"]], told_before_and_after(20.0, 20.0))
+@pytest.mark.parametrize(("noise", "fails"), [(MORE_NOISE, False), (MORE_NOISE + A_BIT, True)])
+def test_what_scatters_no_more_than_was_believed_adds_nothing_to_chance(
+    noise: float, fails: bool
+) -> None:
+    evidence = telling_of_chance(30.0, noise)
 
-    assert failure.words == "what it leaves to chance can be told from feed"
+    assert told_of_chance(evidence) == (list(evidence.after) if fails else [])
+    assert bool(failures([RULES["chance_is_chance"]], evidence)) is fails
+
+
+def test_chance_of_another_path_is_not_told() -> None:
+    other = replace(left(30.0, "feed", noise=3.0), path="plc")
+
+    assert told_of_chance(Evidence(believed=[left(0.0)], after=[other])) == []
+
+
+def test_what_tells_of_chance_is_named() -> None:
+    (failure,) = failures([RULES["chance_is_chance"]], telling_of_chance(30.0))
+
+    assert failure.words == "what it leaves to chance in position goes with feed"
+
+
+def test_what_is_no_more_than_an_accident_may_be_most_of_a_gap() -> None:
+    accident = Evidence(before=[left(20.0, relative=4.0)], after=[left(SIGNIFICANT, relative=4.0)])
+
+    assert failures([RULES["takes_most"]], accident) == []
+
+
+def test_a_gap_where_there_was_none_is_all_of_it() -> None:
+    new = Evidence(after=[left(SIGNIFICANT + A_BIT, relative=0.3)])
+
+    (failure,) = failures([RULES["takes_most"]], new)
+    assert failure.words == "it leaves 0.3 µm of position, much of what was there"
 
 
 def test_an_explained_gap_is_explained() -> None:
@@ -170,7 +217,6 @@ def test_an_explained_gap_is_explained() -> None:
         (replace(FOUND, after=[left(SIGNIFICANT + 1.0, "feed")]), "leaves_nothing"),
         (replace(FOUND, at_limit=["backlash.backlash_um"]), "within_limits"),
         (replace(FOUND, open=["backlash.backlash_um"]), "known"),
-        (replace(FOUND, is_loose=True), "has_form"),
         (replace(FOUND, is_confirmed=False), "is_confirmed"),
     ],
 )
@@ -186,7 +232,9 @@ def test_what_falls_short_in_one_respect_explains_in_part(worse: Evidence, rule:
     [
         (replace(FOUND, gaps=gaps(gap(0.1))), "shrinks_somewhere"),
         (replace(FOUND, gaps=gaps(gap(0.95), gap(-1.0, -0.1))), "grows_nowhere"),
-        (replace(FOUND, after=[left(20.0, "time")]), "is_no_mimic"),
+        (replace(FOUND, is_loose=True), "has_form"),
+        (replace(FOUND, after=[left(20.0, "time", relative=3.0)]), "takes_most"),
+        (replace(FOUND, after=[left(20.0, "time", noise=2.0)]), "chance_is_chance"),
     ],
 )
 def test_a_finding_that_cannot_be_named_leaves_the_gap_unknown(wrong: Evidence, rule: str) -> None:

@@ -1,0 +1,176 @@
+"""Beliefs that are uncertain move to where the touches have them, and no farther than may be."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played_again
+from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.diagnosis.beliefs import (
+    CLOSE,
+    FARTHEST,
+    NOISE_U,
+    Belief,
+    Key,
+    believing,
+    fit_beliefs,
+    uncertain,
+)
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.scene import Scene
+
+REPEATABILITY = ("probe", "repeatability_um")
+PRETRAVEL = ("probe", "pretravel_um")
+DELAY = ("probe", "delay_us")
+SCAN = ("plc", "scan_us")
+
+
+def believed(campaign: Campaign, **u: float) -> Campaign:
+    """A campaign with uncertainties of "section__name"."""
+    given = {(name.split("__")[0], name.split("__")[1]): value for name, value in u.items()}
+    return replace(campaign, nominal=replace(campaign.nominal, uncertainty=given))
+
+
+def as_played(folder_truth: Campaign, wrong: Mapping[Key, float]) -> Campaign:
+    """Touches as the campaign's chain makes them, believed to be of another."""
+    campaign = played_again(folder_truth)
+    return replace(campaign, nominal=believing(campaign.nominal, wrong))
+
+
+def belief_of(beliefs: list[Belief], key: Key) -> Belief:
+    return next(belief for belief in beliefs if belief.key == key)
+
+
+def now(scene: Scene, belief: Belief) -> float:
+    fitted = fit_beliefs(scene, Change(), [belief])
+    return float(getattr(getattr(fitted.nominal, belief.key[0]), belief.key[1]))
+
+
+def test_all_noise_is_uncertain_by_its_kind_and_named_as_in_the_file() -> None:
+    machine, bench = (uncertain(read_campaign(folder).nominal) for folder in (MACHINE, BENCH))
+
+    assert [b.name for b in machine] == [
+        "probe.repeatability_um",
+        "skip.jitter_us",
+        "report.jitter_us",
+    ]
+    assert [b.name for b in bench] == [
+        "bench.reference_jitter_us",
+        "skip.jitter_us",
+        "report.jitter_us",
+    ]
+    assert all(b.is_noise and b.u == NOISE_U for b in (*machine, *bench))
+
+
+def test_noise_of_nothing_is_certain() -> None:
+    nominal = read_campaign(MACHINE).nominal
+    none = replace(nominal, skip=replace(nominal.skip, jitter_us=0.0))
+
+    assert ("skip", "jitter_us") not in [b.key for b in uncertain(none)]
+
+
+def test_a_number_with_an_uncertainty_is_fitted_and_a_noise_with_one_has_that() -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0, probe__repeatability_um=0.034)
+    beliefs = uncertain(campaign.nominal)
+    delay, noise = belief_of(beliefs, DELAY), belief_of(beliefs, REPEATABILITY)
+
+    assert (delay.value, delay.u, delay.is_noise) == (500.0, 20.0, False)
+    assert noise.is_noise
+    assert noise.u == pytest.approx(0.1, rel=0.01)
+    assert noise.u_absolute == pytest.approx(0.034)
+    assert len([b for b in beliefs if b.key == REPEATABILITY]) == 1
+
+
+def test_an_uncertainty_of_nothing_makes_a_noise_certain() -> None:
+    beliefs = uncertain(believed(read_campaign(MACHINE), probe__repeatability_um=0.0).nominal)
+
+    assert REPEATABILITY not in [b.key for b in beliefs]
+
+
+@pytest.mark.parametrize("is_noise", [True, False])
+def test_a_value_so_many_uncertainties_away_is_so_many_away(is_noise: bool) -> None:
+    belief = Belief(PRETRAVEL, 6.0, 0.3, is_noise)
+
+    for uncertainties in (-2.0, 0.0, 1.5):
+        value = belief.moved(uncertainties)
+        assert value > 0.0
+        assert belief.uncertainties(value) == pytest.approx(uncertainties)
+
+
+@pytest.mark.parametrize("factor", [1.5, 1.0 / 1.5])
+def test_noise_believed_wrong_by_half_moves_to_where_it_is(factor: float) -> None:
+    recorded = read_campaign(MACHINE)
+    nominal = believing(recorded.nominal, {REPEATABILITY: 2.0})
+    truth = replace(recorded, nominal=nominal)
+    scene = Scene.of(as_played(truth, {REPEATABILITY: 2.0 * factor}))
+    (belief,) = [b for b in uncertain(scene.nominal) if b.key == REPEATABILITY]
+
+    assert belief.value == pytest.approx(2.0 * factor)
+    assert now(scene, belief) == pytest.approx(2.0, rel=0.12)
+
+
+def test_a_number_believed_wrong_moves_to_where_it_is() -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0)
+    scene = Scene.of(as_played(campaign, {DELAY: 470.0}))
+
+    found = now(scene, belief_of(uncertain(scene.nominal), DELAY))
+
+    assert found == pytest.approx(500.0, abs=8.0)
+
+
+def test_a_belief_that_is_right_stays() -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0)
+    scene = Scene.of(as_played(campaign, {}))
+
+    found = now(scene, belief_of(uncertain(scene.nominal), DELAY))
+
+    assert found == pytest.approx(500.0, abs=8.0)
+
+
+def test_nothing_moves_farther_than_the_farthest() -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0)
+    scene = Scene.of(as_played(campaign, {DELAY: 200.0}))
+    belief = belief_of(uncertain(scene.nominal), DELAY)
+
+    ((_, moved),) = fit_beliefs(scene, Change(), [belief]).moved
+
+    assert moved == pytest.approx(FARTHEST, abs=2.0 * CLOSE)
+    assert moved <= FARTHEST
+
+
+def test_moving_costs_what_it_is_unlikely_by() -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0)
+    scene = Scene.of(as_played(campaign, {DELAY: 470.0}))
+    belief = belief_of(uncertain(scene.nominal), DELAY)
+
+    fitted = fit_beliefs(scene, Change(), [belief])
+
+    ((_, moved),) = fitted.moved
+    there = likelihood(scene.with_nominal(fitted.nominal), Change()).total
+    assert fitted.nats == pytest.approx(there - 0.5 * moved**2)
+    assert fitted.nats > likelihood(scene, Change()).total
+
+
+def test_no_beliefs_leave_the_chain_as_it_is() -> None:
+    scene = Scene.of(read_campaign(MACHINE))
+
+    fitted = fit_beliefs(scene, Change(), [])
+
+    assert fitted.nominal is scene.nominal
+    assert fitted.nats == likelihood(scene, Change()).total
+    assert not fitted.moved
+
+
+def test_beliefs_are_fitted_together() -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0, plc__scan_us=5.0)
+    scene = Scene.of(as_played(campaign, {DELAY: 480.0, SCAN: 1004.0}))
+    beliefs = [belief_of(uncertain(scene.nominal), key) for key in (DELAY, SCAN)]
+
+    together = fit_beliefs(scene, Change(), beliefs)
+
+    assert together.nominal.probe.delay_us == pytest.approx(500.0, abs=8.0)
+    assert np.isfinite(together.nats)
+    assert together.nats >= max(fit_beliefs(scene, Change(), [b]).nats for b in beliefs) - 0.1

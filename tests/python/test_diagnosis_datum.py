@@ -1,0 +1,261 @@
+"""Where the surface is that a datum tells: fitted along with every hypothesis, and no effect."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy import optimize
+
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Touches, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
+from skiplatch.diagnosis.law import Extra, Law
+from skiplatch.diagnosis.likelihood import fitted_datum_um, likelihood
+from skiplatch.diagnosis.playing import FittedDatum
+from skiplatch.diagnosis.scene import Scene
+
+OFF_UM = 12.0
+NOISE_UM = 0.3
+REACH = 1e3
+
+
+def moved(campaign: Campaign, off_um: FloatArray | float) -> Campaign:
+    """Add something to all deviations."""
+    touches = campaign.touches
+    return replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + off_um))
+
+
+def nats(campaign: Campaign) -> float:
+    return likelihood(Scene.of(campaign), Change()).total
+
+
+def free(campaign: Campaign, freedom: DatumFreedom, u_um: float | None = None) -> Campaign:
+    nominal = replace(campaign.nominal, datum=Datum(freedom, u_um))
+    return replace(campaign, nominal=nominal)
+
+
+@cache
+def quiet() -> Campaign:
+    """Skip touches of three axes in two sessions, of noise of 0.3 µm; 200 an axis."""
+    machine = read_campaign(MACHINE)
+    nominal = machine.nominal
+    probe = replace(nominal.probe, repeatability_um=NOISE_UM)
+    axis = replace(nominal.axis, resolution_um=0.01)
+    rng, n = np.random.default_rng(4), 600
+    skip = replace(nominal.skip, jitter_us=0.0)
+    axes = np.resize([Axis.X, Axis.Y, Axis.Z], n)
+    touches = Touches.from_columns(
+        touch=np.arange(n),
+        time_s=10.0 * np.arange(n),
+        path=np.full(n, InputPath.SKIP),
+        axis=axes,
+        sign=rng.choice([-1.0, 1.0], n),
+        alpha_deg=np.zeros(n),
+        beta_deg=np.zeros(n),
+        feed_mm_min=np.full(n, 300.0),
+        approach_mm=np.full(n, 3.0),
+        position_mm=rng.uniform(-100.0, 100.0, n),
+        deviation_um=np.zeros(n),
+        session=(np.arange(n) >= n // 2).astype(int),
+        session_names=("before", "after"),
+    )
+    campaign = replace(
+        machine, nominal=replace(nominal, probe=probe, axis=axis, skip=skip), touches=touches
+    )
+    return played_again(campaign)
+
+
+def fitted(campaign: Campaign) -> Mapping[str, float]:
+    """Data of a campaign that records positions alone, by name."""
+    return FittedDatum.of(Scene.of(campaign), Change()).coordinate_um
+
+
+def test_a_constant_length_is_no_news_of_a_machine_and_much_of_a_bench() -> None:
+    machine, bench = played(MACHINE), played(BENCH)
+
+    assert abs(nats(moved(machine, OFF_UM)) - nats(machine)) < 1.0
+    assert nats(moved(bench, OFF_UM)) < nats(bench) - 500.0
+
+
+def test_a_machine_whose_surface_is_said_to_be_known_shows_it() -> None:
+    machine = free(played(MACHINE), DatumFreedom.NONE)
+
+    assert nats(moved(machine, OFF_UM)) < nats(machine) - 100.0
+
+
+def test_the_datum_is_found_to_a_tenth_of_a_micrometre() -> None:
+    plain, off = fitted(quiet()), fitted(moved(quiet(), OFF_UM))
+
+    assert plain.keys() == off.keys() == {"X", "Y", "Z"}
+    for name, value in off.items():
+        assert plain[name] == pytest.approx(0.0, abs=0.1)
+        assert value == pytest.approx(OFF_UM, abs=0.1)
+
+
+def test_every_axis_has_a_datum_of_its_own() -> None:
+    by_axis = np.array([5.0, -3.0, 80.0])
+
+    found = fitted(moved(quiet(), by_axis[quiet().touches.axis]))
+
+    assert [found[name] for name in "XYZ"] == pytest.approx(by_axis, abs=0.1)
+
+
+def test_one_datum_of_the_campaign_takes_up_no_difference_of_its_axes() -> None:
+    one = free(quiet(), DatumFreedom.CAMPAIGN)
+    by_axis = np.array([1.0, -1.0, 0.0])[one.touches.axis]
+
+    assert fitted(moved(one, OFF_UM)) == {"campaign": pytest.approx(OFF_UM, abs=0.1)}
+    assert nats(moved(one, by_axis)) < nats(one) - 100.0
+    assert nats(moved(quiet(), by_axis)) == pytest.approx(nats(quiet()), abs=1.0)
+
+
+def test_a_datum_of_each_sense_takes_up_backlash_and_one_of_each_axis_does_not() -> None:
+    by_sense = free(quiet(), DatumFreedom.AXIS_SENSE)
+    backlash_um = 1.0 * quiet().touches.sign
+
+    found = fitted(moved(by_sense, backlash_um))
+
+    assert found.keys() == {f"{axis}{sense}" for axis in "XYZ" for sense in "+-"}
+    for name, value in found.items():
+        assert value == pytest.approx(1.0 if name.endswith("+") else -1.0, abs=0.15)
+    assert nats(moved(quiet(), backlash_um)) < nats(quiet()) - 100.0
+
+
+def test_a_datum_of_each_session_takes_up_what_changes_between_them() -> None:
+    by_session = free(quiet(), DatumFreedom.SESSION)
+    later_um = np.where(by_session.touches.session == 1, 7.0, 2.0)
+
+    assert fitted(moved(by_session, later_um)) == {
+        "session before": pytest.approx(2.0, abs=0.1),
+        "session after": pytest.approx(7.0, abs=0.1),
+    }
+
+
+def test_what_is_known_of_a_datum_holds_it_back() -> None:
+    """Ten touches of noise 0.3 µm know it to 0.1 µm; a belief as good as that takes half."""
+    few = moved(quiet(), 1.0)
+    few = replace(few, touches=few.touches.select(few.touches.axis == Axis.X))
+    few = replace(few, touches=few.touches.select(slice(10)))
+    anywhere = fitted(few)["X"]
+    error_um = NOISE_UM / np.sqrt(10.0)
+
+    half, none = (fitted(free(few, DatumFreedom.AXIS, u_um=u_um))["X"] for u_um in (error_um, 1e-4))
+
+    assert half == pytest.approx(0.5 * anywhere, rel=0.15)
+    assert none == pytest.approx(0.0, abs=0.01)
+
+
+def test_stamps_and_coordinates_tell_of_a_datum_each() -> None:
+    stamped = played_again(stamped_machine())
+    stamped = replace(stamped, nominal=replace(stamped.nominal, datum=Datum.of_kind(Kind.MACHINE)))
+    speed_um_us = Scene.of(stamped).speed
+    touches = stamped.touches.in_order_of_time()
+    late = replace(
+        touches,
+        latch_us=touches.latch_us + 40.0 / speed_um_us,
+        deviation_um=touches.deviation_um + 40.0 + 9.0,
+    )
+
+    found = fitted_datum_um(Scene(stamped.nominal, late), Change())
+
+    np.testing.assert_allclose(found[BY_STAMPS], 40.0, atol=0.5)
+    np.testing.assert_allclose(found[BY_COORDINATES], 9.0, atol=0.5)
+    assert WITHOUT_STAMPS not in found
+
+
+# ---- the search of the likeliest length ----------------------------------------------------------
+
+
+def by_brute_force(
+    law: Law,
+    values: FloatArray,
+    per_length: FloatArray,
+    groups: np.ndarray,
+    u: float | None,
+) -> list[float]:
+    """The best of a fine grid of lengths, mended by scipy."""
+
+    def cost(length: float, here: np.ndarray) -> float:
+        off = values[here] - length * per_length[here]
+        believed = 0.0 if u is None else 0.5 * (length / u) ** 2
+        return believed - float(law.select(here).log_density(off, REACH).sum())
+
+    best = []
+    for group in range(int(groups.max()) + 1):
+        here = groups == group
+        grid = np.linspace(-20.0, 20.0, 2001)
+        near = float(grid[np.argmin([cost(length, here) for length in grid])])
+        found = optimize.minimize_scalar(
+            cost, args=(here,), bounds=(near - 0.02, near + 0.02), method="bounded"
+        )
+        best.append(-cost(float(found.x), here))
+    return best
+
+
+N = 90
+ONES = np.ones(N)
+LAWS = {
+    "boxes": Law(0.0 * ONES, 0.1 * ONES, 4.0 * ONES, 1.0 * ONES),
+    "Gaussians": Law(0.0 * ONES, np.resize([0.3, 1.0, 3.0], N), 0.0 * ONES, 0.0 * ONES),
+    "mixtures": Law(
+        0.0 * ONES,
+        0.5 * ONES,
+        1.0 * ONES,
+        0.0 * ONES,
+        (Extra(0.2, offset=6.0, sigma=1.0), Extra(0.1, mean=5.0)),
+    ),
+}
+
+
+def drawn(law: Law, rng: np.random.Generator) -> FloatArray:
+    values = law.offset + law.sigma * rng.normal(size=N)
+    values = values + law.box_a * rng.random(N) + law.box_b * rng.random(N)
+    kind = rng.random(N)
+    if law.extras:
+        values = values + np.where(kind < 0.2, 6.0 + rng.normal(size=N), 0.0)
+        values = values + np.where(kind > 0.9, rng.exponential(5.0, N), 0.0)
+    return np.asarray(values)
+
+
+@pytest.mark.parametrize("u", [None, 0.5])
+@pytest.mark.parametrize("name", LAWS)
+def test_the_likeliest_length_of_each_group_is_that_of_brute_force(
+    name: str, u: float | None
+) -> None:
+    """To a fifth of a nat: parabolas are drawn twice, and boxes are none."""
+    rng, law = np.random.default_rng(7), LAWS[name]
+    groups, per_length = np.resize([0, 1, 2], N), np.resize([1.0, 0.5], N)
+    truth = np.array([0.0, 8.0, -5.0])
+    values = drawn(law, rng) + truth[groups] * per_length
+    off = (values - law.mean) / per_length
+    weights = np.array([(N / 3) / np.var(off[groups == g]) for g in range(3)])
+    known = weights + (0.0 if u is None else u**-2.0)
+    guesses = np.array([np.median(off[groups == g]) for g in range(3)]) * weights / known
+    steps = known**-0.5
+
+    found, logs = law.laid_out(values, REACH).at_best_datum(per_length, groups, guesses, steps, u)
+
+    np.testing.assert_allclose(
+        logs, law.log_density(values - found[groups] * per_length, REACH), atol=1e-9
+    )
+    believed = 0.0 if u is None else 0.5 * (found / u) ** 2
+    reached = np.bincount(groups, logs) - believed
+    np.testing.assert_allclose(
+        reached, by_brute_force(law, values, per_length, groups, u), atol=0.2
+    )
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_what_is_believed_is_never_likelier_than_the_likeliest_length(name: str) -> None:
+    rng, law = np.random.default_rng(5), LAWS[name]
+    values, groups = drawn(law, rng), np.zeros(N, dtype=np.intp)
+    guesses, steps = np.array([0.5]), np.array([0.2])
+
+    _, logs = law.laid_out(values, REACH).at_best_datum(ONES, groups, guesses, steps, None)
+
+    assert logs.sum() >= law.log_density(values, REACH).sum() - 1e-9

@@ -1,0 +1,257 @@
+"""What a rig leaves of touches: nothing where it plays itself, and what was put there where not."""
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Campaign, Status, Touches
+from skiplatch.diagnosis.leftover import MISSED, left_over, noticed
+from skiplatch.diagnosis.look import EVERYWHERE, FEWEST, RESOLVED, Left, Memo, normal_scores
+from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+
+Disturbed = Callable[[Touches], FloatArray]
+
+
+def looks(campaign: Campaign, memo: Memo | None = None, seed: int = 1) -> list[Left]:
+    return left_over(Scene.of(campaign), Rig(campaign.nominal), seed=seed, memo=memo)
+
+
+def mattering(campaign: Campaign) -> list[Left]:
+    return [one for one in looks(campaign) if one.is_significant and one.is_material(DEFAULT)]
+
+
+def disturbed(campaign: Campaign, off_um: Disturbed) -> Campaign:
+    touches = campaign.touches.in_order_of_time()
+    deviation_um = touches.deviation_um + off_um(touches)
+    return replace(campaign, touches=replace(touches, deviation_um=deviation_um))
+
+
+def rests(touches: Touches) -> FloatArray:
+    """Time since the touch before; 0 where that one was not recorded."""
+    rest_s = np.diff(touches.time_s, prepend=touches.time_s[0])
+    return np.where(np.diff(touches.touch, prepend=-2) == 1, rest_s, 0.0)
+
+
+def told_by(found: Sequence[Left], kind: str) -> str:
+    """All that something of a kind in the position goes with, in one text."""
+    here = [one for one in found if one.kind == kind and one.observable == "position"]
+    return "; ".join(name for one in here for name in one.conditions)
+
+
+@pytest.mark.parametrize("folder", [MACHINE, BENCH])
+def test_a_rig_leaves_nothing_of_its_own_plays(folder: Path) -> None:
+    """False alarms at five standard errors, over some thirty looks: one in 100,000 campaigns."""
+    for seed in range(2):
+        assert mattering(played(folder, seed=seed)) == []
+
+
+def feed_um(touches: Touches) -> FloatArray:
+    return 3.0 * (touches.feed_mm_min > np.median(touches.feed_mm_min))
+
+
+def interacting_um(touches: Touches) -> FloatArray:
+    """With the sense at high feeds, and against it at low ones: on average with neither."""
+    fast = touches.feed_mm_min > np.median(touches.feed_mm_min)
+    return 6.0 * touches.sign * np.where(fast, 1.0, -1.0)
+
+
+def every_fifth_um(touches: Touches) -> FloatArray:
+    return 4.0 * (touches.touch % 5 == 0)
+
+
+def test_a_shift_with_a_condition_is_found_and_named() -> None:
+    found = mattering(disturbed(played(MACHINE), feed_um))
+
+    assert "feed" in told_by(found, "shift")
+    assert {one.path for one in found if one.kind == "shift"} >= {"skip"}
+
+
+def test_its_size_is_half_of_what_touches_are_apart() -> None:
+    found = mattering(disturbed(played(MACHINE), feed_um))
+
+    shifts = [one for one in found if one.conditions == ("feed",) and one.kind == "shift"]
+    size_um = next(one.size for one in shifts if one.path == "skip")
+    assert size_um == pytest.approx(1.5, abs=0.3)
+
+
+def test_an_interaction_that_no_condition_shows_alone_is_found() -> None:
+    campaign = disturbed(played(MACHINE), interacting_um)
+    touches, off_um = campaign.touches, interacting_um(campaign.touches)
+    for alone in (touches.sign, touches.feed_mm_min):
+        assert abs(np.corrcoef(alone, off_um)[0, 1]) < 0.15
+
+    assert {"shift"} <= {one.kind for one in mattering(campaign) if one.is_predicted}
+
+
+def test_every_fifth_touch_is_found() -> None:
+    found = mattering(disturbed(played(MACHINE), every_fifth_um))
+
+    assert "serial number in a cycle of 5" in told_by(found, "shift")
+
+
+def test_a_fast_wave_in_time_is_found_with_its_period() -> None:
+    def wave_um(touches: Touches) -> FloatArray:
+        return np.asarray(4.0 * np.sin(2.0 * np.pi * touches.time_s / 180.0))
+
+    found = mattering(disturbed(played(MACHINE), wave_um))
+
+    waves = re.findall(r"time, in waves of ([0-9.]+) s", told_by(found, "wave"))
+    assert waves
+    assert [float(period) for period in waves] == pytest.approx([180.0] * len(waves), rel=0.02)
+
+
+def test_scatter_that_goes_with_the_rest_before_is_found() -> None:
+    noise_um = np.random.default_rng(3).normal(0.0, 6.0, 400)
+
+    def restless_um(touches: Touches) -> FloatArray:
+        return np.asarray(noise_um * (rests(touches) > np.median(rests(touches))))
+
+    found = mattering(disturbed(played(MACHINE), restless_um))
+
+    assert "rest" in told_by(found, "scatter")
+
+
+def test_misses_that_go_with_the_feed_are_found() -> None:
+    campaign = played(MACHINE)
+    touches = campaign.touches
+    fast = touches.feed_mm_min > np.median(touches.feed_mm_min)
+    lost = fast & (np.random.default_rng(1).random(len(touches)) < 0.5)
+    status = np.where(lost, Status.MISSED, touches.status).astype(np.int8)
+    deviation_um = np.where(lost, np.nan, touches.deviation_um)
+    missing = replace(touches, status=status, deviation_um=deviation_um)
+
+    found = [one for one in mattering(replace(campaign, touches=missing)) if one.is_predicted]
+
+    assert [one for one in found if one.observable == MISSED and "feed" in one.conditions]
+
+
+def test_one_long_rest_before_a_touch_far_off_is_nothing_that_goes_with_rests() -> None:
+    campaign = played(MACHINE)
+    touches = campaign.touches.in_order_of_time()
+    late_s = np.where(np.arange(len(touches)) >= 50, 3600.0, 0.0)
+    off_um = np.where(np.arange(len(touches)) == 50, 100.0, 0.0)
+    rested = replace(
+        touches, time_s=touches.time_s + late_s, deviation_um=touches.deviation_um + off_um
+    )
+
+    found = mattering(replace(campaign, touches=rested))
+
+    assert not [one for one in found if any("rest" in name for name in one.conditions)]
+
+
+@pytest.mark.parametrize(("off_ticks", "is_news"), [(0.5, False), (1.0, True)])
+def test_what_is_rounded_up_or_down_from_one_place_is_no_scatter(
+    off_ticks: float, is_news: bool
+) -> None:
+    plain = played(BENCH)
+    nominal = replace(plain.nominal, skip=replace(plain.nominal.skip, jitter_us=0.0))
+    scene = Scene(nominal, plain.touches.in_order_of_time())
+    stream = scene.streams["latch_skip"]
+    off_us = off_ticks * nominal.skip.tick_us * np.where(scene.touches.touch % 2, 1.0, -1.0)
+    moved_us = np.where(stream.rows, stream.law.mean + off_us - stream.residuals, 0.0)
+    touches = replace(scene.touches, latch_us=scene.touches.latch_us + moved_us)
+
+    found = mattering(replace(plain, nominal=nominal, touches=touches))
+
+    scattered = {(one.observable, one.path) for one in found if one.kind == "scatter"}
+    assert (("latch", "skip") in scattered) is is_news
+
+
+@pytest.mark.parametrize(("share", "is_material"), [(0.99, False), (1.01, True)])
+def test_a_difference_has_to_exceed_its_rounding(share: float, is_material: bool) -> None:
+    step_um = 10.0
+    size_um = share * RESOLVED * step_um
+    left = Left("position", "skip", "shift", (EVERYWHERE,), size_um, "µm", 5.0, 1.0, step_um, 9.0)
+
+    assert left.is_material(DEFAULT) is is_material
+    assert left.is_material(Materiality(um=1.0)) is is_material
+
+
+def test_a_stated_size_counts_in_place_of_the_scatter() -> None:
+    left = Left("position", "skip", "shift", (EVERYWHERE,), 2.0, "µm", 0.1, 20.0, 0.0, 9.0)
+
+    assert not left.is_material(DEFAULT)
+    assert left.is_material(Materiality(um=1.9))
+    assert not left.is_material(Materiality(um=2.1))
+
+
+def test_what_is_missing_stays_missing() -> None:
+    played_um = np.array([[1.0, np.nan, np.nan], [2.0, 5.0, np.nan], [3.0, 7.0, np.nan]])
+
+    scores = normal_scores(np.array([np.nan, 6.0, 6.0]), played_um)
+
+    assert np.isnan(scores[[0, 2]]).all()
+    assert scores[1] == pytest.approx(0.0)  # between the two plays that are there
+
+
+def test_ranks_are_normal_scores_of_even_shares() -> None:
+    rng = np.random.default_rng(2)
+    plays = rng.exponential(size=(60, 3000))
+
+    scores = normal_scores(rng.exponential(size=3000), plays)
+
+    assert scores.mean() == pytest.approx(0.0, abs=5.0 / np.sqrt(3000.0))
+    assert scores.std() == pytest.approx(1.0, abs=0.07)
+    assert np.isfinite(normal_scores(np.full(3000, 1e9), plays)).all()
+
+
+def test_an_observable_of_a_few_touches_is_not_looked_at() -> None:
+    campaign = played(BENCH)
+    unknown = np.arange(len(campaign.touches)) >= FEWEST // 2
+    report_us = np.where(unknown, np.nan, campaign.touches.report_us)
+    few = replace(campaign, touches=replace(campaign.touches, report_us=report_us))
+
+    names = {one.observable for one in looks(few)}
+
+    assert "report" not in names
+    assert {"edge", "latch", "position"} <= names
+
+
+def test_a_memo_gives_the_same_and_is_what_is_looked_up() -> None:
+    campaign, memo = disturbed(played(MACHINE), feed_um), Memo()
+
+    first = looks(campaign, memo)
+
+    assert first == looks(campaign) == looks(campaign, memo)
+    assert len(memo) == 2  # the position on either path
+    for found in memo.values():
+        found.clear()
+    assert looks(campaign, memo) == []
+
+
+def test_another_hypothesis_is_not_looked_up() -> None:
+    campaign, memo = played(MACHINE), Memo()
+
+    looks(campaign, memo)
+    looks(disturbed(campaign, feed_um), memo)
+
+    assert len(memo) == 4
+
+
+def test_the_most_significant_comes_first() -> None:
+    found = looks(disturbed(played(MACHINE), feed_um))
+
+    assert [one.z for one in found] == sorted((one.z for one in found), reverse=True)
+
+
+def test_what_is_noticed_is_named_by_its_streams_on_its_path() -> None:
+    def left(observable: str, path: str, z: float = 4.0, relative: float = 1.0) -> Left:
+        return Left(observable, path, "shift", ("feed",), relative, "µm", relative, 1.0, 0.0, z)
+
+    def streams(one: Left) -> set[str]:
+        return set(noticed([one], DEFAULT))
+
+    assert streams(left("latch", "skip")) == {"latch_skip"}
+    assert streams(left("position", "plc")) == {"position", "deviation_plc"}
+    assert streams(left("edge", "skip")) == {"motion"}
+    assert streams(left("grid", "plc")) == {"lattice"}
+    assert streams(left("latch", "skip", z=3.4)) == set()
+    assert streams(left("latch", "skip", relative=0.1)) == set()

@@ -1,0 +1,107 @@
+"""Touches far off all that their rig plays are listed, if they are few; and what could hide."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.hidden import could_hide
+from skiplatch.diagnosis.outliers import outliers
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+
+FAR_UM = 1000.0
+
+
+def listed(campaign: Campaign) -> list[int]:
+    return outliers(Scene.of(campaign), Rig(campaign.nominal), seed=1)
+
+
+def thrown(campaign: Campaign, rows: np.ndarray) -> Campaign:
+    """Let touches read far off."""
+    off_um = np.zeros(len(campaign.touches))
+    off_um[rows] = FAR_UM
+    touches = campaign.touches
+    return replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + off_um))
+
+
+@pytest.mark.parametrize("folder", [MACHINE, BENCH])
+def test_touches_far_off_are_listed_by_their_numbers(folder: Path) -> None:
+    campaign = played(folder)
+    rows = np.array([7, 90, 301])
+    numbers = campaign.touches.touch[rows].tolist()
+    assert numbers != rows.tolist()
+
+    assert listed(thrown(campaign, rows)) == numbers
+
+
+@pytest.mark.parametrize("folder", [MACHINE, BENCH])
+def test_a_rig_throws_none_of_its_own_touches_out(folder: Path) -> None:
+    for seed in range(3):
+        assert listed(played(folder, seed=seed)) == []
+
+
+def test_three_touches_in_ten_are_no_outliers() -> None:
+    campaign = played(MACHINE)
+    rows = np.flatnonzero(np.random.default_rng(1).random(len(campaign.touches)) < 0.3)
+
+    assert listed(thrown(campaign, rows)) == []
+
+
+def test_a_report_far_off_is_an_outlier_as_well() -> None:
+    campaign = played(BENCH)
+    late_us = np.where(np.arange(len(campaign.touches)) == 33, 50_000.0, 0.0)
+    touches = replace(campaign.touches, report_us=campaign.touches.report_us + late_us)
+
+    assert listed(replace(campaign, touches=touches)) == [int(campaign.touches.touch[33])]
+
+
+def test_four_times_the_touches_hide_half() -> None:
+    campaign = played(MACHINE)
+    skip = np.flatnonzero(campaign.touches.on_skip)
+    scene = Scene.of(campaign)
+
+    many, few = (
+        could_hide(scene.select(skip[:n]), Rig(campaign.nominal), seed=1)["deviation_um"]
+        for n in (160, 40)
+    )
+
+    assert many.relative == pytest.approx(few.relative / 2.0)
+    assert many.size == pytest.approx(few.size / 2.0, rel=0.4)  # scatter of 40 and 160 touches
+
+
+def test_the_path_that_tells_most_counts() -> None:
+    """Scans scatter by far more than interrupts: the skip path tells."""
+    campaign = played(MACHINE)
+    scene, rig = Scene.of(campaign), Rig(campaign.nominal)
+    both, skip, plc = (
+        could_hide(part, rig, seed=1)["deviation_um"].size
+        for part in (scene, scene.select(~scene.plc), scene.select(scene.plc))
+    )
+
+    assert skip < plc
+    assert both == pytest.approx(skip, rel=0.2)
+
+
+def test_noise_beyond_what_is_played_hides_more() -> None:
+    campaign = played(MACHINE)
+    scene, noise_um = Scene.of(campaign), np.random.default_rng(1).normal(0.0, 20.0, 400)
+    noisy = Scene(
+        scene.nominal,
+        replace(scene.touches, deviation_um=scene.touches.deviation_um + noise_um),
+    )
+
+    sizes = [
+        could_hide(one, Rig(one.nominal), seed=1)["deviation_um"].size for one in (scene, noisy)
+    ]
+
+    assert sizes[1] > 3.0 * sizes[0]
+
+
+def test_what_was_not_recorded_hides_nothing() -> None:
+    campaign = played(MACHINE)
+
+    assert could_hide(Scene.of(campaign), Rig(campaign.nominal), seed=1).keys() == {"deviation_um"}

@@ -1,0 +1,138 @@
+"""A rig is played where its surfaces are, and comes back from JSON."""
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, stamped_machine
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Axis, Campaign, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis import Diagnosis, Named, Verdict, as_json, rig_from_json
+from skiplatch.diagnosis.beliefs import believing, uncertain
+from skiplatch.diagnosis.playing import FittedDatum, Rig
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.simulator import Effect, Outcomes, effects
+
+NOTHING = {p.name: 0.0 for p in effects()["backlash"].parameters}
+BACKLASH = Effect("backlash", {**NOTHING, "backlash_um": 2.0})
+REPEATABILITY = ("probe", "repeatability_um")
+
+
+def stamped() -> Campaign:
+    """A machine that records stamps, its data unknown by axis."""
+    campaign = stamped_machine()
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS))
+    return replace(campaign, nominal=nominal)
+
+
+def played(campaign: Campaign, datum: FittedDatum) -> Outcomes:
+    return Rig(campaign.nominal, (), datum).play(campaign.touches, seed=3, replicates=2)
+
+
+def middle(values: FloatArray) -> float:
+    return float(np.nanmedian(values))
+
+
+def test_a_coordinate_that_is_off_shifts_the_deviations_of_its_axis_and_nothing_else() -> None:
+    campaign = stamped()
+    on_x = campaign.touches.axis == Axis.X
+
+    plain, off = (played(campaign, FittedDatum({}, data)) for data in ({}, {"X": 12.0}))
+
+    for shifted_um in off.deviation_um - plain.deviation_um:
+        np.testing.assert_allclose(shifted_um, np.where(on_x, 12.0, 0.0), atol=1e-9)
+    np.testing.assert_array_equal(off.latch_us, plain.latch_us)
+
+
+def test_a_surface_that_is_off_is_met_later_and_there() -> None:
+    campaign = stamped()
+    skip = campaign.touches.on_skip & (campaign.touches.axis == Axis.X)
+    speed_um_us = Scene(campaign.nominal, campaign.touches).speed[skip]
+
+    plain, off = (played(campaign, FittedDatum(data)) for data in ({}, {"X": 40.0}))
+
+    later_us = (off.latch_us - plain.latch_us)[:, skip]
+    farther_um = (off.deviation_um - plain.deviation_um)[:, skip]
+    assert middle(later_us * speed_um_us) == pytest.approx(40.0, rel=0.02)
+    assert middle(farther_um) == pytest.approx(40.0, abs=0.5)
+
+
+def test_a_datum_that_is_known_is_not_moved() -> None:
+    bench = read_campaign(BENCH)
+
+    plain, named = (played(bench, FittedDatum({}, data)) for data in ({}, {"X": 12.0}))
+
+    np.testing.assert_array_equal(plain.deviation_um, named.deviation_um)
+
+
+def diagnosed(rig: Rig, believed: Campaign) -> Diagnosis:
+    """A diagnosis that says what a rig is."""
+    beliefs = uncertain(believed.nominal)
+    named = [Named(one, "position", {}, (), 0.9) for one in rig.effects]
+    return Diagnosis(
+        verdict=Verdict.EXPLAINED,
+        where=[],
+        effects=named,
+        gap={},
+        ranking=[],
+        rivals=[],
+        left=[],
+        touches=1,
+        used=1,
+        notes=[],
+        believed=Rig(believed.nominal),
+        rig=rig,
+        beliefs=[(b, getattr(getattr(rig.nominal, b.key[0]), b.key[1])) for b in beliefs],
+    )
+
+
+def test_a_rig_comes_back_from_json() -> None:
+    campaign = read_campaign(MACHINE)
+    nominal = believing(campaign.nominal, {REPEATABILITY: 0.5})
+    rig = Rig(nominal, [BACKLASH], FittedDatum({"X": 3.0, "Y": -1.0}, {"X": 0.5, "Y": 0.25}))
+
+    document = json.loads(json.dumps(as_json(diagnosed(rig, campaign))))
+    back = rig_from_json(document, campaign.nominal)
+
+    assert back == rig
+    np.testing.assert_array_equal(
+        back.play(campaign.touches, seed=1, replicates=1).deviation_um,
+        rig.play(campaign.touches, seed=1, replicates=1).deviation_um,
+    )
+
+
+def test_names_with_a_point_in_them_come_back() -> None:
+    campaign = read_campaign(MACHINE)
+    rig = Rig(campaign.nominal, [], FittedDatum({}, {"session 3.b": 7.0}))
+
+    assert rig_from_json(as_json(diagnosed(rig, campaign)), campaign.nominal) == rig
+
+
+def test_an_older_diagnosis_has_effects_alone() -> None:
+    nominal = read_campaign(MACHINE).nominal
+    entry = {"id": BACKLASH.id, "params": dict(BACKLASH.parameters)}
+
+    rig = rig_from_json({"format": "skiplatch-diagnosis/1", "effects": [entry]}, nominal)
+
+    assert rig == Rig(nominal, [BACKLASH])
+
+
+@pytest.mark.parametrize(
+    "beliefs",
+    [
+        {"probe.colour": {"fitted": 1.0}},
+        {"datum.X.elsewhere_um": {"fitted": 1.0}},
+        {"probe.repeatability_um": {"value": 1.0}},
+        {"probe.repeatability_um": {"fitted": "wide"}},
+        ["probe.repeatability_um"],
+    ],
+)
+def test_beliefs_that_are_none_are_refused(beliefs: Any) -> None:  # noqa: ANN401
+    document = {"format": "skiplatch-diagnosis/2", "effects": [], "beliefs": beliefs}
+
+    with pytest.raises(ValueError, match=r"belief|diagnosis"):
+        rig_from_json(document, read_campaign(MACHINE).nominal)
