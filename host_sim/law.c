@@ -222,8 +222,8 @@ static double cauchy(double x, double width)
 static double log_density(const sim_residuals_t *of, uint64_t i, double moved)
 {
     double x = of->residuals[i] - moved;
-    double sum = share_left(of->extras, of->n, of->extra_count, i) *
-                 plain(&of->laws[i], x, of->resolution);
+    double sum =
+        share_left(of->extras, of->n, of->extra_count, i) * plain(&of->laws[i], x, of->resolution);
     for (uint32_t k = 0; k < of->extra_count; ++k) {
         const sim_extra_t *extra = &of->extras[k * of->n + i];
         if (extra->share > 0.0) {
@@ -242,12 +242,12 @@ void sim_law_log_density(const sim_residuals_t *of, double *log_densities)
 
 /* The best length of each group so far, and what was tried last. */
 typedef struct {
-    double  *best;  /* of each group */
-    double  *most;  /* log-likelihood there */
-    double  *tried; /* of each group */
-    double  *value; /* log-likelihood there */
-    double  *kept;  /* log-densities at the best, of each residual */
-    double  *seen;  /* at what was tried */
+    double *best;  /* of each group */
+    double *most;  /* log-likelihood there */
+    double *tried; /* of each group */
+    double *value; /* log-likelihood there */
+    double *kept;  /* log-densities at the best, of each residual */
+    double *seen;  /* at what was tried */
 } search_t;
 
 static double believed(double datum, double u)
