@@ -15,6 +15,7 @@
 #define NO_TAIL       12.0    /* sigmas beyond which what is left of a Gaussian changes no sum */
 #define NOTHING       (-40.0) /* sigmas from which down a Gaussian is 0 in any sum */
 #define ROUNDS        2       /* parabolas that the best length is taken from */
+#define MOST_ROUNDS   30      /* of them, on the way to a top that is far away */
 #define NARROWER      0.3     /* steps of a round, over those of the one before */
 #define FARTHEST      2.0     /* steps from the middle of a parabola that its top is believed */
 #define FAR           0.7     /* steps to the top beyond which a parabola is drawn again */
@@ -280,8 +281,9 @@ static void evaluate(const sim_residuals_t *of, const sim_datum_t *datum, search
     }
 }
 
-/* Go to the top of a parabola through the best length and one step to either side; again, with
- * narrower steps, where that was far away. `work` has room for three values of each group. */
+/* Go to the top of a parabola through the best length and one step to either side; again where
+ * that was far away, with narrower steps once the top is near. `work` has room for three values of
+ * each group. */
 static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t *search,
                   double *work)
 {
@@ -290,8 +292,9 @@ static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t 
     double  *most = work + groups;
     double  *left = work + 2 * groups;
     double   narrower = 1.0;
+    int      narrowed = 0;
     bool     is_far = true;
-    for (int round = 0; round < ROUNDS && is_far; ++round) {
+    for (int round = 0; round < MOST_ROUNDS && narrowed < ROUNDS && is_far; ++round) {
         for (uint32_t g = 0; g < groups; ++g) {
             middle[g] = search->best[g];
             most[g] = search->most[g];
@@ -304,15 +307,20 @@ static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t 
         }
         evaluate(of, datum, search);
         is_far = false;
+        bool is_beyond = false;
         for (uint32_t g = 0; g < groups; ++g) {
             double bend = fmax(2.0 * most[g] - left[g] - search->value[g], FLAT);
             double turn = 0.5 * (search->value[g] - left[g]) / bend;
             double steps = fmin(fmax(turn, -FARTHEST), FARTHEST);
             search->tried[g] = middle[g] + narrower * steps * datum->steps[g];
             is_far = is_far || fabs(turn) > FAR;
+            is_beyond = is_beyond || fabs(turn) > FARTHEST;
         }
         evaluate(of, datum, search);
-        narrower *= NARROWER;
+        if (!is_beyond) {
+            narrower *= NARROWER;
+            ++narrowed;
+        }
     }
 }
 

@@ -9,6 +9,7 @@ import pytest
 from played_campaigns import played
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
+from skiplatch.diagnosis.reliability import reliability
 from skiplatch.simulator import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -29,7 +30,7 @@ def test_a_recorded_interrupt_latency_is_named_and_the_gap_shrinks() -> None:
     (named,) = diagnosis.effects
     assert named.effect.parameters["latency_us"] == pytest.approx(41.7, abs=0.1)
     assert not named.alternatives
-    assert named.confidence > 0.97
+    assert named.confidence == pytest.approx(reliability(Verdict.EXPLAINED), rel=0.01)
     assert diagnosis.where[0].stage == "latch"
     assert diagnosis.where[0].paths == "skip"
     gap = diagnosis.gap["latch_after_edge_us"]

@@ -30,7 +30,7 @@ def scene(**columns: object) -> Scene:
         "position_mm": np.array([0.0, 10.0, 5.0, -5.0, 0.0]),
         "temp_c": np.array([20.0, 20.5, 21.0, 20.0, 20.0]),
     }
-    touches = Touches.from_columns(**{**given, **columns})
+    touches = Touches.from_columns(**{**given, **columns})  # type: ignore[arg-type]
     return Scene(read_campaign(MACHINE).nominal, touches)
 
 

@@ -54,7 +54,7 @@ def test_a_rig_leaves_nothing_of_its_own_plays(folder: Path) -> None:
 
 
 def feed_um(touches: Touches) -> FloatArray:
-    return 3.0 * (touches.feed_mm_min > np.median(touches.feed_mm_min))
+    return np.asarray(3.0 * (touches.feed_mm_min > np.median(touches.feed_mm_min)))
 
 
 def interacting_um(touches: Touches) -> FloatArray:
@@ -64,7 +64,7 @@ def interacting_um(touches: Touches) -> FloatArray:
 
 
 def every_fifth_um(touches: Touches) -> FloatArray:
-    return 4.0 * (touches.touch % 5 == 0)
+    return np.asarray(4.0 * (touches.touch % 5 == 0))
 
 
 def test_a_shift_with_a_condition_is_found_and_named() -> None:

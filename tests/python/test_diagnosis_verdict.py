@@ -83,6 +83,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         lambda rule: leaving(rule.threshold),
         lambda rule: leaving(rule.threshold + A_BIT),
     ),
+    "held_out": (
+        lambda _: Evidence(is_held_out=True),
+        lambda _: Evidence(is_held_out=False),
+    ),
     "within_limits": (
         lambda _: Evidence(at_limit=[]),
         lambda _: Evidence(at_limit=["backlash.backlash_um"]),
@@ -161,7 +165,7 @@ def test_no_clear_gap_shrinks_nowhere() -> None:
     unclear = Evidence(gaps=gaps(gap(0.95, is_clear=False)))
 
     (failure,) = failures([RULES["shrinks_somewhere"]], unclear)
-    assert failure.words == "no gap on the touches held out"
+    assert failure.words == "no gap is clear"
 
 
 def test_what_is_everywhere_tells_nothing_of_chance() -> None:

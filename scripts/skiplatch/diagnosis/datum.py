@@ -64,7 +64,8 @@ def at_best_datum(
     off_um = np.concatenate([part.off for part in parts]) / per_um
     width_um = np.sqrt(np.concatenate([part.variance for part in parts])) / per_um
     weights = width_um**-2.0
-    weight = np.bincount(groups, weights, count) + (0.0 if u_um is None else u_um**-2.0)
+    told = np.bincount(groups, weights, count)
+    weight = told + (0.0 if u_um is None else max(u_um, TINY) ** -2.0)
     guess = np.zeros(count)
     for group in range(count):
         here = groups == group
@@ -73,7 +74,7 @@ def at_best_datum(
             guess[group] = np.median(off_um[sharp])
     calm = np.clip((off_um - guess[groups]) / width_um, -CALM, CALM) * width_um
     pull = np.bincount(groups, calm * weights, count)
-    guess = guess + pull / np.maximum(weight, TINY)
+    guess = (guess + pull / np.maximum(told, TINY)) * told / np.maximum(weight, TINY)
     whole = Residuals.together([part.residuals for part in parts])
     steps = np.maximum(weight, TINY) ** -0.5
     found, logs = whole.at_best_datum(per_um, groups, guess, steps, u_um)
