@@ -258,7 +258,8 @@ uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later)
     double device_us = (double)device_time(sim, sim->now) / SIM_NS_PER_US;
     double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
     double stamp_us = sim_change(sim, SIM_CAPTURE, device_us);
-    *later = sim_ns_from_us(stamp_us - device_us);
+    double believed_us = floor(device_us * ticks_per_us) / ticks_per_us;
+    *later = sim_ns_from_us(stamp_us - believed_us);
     return (uint64_t)floor(stamp_us * ticks_per_us);
 }
 

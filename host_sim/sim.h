@@ -101,7 +101,7 @@ void sim_wake_after(sim_t *sim, uint32_t ticks);
 /* Device clock without the wrap. */
 uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time);
 
-/* The same now, as it gets into a stamp; and by how much `later` than now that is. */
+/* The same now, as it gets into a stamp; and by how much `later` than a believed tick that is. */
 uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later);
 
 #endif

@@ -30,6 +30,8 @@ about two either way."""
 CLOSE = 0.02
 """Standard uncertainties to which it is fitted."""
 ROUNDS = 2
+WORTH_MOVING = 2.0
+"""Nats that a move has to gain: as much one more parameter gains by chance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,6 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
             found = optimize.minimize_scalar(
                 cost, bounds=(-FARTHEST, FARTHEST), method="bounded", options={"xatol": CLOSE}
             )
-            if found.fun < cost(places[belief.key]):
-                places[belief.key] = float(found.x)
+            is_moved = found.fun < cost(0.0) - WORTH_MOVING
+            places[belief.key] = float(found.x) if is_moved else 0.0
     return Fitted(nominal_at(places), [(b, places[b.key]) for b in beliefs], nats_at(places))

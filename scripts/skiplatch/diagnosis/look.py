@@ -29,13 +29,19 @@ FEWEST = 8
 """Touches from which on anything can be seen."""
 FEWEST_FOR_FOREST = 25
 """The same of what only a forest sees."""
-SIGNIFICANT = 5.0
-"""Standard errors of the correlation between prediction and score."""
+SIGNIFICANT = 4.5
+"""Standard errors from which on a look is no accident: in a thousand campaigns of some sixty looks
+that are not quite normal, one or two."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
 SMALLEST = 1e-4
 RESOLVED = 0.25
 """Steps of rounding that a difference has to exceed."""
+RESOLVED_SCATTER = 0.41
+"""The same of scatter: what is rounded from anywhere scatters by a twelfth of the step squared, what
+is rounded up or down from one place by a fourth."""
+CALM = (0.02, 0.98)
+"""Quantiles beyond which values count no further for a spread."""
 NAMED = 3
 """Covariates that are named at most."""
 LEAST_TURNS = 1.0
@@ -74,7 +80,8 @@ class Left:
 
     def is_material(self, materiality: Materiality) -> bool:
         """It is large enough to matter, and to be told from rounding, which need not be random."""
-        if self.size <= RESOLVED * self.step:
+        resolved = RESOLVED_SCATTER if self.kind == "scatter" else RESOLVED
+        if self.size <= resolved * self.step:
             return False
         least = materiality.absolute(self.unit) if self.unit != "1" else None
         return self.relative > materiality.fraction if least is None else self.size > least
@@ -350,10 +357,14 @@ def _wave(
 
 def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
     """Give half the difference of middle or scatter between touches; of all of them from 0."""
-    measure = np.median if kind == "shift" else scatter
+    measure = np.median if kind == "shift" else _calm_spread
     if high.all():
         return abs(float(measure(off)))
     return 0.5 * abs(float(measure(off[high]) - measure(off[~high]))) if high.any() else 0.0
+
+
+def _calm_spread(values: FloatArray) -> float:
+    return float(np.std(np.clip(values, *np.quantile(values, CALM))))
 
 
 def scatter(values: FloatArray) -> float:

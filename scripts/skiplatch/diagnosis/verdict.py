@@ -182,6 +182,7 @@ EXPLAINS: Sequence[Rule] = (
         "a level: one in a million for each of some hundred looks, which are not quite normal",
         _leaves_nothing,
     ),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("held_out", 0.0, "theory: fitted touches do not judge the fit", _held_out),
     Rule(
         "within_limits",
@@ -202,7 +203,6 @@ NAMES: Sequence[Rule] = (
         "a level: of something that is named for certain; lower end of the interval",
         _shrinks_somewhere,
     ),
-    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
     Rule(
         "chance_is_chance",
