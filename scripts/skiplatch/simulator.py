@@ -7,7 +7,7 @@ themselves, so that their fields stand in one place.
 import os
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Self
@@ -157,6 +157,10 @@ class Outcomes:
     def ok(self) -> NDArray[np.bool_]:
         """Latched; shape (r, n)."""
         return np.asarray(self.status == Status.OK)
+
+    def select(self, touches: NDArray[np.intp]) -> "Outcomes":
+        """Give those of some of the touches, by their numbers from 0 up."""
+        return replace(self, **{f.name: getattr(self, f.name)[:, touches] for f in fields(self)})
 
 
 @dataclass(frozen=True, slots=True)

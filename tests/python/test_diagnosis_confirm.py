@@ -1,7 +1,7 @@
 """Plain simulation decides between models, and tells which ones the record cannot tell apart."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np

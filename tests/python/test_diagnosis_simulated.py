@@ -2,12 +2,14 @@
 
 import pickle
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import Datum, DatumFreedom
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import likelihood
@@ -79,6 +81,8 @@ def test_the_search_finds_parameters_from_the_table_alone(
     candidate = simulated(effect_id)
     effect = Effect(effect_id, dict(zip(candidate.names, values, strict=True)))
     scene = half_of(MACHINE, effect)
+    # Beside a datum that may be anywhere, other numbers of these effects do the same.
+    scene = scene.with_nominal(replace(scene.nominal, datum=Datum(DatumFreedom.NONE)))
     begun_s = time.process_time()
 
     found = fit(scene, [candidate], candidate.starts(scene, Change()))

@@ -101,7 +101,7 @@ def test_an_effect_leaves_alone_what_is_settled_before_its_stage(row: EffectDesc
     touches = mixed_touches(300, seed=4)
     untouched = UNTOUCHED[row.stage]
     if row.id in OF_THE_CLOCK_ALONE:
-        untouched = ("true_edge_us", "deviation_um", "report_us", "status")
+        untouched = ("true_edge_us", "report_us", "status")
 
     nominal, changed = run(touches), run(touches, example(row.id))
 

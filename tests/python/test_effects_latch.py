@@ -71,15 +71,22 @@ def test_isr_blocking_by_stretches_of_other_lengths_has_a_tail() -> None:
 
 
 @pytest.mark.parametrize("tick_us", [8.0, 0.3, 0.07])
-def test_timer_quantisation_rounds_stamps_down_and_moves_no_latch(
+def test_timer_quantisation_rounds_stamps_down_and_latches_the_position_of_the_tick(
     tick_us: float,
 ) -> None:
     played = trace(SKIP, "timer_quantisation", tick_us=tick_us)
     ticks = np.floor(np.rint(played.nominal.latch_us[0] * 100) / round(tick_us * 100))
 
     assert_close(played.changed.latch_us[0], ticks * tick_us, 1e-6)
-    np.testing.assert_array_equal(played.deviation_shift_um, 0.0)
+    assert_deviation_follows_the_latch(played)
     np.testing.assert_array_equal(played.report_shift_us, 0.0)
+
+
+def test_timer_quantisation_rounds_stamps_of_scans_and_moves_none() -> None:
+    played = trace(PLC, "timer_quantisation", tick_us=8.0)
+
+    assert_close(played.changed.latch_us[0], np.floor(played.nominal.latch_us[0] / 8.0) * 8.0, 1e-6)
+    np.testing.assert_array_equal(played.deviation_shift_um, 0.0)
 
 
 def test_timer_quantisation_may_round_to_the_nearest_tick() -> None:

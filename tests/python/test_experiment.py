@@ -171,7 +171,7 @@ def test_what_can_be_separated_is_while_the_rest_stays_tied() -> None:
     assert "trigger_delay and input_filter stay tied" in experiment.words
 
 
-def test_an_error_of_warmth_shows_on_a_warmer_machine() -> None:
+def test_an_error_of_warmth_shows_on_a_machine_that_warms_up() -> None:
     cool = recorded(DELAY, STAMPED)
     cool = replace(cool, touches=replace(cool.touches, temp_c=np.full(200, 20.0)))
     warmth = (*DELAY, Effect("thermal_drift", {"drift_um_k": 2.0}))
@@ -179,8 +179,8 @@ def test_an_error_of_warmth_shows_on_a_warmer_machine() -> None:
     experiment = settle(cool, [DELAY, warmth], seed=1, jobs=1)
 
     assert experiment.resolves
-    np.testing.assert_allclose(experiment.touches.temp_c, 25.0)
-    assert "warm up by 5 K" in experiment.words
+    np.testing.assert_allclose(experiment.touches.temp_c, np.linspace(20.0, 25.0, 60))
+    assert "warms up by 5 K" in experiment.words
 
 
 @pytest.mark.parametrize(

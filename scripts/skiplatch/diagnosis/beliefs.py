@@ -30,8 +30,8 @@ about two either way."""
 CLOSE = 0.02
 """Standard uncertainties to which it is fitted."""
 ROUNDS = 2
-WORTH_MOVING = 2.0
-"""Nats that a move has to gain: as much one more parameter gains by chance."""
+WORTH_MOVING = 4.0
+"""Nats that a belief has to gain to move: by chance one in two hundred does, and there are several."""
 
 
 @dataclass(frozen=True, slots=True)

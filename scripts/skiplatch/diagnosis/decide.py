@@ -18,7 +18,7 @@ BETTER = 2.0
 """Nats by which a form found in company has to be better than the one found alone."""
 PLAIN_SECOND = 0.2
 """Gain of a further effect over that of the others where it acts, from which on it is no form of
-theirs; one that gains less has to go with a condition of its own, or leave nothing."""
+theirs; one that gains less has to go with a condition of its own, or leave nothing in a stream."""
 FAINTEST = 0.03
 """The same below which it is not believed beside an effect that needs slack: that much any
 approximate model is off by."""
@@ -161,7 +161,7 @@ def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed)
         return False
     if share >= PLAIN_SECOND or judge.goes_its_own_way(larger):
         return True
-    return not noticed(larger) and bool(noticed(smaller))
+    return bool(noticed(smaller) - noticed(larger))  # a stream is explained altogether
 
 
 def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:

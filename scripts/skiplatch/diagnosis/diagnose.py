@@ -11,12 +11,12 @@ from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.as_effects import as_effects
-from skiplatch.diagnosis.beliefs import Belief, Fitted, fit_beliefs, uncertain
+from skiplatch.diagnosis.beliefs import Belief, fit_beliefs, uncertain
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find, reduced
 from skiplatch.diagnosis.hidden import Hidden, could_hide
-from skiplatch.diagnosis.intervals import estimates
+from skiplatch.diagnosis.intervals import estimates, settled
 from skiplatch.diagnosis.judge import Judge, Scored, Split, split
 from skiplatch.diagnosis.leftover import left_over, noticed, streams_of
 from skiplatch.diagnosis.look import Left, Memo
@@ -149,15 +149,14 @@ class _Work:
         self.judge: Judge | None = None
         self._memo: Memo = {}
 
-    def fitted(self, fit: Fit | None) -> Fitted:
-        """Fit the beliefs along with a hypothesis, on the touches that serve the naming."""
-        change = fit.change(self.naming) if fit else Change()
-        return fit_beliefs(self.naming, change, self.beliefs)
-
     def rig(self, fit: Fit | None) -> Rig:
-        """Give the rig that a hypothesis says it is."""
-        nominal = self.fitted(fit).nominal
+        """Give the rig that a hypothesis says it is, by all touches that serve the naming.
+
+        The beliefs are fitted last: they are to make up for no parameter.
+        """
+        fit = settled(self.naming, fit) if fit else None
         change = fit.change(self.naming) if fit else Change()
+        nominal = fit_beliefs(self.naming, change, self.beliefs).nominal
         datum = FittedDatum.of(self.naming.with_nominal(nominal), change)
         return Rig(nominal, as_effects(fit) if fit else (), datum)
 
@@ -252,9 +251,10 @@ def _conclusion(
 
     everywhere = np.full(len(scene), fill_value=True)
     gap = gaps(work.parts.shrinking if finding.model else everywhere)
-    is_held_out = finding.model is None or any(one.is_clear for one in gap.values())
+    is_held_out = finding.model is None or _is_clear(gap)
     if not is_held_out:
-        gap = gaps(everywhere)  # so few were held out that they show no gap
+        gap = gaps(everywhere)
+        is_held_out = not _is_clear(gap)  # else so few were held out that they show no gap
     hidden = could_hide(scene, known, seed=work.seed)
     evidence = Evidence(
         gaps=gap,
@@ -271,6 +271,10 @@ def _conclusion(
         false=int(scene.false.sum()),
     )
     return _Conclusion(finding, rig, known, named, gap, hidden, evidence)
+
+
+def _is_clear(gap: Mapping[str, Gap]) -> bool:
+    return any(one.is_clear for one in gap.values())
 
 
 def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Conclusion) -> Diagnosis:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
@@ -145,13 +146,16 @@ class _Surface:
         """Give the log-likelihood at parameters, shape (p,)."""
         if np.any(values < self.low) or np.any(values > self.high):
             return WORST
-        parts = tuple(np.split(values, self._ends))
         reached = self._found.reached
-        change = replace(self._found, parameters=parts).change(self._scene)
+        change = replace(self._found, parameters=self.parts(values)).change(self._scene)
         total = likelihood(self._scene, change, reached).total
         if total > self.top:
             self.top, self.highest = total, values
         return total if np.isfinite(total) else WORST
+
+    def parts(self, values: FloatArray) -> tuple[FloatArray, ...]:
+        """Take parameters, shape (p,), apart by effect."""
+        return tuple(np.split(values, self._ends))
 
     def climb(self, free: IndexArray, steps: FloatArray) -> None:
         """Go to the top: these touches need not be those of the fit."""
@@ -184,6 +188,19 @@ class _Surface:
     def fall(self, moved: FloatArray) -> float:
         """Give by how much it falls where all parameters, shape (p,), are moved."""
         return self.peak - self(self.values + moved)
+
+
+def settled(scene: Scene, found: Fit) -> Fit:
+    """Climb to the parameters that touches show, from those of a fit, with steps that these show.
+
+    What a search holds at 0, or at an end, stays there.
+    """
+    surface = _Surface(scene, found, as_effects(found))
+    free, steps = _free(surface, np.array([not slot.is_held for slot in surface.slots]))
+    if not len(free):
+        return found
+    surface.climb(free, steps)
+    return replace(found, parameters=surface.parts(surface.values))
 
 
 def estimates(scene: Scene, found: Fit, admitted: Sequence[Effect]) -> list[Estimate]:

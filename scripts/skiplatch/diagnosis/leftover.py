@@ -30,6 +30,7 @@ from skiplatch.simulator import Outcomes
 PLAYS = 60
 """Of each touch: ranks to a sixtieth."""
 MOST_TOUCHES = 1_500
+MOST_PLAYED = 4_000
 NOTICED = 3.5
 """Standard errors from which on something may be worth a search, which then decides."""
 MISSED = "missed"
@@ -51,9 +52,11 @@ def left_over(
         memo: What was found of other rigs, to be looked up and added to.
     """
     if len(scene) > MOST_TOUCHES:
-        rows = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
-        scene = scene.select(np.sort(rows))
-    outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS, jobs=jobs)
+        some = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
+        scene = scene.select(np.sort(some))
+    # What a touch does may depend on those before it, whether they are looked at or not.
+    sequence, rows = scene.in_sequence(MOST_PLAYED)
+    outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
     recorded, played = _without_rests(scene, *_dithered(scene, outcomes, seed))
     setting, memo = Setting(scene, seed), {} if memo is None else memo
     found: list[Left] = []

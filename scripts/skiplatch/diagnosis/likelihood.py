@@ -455,9 +455,11 @@ def _rounded_again(coarser: float, fine: float, *, is_held: bool) -> float:
 
 def _lattice(scene: Scene, stream: Stream, change: Change) -> Law:
     coarser = _coarser_tick_us(scene, change)
-    ticks = scan_period_us(scene, change) / max(change.coarse_us, TINY)
-    # Scans a whole number of ticks apart are all stamped early by the same rest.
-    box = coarser if abs(ticks - np.rint(ticks)) > ROUNDING else 0.0
+    period = scan_period_us(scene, change)
+    ticks = period / max(change.coarse_us, TINY)
+    # Scans a whole number of ticks apart are all stamped early by the same rest; else it wanders.
+    scans = float(np.ptp(scene.touches.latch_us[stream.indices])) / period
+    box = coarser * min(1.0, abs(ticks - np.rint(ticks)) * scans)
     law = replace(stream.law, box_a=stream.law.box_a + box, extras=change.lattice_extra)
     return replace(law, offset=law.offset - box / 2.0)
 
@@ -467,7 +469,8 @@ def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, F
     tick = scene.nominal.skip.tick_us
     begins = np.array([float(np.asarray(extra.offset)) for extra in law.extras])
     ends = begins + np.array([float(np.asarray(extra.width)) for extra in law.extras])
-    edges = np.concatenate([begins, ends])
+    box = np.array([0.0, 1.0]) * float(law.box_a.flat[0])
+    edges = np.concatenate([float(law.offset.flat[0]) + box, begins, ends])
     edges = edges[edges != 0.0]
     where = _lattice_places(tick, period)
     if len(edges):

@@ -22,6 +22,8 @@ from skiplatch.diagnosis.observed import UNITS
 from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene
 
+LONGEST = 100_000
+"""Touches of which a sequence may have as many as it likes."""
 TREES = 60
 LEAF = 5
 """Touches in a leaf, at least."""
@@ -37,9 +39,8 @@ DIGITS = 6
 SMALLEST = 1e-4
 RESOLVED = 0.25
 """Steps of rounding that a difference has to exceed."""
-RESOLVED_SCATTER = 0.41
-"""The same of scatter: what is rounded from anywhere scatters by a twelfth of the step squared, what
-is rounded up or down from one place by a fourth."""
+RESOLVED_SCATTER = 0.5
+"""The same of scatter: what is rounded up or down from one place scatters by half a step."""
 CALM = (0.02, 0.98)
 """Quantiles beyond which values count no further for a spread."""
 NAMED = 3
@@ -61,7 +62,8 @@ class Left:
         size: Of the difference: by condition, half of that between touches that are predicted high
             and low.
         unit: Of the size.
-        relative: The same in units of what the plays scatter by.
+        relative: The same in units of what the plays scatter by, but of no less than what a touch
+            repeats to: a machine measures no finer.
         noise: What the plays of a touch scatter by, in the middle.
         step: What the observable is rounded to.
         z: How many standard errors it is from nothing.
@@ -90,6 +92,11 @@ class Left:
     def p_value(self) -> float:
         """Chance of as much where nothing is left."""
         return float(stats.norm.sf(self.z))
+
+    @property
+    def is_share(self) -> bool:
+        """It is a share of touches, as of those that were missed, and no length or time."""
+        return self.kind == "share"
 
     @property
     def is_predicted(self) -> bool:
@@ -154,7 +161,9 @@ class Setting:
     @cached_property
     def known(self) -> Mapping[str, FloatArray]:
         """What each could depend on; shape (n,)."""
-        return {**conditions(self.scene), **sequence(self.scene)}
+        whole, rows = self.scene.in_sequence(LONGEST)
+        made = {name: values[rows] for name, values in sequence(whole).items()}
+        return {**conditions(self.scene), **made}
 
     @cached_property
     def places(self) -> Sequence[Place]:
@@ -170,6 +179,11 @@ class Setting:
             position = touches.position_mm
             found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
         return found
+
+    def repeats_to(self, observable: str) -> float:
+        """Give what a touch repeats to in an observable, in its unit; 0 of times."""
+        is_probe = UNITS[observable] == "µm" and self.scene.is_machine
+        return self.scene.nominal.probe.repeatability_um if is_probe else 0.0
 
     def step(self, observable: str) -> float:
         """Give what an observable is rounded to, in its unit."""
@@ -219,6 +233,7 @@ class Look:
         self._scores = normal_scores(np.round(recorded[rows], DIGITS), self._played)
         self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
         self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
+        self._scale = np.maximum(self._noise, setting.repeats_to(name))
 
     def all(self, memo: Memo) -> list[Left]:
         """Give everything that may be left of it."""
@@ -295,19 +310,19 @@ class Look:
                 continue
             period, share, z = wave
             size = float(np.sqrt(share)) * scatter(self._off)
-            relative = float(np.sqrt(share)) * scatter(self._off / self._noise)
+            relative = float(np.sqrt(share)) * scatter(self._off / self._scale)
             words = (f"{place.name}, in waves of {period:.3g} {place.unit}",)
             yield self._of("wave", words, size, relative, z)
 
     def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
         """Say how large it is, by the difference between the touches of a mask and the others."""
         size, relative = (
-            _apart(values, high, kind) for values in (self._off, self._off / self._noise)
+            _apart(values, high, kind) for values in (self._off, self._off / self._scale)
         )
         if high.all() and kind == "scatter":
             size, relative = (
                 np.sqrt(abs(size**2 - float(np.median(self._noise)) ** 2)),
-                np.sqrt(abs(relative**2 - 1.0)),
+                np.sqrt(abs(relative**2 - float(np.median(self._noise / self._scale)) ** 2)),
             )
         return self._of(kind, names, size, relative, z)
 

@@ -91,6 +91,16 @@ class Scene:
         chosen = np.arange(len(self))[rows]
         return Scene(self.nominal, self.touches.select(rows), self, chosen)
 
+    def in_sequence(self, most: int) -> tuple["Scene", NDArray[np.intp]]:
+        """Give the largest scene, of at most so many touches, that this one is a part of.
+
+        And which of its touches these are; shape (n,).
+        """
+        if self.whole is None or self.chosen is None or len(self.whole) > most:
+            return self, np.arange(len(self))
+        sequence, rows = self.whole.in_sequence(most)
+        return sequence, rows[self.chosen]
+
     def with_nominal(self, nominal: Nominal) -> "Scene":
         """Give the same touches under another belief."""
         whole = None if self.whole is None else self.whole.with_nominal(nominal)

@@ -104,7 +104,16 @@ def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
     clear = _clear(evidence)
     if any(gap.shrink.low > threshold for gap in clear.values()):
         return ""
+    if any(_share_gone(evidence, one) > threshold for one in evidence.before if one.is_share):
+        return ""
     return "no gap shrinks for certain" if clear else "no gap is clear"
+
+
+def _share_gone(evidence: Evidence, was: Left) -> float:
+    """Give how much for certain is gone of what was off in a share of touches, as of those missed."""
+    unseen = CHANCE * was.relative / was.z
+    now = max((one.relative for one in evidence.after if one.is_of(was)), default=unseen)
+    return 1.0 - now / was.relative
 
 
 def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
@@ -162,7 +171,7 @@ def _is_scattered(evidence: Evidence, left: Left) -> bool:
 def _takes_most(evidence: Evidence, threshold: float) -> str:
     for one in evidence.after:
         was = max((b.relative for b in evidence.before if b.is_of(one)), default=0.0)
-        if one.z > SIGNIFICANT and one.relative > threshold * was:
+        if one.z > SIGNIFICANT and one.relative**2 > threshold * was**2:
             return (
                 f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
             )
@@ -213,7 +222,7 @@ NAMES: Sequence[Rule] = (
     Rule(
         "takes_most",
         0.5,
-        "a level: what leaves more than half of a gap is not its cause",
+        "a level: what leaves more than half of the variance of a gap is not its cause",
         _takes_most,
     ),
 )

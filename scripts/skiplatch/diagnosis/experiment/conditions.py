@@ -47,10 +47,10 @@ class Conditions:
         approach_mm = np.minimum(self.touches.approach_mm, np.maximum(near_mm, NEAREST_MM))
         return timed(replace(self.touches, approach_mm=approach_mm), self.rest_s)
 
-    def warmer(self, by_k: float) -> "Conditions":
-        """Give the same touches on a warmer machine."""
-        touches = replace(self.touches, temp_c=self.touches.temp_c + by_k)
-        return Conditions(touches, self.rest_s)
+    def warming(self, by_k: float) -> "Conditions":
+        """Give the same touches while the machine warms up: of one temperature a datum tells nothing."""
+        rise_k = np.linspace(0.0, by_k, len(self.touches))
+        return Conditions(replace(self.touches, temp_c=self.touches.temp_c + rise_k), self.rest_s)
 
 
 def travel_s(touches: Touches) -> FloatArray:

@@ -69,7 +69,7 @@ class Experiment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Option:
-    """Touches made with one more column recorded, or none, or on a warmer machine."""
+    """Touches made with one more column recorded, or none, or while the machine warms up."""
 
     setting: words.Setting
     conditions: Conditions
@@ -115,7 +115,7 @@ def settle(
     options = stage.options(settings, drawn, kept, touches)
     if _best(options).trial.count < len(models) and not np.isnan(drawn.touches.temp_c).any():
         warm = [words.Setting(warmer_k=WARMER_K)]
-        options += stage.options(warm, drawn.warmer(WARMER_K), kept, touches)
+        options += stage.options(warm, drawn, kept, touches)
     return _recommended(options, models)
 
 
@@ -145,14 +145,16 @@ class _Stage:
         kept: frozenset[str],
         touches: int,
     ) -> list[_Option]:
-        """Choose touches for each setting, and try them."""
-        seen = self.play(drawn, self.replicates(drawn, DRAWN_REPLICATES), first=0)
+        """Choose touches for each setting, and try them; all settings are as warm as the first."""
+        warmer_k = settings[0].warmer_k
+        pool = drawn.warming(warmer_k)
+        seen = self.play(pool, self.replicates(pool, DRAWN_REPLICATES), first=0)
         found = []
         for setting in settings:
             columns = kept | {setting.column} if setting.column else kept
-            told = exponents(self.samples(drawn, seen, columns))
+            told = exponents(self.samples(pool, seen, columns))
             pairs = told[np.triu_indices(len(self.models), k=1)]
-            plan = drawn.chosen(choose(pairs, touches))
+            plan = drawn.chosen(choose(pairs, touches)).warming(warmer_k)
             trial = Trial.of(self.tried(plan, columns), self.groups(plan, columns))
             found.append(_Option(setting, plan, trial))
             if _is_soon_settled(found[0].trial):

@@ -66,7 +66,7 @@ def _lead(setting: Setting) -> str:
     if setting.column:
         return f"Record {setting.column} and make"
     if setting.warmer_k:
-        return f"Let the machine warm up by {setting.warmer_k:g} K and make"
+        return f"While the machine warms up by {setting.warmer_k:g} K, make"
     return "Make"
 
 
