@@ -7,6 +7,9 @@ from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
 from skiplatch.simulator import Effect, effects
 
+DIGITS = 10
+"""A tick of 1.5 µs that is a hair longer keeps no grid over hours."""
+
 
 def as_effects(fit: Fit) -> list[Effect]:
     """Give fitted effects as the simulator takes them."""
@@ -43,5 +46,10 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
         elif parameter.low >= 0.0:
             value = abs(value)
         high = highest(effect_id, parameter)
-        admitted[parameter.name] = float(np.clip(value, parameter.low, high))
+        admitted[parameter.name] = float(np.clip(rounded(value), parameter.low, high))
     return admitted
+
+
+def rounded(value: float) -> float:
+    """Round to the digits that are known."""
+    return float(f"{value:.{DIGITS}g}")

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy import optimize, stats
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.as_effects import as_effects
+from skiplatch.diagnosis.as_effects import as_effects, rounded
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
@@ -262,7 +262,7 @@ def _as_estimates(
         for _ in effect.parameters:
             slot, value = slots[i], float(values[i])
             turns = slot.turn * np.floor(value / slot.turn) if slot.turn else 0.0
-            parameters[slot.parameter.name] = value - turns
+            parameters[slot.parameter.name] = rounded(value - turns)
             ends[slot.parameter.name] = (float(low[i] - turns), float(high[i] - turns))
             if slot.turn and high[i] - low[i] > ANYWHERE * slot.turn:
                 ends[slot.parameter.name] = (0.0, slot.turn)

@@ -307,7 +307,7 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
     is_news = span_us > CLEAR * float(unsure_us[sharp].max())
     sharp = rows & (unsure_us < SHARP_AGE * span_us)
-    if not is_news:
+    if not is_news or not sharp.any():
         return usual
     updates_us = (scene.touches.latch_us - ages_us)[sharp]
     dead_us = max(float(ages_us[sharp].min()), 0.0)
