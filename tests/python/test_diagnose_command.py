@@ -121,3 +121,17 @@ def test_a_bad_diagnosis_is_one_line(tmp_path: Path, text: str, message: str) ->
     assert message in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (tmp_path / "out.csv").exists()
+
+
+def test_json_for_stdout_is_alone_there() -> None:
+    result = CliRunner().invoke(cli.group, ["check", str(BENCH), "--json", "-"])
+
+    assert json.loads(result.stdout)["kind"] == "bench"
+    assert "400 touches" in result.stderr
+
+
+@pytest.mark.parametrize(("sample", "status"), [("machine_no_gap", 0), ("bench_isr_latency", 1)])
+def test_a_gap_fails_a_run_that_nobody_watches(sample: str, status: int) -> None:
+    result = CliRunner().invoke(cli.group, ["diagnose", str(SAMPLES / sample), "--fail-on-gap"])
+
+    assert result.exit_code == status, result.output

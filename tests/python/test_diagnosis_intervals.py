@@ -10,7 +10,7 @@ from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.intervals import CONFIDENCE, Estimate, estimates
+from skiplatch.diagnosis.intervals import CONFIDENCE, Estimate, estimates, settled
 from skiplatch.diagnosis.likelihood import affected
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
@@ -29,17 +29,20 @@ def whole(effect: Effect) -> Effect:
     return Effect(effect.id, {p.name: effect.parameters.get(p.name, 0.0) for p in described})
 
 
-def estimated(scene: Scene, *begun: Effect, slack: float = 0.0) -> list[Estimate]:
-    """Settle effects, from where a search has brought them."""
-    begun = tuple(map(whole, begun))
+def standing(scene: Scene, *begun: Effect, slack: float = 0.0) -> Fit:
+    """Effects where a search has brought them."""
     found = Fit(
         tuple(CANDIDATES[effect.id] for effect in begun),
-        tuple(np.array(list(effect.parameters.values())) for effect in begun),
+        tuple(np.array(list(whole(effect).parameters.values())) for effect in begun),
         frozenset(),
         slack,
     )
-    found = replace(found, reached=affected(scene, found.change(scene)))
-    return estimates(scene, found, begun)
+    return replace(found, reached=affected(scene, found.change(scene)))
+
+
+def estimated(scene: Scene, *begun: Effect, slack: float = 0.0) -> list[Estimate]:
+    found = standing(scene, *begun, slack=slack)
+    return estimates(scene, found, tuple(map(whole, begun)))
 
 
 def off(effect: Effect, by: float) -> Effect:
@@ -153,3 +156,14 @@ def test_estimates_begin_from_a_fit_to_other_touches(
         reached = far.effect.parameters[name]
         assert reached == pytest.approx(near.effect.parameters[name], abs=0.3 * whole_width)
         assert width(far.intervals[name]) == pytest.approx(whole_width, rel=0.4)
+
+
+def test_a_fit_to_other_touches_is_settled_on_these() -> None:
+    clock = Effect("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0})
+    scene = Scene.of(played(MACHINE, clock))
+
+    (found,) = settled(scene, standing(scene, off(clock, 1.0001))).parameters
+
+    # After hours a clock is known to many digits; what the search held at 0 stays there.
+    assert found == pytest.approx([-20.0, 0.0, -2.0], rel=2e-6)
+    assert found[1] == 0.0

@@ -16,6 +16,7 @@ from skiplatch.diagnosis.look import EVERYWHERE, FEWEST, RESOLVED, Left, Memo, n
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.simulator import Effect
 
 Disturbed = Callable[[Touches], FloatArray]
 
@@ -51,6 +52,17 @@ def test_a_rig_leaves_nothing_of_its_own_plays(folder: Path) -> None:
     """False alarms at five standard errors, over some thirty looks: one in 100,000 campaigns."""
     for seed in range(2):
         assert mattering(played(folder, seed=seed)) == []
+
+
+def test_touches_are_played_after_those_that_are_not_looked_at() -> None:
+    """A clock that follows the temperature has run since the first touch, whichever are left."""
+    clock = Effect("timer_drift", {"drift_ppm": 5.0, "warmth_ppm_k": 3.0})
+    campaign = played(MACHINE, clock)
+    some = Scene.of(campaign).select(np.random.default_rng(2).random(len(campaign.touches)) < 0.6)
+
+    found = left_over(some, Rig(campaign.nominal, [clock]), seed=1)
+
+    assert not [one for one in found if one.is_significant and one.is_material(DEFAULT)]
 
 
 def feed_um(touches: Touches) -> FloatArray:

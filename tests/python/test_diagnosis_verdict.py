@@ -279,3 +279,21 @@ def test_few_touches_that_show_a_gap_all_the_same_are_not_undecided() -> None:
 
 def test_an_effect_that_was_found_needs_no_number_of_touches() -> None:
     assert decide(replace(FOUND, hidden=1.5))[0] == Verdict.EXPLAINED
+
+
+def missing(z: float) -> Left:
+    """A fifth of the touches was missed."""
+    return Left("missed", "plc", "share", (EVERYWHERE,), 0.2, "1", 0.2, 0.0, 0.0, z)
+
+
+@pytest.mark.parametrize(("z", "is_known"), [(50.0, True), (4.5, False)])
+def test_touches_that_are_missed_no_more_are_a_gap_that_shrinks(z: float, is_known: bool) -> None:  # noqa: FBT001
+    found = Evidence(before=[missing(z)])
+
+    assert (failures([RULES["shrinks_somewhere"]], found) == []) is is_known
+
+
+def test_touches_that_are_missed_still_are_no_gap_that_shrinks() -> None:
+    kept = Evidence(before=[missing(50.0)], after=[missing(45.0)])
+
+    assert len(failures([RULES["shrinks_somewhere"]], kept)) == 1

@@ -12,7 +12,14 @@ import numpy as np
 
 from skiplatch.campaign import COLUMNS, InputPath
 from skiplatch.campaign.column_kinds import ChoiceColumn
-from skiplatch.commands.options import SizeType, json_option, json_text, seed_option
+from skiplatch.commands.options import (
+    STDOUT,
+    SizeType,
+    json_option,
+    json_text,
+    seed_option,
+    write_json,
+)
 from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
 from skiplatch.compensation.delay import S_PER_MIN, Delay, estimate_delay
@@ -207,11 +214,13 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     _check_options(radii, given)
     result = _result(radii, given)
     texts, remarks = _texts(result, radii, given)
-    if json_path is not None:
-        found = text.as_json(result.done, result.figures, result.known, result.after)
+    found = text.as_json(result.done, result.figures, result.known, result.after)
+    if json_path not in (None, STDOUT):
         texts.append((json_path, json_text(found)))
     _refuse_clashes([path for path, _ in texts], radii, given)
     atomic_write_texts(dict(texts))
+    if json_path == STDOUT:
+        write_json(json_path, found)
     click.echo(text.as_text(result.done, result.figures, result.known, result.after))
     for remark in remarks:
         click.echo(remark)

@@ -14,7 +14,7 @@ from skiplatch.commands.options import (
     seed_option,
     write_json,
 )
-from skiplatch.diagnosis import Diagnosis, as_json, as_text, diagnose, explained
+from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, explained
 from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.files import atomic_write_text
@@ -22,6 +22,8 @@ from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
 from skiplatch.transmission.source import periodic_sources, read_axis_train
 
+GAP = 1
+"""Exit status of a gap."""
 EPILOG = """\b
 Example:
   skiplatch diagnose scripts/samples/bench_isr_latency --json build/diagnosis.json
@@ -83,7 +85,14 @@ Example:
     help="Print every rule of the verdict with its threshold and reason, and what every model that "
     "was tried is short of.",
 )
+@click.option(
+    "--fail-on-gap",
+    is_flag=True,
+    help="End with exit status 1 if there is a gap, explained or not: for runs that nobody watches.",
+)
+@click.pass_context
 def command(
+    ctx: click.Context,
     campaign: Path,
     seed: int,
     jobs: int,
@@ -95,6 +104,7 @@ def command(
     truth: tuple[Effect, ...],
     train_path: Path | None,
     explain: bool,  # noqa: FBT001
+    fail_on_gap: bool,  # noqa: FBT001
 ) -> None:
     """Say where the gap of a CAMPAIGN lies, which effects cause it, and how far it shrinks.
 
@@ -126,6 +136,8 @@ def command(
     if html_path is not None:
         page = _page(recorded, diagnosis, campaign.resolve().name, words, seed, jobs)
         atomic_write_text(html_path, page)
+    if fail_on_gap and diagnosis.verdict not in (Verdict.NO_GAP, Verdict.UNDECIDED):
+        ctx.exit(GAP)
 
 
 def _page(

@@ -3,7 +3,9 @@
 import json
 import math
 import os
+import sys
 from collections.abc import Callable, Mapping
+from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
@@ -38,11 +40,23 @@ jobs_option: Decorator = click.option(
     help="Threads to work on; the result does not depend on it.",
 )
 
+STDOUT = Path("-")
+
+
+def _text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Path | None:
+    """Send what is meant for people to stderr if JSON goes to stdout."""
+    if path == STDOUT:
+        ctx.meta[__name__] = sys.stdout
+        ctx.with_resource(redirect_stdout(sys.stderr))
+    return path
+
+
 json_option: Decorator = click.option(
     "--json",
     "json_path",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Also write the result as JSON to this file.",
+    type=click.Path(path_type=Path, dir_okay=False, allow_dash=True),
+    callback=_text_aside,
+    help="Also write the result as JSON to this file; - for stdout, all else then goes to stderr.",
 )
 
 
@@ -107,5 +121,7 @@ def json_text(result: Mapping[str, Any]) -> str:
 
 def write_json(path: Path | None, result: Mapping[str, Any]) -> None:
     """Write the result, or do nothing without a path; see `json_text`."""
-    if path is not None:
+    if path == STDOUT:
+        click.echo(json_text(result), file=click.get_current_context().meta[__name__], nl=False)
+    elif path is not None:
         atomic_write_text(path, json_text(result))

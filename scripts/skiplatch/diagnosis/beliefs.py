@@ -20,6 +20,9 @@ Key = tuple[str, str]
 NOISE_U = 0.3
 """Relative standard uncertainty of a noise where none is given: that of a standard deviation from
 six or seven touches (GUM, table E.1)."""
+LOBES: Key = ("probe", "lobe_um")
+LOBES_U = 0.05
+"""Relative standard uncertainty of the lobes where none is given: no calibration is better."""
 NOISE: Mapping[Kind, tuple[Key, ...]] = {
     Kind.MACHINE: (("probe", "repeatability_um"), ("skip", "jitter_us"), ("report", "jitter_us")),
     Kind.BENCH: (("bench", "reference_jitter_us"), ("skip", "jitter_us"), ("report", "jitter_us")),
@@ -74,10 +77,13 @@ class Belief:
 
 
 def uncertain(nominal: Nominal) -> list[Belief]:
-    """Name the beliefs that are fitted: those with an uncertainty, and all noise."""
+    """Name the beliefs that are fitted: those with an uncertainty, all noise, and the lobes."""
     given = getattr(nominal, "uncertainty", {})
     noise = [key for key in NOISE[nominal.kind] if key not in given and _value(nominal, key) > 0.0]
     found = [Belief(key, _value(nominal, key), NOISE_U, is_noise=True) for key in noise]
+    lobe_um = _value(nominal, LOBES)
+    if LOBES not in given and lobe_um > 0.0:
+        found.append(Belief(LOBES, lobe_um, LOBES_U * lobe_um, is_noise=False))
     for key, u in given.items():
         value = _value(nominal, key)
         is_noise = key in NOISE[nominal.kind] and value > 0.0

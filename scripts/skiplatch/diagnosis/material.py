@@ -10,6 +10,7 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.beliefs import LOBES_U
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Law, extra_variance
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under
@@ -21,7 +22,7 @@ ROUNDING = 0.3
 """Share of what a stretch is rounded to, below which no scatter is material."""
 RESOLVED = 0.1
 """Share of it below which no shift is: rounding need not be as random as its law has it."""
-CALIBRATED = 0.1
+CALIBRATED = 2.0 * LOBES_U
 """Share of the believed lobes within which a probe counts as calibrated."""
 WIDE = 20.0
 """Standard deviations from which on a box has edges that can be seen to be left."""
