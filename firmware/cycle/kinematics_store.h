@@ -35,11 +35,12 @@ extern "C" {
 #define KINEMATICS_STORE_RECORDS     16  /* besides the active description; up to 30 */
 #define KINEMATICS_STORE_PAYLOAD_MAX 256 /* bytes of a description */
 #define KINEMATICS_STORE_PAGE_BYTES  64  /* of the memory, or a multiple of its pages */
+#define KINEMATICS_STORE_NAME_MAX    16
 #endif
-#define KINEMATICS_STORE_NAME_MAX   16
 #define KINEMATICS_STORE_NUMBER_MAX 99999
-#define KINEMATICS_STORE_RECORD_PAGES                                        \
-    ((25 + KINEMATICS_STORE_PAYLOAD_MAX + KINEMATICS_STORE_PAGE_BYTES - 1) / \
+#define KINEMATICS_STORE_RECORD_PAGES                                                              \
+    ((9 + KINEMATICS_STORE_NAME_MAX + KINEMATICS_STORE_PAYLOAD_MAX + KINEMATICS_STORE_PAGE_BYTES - \
+      1) /                                                                                         \
      KINEMATICS_STORE_PAGE_BYTES)
 #define KINEMATICS_STORE_SLOT_BYTES \
     ((1 + KINEMATICS_STORE_RECORD_PAGES) * KINEMATICS_STORE_PAGE_BYTES)

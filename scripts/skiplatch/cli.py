@@ -1,13 +1,15 @@
 """The command line: ``skiplatch COMMAND``."""
 
+import os
 import sys
 import warnings
+from contextlib import suppress
 from importlib import import_module
-from typing import TextIO
+from typing import NoReturn, TextIO
 
 import click
 
-from skiplatch.errors import CampaignWarning, InputError, hint, quoted
+from skiplatch.errors import CampaignWarning, InputError, hint, one_line, quoted
 from skiplatch.simulator import SimulationError
 
 BAD_INPUT = 2
@@ -96,10 +98,24 @@ def main() -> None:
     """Run the command line; bad input is one line on stderr and exit status 2."""
     warnings.showwarning = _show_warning
     try:
-        group(prog_name="skiplatch")
+        try:
+            group(prog_name="skiplatch")
+        finally:
+            sys.stdout.flush()
     except (InputError, SimulationError) as error:
-        click.echo(f"skiplatch: {error}", err=True)
-        sys.exit(BAD_INPUT)
+        _refuse(str(error))
+    except (OSError, MemoryError, RecursionError) as error:
+        _refuse(one_line(f"{type(error).__name__}: {error}"))
+
+
+def _refuse(message: str) -> NoReturn:
+    """Say it, if there is somewhere left to say it; what stdout still holds goes nowhere."""
+    with suppress(OSError):
+        click.echo(f"skiplatch: {message}", err=True)
+    with suppress(OSError):
+        sys.stdout.flush()
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(BAD_INPUT)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Reading within limits, and writing so that nothing is ever seen half-written."""
 
+import json
 import os
 import secrets
 import shutil
@@ -7,8 +8,11 @@ import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from skiplatch.errors import InputError
+
+MOST_JSON_BYTES = 64 << 20
 
 
 def atomic_write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -99,6 +103,47 @@ def failures_named(path: str | os.PathLike[str], doing: str) -> Iterator[None]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(path, None, None, f"cannot {doing}: {reason}") from error
+
+
+def read_bytes(path: Path, max_bytes: int) -> bytes:
+    """Read a regular file that is not larger than can be meant.
+
+    Raises:
+        InputError: The file cannot be read, is none, or is too large.
+    """
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, max_bytes)
+        return path.read_bytes()
+
+
+def read_text(path: Path, max_bytes: int) -> str:
+    """Read UTF-8 text as `read_bytes` does; a byte order mark is accepted.
+
+    Raises:
+        InputError: See `read_bytes`; or it is no such text.
+    """
+    data = read_bytes(path, max_bytes)
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise InputError(path, line, None, "not UTF-8 text") from error
+
+
+def read_json(path: Path, max_bytes: int = MOST_JSON_BYTES) -> Any:  # noqa: ANN401 - JSON is anything
+    """Read a JSON document as `read_text` does.
+
+    Raises:
+        InputError: See `read_text`; or it is no JSON, or one that nests too deeply.
+    """
+    text = read_text(path, max_bytes)
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InputError(path, error.lineno, error.colno, f"no JSON: {error.msg}") from error
+    except (RecursionError, ValueError) as error:
+        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise InputError(path, None, None, f"no JSON: {reason}") from error
 
 
 def refuse_special_or_large(path: Path, max_bytes: int) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from skiplatch.errors import InputError
-from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.files import read_text
 
 # tomllib takes time and memory that grow with the square of a dotted key's length.
 MAX_BYTES = 65_536
@@ -22,14 +22,7 @@ def read_toml_text(path: Path) -> str:
     Raises:
         InputError: The file cannot be read, is too large, or is no UTF-8 text.
     """
-    with failures_named(path, "read"):
-        refuse_special_or_large(path, MAX_BYTES)
-        data = path.read_bytes()
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise InputError(path, line, None, "not UTF-8 text") from error
+    text = read_text(path, MAX_BYTES)
     for number, line_text in enumerate(text.split("\n"), 1):
         if len(line_text) > MAX_LINE_CHARACTERS:
             message = f"line of more than {MAX_LINE_CHARACTERS} characters"

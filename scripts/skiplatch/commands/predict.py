@@ -1,6 +1,5 @@
 """``skiplatch predict``: conditions and a diagnosis in, predictions out."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.errors import InputError
-from skiplatch.files import atomic_write_text, failures_named
+from skiplatch.files import atomic_write_text, read_json
 from skiplatch.simulator import Outcomes
 
 EPILOG = """\b
@@ -30,12 +29,9 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
     """Give the rig that a diagnosis says it is, or the believed one."""
     if path is None:
         return Rig(nominal)
-    with failures_named(path, "read"):
-        text = path.read_text(encoding="utf-8", errors="replace")
+    document = read_json(path)
     try:
-        return rig_from_json(json.loads(text), nominal)
-    except json.JSONDecodeError as error:
-        raise InputError(path, error.lineno, error.colno, f"no JSON: {error.msg}") from error
+        return rig_from_json(document, nominal)
     except ValueError as error:
         raise InputError(path, None, None, str(error)) from error
 

@@ -1,5 +1,6 @@
 """``skiplatch transmission``: the error of a drive chain from the pulses of two encoders."""
 
+import re
 from fractions import Fraction
 from pathlib import Path
 
@@ -17,6 +18,7 @@ Example:
   skiplatch transmission PULSES.csv --lines1 1024 --lines2 3600 --ratio 407/10 --json build/te.json
 """
 MOST_LINES = 1 << 24
+SHORT_NUMBER = re.compile(r"[+-]?\d{1,12}(\.\d{1,12}|/\d{1,12})?")
 
 
 class RatioType(click.ParamType[Fraction]):
@@ -31,7 +33,7 @@ class RatioType(click.ParamType[Fraction]):
         if isinstance(value, Fraction):
             return value
         try:
-            ratio = Fraction(value)
+            ratio = Fraction(value if SHORT_NUMBER.fullmatch(value) else "none")
         except (ValueError, ZeroDivisionError):
             self.fail(f'"{value}" is no fraction such as 407/10', param, ctx)
         if ratio <= 0:

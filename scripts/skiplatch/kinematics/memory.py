@@ -37,7 +37,9 @@ class Memory:
         _, lib = connection()
         self._path = path
         size = lib.sim_450_bytes()
-        if not path.exists():
+        with failures_named(path, "read"):
+            is_there = path.exists()
+        if not is_there:
             with failures_named(path.parent, "write"):
                 path.parent.mkdir(parents=True, exist_ok=True)
             atomic_write_bytes(path, bytes(size))

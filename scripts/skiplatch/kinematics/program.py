@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skiplatch.errors import InputError, quoted
-from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.files import read_text
 
 MOST_BYTES = 1_000_000
 MM_PER_INCH = 25.4
@@ -186,15 +186,7 @@ def read_program(path: Path) -> Program:
     Raises:
         InputError: It cannot be read, or is not such a program.
     """
-    with failures_named(path, "read"):
-        refuse_special_or_large(path, MOST_BYTES)
-        data = path.read_bytes()
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[: error.start].count(b"\n") + 1
-        raise InputError(path, line, None, "expected text in UTF-8") from None
-    return _Reader(path, text).read()
+    return _Reader(path, read_text(path, MOST_BYTES)).read()
 
 
 def texts(program: Program) -> Iterator[str]:

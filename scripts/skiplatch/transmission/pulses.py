@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.errors import InputError, quoted
-from skiplatch.files import failures_named
+from skiplatch.files import failures_named, refuse_special_or_large
 
 INPUT, OUTPUT, INPUT_INDEX, OUTPUT_INDEX = 1, 2, 3, 4
 BACKWARD = 128
@@ -36,6 +36,7 @@ BLOCK_BYTES = 8 << 20
 COLUMNS = ("channel", "t_ns")
 SENSE = "sense"
 MOST_HEADER_BYTES = 4096
+MOST_BYTES = 64 << 30
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,6 +59,8 @@ def read_pulses(path: Path) -> Iterator[Pulses]:
         InputError: The file cannot be read, is truncated, holds something else, or its time goes
             back.
     """
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, MOST_BYTES)
     with failures_named(path, "read"), path.open("rb") as file:
         is_binary = _is_binary(path, file.read(MOST_HEADER_BYTES))
         file.seek(0)

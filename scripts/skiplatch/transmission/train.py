@@ -15,16 +15,14 @@ A description in TOML lists the stages from the input to the output::
     lead_mm = 10.0
 """
 
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, quoted
-from skiplatch.files import failures_named, refuse_special_or_large
 
-MAX_BYTES = 1 << 20
 MOST_HARMONIC = 4
 MESH = "mesh of "
 NEAR = 5e-4
@@ -133,13 +131,7 @@ def read_train(path: Path) -> GearTrain:
     Raises:
         InputError: It cannot be read, or something in it is wrong.
     """
-    with failures_named(path, "read"):
-        refuse_special_or_large(path, MAX_BYTES)
-        data = path.read_bytes()
-    try:
-        table = tomllib.loads(data.decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path, None, None, f"not valid TOML: {error}") from error
+    table = parse_toml(path, read_toml_text(path))
     stages = table.get("stage", [])
     if not isinstance(stages, list) or set(table) - {"stage", "screw"}:
         raise InputError(path, None, None, "expected the tables [[stage]] and [screw] alone")

@@ -1,0 +1,97 @@
+"""Every file option of every command against every hostile file: one line and status 2.
+
+Commands and options are found by themselves, so a new one is tested as well.
+"""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import pytest
+from click.testing import CliRunner
+
+from hostile import HOSTILE, NOT_HELD, Place, call, make, places
+from skiplatch.cli import group
+from skiplatch.errors import InputError
+
+PATIENCE_S = 60
+READ = [place for place in places() if not place.is_output]
+FINE = {
+    ("--truth", "empty"),
+    ("--truth", "mark alone"),
+    ("--memory", "missing"),
+    ("--memory", "link to itself"),
+}
+"""A truth without errors, and a store that is made anew."""
+FEW = ["fifo", "a terabyte", "no UTF-8", "deep object", "a list"]
+MANY = [kind for kind in HOSTILE if kind not in FEW]
+
+
+@contextmanager
+def patience() -> Iterator[None]:
+    """Raise what no command catches when it hangs."""
+
+    def hangs(number: int, frame: FrameType | None) -> None:
+        raise AssertionError("it hangs")
+
+    before = signal.signal(signal.SIGALRM, hangs)
+    signal.alarm(PATIENCE_S)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def check(place: Place, kind: str, folder: Path) -> None:
+    if " ".join(place.command).startswith(NOT_HELD):
+        pytest.skip("not held against hostile files yet")
+    (folder / "in").mkdir()
+    path = make(kind, folder / "in")
+    with patience():
+        result = CliRunner().invoke(group, call(place, path, folder / "out"))
+
+    if (place.option, kind) in FINE:
+        assert result.exit_code == 0, result.output
+        return
+    assert not (folder / "out").exists()
+    if isinstance(result.exception, InputError):
+        assert len(str(result.exception).splitlines()) == 1
+    else:
+        assert isinstance(result.exception, SystemExit), repr(result.exception)
+        assert result.exit_code == 2, result.output
+
+
+@pytest.mark.parametrize("kind", FEW)
+@pytest.mark.parametrize("place", READ, ids=str)
+def test_a_hostile_file_is_refused(place: Place, kind: str, tmp_path: Path) -> None:
+    check(place, kind, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", MANY)
+@pytest.mark.parametrize("place", READ, ids=str)
+def test_any_hostile_file_is_refused(place: Place, kind: str, tmp_path: Path) -> None:
+    check(place, kind, tmp_path)
+
+
+def test_a_ratio_of_a_thousand_million_digits_is_refused() -> None:
+    command = ["transmission", "x.csv", "--lines1", "9", "--lines2", "9", "--ratio", "1e999999999"]
+    with patience():
+        result = CliRunner().invoke(group, command)
+
+    assert result.exit_code == 2
+    assert "is no fraction such as 407/10" in result.output
+
+
+def test_a_full_disk_behind_stdout_is_one_line() -> None:
+    command = [sys.executable, "-m", "skiplatch.cli", "effects"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+
+    assert done.returncode == 2
+    assert done.stderr == "skiplatch: OSError: [Errno 28] No space left on device\n"
