@@ -17,7 +17,7 @@ $(STAMPS)/gpiod: scripts/setup_gpiod.sh
 	@mkdir -p $(@D) && touch $@
 
 # What needs an absent cross compiler, emulator or tool of the rig is counted as skipped.
-$(addprefix $(STAMPS)/system-,cross emulators rig): $(STAMPS)/system-%: scripts/setup_system.sh
+$(addprefix $(STAMPS)/system-,cross emulators rig fresh): $(STAMPS)/system-%: scripts/setup_system.sh
 	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 

@@ -28,6 +28,8 @@ packages_of() {
     # the virtual machine of the Linux bench; what works in it, or on a host with the devices
     vm) echo qemu-system-x86 busybox-static xz-utils zstd ;;
     rig) echo iproute2 rt-tests can-utils ;;
+    # a bare Debian to try the project in: scripts/fresh.sh
+    fresh) echo debootstrap ;;
     # what the packages of the firmware are built with; see docs/PACKAGES.md
     packages) echo g++ cmake ninja-build pkg-config ;;
     # the real controller that the latch is held beside; see docs/LINUXCNC.md
