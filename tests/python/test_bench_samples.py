@@ -8,7 +8,7 @@ import pytest
 
 from skiplatch.bench.plan import read_plan
 from skiplatch.campaign import read_campaign, read_nominal
-from skiplatch.diagnosis import Diagnosis, diagnose
+from skiplatch.diagnosis import Diagnosis, Verdict, diagnose
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 PLANS = SAMPLES / "plans"
@@ -40,23 +40,26 @@ def test_figures_of_the_rig_are_another_campaigns_own() -> None:
     assert np.median(after_us) == pytest.approx(skip.latency_us + skip.jitter_us / 2, abs=20.0)
 
 
-def found_in(name: str) -> tuple[Diagnosis, dict[str, Mapping[str, float]]]:
-    """Diagnose a campaign of the rig; give the parameters of the effects by their names as well."""
+def found_in(name: str) -> tuple[Diagnosis, Mapping[str, Mapping[str, float]]]:
+    """Diagnose a campaign of the rig; give the parameters of the best model by effect.
+
+    What is best need not be named: a kernel does more at a time than the catalogue has.
+    """
     diagnosis = diagnose(read_campaign(SAMPLES / f"rig_{name}"), seed=1, jobs=JOBS)
-    return diagnosis, {named.effect.id: named.effect.parameters for named in diagnosis.effects}
+    return diagnosis, {effect.id: effect.parameters for effect in diagnosis.ranking[0].effects}
 
 
 @pytest.mark.long
-def test_debounce_is_named_as_a_filter_and_the_gap_shrinks() -> None:
-    diagnosis, named = found_in("debounce")
+def test_debounce_is_best_explained_by_a_filter() -> None:
+    diagnosis, found = found_in("debounce")
 
-    assert "input_filter" in named
-    assert named["input_filter"]["delay_us"] >= 1000.0  # the plan's; the kernel counts in ticks
+    assert "input_filter" in found
+    assert found["input_filter"]["delay_us"] >= 1000.0  # the plan's; the kernel counts in ticks
     assert diagnosis.gap["latch_after_edge_us"].shrink.low > 0.8
 
 
 @pytest.mark.long
-def test_busy_process_is_named_by_its_late_scans_and_its_late_reports() -> None:
+def test_busy_process_is_best_explained_by_late_scans_and_late_reports() -> None:
     diagnosis, found = found_in("cpu_load")
 
     assert set(found) & {"scan_jitter", "scan_overrun"}
@@ -66,10 +69,10 @@ def test_busy_process_is_named_by_its_late_scans_and_its_late_reports() -> None:
 
 
 @pytest.mark.long
-def test_flood_is_named_by_its_late_reports_and_the_gap_shrinks() -> None:
-    diagnosis, named = found_in("bus_load")
+def test_flood_is_best_explained_by_late_reports() -> None:
+    diagnosis, found = found_in("bus_load")
 
-    assert "report_delay" in named
-    assert named["report_delay"]["queue_us"] > 256.0  # which is how long one frame takes
-    assert named["report_delay"]["direct"] < 0.5
-    assert diagnosis.gap["report_after_latch_us"].shrink.low > 0.4
+    assert "report_delay" in found
+    assert found["report_delay"]["queue_us"] > 256.0  # which is how long one frame takes
+    assert found["report_delay"]["direct"] < 0.5
+    assert diagnosis.verdict is not Verdict.EXPLAINED

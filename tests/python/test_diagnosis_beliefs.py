@@ -11,6 +11,7 @@ from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis.beliefs import (
     CLOSE,
     FARTHEST,
+    LOBES_U,
     NOISE_U,
     Belief,
     Key,
@@ -49,20 +50,23 @@ def now(scene: Scene, belief: Belief) -> float:
     return float(getattr(getattr(fitted.nominal, belief.key[0]), belief.key[1]))
 
 
-def test_all_noise_is_uncertain_by_its_kind_and_named_as_in_the_file() -> None:
+def test_all_noise_and_the_lobes_are_uncertain_and_named_as_in_the_file() -> None:
     machine, bench = (uncertain(read_campaign(folder).nominal) for folder in (MACHINE, BENCH))
 
     assert [b.name for b in machine] == [
         "probe.repeatability_um",
         "skip.jitter_us",
         "report.jitter_us",
+        "probe.lobe_um",
     ]
     assert [b.name for b in bench] == [
         "bench.reference_jitter_us",
         "skip.jitter_us",
         "report.jitter_us",
     ]
-    assert all(b.is_noise and b.u == NOISE_U for b in (*machine, *bench))
+    *noise, lobes = machine
+    assert all(b.is_noise and b.u == NOISE_U for b in (*noise, *bench))
+    assert lobes.u == LOBES_U * lobes.value
 
 
 def test_noise_of_nothing_is_certain() -> None:

@@ -57,7 +57,7 @@ def test_a_rig_leaves_nothing_of_its_own_plays(folder: Path) -> None:
 def test_touches_are_played_after_those_that_are_not_looked_at() -> None:
     """A clock that follows the temperature has run since the first touch, whichever are left."""
     clock = Effect("timer_drift", {"drift_ppm": 5.0, "warmth_ppm_k": 3.0})
-    campaign = played(MACHINE, clock)
+    campaign = played(BENCH, clock)
     some = Scene.of(campaign).select(np.random.default_rng(2).random(len(campaign.touches)) < 0.6)
 
     found = left_over(some, Rig(campaign.nominal, [clock]), seed=1)

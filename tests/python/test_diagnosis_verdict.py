@@ -287,7 +287,7 @@ def missing(z: float) -> Left:
 
 
 @pytest.mark.parametrize(("z", "is_known"), [(50.0, True), (4.5, False)])
-def test_touches_that_are_missed_no_more_are_a_gap_that_shrinks(z: float, is_known: bool) -> None:  # noqa: FBT001
+def test_touches_that_are_missed_no_more_are_a_gap_that_shrinks(z: float, is_known: bool) -> None:
     found = Evidence(before=[missing(z)])
 
     assert (failures([RULES["shrinks_somewhere"]], found) == []) is is_known
@@ -297,3 +297,13 @@ def test_touches_that_are_missed_still_are_no_gap_that_shrinks() -> None:
     kept = Evidence(before=[missing(50.0)], after=[missing(45.0)])
 
     assert len(failures([RULES["shrinks_somewhere"]], kept)) == 1
+
+
+def test_what_a_finding_does_not_touch_is_left_elsewhere() -> None:
+    grid = Left("grid", "plc", "scatter", (EVERYWHERE,), 50.0, "µs", 50.0, 1.0, 0.1, 30.0)
+    elsewhere = replace(FOUND, before=[*FOUND.before, grid], after=[grid])
+
+    verdict, failed = decide(elsewhere)
+
+    assert verdict == Verdict.PARTLY_EXPLAINED
+    assert [failure.rule for failure in failed] == ["leaves_nothing"]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import read_campaign
-from skiplatch.diagnosis import Diagnosis, diagnose
+from skiplatch.diagnosis import Diagnosis, Verdict, diagnose
 from tests.linuxcnc.campaigns import CONDITIONS
 
 DATA = Path(__file__).parent / "data/linuxcnc"
@@ -38,11 +38,12 @@ def test_a_sound_machine_has_no_gap() -> None:
 
 # Effect that is named or listed as not to be told from it, a parameter, its truth, and how far off.
 # A low pass of 3 ms, computed once a period, lags by T·a/(1 - a) with a = exp(-T/3 ms): 2.53 ms.
+# Beside a datum that may be anywhere its interval of 90 % is 53 µs to either side.
 TRUTHS = {
     "debounced": ("input_image_delay", "scans", 5.0, 0.1),
     "backlash": ("backlash", "backlash_um", -60.0, 0.5),
     "screw": ("scale_error", "scale_ppm", -1000.0, 10.0),
-    "lagging": ("following_error", "lag_us", -2528.0, 50.0),
+    "lagging": ("following_error", "lag_us", -2528.0, 60.0),
 }
 
 
@@ -52,25 +53,31 @@ def test_what_is_wrong_is_named_with_its_size_and_the_gap_is_gone(name: str) -> 
     diagnosis = diagnosed(name)
     effect, parameter, truth, off = TRUTHS[name]
 
-    assert [named.effect.id for named in diagnosis.effects] == [effect]
-    assert diagnosis.effects[0].effect.parameters[parameter] == pytest.approx(truth, abs=off)
+    (named,) = diagnosis.effects
+    alike = {e.id: e for model in diagnosis.rivals for e in model.effects} | {
+        named.effect.id: named.effect
+    }
+    assert effect in {named.effect.id, *named.alternatives}
+    assert alike[effect].parameters[parameter] == pytest.approx(truth, abs=off)
     (gap,) = diagnosis.gap.values()
     assert gap.after < 1.5 * gap.noise_floor
 
 
-# Which of them it is the campaign cannot tell, and that is said; the truth is the second.
-# 2 ms: as scans of 1 ms of which half are one scan old. Late contacts: as scans that are late.
-ALIKE = {
-    "servo_period": ("input_image_delay", "scan_period"),
-    "bounced": ("scan_overrun", "contact_bounce"),
-}
-
-
 @pytest.mark.long
-@pytest.mark.parametrize("name", ALIKE)
-def test_what_is_wrong_is_among_what_cannot_be_told_apart(name: str) -> None:
-    diagnosis = diagnosed(name)
+def test_another_period_is_among_what_cannot_be_told_apart() -> None:
+    """2 ms are as scans of 1 ms of which half are one scan old, and that is said."""
+    diagnosis = diagnosed("servo_period")
     candidates = {named.effect.id for named in diagnosis.effects}
     candidates |= {effect.id for rival in diagnosis.rivals for effect in rival.effects}
 
-    assert set(ALIKE[name]) <= candidates
+    assert {"input_image_delay", "scan_period"} <= candidates
+
+
+@pytest.mark.long
+def test_two_late_contacts_in_a_hundred_are_seen_and_not_named() -> None:
+    """So few among the touches held out show no gap; late scans would do the same."""
+    diagnosis = diagnosed("bounced")
+    first = {effect.id for model in diagnosis.ranking[:3] for effect in model.effects}
+
+    assert diagnosis.verdict is Verdict.UNKNOWN
+    assert {"contact_bounce", "scan_overrun"} <= first

@@ -88,7 +88,7 @@ Example:
 @click.option(
     "--fail-on-gap",
     is_flag=True,
-    help="End with exit status 1 if there is a gap, explained or not: for runs that nobody watches.",
+    help="End with exit status 1 if there is a gap, explained or not: for runs nobody watches.",
 )
 @click.pass_context
 def command(

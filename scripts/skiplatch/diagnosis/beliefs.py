@@ -34,7 +34,7 @@ CLOSE = 0.02
 """Standard uncertainties to which it is fitted."""
 ROUNDS = 2
 WORTH_MOVING = 4.0
-"""Nats that a belief has to gain to move: by chance one in two hundred does, and there are several."""
+"""Nats that a belief has to gain to move: of several one in two hundred does so by chance."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts
 from skiplatch.diagnosis.surrogates import Parameters
 from skiplatch.diagnosis.waves import transmissions
+from skiplatch.simulator import effects
 
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
@@ -44,9 +45,22 @@ class Candidate:
     """Parameters, by number and with a first value, that make other forms of the effect."""
     believed_us: Callable[[Nominal], float] | None = None
     """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
+    like_datum: frozenset[str] = frozenset()
+    """Parameters beside which a datum that may be anywhere makes another of the same."""
+
+    def taken_up(self, scene: Scene) -> frozenset[int]:
+        """Number the parameters that stay at 0, for the datum does what they do."""
+        is_anywhere = scene.datum_groups is not None and scene.datum_u_um is None
+        return frozenset(map(self.names.index, self.like_datum if is_anywhere else ()))
 
     def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
-        """Tell whether nothing comes before its cause."""
+        """Tell whether no size is beyond its range, and nothing comes before its cause."""
+        if self.is_named and any(
+            abs(value) > max(abs(p.low), abs(p.high))
+            for p, value in zip(effects()[self.id].parameters, parameters, strict=True)
+            if p.unit not in ("deg", "1")
+        ):
+            return False
         if self.believed_us is None:
             return True
         open_us = scene.nominal.skip.tick_us + LEEWAY * float(np.abs(parameters[1:3]).sum())
@@ -264,6 +278,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ),
             applies=_varies("sign"),
             refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
+            like_datum=frozenset({"positive_um"}),
         ),
         Candidate(
             "transmission_error",

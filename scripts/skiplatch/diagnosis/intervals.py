@@ -76,6 +76,8 @@ class _Slot:
     effect_id: str
     parameter: Parameter
     value: float
+    is_taken_up: bool = False
+    """The datum does what it does."""
 
     @property
     def low(self) -> float:
@@ -121,9 +123,10 @@ class _Surface:
         self.highest, self.top = np.zeros(0), np.inf
         self._stand_at(
             [
-                _Slot(effect.id, parameter, effect.parameters[parameter.name])
-                for effect in admitted
-                for parameter in effects()[effect.id].parameters
+                _Slot(effect.id, parameter, effect.parameters[parameter.name], i in taken)
+                for effect, candidate in zip(admitted, found.candidates, strict=True)
+                for taken in [candidate.taken_up(scene)]
+                for i, parameter in enumerate(effects()[effect.id].parameters)
             ]
         )
 
@@ -236,14 +239,14 @@ def _about(surface: _Surface, asked: BoolArray) -> tuple[FloatArray, FloatArray,
 
 def _widen(surface: _Surface, held: BoolArray, low: FloatArray, high: FloatArray) -> None:
     """Let go what is held, and move the ends, shape (p,), as far as that lets any of them."""
-    switches = np.array([slot.is_switch for slot in surface.slots])
-    free, steps = _free(surface, ~switches)
+    closed = np.array([slot.is_switch or slot.is_taken_up for slot in surface.slots])
+    free, steps = _free(surface, ~closed)
     if held[free].any():
         _, lower, higher = _sampled(surface, free, steps)
         np.minimum(low, lower, out=low)
         np.maximum(high, higher, out=high)
     for i, slot in enumerate(surface.slots):
-        if slot.is_held and i not in free:
+        if slot.is_held and not slot.is_taken_up and i not in free:
             low[i], high[i] = _reach(surface, i, -1.0), _reach(surface, i, 1.0)
             if slot.is_switch:
                 low[i], high[i] = np.ceil(low[i]), np.floor(high[i])

@@ -457,4 +457,8 @@ def _polish(model: tuple[Scene, Fit, Change]) -> Fit:
 
 def _fit(model: tuple[Scene, Candidate, Change]) -> Fit:
     scene, candidate, given = model
-    return fit(scene, [candidate], candidate.starts(scene, given), given)
+    taken = list(candidate.taken_up(scene))
+    starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
+    for start in starts:
+        start[taken] = 0.0
+    return fit(scene, [candidate], [start for start in starts if start.any()], given)

@@ -254,9 +254,10 @@ class Look:
             usual = np.array([np.nanmean(scores**power) for scores in others])
             size = float(np.mean(self._scores**power) - usual.mean())
             error = max(float(usual.std(ddof=1)), SMALLEST)
-            yield self._left(
-                kind, (EVERYWHERE,), np.full(len(self._off), fill_value=True), abs(size) / error
-            )
+            # A rig that scatters less than believed has no gap: nothing is left of it.
+            off = abs(size) if kind == "shift" else max(size, 0.0)
+            everything = np.full(len(self._off), fill_value=True)
+            yield self._left(kind, (EVERYWHERE,), everything, off / error)
 
     def straight(self) -> Iterator[Left]:
         """Rank the scores by every condition, one by one: few touches tell no more."""

@@ -111,6 +111,10 @@ class _Target:
     def fit(self, values: FloatArray) -> Fit:
         return Fit(self._candidates, _split(self._candidates, values), self._names, self.slack)
 
+    def taken_up(self, candidate: Candidate) -> frozenset[int]:
+        """Number the parameters of an effect that the datum of these touches takes up."""
+        return candidate.taken_up(self._scene)
+
     def without(self, widening: float) -> float:
         """Give the same for what is given alone."""
         return self._of(self._given, widening)
@@ -281,7 +285,7 @@ def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatAr
     def cost(values: FloatArray) -> float:
         return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
 
-    promising = list(candidate.refinements)
+    promising = [r for r in candidate.refinements if not target.taken_up(candidate) & r.keys()]
     while promising:
         starts = [_freed(target, best, refinement) for refinement in promising]
         found = [_fit_form(target, [start], FINER) if start.any() else best for start in starts]

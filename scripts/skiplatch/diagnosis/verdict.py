@@ -12,6 +12,8 @@ from skiplatch.diagnosis.shrink import Gap
 
 CHANCE = 4.0
 """Standard errors from which on something is kept as evidence."""
+UNTOUCHED = 0.02
+"""Share by which what is left may change by chance where a finding does nothing."""
 MORE_NOISE = 1.1
 """Scatter of the plays over that of the believed chain from which on a finding adds to chance."""
 
@@ -110,7 +112,7 @@ def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
 
 
 def _share_gone(evidence: Evidence, was: Left) -> float:
-    """Give how much for certain is gone of what was off in a share of touches, as of those missed."""
+    """Give how much for certain is gone of a gap in a share of touches, as of those missed."""
     unseen = CHANCE * was.relative / was.z
     now = max((one.relative for one in evidence.after if one.is_of(was)), default=unseen)
     return 1.0 - now / was.relative
@@ -171,7 +173,8 @@ def _is_scattered(evidence: Evidence, left: Left) -> bool:
 def _takes_most(evidence: Evidence, threshold: float) -> str:
     for one in evidence.after:
         was = max((b.relative for b in evidence.before if b.is_of(one)), default=0.0)
-        if one.z > SIGNIFICANT and one.relative**2 > threshold * was**2:
+        is_touched = abs(one.relative - was) > UNTOUCHED * was
+        if one.z > SIGNIFICANT and is_touched and one.relative**2 > threshold * was**2:
             return (
                 f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
             )

@@ -48,7 +48,7 @@ class Conditions:
         return timed(replace(self.touches, approach_mm=approach_mm), self.rest_s)
 
     def warming(self, by_k: float) -> "Conditions":
-        """Give the same touches while the machine warms up: of one temperature a datum tells nothing."""
+        """Give the same touches while the machine warms up: at one temperature it is a datum."""
         rise_k = np.linspace(0.0, by_k, len(self.touches))
         return Conditions(replace(self.touches, temp_c=self.touches.temp_c + rise_k), self.rest_s)
 
