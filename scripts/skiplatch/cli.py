@@ -112,9 +112,10 @@ def _refuse(message: str) -> NoReturn:
     """Say it, if there is somewhere left to say it; what stdout still holds goes nowhere."""
     with suppress(OSError):
         click.echo(f"skiplatch: {message}", err=True)
-    with suppress(OSError):
+    try:
         sys.stdout.flush()
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OSError:  # Python would try once more at its end, and say so
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     sys.exit(BAD_INPUT)
 
 
