@@ -290,7 +290,7 @@ static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t 
     uint32_t groups = datum->group_count;
     double  *middle = work;
     double  *most = work + groups;
-    double  *left = work + 2 * groups;
+    double  *left = work + 2 * (size_t)groups;
     double   narrower = 1.0;
     int      narrowed = 0;
     bool     is_far = true;

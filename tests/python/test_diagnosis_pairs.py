@@ -91,11 +91,13 @@ def test_a_faint_second_effect_of_another_kind_is_named_beside_an_odd_form() -> 
     scale = Effect("scale_error", {"scale_ppm": -60.0})
     lag = Effect("following_error", {"lag_us": 40.0})
 
-    assert groups(found(bent(played_again(stamped_machine(), scale)))) == [{"scale_error"}]
-    first, second = groups(found(bent(played_again(stamped_machine(), scale, lag))))
+    # A long wave may stand for the squares.
+    without = groups(found(bent(played_again(stamped_machine(), scale))))
+    beside = groups(found(bent(played_again(stamped_machine(), scale, lag))))
 
-    assert first == {"scale_error"}
-    assert "following_error" in second
+    assert without[0] == beside[0] == {"scale_error"}
+    assert not any("following_error" in group for group in without)
+    assert any("following_error" in group for group in beside)
 
 
 def test_a_pair_searched_the_other_way_round_is_the_same_pair() -> None:
@@ -165,11 +167,12 @@ def test_slack_of_the_first_effect_does_not_hide_the_second_one() -> None:
 
 
 def test_a_faint_second_effect_is_named_beside_one_whose_form_leaves_nothing() -> None:
-    # Against hundreds of nats of the clock's, what a few bounces gain is next to nothing.
+    # Against hundreds of nats of the clock's, what some bounces gain is next to nothing. Of fewer,
+    # one in twenty, the ranks show too little to be noticed.
     campaign = played(
         BENCH,
         Effect("timer_drift", {"drift_ppm": -6.0}),
-        Effect("contact_bounce", {"probability": 0.06, "span_us": 60.0}),
+        Effect("contact_bounce", {"probability": 0.12, "span_us": 60.0}),
     )
 
     clock, late = groups(found(campaign))

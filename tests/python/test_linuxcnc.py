@@ -46,6 +46,18 @@ def played(
     return columns
 
 
+def played_unless_stalled(
+    folder: Path, mode: str, count: int, bounces: int, pins: Mapping[str, float]
+) -> dict[str, FloatArray]:
+    """Play up to three times: a machine that stalls makes an opening too long to be confirmed."""
+    for attempt in range(2):
+        try:
+            return played(folder / str(attempt), mode, count, bounces, pins)
+        except subprocess.CalledProcessError:
+            pass
+    return played(folder / "last", mode, count, bounces, pins)
+
+
 def errors_us(columns: dict[str, FloatArray], latch: str) -> FloatArray:
     """Give the errors of the touches at which the machine did not stall."""
     good = measure.on_time(columns)
@@ -87,7 +99,7 @@ def test_bounces_while_braking_end_no_program_and_move_no_latch(tmp_path: Path) 
         "touchrig.0.closing-us": 3000,
         "skiplatch.0.confirm-us": 500,
     }
-    columns = played(tmp_path, "through", 8, 3, pins)
+    columns = played_unless_stalled(tmp_path, "through", 8, 3, pins)
 
     # Where the machine stalls, openings of a touch are not seen.
     assert np.median(columns["bounces"]) == 3.0

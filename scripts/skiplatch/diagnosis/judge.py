@@ -461,4 +461,4 @@ def _fit(model: tuple[Scene, Candidate, Change]) -> Fit:
     starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
     for start in starts:
         start[taken] = 0.0
-    return fit(scene, [candidate], [start for start in starts if start.any()], given)
+    return fit(scene, [candidate], [start.tolist() for start in starts if start.any()], given)
