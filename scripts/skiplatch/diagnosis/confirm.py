@@ -16,7 +16,7 @@ from skiplatch.campaign import InputPath
 from skiplatch.diagnosis.decide import TEMPER, TIED, Finding
 from skiplatch.diagnosis.judge import Scored, Split
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
-from skiplatch.diagnosis.observed import observed
+from skiplatch.diagnosis.observed import observed, step
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.replay import as_recorded, replayed
 from skiplatch.diagnosis.scene import Scene
@@ -180,7 +180,7 @@ class _Scorer:
         nominal = observed(scene, unchanged)
         self._centre = {name: _mean(values) for name, values in nominal.items()}
         self._noise = {
-            name: _mean((values - self._centre[name]) ** 2) ** 0.5 + _step(scene, name)
+            name: _mean((values - self._centre[name]) ** 2) ** 0.5 + step(scene, name)
             for name, values in nominal.items()
         }
         self.unchanged = self.scores(unchanged)
@@ -226,11 +226,6 @@ def _mean(values: FloatArray) -> FloatArray:
     """Mean over the replicates that have one, else 0; shape (n,)."""
     known = ~np.isnan(values)
     return np.asarray(np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1))
-
-
-def _step(scene: Scene, name: str) -> float:
-    chain = scene.nominal
-    return chain.axis.resolution_um if name == "position" else chain.skip.tick_us
 
 
 def inseparable(

@@ -148,12 +148,20 @@ class _Work:
         self.beliefs = uncertain(scene.nominal)
         self.judge: Judge | None = None
         self._memo: Memo = {}
+        self._rigs: dict[tuple[object, ...], Rig] = {}
+        self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
 
     def rig(self, fit: Fit | None) -> Rig:
         """Give the rig that a hypothesis says it is, by all touches that serve the naming.
 
         The beliefs are fitted last: they are to make up for no parameter.
         """
+        key = fit.key if fit else ()
+        if key not in self._rigs:
+            self._rigs[key] = self._fitted_rig(fit)
+        return self._rigs[key]
+
+    def _fitted_rig(self, fit: Fit | None) -> Rig:
         fit = settled(self.naming, fit) if fit else None
         change = fit.change(self.naming) if fit else Change()
         nominal = fit_beliefs(self.naming, change, self.beliefs).nominal
@@ -166,7 +174,11 @@ class _Work:
 
     def noticed(self, model: Scored) -> frozenset[str]:
         """Name the streams in which a hypothesis leaves what is worth a search."""
-        return noticed(self.left(self.naming, self.rig(model.fit)), self.materiality)
+        key = model.fit.key
+        if key not in self._noticed:
+            left = self.left(self.naming, self.rig(model.fit))
+            self._noticed[key] = noticed(left, self.materiality)
+        return self._noticed[key]
 
     def search(self, before: Sequence[Left]) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""

@@ -101,14 +101,6 @@ def worth(parameters: int) -> float:
     return 2.0 * parameters
 
 
-def _key(model: Fit | None) -> tuple[object, ...]:
-    """Tell fits apart by what they are."""
-    if model is None:
-        return ()
-    parameters = (values.tobytes() for values in model.parameters)
-    return (*(c.id for c in model.candidates), *parameters, model.slack)
-
-
 def _is_no_accident(fitted: float, checked: float, parameters: int) -> bool:
     """Tell whether gains of so many parameters are more than chance."""
     gained = fitted + checked - worth(parameters)
@@ -235,7 +227,7 @@ class Judge:
 
     def on_top(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
         """Every other effect on top of a model that stays as it is, by falling score."""
-        key = (*_key(first.fit), streams)
+        key = (*first.fit.key, streams)
         if key not in self._on_top:
             given = first.fit.change(self._fitting)
             there = {twin.ids[i] for i in range(len(first.ids)) for twin in self.twins(first, i)}

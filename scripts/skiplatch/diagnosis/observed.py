@@ -35,3 +35,9 @@ def observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
         "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
         "report": recorded.report_us - recorded.latch_us,
     }
+
+
+def step(scene: Scene, name: str) -> float:
+    """Give what an observable is rounded to, in its unit."""
+    chain = scene.nominal
+    return chain.axis.resolution_um if UNITS[name] == "µm" else chain.skip.tick_us

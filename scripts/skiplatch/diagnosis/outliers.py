@@ -3,7 +3,7 @@
 import numpy as np
 
 from skiplatch.diagnosis.look import FEWEST, scatter
-from skiplatch.diagnosis.observed import UNITS, observed
+from skiplatch.diagnosis.observed import observed, step
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 
@@ -32,12 +32,7 @@ def outliers(scene: Scene, rig: Rig, *, seed: int) -> list[int]:
         for path in (scene.plc, ~scene.plc):
             here = rows & path
             if here.any():
-                usual = FAR * max(scatter(off[here]), _step_of(scene, name))
+                usual = FAR * max(scatter(off[here]), step(scene, name))
                 far |= here & (np.abs(off) > 2.0 * reach + usual)
     found = scene.touches.touch[far]
     return found.tolist() if len(found) <= MOST_OUTLIERS * len(scene) else []
-
-
-def _step_of(scene: Scene, name: str) -> float:
-    chain = scene.nominal
-    return chain.axis.resolution_um if UNITS[name] == "µm" else chain.skip.tick_us

@@ -62,6 +62,12 @@ class Fit:
         return reduce(Change.joined, changes, given)
 
     @property
+    def key(self) -> tuple[object, ...]:
+        """Tell fits apart by what they are."""
+        parameters = (values.tobytes() for values in self.parameters)
+        return (*(c.id for c in self.candidates), *parameters, self.slack)
+
+    @property
     def is_loose(self) -> bool:
         """They need the most slack there is: their form is as far off as can be."""
         return self.slack == SLACKS[-1]
