@@ -1,5 +1,6 @@
 """Reading within limits, and writing so that nothing is ever seen half-written."""
 
+import errno
 import json
 import os
 import secrets
@@ -93,6 +94,26 @@ def refuse_occupied(path: str | os.PathLike[str]) -> None:
         target = Path(path)
         if target.exists() and not (target.is_dir() and not any(target.iterdir())):
             raise InputError(path, None, None, "exists already and is not an empty folder")
+
+
+def refuse_unwritable(path: str | os.PathLike[str], *, makes_folders: bool = False) -> None:
+    """Raise InputError if no file or folder can be made or replaced there; for early warning.
+
+    Args:
+        path: The file or folder.
+        makes_folders: Whether folders above it are made where they are missing.
+    """
+    with failures_named(path, "write"):
+        target = Path(os.path.realpath(path))
+        folder = target.parent
+        while makes_folders and not folder.exists() and folder != folder.parent:
+            folder = folder.parent
+        if not os.access(folder, os.F_OK):
+            raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+        if not folder.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
+        if not os.access(target if target.exists() else folder, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
 
 
 @contextmanager

@@ -1,5 +1,7 @@
 """How well touches of one surface repeat, with nothing believed of the rig.
 
+What repeats is the deviation in µm; on a bench without motion, the time from edge to latch in µs.
+
 Deviations are held against the middle of their surface, and one straight line each in the number
 of the touch and in the feed is fitted to all of them together. First touches of a series and
 outliers are looked at apart and do not enter.
@@ -20,10 +22,11 @@ UM_PER_MS_PER_MM_MIN = 1.0 / 60.0  # a mm/min in µm/ms
 NORMAL_PER_MAD = 1.4826
 OUTLYING_SIGMAS = 5.0  # one in a million of a normal scatter
 OUTLYING_STEPS = 2.5
+MOST_OUTLYING = 0.1  # of the touches, where more than half are the same
 FEWEST = 3
 FEWEST_AFTER_FIRST = 4
 TURNS = 5  # of leaving outliers out until they stay the same
-NOTHING_UM = 1e-9  # less is what floating-point sums leave
+NOTHING = 1e-9  # µm or µs; less is what floating-point sums leave
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
 
@@ -33,38 +36,40 @@ class Repeatability:
 
     Attributes:
         touches: Serial numbers of the n touches, in their order.
-        off_um: Each less the middle of its surface and feed; shape (n,).
+        unit: Of all figures, ``µm`` or ``µs``.
+        off: Each less the middle of its surface and feed; shape (n,).
         surfaces: How many surfaces were touched.
-        mean: Mean deviation in µm.
-        sigma: Standard deviation in µm about lines and middles.
-        range_um: Widest range of a surface.
-        first: How far the first touches of series are off the others, in µm; None for want of any.
-        drift: From touch to touch in µm; None where the order tells nothing.
-        per_kelvin: The same in µm/K by the name of a thermometer that moves.
+        mean: Of all touches.
+        sigma: Standard deviation about lines and middles.
+        range: Widest range of a surface.
+        first: How far the first touches of series are off the others; None for want of any.
+        drift: From touch to touch; None where the order tells nothing.
+        per_kelvin: The same a kelvin, by the name of a thermometer that moves.
         slope: Against the feed in ms: a delay; None where there is one feed.
         outliers: Serial numbers.
-        step_um: What deviations are multiples of, if they are.
+        step: What figures are multiples of, if they are.
     """
 
     touches: tuple[int, ...]
-    off_um: FloatArray
+    unit: str
+    off: FloatArray
     surfaces: int
     mean: Interval
     sigma: Interval
-    range_um: float
+    range: float
     first: Interval | None
     drift: Interval | None
     per_kelvin: dict[str, Interval]
     slope: Interval | None
     outliers: tuple[int, ...]
-    step_um: float | None
+    step: float | None
 
     @property
     def is_limited_by_resolution(self) -> bool:
         """Whether the step of the positions hides the scatter."""
         if self.sigma.value == 0.0:
             return True
-        return self.step_um is not None and self.sigma.value < HIDING * self.step_um
+        return self.step is not None and self.sigma.value < HIDING * self.step
 
 
 def repeatability(campaign: Campaign) -> Repeatability:
@@ -74,19 +79,30 @@ def repeatability(campaign: Campaign) -> Repeatability:
         InputError: No surface was touched often enough, or no deviation was recorded.
     """
     ordered = campaign.touches.in_order_of_time()
-    touches = ordered.select(~np.isnan(ordered.deviation_um) & ~ordered.false)
+    unit, values = _what_repeats(ordered)
+    known = ~np.isnan(values) & ~ordered.false
+    touches, values = ordered.select(known), values[known]
     surface = _surfaces(touches)
     often = np.bincount(surface, minlength=1)[surface] >= FEWEST if len(surface) else surface > 0
     if not often.any():
-        found = f"{len(touches)} deviations of {len(set(surface.tolist()))} surfaces"
+        found = f"{len(touches)} touches with a figure of {len(set(surface.tolist()))} surfaces"
         message = f"expected a surface that was touched {FEWEST} times or more, got {found}"
         raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often), surface[often]
-    return _of(touches, np.unique(surface, return_inverse=True)[1].ravel())
+    surface = np.unique(surface, return_inverse=True)[1].ravel()
+    return _of(touches, values[often], surface, unit)
 
 
-def _of(touches: Touches, surface: np.typing.NDArray[np.intp]) -> Repeatability:
-    y = touches.deviation_um
+def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:
+    """Give the deviations, or else the times from edge to latch."""
+    if np.isnan(touches.deviation_um).all():
+        return "µs", touches.latch_us - touches.edge_us
+    return "µm", touches.deviation_um
+
+
+def _of(
+    touches: Touches, y: FloatArray, surface: np.typing.NDArray[np.intp], unit: str
+) -> Repeatability:
     is_first = _firsts(touches, surface)
     dummies = (surface[:, None] == np.arange(surface.max() + 1)).astype(float)
     order = np.arange(len(y), dtype=float)
@@ -100,17 +116,18 @@ def _of(touches: Touches, surface: np.typing.NDArray[np.intp]) -> Repeatability:
     offsets = y - dummies @ _means(y, dummies, regular)
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
-        off_um=fit.residuals + fit.part("order", order),
+        unit=unit,
+        off=fit.residuals + fit.part("order", order),
         surfaces=dummies.shape[1],
         mean=_mean(y),
         sigma=fit.sigma,
-        range_um=max(float(np.ptp(y[surface == s])) for s in range(dummies.shape[1])),
+        range=max(float(np.ptp(y[surface == s])) for s in range(dummies.shape[1])),
         first=_first(fit.residuals, is_first, regular, fit.freedom),
         drift=fit.interval("order"),
         per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
         slope=fit.interval("speed") if "speed" in lines else None,
         outliers=tuple(touches.touch[outliers].tolist()),
-        step_um=step,
+        step=step,
     )
 
 
@@ -183,9 +200,9 @@ def _fit(y: FloatArray, dummies: FloatArray, lines: dict[str, FloatArray], rows:
     scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
     scaled = design / scale
     beta, _, rank, _ = np.linalg.lstsq(scaled[rows], y[rows], rcond=None)
-    beta[np.abs(beta) < NOTHING_UM] = 0.0
+    beta[np.abs(beta) < NOTHING] = 0.0
     residuals = y - scaled @ beta
-    residuals[np.abs(residuals) < NOTHING_UM] = 0.0
+    residuals[np.abs(residuals) < NOTHING] = 0.0
     freedom = max(int(rows.sum() - rank), 1)
     variance = float(np.sum(residuals[rows] ** 2) / freedom)
     covariance = variance * np.linalg.pinv(scaled[rows].T @ scaled[rows])
@@ -236,8 +253,11 @@ def _outlying(
     """Tell what lies far off by the middle size of the others."""
     centre = float(np.median(residuals[rows]))
     scatter = NORMAL_PER_MAD * float(np.median(np.abs(residuals[rows] - centre)))
-    limit = max(sigmas * scatter, OUTLYING_STEPS * (step or 0.0), 1e-9)
-    return np.asarray(np.abs(residuals - centre) > limit)
+    limit = max(sigmas * scatter, OUTLYING_STEPS * (step or 0.0), NOTHING)
+    far = np.abs(residuals - centre) > limit
+    if scatter == 0.0 and far[rows].mean() > MOST_OUTLYING:  # a coarse step hides what scatters
+        far = np.abs(residuals - centre) > sigmas * float(np.std(residuals[rows]))
+    return np.asarray(far)
 
 
 def _means(y: FloatArray, dummies: FloatArray, rows: BoolArray) -> FloatArray:

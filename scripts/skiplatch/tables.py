@@ -10,6 +10,7 @@ if TYPE_CHECKING:  # loads scipy
 GAP = "  "
 FINEST = 6  # decimals
 NOTHING = "—"
+LEAST_COMPACT = 1e-6
 EXACT_DIGITS = 5  # of a number without an interval
 
 
@@ -29,8 +30,15 @@ def number(value: float, digits: int = 4) -> str:
 
 
 def compact(value: float, digits: int = 4) -> str:
-    """Give a number with at most so many significant digits, and no zeros at its end."""
-    return f"{float(f'{value:.{digits}g}'):.12g}"
+    """Give a number with at most so many significant digits and no zeros at its end.
+
+    Never as a power of ten: what is nearer to 0 than `LEAST_COMPACT` is 0.
+    """
+    if abs(value) < LEAST_COMPACT:
+        return "0"
+    decimals = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
+    text = f"{float(f'{value:.{digits}g}'):.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if "." in text else text
 
 
 def whole(value: int) -> str:
@@ -44,7 +52,15 @@ def with_interval(figure: "Interval") -> tuple[str, str]:
     if width <= 0.0:
         return number(figure.value, EXACT_DIGITS), NOTHING
     decimals = min(max(1 - math.floor(math.log10(width)), 0), FINEST)
-    return f"{figure.value:.{decimals}f}", f"{figure.low:.{decimals}f} … {figure.high:.{decimals}f}"
+    value, low, high = (
+        _fixed(bound, decimals) for bound in (figure.value, figure.low, figure.high)
+    )
+    return value, f"{low} … {high}"
+
+
+def _fixed(value: float, decimals: int) -> str:
+    """Give a number with so many decimals, and 0 without a sign."""
+    return f"{round(value, decimals) + 0.0:.{decimals}f}"
 
 
 def _line(cells: Sequence[str], widths: Sequence[int]) -> str:

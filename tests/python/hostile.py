@@ -85,7 +85,7 @@ NOT_HELD = ("import", "init", "repeat", "kinematics sphere")
 
 WRITTEN = {
     *("--out", "--json", "--html", "--pictures", "--picture", "--header", "--nc"),
-    *("--table", "--record", "--corrected", "--points"),
+    *("--record", "--corrected", "--points"),
 }
 """Options that name what is written; any other is read, new ones too."""
 

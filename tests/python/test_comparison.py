@@ -4,6 +4,7 @@ False-alarm rates of the statistical tests stand with them; seeds are fixed, so 
 passes once passes always.
 """
 
+import re
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -15,6 +16,7 @@ from scipy import stats
 from skiplatch.campaign import Campaign, InputPath, Status, Touches, read_campaign
 from skiplatch.comparison import Comparison, as_json, as_text, compare
 from skiplatch.comparison.gap import adjusted_p_values, distance_to, quantiles_of
+from skiplatch.report.comparison import as_html
 from skiplatch.simulator import Controller, play
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -174,3 +176,18 @@ def test_adjusted_p_values_hold_the_family_wise_rate() -> None:
     alarms = [adjusted_p_values(family, replicates).min() <= 0.05 for family in families]
 
     assert np.mean(alarms) == pytest.approx(0.05, abs=0.025)
+
+
+def test_comparison_becomes_a_page_that_needs_nothing_else() -> None:
+    campaign = read_campaign(SAMPLES / "bench_isr_latency")
+    few = replace(campaign, touches=campaign.touches.select(slice(80)))
+
+    page = as_html(few, compare(few, seed=1, jobs=2), name="<bench>")
+
+    assert "Recorded and simulated differ" in page
+    assert "&lt;bench&gt; · bench campaign · 80 touches" in page
+    assert page.count("<svg") >= 4
+    assert "Words on this page" in page
+    assert "<script" not in page
+    ids = re.findall(r' id="([^"]+)"', page)
+    assert len(ids) == len(set(ids))

@@ -199,8 +199,8 @@ def test_explained_gap_is_named_marked_and_measured(pages: dict[str, str]) -> No
     assert "Cannot be told from input_filter" in text
     assert stages["found"] == "latch"
     assert stages["possible"] == "input"
-    assert re.search(r"latch − edge µs 4\d\.\d 0\.\d+ 0\.\d+ (9\d|100)%", text)
-    assert re.search(r"input_filter.{0,60}898\.5.{0,20}cannot be told from it", text)
+    assert re.search(r"latch − edge (9\d|100)%.{0,20} µs 4\d\.\d 0\.\d+ 0\.\d+", text)
+    assert re.search(r"input_filter.{0,60}898\.5 1\.5 cannot be told from it", text)
     assert "Of the others tried, 1 gained nothing." in text
     assert "simulation with the effects" in text
     assert "A note." in text
@@ -235,6 +235,31 @@ def test_next_experiment_is_a_section_only_if_there_is_one(pages: dict[str, str]
     assert "<p>Record edge_us.</p>\n<p>Or: &lt;20 touches&gt; at 60 mm/min.</p>" in with_words
     assert "What to do next" in with_words
     assert "What to do next" not in pages["no_gap"]
+
+
+def test_table_of_the_next_experiment_keeps_its_columns() -> None:
+    campaign, diagnosis = no_gap()
+    words = "Try this.\npath  mm/min\nskip      60\nThen that."
+
+    page = as_html(campaign, diagnosis, name="a", seed=1, next_experiment=words)
+
+    assert ">path  mm/min\nskip      60</pre>\n<p>Then that.</p>" in page
+
+
+def test_ranking_shows_differences_and_no_powers_of_ten() -> None:
+    campaign, diagnosis = explained()
+    tiny = replace(FILTER, parameters={**FILTER.parameters, "tail_us": 3.66e-08})
+    close = [Ranked((LATE,), 1658.0), Ranked((tiny,), 1643.0), Ranked((FILTER, tiny), 400.0)]
+
+    page = as_html(campaign, replace(diagnosis, ranking=close), name="a", seed=1)
+
+    assert re.findall(r'style="width: ([\d.]+)%"', page) == ["0.0", "50.0", "100.0"]
+    assert "tail_us 0;" in prose(page) or "tail_us 0 " in prose(page)
+    assert "e-08" not in prose(page)
+
+
+def test_words_of_the_page_are_explained(pages: dict[str, str]) -> None:
+    assert "Natural logarithm of how many times likelier" in prose(pages["explained"])
 
 
 def test_names_are_escaped() -> None:
@@ -306,7 +331,7 @@ def test_shrink_is_told_with_its_interval(share: Interval, said: str) -> None:
 
     text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))
 
-    assert f"latch − edge µs 40.0 1.00 0.500 {said} " in text
+    assert f"latch − edge {said} µs 40.0 1.00 0.500 " in text
     assert f"shrinks the gap in latch − edge by {said}, from 40.0 to 1.00 µs" in text
 
 
@@ -318,7 +343,7 @@ def test_gap_within_the_noise_is_not_said_to_shrink() -> None:
     text = prose(as_html(campaign, replace(diagnosis, gap=gap), name="a", seed=1))
 
     assert "shrinks the gap" not in text
-    assert "latch − edge µs 0.400 0.400 0.500 no gap" in text
+    assert "latch − edge no gap µs 0.400 0.400 0.500" in text
 
 
 @pytest.mark.parametrize("rows", [1, 7])

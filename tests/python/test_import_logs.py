@@ -14,6 +14,8 @@ from refusals import Program
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
 from skiplatch.campaign import Axis, Campaign, DatumFreedom, InputPath, Kind, read_campaign
 from skiplatch.cli import group
+from skiplatch.importing.gcode_program import run as run_program
+from skiplatch.repeatability import repeatability
 
 LOGS = Path(__file__).parent / "data" / "logs"
 
@@ -139,6 +141,20 @@ def test_marlin_means_give_more_digits_than_are_printed(tmp_path: Path) -> None:
     assert set(run.campaign.touches.feed_mm_min) == {120.0}
 
 
+def test_marlin_g30_after_a_test_counts(tmp_path: Path) -> None:
+    run = Run(tmp_path, "marlin", log("marlin_test_and_g30.log"), "--feed", "120")
+
+    assert len(run.coordinates()) == 5 + 12
+
+
+def test_klipper_console_of_today_gives_feeds_and_temperatures(tmp_path: Path) -> None:
+    run = Run(tmp_path, "klipper", log("klipper_three_speeds.log"))
+
+    touches = run.campaign.touches
+    assert touches.feed_mm_min.tolist() == [120.0] * 10 + [300.0] * 10 + [600.0] * 10
+    assert set(touches.thermometers["bed"][1:].tolist()) == {60.1}
+
+
 def test_marlin_g30_goes_on_past_midnight(tmp_path: Path) -> None:
     run = Run(tmp_path, "marlin", log("marlin_g30.log"))
 
@@ -171,6 +187,36 @@ def test_linuxcnc_program_with_other_count_gives_what_all_moves_share(tmp_path: 
     assert run.campaign.touches.feed_mm_min.tolist() == pytest.approx([101.6] * 6)
     assert run.coordinates()[0] == pytest.approx(0.001234 * 25.4, abs=1e-6)
     assert any("6 lines and the program 1 probing moves" in line for line in run.said["assumed"])
+
+
+def test_linuxcnc_subroutine_gives_each_touch_its_feed_and_sense(tmp_path: Path) -> None:
+    program = log("linuxcnc_bore.ngc")
+
+    run = Run(tmp_path, "linuxcnc", log("linuxcnc_bore.txt"), "--program", program)
+
+    touches = run.campaign.touches
+    assert touches.feed_mm_min.tolist() == pytest.approx([50.8, 203.2] * 16)
+    assert touches.sign.tolist() == [1, 1, -1, -1] * 8
+    found = repeatability(run.campaign)
+    assert found.slope is not None
+    assert found.slope.low < 4.0 < found.slope.high
+
+
+@pytest.mark.parametrize(
+    ("program", "feeds"),
+    [
+        (
+            "o1 sub\nF#1\nG38.2 Z-1\no1 endsub\no1 call [60]\no1 call [#1]\no1 call",
+            [60, None, None],
+        ),
+        ("#1=0\nF9\nG91\no2 do\nG38.2 Z-1\n#1=[#1+1]\no2 while [#1 LT 3]\nM2", [9, 9, 9]),
+        ("o3 sub\nG38.2 Z-1\no3 return\nG38.2 Z-2\no3 endsub\nF7\no3 call\no3 call", [7, 7]),
+        ("o4 sub\nF5\nG38.2 Z-1\no4 call\no4 endsub\no4 call", [5] * 20),
+        ("F3\nG38.2 Z-1\no5 call\no6 endwhile\no7 endsub\nG38.2 Z-1", [3, 3]),
+    ],
+)
+def test_flow_of_a_program_is_carried_out(program: str, feeds: list[float | None]) -> None:
+    assert [move.feed for move in run_program(program)] == feeds
 
 
 def test_linuxcnc_log_alone_finds_its_axis(tmp_path: Path) -> None:

@@ -80,13 +80,13 @@ def test_surfaces_have_middles_of_their_own(machine_sample: Path) -> None:
 
     assert found.surfaces == 2
     assert holds(found.sigma, SIGMA_UM)
-    assert found.range_um < 20.0
+    assert found.range < 20.0
 
 
 def test_scatter_below_the_step_is_limited_by_the_resolution(machine_sample: Path) -> None:
     found = of(machine_sample, np.round(noise(50, seed=2) / 5.0) * 5.0)
 
-    assert found.step_um == pytest.approx(5.0)
+    assert found.step == pytest.approx(5.0)
     assert found.is_limited_by_resolution
     assert "limited by the resolution of 5 µm" in sentence(found)
 
@@ -156,6 +156,30 @@ def test_kind_of_a_log_is_told_by_what_stands_in_it(name: str, kind: str) -> Non
 
     assert result.exit_code == 0, result.output
     assert f"log of {kind}" in result.output
+
+
+def test_coarse_values_are_no_outliers_of_finer_ones(machine_sample: Path) -> None:
+    y = np.concatenate([np.zeros(10), np.tile([-10.0, 10.0], 4)])
+
+    found = of(machine_sample, y)
+
+    assert found.outliers == ()
+    assert found.sigma.value > 4.0
+
+
+def test_bench_without_motion_repeats_in_time(tmp_path: Path) -> None:
+    bench, out = tmp_path / "bench", tmp_path / "r.json"
+    words = ["import", "edges", str(LOGS / "saleae_latches.csv"), "-o", str(bench)]
+    assert CliRunner().invoke(group, words).exit_code == 0
+
+    result = CliRunner().invoke(group, ["repeat", str(bench), "--json", str(out)])
+
+    assert result.exit_code == 0, result.output
+    document = json.loads(out.read_text())
+    assert document["n"] == 60
+    assert document["mean_us"] == pytest.approx(49.0, abs=0.2)
+    assert document["sigma_us"] == pytest.approx(2.0 / np.sqrt(12.0), abs=0.1)
+    assert "60 latches come 49.0" in result.output
 
 
 def test_what_cannot_be_told_is_refused(tmp_path: Path, refused: Program) -> None:

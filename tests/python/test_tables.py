@@ -22,7 +22,16 @@ def test_number_has_four_significant_digits_and_no_power_of_ten(value: float, te
 
 
 @pytest.mark.parametrize(
-    ("value", "text"), [(200.0, "200"), (0.05, "0.05"), (1.0994, "1.099"), (123456.0, "123500")]
+    ("value", "text"),
+    [
+        (200.0, "200"),
+        (0.05, "0.05"),
+        (1.0994, "1.099"),
+        (123456.0, "123500"),
+        (3.66e-08, "0"),
+        (-2.5e-05, "-0.000025"),
+        (1e13, "10000000000000"),
+    ],
 )
 def test_compact_number_has_no_zeros_at_its_end(value: float, text: str) -> None:
     assert compact(value) == text
@@ -39,6 +48,7 @@ def test_whole_number_is_grouped() -> None:
         (Interval(0.3750171, 0.3749877, 0.3750465), ("0.375017", "0.374988 … 0.375047")),
         (Interval(1234.5, 1000.0, 1500.0), ("1234", "1000 … 1500")),
         (Interval(0.254, 0.254, 0.254), ("0.25400", "—")),
+        (Interval(-0.00001, -0.01, 0.01), ("0.000", "-0.010 … 0.010")),
         (Interval(0.0, 0.0, 1e-9), ("0.000000", "0.000000 … 0.000000")),
     ],
 )

@@ -19,9 +19,10 @@ from skiplatch.bench.run import Player, Recording, Rig, summary
 from skiplatch.bench.station import Station
 from skiplatch.campaign import format_nominal, read_campaign, write_campaign
 from skiplatch.commands.options import json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFile, OutputFolder
 from skiplatch.commands.rig_options import within
 from skiplatch.errors import InputError, one_line
-from skiplatch.files import atomic_write_text, refuse_occupied
+from skiplatch.files import atomic_write_text
 from skiplatch.statistics import Interval
 
 INTERRUPTED = 130  # exit status, as a shell gives it
@@ -168,8 +169,9 @@ def _interrupt(*_: object) -> NoReturn:
 @command.command(epilog=RUN_EPILOG)
 @click.argument("plan_path", metavar="PLAN.toml", type=FILE)
 @click.option(
+    "-o",
     "--out",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=OutputFolder(is_new=True),
     required=True,
     help="Folder of the campaign; must not hold anything yet. One in it for each of several scans.",
 )
@@ -195,7 +197,6 @@ def run(
     then is written.
     """
     plan = read_plan(plan_path, nominal_path)
-    refuse_occupied(out)
     failure: InputError | None = None
     is_interrupted = False
     before = signal.signal(signal.SIGTERM, _interrupt)
@@ -299,7 +300,9 @@ def monitor(
 
 @command.command(epilog=BELIEVE_EPILOG)
 @click.argument("campaign_path", metavar="CAMPAIGN", type=click.Path(path_type=Path))
-@click.option("--out", type=FILE, required=True, help="nominal.toml to write; an old one goes.")
+@click.option(
+    "-o", "--out", type=OutputFile(), required=True, help="nominal.toml to write; an old one goes."
+)
 @seed_option
 @json_option
 def believe(campaign_path: Path, out: Path, seed: int, json_path: Path | None) -> None:

@@ -4,7 +4,15 @@ from pathlib import Path
 
 import click
 
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.options import (
+    html_option,
+    jobs_option,
+    json_option,
+    seed_option,
+    write_document,
+    write_json,
+)
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.comparison import DEFAULT_ALPHA, as_json, as_text, compare
 from skiplatch.stand_ins import read_playable
 
@@ -25,9 +33,10 @@ Example:
 )
 @click.option(
     "--pictures",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=OutputFolder(),
     help="Draw the distributions into this folder.",
 )
+@html_option
 @seed_option
 @jobs_option
 @json_option
@@ -35,6 +44,7 @@ def command(
     campaign: Path,
     alpha: float,
     pictures: Path | None,
+    html_path: Path | None,
     seed: int,
     jobs: int,
     json_path: Path | None,
@@ -50,8 +60,12 @@ def command(
     click.echo(f"{campaign}: {recorded.nominal.kind} campaign, {len(recorded.touches)} touches\n")
     click.echo(as_text(comparison))
     write_json(json_path, {"campaign": str(campaign), **as_json(comparison)})
+    if html_path is not None:
+        # Drawing takes time to load, which only those pay who want a page.
+        from skiplatch.report.comparison import as_html  # noqa: PLC0415
+
+        write_document(html_path, as_html(recorded, comparison, name=campaign.resolve().name))
     if pictures is not None:
-        # Drawing takes time to load, which only those pay who want a picture.
         from skiplatch.figures.comparison import draw_comparison  # noqa: PLC0415
 
         for path in draw_comparison(comparison, pictures):

@@ -13,13 +13,14 @@ import numpy as np
 from skiplatch.campaign import COLUMNS, InputPath
 from skiplatch.campaign.column_kinds import ChoiceColumn
 from skiplatch.commands.options import (
-    STDOUT,
     SizeType,
+    html_option,
     json_option,
     json_text,
     seed_option,
-    write_json,
+    write_document,
 )
+from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
 from skiplatch.compensation.delay import S_PER_MIN, Delay, estimate_delay
@@ -175,9 +176,13 @@ class _Result:
 @click.option("--resolution", type=SIZE, metavar="UM", help="Step of the latched position.")
 @click.option("--feed-error", type=SIZE, metavar="PERCENT", help="Largest error of the feed.")
 @seed_option
-@click.option("--out", type=FILE, required=True, metavar="TABLE.csv", help="The speed table.")
+@click.option(
+    "-o", "--out", type=OutputFile(), required=True, metavar="TABLE.csv", help="The speed table."
+)
 @json_option
-@click.option("--header", type=FILE, metavar="FILE.h", help="The table for the target, in C.")
+@click.option(
+    "--header", type=OutputFile(), metavar="FILE.h", help="The table for the target, in C."
+)
 @click.option(
     "--divisions",
     type=click.Choice(DIVISIONS),
@@ -185,7 +190,9 @@ class _Result:
     show_default=True,
     help="How fine the target's table is: M of them make 2·M² + 2·M + 1 bytes.",
 )
-@click.option("--nc", type=FILE, metavar="FILE.nc", help="The table as variables of a control.")
+@click.option(
+    "--nc", type=OutputFile(), metavar="FILE.nc", help="The table as variables of a control."
+)
 @click.option(
     "--nc-first",
     type=click.IntRange(1),
@@ -193,7 +200,7 @@ class _Result:
     show_default=True,
     help="Number of the first of these variables.",
 )
-@click.option("--html", type=FILE, metavar="PAGE.html", help="The report, one page with pictures.")
+@html_option
 @click.option(
     "--after",
     type=click.Path(path_type=Path),
@@ -215,12 +222,14 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     result = _result(radii, given)
     texts, remarks = _texts(result, radii, given)
     found = text.as_json(result.done, result.figures, result.known, result.after)
-    if json_path not in (None, STDOUT):
+    if json_path is not None:
         texts.append((json_path, json_text(found)))
-    _refuse_clashes([path for path, _ in texts], radii, given)
-    atomic_write_texts(dict(texts))
-    if json_path == STDOUT:
-        write_json(json_path, found)
+    files = {path: content for path, content in texts if path != STDOUT}
+    _refuse_clashes([path for path, _ in texts if path != STDOUT], radii, given)
+    atomic_write_texts(files)
+    for path, content in texts:
+        if path == STDOUT:
+            write_document(path, content)
     click.echo(text.as_text(result.done, result.figures, result.known, result.after))
     for remark in remarks:
         click.echo(remark)
@@ -347,8 +356,8 @@ def _texts(
             texts.append((given["nc"], program))
     except ValueError as error:
         raise click.UsageError(str(error)) from error
-    if given["html"] is not None:
-        texts.append((given["html"], _page(result, source)))
+    if given["html_path"] is not None:
+        texts.append((given["html_path"], _page(result, source)))
     return texts, remarks
 
 

@@ -10,6 +10,7 @@ import click
 from skiplatch import comparison, latch, planner
 from skiplatch.campaign import InputPath, read_campaign
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.figures.comparison import draw_comparison
 from skiplatch.figures.cycle_times import draw_cycle_times
 from skiplatch.figures.feeds import draw_feeds
@@ -91,8 +92,9 @@ def _heading(text: str) -> None:
 
 @click.command(epilog=EPILOG)
 @click.option(
+    "-o",
     "--out",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=OutputFolder(),
     required=True,
     help="Folder for the pictures; those of an earlier demo are replaced.",
 )

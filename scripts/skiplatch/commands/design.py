@@ -6,6 +6,7 @@ import click
 
 from skiplatch.campaign import CONDITIONS, format_touches
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
@@ -21,8 +22,9 @@ Example:
 @click.command(epilog=EPILOG)
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option(
+    "-o",
     "--out",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutputFile(),
     required=True,
     help="Conditions to write, the most telling touch first.",
 )

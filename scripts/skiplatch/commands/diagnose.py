@@ -9,15 +9,16 @@ from skiplatch.campaign import Campaign
 from skiplatch.commands.options import (
     EffectType,
     SizeType,
+    html_option,
     jobs_option,
     json_option,
     seed_option,
+    write_document,
     write_json,
 )
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, explained
 from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
 from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
 from skiplatch.transmission.source import periodic_sources, read_axis_train
@@ -36,12 +37,7 @@ Example:
 @seed_option
 @jobs_option
 @json_option
-@click.option(
-    "--html",
-    "html_path",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Also write the result as one page with pictures to this file.",
-)
+@html_option
 @click.option(
     "--material-fraction",
     type=SizeType(),
@@ -135,7 +131,7 @@ def command(
     write_json(json_path, document)
     if html_path is not None:
         page = _page(recorded, diagnosis, campaign.resolve().name, words, seed, jobs)
-        atomic_write_text(html_path, page)
+        write_document(html_path, page)
     if fail_on_gap and diagnosis.verdict not in (Verdict.NO_GAP, Verdict.UNDECIDED):
         ctx.exit(GAP)
 

@@ -8,7 +8,7 @@ from skiplatch.campaign import Kind, read_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.telling import cannot_be_told
 from skiplatch.commands.options import Decorator, json_option, write_json
-from skiplatch.files import refuse_occupied
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.importing.model import Imported
 from skiplatch.importing.writing import write_imported
 
@@ -19,7 +19,7 @@ Example:
 """
 
 out_option: Decorator = click.option(
-    "-o", "--out", type=click.Path(path_type=Path), required=True, help="Folder of the campaign."
+    "-o", "--out", type=OutputFolder(is_new=True), required=True, help="Folder of the campaign."
 )
 feed_option: Decorator = click.option(
     "--feed",
@@ -93,7 +93,6 @@ def linuxcnc(
     """Read the LOG that (PROBEOPEN …) made."""
     from skiplatch.importing.linuxcnc import read_linuxcnc  # noqa: PLC0415
 
-    refuse_occupied(out)
     found = read_linuxcnc(log, program, axis.upper() if axis else None, feed, inch=inch)
     finish(found, (log,) if program is None else (log, program), out, json_path)
 
@@ -108,7 +107,6 @@ def grbl(*, log: Path, feed: float | None, inch: bool, out: Path, json_path: Pat
     """Read the LOG of a serial line with grbl, grblHAL, FluidNC or Grbl_Esp32."""
     from skiplatch.importing.grbl import read_grbl  # noqa: PLC0415
 
-    refuse_occupied(out)
     finish(read_grbl(log, feed, inch=inch), (log,), out, json_path)
 
 
@@ -121,7 +119,6 @@ def klipper(log: Path, feed: float | None, out: Path, json_path: Path | None) ->
     """Read klippy.log or a copied console as LOG."""
     from skiplatch.importing.klipper import read_klipper  # noqa: PLC0415
 
-    refuse_occupied(out)
     finish(read_klipper(log, feed), (log,), out, json_path)
 
 
@@ -134,7 +131,6 @@ def marlin(log: Path, feed: float | None, out: Path, json_path: Path | None) -> 
     """Read the console of M48 V4 or G30 as LOG."""
     from skiplatch.importing.marlin import read_marlin  # noqa: PLC0415
 
-    refuse_occupied(out)
     finish(read_marlin(log, feed), (log,), out, json_path)
 
 
@@ -170,7 +166,6 @@ def csv(
     """Read any TABLE; units are converted."""
     from skiplatch.importing.table import parse_mapping, read_table  # noqa: PLC0415
 
-    refuse_occupied(out)
     try:
         mapped = [parse_mapping(text) for text in mappings]
     except ValueError as error:
@@ -217,7 +212,6 @@ def edges(
     """Read the CAPTURE of a logic analyser: CSV of Saleae Logic, VCD, or sigrok's .sr."""
     from skiplatch.importing.edges import read_edges  # noqa: PLC0415
 
-    refuse_occupied(out)
     holdoff_s = holdoff_us / 1e6
     found = read_edges(capture, probe, latch, report, falling=falling, holdoff_s=holdoff_s)
     finish(found, (capture,), out, json_path)
@@ -231,7 +225,6 @@ def can(log: Path, out: Path, json_path: Path | None) -> None:
     """Read a LOG of CAN traffic (candump -L, ASC, BLF) with the project's own frames."""
     from skiplatch.importing.can_frames import read_can  # noqa: PLC0415
 
-    refuse_occupied(out)
     finish(read_can(log), (log,), out, json_path)
 
 
@@ -253,6 +246,5 @@ def iso230(
     """Read a TABLE of positions × runs × senses, as ISO 230-2 has it."""
     from skiplatch.importing.iso230 import read_iso230  # noqa: PLC0415
 
-    refuse_occupied(out)
     found = read_iso230(table, (axis or "X").upper(), in_mm=unit == "mm", feed=feed)
     finish(found, (table,), out, json_path)

@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign.datum import Datum
+from skiplatch.commands.outputs import OutputFile
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.importing.presets import PRESETS
@@ -18,9 +19,7 @@ Example:
 
 @click.command(epilog=EPILOG)
 @click.option("--preset", type=click.Choice(list(PRESETS)), help="The kind of rig.")
-@click.option(
-    "-o", "--out", type=click.Path(path_type=Path, dir_okay=False), help="File that is written."
-)
+@click.option("-o", "--out", type=OutputFile(), help="File that is written.")
 def command(preset: str | None, out: Path | None) -> None:
     """Write a nominal.toml with every key commented and a source for each figure.
 

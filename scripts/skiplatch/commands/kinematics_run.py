@@ -13,6 +13,7 @@ import numpy as np
 from skiplatch.campaign import InputPath
 from skiplatch.commands.kinematics_fit import tell
 from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFile
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
 from skiplatch.kinematics.five_axis import Truth
@@ -85,7 +86,7 @@ Example:
 @click.option(
     "--html",
     "html_path",
-    type=FILE,
+    type=OutputFile(),
     help=f"The log; its charts go beside it as SVG.  [default: {LOG_NAME} beside PROGRAM]",
 )
 @click.option(
@@ -94,8 +95,12 @@ Example:
     type=FILE,
     help="Evaluate these sphere centres of a real machine and simulate nothing; see 'fit'.",
 )
-@click.option("--points", "points_path", type=FILE, help="Write the sphere centres as POINTS.csv.")
-@click.option("--corrected", "corrected_path", type=FILE, help="Write the kinematics at the end.")
+@click.option(
+    "--points", "points_path", type=OutputFile(), help="Write the sphere centres as POINTS.csv."
+)
+@click.option(
+    "--corrected", "corrected_path", type=OutputFile(), help="Write the kinematics at the end."
+)
 @click.option(
     "--memory",
     "memory_path",

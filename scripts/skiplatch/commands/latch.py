@@ -7,6 +7,7 @@ import click
 
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.commands.rig_options import rig_json, rig_options, within
 from skiplatch.latch import Effort, as_json, as_text, examine
 
@@ -49,7 +50,7 @@ PATHS = {
 @rig_options
 @click.option(
     "--pictures",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=OutputFolder(),
     help="Draw the distributions into this folder.",
 )
 @seed_option

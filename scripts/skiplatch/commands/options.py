@@ -11,6 +11,7 @@ from typing import Any
 
 import click
 
+from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
 from skiplatch.simulator import Effect, effects
@@ -40,12 +41,12 @@ jobs_option: Decorator = click.option(
     help="Threads to work on; the result does not depend on it.",
 )
 
-STDOUT = Path("-")
-
 
 def _text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Path | None:
-    """Send what is meant for people to stderr if JSON goes to stdout."""
+    """Send what is meant for people to stderr if a document goes to stdout."""
     if path == STDOUT:
+        if __name__ in ctx.meta:
+            raise click.UsageError("only one document can go to stdout")
         ctx.meta[__name__] = sys.stdout
         ctx.with_resource(redirect_stdout(sys.stderr))
     return path
@@ -54,9 +55,17 @@ def _text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Pa
 json_option: Decorator = click.option(
     "--json",
     "json_path",
-    type=click.Path(path_type=Path, dir_okay=False, allow_dash=True),
+    type=OutputFile(allow_dash=True),
     callback=_text_aside,
     help="Also write the result as JSON to this file; - for stdout, all else then goes to stderr.",
+)
+
+html_option: Decorator = click.option(
+    "--html",
+    "html_path",
+    type=OutputFile(allow_dash=True),
+    callback=_text_aside,
+    help="Also write the result as one page with pictures to this file; - for stdout.",
 )
 
 
@@ -121,7 +130,13 @@ def json_text(result: Mapping[str, Any]) -> str:
 
 def write_json(path: Path | None, result: Mapping[str, Any]) -> None:
     """Write the result, or do nothing without a path; see `json_text`."""
+    if path is not None:
+        write_document(path, json_text(result))
+
+
+def write_document(path: Path, text: str) -> None:
+    """Write what `json_option` or `html_option` asked for to its file, or to stdout."""
     if path == STDOUT:
-        click.echo(json_text(result), file=click.get_current_context().meta[__name__], nl=False)
-    elif path is not None:
-        atomic_write_text(path, json_text(result))
+        click.echo(text, file=click.get_current_context().meta[__name__], nl=False)
+    else:
+        atomic_write_text(path, text)

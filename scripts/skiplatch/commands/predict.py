@@ -8,6 +8,7 @@ import numpy as np
 
 from skiplatch.campaign import Nominal, Touches, read_campaign, read_conditions, read_nominal
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
 from skiplatch.diagnosis.playing import Rig
@@ -63,7 +64,7 @@ def _lines(conditions: Touches, outcomes: Outcomes) -> Sequence[str]:
     show_default=True,
     help="How often to play them.",
 )
-@click.option("--out", type=FILE, required=True, help="CSV to write.")
+@click.option("-o", "--out", type=OutputFile(), required=True, help="CSV to write.")
 @seed_option
 @jobs_option
 @json_option

@@ -6,6 +6,7 @@ import click
 
 from skiplatch.campaign import InputPath
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.compensation import campaigns, paper
 from skiplatch.compensation.experiment import run
 from skiplatch.compensation.rigs import RIGS
@@ -61,7 +62,7 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
 @click.option(
     "--record",
     "folder",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=OutputFolder(),
     help="Write campaigns 'before' and 'after', radii and speeds (of the first trial) there.",
 )
 @seed_option

@@ -7,7 +7,8 @@ from typing import Any
 import click
 
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.commands.options import json_option, write_json
+from skiplatch.commands.options import html_option, json_option, write_document, write_json
+from skiplatch.commands.outputs import OutputFile
 from skiplatch.importing.detect import read_any
 from skiplatch.importing.writing import write_imported
 from skiplatch.repeatability import Repeatability, repeatability
@@ -18,7 +19,7 @@ SHOWN = 12
 EPILOG = """\b
 Example:
   skiplatch repeat scripts/samples/machine_no_gap
-  skiplatch repeat klippy.log --picture build/repeat.svg
+  skiplatch repeat tests/python/data/logs/klippy.log --html build/repeat.html
 """
 
 
@@ -26,16 +27,19 @@ Example:
 @click.argument("source", type=click.Path(path_type=Path), metavar="FILE|DIR")
 @click.option(
     "--picture",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutputFile(makes_folders=True),
     help="Draw the touches one after the other into this SVG file.",
 )
+@html_option
 @json_option
-def command(source: Path, picture: Path | None, json_path: Path | None) -> None:
+def command(
+    source: Path, picture: Path | None, html_path: Path | None, json_path: Path | None
+) -> None:
     """Say how well touches of one surface repeat, from a campaign or straight from a log.
 
     Nothing is believed of the rig: mean, scatter, drift from touch to touch and per kelvin, the
     first touch apart, outliers by number, and the slope with the feed in ms, which is a delay. With
-    95 % intervals.
+    95 % intervals. Of a bench without motion, the times from edge to latch.
     """
     campaign, head = _read(source)
     found = repeatability(campaign)
@@ -47,8 +51,13 @@ def command(source: Path, picture: Path | None, json_path: Path | None) -> None:
         more = len(found.outliers) - SHOWN
         click.echo(f"\noutliers: touches {shown}{f' and {more} more' if more > 0 else ''}")
     write_json(json_path, {"source": str(source), **as_json(found), "sentence": said})
-    if picture is not None:
+    if html_path is not None:
         # Drawing takes time to load, which only those pay who want a picture.
+        from skiplatch.report.repeatability import as_html  # noqa: PLC0415
+
+        page = as_html(found, name=source.name, sentence=said, figures=_rows(found))
+        write_document(html_path, page)
+    if picture is not None:
         from skiplatch.figures.repeatability import draw_repeatability  # noqa: PLC0415
 
         draw_repeatability(picture, found, said)
@@ -70,11 +79,10 @@ def _read(source: Path) -> tuple[Campaign, str]:
 
 def sentence(found: Repeatability) -> str:
     """Say it in one sentence."""
-    sigma = _words(found.sigma, "µm")
-    surfaces = "one surface" if found.surfaces == 1 else f"{found.surfaces} surfaces"
-    parts = [f"{len(found.touches)} touches of {surfaces} scatter by σ = {sigma}"]
+    unit = found.unit
+    parts = [f"{_what(found)} by σ = {_words(found.sigma, unit)}"]
     if found.is_limited_by_resolution:
-        step = f" of {found.step_um:.4g} µm" if found.step_um else ""
+        step = f" of {found.step:.4g} {unit}" if found.step else ""
         parts.append(f"that is limited by the resolution{step}")
     if _shows(found.slope):
         parts.append(f"they come later with the feed, by {_words(found.slope, 'ms')}")
@@ -86,6 +94,14 @@ def sentence(found: Repeatability) -> str:
         n = len(found.outliers)
         parts.append(f"{n} {'lies' if n == 1 else 'lie'} far outside")
     return "; ".join(parts) + "."
+
+
+def _what(found: Repeatability) -> str:
+    n = len(found.touches)
+    if found.unit == "µs":
+        return f"{n} latches come {_words(found.mean, 'µs')} after their edges and scatter"
+    surfaces = "one surface" if found.surfaces == 1 else f"{found.surfaces} surfaces"
+    return f"{n} touches of {surfaces} scatter"
 
 
 def _words(figure: Interval | None, unit: str) -> str:
@@ -100,38 +116,41 @@ def _shows(figure: Interval | None) -> bool:
 
 
 def _rows(found: Repeatability) -> list[tuple[str, ...]]:
+    unit = found.unit
+    mean = "mean deviation" if unit == "µm" else "mean from edge to latch"
     figures: list[tuple[str, Interval | None]] = [
-        ("mean deviation, µm", found.mean),
-        ("σ, µm", found.sigma),
-        ("first touch, µm", found.first),
-        ("drift, µm/touch", found.drift),
+        (f"{mean}, {unit}", found.mean),
+        (f"σ, {unit}", found.sigma),
+        (f"first touch, {unit}", found.first),
+        (f"drift, {unit}/touch", found.drift),
         ("slope with the feed, ms", found.slope),
-        *((f"drift by {name}, µm/K", slope) for name, slope in found.per_kelvin.items()),
+        *((f"drift by {name}, {unit}/K", slope) for name, slope in found.per_kelvin.items()),
     ]
     rows: list[tuple[str, ...]] = [
         (name, *with_interval(figure)) for name, figure in figures if figure is not None
     ]
-    rows.insert(2, ("widest range, µm", f"{found.range_um:.4g}", ""))
+    rows.insert(2, (f"widest range, {unit}", f"{found.range:.4g}", ""))
     return rows
 
 
 def as_json(found: Repeatability) -> dict[str, Any]:
-    """Give it for programs."""
+    """Give it for programs; names end with the unit, ``um``, or ``us`` on a bench."""
+    unit = "um" if found.unit == "µm" else "us"
     figures = {
-        "mean_um": found.mean,
-        "sigma_um": found.sigma,
-        "first_touch_um": found.first,
-        "drift_um_per_touch": found.drift,
+        f"mean_{unit}": found.mean,
+        f"sigma_{unit}": found.sigma,
+        f"first_touch_{unit}": found.first,
+        f"drift_{unit}_per_touch": found.drift,
         "slope_ms": found.slope,
-        **{f"drift_um_per_k_{name}": slope for name, slope in found.per_kelvin.items()},
+        **{f"drift_{unit}_per_k_{name}": slope for name, slope in found.per_kelvin.items()},
     }
     document: dict[str, Any] = {"n": len(found.touches), "surfaces": found.surfaces}
     for name, figure in figures.items():
         document[name] = None if figure is None else figure.value
         document[f"{name}_interval"] = None if figure is None else [figure.low, figure.high]
     return document | {
-        "range_um": found.range_um,
+        f"range_{unit}": found.range,
         "outliers": list(found.outliers),
-        "resolution_um": found.step_um,
+        f"resolution_{unit}": found.step,
         "limited_by_resolution": found.is_limited_by_resolution,
     }

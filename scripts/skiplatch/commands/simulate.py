@@ -14,6 +14,7 @@ from skiplatch.commands.options import (
     seed_option,
     write_json,
 )
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.simulator import Controller, Effect, Outcomes, play
 
 EPILOG = """\b
@@ -47,8 +48,9 @@ def _as_recorded(conditions: Touches, outcomes: Outcomes) -> Touches:
     help="The touches to play: touches.csv, outcomes in it are ignored.",
 )
 @click.option(
+    "-o",
     "--out",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=OutputFolder(is_new=True),
     required=True,
     help="Folder of the campaign; must not hold anything yet.",
 )

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from skiplatch.commands.options import json_option, write_json
-from skiplatch.files import atomic_write_text
+from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.transmission.firmware import Method
 from skiplatch.transmission.measure import Chain, Measurement, measure, measure_all
 from skiplatch.transmission.text import as_json, as_text, methods_json, methods_text
@@ -80,12 +79,7 @@ class RatioType(click.ParamType[Fraction]):
     "pitch is that of its last stage instead of a turn of the input.",
 )
 @json_option
-@click.option(
-    "--html",
-    "html_path",
-    type=click.Path(path_type=Path, dir_okay=False),
-    help="Also write the result as one page with pictures to this file.",
-)
+@html_option
 def command(
     pulses: Path,
     lines1: int,
@@ -120,7 +114,7 @@ def command(
     click.echo(as_text(pulses.name, method, result, train))
     write_json(json_path, as_json(method, result, train))
     if html_path is not None:
-        atomic_write_text(html_path, _page(pulses.name, method, chain, result, train))
+        write_document(html_path, _page(pulses.name, method, chain, result, train))
 
 
 def _page(

@@ -27,12 +27,13 @@ def as_text(comparison: Comparison) -> str:
         return "No path and feed with enough recorded outcomes: nothing to compare."
     parts = [_table(comparison, observable) for observable in OBSERVABLES]
     parts.append(LEGEND)
-    parts.append("\n".join(_missed_line(missed) for missed in comparison.missed))
-    parts.append(_verdict(comparison))
+    parts.append("\n".join(missed_line(missed) for missed in comparison.missed))
+    parts.append(verdict(comparison))
     return "\n\n".join(part for part in parts if part)
 
 
-def _header(observable: Observable) -> tuple[str, ...]:
+def header(observable: Observable) -> tuple[str, ...]:
+    """Give the head of the table of an observable."""
     return (
         "path",
         "mm/min",
@@ -50,14 +51,15 @@ def _header(observable: Observable) -> tuple[str, ...]:
 
 
 def _table(comparison: Comparison, observable: Observable) -> str:
-    rows = [_row(gap, comparison.alpha) for gap in comparison.gaps if gap.observable is observable]
+    rows = [row(gap, comparison.alpha) for gap in comparison.gaps if gap.observable is observable]
     if not rows:
         return ""
     title = f"{observable.title} in {observable.unit}: mean ± spread; recorded minus simulated"
-    return f"{title}\n{table(_header(observable), rows)}"
+    return f"{title}\n{table(header(observable), rows)}"
 
 
-def _row(gap: CellGap, alpha: float) -> tuple[str, ...]:
+def row(gap: CellGap, alpha: float) -> tuple[str, ...]:
+    """Give the row of a cell; it differs if chance gives as much less often than `alpha`."""
     return (
         gap.path.name.lower(),
         f"{gap.feed_mm_min:g}",
@@ -99,7 +101,8 @@ def _in_other_unit(gap: CellGap) -> float:
     return difference / speed_um_us if gap.observable.unit == "µm" else difference * speed_um_us
 
 
-def _missed_line(missed: Missed) -> str:
+def missed_line(missed: Missed) -> str:
+    """Say how many touches of a path were missed."""
     share = missed.share
     return (
         f"{missed.path.name.lower()}: {missed.missed} of {missed.touches} touches missed "
@@ -107,7 +110,8 @@ def _missed_line(missed: Missed) -> str:
     )
 
 
-def _verdict(comparison: Comparison) -> str:
+def verdict(comparison: Comparison) -> str:
+    """Say whether they differ, and where the most."""
     tested = f"{len(comparison.gaps)} cells, {comparison.replicates} replicates of the simulation"
     rate = f"false-alarm rate {comparison.alpha:.1%} over all cells together"
     differing = comparison.differing

@@ -10,17 +10,17 @@ from skiplatch.campaign import InputPath
 from skiplatch.comparison.model import Cell, CellGap, Comparison
 from skiplatch.comparison.observables import OBSERVABLES, Observable
 from skiplatch.figures import theme
+from skiplatch.figures.ecdf import draw_ecdf, label_shares
+from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.figures.latch_errors import COLORS
 from skiplatch.latch.text import TITLES
 from skiplatch.tables import number
 
 MOST_FEEDS = 5
-BINS = 24
 ROW_IN = 1.9
 HEAD_IN = 1.1
 FEWEST_TICKS = 2
-MARGIN = 0.05  # of the range, on both sides
-LEAST_RANGE = 1e-3  # µm or µs
+PANEL_IN = 2.1
 
 
 def draw_comparison(comparison: Comparison, folder: Path) -> list[Path]:
@@ -38,7 +38,7 @@ def draw_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     return paths
 
 
-def _shown_feeds(pairs: Sequence[tuple[Cell, CellGap]]) -> list[float]:
+def shown_feeds(pairs: Sequence[tuple[Cell, CellGap]]) -> list[float]:
     """All feeds, or some of them from the slowest to the fastest where there are many."""
     feeds = sorted({cell.feed_mm_min for cell, _ in pairs})
     chosen = np.linspace(0, len(feeds) - 1, min(len(feeds), MOST_FEEDS)).round().astype(int)
@@ -48,7 +48,7 @@ def _shown_feeds(pairs: Sequence[tuple[Cell, CellGap]]) -> list[float]:
 def _draw(
     path: Path, observable: Observable, pairs: Sequence[tuple[Cell, CellGap]], alpha: float
 ) -> None:
-    feeds = _shown_feeds(pairs)
+    feeds = shown_feeds(pairs)
     rows = sorted({cell.path for cell, _ in pairs})
     words = _words(observable, [gap for _, gap in pairs], alpha)
     with theme.picture(path, words, height_in=HEAD_IN + ROW_IN * len(rows)) as figure:
@@ -60,39 +60,40 @@ def _draw(
                 axes = panels[rows.index(cell.path), feeds.index(cell.feed_mm_min)]
                 _draw_cell(axes, cell, differs=gap.p_value <= alpha)
         for path_code, axes in zip(rows, panels[:, 0], strict=True):
-            axes.set_ylabel(f"{TITLES[path_code]}\nshare of touches")
+            axes.set_ylabel(f"{TITLES[path_code]}\nshare up to there")
         figure.supxlabel(
-            f"{observable.title}, {observable.unit}: recorded filled, simulated as a line",
+            f"{observable.title}, {observable.unit}: recorded in colour, simulated dashed",
             fontsize=10,
         )
 
 
 def _draw_cell(axes: Axes, cell: Cell, *, differs: bool) -> None:
-    color, light = COLORS[InputPath(cell.path)]
-    recorded = cell.recorded + cell.expected
-    simulated = (cell.reference + cell.expected).ravel()
-    edges = _edges(recorded, simulated)
+    _draw_curves(axes, cell)
     axes.set_visible(True)
-    axes.stairs(_shares(recorded, edges), edges, fill=True, color=light)
-    axes.stairs(_shares(recorded, edges), edges, color=color, lw=1.0)
-    axes.stairs(_shares(simulated, edges), edges, color=theme.INK, lw=1.4)
     axes.set_title(f"{cell.feed_mm_min:g} mm/min{', differs' if differs else ''}", fontsize=9)
     axes.locator_params(nbins=FEWEST_TICKS, axis="x")
-    axes.set_yticks([])
     axes.tick_params(labelsize=8)
     axes.grid(visible=False)
 
 
-def _edges(*samples: np.ndarray) -> np.ndarray:
-    low = min(float(sample.min()) for sample in samples)
-    high = max(float(sample.max()) for sample in samples)
-    margin = MARGIN * max(high - low, LEAST_RANGE)
-    return np.linspace(low - margin, high + margin, BINS + 1)
+def cell_panel(name: str, cell: Cell, gap: CellGap) -> Drawing:
+    """Draw a cell for a page; `name` is unique in the page."""
+    with panel(PANEL_IN) as figure:
+        axes = figure.subplots()
+        _draw_curves(axes, cell)
+        axes.locator_params(nbins=4, axis="x")
+        axes.set_xlabel(f"{cell.observable.title}, {cell.observable.unit}")
+        axes.set_ylabel("share up to there")
+    caption = f"{TITLES[gap.path]}, {gap.feed_mm_min:g} mm/min"
+    return drawing(figure, name, caption, f"{cell.observable.title}. {_sentence(gap)}")
 
 
-def _shares(sample: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    counts, _ = np.histogram(sample, edges)
-    return np.asarray(counts / len(sample))
+def _draw_curves(axes: Axes, cell: Cell) -> None:
+    color, _ = COLORS[InputPath(cell.path)]
+    draw_ecdf(axes, cell.recorded + cell.expected, color=color, lw=2.4)
+    simulated = (cell.reference + cell.expected).ravel()
+    draw_ecdf(axes, simulated, color=theme.MUTED, lw=1.4, ls=(0, (3, 2)))
+    label_shares(axes)
 
 
 def _words(observable: Observable, gaps: Sequence[CellGap], alpha: float) -> theme.Words:

@@ -10,6 +10,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.figures import theme
+from skiplatch.figures.ecdf import draw_ecdf, label_shares
 from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.figures.latch_errors import COLORS
 from skiplatch.latch.text import TITLES
@@ -20,9 +21,8 @@ from skiplatch.tables import number
 BEFORE, AFTER = theme.MUTED, theme.FOURTH
 PANEL_IN = 2.1
 RESIDUAL_IN, RESIDUAL_WIDTH_IN = 2.4, 4.4
-FEWEST_BINS, MOST_BINS = 10, 32
 TAIL = 0.002
-"""Share of the touches on either side that a picture draws at its edge."""
+"""Share of the touches on either side that a picture may leave outside."""
 MARGIN = 0.06  # of the range, on both sides
 LEAST_RANGE = 0.1  # µm or µs
 MOST_POINTS = 300
@@ -50,26 +50,23 @@ def draw_distribution(
     if not all(map(len, samples.values())):
         return None
     recorded, before, *after = samples.values()
-    low, high = _range(*samples.values())
-    bins = int(np.clip(2.0 * np.sqrt(len(recorded)), FEWEST_BINS, MOST_BINS))
-    edges = np.linspace(low, high, bins + 1)
-    color, light = COLORS[path]
+    color, _ = COLORS[path]
     with panel(PANEL_IN) as figure:
         axes = figure.subplots()
-        axes.stairs(_shares(recorded, edges), edges, fill=True, color=light)
-        axes.stairs(_shares(recorded, edges), edges, color=color, lw=1.0)
-        axes.stairs(_shares(before, edges), edges, color=BEFORE, lw=1.4, ls=(0, (3, 2)))
+        draw_ecdf(axes, recorded, color=color, lw=2.4)
+        draw_ecdf(axes, before, color=BEFORE, lw=1.4, ls=(0, (3, 2)))
         for sample in after:
-            axes.stairs(_shares(sample, edges), edges, color=AFTER, lw=1.4)
+            draw_ecdf(axes, sample, color=AFTER, lw=1.4)
+        axes.set_xlim(*_range(*samples.values()))
         axes.set_xlabel(f"{seen.title}, {seen.unit}")
-        axes.set_ylabel("share of touches")
-        axes.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
+        axes.set_ylabel("share up to there")
         _plain_axes(axes)
-        axes.grid(visible=False, axis="x")
+        label_shares(axes)
     where = f"{TITLES[path]}, {feed_mm_min:g} mm/min"
     figures = "; ".join(f"{title} {_middle(sample)}" for title, sample in samples.items())
     description = (
-        f"Distribution of {seen.title} in {seen.unit}, {where}, {len(recorded)} touches. "
+        f"Cumulative distribution of {seen.title} in {seen.unit}, {where}, "
+        f"{len(recorded)} touches. "
         f"Median and the range of nine tenths: {figures}."
     )
     return drawing(figure, name, f"{where}: {seen.title}", description)
@@ -182,12 +179,6 @@ def _range(*samples: FloatArray) -> tuple[float, float]:
     low, high = (float(ends[:, 0].min()), float(ends[:, 1].max())) if len(ends) else (0.0, 0.0)
     margin = MARGIN * max(high - low, LEAST_RANGE)
     return low - margin, high + margin
-
-
-def _shares(sample: FloatArray, edges: FloatArray) -> FloatArray:
-    """Give the share of each bin; what lies beyond them counts to the outermost."""
-    counts, _ = np.histogram(np.clip(sample, edges[0], edges[-1]), edges)
-    return np.asarray(counts / len(sample))
 
 
 def _middle(sample: FloatArray) -> str:

@@ -79,6 +79,7 @@ def read_edges(
     latched = _following(edges, capture.edges(_named(path, capture, latch), falling=falling))
     columns = {
         "touch": np.arange(len(edges)),
+        "time_s": edges - zero,
         "edge_us": (edges - zero) * US_PER_S,
         "latch_us": (latched - zero) * US_PER_S,
         "status": np.where(np.isnan(latched), 1, 0),

@@ -1,4 +1,4 @@
-"""G-code as far as probing moves need it: words, modes, positions, parameters and loops.
+"""Lines of G-code as far as probing moves need them: words, modes, positions, parameters.
 
 What is not known is left out rather than guessed: a move to a place that hangs on an unknown
 parameter has no target.
@@ -15,15 +15,10 @@ from skiplatch.importing.model import MM_PER_INCH
 
 AXES = "XYZABC"
 LINEAR = "XYZ"
-MOST_LINES = 200_000  # executed, so that a loop that never ends does
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
-_INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
 _WORD = re.compile(r"([A-Z])\s*([-+]?\s*(?:\d+\.?\d*|\.\d+)|#[<\w]+>?|\[)", re.IGNORECASE)
 _ASSIGNMENT = re.compile(r"^\s*#\s*(<[^>]*>|\d+)\s*=\s*(.+)$")
-_LOOP = re.compile(
-    r"^\s*O\s*(<[^>]*>|\d+)\s*(REPEAT|ENDREPEAT|WHILE|ENDWHILE)\s*(?:\[(.*)\])?\s*$", re.IGNORECASE
-)
 _PARAMETER = re.compile(r"#\s*(<[^>]*>|\d+)")
 _OPERATORS: Mapping[type[ast.AST], Callable[..., float]] = {
     ast.Add: operator.add,
@@ -76,7 +71,7 @@ class Machine:
 
     def execute(self, line: str, number: int) -> ProbeMove | None:
         """Carry out a line and give the probing move in it."""
-        text = _COMMENT.sub("", line).strip()
+        text = without_comments(line).strip()
         if assignment := _ASSIGNMENT.match(text):
             value = self.value(assignment[2])
             name = assignment[1].lower()
@@ -188,59 +183,18 @@ class Machine:
         return ProbeMove(number, probing, sign, start, self.feed)
 
 
-def is_in_inches(text: str) -> bool:
-    """Tell whether a program calls for inches."""
-    return any(_INCHES.search(_COMMENT.sub("", line)) for line in text.splitlines())
+def without_comments(line: str) -> str:
+    """Give a line without what stands in parentheses or after a semicolon."""
+    return _COMMENT.sub("", line)
 
 
-def run(text: str) -> Iterator[ProbeMove]:
-    """Run a program and give its probing moves, loops carried out."""
-    lines = text.splitlines()
-    machine = Machine()
-    yield from _run(lines, machine)
-
-
-def _run(lines: list[str], machine: Machine) -> Iterator[ProbeMove]:
-    begins, ends = _loops(lines)
-    left: dict[int, int] = {}
-    at = executed = 0
-    while at < len(lines) and executed < MOST_LINES:
-        executed += 1
-        loop = _LOOP.match(_COMMENT.sub("", lines[at]))
-        if loop and at in begins:
-            goes_on = _goes_on(loop, machine, left, at)
-            at = at + 1 if goes_on else begins[at] + 1
-        elif loop and at in ends:
-            at = ends[at]
-        else:
-            if move := machine.execute(lines[at], at + 1):
-                yield move
-            at += 1
-
-
-def _loops(lines: list[str]) -> tuple[dict[int, int], dict[int, int]]:
-    """Give the ends of loops by their beginnings, and the other way round."""
-    begins: dict[int, int] = {}
-    open_loops: dict[str, int] = {}
-    for at, line in enumerate(lines):
-        if loop := _LOOP.match(_COMMENT.sub("", line)):
-            name = loop[1].lower()
-            if not loop[2].upper().startswith("END"):
-                open_loops[name] = at
-            elif name in open_loops:
-                begins[open_loops.pop(name)] = at
-    return begins, {end: begin for begin, end in begins.items()}
-
-
-def _goes_on(loop: re.Match[str], machine: Machine, left: dict[int, int], at: int) -> bool:
-    value = machine.value(loop[3] or "0")
-    if loop[2].upper() == "WHILE":
-        return bool(value)
-    left[at] = left.get(at, int(value or 0)) - 1
-    if left[at] < 0:
-        del left[at]
-        return False
-    return True
+def bracketed(text: str) -> Iterator[str]:
+    """Give what stands in each pair of brackets, the outermost ones."""
+    at = text.find("[")
+    while at >= 0:
+        end = _closing(text, at)
+        yield text[at + 1 : end]
+        at = text.find("[", end + 1)
 
 
 def _main_axis(ways: Mapping[str, float | None]) -> tuple[str | None, int | None]:

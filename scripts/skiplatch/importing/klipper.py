@@ -4,8 +4,9 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.log_lines import Line, read_lines, spread_times
-from skiplatch.importing.model import NO_TIMES, S_PER_MIN, Imported, Touch
+from skiplatch.importing.console import Console
+from skiplatch.importing.log_lines import Line, read_lines
+from skiplatch.importing.model import S_PER_MIN, Imported
 
 _PROBE = re.compile(
     r"probe(?:: at| at) (-?[\d.]+),\s*(-?[\d.]+) (?:is|bed will contact at) z=(-?[\d.]+)",
@@ -45,26 +46,24 @@ def read_klipper(path: Path, feed: float | None) -> Imported:
     return reader.result()
 
 
-class _Reader:
+class _Reader(Console):
     """Follows a log line by line."""
 
     def __init__(self, feed: float | None) -> None:
-        self.touches: list[Touch] = []
-        self._feed = feed
+        super().__init__(feed)
         self._options: dict[str, float] = {}
         self._start_z: float | None = None
         self._stats_s: float | None = None
-        self._temperatures: dict[str, float] = {}
         self._section = ""
         self._config: dict[tuple[str, str], str] = {}
         self._command_speed: float | None = None
-        self._session = 0
         self._last_place: tuple[float, float] | None = None
         self._feeds_from = ""
 
     def take(self, line: Line) -> None:
         """Take in a line."""
         text = line.text
+        self.take_temperatures(text)
         if match := _PROBE.search(text):
             self._touch(match, line)
         elif match := _ACCURACY.search(text):
@@ -72,11 +71,11 @@ class _Reader:
             self._start_z = float(match[3])
         elif match := _STATS.match(text):
             self._stats_s = float(match[1])
-            self._temperatures |= {
+            self.temperatures |= {
                 name.strip(): float(value) for name, value in _TEMPERATURE.findall(text)
             }
         elif _HOMED.match(text):
-            self._session += bool(self.touches)
+            self.homed()
             self._options, self._start_z = {}, None
         elif match := _SPEED_WORD.search(text):
             self._command_speed = float(match[1])
@@ -92,19 +91,7 @@ class _Reader:
         approach = self._options.get("retract")
         if self._start_z is not None:
             approach, self._start_z = self._start_z - z, None
-        self.touches.append(
-            Touch(
-                axis="Z",
-                sign=-1,
-                coordinate=z,
-                place=(x, y),
-                feed=self._speed(),
-                approach=approach,
-                time_s=self._stats_s if self._stats_s is not None else line.time_s,
-                session=f"after homing {self._session}" if self._session else "",
-                temperatures=dict(self._temperatures),
-            )
-        )
+        self.add(z, (x, y), line, feed=self._speed(), approach=approach, time_s=self._stats_s)
         self._last_place = (x, y)
 
     def _forget_options_of_elsewhere(self) -> None:
@@ -127,7 +114,7 @@ class _Reader:
         for speed, source in (
             (self._options.get("speed"), "PROBE_ACCURACY"),
             (self._command_speed, "PROBE_SPEED"),
-            (self._feed / S_PER_MIN if self._feed else None, "--feed"),
+            (self.feed / S_PER_MIN if self.feed else None, "--feed"),
             (configured, "the configuration in the log"),
         ):
             if speed is not None:
@@ -137,22 +124,17 @@ class _Reader:
 
     def result(self) -> Imported:
         """Say what was found."""
-        found = Imported(preset="klipper", touches=self.touches)
-        times = spread_times([touch.time_s for touch in self.touches])
-        for touch, time_s in zip(self.touches, times, strict=True):
-            touch.time_s = time_s
+        found = self.imported("klipper")
         self._feeds(found)
         self._steps(found)
         found.known.append("where each touch was latched, and at which X and Y")
-        if all(time_s is None for time_s in times):
-            found.assumed.append(NO_TIMES)
-        elif self._stats_s is not None:
+        if self._stats_s is not None:
             found.assumed.append(
                 "times are those of the statistics lines before, 1 s apart, spread evenly"
             )
         names = sorted({name for touch in self.touches for name in touch.temperatures})
         if names:
-            found.known.append(f"temperatures of {', '.join(names)} from the statistics lines")
+            found.known.append(f"temperatures of {', '.join(names)} from the lines before")
         else:
             found.assumed.append("no temperatures in the log: those of klippy.log are not here")
         return found

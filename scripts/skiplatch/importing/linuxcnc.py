@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from skiplatch.errors import InputError
-from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove, is_in_inches, run
+from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
+from skiplatch.importing.gcode_program import is_in_inches, run
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import MM_PER_INCH, Imported, Touch
 

@@ -4,18 +4,18 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.log_lines import Line, read_lines, spread_times
-from skiplatch.importing.model import NO_TIMES, Imported, Touch
+from skiplatch.importing.console import Console
+from skiplatch.importing.log_lines import Line, read_lines
+from skiplatch.importing.model import Imported
 
 _SAMPLE = re.compile(r"(\d+) of (\d+):?\s*z:\s*(-?[\d.]+)(?:.*?[Mm]ean:\s*(-?[\d.]+))?")
 _BED = re.compile(r"Bed X:\s*(-?[\d.]+)\s*Y:\s*(-?[\d.]+)\s*Z:\s*(-?[\d.]+)")
 _PLACE = re.compile(r"\bM48\b.*?\bX(-?[\d.]+).*?\bY(-?[\d.]+)", re.IGNORECASE)
+_TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(r"\bM92\b.*?\bZ\s*([\d.]+)")
 _ACCEL = re.compile(r"\bM201\b.*?\bZ\s*([\d.]+)")
-_TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?[\d.]+)\s*/")
 _HOMED = re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE)
-_PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
 UM_PER_MM = 1e3
 
 
@@ -38,27 +38,22 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
     return reader.result()
 
 
-class _Reader:
+class _Reader(Console):
     """Follows a log line by line."""
 
     def __init__(self, feed: float | None) -> None:
-        self.touches: list[Touch] = []
-        self._feed = feed
+        super().__init__(feed)
         self._place: tuple[float, ...] = ()
         self._in_test = False
-        self._session = 0
-        self._test = 0
         self._sum = 0.0
         self._steps: float | None = None
         self._accel: float | None = None
-        self._temperatures: dict[str, float] = {}
         self._from_means = 0
 
     def take(self, line: Line) -> None:
         """Take in a line."""
         text = line.text
-        for name, value in _TEMPERATURE.findall(text):
-            self._temperatures[_PLACES.get(name, name.lower())] = float(value)
+        self.take_temperatures(text)
         if match := _SAMPLE.search(text):
             self._sample(match, line)
         elif match := _PLACE.search(text):
@@ -66,14 +61,16 @@ class _Reader:
         elif match := _BED.search(text):
             self._bed(match, line)
         elif _HOMED.match(text):
-            self._session += bool(self.touches)
+            self.homed()
+            self._in_test = False
+        elif _TEST_ENDS.match(text):
             self._in_test = False
         elif match := _STEPS.search(text):
             self._steps = float(match[1])
         elif match := _ACCEL.search(text):
             self._accel = float(match[1])
         if _TEST.search(text):
-            self._in_test, self._test = True, self._test + 1
+            self._in_test = True
 
     def _sample(self, match: re.Match[str], line: Line) -> None:
         """Take z, with more digits where the running mean gives them."""
@@ -88,7 +85,7 @@ class _Reader:
                 digit = 0.5 * 10.0 ** -_decimals(match[4]) * (2 * number - 1)
                 if digit < _half(match[3]):
                     z, self._from_means = round(exact, 6), self._from_means + 1
-        self._add(z, self._place, line)
+        self.add(z, self._place, line, feed=self.feed)
 
     def _bed(self, match: re.Match[str], line: Line) -> None:
         """Take a result of G30; in a test it only repeats the first sample."""
@@ -96,29 +93,11 @@ class _Reader:
         if self._in_test:
             self._place = place
         else:
-            self._add(float(match[3]), place, line)
-
-    def _add(self, z: float, place: tuple[float, ...], line: Line) -> None:
-        session = f"after homing {self._session}" if self._session else ""
-        self.touches.append(
-            Touch(
-                axis="Z",
-                sign=-1,
-                coordinate=z,
-                place=place,
-                feed=self._feed,
-                time_s=line.time_s,
-                session=session,
-                temperatures=dict(self._temperatures),
-            )
-        )
+            self.add(float(match[3]), place, line, feed=self.feed)
 
     def result(self) -> Imported:
         """Say what was found."""
-        found = Imported(preset="marlin", touches=self.touches)
-        times = spread_times([touch.time_s for touch in self.touches])
-        for touch, time_s in zip(self.touches, times, strict=True):
-            touch.time_s = time_s
+        found = self.imported("marlin")
         found.known.append("the z of each touch")
         if self._from_means:
             found.known.append(f"{self._from_means} of them finer than printed, from the means")
@@ -128,13 +107,11 @@ class _Reader:
             found.assumed.append("400 steps/mm of Z, Marlin's default; M503 prints yours (M92)")
         if self._accel:
             found.figure("axis", "accel_mm_s2", self._accel, "M201 of the log")
-        if self._feed is None:
+        if self.feed is None:
             found.assumed.append(
                 "the feed is not known: Marlin does not print it; give --feed "
                 "(Z_PROBE_FEEDRATE_SLOW of Configuration.h, mm/min)"
             )
-        if all(time_s is None for time_s in times):
-            found.assumed.append(NO_TIMES)
         return found
 
 

@@ -6,6 +6,7 @@ middle, and the campaign says by `[datum]` that this middle is unknown.
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 from statistics import median
 
 import numpy as np
@@ -26,6 +27,7 @@ def as_touches(
     touches: Sequence[Touch], *, is_plc: bool
 ) -> tuple[Touches, DatumFreedom, dict[str, int]]:
     """Give columns, what the datum shares, and how many touches each surface has."""
+    touches = [_with_sense(touch, touches) for touch in touches]
     surfaces = _surfaces(touches)
     names = {key: _name(key, surfaces) for key in surfaces}
     number_of = {id(touch): key for key, group in surfaces.items() for touch in group}
@@ -59,6 +61,26 @@ def as_touches(
     return columns, _freedom(surfaces), {_words(k): len(v) for k, v in surfaces.items()}
 
 
+def _with_sense(touch: Touch, touches: Sequence[Touch]) -> Touch:
+    """Give a touch of unknown sense that of the others of its surface, if theirs is one."""
+    if touch.sign is not None or touch.coordinate is None:
+        return touch
+    senses = {
+        other.sign
+        for other in touches
+        if (other.session, other.axis) == (touch.session, touch.axis)
+        and other.coordinate is not None
+        and abs(other.coordinate - touch.coordinate) < SAME_SURFACE_MM
+        and _place(other) == _place(touch)
+    }
+    known = senses - {None}
+    return replace(touch, sign=known.pop()) if len(known) == 1 else touch
+
+
+def _place(touch: Touch) -> tuple[float, ...]:
+    return tuple(round(value, 1) + 0.0 for value in touch.place)
+
+
 def _approach(touch: Touch) -> float | None:
     return touch.approach if touch.approach is not None and touch.approach > 0.0 else None
 
@@ -67,8 +89,7 @@ def _surfaces(touches: Sequence[Touch]) -> dict[Key, list[Touch]]:
     """Group touches: of one session, axis, sense and place, and near to each other."""
     grouped: dict[tuple[str, str, int, tuple[float, ...]], list[Touch]] = defaultdict(list)
     for touch in touches:
-        place = tuple(round(value, 1) + 0.0 for value in touch.place)
-        grouped[touch.session, touch.axis, touch.sign or 0, place].append(touch)
+        grouped[touch.session, touch.axis, touch.sign or 0, _place(touch)].append(touch)
     surfaces: dict[Key, list[Touch]] = {}
     for key, group in grouped.items():
         for number, near in enumerate(_near(group)):

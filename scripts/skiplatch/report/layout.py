@@ -16,4 +16,6 @@ def render(template: str, **content: object) -> str:
         lstrip_blocks=True,
     )
     dark = {variable: DARK[colour] for variable, colour in VARIABLES.items()}
-    return environment.get_template(template).render(**content, light=VARIABLES, dark=dark)
+    return environment.get_template(template).render(
+        **{"glossary": {}, **content}, light=VARIABLES, dark=dark
+    )

@@ -6,7 +6,7 @@ from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
 from skiplatch.figures.inline import Drawing
-from skiplatch.report import chain, words
+from skiplatch.report import chain, glossary, words
 from skiplatch.report.conditions import most_telling
 from skiplatch.report.evidence import POSITION, Evidence, gather
 from skiplatch.report.layout import render
@@ -57,8 +57,12 @@ def as_html(
         no_gain=words.no_gain(diagnosis),
         where=words.where_table(diagnosis),
         left=words.left_table(diagnosis),
-        next_experiment=(next_experiment or "").splitlines(),
+        next_experiment=words.blocks(next_experiment or ""),
         notes=diagnosis.notes,
+        glossary=glossary.words(
+            *("95 % interval", "chain", "deviation", "effect", "gap", "held out", "latch", "nats"),
+            *("noise floor", "nominal", "p", "PLC task", "scan", "shrink", "skip input"),
+        ),
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.diagnose import Ranked
@@ -16,9 +17,10 @@ DIGITS = 3
 LEAST = 1e-3  # µm or µs
 MOST_RANKED = 10
 MOST_LEFT = 8
-LEAST_NAMED_NATS = 5.0
-"""No effect is named that gains less."""
+HOPELESS_NATS = 30.0
+"""Bars of what falls short by more are no longer."""
 PER_CENT = 100.0
+COLUMNS_APART = "  "
 PATHS = {"both": "both paths", "skip": "the skip path", "plc": "the PLC path"}
 
 
@@ -48,15 +50,25 @@ class Rank:
 
     Attributes:
         score: Nats gained over no effect.
-        percent: Length of its bar, 0 to 100.
+        behind: By how many nats it falls short of the best.
+        percent: Length of the bar of that, 0 to 100.
         said: What the diagnosis makes of it.
     """
 
     name: str
     parameters: str
     score: str
+    behind: str
     percent: str
     said: str
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A paragraph, or a table laid out by spaces."""
+
+    is_table: bool
+    text: str
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -134,7 +146,6 @@ def ranking(diagnosis: Diagnosis) -> list[Rank]:
     """Give the models that gained anything, the best first."""
     models = sorted(_gaining(diagnosis), key=lambda model: -model.score_nats)[:MOST_RANKED]
     best = max((model.score_nats for model in models), default=0.0)
-    best = max(best, LEAST_NAMED_NATS)
     rivals = {_name(model.effects) for model in diagnosis.rivals}
     finding = {named.effect.id for named in diagnosis.effects}
     return [_rank(model, best, rivals, finding) for model in models]
@@ -184,15 +195,25 @@ def gap_table(gaps: Iterable[Gap], *, after: bool) -> Table:
     rows = [
         (
             gap.title,
+            _shrunk(gap) if gap.is_clear else "no gap",
             gap.unit,
             _size(gap.before),
             _size(gap.after),
             _size(gap.noise_floor),
-            _shrunk(gap) if gap.is_clear else "no gap",
         )
         for gap in gaps
     ]
-    return Table(("observable", "unit", "before", "after", "noise floor", "shrunk by"), rows)
+    return Table(("observable", "shrunk by", "unit", "before", "after", "noise floor"), rows)
+
+
+def blocks(text: str) -> list[Block]:
+    """Part a text into its paragraphs, a line each, and its tables, whose columns are kept."""
+    parts = groupby(text.splitlines(), key=lambda line: COLUMNS_APART in line.strip())
+    return [
+        Block(is_table, part)
+        for is_table, lines in parts
+        for part in (["\n".join(lines)] if is_table else lines)
+    ]
 
 
 def missed_table(missed: Sequence[Missed]) -> Table | None:
@@ -217,7 +238,7 @@ def _rank(model: Ranked, best: float, rivals: set[str], finding: set[str]) -> Ra
         said = "finding"
     else:
         said = "cannot be told from it" if name in rivals else ""
-    share = max(model.score_nats, 0.0) / best
+    behind = best - model.score_nats
     parameters = "; ".join(
         ", ".join(f"{key} {compact(value, DIGITS)}" for key, value in effect.parameters.items())
         for effect in model.effects
@@ -225,10 +246,15 @@ def _rank(model: Ranked, best: float, rivals: set[str], finding: set[str]) -> Ra
     return Rank(
         name,
         parameters,
-        f"{model.score_nats:,.1f}".replace(",", " "),
-        f"{PER_CENT * share:.1f}",
+        _nats(model.score_nats),
+        _nats(behind),
+        f"{PER_CENT * min(behind / HOPELESS_NATS, 1.0):.1f}",
         said,
     )
+
+
+def _nats(nats: float) -> str:
+    return f"{nats:,.1f}".replace(",", " ")
 
 
 def _name(found_effects: Sequence[Effect]) -> str:

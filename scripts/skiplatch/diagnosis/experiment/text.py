@@ -1,6 +1,7 @@
 """An experiment for the terminal and in JSON."""
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import Any
 
 from skiplatch.campaign import COLUMNS, Touches
@@ -27,7 +28,7 @@ def experiment_text(experiment: Experiment) -> str:
     """What to do and why, with the touches that are to be made most often."""
     distinct = _distinct(experiment.touches)
     rows = [(*cells, str(count)) for cells, count in distinct[:SHOWN]]
-    parts = [experiment.words, table((*VARIED, REST, "touches"), rows)]
+    parts = [experiment.words, _filled_columns((*VARIED, REST, "touches"), rows)]
     if len(distinct) > SHOWN:
         parts.append(f"… and {len(distinct) - SHOWN} other conditions")
     if experiment.separates:
@@ -36,6 +37,12 @@ def experiment_text(experiment: Experiment) -> str:
             f"{compact(experiment.bits_per_touch, 2)} bits in one."
         )
     return "\n".join(parts)
+
+
+def _filled_columns(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Lay out a table without the columns that are empty in all rows."""
+    kept = [i for i in range(len(header)) if not rows or any(row[i] for row in rows)]
+    return table([header[i] for i in kept], [[row[i] for i in kept] for row in rows])
 
 
 def experiment_json(experiment: Experiment) -> dict[str, Any]:

@@ -1,0 +1,55 @@
+"""Files and folders that commands write: what cannot be written is refused before any work."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import click
+
+from skiplatch.files import refuse_occupied, refuse_unwritable
+
+STDOUT = Path("-")
+
+
+class OutputFile(click.Path):
+    """A file that is written, in a folder that is there; or - for stdout, where that is allowed.
+
+    Args:
+        allow_dash: Whether - stands for stdout.
+        makes_folders: Whether folders above it are made where they are missing.
+    """
+
+    name = "file"
+
+    def __init__(self, *, allow_dash: bool = False, makes_folders: bool = False) -> None:
+        super().__init__(path_type=Path, dir_okay=False, allow_dash=allow_dash)
+        self.makes_folders = makes_folders
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401
+        """See `click.ParamType.convert`."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if not (self.allow_dash and path == STDOUT):
+            refuse_unwritable(path, makes_folders=self.makes_folders)
+        return path
+
+
+class OutputFolder(click.Path):
+    """A folder that is written into, and made with those above it where they are missing.
+
+    Args:
+        is_new: Whether it must not hold anything yet.
+    """
+
+    name = "folder"
+
+    def __init__(self, *, is_new: bool = False) -> None:
+        super().__init__(path_type=Path, file_okay=False)
+        self.is_new = is_new
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401
+        """See `click.ParamType.convert`."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if self.is_new:
+            refuse_occupied(path)
+        refuse_unwritable(path, makes_folders=True)
+        return path

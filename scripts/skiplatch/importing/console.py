@@ -1,0 +1,67 @@
+"""Consoles of 3D printers: what those of Klipper and of Marlin have in common.
+
+Both touch the bed along Z from above, print temperatures as ``B:60.1 /60.0 T0:24.3 /0.0``, and know
+Z anew after homing.
+"""
+
+import re
+
+from skiplatch.importing.log_lines import Line, spread_times
+from skiplatch.importing.model import NO_TIMES, Imported, Touch
+
+_TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?[\d.]+)\s*/")
+_PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
+
+
+class Console:
+    """Touches that a console tells, with the temperatures and the homing before each."""
+
+    def __init__(self, feed: float | None) -> None:
+        self.touches: list[Touch] = []
+        self.feed = feed
+        self.temperatures: dict[str, float] = {}
+        self._session = 0
+
+    def take_temperatures(self, text: str) -> None:
+        """Remember the temperatures of a line, if there are some."""
+        for name, value in _TEMPERATURE.findall(text):
+            self.temperatures[_PLACES.get(name, name.lower())] = float(value)
+
+    def homed(self) -> None:
+        """Begin a session if something was touched before."""
+        self._session += bool(self.touches)
+
+    def add(
+        self,
+        z: float,
+        place: tuple[float, ...],
+        line: Line,
+        *,
+        feed: float | None,
+        approach: float | None = None,
+        time_s: float | None = None,
+    ) -> None:
+        """Take a touch of the bed; its time is that of the line where no other is given."""
+        self.touches.append(
+            Touch(
+                axis="Z",
+                sign=-1,
+                coordinate=z,
+                place=place,
+                feed=feed,
+                approach=approach,
+                time_s=line.time_s if time_s is None else time_s,
+                session=f"after homing {self._session}" if self._session else "",
+                temperatures=dict(self.temperatures),
+            )
+        )
+
+    def imported(self, preset: str) -> Imported:
+        """Give the touches, their times spread over the lines that share one."""
+        times = spread_times([touch.time_s for touch in self.touches])
+        for touch, time_s in zip(self.touches, times, strict=True):
+            touch.time_s = time_s
+        found = Imported(preset=preset, touches=self.touches)
+        if all(time_s is None for time_s in times):
+            found.assumed.append(NO_TIMES)
+        return found

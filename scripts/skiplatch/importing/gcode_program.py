@@ -1,0 +1,126 @@
+"""Programs of G-code: loops and subroutines are carried out, with what is known of parameters."""
+
+import re
+from collections.abc import Iterator
+
+from skiplatch.importing.gcode import Machine, ProbeMove, bracketed, without_comments
+
+MOST_LINES = 200_000  # executed, so that a loop that never ends does
+MOST_CALLS = 20  # within each other
+LAST_LOCAL = 30  # parameters from #1 to this belong to a subroutine
+
+_INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
+_FLOW = re.compile(
+    r"^\s*O\s*(<[^>]*>|\d+)\s*"
+    r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN)\b\s*(.*)$",
+    re.IGNORECASE,
+)
+
+
+def is_in_inches(text: str) -> bool:
+    """Tell whether a program calls for inches."""
+    return any(_INCHES.search(without_comments(line)) for line in text.splitlines())
+
+
+def run(text: str) -> Iterator[ProbeMove]:
+    """Run a program and give its probing moves, loops and calls carried out."""
+    yield from _Program(text.splitlines()).run(Machine())
+
+
+class _Program:
+    """Lines, and which of them belong together; lines are counted from 0."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self._lines = lines
+        self._flow = [_FLOW.match(without_comments(line)) for line in lines]
+        self._end_of: dict[int, int] = {}
+        self._subs: dict[str, int] = {}
+        self._executed = 0
+        self._pair()
+        self._begin_of = {end: begin for begin, end in self._end_of.items()}
+
+    def _pair(self) -> None:
+        """Find the ends of loops and subroutines."""
+        begun: dict[str, int] = {}
+        for at, flow in enumerate(self._flow):
+            if not flow:
+                continue
+            name, word = flow[1].lower(), flow[2].upper()
+            if word.startswith("END") or (word == "WHILE" and name in begun):
+                if name in begun:
+                    self._end_of[begun.pop(name)] = at
+            elif word in ("REPEAT", "WHILE", "DO", "SUB"):
+                begun[name] = at
+                if word == "SUB":
+                    self._subs[name] = at
+
+    def run(self, machine: Machine) -> Iterator[ProbeMove]:
+        """Give the probing moves of the whole program."""
+        yield from self._stretch(machine, 0, len(self._lines), 0)
+
+    def _stretch(self, machine: Machine, at: int, end: int, depth: int) -> Iterator[ProbeMove]:
+        left: dict[int, int] = {}
+        while at < end and self._executed < MOST_LINES:
+            self._executed += 1
+            flow = self._flow[at]
+            if flow is None:
+                if move := machine.execute(self._lines[at], at + 1):
+                    yield move
+                at += 1
+                continue
+            word = flow[2].upper()
+            if word == "RETURN":
+                return
+            if word == "CALL":
+                yield from self._call(machine, flow, depth)
+            at = self._next(machine, at, flow, left)
+
+    def _next(self, machine: Machine, at: int, flow: re.Match[str], left: dict[int, int]) -> int:
+        """Give the line to go on at."""
+        word = flow[2].upper()
+        if word == "SUB":
+            return self._end_of.get(at, len(self._lines)) + 1
+        if word in ("REPEAT", "WHILE") and at in self._end_of:
+            return at + 1 if _goes_on(machine, at, flow, left) else self._end_of[at] + 1
+        if word == "WHILE" and at in self._begin_of:  # the end of a DO
+            return self._begin_of[at] + 1 if _condition(machine, flow) else at + 1
+        if word in ("ENDREPEAT", "ENDWHILE") and at in self._begin_of:
+            return self._begin_of[at]
+        return at + 1
+
+    def _call(self, machine: Machine, flow: re.Match[str], depth: int) -> Iterator[ProbeMove]:
+        """Carry out a subroutine with parameters of its own."""
+        begin = self._subs.get(flow[1].lower())
+        if begin is None or begin not in self._end_of or depth >= MOST_CALLS:
+            return
+        caller = machine.parameters
+        values = [machine.value(text) for text in bracketed(flow[3])]
+        arguments = {str(i): v for i, v in enumerate(values, 1) if v is not None}
+        machine.parameters = {**_global(caller), **arguments}
+        yield from self._stretch(machine, begin + 1, self._end_of[begin], depth + 1)
+        local = {name: v for name, v in caller.items() if name not in _global(caller)}
+        machine.parameters = {**local, **_global(machine.parameters)}
+
+
+def _global(parameters: dict[str, float]) -> dict[str, float]:
+    """Give the parameters that all subroutines share."""
+    return {
+        name: value
+        for name, value in parameters.items()
+        if name.startswith("<_") or (name.isdigit() and int(name) > LAST_LOCAL)
+    }
+
+
+def _condition(machine: Machine, flow: re.Match[str]) -> bool:
+    return bool(machine.value(next(bracketed(flow[3]), "0")))
+
+
+def _goes_on(machine: Machine, at: int, flow: re.Match[str], left: dict[int, int]) -> bool:
+    if flow[2].upper() == "WHILE":
+        return _condition(machine, flow)
+    value = machine.value(next(bracketed(flow[3]), "0"))
+    left[at] = left.get(at, int(value or 0)) - 1
+    if left[at] < 0:
+        del left[at]
+        return False
+    return True

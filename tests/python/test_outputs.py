@@ -1,0 +1,95 @@
+"""Where commands write: refused before the work, to stdout where asked, pages of every kind."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from hostile import Place, places
+from skiplatch.cli import group
+from skiplatch.errors import InputError
+
+LOG = Path(__file__).parent / "data" / "logs" / "klippy.log"
+WRITTEN = [place for place in places() if place.is_output]
+
+
+def leaf(words: tuple[str, ...]) -> click.Command:
+    command: click.Command = group
+    for word in words:
+        assert isinstance(command, click.Group)
+        found = command.get_command(click.Context(command), word)
+        assert found is not None
+        command = found
+    return command
+
+
+@pytest.mark.parametrize("place", WRITTEN, ids=str)
+def test_output_that_cannot_be_is_refused_before_the_work(place: Place, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    path = tmp_path / "file" / "x"
+    option = next(o for o in leaf(place.command).params if place.option in o.opts)
+
+    with pytest.raises(InputError, match=r"x: cannot write: Not a directory"):
+        option.type.convert(str(path), option, None)
+
+
+@pytest.mark.parametrize("option", ["--json", "--html", "--picture"])
+def test_no_work_is_done_for_an_output_that_cannot_be(tmp_path: Path, option: str) -> None:
+    (tmp_path / "file").write_text("")
+    words = ["repeat", str(tmp_path / "absent.log"), option, str(tmp_path / "file" / "x")]
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError)
+    assert "x: cannot write" in str(result.exception)
+
+
+def test_whatever_is_written_with_out_has_a_short_name() -> None:
+    outs = [place for place in WRITTEN if place.option == "--out"]
+    assert len(outs) > 10
+    for place in outs:
+        option = next(o for o in leaf(place.command).params if place.option in o.opts)
+        assert "-o" in option.opts, place
+
+
+def skiplatch(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "skiplatch", *words]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_page_goes_to_stdout_alone() -> None:
+    done = skiplatch("repeat", str(LOG), "--html", "-")
+
+    assert done.returncode == 0
+    assert done.stdout.startswith("<!DOCTYPE html>")
+    assert done.stdout.rstrip().endswith("</html>")
+    assert "touches of one surface scatter" in done.stderr
+
+
+def test_only_one_document_goes_to_stdout(tmp_path: Path) -> None:
+    both = skiplatch("repeat", str(LOG), "--html", "-", "--json", "-")
+    one = skiplatch("repeat", str(LOG), "--html", str(tmp_path / "x.html"), "--json", "-")
+
+    assert both.returncode == 2
+    assert "only one document can go to stdout" in both.stderr
+    assert json.loads(one.stdout)["n"] == 3
+    assert "<svg" in (tmp_path / "x.html").read_text()
+
+
+def test_shell_completes_commands() -> None:
+    command = [sys.executable, "-m", "skiplatch"]
+    environment = {"_SKIPLATCH_COMPLETE": "bash_complete", "COMP_WORDS": "skiplatch diag"}
+
+    done = subprocess.run(
+        command,
+        env={**environment, "COMP_CWORD": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.stdout.split() == ["plain,diagnose"]
