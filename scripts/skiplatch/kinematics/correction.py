@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from skiplatch.kinematics.firmware import Estimate, Fit, TooFewError, fit, names_of
+from skiplatch.kinematics.firmware import Estimate, Fit, NoFitError, fit, names_of
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
 from skiplatch.kinematics.points import Points
 
@@ -130,14 +130,15 @@ def _fits(mode: int, machine: Machine, measured: Measured) -> Iterator[Fit]:
     """Fit what a mode corrects, with all else held, from the most angles to none.
 
     An angle that cannot be told from nothing may be wild where the positions determine it only
-    just: it is held, and the rest is fitted anew. So are all where there are too few positions.
+    just: it is held, and the rest is fitted anew. So are all where there are too few positions, or
+    where no machine nearby fits with them.
     """
     points, touches, letters = measured.points, measured.touches, measured.letters
     free = _free_in(mode, machine, letters)
     while any(_is_angle(name) for name in free):
         try:
             found = fit(machine, points, free=free, touches=touches)
-        except TooFewError:
+        except NoFitError:
             break
         weakest = _weakest_angle(found)
         if weakest is None:

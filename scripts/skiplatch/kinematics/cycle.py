@@ -293,13 +293,22 @@ def _control(control: Control) -> CData:
 def expected_mm(
     machine: Machine, truth: Truth, sphere_mm: FloatArray, angles_deg: FloatArray
 ) -> FloatArray:
-    """Give what a sphere should read at n positions, by ``firmware/comp``; shape (n, 3)."""
+    """Give what a sphere should read at n positions, by ``firmware/comp``; shape (n, 3).
+
+    Args:
+        machine: As believed.
+        truth: What the simulated machine knows of its tip.
+        sphere_mm: Where the sphere is at zero, shape (3,), or (n, 3) for n spheres.
+        angles_deg: Shape (n, 3).
+    """
     ffi, lib = connection()
     structure = machine_structure(machine, truth)
     reading = ffi.new("double[3]")
     rows = []
-    for angles in angles_deg:
-        lib.sim_machine_expect(structure, list(map(float, sphere_mm)), list(angles), reading)
+    for sphere, angles in zip(
+        np.broadcast_to(sphere_mm, angles_deg.shape).tolist(), angles_deg.tolist(), strict=True
+    ):
+        lib.sim_machine_expect(structure, sphere, angles, reading)
         rows.append(list(reading))
     return np.array(rows).reshape(-1, 3)
 

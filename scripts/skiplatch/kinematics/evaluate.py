@@ -19,7 +19,7 @@ from skiplatch.kinematics.correction import (
     corrections,
 )
 from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
-from skiplatch.kinematics.firmware import Fit, TooFewError, fit
+from skiplatch.kinematics.firmware import Fit, NoFitError, fit
 from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.outliers import Outlier, without_outliers
@@ -208,7 +208,7 @@ def evaluate(
         seen = _no_worse_than(seen, map(see, corrections(mode, known, measured)), see)
     try:
         found = fit(known, points, touches=touches)
-    except TooFewError:
+    except NoFitError:
         found = seen.correction.fit
     return Evaluation(
         mode,
@@ -299,9 +299,9 @@ def _expected(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
     for axis in range(len(LETTERS)):
         own = stations.of(LETTERS[axis])
         if np.any(own):
-            reference = np.flatnonzero(own & stations.is_reference)[0]
+            first = np.flatnonzero(own & stations.is_reference)[:1]
             sphere_mm = _turned_back(
-                machine, truth, stations.angle_deg[reference], stations.centre_mm[reference]
+                machine, truth, stations.angle_deg[first], stations.centre_mm[first]
             )
             others = own & ~stations.is_reference
             angles_deg = stations.angle_deg[others]
@@ -310,24 +310,24 @@ def _expected(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
 
 
 def _turned_back(
-    machine: Machine, truth: Truth, angle_deg: FloatArray, centre_mm: FloatArray
+    machine: Machine, truth: Truth, angles_deg: FloatArray, centres_mm: FloatArray
 ) -> FloatArray:
-    """Give where the sphere is at zero; what is read is linear in that."""
-    origin = expected_mm(machine, truth, np.zeros(3), angle_deg[np.newaxis])[0]
-    images = [expected_mm(machine, truth, e, angle_deg[np.newaxis])[0] for e in np.eye(3)]
-    return np.linalg.solve(np.transpose(images - origin), centre_mm - origin)
+    """Give where n spheres are at zero; what is read is linear in that. All shapes are (n, 3)."""
+    spheres_mm = np.vstack([np.zeros(3), np.eye(3)])
+    count = len(angles_deg)
+    read = expected_mm(
+        machine, truth, np.tile(spheres_mm, (count, 1)), np.repeat(angles_deg, 4, axis=0)
+    ).reshape(count, 4, 3)
+    origins, images = read[:, 0], read[:, 1:] - read[:, :1]
+    right = (centres_mm - origins)[:, :, np.newaxis]
+    return np.asarray(np.linalg.solve(images.transpose(0, 2, 1), right)[:, :, 0])
 
 
 def _slopes(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
     """Give how the expected reading moves while the station's axis turns, mm/rad; shape (n, 3)."""
-    rows = []
-    for angle_deg, centre_mm, axis in zip(
-        stations.angle_deg, stations.centre_mm, stations.axis, strict=True
-    ):
-        sphere_mm = _turned_back(machine, truth, angle_deg, centre_mm)
-        step = SLOPE_STEP_DEG * np.eye(3)[axis]
-        ends = expected_mm(
-            machine, truth, sphere_mm, np.array([angle_deg - step, angle_deg + step])
-        )
-        rows.append((ends[1] - ends[0]) / radians(2.0 * SLOPE_STEP_DEG))
-    return np.array(rows).reshape(-1, 3)
+    angles_deg = stations.angle_deg
+    spheres_mm = _turned_back(machine, truth, angles_deg, stations.centre_mm)
+    steps_deg = SLOPE_STEP_DEG * np.eye(3)[stations.axis]
+    ahead = expected_mm(machine, truth, spheres_mm, angles_deg + steps_deg)
+    behind = expected_mm(machine, truth, spheres_mm, angles_deg - steps_deg)
+    return (ahead - behind) / radians(2.0 * SLOPE_STEP_DEG)

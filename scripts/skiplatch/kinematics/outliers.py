@@ -55,15 +55,16 @@ def without_outliers(machine: Machine, points: Points, touches: int | None) -> J
 
     That position goes whose absence takes most off the squares left, if scatter alone would do so
     once in 1/`FALSE_ALARM` fits (F test of its three coordinates, Bonferroni); then the next.
-    Positions that alone determine something are never judged, nor are few.
+    Positions that alone determine something are never judged, nor are few. Where all together fit
+    no machine, that one goes without which the others fit best.
     """
     stays = np.ones(len(points), dtype=bool)
     found = _fit_of(machine, points, stays, touches)
-    while found is not None and np.sum(~stays) < int(MOST_SHARE * len(points)):
-        worst = _worst(machine, points, stays, touches, found)
-        if worst is None:
+    while np.sum(~stays) < int(MOST_SHARE * len(points)):
+        best = _best_without_one(machine, points, stays, touches)
+        if best is None or not _is_surprising(found, best[1], np.sum(stays)):
             break
-        place, found = worst
+        place, found = best
         stays[place] = False
     outliers = () if found is None else tuple(_named(machine, points, stays, found))
     return Judged(_of(points, stays), outliers)
@@ -86,30 +87,37 @@ def _squares(found: Fit) -> float:
     return found.freedom * found.residual_um**2
 
 
-def _worst(
-    machine: Machine,
-    points: Points,
-    stays: NDArray[np.bool_],
-    touches: int | None,
-    found: Fit,
+def _best_without_one(
+    machine: Machine, points: Points, stays: NDArray[np.bool_], touches: int | None
 ) -> tuple[int, Fit] | None:
-    left = found.freedom - COORDINATES
-    if left <= 0:
-        return None
+    """Give the position whose absence leaves least, and the fit of the others.
+
+    What determines as much as all do goes before what leaves less.
+    """
     best: tuple[int, Fit] | None = None
     for place in np.flatnonzero(stays):
         rows = stays.copy()
         rows[place] = False
         other = _fit_of(machine, points, rows, touches)
-        alike = other is not None and other.rank == found.rank
-        if other is not None and alike and (best is None or _squares(other) < _squares(best[1])):
+        if other is not None and (best is None or _order(other) < _order(best[1])):
             best = (int(place), other)
-    if best is None:
-        return None
-    saved = (_squares(found) - _squares(best[1])) / COORDINATES
-    ratio = saved / max(best[1].residual_um ** 2, 1e-12)
-    level = FALSE_ALARM / np.sum(stays)
-    return best if ratio > stats.f.isf(level, COORDINATES, left) else None
+    return best
+
+
+def _order(found: Fit) -> tuple[int, float]:
+    return -found.rank, _squares(found)
+
+
+def _is_surprising(found: Fit | None, without: Fit, count: int) -> bool:
+    """Tell whether scatter alone hardly ever leaves so much less for the want of a position."""
+    if found is None:
+        return True
+    left = found.freedom - COORDINATES
+    if left <= 0 or without.rank != found.rank:
+        return False
+    saved = (_squares(found) - _squares(without)) / COORDINATES
+    ratio = saved / max(without.residual_um**2, 1e-12)
+    return bool(ratio > stats.f.isf(FALSE_ALARM / count, COORDINATES, left))
 
 
 def _named(
