@@ -10,6 +10,7 @@
 #define NS_PER_S    1e9
 #define PPM         1e-6
 #define BACKWARD    128u
+#define FALLING     64u
 #define INPUT       0
 #define OUTPUT      1
 #define MOST_STAGES 4
@@ -172,16 +173,37 @@ static double moving_s(const sim_gear_train_t *train, double way_turns)
     return time;
 }
 
-static double jitter_ns(const sim_gear_run_t *run, int channel, int64_t line)
+static bool is_second(int64_t flank)
+{
+    return ((uint64_t)flank & 1u) != 0u;
+}
+
+static int64_t line_of(int64_t flank)
+{
+    return (flank - is_second(flank)) / 2;
+}
+
+static double jitter_ns(const sim_gear_run_t *run, int channel, int64_t flank)
 {
     double sigma = encoder_of(run, channel)->jitter_ns;
     if (sigma <= 0.0) {
         return 0.0;
     }
     sim_random_t random;
-    uint64_t     serial = (uint64_t)channel + (run->sense < 0 ? 2u : 0u);
-    sim_random_begin(&random, run->train.seed, serial, (uint64_t)line, LANE_JITTER);
+    uint64_t serial = (uint64_t)channel + (run->sense < 0 ? 2u : 0u) + (is_second(flank) ? 4u : 0u);
+    sim_random_begin(&random, run->train.seed, serial, (uint64_t)line_of(flank), LANE_JITTER);
     return sim_random_normal(&random, sigma);
+}
+
+/* Reading of an encoder at a flank. */
+static double flank_turns(const sim_encoder_t *encoder, int64_t flank)
+{
+    return ((double)line_of(flank) + (is_second(flank) ? encoder->mark : 0.0)) / encoder->lines;
+}
+
+static int64_t flank_step(const sim_encoder_t *encoder)
+{
+    return encoder->mark > 0.0 ? 1 : 2;
 }
 
 /* Set when the pulse that is next on a channel comes. */
@@ -190,7 +212,7 @@ static void foresee(sim_gear_run_t *run, int channel)
     const sim_gear_train_t *train = &run->train;
     sim_gear_pulse_t       *next = &run->next[channel];
 
-    double turns = driving_at(run, channel, (double)next->line / encoder_of(run, channel)->lines);
+    double turns = driving_at(run, channel, flank_turns(encoder_of(run, channel), next->flank));
     double at_s = 0.0;
     if (run->sense > 0) {
         at_s = moving_s(train, turns);
@@ -199,14 +221,14 @@ static void foresee(sim_gear_run_t *run, int channel)
         double input = channel == INPUT ? turns : turns - run->play_turns;
         at_s = run->one_way_s + PAUSE_S + moving_s(train, train->turns - input);
     }
-    next->t_ns = at_s * NS_PER_S + jitter_ns(run, channel, next->line);
+    next->t_ns = at_s * NS_PER_S + jitter_ns(run, channel, next->flank);
 }
 
 static void turn_back(sim_gear_run_t *run)
 {
     run->sense = -1;
     for (int channel = INPUT; channel <= OUTPUT; ++channel) {
-        --run->next[channel].line;
+        run->next[channel].flank -= flank_step(encoder_of(run, channel));
         foresee(run, channel);
     }
 }
@@ -258,7 +280,7 @@ static int check_stages(const sim_gear_train_t *train)
 static bool is_encoder(const sim_encoder_t *encoder)
 {
     return in_range(encoder->lines, 1.0, 1e7) && in_range(encoder->radius_mm, 0.1, 1e5) &&
-           in_range(encoder->jitter_ns, 0.0, 1e9) &&
+           in_range(encoder->jitter_ns, 0.0, 1e9) && in_range(encoder->mark, 0.0, 0.999) &&
            fabs(encoder->eccentricity_um) <= STEEPEST * encoder->radius_mm * UM_PER_MM;
 }
 
@@ -312,7 +334,7 @@ int sim_gear_start(sim_gear_run_t *run, const sim_gear_train_t *train)
     run->one_way_s = moving_s(train, train->turns);
     for (int channel = INPUT; channel <= OUTPUT; ++channel) {
         double lines = encoder_of(run, channel)->lines;
-        run->next[channel].line = (int64_t)floor(read_at(run, channel, 0.0) * lines) + 1;
+        run->next[channel].flank = 2 * ((int64_t)floor(read_at(run, channel, 0.0) * lines) + 1);
         foresee(run, channel);
     }
     return SIM_GEAR_OK;
@@ -326,6 +348,15 @@ static int64_t stamped_ns(sim_gear_run_t *run, double t_ns)
     return (int64_t)rint(ticks * (NS_PER_S / run->train.clock_hz));
 }
 
+/* With a mark its first flank rises forward and falls backward; without one all is a pulse. */
+static uint8_t code_of(const sim_gear_run_t *run, int channel)
+{
+    bool is_backward = run->sense < 0;
+    bool falls =
+        encoder_of(run, channel)->mark > 0.0 && is_second(run->next[channel].flank) != is_backward;
+    return (uint8_t)(channel + 1 + (is_backward ? (int)BACKWARD : 0) + (falls ? (int)FALLING : 0));
+}
+
 uint64_t sim_gear_pulses(sim_gear_run_t *run, uint64_t n, uint8_t *channels, int64_t *t_ns)
 {
     for (uint64_t written = 0; written < n; ++written) {
@@ -336,9 +367,9 @@ uint64_t sim_gear_pulses(sim_gear_run_t *run, uint64_t n, uint8_t *channels, int
             return written;
         }
         int channel = run->next[OUTPUT].t_ns < run->next[INPUT].t_ns ? OUTPUT : INPUT;
-        channels[written] = (uint8_t)(channel + 1 + (run->sense < 0 ? (int)BACKWARD : 0));
+        channels[written] = code_of(run, channel);
         t_ns[written] = stamped_ns(run, run->next[channel].t_ns);
-        run->next[channel].line += run->sense;
+        run->next[channel].flank += run->sense * flank_step(encoder_of(run, channel));
         foresee(run, channel);
     }
     return n;
@@ -352,7 +383,8 @@ const char *sim_gear_error(int code)
     case SIM_GEAR_ERR_STAGES:
         return "gears: expected up to 4 stages, teeth from 1 and a module above 0";
     case SIM_GEAR_ERR_ENCODER:
-        return "encoder: expected lines from 1, a radius above its eccentricity, a clock";
+        return "encoder: expected lines from 1, a radius above its eccentricity, marks below 1, "
+               "a clock";
     case SIM_GEAR_ERR_MOTION:
         return "motion: expected speed and turns above 0, and a ripple of at most 0.9";
     default:

@@ -43,6 +43,8 @@ typedef struct {
     double eccentricity_phase_deg;
     double radius_mm; /* of its track, > 0 */
     double jitter_ns; /* standard deviation of the time of a pulse */
+    double mark;      /* width of the mark of a line, as a share of the pitch, below 1: both of its
+                         edges are given. 0: its first flank alone, in both senses */
 } sim_encoder_t;
 
 typedef struct {
@@ -70,7 +72,7 @@ typedef struct {
 /* A pulse that is next on one of the encoders. */
 typedef struct {
     double  t_ns;
-    int64_t line;
+    int64_t flank; /* the first of line n is 2n, the second 2n + 1 */
 } sim_gear_pulse_t;
 
 /* A run in progress, owned by the caller; the fields are the simulator's. */
@@ -89,7 +91,8 @@ int sim_gear_start(sim_gear_run_t *run, const sim_gear_train_t *train);
 
 /*
  * Write up to `n` pulses in order of time: channel 1 of the input, 2 of the output, plus 128 when
- * turning back. Returns how many; fewer than n when the way is done.
+ * turning back, plus 64 where the edge falls: the second flank forward, the first one backward.
+ * Returns how many; fewer than n when the way is done.
  */
 uint64_t sim_gear_pulses(sim_gear_run_t *run, uint64_t n, uint8_t *channels, int64_t *t_ns);
 

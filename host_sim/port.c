@@ -103,12 +103,12 @@ int hal_bus_send(const uint8_t frame[HAL_BUS_FRAME_BYTES])
     return HAL_OK;
 }
 
-int hal_pulse_start(void)
+int hal_pulse_start(hal_pulse_edge_t edge)
 {
     if (bound_pulses == NULL) {
         return HAL_ERR_CONFIG;
     }
-    sim_pulse_input_start(bound_pulses);
+    sim_pulse_input_start(bound_pulses, edge);
     return HAL_OK;
 }
 

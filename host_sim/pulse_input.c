@@ -19,15 +19,16 @@ void sim_pulse_input_set(sim_pulse_input_t *input, uint8_t channel, bool high, u
     if (channel >= HAL_PULSE_CHANNELS) {
         return;
     }
-    if (input->is_started && high && !input->levels[channel]) {
+    if (input->is_started && high != input->levels[channel] && high == input->notes_high) {
         note(input, channel, ticks);
     }
     input->levels[channel] = high;
 }
 
-void sim_pulse_input_start(sim_pulse_input_t *input)
+void sim_pulse_input_start(sim_pulse_input_t *input, hal_pulse_edge_t edge)
 {
     sim_pulse_input_stop(input);
+    input->notes_high = edge == HAL_PULSE_RISING;
     input->is_started = true;
 }
 

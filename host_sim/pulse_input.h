@@ -16,6 +16,7 @@ typedef struct {
     uint32_t    taken;
     uint8_t     lost; /* since the last one that was noted */
     bool        is_started;
+    bool        notes_high; /* rising edges, else falling ones */
     bool        levels[HAL_PULSE_CHANNELS];
 } sim_pulse_input_t;
 
@@ -23,7 +24,7 @@ typedef struct {
 void sim_pulse_input_set(sim_pulse_input_t *input, uint8_t channel, bool high, uint32_t ticks);
 
 /* hal_pulse.h, of this input. */
-void sim_pulse_input_start(sim_pulse_input_t *input);
+void sim_pulse_input_start(sim_pulse_input_t *input, hal_pulse_edge_t edge);
 void sim_pulse_input_stop(sim_pulse_input_t *input);
 bool sim_pulse_input_take(sim_pulse_input_t *input, hal_pulse_t *pulse);
 

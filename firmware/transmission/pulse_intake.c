@@ -1,6 +1,7 @@
 #include "transmission/pulse_intake.h"
 
 #include "hal_clock.h"
+#include "hal_error.h"
 #include "hal_pulse.h"
 
 #define REST_TICKS (INT32_C(1) << 30) /* half of what comp/transmission can compare */
@@ -14,9 +15,13 @@ int pulse_intake_init(pulse_intake_t *intake, const transmission_config_t *confi
     return transmission_init(&intake->core, config);
 }
 
-void pulse_intake_turn(pulse_intake_t *intake, bool is_backward)
+int pulse_intake_turn(pulse_intake_t *intake, bool is_backward)
 {
+    if (is_backward == intake->is_backward) {
+        return HAL_OK;
+    }
     intake->is_backward = is_backward;
+    return hal_pulse_start(is_backward ? HAL_PULSE_FALLING : HAL_PULSE_RISING);
 }
 
 /* The clock will soon have gone so far that before and after are alike. */

@@ -28,7 +28,7 @@ typedef struct {
 } pulse_intake_t;
 
 /*
- * Before first use, and before hal_pulse_start(). TRANSMISSION_OK or a code of
+ * Before first use, and before hal_pulse_start(HAL_PULSE_RISING). TRANSMISSION_OK or a code of
  * transmission_error_t, and then *intake is not to be used.
  */
 int pulse_intake_init(pulse_intake_t *intake, const transmission_config_t *config);
@@ -36,9 +36,11 @@ int pulse_intake_init(pulse_intake_t *intake, const transmission_config_t *confi
 /*
  * The shafts are about to turn backward, or forward as at the beginning: for pulses taken from now
  * on, so when they have come to rest and the last pulse has been taken. A train has no sense of its
- * own; whoever moves the shafts has.
+ * own; whoever moves the shafts has. Backward falling edges are stamped, for they are those of the
+ * flanks that rise forward: with others the width of the marks would count as backlash. Returns
+ * HAL_OK, or what hal_pulse_start() says of the other edge.
  */
-void pulse_intake_turn(pulse_intake_t *intake, bool is_backward);
+int pulse_intake_turn(pulse_intake_t *intake, bool is_backward);
 
 /*
  * Take one pulse if there is one. Returns how many points it has brought: transmission_point() of

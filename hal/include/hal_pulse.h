@@ -1,7 +1,10 @@
 /*
- * Two pulse trains, as of the encoders at both ends of a drive chain. The port stamps rising edges
- * and keeps them until the task takes them. For boards that have two such inputs; any other leaves
- * these functions out.
+ * Two pulse trains, as of the encoders at both ends of a drive chain. The port stamps one kind of
+ * edge and keeps the stamps until the task takes them. For boards that have two such inputs; any
+ * other leaves these functions out.
+ *
+ * A line of an encoder is a mark of some width. Forward its first flank gives the rising edge, and
+ * backward the same flank gives the falling one: whoever compares both senses stamps by sense.
  */
 #ifndef HAL_PULSE_H
 #define HAL_PULSE_H
@@ -15,6 +18,11 @@ extern "C" {
 
 #define HAL_PULSE_CHANNELS 2u
 
+typedef enum {
+    HAL_PULSE_RISING,
+    HAL_PULSE_FALLING,
+} hal_pulse_edge_t;
+
 typedef struct {
     uint32_t captured_ticks; /* hal_clock ticks at the edge, as for hal_edge_on_latch() */
     uint8_t  channel;        /* 0 or 1 */
@@ -23,10 +31,10 @@ typedef struct {
 } hal_pulse_t;
 
 /*
- * Watch both lines, from now on: no pulse from before is handed out. Task. Returns HAL_OK, or
- * HAL_ERR_CONFIG if the lines cannot be had.
+ * Watch both lines for such edges, from now on: no pulse from before is handed out. Task. Returns
+ * HAL_OK, or HAL_ERR_CONFIG if the lines cannot be had.
  */
-int hal_pulse_start(void);
+int hal_pulse_start(hal_pulse_edge_t edge);
 
 /* Stop watching: nothing is handed out after the return. Task. */
 void hal_pulse_stop(void);

@@ -14,7 +14,7 @@ static hal_pulse_t pulse;
 void setUp(void)
 {
     pulse_lines_power_up(0u);
-    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start());
+    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_RISING));
 }
 
 void tearDown(void)
@@ -146,7 +146,7 @@ void test_pulses_are_stamped_right_across_the_wrap_of_the_clock(void)
 {
     uint32_t latency = latency_ticks();
     pulse_lines_power_up(NEAR_THE_WRAP);
-    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start());
+    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_RISING));
     while (hal_clock_now_ticks() > 0x80000000u) {
         check_stamps_to(latency, HAL_PULSE_CHANNELS);
     }
@@ -196,7 +196,7 @@ void test_a_pulse_from_before_the_start_is_not_handed_out(void)
     hal_pulse_stop();
     give(0u);
     give(1u);
-    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start());
+    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_RISING));
 
     check_nothing_comes();
 }
@@ -205,7 +205,7 @@ void test_starting_again_drops_what_was_kept(void)
 {
     give(0u);
     give(1u);
-    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start());
+    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_RISING));
     check_nothing_comes();
     give(1u);
 
@@ -231,11 +231,29 @@ void test_a_line_that_is_high_at_the_start_waits_for_the_next_edge(void)
     pulse_line_set(0u, true);
     pulse_line_set(1u, true);
     pulse_lines_pass_us(PULSES.latency_us);
-    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start());
+    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_RISING));
     check_nothing_comes();
     pulse_line_set(0u, false);
     pulse_lines_pass_us(PULSES.latency_us);
     give(0u);
 
     TEST_ASSERT_EQUAL_UINT(1u, taken_in_all());
+}
+
+void test_falling_edges_are_stamped_if_asked_for(void)
+{
+    for (uint8_t channel = 0u; channel < HAL_PULSE_CHANNELS; ++channel) {
+        TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_FALLING));
+        pulse_line_set(channel, true);
+        check_nothing_comes();
+        uint32_t before = hal_clock_now_ticks();
+        pulse_line_set(channel, false);
+        pulse_lines_pass_us(PULSES.latency_us + 1u);
+
+        TEST_ASSERT_TRUE(hal_pulse_take(&pulse));
+        TEST_ASSERT_EQUAL_UINT8(channel, pulse.channel);
+        TEST_ASSERT_LESS_OR_EQUAL_UINT32(latency_ticks(),
+                                         ticks_elapsed(pulse.captured_ticks, before));
+        check_nothing_comes();
+    }
 }

@@ -16,7 +16,7 @@ int32_t  hal_axis_position_counts(uint8_t) { return -4711; }
 int      hal_edge_arm(const hal_edge_config_t *) { return HAL_OK; }
 void     hal_edge_disarm(uint8_t) {}
 bool     hal_edge_level(uint8_t) { return deflected; }
-int      hal_pulse_start(void) { return HAL_ERR_CONFIG; }
+int      hal_pulse_start(hal_pulse_edge_t) { return HAL_ERR_CONFIG; }
 void     hal_pulse_stop(void) {}
 bool     hal_pulse_take(hal_pulse_t *) { return false; }
 

@@ -175,6 +175,86 @@ def test_a_gear_train_shows_its_eccentricity_its_mesh_and_its_play(tmp_path: Pat
     assert found["backlash_arcsec"] == pytest.approx(10.0 * at_output, rel=0.02)
 
 
+PLAY_UM = 10.0
+PLAY_ARCSEC = PLAY_UM / 37_000.0 * ARCSEC_PER_RAD * 10.0 / 11.0
+"""Of the wheel of module 2 and 37 teeth, seen from the output."""
+
+
+def marked(turns: float, mark1: float, mark2: float) -> Pulses:
+    """Both edges of both encoders on the way there and back."""
+    stages = (
+        GearStage(
+            driver=Gear(teeth=1),
+            driven=Gear(teeth=37, eccentricity_um=10.0),
+            module_mm=2.0,
+            play_um=PLAY_UM,
+        ),
+        GearStage(driver=Gear(teeth=10), driven=Gear(teeth=11), module_mm=2.0),
+    )
+    machine = Machine(
+        stages=stages,
+        input=Encoder(lines=1024, mark=mark1),
+        output=Encoder(lines=3600, mark=mark2),
+        turns=turns,
+        both_senses=True,
+        speed_ripple=0.02,
+        speed_ripple_hz=7.3,
+    )
+    (block,) = simulated_pulses(machine)
+    return block
+
+
+def stamped(pulses: Pulses, what: str) -> Pulses:
+    """Leave the edges that a port stamps."""
+    falls, back = pulses.channel & 64 != 0, pulses.channel & 128 != 0
+    keeps = {"both": falls | ~falls, "by sense": falls == back, "rising": ~falls}
+    keeps["rising back"] = ~falls | ~back
+    return Pulses(pulses.channel[keeps[what]], pulses.t_ns[keeps[what]])
+
+
+@pytest.mark.parametrize(
+    ("what", "turns"),
+    [
+        ("both", 41.0),
+        ("by sense", 41.0006),
+        ("rising back", 41.0),
+        ("rising back", 41.0006),
+        ("rising back", 41.002),
+        ("rising back", 41.0025),
+    ],
+)
+def test_backlash_is_that_of_one_flank_whichever_edges_are_stamped(
+    tmp_path: Path, what: str, turns: float
+) -> None:
+    """Each encoder turns back on a mark, and between two of them."""
+    write_binary(tmp_path / "pulses.bin", [stamped(marked(turns, 0.3, 0.62), what)])
+
+    found = run(tmp_path)
+
+    assert found["backlash_arcsec"] == pytest.approx(PLAY_ARCSEC, abs=0.1)
+    assert not found["warnings"]
+    if what != "by sense":
+        assert found["mark_widths"]["input"] == pytest.approx(0.3, abs=1e-3)
+        assert found["mark_widths"]["output"] == pytest.approx(0.62, abs=1e-3)
+
+
+def test_rising_edges_alone_tell_no_backlash(tmp_path: Path) -> None:
+    """Of 164 arcsec that are not there nothing can be told: no number is given."""
+    both = marked(41.0, 0.3, 0.62)
+    write_csv(tmp_path / "pulses.csv", [stamped(both, "rising")])
+    told = run(tmp_path, pulses="pulses.csv")
+    lines = (tmp_path / "pulses.csv").read_text().splitlines()
+    (tmp_path / "untold.csv").write_text("\n".join(line.rpartition(",")[0] for line in lines))
+
+    untold = run(tmp_path, pulses="untold.csv")
+
+    assert told["backlash_arcsec"] is None
+    assert "rising edges alone were stamped in both senses" in told["warnings"][0]
+    assert abs(untold["backlash_arcsec"] - PLAY_ARCSEC) > 100.0
+    assert "does not tell rising from falling edges" in untold["warnings"][0]
+    assert "391.1″" in untold["warnings"][0]  # a line of either encoder
+
+
 def test_a_screw_a_load_and_an_encoder_show_at_their_own_orders(tmp_path: Path) -> None:
     machine = Machine(
         stages=(GearStage(driver=Gear(teeth=10), driven=Gear(teeth=407)),),
@@ -296,7 +376,7 @@ def test_teeth_that_make_another_ratio_are_refused(tmp_path: Path) -> None:
         cli.group(["transmission", str(tmp_path / "x.csv"), *options], standalone_mode=False)
 
 
-@pytest.mark.parametrize("magic", [b"SKLPULS2", b"\x00\x01\x02\x03\x04\x05\x06\x07"])
+@pytest.mark.parametrize("magic", [b"SKLPULS3", b"\x00\x01\x02\x03\x04\x05\x06\x07"])
 def test_a_wrong_magic_is_told_as_such(tmp_path: Path, magic: bytes) -> None:
     write_binary(tmp_path / "pulses.bin", [planted(0.1)])
     data = (tmp_path / "pulses.bin").read_bytes()

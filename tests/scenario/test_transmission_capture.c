@@ -15,6 +15,8 @@
 #define NEAR_WRAP       (UINT32_MAX - 2000000u) /* half a second of 250 ns */
 #define ARCSEC_PER_TURN 1296000.0
 #define NAS_PER_ARCSEC  1e9
+#define CHANNELS        3u
+#define FALLING         64u
 #define PI              3.141592653589793
 #define ECCENTRIC_UM    20.0
 #define RADIUS_MM       20.0 /* of the driven gear: 40 teeth of module 1 */
@@ -42,6 +44,7 @@ static pulse_intake_t   intake;
 static values_t         values[2]; /* forward, backward; each part less its first value */
 static uint32_t         part;
 static double           zero_arcsec;
+static bool             has_turned;
 
 void setUp(void)
 {
@@ -58,7 +61,7 @@ void setUp(void)
     pulse_lines_power_up(NEAR_WRAP);
     values[0] = values[1] = (values_t){.least = INFINITY, .most = -INFINITY};
     TEST_ASSERT_EQUAL_INT(TRANSMISSION_OK, pulse_intake_init(&intake, &CHAIN));
-    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start());
+    TEST_ASSERT_EQUAL_INT(HAL_OK, hal_pulse_start(HAL_PULSE_RISING));
 }
 
 void tearDown(void)
@@ -68,7 +71,8 @@ void tearDown(void)
 
 static void take_point(double arcsec)
 {
-    values_t *of = &values[intake.is_backward];
+    values_t *of = &values[intake.is_backward != has_turned]; /* the first is of before */
+    has_turned = false;
     if (part != intake.parts || values[0].count == 0u) {
         part = intake.parts;
         zero_arcsec = arcsec;
@@ -90,6 +94,18 @@ static void take_pulses(void)
     }
 }
 
+/* A mark has an edge at each flank; without one a line is a short pulse. */
+static void set_line(uint8_t code)
+{
+    uint8_t              channel = (uint8_t)((code & CHANNELS) - 1u);
+    const sim_encoder_t *encoder = channel == 0u ? &train.input : &train.output;
+    bool                 has_mark = encoder->mark > 0.0;
+    pulse_line_set(channel, !has_mark || (code & FALLING) == 0u);
+    if (!has_mark) {
+        pulse_line_set(channel, false);
+    }
+}
+
 /* Play the train on the lines; the task looks every so many pulses. */
 static void play(unsigned pulses_between_polls)
 {
@@ -102,14 +118,13 @@ static void play(unsigned pulses_between_polls)
         bool is_backward = (channel & TRANSMISSION_BACKWARD) != 0u;
         if (is_backward != intake.is_backward) {
             take_pulses();
-            pulse_intake_turn(&intake, is_backward);
+            TEST_ASSERT_EQUAL_INT(HAL_OK, pulse_intake_turn(&intake, is_backward));
+            has_turned = true;
         }
         int64_t left_us = t_ns / 1000 - now_us;
         pulse_lines_pass_us((uint32_t)left_us);
         now_us += left_us;
-        channel = (uint8_t)((channel & (uint8_t)~TRANSMISSION_BACKWARD) - 1u);
-        pulse_line_set(channel, true);
-        pulse_line_set(channel, false);
+        set_line(channel);
         if (i % pulses_between_polls == 0u) {
             take_pulses();
         }
@@ -177,4 +192,26 @@ void test_play_shows_when_the_train_turns_back(void)
     double expected = PLAY_UM / (RADIUS_MM * 1000.0) / (2.0 * PI) * ARCSEC_PER_TURN;
     double found = values[1].sum / values[1].count - values[0].sum / values[0].count;
     TEST_ASSERT_DOUBLE_WITHIN(WITHIN_ARCSEC, expected, found);
+}
+
+/* Rising edges in both senses would show 172" more: the marks are 0.3 and 0.62 of a line wide. */
+void test_the_width_of_the_marks_is_no_play(void)
+{
+    const double turns[] = {12.0, 12.0002, 12.0005, 12.008};
+    for (unsigned i = 0u; i < sizeof turns / sizeof *turns; ++i) {
+        setUp();
+        train.stages[0].play_um = PLAY_UM;
+        train.input.mark = 0.3;
+        train.output.mark = 0.62;
+        train.turns = turns[i];
+        train.speed_rev_s = 1.9371; /* lines pass anywhere within a tick */
+        train.both_senses = 1;
+
+        play(5u);
+
+        double expected = PLAY_UM / (RADIUS_MM * 1000.0) / (2.0 * PI) * ARCSEC_PER_TURN;
+        double found = values[1].sum / values[1].count - values[0].sum / values[0].count;
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, expected, found);
+        check_nothing_lost();
+    }
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "hal_clock.h"
+#include "hal_error.h"
 #include "hal_pulse.h"
 #include "transmission/point_frame.h"
 #include "transmission/pulse_intake.h"
@@ -34,6 +35,7 @@ static uint32_t             now_ticks;
 static pulse_intake_t       intake;
 static transmission_point_t points[POINTS_MAX];
 static unsigned             count;
+static hal_pulse_edge_t     started_edge;
 
 uint32_t hal_clock_now_ticks(void)
 {
@@ -48,6 +50,12 @@ bool hal_pulse_take(hal_pulse_t *pulse)
     *pulse = queue[taken];
     ++taken;
     return true;
+}
+
+int hal_pulse_start(hal_pulse_edge_t edge)
+{
+    started_edge = edge;
+    return HAL_OK;
 }
 
 static void start_at(uint32_t ticks)
@@ -225,7 +233,8 @@ void test_back_and_forth_comes_to_the_same_lines(void)
 {
     give_lines(0, 101, 5000u);
     poll_all();
-    pulse_intake_turn(&intake, true);
+    TEST_ASSERT_EQUAL_INT(HAL_OK, pulse_intake_turn(&intake, true));
+    TEST_ASSERT_EQUAL_INT(HAL_PULSE_FALLING, started_edge);
     uint32_t turned = 5000u + 101u * LINE_TICKS;
     for (uint32_t i = 0u; i < 100u; ++i) {
         if (i % 2u == 0u) {

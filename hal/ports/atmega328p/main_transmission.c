@@ -43,7 +43,7 @@ static void measure(void)
 {
     hal_pulse_stop();
     (void)pulse_intake_init(&intake, &CHAIN); /* has worked at the start */
-    (void)hal_pulse_start();
+    (void)hal_pulse_start(HAL_PULSE_RISING);
 }
 
 static void obey(uint8_t command)
@@ -53,10 +53,10 @@ static void obey(uint8_t command)
         measure();
         break;
     case 'f':
-        pulse_intake_turn(&intake, false);
+        (void)pulse_intake_turn(&intake, false);
         break;
     case 'b':
-        pulse_intake_turn(&intake, true);
+        (void)pulse_intake_turn(&intake, true);
         break;
     case 't':
         send_tally();

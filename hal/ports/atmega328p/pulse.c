@@ -69,13 +69,24 @@ ISR(TIMER1_CAPT_vect)
     note(1u, ICR1);
 }
 
+static void choose(hal_pulse_edge_t edge)
+{
+    EICRA |= _BV(ISC01);
+    if (edge == HAL_PULSE_RISING) {
+        EICRA |= _BV(ISC00);
+        TCCR1B |= _BV(ICES1);
+    } else {
+        EICRA &= (uint8_t)~_BV(ISC00);
+        TCCR1B &= (uint8_t)~_BV(ICES1);
+    }
+}
+
 /* The flags go last: choosing an edge may raise them. */
-int hal_pulse_start(void)
+int hal_pulse_start(hal_pulse_edge_t edge)
 {
     hal_pulse_stop();
     lost = 0u;
-    EICRA |= _BV(ISC01) | _BV(ISC00);
-    TCCR1B |= _BV(ICES1);
+    choose(edge);
     EIFR = _BV(INTF0);
     TIFR1 = _BV(ICF1);
     EIMSK |= _BV(INT0);

@@ -11,6 +11,7 @@
 #define EVENTS_READ 64u
 
 static pulse_lines_t                   wanted;
+static hal_pulse_edge_t                wanted_edge;
 static struct gpiod_line_request      *request;
 static struct gpiod_edge_event_buffer *events;
 static size_t                          fetched;
@@ -25,9 +26,11 @@ static struct gpiod_line_config *make_config(void)
     struct gpiod_line_settings *settings = gpiod_line_settings_new();
     struct gpiod_line_config   *config = gpiod_line_config_new();
     bool                        is_whole = settings != NULL && config != NULL;
+    enum gpiod_line_edge        edge =
+        wanted_edge == HAL_PULSE_RISING ? GPIOD_LINE_EDGE_RISING : GPIOD_LINE_EDGE_FALLING;
     if (is_whole) {
         is_whole = (gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT) |
-                    gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_RISING) |
+                    gpiod_line_settings_set_edge_detection(settings, edge) |
                     gpiod_line_settings_set_event_clock(settings, GPIOD_LINE_CLOCK_MONOTONIC) |
                     gpiod_line_config_add_line_settings(config, wanted.offsets, HAL_PULSE_CHANNELS,
                                                         settings)) == 0;
@@ -156,9 +159,10 @@ bool hal_pulse_take(hal_pulse_t *pulse)
 
 /* ---- starting and stopping: what the kernel keeps goes with the request ---- */
 
-int hal_pulse_start(void)
+int hal_pulse_start(hal_pulse_edge_t edge)
 {
     hal_pulse_stop();
+    wanted_edge = edge;
     events = gpiod_edge_event_buffer_new(EVENTS_READ);
     if (events == NULL || wanted.chip == NULL || open_wanted(false) != 0) {
         return HAL_ERR_CONFIG;

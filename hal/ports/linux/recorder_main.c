@@ -192,7 +192,7 @@ static int run(const recorder_options_t *options, int signals)
         say("%s: cannot write: %s", options->out, strerror(error));
         return EXIT_USAGE;
     }
-    if (hal_pulse_start() != HAL_OK) {
+    if (hal_pulse_start(HAL_PULSE_RISING) != HAL_OK) {
         say("the lines were taken by another program");
         error = EBUSY;
     } else {

@@ -4,9 +4,10 @@
 
 #include "hal_error.h"
 
-int hal_pulse_start(void)
+int hal_pulse_start(hal_pulse_edge_t edge)
 {
-    /* Forget what is kept, choose rising edges, clear both flags, then switch both interrupts on.
+    (void)edge;
+    /* Forget what is kept, choose the edges, clear both flags, then switch both interrupts on.
      */
     return HAL_OK;
 }

@@ -1,7 +1,7 @@
 """From a file of pulses to the transmission error: the firmware counts, Python evaluates."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
+from skiplatch.tables import compact
 from skiplatch.transmission.firmware import (
     BACKWARD,
     INPUT,
@@ -19,8 +20,9 @@ from skiplatch.transmission.firmware import (
     Transmission,
     TransmissionError,
 )
+from skiplatch.transmission.flanks import Flanks, survey
 from skiplatch.transmission.limits import ARCSEC_PER_TURN, Limits, Pace, Periods, Run, limits_of
-from skiplatch.transmission.pulses import Pulses, read_pulses
+from skiplatch.transmission.pulses import Pulses, read_pulses, tells_edges
 from skiplatch.transmission.train import GearTrain
 from skiplatch.transmission.values import Backlash, Evaluation, IntArray, Values
 
@@ -75,6 +77,8 @@ class Measurement:
     """By channel."""
     limits: Limits
     """What the method can tell of this run."""
+    mark_widths: dict[int, float | None]
+    """Of a line, as a share of its pitch, by channel; None where the file does not tell."""
 
 
 def measure_all(
@@ -113,9 +117,11 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     pace = Pace()
     periods = Periods(INPUT if firmware.gate_is_output else OUTPUT, chain.period_lines)
     gate = _Gate(OUTPUT if firmware.gate_is_output else INPUT)
+    flanks = survey(read_pulses(path)) if tells_edges(path) else None
+    blocks = read_pulses(path) if flanks is None else map(flanks.kept, read_pulses(path))
     evaluation.take(
         gate.placed(pulses, _fed(path, firmware, pulses, pace))
-        for pulses in _each(spans.watched(read_pulses(path)), periods.add)
+        for pulses in _each(spans.watched(blocks), periods.add)
     )
     spans.refuse_apart()
     values = evaluation.values()
@@ -136,7 +142,35 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     if limits.fault is not None:
         raise NotMeasurableError(path, None, None, f"{method.value}: {limits.fault}")
     counters = {channel: firmware.counters(channel) for channel in NAMES}
-    return Measurement(values, evaluation.backlash(), counters, limits)
+    widths = {c: None if flanks is None else flanks.trains[c].width for c in NAMES}
+    backlash, told = _of_one_flank(evaluation.backlash(), flanks, chain)
+    limits = replace(limits, warnings=(*limits.warnings, *told))
+    return Measurement(values, backlash, counters, limits, widths)
+
+
+def _of_one_flank(
+    backlash: Backlash | None, flanks: Flanks | None, chain: Chain
+) -> tuple[Backlash | None, list[str]]:
+    """Take off a backlash what is that of the flanks; with what there is to be said of it."""
+    if backlash is None:
+        return None, []
+    line1 = ARCSEC_PER_TURN / float(chain.lines1 * chain.ratio)
+    line2 = ARCSEC_PER_TURN / chain.lines2
+    if flanks is None:
+        said = (
+            "the file does not tell rising from falling edges: the backlash is right if the same "
+            "flank of each mark was stamped in both senses; with rising edges in both it is off "
+            f"by up to {compact(line1 + line2)}″"
+        )
+        return backlash, [said]
+    more = flanks.shift(line1, line2)
+    if more is None:
+        said = (
+            "rising edges alone were stamped in both senses: the width of the marks, up to "
+            f"{compact(line1 + line2)}″, cannot be told from backlash, and none is given"
+        )
+        return None, [said]
+    return backlash.shifted(more), []
 
 
 def _each(blocks: Iterator[Pulses], watch: Callable[[Pulses], None]) -> Iterator[Pulses]:

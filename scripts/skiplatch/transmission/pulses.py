@@ -1,8 +1,8 @@
 """Reading and writing trains of pulses, a block at a time; the layouts are in docs/TRANSMISSION.md.
 
 CSV has the columns ``channel`` (1 input, 2 output, 3 and 4 their index pulses), ``t_ns`` and, if
-the machine turned both ways, ``sense`` (1 or -1). A binary file has a head of 16 bytes and 8 bytes
-a pulse.
+the machine turned both ways, ``sense`` (1 or -1) and perhaps ``edge`` (1 rising, -1 falling). A
+binary file has a head of 16 bytes and 8 bytes a pulse.
 """
 
 import os
@@ -21,20 +21,27 @@ from skiplatch.files import failures_named, refuse_special_or_large
 
 INPUT, OUTPUT, INPUT_INDEX, OUTPUT_INDEX = 1, 2, 3, 4
 BACKWARD = 128
+FALLING = 64
+CODED = BACKWARD | FALLING
+"""What is added to a channel."""
 MAGIC = b"SKLPULS1"
+MAGIC_EDGES = b"SKLPULS2"
+"""Of files that tell rising from falling edges."""
 HEAD = struct.Struct("<8sQ")
 WORD_BYTES = 8
 TIME_BITS = 61
 CHANNEL_SHIFT = np.uint64(TIME_BITS)
 CHANNEL_MASK = np.uint64(3)
 REVERSE_SHIFT = np.uint64(63)
+FALLING_SHIFT = np.uint64(TIME_BITS - 1)
+FALLING_BIT = np.uint64(1 << (TIME_BITS - 1))
 TIME_MASK = np.uint64((1 << TIME_BITS) - 1)
 LATEST_NS = (1 << TIME_BITS) - 1
 
 BLOCK_PULSES = 1 << 19
 BLOCK_BYTES = 8 << 20
 COLUMNS = ("channel", "t_ns")
-SENSE = "sense"
+SENSE, EDGE = "sense", "edge"
 MOST_HEADER_BYTES = 4096
 MOST_BYTES = 64 << 30
 
@@ -44,7 +51,8 @@ class Pulses:
     """Pulses in order of time; every array has the shape (n,)."""
 
     channel: NDArray[np.uint8]
-    """`INPUT`, `OUTPUT`, `INPUT_INDEX` or `OUTPUT_INDEX`, plus `BACKWARD` when turning back."""
+    """`INPUT`, `OUTPUT`, `INPUT_INDEX` or `OUTPUT_INDEX`, plus `BACKWARD` when turning back, plus
+    `FALLING` for a falling edge."""
     t_ns: NDArray[np.int64]
     """Not negative."""
 
@@ -68,12 +76,21 @@ def read_pulses(path: Path) -> Iterator[Pulses]:
         yield from _in_order(path, blocks, is_binary=is_binary)
 
 
+def tells_edges(path: Path) -> bool:
+    """Tell whether a file that `read_pulses` takes says of each pulse which edge it is."""
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, MOST_BYTES)
+    with failures_named(path, "read"), path.open("rb") as file:
+        head = file.readline(MOST_HEADER_BYTES)
+    return head.startswith(MAGIC_EDGES) or EDGE in _names(head.decode("utf-8-sig", "replace"))
+
+
 def _is_binary(path: Path, head: bytes) -> bool:
     """Tell a binary file by its magic; what is neither that nor text is refused."""
     magic = head[: len(MAGIC)]
     is_text = b"\0" not in head and not magic.startswith(MAGIC[:-1])
-    if magic == MAGIC or is_text:
-        return magic == MAGIC
+    if magic in (MAGIC, MAGIC_EDGES) or is_text:
+        return not is_text
     shown = magic.decode("ascii", "backslashreplace")
     message = f"a binary file that begins with {quoted(shown)}, expected {quoted(MAGIC.decode())}"
     raise InputError(path, None, None, message)
@@ -81,25 +98,27 @@ def _is_binary(path: Path, head: bytes) -> bool:
 
 def write_binary(path: Path, blocks: Iterable[Pulses]) -> int:
     """Write a binary file, and give the number of pulses; the head is written last."""
-    count = 0
+    count, has_falling = 0, False
     with failures_named(path, "write"), path.open("wb") as file:
         file.write(bytes(HEAD.size))
         for block in blocks:
             file.write(_words(block).tobytes())
+            has_falling |= bool(np.any(block.channel & FALLING))
             count += len(block)
         file.seek(0)
-        file.write(HEAD.pack(MAGIC, count))
+        file.write(HEAD.pack(MAGIC_EDGES if has_falling else MAGIC, count))
     return count
 
 
 def write_csv(path: Path, blocks: Iterable[Pulses]) -> int:
-    """Write a CSV file with the column `sense`, and give the number of pulses."""
+    """Write a CSV file with the columns `sense` and `edge`, and give the number of pulses."""
     count = 0
     with failures_named(path, "write"), path.open("w", encoding="utf-8") as file:
-        file.write(",".join((*COLUMNS, SENSE)) + "\n")
+        file.write(",".join((*COLUMNS, SENSE, EDGE)) + "\n")
         for block in blocks:
             sense = np.where(block.channel & BACKWARD, -1, 1)
-            rows = np.column_stack([block.channel & ~np.uint8(BACKWARD), block.t_ns, sense])
+            edge = np.where(block.channel & FALLING, -1, 1)
+            rows = np.column_stack([block.channel & ~np.uint8(CODED), block.t_ns, sense, edge])
             np.savetxt(file, rows, fmt="%d", delimiter=",")
             count += len(block)
     return count
@@ -110,29 +129,34 @@ def _words(block: Pulses) -> NDArray[np.uint64]:
     channel = block.channel.astype(np.uint64)
     words |= ((channel - np.uint64(INPUT)) & CHANNEL_MASK) << CHANNEL_SHIFT
     words |= (channel >= np.uint64(BACKWARD)).astype(np.uint64) << REVERSE_SHIFT
+    words |= ((block.channel & FALLING) != 0).astype(np.uint64) << FALLING_SHIFT
     return words
 
 
 def _binary(path: Path, file: BinaryIO) -> Iterator[Pulses]:
-    _refuse_truncated(path, file)
+    magic = _refuse_truncated(path, file)
+    edges = FALLING_BIT if magic == MAGIC_EDGES else np.uint64(0)
     while data := file.read(BLOCK_PULSES * WORD_BYTES):
         words = np.frombuffer(data, dtype="<u8")
         channel = ((words >> CHANNEL_SHIFT) & CHANNEL_MASK).astype(np.uint8) + np.uint8(INPUT)
         channel |= (words >> REVERSE_SHIFT).astype(np.uint8) * np.uint8(BACKWARD)
-        yield Pulses(channel, (words & TIME_MASK).astype(np.int64))
+        channel |= ((words & edges) != 0).astype(np.uint8) * np.uint8(FALLING)
+        yield Pulses(channel, (words & TIME_MASK & ~edges).astype(np.int64))
 
 
-def _refuse_truncated(path: Path, file: BinaryIO) -> None:
+def _refuse_truncated(path: Path, file: BinaryIO) -> bytes:
+    """Give the magic of a file that is whole."""
     head = file.read(HEAD.size)
     if len(head) < HEAD.size:
         raise InputError(path, None, None, f"truncated: the head has {HEAD.size} bytes")
-    count = HEAD.unpack(head)[1]
+    magic, count = HEAD.unpack(head)
     there = os.fstat(file.fileno()).st_size - HEAD.size
     if there != count * WORD_BYTES:
         is_short = there < count * WORD_BYTES
         rest = " and a part of one" if there % WORD_BYTES else ""
         message = f"the head announces {count} pulses, the file holds {there // WORD_BYTES}{rest}"
         raise InputError(path, None, None, f"truncated: {message}" if is_short else message)
+    return bytes(magic)
 
 
 def _csv(path: Path, file: BinaryIO) -> Iterator[Pulses]:
@@ -151,17 +175,22 @@ class _Places:
     channel: int
     t_ns: int
     sense: int | None
+    edge: int | None
     width: int
 
 
 def _places(path: Path, header: str) -> _Places:
-    names = [name.strip().strip('"') for name in header.split(",")]
+    names = _names(header)
     for name in COLUMNS:
         if names.count(name) != 1:
             message = f"expected the columns channel,t_ns, found {quoted(header.strip())}"
             raise InputError(path, 1, None, message)
-    sense = names.index(SENSE) if SENSE in names else None
-    return _Places(names.index("channel"), names.index("t_ns"), sense, len(names))
+    sense, edge = (names.index(name) if name in names else None for name in (SENSE, EDGE))
+    return _Places(names.index("channel"), names.index("t_ns"), sense, edge, len(names))
+
+
+def _names(header: str) -> list[str]:
+    return [name.strip().strip('"') for name in header.split(",")]
 
 
 def _table(path: Path, text: bytes, width: int, first_line: int) -> NDArray[np.int64]:
@@ -209,7 +238,10 @@ def _whole(cell: str) -> int:
 
 def _checked(path: Path, table: NDArray[np.int64], places: _Places, first_line: int) -> Pulses:
     channel, t_ns = table[:, places.channel], table[:, places.t_ns]
-    sense = np.ones_like(t_ns) if places.sense is None else table[:, places.sense]
+    sense, edge = (
+        np.ones_like(t_ns) if place is None else table[:, place]
+        for place in (places.sense, places.edge)
+    )
     checks = (
         (
             (channel < INPUT) | (channel > OUTPUT_INDEX),
@@ -219,13 +251,14 @@ def _checked(path: Path, table: NDArray[np.int64], places: _Places, first_line: 
         ),
         ((t_ns < 0) | (t_ns > LATEST_NS), "t_ns", t_ns, "a time from 0 on"),
         (np.abs(sense) != 1, "sense", sense, "1 or -1"),
+        (np.abs(edge) != 1, "edge", edge, "1 (rising) or -1 (falling)"),
     )
     for wrong, name, values, expected in checks:
         if wrong.any():
             at = int(np.argmax(wrong))
             message = f"expected {expected}, found {values[at]}"
             raise InputError(path, first_line + at, name, message)
-    coded = channel + BACKWARD * (sense < 0)
+    coded = channel + BACKWARD * (sense < 0) + FALLING * (edge < 0)
     return Pulses(coded.astype(np.uint8), t_ns.copy())
 
 

@@ -38,6 +38,8 @@ class Encoder:
     eccentricity_phase_deg: float = 0.0
     radius_mm: float = 25.0
     jitter_ns: float = 0.0
+    mark: float = 0.0
+    """Width of the mark of a line, in pitches: both edges are given. 0: one pulse a line."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from skiplatch.tables import NOTHING, compact, number, table, whole
 from skiplatch.transmission.firmware import INPUT, OUTPUT
 from skiplatch.transmission.limits import ARCSEC_PER_TURN
-from skiplatch.transmission.measure import Chain, Measurement, NotMeasurableError
+from skiplatch.transmission.measure import NAMES, Chain, Measurement, NotMeasurableError
 from skiplatch.transmission.train import GearTrain
 
 SHOWN_ORDERS = 12
@@ -97,6 +97,7 @@ def as_json(method: str, found: Measurement, train: GearTrain | None) -> dict[st
         "limits": found.limits.numbers,
         "warnings": list(found.limits.warnings),
         "backlash_arcsec": found.backlash.mean_arcsec if found.backlash is not None else None,
+        "mark_widths": {name: found.mark_widths[channel] for channel, name in NAMES.items()},
         "missing_pulses": _missing(found),
         "extra_pulses": _extra(found),
         "slips": _slips(found),

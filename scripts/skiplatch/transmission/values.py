@@ -67,6 +67,14 @@ class Backlash:
     least_arcsec: float
     greatest_arcsec: float
 
+    def shifted(self, more_arcsec: float) -> "Backlash":
+        """Give the backlash with so much more at each place."""
+        return Backlash(
+            self.mean_arcsec + more_arcsec,
+            self.least_arcsec + more_arcsec,
+            self.greatest_arcsec + more_arcsec,
+        )
+
 
 class Evaluation:
     """Takes points in blocks of any size, and gives the values at the end."""
