@@ -14,10 +14,12 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import (
     COLUMNS,
+    NOMINAL_FILE,
     TOUCHES_FILE,
     Axis,
     Campaign,
     Kind,
+    Nominal,
     Touches,
     read_campaign,
 )
@@ -28,6 +30,17 @@ ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
 BEYOND_THE_RAMP_MM = {Kind.MACHINE: 1.0, Kind.BENCH: 0.01}  # a bench may begin with an edge
 BETWEEN_TOUCHES_S = 1.0
+PLAYED = {("plc", "scan_us"): (100.0, 20_000.0), ("skip", "tick_us"): (0.001, 1000.0)}
+"""What the firmware's scans, in µs, and the simulator's clock can do."""
+
+
+def refuse_unplayable(path: Path, nominal: Nominal) -> None:
+    """Raise InputError for a figure of nominal.toml, at `path`, that cannot be simulated."""
+    for (section, name), (least, most) in PLAYED.items():
+        value = nominal.number(section, name)
+        if not least <= value <= most:
+            expected = f"expected {least:g} to {most:g}, which is what can be simulated"
+            raise InputError(path, None, f"{section}.{name}", f"{expected}, got {value:g}")
 
 
 def read_playable(path: str | os.PathLike[str]) -> Campaign:
@@ -43,8 +56,10 @@ def playable(campaign: Campaign) -> Campaign:
     """Give the campaign with stand-ins; warns of each column that has one.
 
     Raises:
-        InputError: The feed is missing on a machine: every outcome depends on it.
+        InputError: The feed is missing on a machine: every outcome depends on it. Or a figure
+            cannot be simulated.
     """
+    refuse_unplayable(campaign.path / NOMINAL_FILE, campaign.nominal)
     touches = _as_linear(campaign.touches)
     no_feed, no_way = np.isnan(touches.feed_mm_min), np.isnan(touches.approach_mm)
     no_time = np.isnan(touches.time_s)

@@ -2,6 +2,8 @@
 
 import csv
 import json
+import shutil
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -55,3 +57,40 @@ def test_a_campaign_that_is_not_there_is_one_line(tmp_path: Path) -> None:
         run("design", str(tmp_path / "none"), "--out", str(tmp_path / "next.csv"))
 
     assert not (tmp_path / "next.csv").exists()
+
+
+def left_by_a_diagnosis(path: Path, *models: Mapping[str, object]) -> Path:
+    path.write_text(json.dumps({"verdict": "explained", "models": [[model] for model in models]}))
+    return path
+
+
+def test_a_diagnosis_that_is_there_is_not_made_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    late = {"id": "trigger_delay", "params": {"delay_us": 800.0, "jitter_us": 0, "tail_us": 0}}
+    believed = left_by_a_diagnosis(tmp_path / "d.json", late)
+    monkeypatch.setattr("skiplatch.commands.design.diagnose", None)
+    machine = tmp_path / "machine"
+    shutil.copytree(SAMPLES / "machine_no_gap", machine)
+    nominal = machine / "nominal.toml"
+    text = nominal.read_text().replace("skiplatch-campaign/1", "skiplatch-campaign/2")
+    nominal.write_text(text.replace("[axis]", "[axis]\nmin_mm = 20.0\nmax_mm = 60.0"))
+    out = tmp_path / "next.csv"
+    words = ("--diagnosis", str(believed), "--gcode", "linuxcnc", "--touches", "25")
+
+    said = run("design", str(machine), *words, "-o", str(out))
+
+    made = read_conditions(out)
+    start = made.position_mm - made.sign * made.approach_mm
+    assert ((made.position_mm >= 20.0) & (made.position_mm <= 60.0)).all()
+    assert ((start >= 20.0 - 1e-9) & (start <= 60.0 + 1e-9)).all()
+    assert (tmp_path / "next.ngc").read_text().count("G38.2") == 25
+    assert f"{tmp_path / 'next.ngc'}: 25 touches" in said
+
+
+@pytest.mark.parametrize("text", ["{}", "[]", '{"verdict": "sure", "models": []}', '{"models": 3}'])
+def test_what_is_no_diagnosis_is_one_line(tmp_path: Path, text: str) -> None:
+    (tmp_path / "d.json").write_text(text)
+
+    with pytest.raises(InputError, match=r"d\.json: expected a diagnosis"):
+        run("design", str(BENCH), "--diagnosis", str(tmp_path / "d.json"), "-o", "next.csv")

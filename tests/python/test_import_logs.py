@@ -105,6 +105,19 @@ def test_grbl_settings_of_the_axis_that_probed_count(tmp_path: Path) -> None:
     assert "$102 of the log" in run.toml
 
 
+def test_grbl_absolute_moves_give_the_sense_and_g53_the_approach(tmp_path: Path) -> None:
+    lines = [">>> G90 G0 X5", ">>> G38.2 X20 F60", "[PRB:-87.000,0.000,0.000:1]", "ok"]
+    lines += [">>> G0 X40", ">>> G38.2 X20 F60", "[PRB:-65.000,0.000,0.000:1]", "ok"]
+    lines += [">>> G90 G53 G0 X-60", ">>> G91 G38.2 X-8 F60", "[PRB:-65.001,0.000,0.000:1]", "ok"]
+    (tmp_path / "x.log").write_text("\n".join(lines) + "\n")
+
+    touches = Run(tmp_path, "grbl", str(tmp_path / "x.log")).campaign.touches
+
+    assert touches.sign.tolist() == [1.0, -1.0, -1.0]
+    assert np.isnan(touches.approach_mm[:2]).all()
+    assert touches.approach_mm[2] == pytest.approx(5.001)
+
+
 def test_grbl_echoes_within_the_marks_of_a_page_are_read(tmp_path: Path) -> None:
     run = Run(tmp_path, "grbl", log("grbl_echoed.log"), "--inch")
 

@@ -1,21 +1,34 @@
 """``skiplatch design``: the touches that would best settle a diagnosis, as a conditions file."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from skiplatch.campaign import CONDITIONS, format_touches
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.campaign import CONDITIONS, Campaign, format_touches
+from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
-from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
+from skiplatch.diagnosis import Verdict, diagnose
+from skiplatch.diagnosis.experiment import (
+    Experiment,
+    experiment_for,
+    experiment_json,
+    experiment_text,
+    models_from_json,
+    rivals,
+)
+from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
-from skiplatch.files import atomic_write_text
+from skiplatch.errors import InputError
+from skiplatch.files import atomic_write_texts, read_json
+from skiplatch.probing_program import SUFFIXES, program
+from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
 
 EPILOG = """\b
 Example:
   skiplatch design scripts/samples/bench_isr_latency --out build/next.csv
+  skiplatch design mill --diagnosis mill.json --gcode linuxcnc -o next.csv
 """
 
 
@@ -30,26 +43,77 @@ Example:
 )
 @click.option(
     "--touches",
-    type=click.IntRange(1, 1000),
+    type=CountType(1, 1000),
     default=TOUCHES,
     show_default=True,
     help="How many touches to recommend.",
+)
+@click.option(
+    "--diagnosis",
+    "diagnosis_path",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="JSON of 'skiplatch diagnose' of this campaign, in place of diagnosing it anew.",
+)
+@click.option(
+    "--gcode",
+    type=click.Choice(list(SUFFIXES)),
+    help="Also write the touches as a program for this controller, beside --out; its log is what "
+    "'skiplatch import' reads.",
 )
 @seed_option
 @jobs_option
 @json_option
 def command(
-    campaign: Path, out: Path, touches: int, seed: int, jobs: int, json_path: Path | None
+    campaign: Path,
+    out: Path,
+    touches: int,
+    diagnosis_path: Path | None,
+    gcode: str | None,
+    seed: int,
+    jobs: int,
+    json_path: Path | None,
 ) -> None:
     """Say which touches, or which column, would settle the diagnosis of a CAMPAIGN, and write them.
 
     The candidates that are left after the diagnosis play touches drawn about the conditions of
-    the campaign; those are written that are expected to tell most.
+    the campaign, within the reach of the axis (min_mm, max_mm of nominal.toml); those are written
+    that are expected to tell most.
     """
     recorded = read_playable(campaign)
-    diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
-    experiment = next_experiment(recorded, diagnosis, seed=seed, jobs=jobs, touches=touches)
-    atomic_write_text(out, format_touches(experiment.touches, CONDITIONS))
+    models, verdict = _left(recorded, diagnosis_path, seed, jobs)
+    experiment = experiment_for(recorded, models, verdict, seed=seed, jobs=jobs, touches=touches)
+    texts = {out: format_touches(experiment.touches, CONDITIONS)}
+    if gcode is not None:
+        texts[out.with_suffix(SUFFIXES[gcode])] = _program(
+            gcode, campaign, recorded, experiment, out
+        )
+    atomic_write_texts(texts)
     click.echo(experiment_text(experiment))
-    click.echo(f"{out}: {len(experiment.touches)} touches")
+    for path in texts:
+        click.echo(f"{path}: {len(experiment.touches)} touches")
     write_json(json_path, experiment_json(experiment))
+
+
+def _left(
+    recorded: Campaign, path: Path | None, seed: int, jobs: int
+) -> tuple[Sequence[tuple[Effect, ...]], str]:
+    """Give the models that a diagnosis leaves, and its verdict."""
+    if path is None:
+        diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
+        return rivals(diagnosis), str(diagnosis.verdict)
+    document = read_json(path)
+    try:
+        return models_from_json(document), str(Verdict(document["verdict"]))
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(path, None, None, f"expected a diagnosis: {error}") from error
+
+
+def _program(
+    kind: str, campaign: Path, recorded: Campaign, experiment: Experiment, out: Path
+) -> str:
+    axis, made = recorded.nominal.axis, experiment.touches
+    rests = rests_s(made).tolist()
+    try:
+        return program(kind, made, rests, (axis.min_mm, axis.max_mm), out.stem)
+    except ValueError as error:
+        raise InputError(campaign, None, None, f"no program for {kind}: {error}") from error

@@ -12,12 +12,19 @@ from skiplatch.commands.options import (
     html_option,
     jobs_option,
     json_option,
+    refuse_idle,
     seed_option,
     write_document,
     write_json,
 )
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, explained
-from skiplatch.diagnosis.experiment import experiment_json, experiment_text, next_experiment
+from skiplatch.diagnosis.experiment import (
+    experiment_json,
+    experiment_text,
+    models_json,
+    next_experiment,
+    rivals,
+)
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
@@ -111,6 +118,7 @@ def command(
     """
     train = read_axis_train(train_path) if train_path is not None else None
     recorded = read_playable(campaign)
+    refuse_idle(truth, recorded.nominal.kind)
     materiality = Materiality(material_fraction, material_us, material_um)
     diagnosis = diagnose(
         recorded, seed=seed, jobs=jobs, materiality=materiality, truth=truth or None
@@ -125,7 +133,11 @@ def command(
     experiment = next_experiment(recorded, diagnosis, seed=seed, jobs=jobs)
     words = experiment_text(experiment)
     click.echo(f"\nNext experiment\n{words}")
-    document = {**as_json(diagnosis), "next_experiment": experiment_json(experiment)}
+    document = {
+        **as_json(diagnosis),
+        "models": models_json(rivals(diagnosis)),
+        "next_experiment": experiment_json(experiment),
+    }
     if train is not None:
         document["transmission"] = [asdict(source) for source in sources]
     write_json(json_path, document)

@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import InputPath, Nominal
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.commands.rig_options import rig_json, rig_options, within
 from skiplatch.latch import Effort, as_json, as_text, examine
@@ -34,7 +34,7 @@ PATHS = {
 )
 @click.option(
     "--touches",
-    type=click.IntRange(100, 10**9),
+    type=CountType(100, 10**9),
     default=10**6,
     show_default=True,
     help="Touches on each path; memory does not grow with them.",

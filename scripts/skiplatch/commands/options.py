@@ -4,13 +4,15 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
 import click
 
+from skiplatch.campaign import Kind
+from skiplatch.campaign.kind import NOT_ON_A_BENCH
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
@@ -92,6 +94,8 @@ class EffectType(click.ParamType[Effect]):
 
 def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
     known = {parameter.name: parameter for parameter in effects()[effect_id].parameters}
+    if not text:
+        raise ValueError(f"expected NAME=VALUE, such as {next(iter(known))}=…, got {quoted(name)}")
     if name not in known:
         raise ValueError(f"{effect_id} has no parameter {quoted(name)}{hint(name, known)}")
     low, high = known[name].low, known[name].high
@@ -103,6 +107,32 @@ def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
     if not low <= value <= high:
         raise ValueError(expected)
     return name, value
+
+
+def refuse_idle(switched_on: Iterable[Effect], kind: Kind) -> None:
+    """Raise UsageError for an effect that can do nothing on a rig of this kind."""
+    for effect in switched_on:
+        stage = effects()[effect.id].stage
+        if kind is Kind.BENCH and stage in NOT_ON_A_BENCH:
+            idle = f"{effect.id} is an effect of the {stage}, which a bench has none of"
+            raise click.UsageError(f"{idle}: it does nothing")
+
+
+class CountType(click.IntRange):
+    """A whole number, which may be written as 1e6."""
+
+    name = "count"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:  # noqa: ANN401
+        """See `click.ParamType.convert`."""
+        try:
+            number = float(value)
+        except (TypeError, ValueError):
+            number = math.nan
+        if not number.is_integer():
+            self.fail(f"expected a whole number, got {quoted(str(value))}", param, ctx)
+        is_short = isinstance(value, str) and not value.lstrip("+-").isdigit()
+        return int(super().convert(int(number) if is_short else value, param, ctx))
 
 
 class SizeType(click.ParamType[float]):

@@ -6,8 +6,15 @@ from pathlib import Path
 import click
 import numpy as np
 
-from skiplatch.campaign import Nominal, Touches, read_campaign, read_conditions, read_nominal
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.campaign import (
+    NOMINAL_FILE,
+    Nominal,
+    Touches,
+    read_campaign,
+    read_conditions,
+    read_nominal,
+)
+from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
@@ -15,6 +22,7 @@ from skiplatch.diagnosis.playing import Rig
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text, read_json
 from skiplatch.simulator import Outcomes
+from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -59,7 +67,7 @@ def _lines(conditions: Touches, outcomes: Outcomes) -> Sequence[str]:
 @click.option("--conditions", "conditions_path", type=FILE, required=True, help="Touches to play.")
 @click.option(
     "--replicates",
-    type=click.IntRange(1, 100_000),
+    type=CountType(1, 100_000),
     default=1,
     show_default=True,
     help="How often to play them.",
@@ -83,7 +91,8 @@ def command(
     Where the conditions give edge_us (on a bench), the contacts close there. With a diagnosis the
     scans of the PLC keep the phase that the recorded stamps show.
     """
-    nominal = read_nominal(campaign / "nominal.toml")
+    nominal = read_nominal(campaign / NOMINAL_FILE)
+    refuse_unplayable(campaign / NOMINAL_FILE, nominal)
     conditions = read_conditions(conditions_path)
     rig = _rig(diagnosis, nominal)
     given = at_given_edges(rig, conditions)

@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import InputPath
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.compensation import campaigns, paper
 from skiplatch.compensation.experiment import run
@@ -54,7 +54,7 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
 )
 @click.option(
     "--trials",
-    type=click.IntRange(1, 1000),
+    type=CountType(1, 1000),
     default=1,
     show_default=True,
     help="Repeat the whole experiment with the seeds that follow, for intervals.",

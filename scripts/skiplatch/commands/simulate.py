@@ -11,11 +11,13 @@ from skiplatch.commands.options import (
     EffectType,
     jobs_option,
     json_option,
+    refuse_idle,
     seed_option,
     write_json,
 )
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -79,6 +81,8 @@ def command(
     What is played is the nominal chain, and the effects that are switched on.
     """
     nominal = read_nominal(nominal_path)
+    refuse_idle(switched_on, nominal.kind)
+    refuse_unplayable(nominal_path, nominal)
     conditions = read_conditions(conditions_path)
     controller = Controller.for_campaign(nominal, conditions)
     outcomes = play(nominal, controller, conditions, seed=seed, jobs=jobs, switched_on=switched_on)

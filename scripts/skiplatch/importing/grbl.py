@@ -1,5 +1,6 @@
 """grbl, grblHAL, FluidNC, Grbl_Esp32: ``[PRB:…]``, the commands before it, and `$` settings."""
 
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -20,6 +21,8 @@ _FEED_0 = re.compile(r"\bF0(?:\.0*)?\b")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
 _PROBES = re.compile(r"G38", re.IGNORECASE)
 _NOT_BEGUN = re.compile(r"ALARM:4\b")  # the probe was open or closed already
+_IN_MACHINE = re.compile(r"G53\b", re.IGNORECASE)
+_OFFSETS = re.compile(r"G(?:10|92|5[4-9])\b", re.IGNORECASE)
 _REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
 _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
@@ -52,6 +55,7 @@ class _Reader:
     def __init__(self, feed: float | None, *, inch: bool) -> None:
         self.touches: list[Touch] = []
         self._machine = Machine(is_inch=inch)
+        self._program: dict[str, float] = {}  # where its absolute moves went, as it counts
         self._inch = inch
         self._moves: list[ProbeMove] = []
         self._feed = feed
@@ -95,19 +99,38 @@ class _Reader:
         return True
 
     def _command(self, text: str, line: Line) -> None:
-        move = self._machine.execute(text.replace("*", ""), line.number)
-        if not self._machine.is_relative:
-            move = self._in_unknown_offset(move, text)
+        text = text.replace("*", "")
+        before = dict(self._machine.position)
+        move = self._machine.execute(text, line.number)
+        places = {n: v for n, v in self._machine.words(text) if n in AXES and v is not None}
+        if _IN_MACHINE.search(text):
+            unit = MM_PER_INCH if self._machine.is_inch else 1.0
+            self._machine.position = before | {n: v * unit for n, v in places.items()}
+            self._program = {n: v for n, v in self._program.items() if n not in places}
+        elif self._machine.is_relative or _OFFSETS.search(text):
+            self._program.clear()
+        else:
+            move = self._in_unknown_offset(move, places)
         if move:
             self._moves.append(move)
 
-    def _in_unknown_offset(self, move: ProbeMove | None, text: str) -> ProbeMove | None:
-        """Forget what hangs on the offset between the program's coordinates and the machine's."""
-        for letter, _ in self._machine.words(text):
+    def _in_unknown_offset(
+        self, move: ProbeMove | None, places: dict[str, float]
+    ) -> ProbeMove | None:
+        """Forget what hangs on the offset between the program's coordinates and the machine's.
+
+        What is left is the sense, from the place that the program named before.
+        """
+        senses = {n: v - self._program[n] for n, v in places.items() if n in self._program}
+        self._program |= places
+        for letter in places:
             self._machine.position.pop(letter, None)
         if move is None:
             return None
-        return replace(move, sign=-1 if move.axis == "Z" else None)
+        self._program.clear()  # it ends at the surface
+        way = senses.get(move.axis or "", 0.0)
+        fallback = -1 if move.axis == "Z" else None
+        return replace(move, sign=int(math.copysign(1, way)) if way else fallback)
 
     def _reply(self, reply: re.Match[str], line: Line) -> None:
         try:

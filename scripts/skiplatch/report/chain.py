@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from skiplatch.campaign import Kind
+from skiplatch.campaign.kind import NOT_ON_A_BENCH
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.simulator import effects
 
@@ -17,7 +18,6 @@ STAGES = {
     "position": "the axis is read",
     "report": "the record arrives",
 }
-NOT_ON_A_BENCH = ("probe", "link")
 PARALLEL = ("latch", "scan")
 
 

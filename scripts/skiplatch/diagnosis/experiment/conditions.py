@@ -16,6 +16,7 @@ NARROW_FEEDS = 4.0  # greatest over least; below, slower feeds are tried too
 NARROW_APPROACHES = 2.0
 NARROW_POSITIONS_MM = 1.0
 LONGEST_TRAVEL_S = 1.0
+LEAST_APPROACH_MM = 0.01
 NEAREST_MM = 0.5
 SWEEP_MM = 50.0  # to either side, where the campaign kept to one position
 QUARTER_TURNS_DEG = np.array([0.0, 90.0, 180.0, 270.0])
@@ -71,29 +72,36 @@ def rests_s(touches: Touches) -> FloatArray:
     return np.asarray(touches.time_s - np.concatenate([[0.0], reached_s[:-1]]))
 
 
-def spread_out(recorded: Touches, count: int, rng: np.random.Generator) -> Conditions:
+def spread_out(
+    recorded: Touches,
+    count: int,
+    rng: np.random.Generator,
+    reach_mm: tuple[float, float] = (-np.inf, np.inf),
+) -> Conditions:
     """Draw touches over all conditions of a campaign, every feature independent of the others.
 
     Nothing leaves the range of what was recorded to where a rig might not follow, but for what
     any rig can do: a slower feed, a shorter approach, the opposite sense. A feature of which
-    nothing was recorded stays so.
+    nothing was recorded stays so. Surfaces and starts of approaches lie within `reach_mm`.
     """
     # A Latin hypercube: each feature alone is spread evenly.
     shares = qmc.LatinHypercube(FEATURES, rng=rng).random(count).T
     path, feed, direction, sense, position, rotary, approach, rest = shares
     rows = _picked(np.arange(len(recorded)), direction)
     flipped = (sense < 0.5) & (recorded.axis[rows] != Axis.Z)  # nothing is probed from below
+    sign = np.where(flipped, -1.0, 1.0) * recorded.sign[rows]
+    position_mm = _positions(recorded, position, reach_mm)
     touches = Touches.from_columns(
         touch=np.arange(count),
         time_s=np.zeros(count),
         path=_picked(np.unique(recorded.path), path),
         axis=recorded.axis[rows],
-        sign=np.where(flipped, -1.0, 1.0) * recorded.sign[rows],
+        sign=sign,
         alpha_deg=(recorded.alpha_deg[rows] + np.where(flipped, 180.0, 0.0)) % 360.0,
         beta_deg=recorded.beta_deg[rows],
         feed_mm_min=_picked(_feeds(recorded), feed),
-        approach_mm=_approaches(recorded, approach),
-        position_mm=_positions(recorded, position),
+        approach_mm=_within(_approaches(recorded, approach), position_mm, sign, reach_mm),
+        position_mm=position_mm,
         rotary_deg=_picked(_angles(recorded), rotary),
         temp_c=np.full(count, _median(recorded.temp_c)),
     )
@@ -117,16 +125,30 @@ def _approaches(recorded: Touches, shares: FloatArray) -> FloatArray:
     low, high = recorded.approach_mm.min(), recorded.approach_mm.max()
     if high < NARROW_APPROACHES * low:
         low = high / (2.0 * NARROW_APPROACHES)
-    return np.asarray(np.maximum(np.round(low * (high / low) ** shares, 2), 0.01))
+    return np.asarray(np.maximum(np.round(low * (high / low) ** shares, 2), LEAST_APPROACH_MM))
 
 
-def _positions(recorded: Touches, shares: FloatArray) -> FloatArray:
+def _within(
+    approach_mm: FloatArray,
+    position_mm: FloatArray,
+    sign: FloatArray,
+    reach_mm: tuple[float, float],
+) -> FloatArray:
+    """Shorten approaches that would begin out of reach."""
+    room_mm = np.where(sign < 0.0, reach_mm[1] - position_mm, position_mm - reach_mm[0])
+    shortened_mm = np.minimum(approach_mm, np.round(room_mm, 3))
+    return np.where(np.isnan(room_mm), approach_mm, shortened_mm)
+
+
+def _positions(recorded: Touches, shares: FloatArray, reach_mm: tuple[float, float]) -> FloatArray:
     known = recorded.position_mm[~np.isnan(recorded.position_mm)]
     if not known.size:
         return np.full(len(shares), np.nan)
     low, high = known.min(), known.max()
     if high - low < NARROW_POSITIONS_MM:
         low, high = low - SWEEP_MM, high + SWEEP_MM
+    least, most = reach_mm[0] + LEAST_APPROACH_MM, reach_mm[1] - LEAST_APPROACH_MM
+    low, high = np.clip([low, high], least, max(least, most))
     return np.asarray(np.round(low + (high - low) * shares, 2))
 
 

@@ -93,12 +93,26 @@ def next_experiment(
         jobs: Threads to play on; the result does not depend on it.
         touches: How many touches to recommend.
     """
-    models = rivals(diagnosis)
+    return experiment_for(
+        campaign, rivals(diagnosis), str(diagnosis.verdict), seed=seed, jobs=jobs, touches=touches
+    )
+
+
+def experiment_for(
+    campaign: Campaign,
+    models: Sequence[Model],
+    verdict: str,
+    *,
+    seed: int,
+    jobs: int = 1,
+    touches: int = TOUCHES,
+) -> Experiment:
+    """Do the same for what a diagnosis has left: its models and its verdict."""
     if len(models) > 1:
         return settle(campaign, models, seed=seed, jobs=jobs, touches=touches)
     rng = np.random.default_rng(seed)
-    plan = spread_out(campaign.touches, touches, rng).touches
-    why = words.without_rivals(str(diagnosis.verdict), words.name(models[0]) if models else "")
+    plan = spread_out(campaign.touches, touches, rng, _reach_mm(campaign)).touches
+    why = words.without_rivals(verdict, words.name(models[0]) if models else "")
     return Experiment(why, None, plan, 0.0, 0.0, None, ())
 
 
@@ -107,7 +121,7 @@ def settle(
 ) -> Experiment:
     """Find the experiment that tells two or more models apart best; see `next_experiment`."""
     rng = np.random.default_rng(seed)
-    drawn = spread_out(campaign.touches, max(DRAWN, touches), rng).brief()
+    drawn = spread_out(campaign.touches, max(DRAWN, touches), rng, _reach_mm(campaign)).brief()
     stage = _Stage(campaign, models, Rehearsal.of(campaign, models), seed, jobs)
     kept = recorded(campaign.nominal, campaign.touches)
     missing = (name for name in recordable(campaign.nominal) if name not in kept)
@@ -117,6 +131,11 @@ def settle(
         warm = [words.Setting(warmer_k=WARMER_K)]
         options += stage.options(warm, drawn, kept, touches)
     return _recommended(options, models)
+
+
+def _reach_mm(campaign: Campaign) -> tuple[float, float]:
+    axis = campaign.nominal.axis
+    return axis.min_mm, axis.max_mm
 
 
 def _chosen(options: Sequence[_Option]) -> _Option:

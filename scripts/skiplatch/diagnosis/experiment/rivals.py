@@ -1,9 +1,9 @@
 """The models that a diagnosis leaves to be told apart."""
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from skiplatch.simulator import Effect
+from skiplatch.simulator import Effect, effects
 
 if TYPE_CHECKING:
     from skiplatch.diagnosis.diagnose import Diagnosis
@@ -25,6 +25,29 @@ def rivals(diagnosis: "Diagnosis") -> list[Model]:
     best = max((ranked.score_nats for ranked in diagnosis.ranking), default=0.0)
     close = [r.effects for r in diagnosis.ranking if r.score_nats > best - CLOSE_NATS]
     return _distinct([finding, *close])[:2]
+
+
+def models_json(models: list[Model]) -> list[list[dict[str, Any]]]:
+    """Give models in plain types, so that an experiment needs no diagnosis anew."""
+    return [[{"id": e.id, "params": dict(e.parameters)} for e in model] for model in models]
+
+
+def models_from_json(document: Any) -> list[Model]:  # noqa: ANN401 - JSON is anything
+    """Read them back from the document of a diagnosis.
+
+    Raises:
+        ValueError: They are not in it, or not whole.
+    """
+    try:
+        return [tuple(_effect(entry) for entry in model) for model in document["models"]]
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"no models of a diagnosis: {error!r}") from error
+
+
+def _effect(entry: Any) -> Effect:  # noqa: ANN401
+    if entry["id"] not in effects():
+        raise ValueError(f"no effect is called {entry['id']!r}")
+    return Effect(entry["id"], {str(k): float(v) for k, v in entry["params"].items()})
 
 
 def _tied(diagnosis: "Diagnosis") -> Iterator[Model]:

@@ -1,0 +1,65 @@
+"""What commands say of slips: what, where, and what was expected."""
+
+import shutil
+from pathlib import Path
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from skiplatch.cli import group
+from skiplatch.commands.options import CountType
+from skiplatch.errors import InputError
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+BENCH = SAMPLES / "bench_isr_latency"
+
+
+def simulate(nominal: Path, effect: str, out: Path) -> str:
+    words = ["simulate", "--nominal", str(nominal), "--conditions", str(BENCH / "touches.csv")]
+    result = CliRunner().invoke(group, [*words, "--effect", effect, "-o", str(out)])
+    assert result.exit_code == 2, result.output
+    assert not out.exists()
+    return result.output
+
+
+@pytest.mark.parametrize(
+    ("effect", "message"),
+    [
+        ("isr_latency:40", 'expected NAME=VALUE, such as latency_us=…, got "40"'),
+        ("isr_latency:latency=40", 'no parameter "latency"'),
+        ("trigger_delay:delay_us=40", "an effect of the probe, which a bench has none of"),
+    ],
+)
+def test_effect_that_cannot_be_is_told(effect: str, message: str, tmp_path: Path) -> None:
+    assert message in simulate(BENCH / "nominal.toml", effect, tmp_path / "out")
+
+
+@pytest.mark.parametrize("command", ["compare", "diagnose", "predict"])
+def test_figure_that_cannot_be_simulated_is_named(command: str, tmp_path: Path) -> None:
+    shutil.copytree(BENCH, tmp_path / "bench")
+    nominal = tmp_path / "bench" / "nominal.toml"
+    lines = nominal.read_text().splitlines()
+    nominal.write_text("\n".join("scan_us = 2" if "scan_us" in x else x for x in lines))
+    words = [command, str(tmp_path / "bench")]
+    if command == "predict":
+        words += ["--conditions", str(BENCH / "touches.csv"), "-o", str(tmp_path / "x.csv")]
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError)
+    expected = "plc.scan_us: expected 100 to 20000, which is what can be simulated, got 2"
+    assert str(result.exception) == f"{nominal}: {expected}"
+
+
+@pytest.mark.parametrize(
+    ("text", "count"), [("1e5", 100_000), ("250", 250), ("2.5e3", 2500), ("1e+3", 1000)]
+)
+def test_counts_may_have_powers_of_ten(text: str, count: int) -> None:
+    assert CountType(100, 10**9).convert(text, None, None) == count
+
+
+@pytest.mark.parametrize("text", ["1e1", "1.5", "many", "", "nan", "inf", "1e999", "-1e5"])
+def test_counts_that_are_none_are_refused(text: str) -> None:
+    with pytest.raises(click.BadParameter):
+        CountType(100, 10**9).convert(text, None, None)
