@@ -81,6 +81,6 @@ def _one_value(values: FloatArray) -> bool:
 
 
 def _order_lost(touches: Touches) -> list[str]:
-    if np.isfinite(touches.time_s).any():
+    if np.isfinite(touches.time_s).any() or np.isfinite(touches.edge_us).all():
         return []
     return ["no times: the order of the rows counts as that of the touches"]
