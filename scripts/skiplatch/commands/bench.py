@@ -44,7 +44,9 @@ Example:
 BELIEVE_EPILOG = """\b
 Example: believe from one quiet campaign, diagnose another one
   skiplatch bench believe build/quiet --out build/believed.toml
-  skiplatch bench run scripts/samples/plans/nominal.toml --nominal build/believed.toml ...
+  skiplatch bench run scripts/samples/plans/cpu_load.toml --nominal build/believed.toml \\
+      --out build/cpu_load --can can0 --chip gpiochip0 --line 4 --inject-line gpiochip0:17
+  skiplatch diagnose build/cpu_load
 """
 
 can_backend_option = click.option(

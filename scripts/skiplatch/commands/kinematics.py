@@ -22,6 +22,12 @@ class _Group(click.Group):
         return found
 
 
-@click.group(name="kinematics", cls=_Group)
+EPILOG = """\b
+Example:
+  skiplatch kinematics run scripts/samples/kinematics/optimise_positions.h --html build/log.html
+"""
+
+
+@click.group(name="kinematics", cls=_Group, epilog=EPILOG)
 def command() -> None:
     """Find the location errors of rotary axes from touches of a sphere."""
