@@ -255,3 +255,12 @@ double pretravel_time_increase(const double *speed_mm_min, const double *new_spe
     }
     return after / before - 1.0;
 }
+
+double pretravel_time_s(const double *speed_mm_min, uint32_t n, double approach_mm)
+{
+    double time_min = 0.0;
+    for (uint32_t i = 0; i < n; i++) {
+        time_min += approach_mm / speed_mm_min[i];
+    }
+    return S_PER_MIN * time_min;
+}

@@ -121,6 +121,12 @@ void pretravel_predict_um(const double *radius_um, const double *speed_mm_min,
 double pretravel_time_increase(const double *speed_mm_min, const double *new_speed_mm_min,
                                uint32_t n);
 
+/*
+ * t_M = Σ S/v: time of n approaches of S = approach_mm each, in s; the speeds above 0. Equation
+ * (5), and with n = 1 equation (4), t_s.
+ */
+double pretravel_time_s(const double *speed_mm_min, uint32_t n, double approach_mm);
+
 #ifdef __cplusplus
 }
 #endif

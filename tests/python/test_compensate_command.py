@@ -88,6 +88,24 @@ def test_table_is_that_of_the_equation_for_every_direction(perfect: Path, tmp_pa
     assert found["time_increase"] == pytest.approx(V0 * np.mean(1.0 / expected) - 1.0, abs=1e-5)
 
 
+def test_times_are_way_over_feed_in_seconds(perfect: Path, tmp_path: Path) -> None:
+    approach = ("--approach", 4, "--accel", 3000)
+    rows, found = compensated(tmp_path, perfect, "--v0", V0, "--tau", TAU, *approach)
+    _, unknown = compensated(tmp_path, perfect, "--v0", V0, "--tau", TAU)
+
+    each_s = 60.0 * 4.0 / rows[:, 2]
+    assert found["times"] == pytest.approx(
+        {
+            "touch_before_s": 60.0 * 4.0 / V0,
+            "touch_least_s": each_s.min(),
+            "touch_greatest_s": each_s.max(),
+            "total_before_s": len(rows) * 60.0 * 4.0 / V0,
+            "total_s": each_s.sum(),
+        }
+    )
+    assert unknown["times"] is None
+
+
 @pytest.mark.parametrize("target", ["max", "min", "21.5"])
 def test_targets_are_reached_in_all_directions(perfect: Path, tmp_path: Path, target: str) -> None:
     rows, found = compensated(tmp_path, perfect, "--v0", 2 * V0, "--tau", TAU, "--target", target)

@@ -364,6 +364,15 @@ void test_slow_directions_cost_more_than_fast_ones_save(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, 1.0 / 3.0, pretravel_time_increase(before, after, 2u));
 }
 
+/* 4 mm at 50, 100 and 200 mm/min take 4.8, 2.4 and 1.2 s. */
+void test_the_time_of_approaches_is_way_over_speed(void)
+{
+    const double feeds_mm_min[] = {50.0, 100.0, 200.0};
+
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 4.8, pretravel_time_s(feeds_mm_min, 1u, 4.0));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 8.4, pretravel_time_s(feeds_mm_min, 3u, 4.0));
+}
+
 /* ---- errors -------------------------------------------------------------------------------- */
 
 void test_every_code_has_a_sentence_of_its_own(void)

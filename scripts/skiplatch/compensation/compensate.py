@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.delay import Delay
@@ -47,6 +49,25 @@ class Target:
     radius_um: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Times:
+    """How long approaches take, without the table (before) and with it.
+
+    Attributes:
+        touch_before_s: t_s of one approach.
+        touch_least_s: The same of the fastest one with the table.
+        touch_greatest_s: The same of the slowest one.
+        total_before_s: t_M of an approach in each direction of the table.
+        total_s: The same with the table.
+    """
+
+    touch_before_s: float
+    touch_least_s: float
+    touch_greatest_s: float
+    total_before_s: float
+    total_s: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Compensation:
     """A speed table and what it is made of; arrays of shape (n,), in the order of the map.
@@ -62,6 +83,7 @@ class Compensation:
         vr_before_um: Greatest less least mean radius.
         vr_systematic_um: The same of `predicted_um`: what rounding leaves.
         time_increase: Of the approaches of the table, as a fraction of the time at `base_mm_min`.
+        times: Of the approaches of the table; None where their length is not known.
     """
 
     probe_map: ProbeMap
@@ -74,6 +96,7 @@ class Compensation:
     vr_before_um: float
     vr_systematic_um: float
     time_increase: float
+    times: Times | None
 
 
 def compensate(
@@ -110,6 +133,20 @@ def compensate(
         vr_before_um=firmware.range_um(probe_map.mean_um),
         vr_systematic_um=firmware.range_um(predicted_um),
         time_increase=firmware.time_increase(base_mm_min, written),
+        times=_times(base_mm_min, written, limits.approach_mm),
+    )
+
+
+def _times(base_mm_min: float, written: FloatArray, approach_mm: float) -> Times | None:
+    if not math.isfinite(approach_mm):
+        return None
+    before = np.full(len(written), base_mm_min)
+    return Times(
+        firmware.time_s(before[:1], approach_mm),
+        firmware.time_s(written.max(keepdims=True), approach_mm),
+        firmware.time_s(written.min(keepdims=True), approach_mm),
+        firmware.time_s(before, approach_mm),
+        firmware.time_s(written, approach_mm),
     )
 
 

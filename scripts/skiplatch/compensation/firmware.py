@@ -391,6 +391,13 @@ def time_increase(speed_mm_min: ArrayLike, new_speed_mm_min: ArrayLike) -> float
     return float(library.pretravel_time_increase(_doubles(before), _doubles(after), len(after)))
 
 
+def time_s(speed_mm_min: FloatArray, approach_mm: float) -> float:
+    """t_M: time of an approach at each of the speeds, shape (n,)."""
+    _, library = connection()
+    (speeds,) = _together(speed_mm_min)
+    return float(library.pretravel_time_s(_doubles(speeds), len(speeds), approach_mm))
+
+
 def safe_speed_mm_min(overtravel_um: float, *, reaction_us: float, accel_mm_s2: float) -> float:
     """Speed whose overtravel, v·t + v²/2a, is just `overtravel_um`; from ``cycle/overtravel.h``."""
     ffi, library = connection()

@@ -4,7 +4,7 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from skiplatch.compensation.compensate import Compensation
+from skiplatch.compensation.compensate import Compensation, Times
 from skiplatch.compensation.probe_figures import Form, ProbeFigures
 from skiplatch.compensation.uncertainty import COVERAGE, Budget, MonteCarlo, Uncertainty
 from skiplatch.statistics import Interval
@@ -69,6 +69,17 @@ def summary_rows(done: Compensation, known: Uncertainty) -> list[tuple[str, str]
         ("V_r predicted", f"{predicted}, mean of {runs}"),
         ("feeds", f"{feeds}, before {_span(done)} mm/min"),
         ("longer approaches", f"{PER_CENT * done.time_increase:+.2f} %"),
+        *_times_rows(done.times),
+    ]
+
+
+def _times_rows(times: Times | None) -> list[tuple[str, str]]:
+    if times is None:
+        return []
+    touch = f"{times.touch_least_s:.3f} … {times.touch_greatest_s:.3f} s"
+    return [
+        ("one approach t_s", f"{touch}, before {times.touch_before_s:.3f} s"),
+        ("all approaches t_M", f"{times.total_s:.3f} s, before {times.total_before_s:.3f} s"),
     ]
 
 
@@ -171,6 +182,7 @@ def as_json(
         "feed_min_mm_min": float(done.feed_mm_min.min()),
         "feed_max_mm_min": float(done.feed_mm_min.max()),
         "time_increase": done.time_increase,
+        "times": None if done.times is None else asdict(done.times),
         "directions": len(done.probe_map),
         "runs": done.probe_map.runs,
         "target_um": done.probe_map.sign * done.target_um,
