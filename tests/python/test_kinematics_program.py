@@ -35,6 +35,52 @@ def test_parameters_may_stand_with_their_comment_or_without(tmp_path: Path) -> N
     assert (cycle.parameters[410].line, cycle.parameters[410].column) == (2, 8)
 
 
+ISO = """%KINE MATICS G71 *
+N10 T "TOUCH PROBE" G17 *
+N20 G450 Q410=+0 QS409="old one" *
+N30 G451 MEASURE KINEMATICS ~
+Q406=+1 ;MODE ~
+  Q407=+12.5 ;SPHERE RADIUS *
+N40 G451 Q406=0 Q407=10 ;CHECK
+N99999999 %KINE MATICS G71 *
+"""
+
+
+def test_an_iso_program_says_the_same(tmp_path: Path) -> None:
+    program = read_program(program_of(tmp_path, ISO))
+
+    assert (program.tool, program.is_inch) == ("TOUCH PROBE", False)
+    assert list(texts(program)) == [
+        "TCH PROBE 450 Q410=+0 Q409=old one",
+        "TCH PROBE 451 Q406=+1 Q407=+12.5",
+        "TCH PROBE 451 Q406=+0 Q407=+10",
+    ]
+    radius = program.cycles[2].parameters[407]
+    assert (radius.line, radius.column) == (7, 22)
+    assert read_program(program_of(tmp_path, ISO.replace("G71", "G70"))).is_inch
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("N20 G450", "N20 G452", ":3:5: expected cycle 450 or 451, got 452"),
+        ("Q407=10", "Q407=x", ':7:22: expected a number, got "x"'),
+        ("N10 T", "N10 G0 X", ":2:5: expected a block T, G450, G451 or %"),
+    ],
+)
+def test_a_slip_in_an_iso_program_is_named(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        read_program(program_of(tmp_path, ISO.replace(old, new)))
+
+
+def test_a_program_may_have_a_name_with_spaces(tmp_path: Path) -> None:
+    text = "0 BEGIN PGM my old one INCH\n12 TCH PROBE 450 X ~\nQ410=+0\n9 END PGM my old one INCH\n"
+
+    assert read_program(program_of(tmp_path, text)).is_inch
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

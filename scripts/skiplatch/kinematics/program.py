@@ -3,11 +3,15 @@
 A cycle is a block ``12 TCH PROBE 450 NAME ~`` and its parameters, ``Q410=+0 ;MODE ~``: ``~`` says
 that the block goes on. The documents break a parameter before its comment and put empty lines
 between; both are read. What a parameter means, and its range, is the cycle's affair.
+
+ISO programs say ``N12 G450 Q410=+0 *``: parameters in the block or in lines after it, with or
+without comments and ``~``, ``*`` at an end; ``%NAME G71 *`` around it, G70 for inches.
 """
 
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from skiplatch.errors import InputError, quoted
@@ -16,12 +20,17 @@ from skiplatch.files import read_text
 MOST_BYTES = 1_000_000
 MM_PER_INCH = 25.4
 
-BLOCK = re.compile(r"(?P<number>\d+)\s+(?P<text>\S.*)")
+BLOCK = re.compile(r"N?(?P<number>\d+)\s+(?P<text>\S.*)")
 CYCLE = re.compile(r"TCH PROBE (?P<cycle>\d+)\b[^~;]*")
+ISO_CYCLE = re.compile(r"G(?P<cycle>45\d)\b[^~;]*")
+ISO_TOOL = re.compile(r'T\s*(?:"(?P<name>[^"]*)"|(?P<index>\d+))\s*(?P<axis>G1[789]).*')
+ISO_FRAME = re.compile(r"%(?P<name>.*\S)\s+G7(?P<unit>[01])")
+ISO_PARAMETER = re.compile(r"\bQS?\d+\s*=")
 TOOL = re.compile(r'TOOL CALL\s+(?:"(?P<name>[^"]*)"|(?P<index>\d+))\s*(?P<axis>[XYZ]?).*')
-BEGIN = re.compile(r"BEGIN PGM\s+(?P<name>\S+)\s+(?P<unit>MM|INCH)")
+BEGIN = re.compile(r"BEGIN PGM\s+(?P<name>\S.*?)\s+(?P<unit>MM|INCH)")
 END = re.compile(r"END PGM\b.*")
 PARAMETER = re.compile(r"(?P<kind>QS?)(?P<number>\d+)\s*=\s*(?P<value>\"[^\"]*\"|[^\s;~]+)")
+_BLOCKS = "TOOL CALL, TCH PROBE 450 or 451, BEGIN PGM or END PGM"
 WORDS = {"FMAX", "FAUTO", "PREDEF"}
 CYCLES = (450, 451)
 
@@ -74,15 +83,33 @@ class _Line:
     indent: int
 
 
+def _parts(number: int, line: str) -> Iterator[_Line]:
+    text = line.strip()
+    if text:
+        yield _Line(number, text, len(line) - len(line.lstrip()))
+
+
+def _iso_parts(number: int, line: str) -> Iterator[_Line]:
+    """Take an ISO line apart, so that each parameter begins one; without the end of the block."""
+    code, comment, rest = line.partition(";")
+    starts = [0, *(given.start() for given in ISO_PARAMETER.finditer(code)), len(code)]
+    for begin, end in pairwise(starts):
+        part = code[begin:end].rstrip().removesuffix("*").rstrip()
+        text = f"{part.lstrip()} {comment}{rest.rstrip()}" if end == len(code) else part.lstrip()
+        if text.strip():
+            yield _Line(number, text.strip(), begin + len(part) - len(part.lstrip()))
+
+
 class _Reader:
     """Goes through the lines of one program."""
 
     def __init__(self, path: Path, text: str) -> None:
         self._path = path
+        self._is_iso = text.lstrip().startswith("%")
         self._lines = [
-            _Line(i, line.strip(), len(line) - len(line.lstrip()))
+            part
             for i, line in enumerate(text.splitlines(), start=1)
-            if line.strip()
+            for part in (_iso_parts(i, line) if self._is_iso else _parts(i, line))
         ]
         self._at = 0
         self.tool = ""
@@ -107,22 +134,22 @@ class _Reader:
         block = BLOCK.fullmatch(line.text)
         column = block.start("text") + 1 if block else 1
         text = block["text"] if block else line.text
-        if cycle := CYCLE.match(text):
+        if cycle := (ISO_CYCLE if self._is_iso else CYCLE).match(text):
             self._cycle(line, column, int(cycle["cycle"]), text[cycle.end() :])
-        elif tool := TOOL.fullmatch(text):
+        elif tool := (ISO_TOOL if self._is_iso else TOOL).fullmatch(text):
             self.tool = tool["name"] if tool["name"] is not None else tool["index"]
-        elif begin := BEGIN.fullmatch(text):
-            self.is_inch = begin["unit"] == "INCH"
-        elif not END.fullmatch(text):
-            expected = "expected a block TOOL CALL, TCH PROBE 450 or 451, BEGIN PGM or END PGM"
-            raise self._fail(line, column, f"{expected}, got {quoted(text)}")
+        elif begin := (ISO_FRAME if self._is_iso else BEGIN).fullmatch(text):
+            self.is_inch = begin["unit"] in ("INCH", "0")
+        elif self._is_iso or not END.fullmatch(text):
+            blocks = "T, G450, G451 or %" if self._is_iso else _BLOCKS
+            raise self._fail(line, column, f"expected a block {blocks}, got {quoted(text)}")
 
     def _cycle(self, line: _Line, column: int, number: int, rest: str) -> None:
         if number not in CYCLES:
             raise self._fail(line, column, f"expected cycle 450 or 451, got {number}")
         parameters: dict[int, Value] = {}
         goes_on = rest.strip() == "~"
-        while goes_on and self._at < len(self._lines):
+        while (goes_on or self._is_iso) and self._at < len(self._lines):
             given = self._lines[self._at]
             if not given.text.startswith("Q"):
                 break
