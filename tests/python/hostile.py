@@ -13,6 +13,17 @@ from skiplatch.cli import group
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 CAMPAIGN = SAMPLES / "bench_isr_latency"
 KINEMATICS = SAMPLES / "kinematics"
+LOGS = Path(__file__).parent / "data" / "logs"
+IMPORTED = {
+    "linuxcnc": "linuxcnc_probe.txt",
+    "grbl": "grbl_serial.log",
+    "klipper": "klippy.log",
+    "marlin": "marlin_m48.log",
+    "edges": "capture.vcd",
+    "can": "bus.log",
+    "iso230": "iso230_x.csv",
+}
+"""A log for each kind of import; that of a bus is not there, and so refused."""
 DEEP = 100_000
 
 
@@ -79,9 +90,6 @@ class Place:
     def __str__(self) -> str:
         return " ".join([*self.command, self.option or f"argument {self.index + 1}"])
 
-
-NOT_HELD = ("import", "init", "repeat", "kinematics sphere")
-"""Commands that came meanwhile: how to call them has yet to be said in `base`."""
 
 WRITTEN = {
     *("--out", "--json", "--html", "--pictures", "--picture", "--header", "--nc"),
@@ -159,6 +167,17 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
             {"--out": written, "--can": "none", "--attached": ""},
         ),
         ("demo",): ([], {"--out": written}),
+        ("init",): ([], {"--preset": "bench", "--out": written}),
+        ("repeat",): ([str(CAMPAIGN)], {}),
+        ("kinematics", "sphere"): ([points], {}),
+        ("import", "csv"): (
+            [str(LOGS / "table.csv")],
+            {"--map": "deviation_um=Error [mm]", "--out": written},
+        ),
+        **{
+            ("import", kind): ([str(LOGS / log)], {"--out": written})
+            for kind, log in IMPORTED.items()
+        },
     }
     return known[command]
 

@@ -63,7 +63,10 @@ def _read_csv(path: Path) -> Capture:
     """
     text = read_text(path)
     lines = [line for line in text.splitlines() if line.strip() and line[0] not in "#;"]
-    rows = list(csv.reader(lines, skipinitialspace=True))
+    try:
+        rows = list(csv.reader(lines, skipinitialspace=True))
+    except csv.Error as error:
+        raise InputError(path, None, None, f"no CSV: {error}") from error
     head = [cell.strip() for cell in rows[0]] if rows else [""]
     if head[0].lower().startswith("time"):
         times = _times(path, [row[0] for row in rows[1:]])

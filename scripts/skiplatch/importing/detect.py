@@ -20,7 +20,7 @@ KINDS: Mapping[str, tuple[re.Pattern[str], Callable[[Path], Imported]]] = {
         lambda path: read_klipper(path, None),
     ),
     "marlin": (
-        re.compile(r"\d+ of \d+:?\s*z:|Bed X:"),
+        re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|Bed X:"),
         lambda path: read_marlin(path, None),
     ),
     "linuxcnc": (

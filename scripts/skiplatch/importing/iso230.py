@@ -89,7 +89,7 @@ def _numbers(
             positions.append(float(cells[0]))
             values = [float(cell) if cell else np.nan for cell in cells[1:]]
         except ValueError:
-            wrong = next(cell for cell in cells if not _is_number(cell))
+            wrong = next((cell for cell in cells if not _is_number(cell)), cells[0])
             raise InputError(path, line, None, f"expected a number, got {quoted(wrong)}") from None
         if len(values) != runs:
             message = f"expected {runs + 1} cells, got {len(cells)}"

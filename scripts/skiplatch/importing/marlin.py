@@ -8,7 +8,9 @@ from skiplatch.importing.console import Console
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
 
-_SAMPLE = re.compile(r"(\d+) of (\d+):?\s*z:\s*(-?[\d.]+)(?:.*?[Mm]ean:\s*(-?[\d.]+))?")
+_SAMPLE = re.compile(
+    r"(?<!\d)(\d{1,6}) of (\d{1,6}):?\s*z:\s*(-?[\d.]+)(?:.*?[Mm]ean:\s*(-?[\d.]+))?"
+)
 _BED = re.compile(r"Bed X:\s*(-?[\d.]+)\s*Y:\s*(-?[\d.]+)\s*Z:\s*(-?[\d.]+)")
 _PLACE = re.compile(r"\bM48\b.*?\bX(-?[\d.]+).*?\bY(-?[\d.]+)", re.IGNORECASE)
 _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
