@@ -1,5 +1,6 @@
 # The boards: every folder hal/ports/BOARD that has a board.mk. Here is how those are read, and what
-# the boards of a family have in common; the rules stand in mk/on_board.mk.
+# the boards of a family have in common; the rules stand in mk/on_board.mk. What is the same on
+# all boards of a family stands in hal/ports/FAMILY, and is compiled for each as its own sources are.
 #
 # What a board.mk may say, all of it with `.$(board)` at the end of the name:
 #
@@ -14,6 +15,7 @@
 #   DISTURBANCE.$(board).NAME   flags of what a name in a build stands for
 #   LEFT_OUT     files of the folder that no build holds; = and $(in_build) where it depends on it
 #   TOUCHES, RIG_OPTIONS        how many on each path, and options of the rig; also ….BUILD
+#   NEEDS        a program that the board wants besides; setup.sh in its folder sees to it
 #   MEASURE      more to run in `make board`: a target of its own
 
 PORTS := $(patsubst hal/ports/%/board.mk,%,$(wildcard hal/ports/*/board.mk))
@@ -64,15 +66,19 @@ MEASURED  := $(foreach board,$(BOARDS),$(if $(RIG.$(board)),$(board)))
 LINKED    := $(foreach board,$(BOARDS) $(CORES),\
                $(if $(shell command -v $(CC.$(FAMILY.$(board)))),$(board)))
 # What can be run here.
-RUN_HERE  := $(foreach board,$(BOARDS),$(if $(TOOLS.$(FAMILY.$(board))),$(board)))
+tools_of    = $(and $(TOOLS.$(FAMILY.$1)),$(if $(NEEDS.$1),$(wildcard $(NEEDS.$1)),yes))
+no_tools_of = $(if $(TOOLS.$(FAMILY.$1)),no $(NEEDS.$1) here: hal/ports/$1/setup.sh,$(NO_TOOLS.$(FAMILY.$1)))
+RUN_HERE   := $(foreach board,$(BOARDS),$(if $(call tools_of,$(board)),$(board)))
 
 # Of this variant: the board (or core), and the folder its port is in.
 TARGET  := $(patsubst boards/%,%,$(filter boards/%,$(VARIANT)))
 FAMILY  := $(FAMILY.$(TARGET))
 PORT    := $(or $(PORT.$(TARGET)),$(TARGET))
 PORT_FOLDER   := hal/ports/$(PORT)
-PORT_SOURCES  := $(if $(TARGET),$(wildcard $(PORT_FOLDER)/*.c))
+PORT_FOLDERS  := $(PORT_FOLDER) $(wildcard hal/ports/$(FAMILY))
+PORT_SOURCES  := $(if $(TARGET),$(wildcard $(PORT_FOLDERS:%=%/*.c)))
 LINKER_SCRIPT := $(LINKER_SCRIPT.$(PORT):%=$(PORT_FOLDER)/%)
+LINKER_SCRIPTS := $(LINKER_SCRIPT) $(if $(LINKER_SCRIPT),$(wildcard hal/ports/$(FAMILY)/*.ld))
 LDFLAGS       := $(LDFLAGS.$(FAMILY)) $(LINKER_SCRIPT:%=-T %)
 ifneq ($(and $(TARGET),$(if $(FAMILY),,no)),)
 $(error no board $(TARGET); there are: $(BOARDS) $(CORES))

@@ -7,7 +7,7 @@ program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(LINUX_PROGRAMS)
 	@:
 OTHERS   := $(SIM) $(PROGRAMS) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(RIG)
 objects: $(call object_of,$(FIRMWARE) $(if $(TARGET),$(PORT_SOURCES),$(OTHERS))) \
-         $(patsubst %,$(OUT)/headers/%.ok,$(if $(TARGET),$(call headers_of,$(PORT)),$(C_HEADERS)))
+         $(patsubst %,$(OUT)/headers/%.ok,$(if $(TARGET),$(call headers_of,$(notdir $(PORT_FOLDERS))),$(C_HEADERS)))
 
 $(OUT)/obj/%.o: %.c $(OUT)/flags/$$(call room_of,$$*.c)
 	@mkdir -p $(@D)

@@ -2,7 +2,7 @@
 
 # ---- the programs: firmware.elf of main.c, NAME.elf of main_NAME.c; the rest is a library -----------
 
-MAINS  := $(if $(TARGET),$(wildcard $(PORT_FOLDER)/main.c $(PORT_FOLDER)/main_*.c))
+MAINS  := $(filter %/main.c $(PORT_FOLDER)/main_%.c,$(PORT_SOURCES))
 SECOND := $(patsubst $(PORT_FOLDER)/main_%.c,$(OUT)/%.elf,$(filter-out %/main.c,$(MAINS)))
 
 $(OUT)/libboard.a: $(call object_of,$(filter-out $(MAINS),$(PORT_SOURCES)) $(FIRMWARE))
@@ -11,14 +11,14 @@ $(OUT)/libboard.a: $(call object_of,$(filter-out $(MAINS),$(PORT_SOURCES)) $(FIR
 
 $(OUT)/firmware.elf: $(call object_of,$(filter %/main.c,$(MAINS)))
 $(SECOND): $(OUT)/%.elf: $(call object_of,$(PORT_FOLDER)/main_%.c)
-$(OUT)/firmware.elf $(SECOND): $(OUT)/libboard.a $(LINKER_SCRIPT) $(wildcard $(PORT_FOLDER)/board.mk)
+$(OUT)/firmware.elf $(SECOND): $(OUT)/libboard.a $(LINKER_SCRIPTS) $(wildcard $(PORT_FOLDER)/board.mk)
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 
 # A build is the port compiled as a whole: the flags of its names change any of its files.
 in_build = $(subst -, ,$*)
-$(OUT)/firmware-%.elf: $(PORT_SOURCES) $(call headers_of,$(PORT)) $(wildcard $(PORT_FOLDER)/board.mk) \
-                       $(LINKER_SCRIPT) $(call object_of,$(FIRMWARE))
+$(OUT)/firmware-%.elf: $(PORT_SOURCES) $(call headers_of,$(notdir $(PORT_FOLDERS))) $(wildcard $(PORT_FOLDER)/board.mk) \
+                       $(LINKER_SCRIPTS) $(call object_of,$(FIRMWARE))
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(filter-out -fstack-usage,$(FLAGS)) $(CFLAGS.hal) \
 	    $(foreach name,$(in_build),$(DISTURBANCE.$(TARGET).$(name))) $(LDFLAGS) \
@@ -60,16 +60,16 @@ no_pulses   = $(if $(wildcard hal/ports/$1/pulse.c),,%/test_hal_pulse.c)
 names_on    = $(notdir $(basename $(filter-out $(call no_pulses,$1),$(ON_BOARD))))
 outcome_on  = $2.$(if $(UNSUITED.$(FAMILY.$1).$2),check,log)
 on_board    = $(foreach name,$(call names_on,$1),$(RESULTS)/target-$1/$(call outcome_on,$1,$(name)))
-target_results = $(if $(TOOLS.$(FAMILY.$1)),$(call on_board,$1),$(RESULTS)/target-$1/tools.check)
+target_results = $(if $(call tools_of,$1),$(call on_board,$1),$(RESULTS)/target-$1/tools.check)
 $(foreach board,$(BOARDS),$(eval RESULTS.target-$(board) := $(call target_results,$(board))))
 
 .PHONY: $(ON_BOARDS:%=run-%) run-on-board
 # What others link of the board is there before: two makes at once would write the same objects.
 $(ON_BOARDS:%=run-%): run-target-%: generated $$(addprefix linked-,$$(filter $$*,$(LINKED))) \
                       $$(if $$(filter avr,$$(FAMILY.$$*)),$$(if $$(TOOLS.avr),$(AVR_TEST_RUN)))
-	@$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,\
+	@$(if $(call tools_of,$*),$(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,\
 	    scripts/run_check.sh $(RESULTS)/target-$*/tools.check target-$* \
-	    $(call skip,$(NO_TOOLS.$(FAMILY.$*))))
+	    $(call skip,$(call no_tools_of,$*)))
 run-on-board: $(if $(TARGET),$(call on_board,$(TARGET)))
 
 SUITE_RUN = $(or $(SUITE_RUN.$(PORT)),$(SUITE_RUN.$(FAMILY)))
@@ -86,7 +86,7 @@ $(OUT)/contract/% $(OUT)/tests/unit/%: LDFLAGS += $(SUITE_LDFLAGS.$(FAMILY))
 $(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
                    $(OUT)/foreign/unity.o \
                    $$(call object_of,$$(call under_test,$$*,$(PORT)) $(TARGET_GLUE)) \
-                   $(OUT)/libboard.a $(LINKER_SCRIPT)
+                   $(OUT)/libboard.a $(LINKER_SCRIPTS)
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 
@@ -100,9 +100,9 @@ board: a-board setup setup-test $(STAMPS)/system-cross $(STAMPS)/system-emulator
 a-board:
 	@$(if $(filter $(BOARDS),$(BOARD)),,echo 'make board BOARD=…: one of $(BOARDS)' >&2; exit 2)
 
-$(BOARDS:%=campaigns-%): campaigns-%: $$(if $$(TOOLS.$$(FAMILY.$$*)),$$(RIG_TOOLS.$$*))
-	@$(if $(RIG.$*),$(if $(TOOLS.$(FAMILY.$*)),$(MAKE) VARIANT=boards/$* campaigns,\
-	    echo "SKIPPED: $*: $(NO_TOOLS.$(FAMILY.$*))"),echo "SKIPPED: $*: no RIG in its board.mk")
+$(BOARDS:%=campaigns-%): campaigns-%: $$(if $$(call tools_of,$$*),$$(RIG_TOOLS.$$*))
+	@$(if $(RIG.$*),$(if $(call tools_of,$*),$(MAKE) VARIANT=boards/$* campaigns,\
+	    echo "SKIPPED: $*: $(call no_tools_of,$*)"),echo "SKIPPED: $*: no RIG in its board.mk")
 
 # One campaign of each build; TOUCHES on each path.
 TOUCHES ?= $(or $(TOUCHES.$(TARGET).$*),$(TOUCHES.$(TARGET)),2000)

@@ -21,6 +21,11 @@ $(addprefix $(STAMPS)/system-,cross emulators rig fresh): $(STAMPS)/system-%: sc
 	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
+# What a board wants beyond that.
+$(STAMPS)/board-%: hal/ports/%/setup.sh | $(STAMPS)/system-emulators
+	@$< || echo 'SKIPPED: what the board $* needs is not to be had here'
+	@mkdir -p $(@D) && touch $@
+
 $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.toml \
          | $(STAMPS)/system-build
 	@scripts/setup_python.sh
@@ -28,7 +33,8 @@ $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.tom
 .PHONY: setup-build setup-test setup-lint
 setup-build: $(STAMPS)/system-build $(STAMPS)/gpiod $(VENV)
 setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock \
-            $(STAMPS)/system-cross $(STAMPS)/system-emulators
+            $(STAMPS)/system-cross $(STAMPS)/system-emulators \
+            $(patsubst hal/ports/%/setup.sh,$(STAMPS)/board-%,$(wildcard hal/ports/*/setup.sh))
 setup-lint: setup-test $(STAMPS)/system-lint $(STAMPS)/system-cross
 
 # Without the general tool that the diagnosis is compared with, the rest of the benchmark still runs.

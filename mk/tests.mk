@@ -47,7 +47,7 @@ $(OUT)/obj/$1.o: private TEST_CFLAGS := $(CFLAGS.$1)
 $(OUT)/obj/$1.o: | $(mocks_of)
 $(OUT)/$1: $(OUT)/obj/$1.o $(OUT)/foreign/runners/$1.o $(mocks_of:build/%.h=$(OUT)/foreign/%.o) \
            $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of) $(call object_of,$(TARGET_GLUE)) \
-           $(if $(LINKER_SCRIPT),$(OUT)/libboard.a $(LINKER_SCRIPT))
+           $(if $(LINKER_SCRIPT),$(OUT)/libboard.a $(LINKER_SCRIPTS))
 	@mkdir -p $$(@D)
 	$(Q)$(CC) $(FLAGS) $$(LDFLAGS) -fno-lto $$(filter %.o,$$^) $$(filter %.a,$$^) -lm -o $$@
 $(OUT)/foreign/runners/$1.o: | $(mocks_of)
@@ -65,4 +65,5 @@ $(foreach test,$(TESTS:.c=),$(eval $(call test_rules,$(test))))
 
 # $(call under_test,test_hal_x,PORT): what stands between a contract suite and that port.
 under_test = $(if $(filter test_hal_pulse,$1),hal/ports/$2/tests/pulse_lines.c,\
-               hal/ports/$2/tests/port_under_test.c tests/support/edge_log.c)
+               hal/ports/$2/tests/port_under_test.c tests/support/edge_log.c \
+               $(wildcard hal/ports/$(FAMILY.$2)/tests/port_under_test.c))

@@ -44,11 +44,11 @@ UNITY := $(CMOCK)/vendor/unity
 
 INCLUDES        := -Ifirmware -Ihal/include -Ihost_sim
 CFLAGS.firmware := -std=c99 $(WARNINGS) $(WARNINGS.$(FAMILY)) -Wdouble-promotion $(INCLUDES)
-CFLAGS.hal      := $(CFLAGS.firmware)
+CFLAGS.hal      := $(CFLAGS.firmware) $(if $(TARGET),$(PORT_FOLDERS:%=-I%))
 CFLAGS.host_sim := -std=c11 -D_GNU_SOURCE $(WARNINGS) $(INCLUDES)
 # Unity compares floating-point numbers and calls test functions that have no prototype.
 CFLAGS.tests    := -std=c11 -D_GNU_SOURCE $(WARNINGS) -Wno-missing-prototypes -Wno-float-equal \
-                   $(INCLUDES) -Itests -Itests/support -Ibuild/mocks \
+                   $(INCLUDES) -Itests -Itests/support -Ibuild/mocks $(if $(TARGET),$(PORT_FOLDERS:%=-I%)) \
                    -DUNITY_INCLUDE_DOUBLE -isystem $(UNITY)/src -isystem $(CMOCK)/src
 # Optimizing the library as a whole makes it faster by a third; tests link the plain code beside it.
 ifeq ($(VARIANT),host)

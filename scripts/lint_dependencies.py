@@ -11,6 +11,13 @@ import re
 import sys
 from pathlib import Path
 
+# What the boards of a family share stands in a folder of hal/ports that is no board itself.
+FAMILIES = tuple(
+    f"{folder.as_posix()}/"
+    for folder in Path("hal/ports").glob("*")
+    if folder.is_dir() and not (folder / "board.mk").exists()
+)
+
 # Which rooms the files of a room may include from; a file's room is the first pattern it matches.
 # "own" is the file's own folder, "above" the one that this is in. What is found in no room is a
 # header of the system.
@@ -28,17 +35,17 @@ ROOMS: dict[str, set[str]] = {
         "hal/include/",
     },
     r"hal/include/": {"own"},
-    r"hal/ports/\w+/main\w*\.c": {"own", "firmware/", "hal/include/"},
+    r"hal/ports/\w+/main\w*\.c": {"own", "firmware/", "hal/include/", *FAMILIES},
     # An injector is a program beside the port: it drives the line that the port watches.
     r"hal/ports/\w+/injector\w*\.[ch]": {"own", "firmware/inject/"},
     # A port's tests stand in its folder and may see all of it.
-    r"hal/ports/\w+/tests/": {"own", "above", "hal/include/", "firmware/"},
-    r"hal/ports/": {"own", "hal/include/"},
+    r"hal/ports/\w+/tests/": {"own", "above", "hal/include/", "firmware/", *FAMILIES},
+    r"hal/ports/": {"own", "hal/include/", *FAMILIES},
     r"host_sim/programs/": {"own", "host_sim/", "firmware/", "hal/include/"},
     r"host_sim/": {"host_sim/", "hal/include/"},
 }
 NOT_FROM_BELOW = "host_sim/programs/"  # the wiring is included by nobody but itself and tests
-INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim")
+INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim", *FAMILIES)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
 
 PYTHON_PACKAGE = Path("scripts/skiplatch")

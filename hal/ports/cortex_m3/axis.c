@@ -3,12 +3,16 @@
  * read torn.
  */
 #include "board.h"
+#include "drivers.h"
 #include "hal_axis.h"
 #include "hal_clock.h"
 #include "hal_critical.h"
 #include "lm3s6965.h"
 
 #define AXIS 0u
+
+/* Of 5 µm each: at most one may fall due while interrupts are masked, or steps are lost. */
+#define STEP_TICKS_AT_1_MM_PER_MIN 15000000u
 
 static volatile int32_t axis_counts;
 
@@ -24,10 +28,13 @@ void axis_place(int32_t position_counts)
     axis_counts = position_counts;
 }
 
-void axis_run(uint32_t period_ticks)
+void axis_run(uint32_t feed_mm_per_min)
 {
+    uint32_t period_ticks =
+        feed_mm_per_min == 0u ? 0u : STEP_TICKS_AT_1_MM_PER_MIN / feed_mm_per_min;
+
     axis_place(0);
-    board_enable_irq(IRQ_TIMER2, PRIORITY_AXIS);
+    cortex_m_enable_irq(IRQ_TIMER2, PRIORITY_AXIS);
     hal_critical_state_t saved = hal_critical_enter();
     axis_started_ticks = hal_clock_now_ticks();
     if (period_ticks != 0u) {

@@ -1,9 +1,9 @@
 #include "board.h"
 
+#include "drivers.h"
 #include "lm3s6965.h"
 
-#define PRIORITY_SHIFT 5u /* the chip has the upper three bits of eight */
-#define UART_PINS      3u /* PA0, PA1 */
+#define UART_PINS 3u /* PA0, PA1 */
 
 /* 50 MHz out of the PLL, in the order of the data sheet: nothing runs from it before it is locked.
  */
@@ -32,17 +32,6 @@ void board_start(void)
     edge_start();
     axis_place(0);
     bus_start();
-}
-
-/* The priority registers are written as words: that is all that the smaller cores can. */
-void board_enable_irq(uint32_t irq, board_priority_t priority)
-{
-    uint32_t shift = 8u * (irq % 4u);
-    uint32_t others = NVIC_IPR(irq) & ~(0xFFu << shift);
-
-    NVIC_IPR(irq) = others | (uint32_t)priority << (shift + PRIORITY_SHIFT);
-    NVIC_ICPR(irq) = NVIC_BIT(irq);
-    NVIC_ISER(irq) = NVIC_BIT(irq);
 }
 
 void board_start_timer(uint32_t number, uint32_t period_ticks)

@@ -3,10 +3,11 @@
  * have 32 bits, but the emulator does not let them be read.
  */
 #include "board.h"
+#include "cortex_m.h"
 #include "disturbance.h"
+#include "drivers.h"
 #include "hal_clock.h"
 #include "hal_critical.h"
-#include "lm3s6965.h"
 
 #define COUNTER_BITS 24u
 #define COUNTER_MAX  0xFFFFFFu

@@ -1,8 +1,8 @@
 /* The trigger line: pin C4 with its edge interrupt. */
 #include "hal_edge.h"
 
-#include "board.h"
 #include "disturbance.h"
+#include "drivers.h"
 #include "hal_clock.h"
 #include "hal_edge_events.h"
 #include "hal_error.h"
@@ -24,7 +24,7 @@ void edge_start(void)
     GPIO_IS(GPIO_C) = 0u; /* edges */
     GPIO_IBE(GPIO_C) = 0u;
     GPIO_ICR(GPIO_C) = PIN;
-    board_enable_irq(IRQ_GPIO_C, PRIORITY_EDGE);
+    cortex_m_enable_irq(IRQ_GPIO_C, PRIORITY_EDGE);
 }
 
 bool edge_pin_is_high(void)

@@ -1,13 +1,11 @@
 /*
  * Registers of the LM3S6965 (Stellaris, Cortex-M3) that this port uses; names and addresses as in
- * its data sheet. The core's own (SysTick, NVIC) are the same on every Cortex-M.
+ * its data sheet.
  */
 #ifndef CORTEX_M3_LM3S6965_H
 #define CORTEX_M3_LM3S6965_H
 
-#include <stdint.h>
-
-#define REGISTER(address) (*(volatile uint32_t *)(address))
+#include "cortex_m.h"
 
 /* ---- system control ---- */
 #define SYSCTL_RIS   REGISTER(0x400FE050u)
@@ -69,19 +67,6 @@
 #define LCRH_FIFO       (1u << 4)
 #define CTL_ENABLE      0x301u /* both ways */
 #define UART_TX         (1u << 5)
-
-/* ---- the core: SysTick and interrupts ---- */
-#define SYST_CSR       REGISTER(0xE000E010u)
-#define SYST_RVR       REGISTER(0xE000E014u)
-#define SYST_CVR       REGISTER(0xE000E018u)
-#define SYST_RUN       7u /* core clock, interrupt, enable */
-#define NVIC_ISER(irq) REGISTER(0xE000E100u + 4u * ((irq) / 32u))
-#define NVIC_ICER(irq) REGISTER(0xE000E180u + 4u * ((irq) / 32u))
-#define NVIC_ICPR(irq) REGISTER(0xE000E280u + 4u * ((irq) / 32u))
-#define NVIC_IPR(irq)  REGISTER(0xE000E400u + 4u * ((irq) / 4u))
-#define NVIC_BIT(irq)  (1u << ((irq) % 32u))
-#define SCB_ICSR       REGISTER(0xE000ED04u)
-#define ICSR_PENDSTSET (1u << 26)
 
 #define IRQ_GPIO_C 2u
 #define IRQ_UART0  5u

@@ -10,6 +10,7 @@ import pytest
 from hal.ports.cortex_m3.tests import qemu_rig
 from skiplatch.bench.latches import Latch
 from skiplatch.campaign import InputPath
+from tests.boards.qemu_rig import play
 from tests.boards.record import Recorded
 
 PROGRAM = Path("build/boards/cortex_m3/firmware.elf")
@@ -27,7 +28,7 @@ def recorded() -> list[Recorded]:
     """Record one run."""
     if not shutil.which("qemu-system-arm") or not PROGRAM.exists():
         pytest.skip("no Cortex-M3 board here: scripts/setup_system.sh cross emulators")
-    return qemu_rig.play(PROGRAM, TOUCHES, tick_shift=0, seed=1)
+    return play(qemu_rig.CortexM3, PROGRAM, TOUCHES)
 
 
 def late_us(recorded: list[Recorded], path: InputPath) -> np.ndarray:

@@ -1,6 +1,6 @@
 /*
- * The wiring of this port: the trigger line into the skip input and into a PLC task whose scans run
- * all the time, one of the two latching, its records to the UART.
+ * The wiring of these boards: the trigger line into the skip input and into a PLC task whose scans
+ * run all the time, one of the two latching, its records to the UART.
  *
  * A byte on the UART says what to do: 's' latches every edge on the skip path, 'p' on the PLC path,
  * 'n' on none; '1', '2' and '3' let the axis run from 0 at 100, 1000 and 3000 mm/min, '0' stops it.
@@ -8,8 +8,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "board.h"
 #include "disturbance.h"
+#include "drivers.h"
 #include "hal_clock.h"
 #include "hal_edge_events.h"
 #include "hal_error.h"
@@ -35,10 +35,8 @@ static const plc_task_config_t PLC = {
     .period_us = 1000u,
 };
 
-/* Of 5 µm each, in ticks of 20 ns: 15e6 / (mm/min). At most one may fall due while interrupts are
- * masked, or steps are lost. */
-static const uint32_t STEP_TICKS[] = {0u, 150000u, 15000u, 5000u};
-#define FEEDS (sizeof STEP_TICKS / sizeof *STEP_TICKS)
+static const uint32_t FEEDS_MM_PER_MIN[] = {0u, 100u, 1000u, 3000u};
+#define FEEDS (sizeof FEEDS_MM_PER_MIN / sizeof *FEEDS_MM_PER_MIN)
 
 static skip_input_t   skip;
 static plc_task_t     plc;
@@ -68,7 +66,7 @@ static void measure_with(latch_t *latch)
 static void run_axis(uint32_t feed)
 {
     if (feed < FEEDS) {
-        axis_run(STEP_TICKS[feed]);
+        axis_run(FEEDS_MM_PER_MIN[feed]);
     }
 }
 
@@ -116,7 +114,7 @@ int main(void)
         return 1; /* the tables above ask for what the board does not have */
     }
     for (;;) {
-        obey(bus_take_byte());
+        obey(uart_take_byte());
         skip_input_poll(&skip, hal_clock_now_ticks());
         send_latch();
         disturbance_in_task();

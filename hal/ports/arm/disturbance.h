@@ -2,8 +2,8 @@
  * Faults of a real program, off unless the build sets a constant. Rigs show with them that a
  * measured gap names its cause.
  */
-#ifndef CORTEX_M3_DISTURBANCE_H
-#define CORTEX_M3_DISTURBANCE_H
+#ifndef ARM_DISTURBANCE_H
+#define ARM_DISTURBANCE_H
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -46,19 +46,35 @@
 #define DISTURBANCE_FILTER_PERIOD_US 10u
 #endif
 
+/* ---- disturbance.c ---- */
+
+/* Work for so long. Any context. */
+void disturbance_work(uint32_t us);
+
+/* True once every period, which begins anew then; `since_ticks` is the caller's to keep. Task. */
+bool disturbance_is_due(uint32_t *since_ticks, uint32_t period_us);
+
+/* Mask all interrupts for a while, when it is time for that. Task, every round. */
+void disturbance_critical_section(void);
+
+/* What a scan does after its work. Interrupt. */
+void disturbance_in_scan(void);
+
+/* ---- the board's disturbing_interrupt.c ---- */
+
 /* Start what the build has of them, after everything else. Task, once. */
 void disturbance_start(void);
 
 /* What the task does beside its work. Task, every round. */
 void disturbance_in_task(void);
 
-/* What a scan does after its work. Interrupt. */
-void disturbance_in_scan(void);
-
 /* The level behind the software filter, or the pin's itself without one. Any context. */
 bool disturbance_filtered(bool pin_is_high);
 
-/* The vector of the disturbance's timer. Interrupt. */
+/* An edge behind a software filter, seen just now; in edge.c. Interrupt. */
+void edge_on_filtered(bool is_high);
+
+/* The vector of the disturbing interrupt. Interrupt. */
 void disturbance_interrupt(void);
 
 #endif

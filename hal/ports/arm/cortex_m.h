@@ -1,0 +1,63 @@
+/*
+ * What every Cortex-M has: registers of SysTick and of the interrupt controller, and the start of a
+ * program. Names and addresses as in the architecture's manual.
+ */
+#ifndef ARM_CORTEX_M_H
+#define ARM_CORTEX_M_H
+
+#include <stdint.h>
+
+#define REGISTER(address) (*(volatile uint32_t *)(address))
+
+#define SYST_CSR       REGISTER(0xE000E010u)
+#define SYST_RVR       REGISTER(0xE000E014u)
+#define SYST_CVR       REGISTER(0xE000E018u)
+#define SYST_RUN       7u /* core clock, interrupt, enable */
+#define NVIC_ISER(irq) REGISTER(0xE000E100u + 4u * ((irq) / 32u))
+#define NVIC_ICER(irq) REGISTER(0xE000E180u + 4u * ((irq) / 32u))
+#define NVIC_ISPR(irq) REGISTER(0xE000E200u + 4u * ((irq) / 32u))
+#define NVIC_ICPR(irq) REGISTER(0xE000E280u + 4u * ((irq) / 32u))
+#define NVIC_IPR(irq)  REGISTER(0xE000E400u + 4u * ((irq) / 4u))
+#define NVIC_BIT(irq)  (1u << ((irq) % 32u))
+#define SCB_ICSR       REGISTER(0xE000ED04u)
+#define SCB_SHPR3      REGISTER(0xE000ED20u) /* SysTick's priority is in its upper byte */
+#define ICSR_PENDSTSET (1u << 26)
+
+/* The upper two bits of eight: those every core has. */
+#define PRIORITY_SHIFT 6u
+
+/* What waits for what. SysTick has the first after reset. */
+typedef enum {
+    PRIORITY_EDGE = 0,
+    PRIORITY_AXIS = 1,
+    PRIORITY_SCAN = 2,
+    PRIORITY_UART = 3
+} cortex_m_priority_t;
+
+/* Let an interrupt come, one that was pending before not. Task. */
+void cortex_m_enable_irq(uint32_t irq, cortex_m_priority_t priority);
+
+typedef void (*cortex_m_vector_t)(void);
+
+/* The first sixteen entries of a vector table. */
+typedef struct {
+    const uint32_t   *stack_end;
+    cortex_m_vector_t core[15];
+} cortex_m_vectors_t;
+
+/* The end of the stack, of the linker script. */
+extern const uint32_t link_stack_end[];
+
+/* The first entry of the table: memory as C wants it, then main(). */
+void reset(void);
+
+/* Faults end here: a debugger finds the program, with what led to it on the stack. */
+void stay(void);
+
+#define CORTEX_M_VECTORS(systick)                                                                \
+    {                                                                                            \
+        .stack_end = link_stack_end,                                                             \
+        .core = {reset, stay, stay, stay, stay, stay, 0, 0, 0, 0, stay, stay, 0, stay, systick}, \
+    }
+
+#endif
