@@ -36,7 +36,7 @@ typedef struct {
  * Against the map itself, measured every 10° of azimuth and 30° or 40° of β on a seat of three
  * contacts: within 19 % of V_r with M = 8, 10 % with M = 16, 5 % with M = 32; 2.5, 1 and 0.5 % in
  * the root of the mean square. The worst are the sharp edges between two lobes, which are cut off.
- * On an ATmega328P at most 400 cycles for M up to 16, call and return included.
+ * On an ATmega at most 400 cycles for M up to 16, 420 for M = 32, call and return included.
  */
 uint16_t pretravel_lookup(const pretravel_lookup_t *lookup, int16_t dx, int16_t dy, int16_t dz);
 

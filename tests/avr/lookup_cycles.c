@@ -1,5 +1,5 @@
 /*
- * Runs the controller's lookup on an ATmega328P and tells over the serial line, in one line:
+ * Runs the controller's lookup on an ATmega and tells over the serial line, in one line:
  * directions, the most cycles of a call and the mean, the direction that took most, and a checksum
  * of all speeds. tests/python/test_lookup_avr.py runs it in simavr and plays the same on the host.
  */
