@@ -74,7 +74,7 @@ format: setup-build ## lay out C and Python files as lint wants them
 
 .PHONY: totals
 totals:
-	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint \
+	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint proofs \
 	    $(notdir $(wildcard $(RESULTS)/bench-vm))
 
 .PHONY: clean
