@@ -11,8 +11,10 @@ import click
 
 from skiplatch.errors import CampaignWarning, InputError, hint, one_line, quoted
 from skiplatch.simulator import SimulationError
+from skiplatch.undo import taken_back_on_failure
 
 BAD_INPUT = 2
+INTERRUPTED = 130  # as a shell gives it
 
 # Name of each command and what it does; its module is imported only when it is called.
 COMMANDS = {
@@ -53,6 +55,16 @@ class _LazyGroup(click.Group):
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             ctx.fail(f"no command {quoted(args[0])}{hint(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> object:
+        try:
+            with taken_back_on_failure():
+                result = super().invoke(ctx)
+                sys.stdout.flush()
+        except KeyboardInterrupt:
+            click.echo("interrupted", err=True)
+            ctx.exit(INTERRUPTED)
+        return result
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         if cmd_name not in COMMANDS:

@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import secrets
 import shutil
 import stat
 from collections.abc import Iterator, Mapping
@@ -11,7 +10,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
+from skiplatch.undo import replace, temporary_sibling
 
 MOST_JSON_BYTES = 64 << 20
 
@@ -35,12 +35,12 @@ def atomic_write_texts(texts: Mapping[Path, str]) -> None:
                 if target.exists() and not target.is_file():
                     target.write_bytes(text.encode())
                     continue
-                temporary = _temporary_sibling(target)
+                temporary = temporary_sibling(target)
                 staged.append((temporary, target))
                 _write_synced(temporary, text.encode())
         for temporary, target in staged:
             with failures_named(target, "write"):
-                temporary.replace(target)
+                replace(temporary, target)
     except BaseException:
         for temporary, _ in staged:
             temporary.unlink(missing_ok=True)
@@ -77,12 +77,12 @@ def atomic_write_folder(path: str | os.PathLike[str], texts: Mapping[str, str]) 
         target = Path(os.path.realpath(path))
         if not target.parent.exists():
             target.parent.mkdir(parents=True, exist_ok=True)
-        temporary = _temporary_sibling(target)
+        temporary = temporary_sibling(target)
         try:
             temporary.mkdir()
             for name, text in texts.items():
                 _write_synced(temporary / name, text.encode())
-            temporary.replace(target)
+            replace(temporary, target)
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
@@ -124,6 +124,28 @@ def failures_named(path: str | os.PathLike[str], doing: str) -> Iterator[None]:
     except OSError as error:
         reason = error.strerror or str(error)
         raise InputError(path, None, None, f"cannot {doing}: {reason}") from error
+
+
+@contextmanager
+def foreign_reader(path: Path, max_bytes: int, what: str) -> Iterator[None]:
+    """Guard the reading of a file by a library: what that stumbles over is told in one line.
+
+    Args:
+        path: The file.
+        max_bytes: How large it can be.
+        what: What it should be, such as "CAN log".
+
+    Raises:
+        InputError: The file cannot be read, is no regular one, is too large, or is no such thing.
+    """
+    try:
+        with failures_named(path, "read"):
+            refuse_special_or_large(path, max_bytes)
+            yield
+    except (InputError, MemoryError):
+        raise
+    except Exception as error:
+        raise InputError(path, None, None, f"no {what}: {quoted(str(error))}") from error
 
 
 def read_bytes(path: Path, max_bytes: int) -> bytes:
@@ -178,10 +200,10 @@ def refuse_special_or_large(path: Path, max_bytes: int) -> None:
 
 
 def _replace(target: Path, data: bytes) -> None:
-    temporary = _temporary_sibling(target)
+    temporary = temporary_sibling(target)
     try:
         _write_synced(temporary, data)
-        temporary.replace(target)
+        replace(temporary, target)
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
@@ -192,7 +214,3 @@ def _write_synced(path: Path, data: bytes) -> None:
         file.write(data)
         file.flush()
         os.fsync(file.fileno())
-
-
-def _temporary_sibling(target: Path) -> Path:
-    return target.with_name(f".skiplatch-{secrets.token_hex(8)}.tmp")

@@ -24,6 +24,7 @@ from skiplatch.commands.rig_options import within
 from skiplatch.errors import InputError, one_line
 from skiplatch.files import atomic_write_text
 from skiplatch.statistics import Interval
+from skiplatch.undo import keep_outputs
 
 INTERRUPTED = 130  # exit status, as a shell gives it
 FILE = click.Path(path_type=Path, dir_okay=False)
@@ -216,6 +217,7 @@ def run(
     written = _write(plan, player.recordings, out)
     write_json(json_path, _as_json(written, seed, is_complete=not is_interrupted and not failure))
     if failure is not None:
+        keep_outputs()  # what was played until then
         raise failure
     if is_interrupted:
         click.echo("interrupted", err=True)

@@ -12,6 +12,7 @@ from skiplatch.files import atomic_write_bytes, failures_named, refuse_special_o
 from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector, is_possible
 from skiplatch.kinematics.program import Cycle, Program, Value
 from skiplatch.simulator import SimulationError, connection
+from skiplatch.undo import keep_outputs
 
 CData = Any
 MODE, DESIGNATION = 410, 409
@@ -43,6 +44,7 @@ class Memory:
             with failures_named(path.parent, "write"):
                 path.parent.mkdir(parents=True, exist_ok=True)
             atomic_write_bytes(path, bytes(size))
+            keep_outputs()  # it is the machine's: what a program saved stays if it fails then
         with failures_named(path, "read"):
             refuse_special_or_large(path, size)
             if path.stat().st_size != size:

@@ -1,0 +1,137 @@
+"""What a command has written is taken back if it fails: its outputs are all there, or none."""
+
+import os
+import secrets
+import shutil
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+import click
+
+LEFTOVER_S = 86_400.0
+"""Age of a temporary file that no command can be at work with any longer."""
+TERMINATED = 128 + signal.SIGTERM
+
+
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """A file or folder that is about to be replaced.
+
+    Attributes:
+        target: What is replaced.
+        made: Device and inode of what replaces it.
+        backup: Where the file that stood there is kept.
+        was_folder: Whether an empty folder stood there.
+    """
+
+    target: Path
+    made: tuple[int, int]
+    backup: Path
+    was_folder: bool
+
+    def keep(self) -> None:
+        """Keep the file that stands there, if one does, under the name of the backup, too."""
+        if self.target.is_file():
+            try:
+                os.link(self.target, self.backup)
+            except OSError:  # a file system without links
+                shutil.copy2(self.target, self.backup)
+
+    def take_back(self) -> None:
+        """Put back what stood there; what others have put there since is left alone."""
+        if not self.target.exists() or _identity(self.target) != self.made:
+            self.backup.unlink(missing_ok=True)
+        elif self.backup.exists():
+            self.backup.replace(self.target)
+        elif self.target.is_dir():
+            shutil.rmtree(self.target)
+            if self.was_folder:
+                self.target.mkdir()
+        else:
+            self.target.unlink()
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    status = path.stat()
+    return status.st_dev, status.st_ino
+
+
+_STEPS: ContextVar[list[_Step] | None] = ContextVar("steps", default=None)
+
+
+def replace(temporary: Path, target: Path) -> None:
+    """Put a file or folder in its place, from which a command that fails takes it back."""
+    steps = _STEPS.get()
+    if steps is not None:
+        backup = temporary_sibling(target)
+        step = _Step(target, _identity(temporary), backup, was_folder=target.is_dir())
+        steps.append(step)
+        step.keep()
+    temporary.replace(target)
+
+
+def keep_outputs() -> None:
+    """Let what was written until now stand, whatever comes."""
+    steps = _STEPS.get() or []
+    while steps:
+        steps.pop().backup.unlink(missing_ok=True)
+
+
+@contextmanager
+def taken_back_on_failure() -> Iterator[None]:
+    """Take back at the end of the block what was written in it, if an exception ends it.
+
+    An exit that a command asks for is no failure.
+    """
+    steps: list[_Step] = []
+    token = _STEPS.set(steps)
+    try:
+        with _terminated_in_order():
+            yield
+        keep_outputs()
+    except click.exceptions.Exit:
+        keep_outputs()
+        raise
+    except BaseException:
+        while steps:
+            with suppress(OSError):
+                steps[-1].take_back()
+            steps.pop()
+        raise
+    finally:
+        _STEPS.reset(token)
+
+
+@contextmanager
+def _terminated_in_order() -> Iterator[None]:
+    """Turn SIGTERM into an exception, so that no temporary file is left."""
+
+    def end(*_: object) -> NoReturn:
+        sys.exit(TERMINATED)
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def temporary_sibling(target: Path) -> Path:
+    """Give a name that nothing has, beside the target; old leftovers there are removed."""
+    oldest_s = time.time() - LEFTOVER_S
+    for leftover in target.parent.glob(".skiplatch-*.tmp"):
+        with suppress(OSError):
+            if leftover.lstat().st_ctime < oldest_s:
+                shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+    return target.with_name(f".skiplatch-{secrets.token_hex(8)}.tmp")
