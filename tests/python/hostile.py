@@ -80,16 +80,25 @@ class Place:
         option: Its longest name; None for an argument.
         index: Place among the arguments.
         is_output: It is written to.
+        ending: Of the file's name.
     """
 
     command: tuple[str, ...]
     option: str | None
     index: int
     is_output: bool
+    ending: str = ""
 
     def __str__(self) -> str:
-        return " ".join([*self.command, self.option or f"argument {self.index + 1}"])
+        words = (*self.command, self.option or f"argument {self.index + 1}", self.ending)
+        return " ".join(filter(None, words))
 
+
+ENDINGS: dict[tuple[str, ...], tuple[str, ...]] = {
+    ("import", "can"): (".log", ".asc", ".blf", ".csv", ".db", ".mf4", ".trc", ".log.gz"),
+    ("import", "edges"): (".csv", ".vcd", ".sr"),
+}
+"""Of commands that go by the ending of a file."""
 
 WRITTEN = {
     *("--out", "--json", "--html", "--pictures", "--picture", "--header", "--nc"),
@@ -121,7 +130,9 @@ def places() -> list[Place]:
                 is_option = isinstance(parameter, click.Option)
                 option = max(parameter.opts, key=len) if is_option else None
                 index = arguments.index(parameter) if isinstance(parameter, click.Argument) else -1
-                found.append(Place(words, option, index, option in WRITTEN))
+                is_output = option in WRITTEN
+                endings = ("",) if is_output else ENDINGS.get(words, ("",))
+                found += [Place(words, option, index, is_output, ending) for ending in endings]
     return found
 
 
@@ -196,8 +207,8 @@ def call(place: Place, path: Path, out: Path) -> list[str]:
     return [*place.command, *words, *arguments]
 
 
-def make(kind: str, folder: Path) -> Path:
+def make(kind: str, folder: Path, ending: str = "") -> Path:
     """Make the hostile file of that kind."""
-    path = folder / "hostile"
+    path = folder / f"hostile{ending}"
     HOSTILE[kind](path)
     return path

@@ -49,7 +49,7 @@ def patience() -> Iterator[None]:
 
 def check(place: Place, kind: str, folder: Path) -> None:
     (folder / "in").mkdir()
-    path = make(kind, folder / "in")
+    path = make(kind, folder / "in", place.ending)
     with patience():
         result = CliRunner().invoke(group, call(place, path, folder / "out"))
 

@@ -13,10 +13,11 @@ from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import InputPath, Kind, Touches
 from skiplatch.errors import InputError
-from skiplatch.files import failures_named
+from skiplatch.files import foreign_reader
 from skiplatch.importing.model import Imported
 
 NS_PER_US = 1e3
+MOST_BYTES = 2 * 2**30
 LATEST_NS = 1_000_000_000  # from an edge to its latch
 
 
@@ -69,16 +70,14 @@ def _read(path: Path) -> _Traffic:
     latches, edges = LatchReports(), EdgeReports()
     found_latches: list[Latch] = []
     found_edges: list[Edge] = []
-    try:
-        with failures_named(path, "read"), can.LogReader(path) as reader:
-            for message in reader:
-                data = bytes(message.data)
-                if message.arbitration_id == LATCH_ID and (latch := latches.take(data)):
-                    found_latches.append(latch)
-                elif message.arbitration_id == EDGE_ID and (edge := edges.take(data)):
-                    found_edges.append(edge)
-    except (ValueError, IndexError, can.CanError, EOFError) as error:
-        raise InputError(path, None, None, f"no log that python-can reads: {error}") from error
+    what = "log that python-can reads"
+    with foreign_reader(path, MOST_BYTES, what), can.LogReader(path) as reader:
+        for message in reader:
+            data = bytes(message.data)
+            if message.arbitration_id == LATCH_ID and (latch := latches.take(data)):
+                found_latches.append(latch)
+            elif message.arbitration_id == EDGE_ID and (edge := edges.take(data)):
+                found_edges.append(edge)
     lost = latches.lost + latches.damaged + latches.unpaired + edges.damaged + edges.unpaired
     return _Traffic(found_edges, found_latches, _extended(found_latches, found_edges), lost)
 

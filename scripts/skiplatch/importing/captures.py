@@ -14,13 +14,13 @@ from vcd.reader import TokenKind, VCDParseError, tokenize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
-from skiplatch.files import failures_named
+from skiplatch.files import foreign_reader
 from skiplatch.importing.log_lines import read_text
 
 MOST_BYTES = 2 * 2**30
 NS_PER_S = 1e9
-_RATE = re.compile(r"([\d.]+)\s*([kMG]?)Hz", re.IGNORECASE)
-_SAMPLED = re.compile(r"^;.*?Samplerate:\s*([\d.]+)\s*([kMG]?)Hz", re.IGNORECASE | re.MULTILINE)
+_RATE = re.compile(r"(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE)
+_SAMPLED = re.compile(r"^;.*?Samplerate:\s*(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE | re.MULTILINE)
 _CHANNELS = re.compile(r"^;\s*Channels[^:]*:\s*(.+)$", re.IGNORECASE | re.MULTILINE)
 _LEVELS = {"0": 0.0, "1": 1.0, "0.0": 0.0, "1.0": 1.0, "X": np.nan}
 _TIMES = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
@@ -52,7 +52,8 @@ def read_capture(path: Path) -> Capture:
         InputError: It cannot be read.
     """
     readers = {".vcd": _read_vcd, ".sr": _read_sigrok}
-    return readers.get(path.suffix.lower(), _read_csv)(path)
+    with foreign_reader(path, MOST_BYTES, "capture of a logic analyser"):
+        return readers.get(path.suffix.lower(), _read_csv)(path)
 
 
 def _read_csv(path: Path) -> Capture:
@@ -148,7 +149,7 @@ def _read_vcd(path: Path) -> Capture:
     found: dict[str, list[tuple[float, float]]] = {}
     name_of: dict[str, str] = {}
     scale, now = 1e-9, 0
-    with failures_named(path, "read"), path.open("rb") as file:
+    with path.open("rb") as file:
         try:
             for token in tokenize(file):
                 if token.kind is TokenKind.TIMESCALE:
@@ -176,7 +177,7 @@ def _read_vcd(path: Path) -> Capture:
 def _read_sigrok(path: Path) -> Capture:
     """Read a session of sigrok: a zip of metadata and samples, a bit a channel."""
     try:
-        with failures_named(path, "read"), zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(path) as archive:
             meta = configparser.ConfigParser()
             meta.read_string(archive.read("metadata").decode())
             device = meta["device 1"]

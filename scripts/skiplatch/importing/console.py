@@ -9,7 +9,7 @@ import re
 from skiplatch.importing.log_lines import Line, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
 
-_TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?[\d.]+)\s*/")
+_TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?\d+\.?\d*)\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
 
 

@@ -12,7 +12,7 @@ from skiplatch.importing.log_lines import Line, read_lines, spread_times
 from skiplatch.importing.model import MM_PER_INCH, NO_TIMES, Imported, Touch
 
 _PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
-_SETTING = re.compile(r"\$(\d{1,3})\s*=\s*([-\d.]+)")
+_SETTING = re.compile(r"\$(\d{1,3})\s*=\s*(-?\d+\.?\d*)")
 _COMMAND = re.compile(
     r"(?:^|[\s\[:>\"'])((?:N\d+\s*)?(?:G|F|M|X|Y|Z|#)\s*[-+\d.\[#].*)", re.IGNORECASE
 )
@@ -142,6 +142,8 @@ class _Reader:
         move = self._moves.pop(0) if self._moves else None
         axis = (move.axis if move else None) or self._guess(position)
         index = AXES.index(axis)
+        if index >= len(position):
+            return
         missed = reply[2] == "0"
         start = move.start.get(axis) if move else None
         self.touches.append(

@@ -9,18 +9,21 @@ from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import S_PER_MIN, Imported
 
 _PROBE = re.compile(
-    r"probe(?:: at| at) (-?[\d.]+),\s*(-?[\d.]+) (?:is|bed will contact at) z=(-?[\d.]+)",
+    r"probe(?:: at| at) (-?\d+\.?\d*),\s*(-?\d+\.?\d*) (?:is|bed will contact at) z=(-?\d+\.?\d*)",
     re.IGNORECASE,
 )
 _ACCURACY = re.compile(
-    r"PROBE_ACCURACY at X:(-?[\d.]+) Y:(-?[\d.]+) Z:(-?[\d.]+)\s*\((?P<options>[^)]*)\)"
+    r"PROBE_ACCURACY at X:(-?\d+\.?\d*) Y:(-?\d+\.?\d*) Z:(-?\d+\.?\d*)\s*\((?P<options>[^)]*)\)"
 )
-_OPTION = re.compile(r"(\w+)=([\d.]+)")
+_OPTION = re.compile(r"(\w+)=(\d+\.?\d*)")
 _STATS = re.compile(r"^Stats (\d+\.\d+):")
-_TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?[\d.]+ )?temp=(-?[\d.]+)")
+_TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?\d+\.?\d* )?temp=(-?\d+\.?\d*)")
 _SECTION = re.compile(r"^\[([^\]]+)\]$")
+_NUMBER = re.compile(r"\d+\.?\d*", re.ASCII)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
-_SPEED_WORD = re.compile(r"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*([\d.]+)", re.IGNORECASE)
+_SPEED_WORD = re.compile(
+    r"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*(\d+\.?\d*)", re.IGNORECASE
+)
 _HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
 _PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
@@ -108,6 +111,7 @@ class _Reader(Console):
                 if name == "speed"
                 and section.split()[0:1]
                 and section.split()[0] in _PROBE_SECTIONS
+                and _NUMBER.fullmatch(value)
             ),
             None,
         )
@@ -165,7 +169,7 @@ class _Reader(Console):
         else:
             found.figure("axis", "resolution_um", step_um, "[stepper_z] of the log")
         accel = get(("printer", "max_z_accel"))
-        if accel is not None and re.fullmatch(r"[\d.]+", accel):
+        if accel is not None and _NUMBER.fullmatch(accel):
             found.figure("axis", "accel_mm_s2", float(accel), "[printer] max_z_accel of the log")
 
 

@@ -14,6 +14,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import failures_named, refuse_special_or_large
 
 MAX_BYTES = 500 * 2**20
+MAX_LINE_CHARACTERS = 10_000
 S_PER_DAY = 86_400.0
 
 _TIME = (
@@ -49,8 +50,17 @@ def read_text(path: Path) -> str:
     """Read a log in any of the usual encodings.
 
     Raises:
-        InputError: It cannot be read or is no text.
+        InputError: It cannot be read or is no text of lines.
     """
+    text = _decoded(path)
+    for number, line in enumerate(text.splitlines(), 1):
+        if len(line) > MAX_LINE_CHARACTERS:
+            message = f"a line of more than {MAX_LINE_CHARACTERS} characters: expected a log"
+            raise InputError(path, number, None, message)
+    return text
+
+
+def _decoded(path: Path) -> str:
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         data = path.read_bytes()

@@ -17,6 +17,7 @@ from skiplatch.campaign import (
 )
 from skiplatch.campaign.datum import Datum
 from skiplatch.campaign.nominal import Key
+from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
 from skiplatch.importing.model import Figure, Figures, Imported
 from skiplatch.importing.placing import as_touches
@@ -29,7 +30,8 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
     """Write a campaign folder, all of it or nothing.
 
     Raises:
-        InputError: The folder cannot be written, or something stands there already.
+        InputError: The folder cannot be written, or something stands there already, or the log
+            tells something impossible, such as a feed below 0.
     """
     if imported.columns is not None:
         touches: Touches = imported.columns
@@ -51,7 +53,11 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         "unread": imported.unread,
     }
     toml = nominal_text(imported.kind, figures, free, notes)
-    atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: format_touches(touches)})
+    try:
+        text = format_touches(touches)
+    except ValueError as error:  # a log can tell what is impossible
+        raise InputError(sources[0], None, None, str(error)) from error
+    atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: text})
 
 
 def nominal_text(
