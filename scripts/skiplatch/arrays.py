@@ -1,7 +1,17 @@
-"""What arrays hold, for annotations; their shapes stand where they are documented."""
+"""What arrays hold, for annotations (shapes stand where they are documented); their middle."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+
+
+def median(values: FloatArray) -> float:
+    """Give the median of known values; shape (n,), n > 0.
+
+    What np.median does without its checks, which take longer than the middle of some hundred.
+    """
+    low, high = (len(values) - 1) // 2, len(values) // 2
+    parted = np.partition(values, (low, high))
+    return float(parted[low] + parted[high]) / 2.0

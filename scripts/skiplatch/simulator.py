@@ -481,12 +481,14 @@ class Residuals:
         if len(several) == 1:
             return several[0]
         ends = np.cumsum([0, *(len(one.values) for one in several)])
+        laws = np.empty(ends[-1], several[0].laws.dtype)
         extras = np.zeros((max(len(one.extras) for one in several), ends[-1]), _binding().extra)
         for begin, end, one in zip(ends[:-1], ends[1:], several, strict=True):
+            laws[begin:end] = one.laws
             extras[: len(one.extras), begin:end] = one.extras
         return cls(
             np.concatenate([one.values for one in several]),
-            np.concatenate([one.laws for one in several]),
+            laws,
             extras,
             np.concatenate([one.reach for one in several]),
             several[0].resolution,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import FloatArray, median
 from skiplatch.simulator import Residuals
 
 CodeArray = NDArray[np.intp]
@@ -70,8 +70,8 @@ def at_best_datum(
     for group in range(count):
         here = groups == group
         if here.any():
-            sharp = here & (width_um <= np.median(width_um[here]))
-            guess[group] = np.median(off_um[sharp])
+            sharp = here & (width_um <= median(width_um[here]))
+            guess[group] = median(off_um[sharp])
     calm = np.clip((off_um - guess[groups]) / width_um, -CALM, CALM) * width_um
     pull = np.bincount(groups, calm * weights, count)
     guess = (guess + pull / np.maximum(told, TINY)) * told / np.maximum(weight, TINY)

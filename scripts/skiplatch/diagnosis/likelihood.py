@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft, ndimage, special, stats
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, median
 from skiplatch.diagnosis import datum
 from skiplatch.diagnosis.change import Change, Number
 from skiplatch.diagnosis.datum import FAMILIES, SHIFTED
@@ -256,8 +256,7 @@ def _off_datum(scene: Scene, stream: Stream, off: FloatArray) -> FloatArray:
         return off
     groups = scene.datum_of(stream)
     middles = [
-        np.median(off[groups == g]) if (groups == g).any() else 0.0
-        for g in range(scene.datum_count)
+        median(off[groups == g]) if (groups == g).any() else 0.0 for g in range(scene.datum_count)
     ]
     return np.asarray(off - np.array(middles)[groups])
 

@@ -40,6 +40,8 @@ STEPS = (0.3, 0.01, 0.001)
 """First steps of climbs that follow each other, as shares of the parameters."""
 EVALUATIONS = 60  # a parameter
 COARSE_EVALUATIONS = 25
+CLOSE, COARSELY_CLOSE = 0.01, 0.1
+"""Of its first step, by which a climb's last points may differ, if they are as likely."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -157,34 +159,29 @@ def _is_shown(stream: Stream, before: Law, after: Law) -> bool:
     return bool(np.median(np.abs(off - shift)[large]) < MOST_LEFT * np.median(np.abs(off)[large]))
 
 
-def _simplex(start: FloatArray, step: float) -> FloatArray:
-    """Nelder-Mead's first steps: a share of each parameter, or something where that is 0."""
-    steps = np.where(np.abs(start) > 0.0, step * np.abs(start), 1.0)
-    return np.vstack([start, start + np.diag(steps)])
-
-
 def _climb(
     target: _Target, start: FloatArray, widening: float, step: float = STEPS[0]
 ) -> FloatArray:
-    """Climb from a start; what is 0 in it stays so."""
+    """Climb from a start, in shares of its parameters; what is 0 in it stays so."""
     free = np.flatnonzero(start)
+    ones = np.ones(len(free))
 
-    def whole(values: FloatArray) -> FloatArray:
+    def whole(shares: FloatArray) -> FloatArray:
         point = start.copy()
-        point[free] = values
+        point[free] *= shares
         return point
 
-    def minus(values: FloatArray) -> float:
-        return target(whole(values), widening)
+    def minus(shares: FloatArray) -> float:
+        return target(whole(shares), widening)
 
     found = optimize.minimize(
         minus,
-        start[free],
+        ones,
         method="Nelder-Mead",
         options={
-            "initial_simplex": _simplex(start[free], step),
+            "initial_simplex": np.vstack([ones, ones + step * np.eye(len(free))]),
             "maxfev": (EVALUATIONS if widening == 0.0 else COARSE_EVALUATIONS) * len(free),
-            "xatol": 1e-4,
+            "xatol": step * (CLOSE if widening == 0.0 else COARSELY_CLOSE),
             "fatol": 0.02 if widening == 0.0 else 0.2,
         },
     )
