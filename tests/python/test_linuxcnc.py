@@ -1,4 +1,4 @@
-"""The component in the real LinuxCNC. Bounds leave room for a machine that is busy elsewhere."""
+"""The component in the real LinuxCNC, by the touches at which the machine kept time."""
 
 import subprocess
 from collections.abc import Mapping
@@ -14,6 +14,7 @@ pytestmark = pytest.mark.long
 FEED_MM_MIN = 1500
 UM_PER_MS = FEED_MM_MIN / 60.0
 SERVO_US = 1000.0
+ATTEMPTS = 4
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -46,31 +47,41 @@ def played(
     return columns
 
 
-def played_unless_stalled(
+def played_on_time(
     folder: Path, mode: str, count: int, bounces: int, pins: Mapping[str, float]
 ) -> dict[str, FloatArray]:
-    """Play up to three times: a machine that stalls makes an opening too long to be confirmed."""
-    for attempt in range(2):
+    """Play until the machine has kept time at half of the touches: give those.
+
+    A machine that stalls tells nothing of the component. It may also make an opening too long to be
+    confirmed, which ends the program.
+    """
+    on_time = []
+    for attempt in range(ATTEMPTS):
         try:
-            return played(folder / str(attempt), mode, count, bounces, pins)
+            columns = played(folder / str(attempt), mode, count, bounces, pins)
         except subprocess.CalledProcessError:
-            pass
-    return played(folder / "last", mode, count, bounces, pins)
+            if bounces and attempt < ATTEMPTS - 1:
+                continue
+            raise
+        good = measure.on_time(columns)
+        on_time.append(int(good.sum()))
+        if good.sum() >= count / 2:
+            return {name: values[good] for name, values in columns.items()}
+    pytest.skip(f"this machine stalls: of {count} touches only {on_time} were on time")
 
 
 def errors_us(columns: dict[str, FloatArray], latch: str) -> FloatArray:
-    """Give the errors of the touches at which the machine did not stall."""
-    good = measure.on_time(columns)
-    error_um: FloatArray = 1000.0 * (columns[latch] - columns["surface_mm"])[good]
+    error_um: FloatArray = 1000.0 * (columns[latch] - columns["surface_mm"])
     return 1000.0 * error_um / UM_PER_MS
 
 
 def test_the_component_is_tighter_than_the_servo_tick(tmp_path: Path) -> None:
-    columns = played(tmp_path, "beside", 20, 0, {})
+    columns = played_on_time(tmp_path, "beside", 40, 0, {})
     own, ours = errors_us(columns, "linuxcnc_mm"), errors_us(columns, "skiplatch_mm")
 
-    assert len(own) >= 10
-    assert 0.25 * SERVO_US < np.median(own) < 0.75 * SERVO_US
+    # A servo tick comes anywhere within a period after the contact.
+    four_errors_us = 4.0 * SERVO_US / np.sqrt(12.0 * len(own))
+    assert abs(own.mean() - 0.5 * SERVO_US) < four_errors_us
     assert np.median(np.abs(ours)) < 0.1 * np.median(np.abs(own))
 
 
@@ -84,10 +95,10 @@ def test_programs_get_the_latched_position_unchanged(tmp_path: Path) -> None:
 
 def test_debouncing_costs_way_and_moves_no_latch(tmp_path: Path) -> None:
     pins = {"skiplatch.0.confirm-us": 8000}
-    quick = played(tmp_path / "quick", "through", 8, 0, {})
-    slow = played(tmp_path / "slow", "through", 8, 0, pins)
+    quick = played_on_time(tmp_path / "quick", "through", 12, 0, {})
+    slow = played_on_time(tmp_path / "slow", "through", 12, 0, pins)
 
-    further_mm = slow["overtravel_mm"].mean() - quick["overtravel_mm"].mean()
+    further_mm = np.median(slow["overtravel_mm"]) - np.median(quick["overtravel_mm"])
     assert abs(further_mm - 7.5 * UM_PER_MS / 1000.0) < 2.0 * UM_PER_MS / 1000.0
     assert np.median(np.abs(errors_us(slow, "skiplatch_mm"))) < 0.1 * SERVO_US
 
@@ -99,9 +110,8 @@ def test_bounces_while_braking_end_no_program_and_move_no_latch(tmp_path: Path) 
         "touchrig.0.closing-us": 3000,
         "skiplatch.0.confirm-us": 500,
     }
-    columns = played_unless_stalled(tmp_path, "through", 8, 3, pins)
+    columns = played_on_time(tmp_path, "through", 8, 3, pins)
 
-    # Where the machine stalls, openings of a touch are not seen.
     assert np.median(columns["bounces"]) == 3.0
     assert np.median(np.abs(errors_us(columns, "skiplatch_mm"))) < 0.1 * SERVO_US
 
