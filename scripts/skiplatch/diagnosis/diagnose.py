@@ -31,7 +31,7 @@ from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.surplus import without_surplus
 from skiplatch.diagnosis.verdict import CHANCE, Evidence, Failure, Verdict, decide, told_of_chance
 from skiplatch.diagnosis.where import Place, places
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator import Effect, Parameter, effects
 
 MOST_OF_RANGE = 0.9
 """Share of a range that an interval leaves open, from which on it tells nothing."""
@@ -344,14 +344,14 @@ def _named(scene: Scene, finding: Finding) -> list[Named]:
 
 
 def _at_limit(effect: Effect) -> frozenset[str]:
-    """Name the sizes that stand at an end of their range; no angle does, nor what is 0."""
-    return frozenset(
-        p.name
-        for p in effects()[effect.id].parameters
-        if p.unit not in ("deg", "")
-        and effect.parameters[p.name] in (p.low, p.high)
-        and effect.parameters[p.name] != 0.0
-    )
+    """Name the sizes that stand at an end of their range; no angle does, nor what is none or all."""
+
+    def is_end(p: Parameter) -> bool:
+        value = effect.parameters[p.name]
+        is_natural = value == 0.0 or p.unit == "deg" or (p.unit == "1" and value == 1.0)
+        return value in (p.low, p.high) and not is_natural
+
+    return frozenset(p.name for p in effects()[effect.id].parameters if is_end(p))
 
 
 def _open(named: Named) -> list[str]:

@@ -107,6 +107,11 @@ class Left:
         """It shows in the same observable on the same path."""
         return (self.observable, self.path) == (other.observable, other.path)
 
+    def is_like(self, other: "Left") -> bool:
+        """It shows in the same way, of what shows in the same observable."""
+        ways = [(left.kind in ("shift", "wave"), left.is_predicted) for left in (self, other)]
+        return ways[0] == ways[1]
+
     @property
     def is_significant(self) -> bool:
         """It is no accident of the touches, nor of the many looks."""

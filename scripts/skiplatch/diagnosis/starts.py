@@ -262,12 +262,11 @@ def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 
 
 def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-    """Propose grids that the deviations lie on, or the coordinates, and steps that lie on none."""
+    """Propose grids that the deviations lie on, or the coordinates: what is coarse shows its steps."""
     fine = scene.nominal.axis.resolution_um
     deviations = scene.touches.deviation_um
     pitches = [grid[0] for grid in _grids(deviations, fine)] + _odd_pitch(deviations, fine)
-    grids = [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
-    return grids + [[ratio * fine, 1.0, 0.0] for ratio in (3.0, 10.0, 30.0, 100.0)]
+    return [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
 
 
 def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

@@ -341,8 +341,6 @@ def coarse_positions(scene: Scene, p: Parameters) -> Change:
     step_um = abs(p[0])
     if p[1] <= HALF_WAY:
         return Change(coarse_um=step_um)
-    if not p[2]:
-        return Change(coarse_um=step_um, line_um=np.nan)
     line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
     return Change(coarse_um=step_um, line_um=line_um)
 

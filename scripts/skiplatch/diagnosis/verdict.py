@@ -172,13 +172,25 @@ def _is_scattered(evidence: Evidence, left: Left) -> bool:
 
 def _takes_most(evidence: Evidence, threshold: float) -> str:
     for one in evidence.after:
-        was = max((b.relative for b in evidence.before if b.is_of(one)), default=0.0)
-        is_touched = abs(one.relative - was) > UNTOUCHED * was
-        if one.z > SIGNIFICANT and is_touched and one.relative**2 > threshold * was**2:
+        left, was = _beside_before(evidence, one)
+        is_touched = abs(left - was) > UNTOUCHED * was
+        if is_touched and left**2 > threshold * was**2:
             return (
                 f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
             )
     return ""
+
+
+def _beside_before(evidence: Evidence, left: Left) -> tuple[float, float]:
+    """Give the size of what is left, and of what was there: of its like, or else of any kind.
+
+    Like is held against like in its own unit. What shows only once more than it is gone is held
+    against that, in terms of noise.
+    """
+    there = [one for one in evidence.before if one.is_of(left)]
+    if like := [one.size for one in there if one.is_like(left)]:
+        return left.size, max(like)
+    return left.relative, max((one.relative for one in there), default=0.0)
 
 
 EXPLAINS: Sequence[Rule] = (
