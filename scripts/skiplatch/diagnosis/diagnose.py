@@ -344,7 +344,7 @@ def _named(scene: Scene, finding: Finding) -> list[Named]:
 
 
 def _at_limit(effect: Effect) -> frozenset[str]:
-    """Name the sizes that stand at an end of their range; no angle does, nor what is none or all."""
+    """Name the sizes that stand at an end of their range; no angle does, none, or all."""
 
     def is_end(p: Parameter) -> bool:
         value = effect.parameters[p.name]

@@ -11,6 +11,7 @@ from skiplatch.diagnosis.grid import FIRST, MARGIN, folded, grid_period, kept_gr
 from skiplatch.diagnosis.likelihood import FAR_APART, SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import (
+    BLURRED,
     FEW_TICKS,
     LOOSEST,
     MM_PER_M,
@@ -262,11 +263,12 @@ def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 
 
 def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-    """Propose grids that the deviations lie on, or the coordinates: what is coarse shows its steps."""
+    """Propose grids that deviations lie on, or coordinates: what is coarse shows its steps."""
     fine = scene.nominal.axis.resolution_um
     deviations = scene.touches.deviation_um
     pitches = [grid[0] for grid in _grids(deviations, fine)] + _odd_pitch(deviations, fine)
-    return [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
+    grids = [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
+    return [*grids, [BLURRED / 2.0 * fine, 1.0, 0.0]]
 
 
 def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

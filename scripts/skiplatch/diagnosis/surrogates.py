@@ -27,6 +27,8 @@ SWITCHES = ("at_surface", "is_coordinate", "mirrored")
 """Parameters of which nothing but the one or the other end has a meaning."""
 HALF_WAY = 0.5
 """From which on a switch is on."""
+BLURRED = 3.0
+"""Fine steps up to which coarser ones need not show: lines a third as wide as they are apart."""
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 SHORTEST_MM = 0.01
@@ -341,6 +343,9 @@ def coarse_positions(scene: Scene, p: Parameters) -> Change:
     step_um = abs(p[0])
     if p[1] <= HALF_WAY:
         return Change(coarse_um=step_um)
+    if not p[2]:  # steps too fine to show
+        fine_um = scene.nominal.axis.resolution_um
+        return Change(coarse_um=min(step_um, BLURRED * fine_um), line_um=np.nan)
     line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
     return Change(coarse_um=step_um, line_um=line_um)
 
