@@ -19,6 +19,7 @@ from skiplatch.diagnosis.likelihood import law_under, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import holds, resolutions, slots
+from skiplatch.diagnosis.surrogates import BLURRED
 from skiplatch.simulator import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -215,6 +216,22 @@ def test_the_lines_of_a_coarse_coordinate_are_proposed(steps: float) -> None:
 
     assert [pytest.approx(pitch_um, rel=1e-4), 1.0, pytest.approx(0.3, abs=0.05)] in proposed
     assert not [start for start in resolutions(plain, Change()) if start[2]]
+
+
+def test_scatter_without_steps_is_none_of_coarse_positions() -> None:
+    """Steps of a width that would show are proposed by their lines alone."""
+    plain = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
+    fine_um, touches = plain.nominal.axis.resolution_um, plain.touches
+    off_um = np.random.default_rng(3).uniform(-20.0, 20.0, len(touches)) * fine_um
+    scattered = np.rint((touches.deviation_um + off_um) / fine_um) * fine_um
+    scene = Scene(plain.nominal, replace(touches, deviation_um=scattered))
+    coarse = CANDIDATES["encoder_quantisation"]
+
+    without_lines = [start for start in coarse.starts(scene, Change()) if start[1] and not start[2]]
+    wide = coarse.change(scene, np.array([40.0 * fine_um, 1.0, 0.0]))
+
+    assert all(start[0] < BLURRED * fine_um for start in without_lines)
+    assert wide.coarse_um == BLURRED * fine_um
 
 
 @pytest.mark.parametrize("rounded", [np.rint, np.floor])

@@ -9,6 +9,7 @@ import pytest
 from skiplatch.diagnosis.look import EVERYWHERE, SIGNIFICANT, Left
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.diagnosis.verdict import (
+    CHANCE,
     EXPLAINS,
     HAS_GAP,
     MORE_NOISE,
@@ -98,6 +99,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "shrinks_somewhere": (
         lambda rule: shrinking_by(rule.threshold + A_BIT),
         lambda rule: shrinking_by(rule.threshold),
+    ),
+    "shrinks_where_fitted": (
+        lambda rule: replace(shrinking_by(rule.threshold + A_BIT), is_held_out=False),
+        lambda rule: replace(shrinking_by(rule.threshold), is_held_out=False),
     ),
     "grows_nowhere": (
         lambda rule: Evidence(gaps=gaps(gap(-1.0, rule.threshold))),
@@ -199,16 +204,44 @@ def test_what_tells_of_chance_is_named() -> None:
 
 
 def test_what_is_no_more_than_an_accident_may_be_most_of_a_gap() -> None:
-    accident = Evidence(before=[left(20.0, relative=4.0)], after=[left(SIGNIFICANT, relative=4.0)])
+    accident = Evidence(before=[left(20.0, relative=4.0)], after=[left(CHANCE, relative=4.0)])
 
     assert failures([RULES["takes_most"]], accident) == []
 
 
 def test_a_gap_where_there_was_none_is_all_of_it() -> None:
-    new = Evidence(after=[left(SIGNIFICANT + A_BIT, relative=0.3)])
+    new = Evidence(after=[left(CHANCE + A_BIT, relative=0.3)])
 
     (failure,) = failures([RULES["takes_most"]], new)
     assert failure.words == "it leaves 0.3 µm of position, much of what was there"
+
+
+def test_touches_held_out_need_not_show_half_of_the_gap_gone() -> None:
+    rule = RULES["shrinks_where_fitted"]
+
+    assert failures([rule], shrinking_by(rule.threshold)) == []
+
+
+def of_kind(kind: str, z: float, size: float, relative: float, *conditions: str) -> Left:
+    return replace(left(z, *conditions, relative=relative), kind=kind, size=size)
+
+
+def test_like_is_held_against_like_in_its_own_unit() -> None:
+    """A wave that stays is not made small by a scatter that was larger, nor by noise made up."""
+    before = [of_kind("scatter", 30.0, 8.0, 8.0), of_kind("shift", 9.0, 2.0, 2.0, "time")]
+    stays = Evidence(before=before, after=[of_kind("wave", 9.0, 1.9, 0.3, "time, in waves")])
+    goes = Evidence(before=before, after=[of_kind("wave", 9.0, 0.9, 0.9, "time, in waves")])
+
+    assert [f.rule for f in failures([RULES["takes_most"]], stays)] == ["takes_most"]
+    assert failures([RULES["takes_most"]], goes) == []
+
+
+def test_what_shows_only_now_is_held_against_all_that_was_there() -> None:
+    before = [of_kind("scatter", 30.0, 8.0, 8.0)]
+    faint, strong = (of_kind("shift", 9.0, 6.0, size, "feed") for size in (5.0, 6.0))
+
+    assert failures([RULES["takes_most"]], Evidence(before=before, after=[faint])) == []
+    assert len(failures([RULES["takes_most"]], Evidence(before=before, after=[strong]))) == 1
 
 
 def test_an_explained_gap_is_explained() -> None:

@@ -4,7 +4,6 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
-from typing import Any
 
 import numpy as np
 
@@ -152,7 +151,7 @@ class Judge:
         self.parts = parts
         self._fitting = scene.select(parts.fitting)
         self._checking = scene.select(parts.checking)
-        self._map: Callable[..., Iterable[Any]] = executor.map if executor else map
+        self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
         self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
         self._noticed = None if noticed is None else frozenset(noticed)
         self._reaches: dict[str, frozenset[str]] = {}
@@ -176,17 +175,15 @@ class Judge:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
         if not candidates:
             return []
-        found = self._map(_fit, [(self._fitting, c, given) for c in candidates])
-        fits = [one for one in found if one is not None]
-        if not fits:
-            return []
-        gains = [self._gain(one, given) for one in fits]
+        fits = list(self._map(_fit, [(self._fitting, c, given) for c in candidates]))
+        gains = [self._gain(found, given) for found in fits]
         least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
         order = sorted(range(len(gains)), key=lambda i: -gains[i])
         near = [i for i in order[:MOST_POLISHED] if gains[i] >= least]
-        polished = self._map(_polish, [(self._fitting, fits[i], given) for i in near])
-        for i, one in zip(near, polished, strict=True):
-            fits[i] = one
+        for i, found in zip(
+            near, self._map(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
+        ):
+            fits[i] = found
         return fits
 
     def _gain(self, found: Fit, given: Change) -> float:
@@ -450,12 +447,10 @@ def _polish(model: tuple[Scene, Fit, Change]) -> Fit:
     return polish(*model)
 
 
-def _fit(model: tuple[Scene, Candidate, Change]) -> Fit | None:
-    """Fit an effect from its starts; None where the touches show none to begin from."""
+def _fit(model: tuple[Scene, Candidate, Change]) -> Fit:
     scene, candidate, given = model
     taken = list(candidate.taken_up(scene))
     starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
     for start in starts:
         start[taken] = 0.0
-    begun = [start.tolist() for start in starts if start.any()]
-    return fit(scene, [candidate], begun, given) if begun else None
+    return fit(scene, [candidate], [start.tolist() for start in starts if start.any()], given)

@@ -180,7 +180,7 @@ def _takes_most(evidence: Evidence, threshold: float) -> str:
     for one in evidence.after:
         left, was = _beside_before(evidence, one)
         is_touched = abs(left - was) > UNTOUCHED * was
-        if is_touched and left**2 > threshold * was**2:
+        if one.z > CHANCE and is_touched and left**2 > threshold * was**2:
             return (
                 f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
             )
