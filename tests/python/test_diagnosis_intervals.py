@@ -53,6 +53,7 @@ def width(interval: tuple[float, float]) -> float:
     return interval[1] - interval[0]
 
 
+@pytest.mark.long
 def test_intervals_cover_as_often_as_they_say() -> None:
     covered, errors, halves = [], [], []
     for truth in (DELAY, LAG, LOBES):

@@ -26,6 +26,7 @@ def as_rig(scene: Scene) -> AsRig:
     return rig
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("second", [None, LATE])
 def test_only_a_second_effect_that_is_there_is_kept(second: Effect | None) -> None:
     scene = Scene.of(played(BENCH, *([JITTER, second] if second else [JITTER]), seed=3))

@@ -104,6 +104,7 @@ def test_the_terminal_shows_every_effect_with_its_physics_and_parameters() -> No
             assert f"    {name} " in shown
 
 
+@pytest.mark.long
 def test_its_commands_run_and_print_what_it_shows(tmp_path: Path) -> None:
     run = project_in(tmp_path)
     (tmp_path / "build").mkdir()
@@ -181,6 +182,7 @@ def diagnosed(project: tuple[Path, Run], effect: str) -> dict[str, dict[str, flo
     return {effect["id"]: effect["params"] for effect in named}
 
 
+@pytest.mark.long
 def test_the_documents_own_effect_is_named_with_its_size(extended: tuple[Path, Run]) -> None:
     """The bending goes with F·L³/d⁴; which of the three it is, no touch can tell."""
     named = diagnosed(extended, "stylus_bending:force_n=0.1,length_mm=50,diameter_mm=2")
@@ -191,6 +193,7 @@ def test_the_documents_own_effect_is_named_with_its_size(extended: tuple[Path, R
     assert size == pytest.approx(0.1 * 50.0**3 / 2.0**4, rel=0.02)
 
 
+@pytest.mark.long
 def test_another_effect_is_not_taken_for_the_documents_own(extended: tuple[Path, Run]) -> None:
     named = diagnosed(extended, "pretravel_lobing:amplitude_um=3,azimuth_deg=20")
 

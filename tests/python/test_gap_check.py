@@ -11,6 +11,7 @@ from skiplatch import cli
 from tests.gap import check, goals, runs
 from tests.gap.scoring import FAILED, Scored
 
+pytestmark = pytest.mark.long
 # One of each case and a second single one: what is easy to see, so that a sound diagnosis needs no
 # luck. Both singles and the pair are plain; the rest has nothing to name.
 ORDER = runs.Order(20, 6, "single,two,none,stranger,dull", touches=(200, 220))

@@ -74,6 +74,7 @@ def test_further_touches_have_the_same_effect_and_the_column_asked_for() -> None
     assert lag_um(made) == pytest.approx(lag_um(before), rel=0.2)
 
 
+@pytest.mark.long
 def test_the_recommended_touches_tell_a_lag_from_a_delay(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ties, "draw", lambda *_: lagging())
 

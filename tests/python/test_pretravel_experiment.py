@@ -202,6 +202,7 @@ def quick_result(name: str) -> Result:
     return run(quick(RIGS[name]), seed=1)
 
 
+@pytest.mark.long
 def test_the_lobes_of_a_recorded_probe_are_diagnosed(tmp_path: Path) -> None:
     """The probe is played by its mechanics, not by the effect that is named."""
     campaigns.record(tmp_path, quick_result("haas"))
