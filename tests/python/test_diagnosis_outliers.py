@@ -8,10 +8,12 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign
+from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.hidden import could_hide
 from skiplatch.diagnosis.outliers import outliers
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.simulator import Effect
 
 FAR_UM = 1000.0
 
@@ -57,6 +59,20 @@ def test_a_report_far_off_is_an_outlier_as_well() -> None:
     touches = replace(campaign.touches, report_us=campaign.touches.report_us + late_us)
 
     assert listed(replace(campaign, touches=touches)) == [int(campaign.touches.touch[33])]
+
+
+@pytest.mark.long
+def test_gross_outliers_spoil_no_gap_that_is_gone() -> None:
+    """Some of both senses, by many times what the effect moves; one of them is held out."""
+    backlash = played(MACHINE, Effect("backlash", {"backlash_um": 8.0}))
+    rows = np.array([7, 90, 150, 301, 333])
+    spoilt = thrown(backlash, rows)
+
+    diagnosis = diagnose(spoilt, seed=1)
+
+    assert [named.effect.id for named in diagnosis.effects] == ["backlash"]
+    assert set(diagnosis.outliers) == set(spoilt.touches.touch[rows].tolist())
+    assert diagnosis.gap["deviation_um"].shrink.low > 0.9
 
 
 def test_four_times_the_touches_hide_half() -> None:

@@ -168,6 +168,18 @@ def test_klipper_console_of_today_gives_feeds_and_temperatures(tmp_path: Path) -
     assert set(touches.thermometers["bed"][1:].tolist()) == {60.1}
 
 
+def test_speeds_are_read_as_people_type_them(tmp_path: Path) -> None:
+    console = tmp_path / "console.log"
+    touch = "Send: PROBE PROBE_SPEED={}\nRecv: // probe at 10.000,10.000 is z={:.6f}\nRecv: ok\n"
+    console.write_text(
+        "".join(touch.format(v, z) for v, z in ((".5", 1.0), ("2.", 1.1), ("5", 1.0)))
+    )
+
+    run = Run(tmp_path, "klipper", str(console))
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [30.0, 120.0, 300.0]
+
+
 def test_marlin_g30_goes_on_past_midnight(tmp_path: Path) -> None:
     run = Run(tmp_path, "marlin", log("marlin_g30.log"))
 

@@ -227,6 +227,7 @@ class _Conclusion:
     named: Sequence[Named]
     gap: Mapping[str, Gap]
     hidden: Mapping[str, Hidden]
+    outliers: Sequence[int]
     evidence: Evidence
 
 
@@ -257,8 +258,12 @@ def _conclusion(
     after = before if known is believed else work.left(scene, known)
     named = _named(scene.with_nominal(rig.nominal), finding)
     true_rig = None if truth is None else replace(rig, effects=truth)
+    odd = outliers(scene, known, seed=work.seed)
+    # What is far off all that can be played says nothing of one rig or the other.
+    usual = ~np.isin(scene.touches.touch, odd)
 
     def gaps(rows: BoolArray) -> Mapping[str, Gap]:
+        rows = rows & usual
         return shrink(scene, rows, believed, rig, seed=work.seed, jobs=work.jobs, truth=true_rig)
 
     everywhere = np.full(len(scene), fill_value=True)
@@ -282,7 +287,7 @@ def _conclusion(
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
     )
-    return _Conclusion(finding, rig, known, named, gap, hidden, evidence)
+    return _Conclusion(finding, rig, known, named, gap, hidden, odd, evidence)
 
 
 def _is_clear(gap: Mapping[str, Gap]) -> bool:
@@ -316,7 +321,7 @@ def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Concl
         rig=rig,
         materiality=work.materiality,
         beliefs=_values(work, rig),
-        outliers=outliers(scene, found.known, seed=work.seed),
+        outliers=found.outliers,
         failures=failures,
     )
 

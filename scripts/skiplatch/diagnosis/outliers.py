@@ -1,4 +1,4 @@
-"""Touches that are far off all that their rig plays: listed by number, and left out of no sum."""
+"""Touches far off all that their rig plays: listed by number; no gap is measured by them."""
 
 import numpy as np
 

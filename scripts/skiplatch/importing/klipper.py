@@ -5,7 +5,7 @@ from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.console import Console
-from skiplatch.importing.log_lines import Line, read_lines
+from skiplatch.importing.log_lines import TYPED, Line, read_lines
 from skiplatch.importing.model import S_PER_MIN, Imported
 
 _PROBE = re.compile(
@@ -22,7 +22,7 @@ _SECTION = re.compile(r"^\[([^\]]+)\]$")
 _NUMBER = re.compile(r"\d+\.?\d*", re.ASCII)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
 _SPEED_WORD = re.compile(
-    r"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*(\d+\.?\d*)", re.IGNORECASE
+    rf"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE
 )
 _HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
 _PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}

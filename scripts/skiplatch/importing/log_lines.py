@@ -16,6 +16,8 @@ from skiplatch.files import failures_named, refuse_special_or_large
 MAX_BYTES = 500 * 2**20
 MAX_LINE_CHARACTERS = 10_000
 S_PER_DAY = 86_400.0
+TYPED = r"(?:\d+\.?\d*|\.\d+)"
+"""A number as people type it, without a sign."""
 
 _TIME = (
     r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2}(?:[.,]\d+)?)(?:\s*(?P<half>[AaPp][Mm]))?"

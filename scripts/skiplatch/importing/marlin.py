@@ -5,18 +5,18 @@ from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.console import Console
-from skiplatch.importing.log_lines import Line, read_lines
+from skiplatch.importing.log_lines import TYPED, Line, read_lines
 from skiplatch.importing.model import Imported
 
 _SAMPLE = re.compile(
     r"(?<!\d)(\d{1,6}) of (\d{1,6}):?\s*z:\s*(-?\d+\.?\d*)(?:.*?[Mm]ean:\s*(-?\d+\.?\d*))?"
 )
 _BED = re.compile(r"Bed X:\s*(-?\d+\.?\d*)\s*Y:\s*(-?\d+\.?\d*)\s*Z:\s*(-?\d+\.?\d*)")
-_PLACE = re.compile(r"\bM48\b.*?\bX(-?\d+\.?\d*).*?\bY(-?\d+\.?\d*)", re.IGNORECASE)
+_PLACE = re.compile(rf"\bM48\b.*?\bX(-?{TYPED}).*?\bY(-?{TYPED})", re.IGNORECASE)
 _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
-_STEPS = re.compile(r"\bM92\b.*?\bZ\s*(\d+\.?\d*)")
-_ACCEL = re.compile(r"\bM201\b.*?\bZ\s*(\d+\.?\d*)")
+_STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({TYPED})")
+_ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({TYPED})")
 _HOMED = re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE)
 UM_PER_MM = 1e3
 
