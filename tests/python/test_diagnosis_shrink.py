@@ -136,6 +136,22 @@ def test_wide_cells_do_not_drown_the_narrow_ones() -> None:
     assert gap.shrink.value == pytest.approx((11.1 - 2.1) / (11.1 - 2.0))
 
 
+def test_a_path_of_small_cells_counts_beside_a_cell_that_shows_its_gap_alone() -> None:
+    """Three touches in a cell are too few for a level of one in two thousand."""
+    near = np.array([0.8, 1.0, 1.2])
+
+    def cell(path: InputPath, before: float, after: float) -> _Cell:
+        scored = [_Scored(score * near, np.ones(3)) for score in (before, after)]
+        return _Cell(path, scored[0], scored[1], None)
+
+    small = [cell(InputPath.SKIP, 10.0, 1.0) for _ in range(8)]
+    alone = _Cell(InputPath.PLC, *2 * (_Scored(9.0 + 0.001 * near, np.ones(3)),), truth=None)
+    gap = _gap([*small, alone], OBSERVABLES[0], 0.01, seed=1)
+
+    assert gap.before == pytest.approx((8 * 10.0 + 9.0) / 9, rel=1e-3)
+    assert gap.shrink.value == pytest.approx(8 * 9.0 / (8 * 9.0 + 8.0), abs=0.01)
+
+
 def test_only_touches_held_out_count() -> None:
     campaign = played(MACHINE, DELAY)
     off = np.where(held_out(campaign), 0.0, 1e3)

@@ -258,12 +258,14 @@ def _chance(differences: FloatArray, sides: Literal["two-sided", "greater"]) -> 
 def _clear(cells: Sequence[_Cell], least: float) -> list[_Cell]:
     """Give the cells that show a gap, by themselves or else together with others of their path."""
     limit = ALPHA / (len(cells) + len(InputPath))
-    alone = [cell for cell in cells if _Scores.of([cell], least).is_clear(limit)]
-    if alone:
-        return alone
-    paths = [[cell for cell in cells if cell.path == path] for path in InputPath]
-    shown = [path for path in paths if path and _Scores.of(path, least).is_clear(limit)]
-    return [cell for path in shown for cell in path]
+    shown: list[_Cell] = []
+    for path in InputPath:
+        there = [cell for cell in cells if cell.path == path]
+        alone = [cell for cell in there if _Scores.of([cell], least).is_clear(limit)]
+        if not alone and there and _Scores.of(there, least).is_clear(limit):
+            alone = there  # too few touches in each
+        shown += alone
+    return shown
 
 
 def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int) -> Gap:
