@@ -4,13 +4,18 @@ C_SUITES    := unit contract scenario
 ON_BOARDS   := $(BOARDS:%=target-%)
 TEST_SUITES := $(C_SUITES) template contract-linux $(ON_BOARDS) fuzz-regression python
 
-# Every result first becomes an empty file: what does not build or run is then counted as failed.
+# In a make of its own: this one was read before the set-up, and does not know what is here since.
 define run_suites
-	@rm -rf $(addprefix $(RESULTS)/,$1) && mkdir -p $(addprefix $(RESULTS)/,$1)
-	@touch $(RESULTS)/.declared $(foreach suite,$1,$(RESULTS.$(suite)))
-	-@$(INNER_MAKE) $(addprefix run-,$1)
-	@$(VENV_PYTHON) scripts/count_tests.py $(RESULTS) $1
+	@$(MAKE) counted SUITES='$1'
 endef
+
+# Every result first becomes an empty file: what does not build or run is then counted as failed.
+.PHONY: counted
+counted:
+	@rm -rf $(addprefix $(RESULTS)/,$(SUITES)) && mkdir -p $(addprefix $(RESULTS)/,$(SUITES))
+	@touch $(RESULTS)/.declared $(foreach suite,$(SUITES),$(RESULTS.$(suite)))
+	-@$(INNER_MAKE) $(addprefix run-,$(SUITES))
+	@$(VENV_PYTHON) scripts/count_tests.py $(RESULTS) $(SUITES)
 
 .PHONY: $(TEST_SUITES)
 $(TEST_SUITES): setup setup-test # one suite alone, e.g. make unit

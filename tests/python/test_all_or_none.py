@@ -170,8 +170,13 @@ def test_a_signal_takes_back_what_was_written(
         signal.raise_signal(number)
 
     monkeypatch.setattr("skiplatch.commands.simulate.write_json", write_json)
+    # Whoever runs the tests in the background may have had SIGINT ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
 
-    result = call("simulate", tmp_path)
+    try:
+        result = call("simulate", tmp_path)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
     assert result.exit_code == (INTERRUPTED if number == signal.SIGINT else 128 + number)
     assert not contents(tmp_path)

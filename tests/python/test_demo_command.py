@@ -78,4 +78,4 @@ def test_folder_is_required() -> None:
     result = run()
 
     assert result.exit_code == 2
-    assert "Missing option '--out'" in result.output
+    assert "Missing option '-o' / '--out'" in result.output
