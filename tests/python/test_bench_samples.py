@@ -59,13 +59,15 @@ def test_debounce_is_best_explained_by_a_filter() -> None:
 
 
 @pytest.mark.long
-def test_busy_process_is_best_explained_by_late_scans_and_late_reports() -> None:
+def test_busy_process_is_best_explained_by_late_scans_and_leaves_late_reports() -> None:
+    """It is busy for 2920 µs at a time; reports wait for it in no way that the catalogue has."""
     diagnosis, found = found_in("cpu_load")
 
     assert set(found) & {"scan_jitter", "scan_overrun"}
-    assert "report_delay" in found
-    assert found["report_delay"]["queue_us"] > 1000.0  # it is busy for 2920 µs at a time
     assert diagnosis.gap["latch_off_scan_grid_us"].shrink.low > 0.4
+    late_us = {left.size for left in diagnosis.left if left.observable == "report"}
+    assert max(late_us) > 1000.0
+    assert diagnosis.verdict is not Verdict.EXPLAINED
 
 
 @pytest.mark.long
