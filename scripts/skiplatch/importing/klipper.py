@@ -21,9 +21,7 @@ _TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?\d+\.?\d* )?temp=(-?
 _SECTION = re.compile(r"^\[([^\]]+)\]$")
 _NUMBER = re.compile(r"\d+\.?\d*", re.ASCII)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
-_SPEED_WORD = re.compile(
-    rf"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE
-)
+_SPEED_WORD = re.compile(rf"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE)
 _HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
 _PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
