@@ -11,10 +11,9 @@ import click
 
 from skiplatch.errors import CampaignWarning, InputError, hint, one_line, quoted
 from skiplatch.simulator import SimulationError
-from skiplatch.undo import taken_back_on_failure
+from skiplatch.undo import INTERRUPTED, taken_back_on_failure
 
 BAD_INPUT = 2
-INTERRUPTED = 130  # as a shell gives it
 
 # Name of each command and what it does; its module is imported only when it is called.
 COMMANDS = {

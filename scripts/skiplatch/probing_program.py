@@ -100,9 +100,14 @@ def _with_stops(touches: Sequence[_Touch]) -> Iterator[tuple[_Touch, bool]]:
         yield touch, not touch.is_of(before)
 
 
-def _stop(touch: _Touch) -> Iterator[str]:
-    yield f"(MSG, {touch.title})"
-    yield "M0"
+def _moves(touches: Sequence[_Touch], move: Callable[[_Touch], tuple[str, ...]]) -> Iterator[str]:
+    """Give the G-code of all touches, with a stop before each other surface."""
+    for touch, is_other in _with_stops(touches):
+        if is_other:
+            yield f"(MSG, {touch.title})"
+            yield "M0"
+        yield f"G4 P{touch.rest_s:.1f}"
+        yield from move(touch)
 
 
 def _linuxcnc(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
@@ -111,13 +116,12 @@ def _linuxcnc(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
     yield f"(then: skiplatch import linuxcnc {stem}.txt --program {stem}.ngc -o made)"
     yield f"(PROBEOPEN {stem}.txt)"
     yield "G21 G90 G94 G40 G49"
-    for touch, is_other in _with_stops(touches):
-        if is_other:
-            yield from _stop(touch)
-        yield f"G4 P{touch.rest_s:.1f}"
-        yield f"G0 {touch.axis}{touch.start:.3f}"
-        yield f"G38.2 {touch.axis}{touch.end:.3f} F{touch.feed:g}"
-        yield f"G0 {touch.axis}{touch.start:.3f}"
+
+    def move(touch: _Touch) -> tuple[str, ...]:
+        start = f"G0 {touch.axis}{touch.start:.3f}"
+        return start, f"G38.2 {touch.axis}{touch.end:.3f} F{touch.feed:g}", start
+
+    yield from _moves(touches, move)
     yield "(PROBECLOSE)"
     yield "M2"
 
@@ -127,13 +131,13 @@ def _grbl(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
     yield f"(begin in front of {touches[0].title}, and log the serial line with its commands)"
     yield f"(then: skiplatch import grbl {stem}.log -o made)"
     yield "G21 G94"
-    for touch, is_other in _with_stops(touches):
-        if is_other:
-            yield from _stop(touch)
-        yield f"G4 P{touch.rest_s:.1f}"
-        yield f"G90 G53 G0 {touch.axis}{touch.start:.3f}"
-        yield f"G91 G38.2 {touch.axis}{touch.end - touch.start:.3f} F{touch.feed:g}"
-        yield f"G90 G53 G0 {touch.axis}{touch.start:.3f}"
+
+    def move(touch: _Touch) -> tuple[str, ...]:
+        start = f"G90 G53 G0 {touch.axis}{touch.start:.3f}"
+        way = touch.end - touch.start
+        return start, f"G91 G38.2 {touch.axis}{way:.3f} F{touch.feed:g}", start
+
+    yield from _moves(touches, move)
     yield "M2"
 
 

@@ -18,7 +18,8 @@ import click
 
 LEFTOVER_S = 86_400.0
 """Age of a temporary file that no command can be at work with any longer."""
-TERMINATED = 128 + signal.SIGTERM
+INTERRUPTED, TERMINATED = 128 + signal.SIGINT, 128 + signal.SIGTERM
+"""Exit statuses, as a shell gives them."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 
 from hostile import CAMPAIGN, KINEMATICS, LOGS
 from skiplatch import undo
-from skiplatch.cli import INTERRUPTED, group
+from skiplatch.cli import group
 from skiplatch.commands import kinematics_run
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder, atomic_write_text
@@ -178,7 +178,7 @@ def test_a_signal_takes_back_what_was_written(
     finally:
         signal.signal(signal.SIGINT, before)
 
-    assert result.exit_code == (INTERRUPTED if number == signal.SIGINT else 128 + number)
+    assert result.exit_code == (undo.INTERRUPTED if number == signal.SIGINT else 128 + number)
     assert not contents(tmp_path)
 
 

@@ -24,9 +24,8 @@ from skiplatch.commands.rig_options import within
 from skiplatch.errors import InputError, one_line
 from skiplatch.files import atomic_write_text
 from skiplatch.statistics import Interval
-from skiplatch.undo import keep_outputs
+from skiplatch.undo import INTERRUPTED, keep_outputs
 
-INTERRUPTED = 130  # exit status, as a shell gives it
 FILE = click.Path(path_type=Path, dir_okay=False)
 
 RUN_EPILOG = """\b

@@ -236,7 +236,7 @@ NAMES: Sequence[Rule] = (
     Rule(
         "shrinks_where_fitted",
         0.5,
-        "a level: fitted touches flatter a finding; where no others show a gap, half has to go",
+        "tuned, on four campaigns: fitted touches flatter; where no others show a gap, half goes",
         _shrinks_where_fitted,
     ),
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
