@@ -38,7 +38,7 @@ class Console:
         line: Line,
         *,
         feed: float | None,
-        approach: float | None = None,
+        start: float | None = None,
         time_s: float | None = None,
     ) -> None:
         """Take a touch of the bed; its time is that of the line where no other is given."""
@@ -49,12 +49,19 @@ class Console:
                 coordinate=z,
                 place=place,
                 feed=feed,
-                approach=approach,
+                start=start,
                 time_s=line.time_s if time_s is None else time_s,
                 session=f"after homing {self._session}" if self._session else "",
                 temperatures=dict(self.temperatures),
             )
         )
+
+    def say_temperatures(self, found: Imported) -> bool:
+        """Say whose temperatures are known, if any."""
+        names = sorted({name for touch in self.touches for name in touch.temperatures})
+        if names:
+            found.known.append(f"temperatures of {', '.join(names)} from the lines before")
+        return bool(names)
 
     def imported(self, preset: str) -> Imported:
         """Give the touches, their times spread over the lines that share one."""

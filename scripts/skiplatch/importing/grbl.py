@@ -153,7 +153,7 @@ class _Reader:
                 sign=(move.sign if move else None) or (-1 if axis == "Z" else None),
                 place=tuple(v for i, v in enumerate(position) if i != index),
                 feed=(move.feed if move else None) or self._feed,
-                approach=None if start is None or missed else abs(position[index] - start),
+                start=None if missed else start,
                 time_s=line.time_s,
                 session=f"after homing {self._session}" if self._session else "",
             )
@@ -190,7 +190,7 @@ class _Reader:
         found.known.append("where each touch was latched, in machine coordinates")
         missed = sum(touch.coordinate is None for touch in self.touches)
         if missed:
-            found.known.append(f"{missed} moves ended without a touch (:0])")
+            found.known.append(f"probing moves that ended without a touch (:0]): {missed}")
         if not found.figures:
             found.assumed.append(
                 "no $ settings in the log: steps per mm and acceleration are grbl's defaults; "

@@ -54,6 +54,7 @@ class _Reader(Console):
         super().__init__(feed)
         self._options: dict[str, float] = {}
         self._start_z: float | None = None
+        self._last_z: float | None = None
         self._stats_s: float | None = None
         self._section = ""
         self._config: dict[tuple[str, str], str] = {}
@@ -89,11 +90,14 @@ class _Reader(Console):
         x, y, z = (float(value) for value in match.groups())
         if self._last_place != (x, y):
             self._forget_options_of_elsewhere()
-        approach = self._options.get("retract")
-        if self._start_z is not None:
-            approach, self._start_z = self._start_z - z, None
-        self.add(z, (x, y), line, feed=self._speed(), approach=approach, time_s=self._stats_s)
-        self._last_place = (x, y)
+        self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
+        self._start_z, self._last_z, self._last_place = None, z, (x, y)
+
+    def _start(self) -> float | None:
+        """Give where PROBE_ACCURACY begins, and later so far above the touch before."""
+        if self._start_z is None and self._last_z is not None and "retract" in self._options:
+            return self._last_z + self._options["retract"]
+        return self._start_z
 
     def _forget_options_of_elsewhere(self) -> None:
         """A PROBE_ACCURACY before counts only as long as the place stays the same."""
@@ -134,10 +138,7 @@ class _Reader(Console):
             found.assumed.append(
                 "times are those of the statistics lines before, 1 s apart, spread evenly"
             )
-        names = sorted({name for touch in self.touches for name in touch.temperatures})
-        if names:
-            found.known.append(f"temperatures of {', '.join(names)} from the lines before")
-        else:
+        if not self.say_temperatures(found):
             found.assumed.append("no temperatures in the log: those of klippy.log are not here")
         return found
 

@@ -109,14 +109,13 @@ def _touch(
     number = AXES.index(axis)
     scale = [unit if letter in LINEAR else 1.0 for letter in AXES]
     coordinate = row[number] * scale[number]
-    start = move.start.get(axis) if move else None
     return Touch(
         axis=axis,
         coordinate=coordinate,
         sign=move.sign if move and move.sign else (-1 if axis == "Z" and not move else None),
         place=tuple(v * scale[i] for i, v in enumerate(row[: len(AXES)]) if i != number),
         feed=(move.feed if move else None) or feed,
-        approach=None if start is None else abs(coordinate - start),
+        start=move.start.get(axis) if move else None,
     )
 
 

@@ -101,6 +101,7 @@ class _Reader(Console):
         """Say what was found."""
         found = self.imported("marlin")
         found.known.append("the z of each touch")
+        self.say_temperatures(found)
         if self._from_means:
             found.known.append(f"{self._from_means} of them finer than printed, from the means")
         if self._steps:

@@ -26,7 +26,10 @@ class Touch:
     place: tuple[float, ...] = ()
     """What else tells this surface from others: the coordinates of the other axes."""
     feed: float | None = None
+    start: float | None = None
+    """Where the axis began to move towards the surface."""
     approach: float | None = None
+    """Where the start is not known: from it to the surface."""
     time_s: float | None = None
     session: str = ""
     temperatures: dict[str, float] = field(default_factory=dict)

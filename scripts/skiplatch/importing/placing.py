@@ -26,7 +26,7 @@ Key = tuple[str, str, int, tuple[float, ...], int]
 def as_touches(
     touches: Sequence[Touch], *, is_plc: bool
 ) -> tuple[Touches, DatumFreedom, dict[str, int]]:
-    """Give columns, what the datum shares, and how many touches each surface has."""
+    """Give columns, what the datum shares, and how often each surface was latched."""
     touches = [_with_sense(touch, touches) for touch in touches]
     surfaces = _surfaces(touches)
     names = {key: _name(key, surfaces) for key in surfaces}
@@ -47,7 +47,9 @@ def as_touches(
         axis=axes,
         sign=_column(touch.sign for touch in touches),
         feed_mm_min=_column(touch.feed for touch in touches),
-        approach_mm=_column(_approach(touch) for touch in touches),
+        approach_mm=_column(
+            _approach(touch, references[key]) for touch, key in zip(touches, keys, strict=True)
+        ),
         position_mm=np.where(turns, np.nan, reference),
         deviation_um=np.where(turns, np.nan, beyond * UM_PER_MM),
         position_deg=np.where(turns, reference, np.nan),
@@ -58,7 +60,8 @@ def as_touches(
             place: _column(touch.temperatures.get(place) for touch in touches) for place in places
         },
     )
-    return columns, _freedom(surfaces), {_words(k): len(v) for k, v in surfaces.items()}
+    latched = {_words(k): sum(t.coordinate is not None for t in v) for k, v in surfaces.items()}
+    return columns, _freedom(surfaces), {k: n for k, n in latched.items() if n}
 
 
 def _with_sense(touch: Touch, touches: Sequence[Touch]) -> Touch:
@@ -81,8 +84,11 @@ def _place(touch: Touch) -> tuple[float, ...]:
     return tuple(round(value, 1) + 0.0 for value in touch.place)
 
 
-def _approach(touch: Touch) -> float | None:
-    return touch.approach if touch.approach is not None and touch.approach > 0.0 else None
+def _approach(touch: Touch, reference: float) -> float | None:
+    """Give the way to the reference; to where it was latched it would go with the deviation."""
+    known = touch.start is not None and touch.coordinate is not None
+    way = abs(reference - (touch.start or 0.0)) if known else touch.approach
+    return way or None
 
 
 def _surfaces(touches: Sequence[Touch]) -> dict[Key, list[Touch]]:

@@ -6,6 +6,11 @@ from dataclasses import dataclass
 from skiplatch.campaign import Kind
 from skiplatch.importing.model import Figure, Figures
 
+_PROBE = ("probe", "repeatability_um")
+_PRINTER_PROBE = Figure(
+    4.0, "Klipper's Probe_Calibrate.md takes ten touches within 25 µm, so 1 sigma below 8 µm", 4.0
+)
+_PLATE = Figure(3.0, "touch plates and tool setters scatter by micrometres; the touches tell", 3.0)
 _GRBL_PIN = "grbl stepper.c reads the probe pin in every turn of the stepper interrupt"
 
 
@@ -32,6 +37,7 @@ PRESETS: Mapping[str, Preset] = {
             ("plc", "scan_us"): Figure(
                 1000.0, "SERVO_PERIOD = 1000000 ns of the sample configurations, [EMCMOT]"
             ),
+            _PROBE: _PLATE,
         },
     ),
     "grbl-avr": Preset(
@@ -44,6 +50,7 @@ PRESETS: Mapping[str, Preset] = {
             ),
             ("axis", "resolution_um"): Figure(4.0, "$100 = 250 steps/mm, config default"),
             ("axis", "accel_mm_s2"): Figure(10.0, "$120 = 10 mm/s², config default"),
+            _PROBE: _PLATE,
         },
     ),
     "grblhal": Preset(
@@ -53,6 +60,7 @@ PRESETS: Mapping[str, Preset] = {
             ("skip", "latency_us"): Figure(0.0, "stepper.c reads the probe pin before each step"),
             ("axis", "resolution_um"): Figure(4.0, "$100 = 250 steps/mm, config default"),
             ("axis", "accel_mm_s2"): Figure(10.0, "$120 = 10 mm/s², config default"),
+            _PROBE: _PLATE,
         },
     ),
     "klipper": Preset(
@@ -63,6 +71,7 @@ PRESETS: Mapping[str, Preset] = {
             ("skip", "jitter_us"): Figure(
                 60.0, "klippy/mcu.py: 4 samples, 15 µs apart (ENDSTOP_SAMPLE_TIME, _COUNT)", 20.0
             ),
+            _PROBE: _PRINTER_PROBE,
         },
     ),
     "marlin": Preset(
@@ -75,12 +84,16 @@ PRESETS: Mapping[str, Preset] = {
             ("skip", "jitter_us"): Figure(
                 1000.0, "endstops are read at least once a turn of the temperature interrupt, 1 kHz"
             ),
+            _PROBE: _PRINTER_PROBE,
         },
     ),
     "plc-4ms": Preset(
         Kind.MACHINE,
         "a PLC task that polls every 4 ms",
-        {("plc", "scan_us"): Figure(4000.0, "the cycle time that the task is set to")},
+        {
+            ("plc", "scan_us"): Figure(4000.0, "the cycle time that the task is set to"),
+            _PROBE: _PLATE,
+        },
     ),
     "bench": Preset(
         Kind.BENCH,

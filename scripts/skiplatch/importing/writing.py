@@ -42,8 +42,8 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         single = sum(1 for n in surfaces.values() if n == 1)
         if single:
             imported.assumed.append(
-                f"{single} of {len(surfaces)} surfaces were touched once only and so deviate by "
-                "nothing: they tell nothing of the scatter"
+                f"of {len(surfaces)} surfaces {single} touched once only, which deviate by nothing "
+                "and tell nothing of the scatter"
             )
     figures = {**PRESETS[imported.preset].figures, **imported.figures}
     notes = {
