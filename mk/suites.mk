@@ -59,12 +59,14 @@ PYTHON_TESTS   := tests/python $(sort $(dir $(wildcard hal/ports/*/tests/test_*.
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
 $(RESULTS)/python/pytest.xml: MARKED = not long
 $(RESULTS)/long/pytest.xml:   MARKED = long
+# Processes fill the processors: threads under their linear algebra would only wait for one another.
+ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # A file's tests share what is dear to make, and the last files are short ones; long ones share nothing.
 $(RESULTS)/python/pytest.xml: PYTEST_DIST = loadfile --no-loadscope-reorder
 $(RESULTS)/long/pytest.xml:   PYTEST_DIST = worksteal
 $(RESULTS)/python/pytest.xml $(RESULTS)/long/pytest.xml: \
                               library program $(OUT)/inject-codec $(RUN_HERE:%=programs-%) FORCE
-	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \
+	@$(ONE_THREAD) $(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \
 	    -m '$(MARKED)' --quiet --junitxml=$@ $(PYTHON_TESTS) || true
 
 # ---- the rig of the Linux port: one in the virtual machine, one on this host's vcan and gpio-sim ----

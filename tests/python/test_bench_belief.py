@@ -80,6 +80,7 @@ def test_figures_are_found_again_whatever_comes_now_and_then(outliers: float) ->
     assert found.report_jitter_us.value == pytest.approx(REPORT_US[1], abs=16.0)
 
 
+@pytest.mark.long
 def test_intervals_hold_the_true_figures_in_most_campaigns() -> None:
     """Four campaigns, five figures each: 95 % of 20 are 19; fewer than 15 come once in 3000."""
     held = 0

@@ -132,6 +132,7 @@ def test_random_error_is_what_is_left(tmp_path: Path) -> None:
     assert found["probe"]["repeatability_um"] == pytest.approx(sigma_um, rel=0.1)
 
 
+@pytest.mark.long
 def test_the_prediction_holds_as_often_as_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

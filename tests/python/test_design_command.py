@@ -28,6 +28,7 @@ def test_help_has_an_example() -> None:
     assert "Example:\n    skiplatch design " in run("design", "--help")
 
 
+@pytest.mark.long
 def test_the_conditions_are_read_again_and_played(tmp_path: Path) -> None:
     conditions, document = tmp_path / "next.csv", tmp_path / "next.json"
     options = ("--out", str(conditions), "--touches", "25", "--json", str(document))

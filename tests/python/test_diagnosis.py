@@ -49,6 +49,7 @@ def test_recorded_campaigns_without_a_gap_get_no_name(folder: Path) -> None:
     assert "No gap" in as_text(diagnosis)
 
 
+@pytest.mark.long
 def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from() -> None:
     folder = SAMPLES / "machine_no_gap"
     campaign = played(folder, Effect("trigger_delay", {"delay_us": 300.0}))
@@ -61,6 +62,7 @@ def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from()
     assert "cannot be told from" in as_text(diagnosis)
 
 
+@pytest.mark.long
 def test_two_effects_are_both_named() -> None:
     campaign = played(
         DATA / "bench_no_gap",
@@ -76,6 +78,7 @@ def test_two_effects_are_both_named() -> None:
     assert found["report_delay"]["delay_us"] == pytest.approx(40.0, abs=5.0)
 
 
+@pytest.mark.long
 def test_reports_that_take_longer_the_faster_the_axis_steps_are_measured() -> None:
     truth = {"delay_us": 240.0, "stepping_us_min_m": 11.6}
     campaign = played(DATA / "bench_no_gap", Effect("report_delay", truth))
@@ -91,6 +94,7 @@ def test_reports_that_take_longer_the_faster_the_axis_steps_are_measured() -> No
     assert found["queue_us"] == 0.0
 
 
+@pytest.mark.long
 def test_a_lag_behind_the_thermometer_is_measured() -> None:
     truth = {"drift_um_k": 1.5, "lag_s": 900.0}
     campaign = played(DATA / "bench_no_gap", Effect("thermal_drift", truth))

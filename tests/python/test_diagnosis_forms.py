@@ -112,6 +112,7 @@ def test_beside_slack_a_delay_shows_in_what_comes_after_the_latch_too() -> None:
     assert beside.reached == {"latch_skip", "latch_plc", "position", "report"}
 
 
+@pytest.mark.long
 def test_slack_is_a_share_of_a_shift_and_no_scatter_of_its_own() -> None:
     plain = simulated()
     scatter_us = np.random.default_rng(4).standard_cauchy(len(plain.touches)).round(1)

@@ -95,6 +95,7 @@ def test_intervals_hold_their_value_and_stay_in_the_range_of_the_table(truth: Ef
         assert found.effect.parameters[name] == pytest.approx(value, rel=0.5)
 
 
+@pytest.mark.long
 def test_an_effect_that_does_the_same_leaves_a_parameter_open() -> None:
     scene = Scene.of(played(MACHINE, DELAY))
     (alone,) = estimated(scene, DELAY)

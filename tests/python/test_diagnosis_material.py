@@ -109,6 +109,7 @@ def test_a_delay_below_the_threshold_is_no_gap() -> None:
     assert "A gap counts from 1e+04 of the rig's own spread on." in as_text(diagnosis)
 
 
+@pytest.mark.long
 def test_an_error_of_length_is_no_gap_below_the_threshold() -> None:
     campaign = played(BENCH, Effect("backlash", {"backlash_um": 3.5}))
     by_default = diagnose(campaign, seed=1, jobs=JOBS)

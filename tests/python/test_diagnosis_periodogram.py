@@ -60,6 +60,7 @@ def test_touches_at_one_place_and_without_error_are_no_failure() -> None:
     assert np.all(explained == 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("places", "third_um"), [(23, 0.0), (31, 3.0)])
 def test_a_periodic_error_at_few_places_is_found_with_its_higher_orders(
     places: int, third_um: float
@@ -88,6 +89,7 @@ def test_a_periodic_error_at_few_places_is_found_with_its_higher_orders(
     np.testing.assert_allclose((turned_deg + 180.0) % 360.0 - 180.0, 0.0, atol=10.0)
 
 
+@pytest.mark.long
 def test_periodic_errors_of_two_axes_are_found_with_their_own_sizes_and_phases() -> None:
     campaign = played(MACHINE)
     touches = campaign.touches.in_order_of_time()

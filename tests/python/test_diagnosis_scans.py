@@ -111,6 +111,7 @@ def test_scans_may_wait_for_some_moves_and_keep_their_grid_for_the_others() -> N
     assert abs(found[0].parameters[0][2]) == pytest.approx(0.7, abs=0.15)
 
 
+@pytest.mark.long
 def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() -> None:
     truth = Effect("timer_quantisation", {"tick_us": 1.7, "origin_us": 0.3})
 

@@ -38,6 +38,7 @@ CASES = {
 }
 MACHINE_ONLY = {"pretravel_lobing", "trigger_delay"}
 SLOW_S = 10.0
+LONG = pytest.mark.long
 """Three times what the search for one effect may take, for slow machines."""
 
 
@@ -68,10 +69,10 @@ def test_a_play_says_of_an_effect_what_its_surrogate_says(effect_id: str, folder
 @pytest.mark.parametrize(
     ("effect_id", "values", "tolerance"),
     [
-        ("trigger_delay", [300.0, 0.0, 0.0], 0.03),  # a shift
+        pytest.param("trigger_delay", [300.0, 0.0, 0.0], 0.03, marks=LONG),  # a shift
         ("backlash", [3.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
-        ("contact_bounce", [0.2, 300.0, 0.0, 0.0], 0.5),  # now and then
-        ("link_slotting", [300.0, 0.0], 0.15),  # scatter alone
+        pytest.param("contact_bounce", [0.2, 300.0, 0.0, 0.0], 0.5, marks=LONG),  # now and then
+        pytest.param("link_slotting", [300.0, 0.0], 0.15, marks=LONG),  # scatter alone
         ("lost_trigger", [0.05], 0.3),
     ],
 )

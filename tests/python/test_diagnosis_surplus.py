@@ -40,6 +40,7 @@ def test_only_a_second_effect_that_is_there_is_kept(second: Effect | None) -> No
     assert len(kept.model.ids) == (2 if second else 1)
 
 
+@pytest.mark.long
 def test_a_first_effect_that_is_hard_to_hit_does_not_cost_the_second_one() -> None:
     off = Effect("scan_period", {"period_us": -401.149})
     scene = Scene.of(played(BENCH, off, Effect("lost_trigger", {"probability": 0.05}), seed=3))

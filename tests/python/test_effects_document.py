@@ -128,6 +128,7 @@ def test_a_misspelt_effect_is_one_line_that_names_the_nearest() -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.long
 def test_its_own_effect_is_laid_out_as_lint_wants_it(extended: tuple[Path, Run]) -> None:
     folder, run = extended
     files = [str(path) for path in sorted((folder / "host_sim" / "effects").iterdir())]
@@ -136,6 +137,7 @@ def test_its_own_effect_is_laid_out_as_lint_wants_it(extended: tuple[Path, Run])
     run([clang_format, "--dry-run", "-Werror", *files])
 
 
+@pytest.mark.long
 def test_its_own_effect_is_listed_in_its_stage(extended: tuple[Path, Run]) -> None:
     folder, run = extended
 
@@ -148,6 +150,7 @@ def test_its_own_effect_is_listed_in_its_stage(extended: tuple[Path, Run]) -> No
     assert "0.1 … 20 mm" in text
 
 
+@pytest.mark.long
 def test_its_own_effect_is_played(extended: tuple[Path, Run]) -> None:
     folder, run = extended
     *others, simulate = commands(OWN_EFFECT)

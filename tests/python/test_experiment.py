@@ -1,7 +1,8 @@
 """The next experiment: what it recommends, and whether that settles what it says it settles."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
 from typing import cast
@@ -45,6 +46,12 @@ RETRY = (Effect("link_retry", {"probability": 0.3, "period_us": 700.0}),)
 PERIOD = (Effect("scan_period", {"period_us": 50.0}),)
 OVERRUN = (Effect("scan_overrun", {"probability": 0.2, "overrun_us": 1000.0}),)
 
+TIES: Mapping[str, tuple[tuple[Model, Model], Sequence[str]]] = {
+    "delay, lag": ((DELAY, LAG), POSITION_ONLY),
+    "scale, wave": ((SCALE, LONG_WAVE), POSITION_ONLY),
+    "period, overrun": ((PERIOD, OVERRUN), STAMPED),
+}
+
 
 def recorded(model: Model, columns: Sequence[str], n: int = 200) -> Campaign:
     """A machine with an effect, of which some columns were kept."""
@@ -70,6 +77,13 @@ def diagnosed(verdict: Verdict, rivals: Sequence[Model], ranking: Sequence[Model
 
 def settled(*models: Model, columns: Sequence[str]) -> Experiment:
     return settle(recorded(models[0], columns), models, seed=1, jobs=1)
+
+
+@cache
+def tie(name: str) -> Experiment:
+    """What settles one of the ties; several tests look at the same."""
+    models, columns = TIES[name]
+    return settled(*models, columns=columns)
 
 
 def seen(touches: Touches, outcomes: Outcomes, columns: Sequence[str]) -> list[np.ndarray]:
@@ -115,7 +129,7 @@ def share_right(touches: Touches, models: Sequence[Model], columns: Sequence[str
 
 
 def test_without_stamps_a_lag_and_a_delay_call_for_the_stamp() -> None:
-    experiment = settled(DELAY, LAG, columns=POSITION_ONLY)
+    experiment = tie("delay, lag")
 
     assert experiment.record == "latch_us"
     assert experiment.resolves
@@ -133,7 +147,7 @@ def test_with_stamps_a_lag_and_a_delay_need_no_other_column() -> None:
 
 
 def test_scale_and_a_long_wave_call_for_positions_far_out_on_both_sides() -> None:
-    experiment = settled(SCALE, LONG_WAVE, columns=POSITION_ONLY)
+    experiment = tie("scale, wave")
 
     position_mm = experiment.touches.position_mm
     assert experiment.record is None
@@ -183,19 +197,10 @@ def test_an_error_of_warmth_shows_on_a_machine_that_warms_up() -> None:
     assert "warms up by 5 K" in experiment.words
 
 
-@pytest.mark.parametrize(
-    ("models", "columns"),
-    [
-        ((DELAY, LAG), POSITION_ONLY),
-        ((SCALE, LONG_WAVE), POSITION_ONLY),
-        ((PERIOD, OVERRUN), STAMPED),
-    ],
-    ids=["delay, lag", "scale, wave", "period, overrun"],
-)
-def test_the_recommended_touches_settle_the_tie(
-    models: tuple[Model, Model], columns: Sequence[str]
-) -> None:
-    experiment = settled(*models, columns=columns)
+@pytest.mark.parametrize("name", TIES)
+def test_the_recommended_touches_settle_the_tie(name: str) -> None:
+    models, columns = TIES[name]
+    experiment = tie(name)
 
     assert experiment.resolves
     assert len(experiment.touches) == 60
@@ -204,12 +209,12 @@ def test_the_recommended_touches_settle_the_tie(
 
 
 def test_the_touches_needed_are_enough_and_not_all() -> None:
-    models = (SCALE, LONG_WAVE)
-    experiment = settled(*models, columns=POSITION_ONLY)
+    models, columns = TIES["scale, wave"]
+    experiment = tie("scale, wave")
     needed = experiment.touches_needed
 
     assert needed is not None
-    assert share_right(experiment.touches.select(slice(needed)), models, POSITION_ONLY) >= 0.9
+    assert share_right(experiment.touches.select(slice(needed)), models, columns) >= 0.9
     assert needed <= 20
 
 
@@ -323,12 +328,13 @@ def test_the_result_depends_on_the_seed_and_not_on_the_jobs() -> None:
     def result(seed: int, jobs: int) -> dict[str, object]:
         return experiment_json(settle(campaign, [DELAY, LAG], seed=seed, jobs=jobs))
 
-    assert result(1, 1) == result(1, 2)
-    assert result(1, 1)["touches"] != result(2, 1)["touches"]
+    found = result(1, 1)
+    assert found == result(1, 2)
+    assert found["touches"] != result(2, 1)["touches"]
 
 
 def test_json_counts_the_touches_and_the_text_names_them() -> None:
-    experiment = settled(DELAY, LAG, columns=POSITION_ONLY)
+    experiment = tie("delay, lag")
 
     document = experiment_json(experiment)
 

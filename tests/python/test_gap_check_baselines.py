@@ -60,12 +60,14 @@ def few_effects(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(baseline_crps, "effects", lambda: few)
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("few_effects")
 @pytest.mark.parametrize("effect_id", ["backlash", "isr_latency", "report_delay"])
 def test_lowest_crps_names_what_is_plain(effect_id: str) -> None:
     assert LowestCrps().name(campaign(Effect(effect_id, PLAIN[effect_id]))) == effect_id
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("few_effects")
 def test_lowest_crps_names_nothing_where_nothing_is() -> None:
     assert [LowestCrps().name(campaign(seed=seed)) for seed in (4, 5, 6)] == [None] * 3
@@ -97,6 +99,7 @@ def test_features_of_what_was_not_recorded_are_empty() -> None:
     assert not np.isinf(whole).any()
 
 
+@pytest.mark.long
 def test_trees_learn_and_are_kept(tmp_path: Path) -> None:
     trained = Trees.trained(140, tmp_path)
     (kept,) = tmp_path.iterdir()

@@ -50,6 +50,7 @@ def test_only_what_is_settled_counts_and_what_is_not_right_is_listed() -> None:
     ]
 
 
+@pytest.mark.long
 def test_a_planted_effect_is_found_with_its_parameters() -> None:
     number = list(effects()).index("lost_trigger")
     _, effect, campaign = plant(3, number)

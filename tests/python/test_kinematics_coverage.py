@@ -80,7 +80,12 @@ def distance(planted: Planted, angles_deg: Array, found: Fit, touches: int) -> f
 
 
 @pytest.mark.parametrize(
-    ("path", "touches"), [(InputPath.SKIP, 4), (InputPath.SKIP, 8), (InputPath.PLC, 4)]
+    ("path", "touches"),
+    [
+        (InputPath.SKIP, 4),
+        pytest.param(InputPath.SKIP, 8, marks=pytest.mark.long),
+        pytest.param(InputPath.PLC, 4, marks=pytest.mark.long),
+    ],
 )
 @pytest.mark.parametrize("name", KINDS)
 def test_planted_errors_come_back_from_touches(name: str, path: InputPath, touches: int) -> None:

@@ -47,6 +47,7 @@ def test_six_points_are_enough(tmp_path: Path) -> None:
     assert found["outliers"] == []
 
 
+@pytest.mark.long
 def test_the_uncertainties_hold() -> None:
     off = []
     for seed in range(SPHERES):

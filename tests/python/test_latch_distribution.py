@@ -72,6 +72,7 @@ def test_quantiles_are_good_to_a_bin(values: NDArray[np.float64]) -> None:
         assert found.low <= found.value <= found.high
 
 
+@pytest.mark.long
 def test_intervals_of_quantiles_hold_the_true_ones() -> None:
     """Of 1000 samples; false-alarm rate 1e-6 a quantile, fixed seed."""
     samples = np.random.default_rng(3).random((1000, 2000))

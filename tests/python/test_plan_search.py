@@ -59,6 +59,7 @@ def grid_of(limits: Limits, wanted_um: float) -> list[Strategy]:
     return [strategy for strategy in (*one, *two) if allowed(limits, strategy, wanted_um)]
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(limits=limits_of_all_kinds, wanted_um=st.floats(0.05, 500.0))
 def test_no_strategy_of_a_grid_is_faster(limits: Limits, wanted_um: float) -> None:

@@ -74,6 +74,7 @@ def written(folder: Path, nominal: Nominal, touches: Touches) -> str:
     return str(folder)
 
 
+@pytest.mark.long
 def test_the_command_says_what_is_left(tmp_path: Path) -> None:
     tied = made(LAG, ("deviation_um",), 150, seed=3)
     further = made(LAG, ("latch_us", "deviation_um"), 40, seed=4)

@@ -100,6 +100,7 @@ def test_direct_counting_stays_within_its_quantum(tmp_path: Path) -> None:
     assert subdivided["total_arcsec"] < direct["total_arcsec"] < 9.6 + 1.01 * quantum
 
 
+@pytest.mark.long
 def test_equal_lines_of_a_straight_drive_suit_all_five_methods(tmp_path: Path) -> None:
     turn = np.arange(40_000) / 1000
     error = 30.0 * np.sin(2.0 * np.pi * turn) / ARCSEC_PER_TURN

@@ -71,6 +71,7 @@ def test_a_train_without_a_screw_is_refused(tmp_path: Path) -> None:
         read_axis_train(path)
 
 
+@pytest.mark.long
 def test_a_diagnosis_names_the_shaft(tmp_path: Path, description: Path) -> None:
     touches = mixed_touches(600, seed=5)
     controller = Controller.for_campaign(MACHINE, touches)
