@@ -5,7 +5,7 @@ Only the axis that probes is moved. Before each further surface the program stop
 gauge, or the probe, can be set in front of it.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -19,7 +19,9 @@ BEYOND_MM = 2.0
 """How far behind the surface a probing move would end."""
 LIFT_MM_MIN = 600.0
 MS_PER_S = 1e3
-SUFFIXES: Mapping[str, str] = {"linuxcnc": ".ngc", "grbl": ".nc", "klipper": ".gcode"}
+KINDS = ("linuxcnc", "grbl", "klipper", "heidenhain")
+LOGGED = ("axis", "sign", "feed_mm_min", "approach_mm", "position_mm", "coordinate_mm")
+"""Columns that a Heidenhain control writes by FN 16, by which ``import csv`` calls them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +49,11 @@ class _Touch:
 
 def program(
     kind: str, touches: Touches, rest_s: Sequence[float], reach_mm: tuple[float, float], stem: str
-) -> str:
-    """Give the program.
+) -> dict[str, str]:
+    """Give the texts of the program and of what it needs, by the name of the file.
 
     Args:
-        kind: One of `SUFFIXES`.
+        kind: One of `KINDS`.
         touches: n touches to make.
         rest_s: How long to wait before each; n values.
         reach_mm: Least and greatest coordinate of the axis.
@@ -63,7 +65,7 @@ def program(
     made = [_touch(touches, i, float(rest_s[i]), reach_mm) for i in range(len(touches))]
     if kind == "klipper" and any((touch.axis, touch.sign) != ("Z", -1) for touch in made):
         raise ValueError("Klipper's PROBE touches along Z from above only, other touches are asked")
-    return "\n".join(_WRITERS[kind](_by_surface(made), stem)) + "\n"
+    return _WRITERS[kind](_by_surface(made), stem)
 
 
 def _touch(touches: Touches, i: int, rest_s: float, reach_mm: tuple[float, float]) -> _Touch:
@@ -108,6 +110,10 @@ def _moves(touches: Sequence[_Touch], move: Callable[[_Touch], tuple[str, ...]])
             yield "M0"
         yield f"G4 P{touch.rest_s:.1f}"
         yield from move(touch)
+
+
+def _text(lines: Iterable[str]) -> str:
+    return "\n".join(lines) + "\n"
 
 
 def _linuxcnc(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
@@ -158,8 +164,55 @@ def _klipper(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
         )
 
 
-_WRITERS: Mapping[str, Callable[[Sequence[_Touch], str], Iterator[str]]] = {
-    "linuxcnc": _linuxcnc,
-    "grbl": _grbl,
-    "klipper": _klipper,
+def _heidenhain(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
+    """Touch by cycle 4, whose feed is programmed, and write a row of a table by FN 16."""
+    maps = " ".join(f"--map {name}={name}" for name in LOGGED)
+    yield f"; begin in front of {touches[0].title}"
+    yield f"; copy {stem}_head.a and {stem}_row.a to TNC:\\"
+    yield f"; then: skiplatch import csv {stem}.txt {maps} -o made"
+    yield rf"FN 16: F-PRINT TNC:\{stem}_head.a/TNC:\{stem}.txt"
+    for touch, is_other in _with_stops(touches):
+        if is_other:
+            yield f"; {touch.title}"
+            yield "STOP"
+        yield "CYCL DEF 9.0 DWELL TIME"
+        yield f"CYCL DEF 9.1 DWELL {touch.rest_s:.1f}"
+        yield from _cycle_4(touch)
+        yield rf"FN 16: F-PRINT TNC:\{stem}_row.a/TNC:\{stem}.txt"
+
+
+def _cycle_4(touch: _Touch) -> Iterator[str]:
+    approach = abs(touch.surface - touch.start)
+    way = " ".join(f"I{axis}{touch.sign * (axis == touch.axis):+d}" for axis in "XYZ")
+    yield f"L {touch.axis}{touch.start:+.3f} R0 FMAX"
+    yield "TCH PROBE 4.0 MEASURING IN 3-D"
+    yield "TCH PROBE 4.1 Q1"
+    yield f"TCH PROBE 4.2 {way}"
+    yield (
+        f"TCH PROBE 4.3 ABST{abs(touch.end - touch.start):+.3f} F{touch.feed:g} "
+        f"MB{approach:.3f} REFERENCE SYSTEM:0"
+    )
+    yield f'QS1 = "{touch.axis}"'
+    values = (touch.sign, touch.feed, approach, touch.surface)
+    for number, value in enumerate(values, 11):
+        yield f"Q{number} = {value:+.3f}"
+    yield f"Q15 = Q{'XYZ'.index(touch.axis) + 1}"
+
+
+def _heidenhain_files(touches: Sequence[_Touch], stem: str) -> dict[str, str]:
+    """Give the program with its blocks numbered, and the masks of the header and of a row."""
+    blocks = [f"BEGIN PGM {stem} MM", *_heidenhain(touches, stem), f"END PGM {stem} MM"]
+    row = '"%S,%.0lf,%.3lf,%.3lf,%.3lf,%.4lf",QS1,Q11,Q12,Q13,Q14,Q15;'
+    return {
+        f"{stem}.h": _text(f"{number} {block}" for number, block in enumerate(blocks)),
+        f"{stem}_head.a": _text([f'"{",".join(LOGGED)}";']),
+        f"{stem}_row.a": _text(["M_APPEND;", row]),
+    }
+
+
+_WRITERS: Mapping[str, Callable[[Sequence[_Touch], str], dict[str, str]]] = {
+    "linuxcnc": lambda touches, stem: {f"{stem}.ngc": _text(_linuxcnc(touches, stem))},
+    "grbl": lambda touches, stem: {f"{stem}.nc": _text(_grbl(touches, stem))},
+    "klipper": lambda touches, stem: {f"{stem}.gcode": _text(_klipper(touches, stem))},
+    "heidenhain": _heidenhain_files,
 }

@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign
 from skiplatch.cli import group
-from skiplatch.probing_program import SUFFIXES, program
+from skiplatch.probing_program import KINDS, LOGGED, program
 
 N = 24
 REACH_MM = (-40.0, 100.0)
@@ -32,6 +32,12 @@ def asked(axis: Axis = Axis.X, *, senses: tuple[float, ...] = (1.0, -1.0)) -> To
 
 
 def text_of(kind: str, touches: Touches, reach_mm: tuple[float, float] = REACH_MM) -> str:
+    return next(iter(files_of(kind, touches, reach_mm).values()))
+
+
+def files_of(
+    kind: str, touches: Touches, reach_mm: tuple[float, float] = REACH_MM
+) -> dict[str, str]:
     return program(kind, touches, [1.5] * len(touches), reach_mm, "next")
 
 
@@ -84,7 +90,63 @@ def grbl_log(text: str, folder: Path) -> list[str]:
     return ["grbl", str(folder / "next.log")]
 
 
-LOGS: dict[str, Callable[[str, Path], list[str]]] = {"linuxcnc": linuxcnc_log, "grbl": grbl_log}
+class Heidenhain(Controller):
+    """Carries out Klartext as far as it is written: cycle 4, Q parameters, and FN 16."""
+
+    def __init__(self, files: dict[str, str]) -> None:
+        super().__init__(3.0)
+        self.files = files
+        self.values: dict[str, str | float] = {}
+        self.direction: dict[str, int] = {}
+        self.printed = ""
+
+    def carry_out(self) -> str:
+        """Run the program and give what FN 16 has printed."""
+        for number, block in enumerate(self.files["next.h"].splitlines()):
+            count, text = block.split(" ", 1)
+            assert int(count) == number
+            self.block(text)
+        return self.printed
+
+    def block(self, text: str) -> None:
+        if move := re.match(r"L ([XYZ])(\S+) R0 FMAX$", text):
+            self.at[move[1]] = float(move[2])
+        elif text.startswith("TCH PROBE 4.2"):
+            ways = {axis: int(way) for axis, way in re.findall(r"I([XYZ])(\S+)", text)}
+            self.direction = {axis: way for axis, way in ways.items() if way}
+        elif measure := re.match(r"TCH PROBE 4\.3 ABST\+(\S+) F(\S+) MB\S+ ", text):
+            ((axis, way),) = self.direction.items()
+            target = self.at[axis] + way * float(measure[1])
+            self.probe(axis, target, float(measure[2]))
+            self.values |= {f"Q{i}": self.at.get(a, 0.0) for i, a in enumerate("XYZ", 1)}
+        elif assigned := re.match(r"(Q\w+) = (.*)$", text):
+            value = assigned[2]
+            known = self.values.get(value, value.strip('"'))
+            self.values[assigned[1]] = known if assigned[1] == "QS1" else float(known)
+        elif printing := re.match(r"FN 16: F-PRINT TNC:\\(.*)/TNC:\\next\.txt$", text):
+            self.print(self.files[printing[1]])
+
+    def print(self, mask: str) -> None:
+        appends = mask.startswith("M_APPEND;")
+        form, names = re.findall(r'"(.*)"(.*);', mask)[0]
+        values = tuple(self.values[name] for name in names.split(",") if name)
+        text = form.replace("%S", "%s").replace("lf", "f") % values + "\n"
+        self.printed = self.printed + text if appends else text
+
+
+def heidenhain_log(folder: Path) -> list[str]:
+    files = files_of("heidenhain", asked())
+    (folder / "next.txt").write_text(Heidenhain(files).carry_out())
+    maps = [word for name in LOGGED for word in ("--map", f"{name}={name}")]
+    assert f"csv next.txt {' '.join(maps)} -o made" in files["next.h"]
+    return ["csv", str(folder / "next.txt"), *maps]
+
+
+LOGS: dict[str, Callable[[str, Path], list[str]]] = {
+    "linuxcnc": linuxcnc_log,
+    "grbl": grbl_log,
+    "heidenhain": lambda _, folder: heidenhain_log(folder),
+}
 
 
 def imported(words: list[str], folder: Path) -> Campaign:
@@ -165,5 +227,5 @@ def test_what_a_controller_cannot_do_is_refused(kind: str, touches: Touches, mes
         text_of(kind, touches)
 
 
-def test_every_kind_has_an_ending() -> None:
-    assert set(SUFFIXES) == {"klipper", *LOGS}
+def test_log_of_every_kind_is_tried() -> None:
+    assert set(KINDS) == {"klipper", *LOGS}

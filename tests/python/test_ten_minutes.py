@@ -41,6 +41,7 @@ def test_log_is_imported_whole_and_repeat_tells_its_drift(
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")  # of what no log tells
 @every_log
 def test_diagnosis_is_right_or_says_that_it_does_not_know(
     make: Callable[[], MachineLog], tmp_path: Path

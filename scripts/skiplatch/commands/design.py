@@ -21,7 +21,7 @@ from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_texts, read_json
-from skiplatch.probing_program import SUFFIXES, program
+from skiplatch.probing_program import KINDS, program
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
 
@@ -56,7 +56,7 @@ Example:
 )
 @click.option(
     "--gcode",
-    type=click.Choice(list(SUFFIXES)),
+    type=click.Choice(KINDS),
     help="Also write the touches as a program for this controller, beside --out; its log is what "
     "'skiplatch import' reads.",
 )
@@ -84,13 +84,11 @@ def command(
     experiment = experiment_for(recorded, models, verdict, seed=seed, jobs=jobs, touches=touches)
     texts = {out: format_touches(experiment.touches, CONDITIONS)}
     if gcode is not None:
-        texts[out.with_suffix(SUFFIXES[gcode])] = _program(
-            gcode, campaign, recorded, experiment, out
-        )
+        made = _program(gcode, campaign, recorded, experiment, out)
+        texts |= {out.with_name(name): text for name, text in made.items()}
     atomic_write_texts(texts)
     click.echo(experiment_text(experiment))
-    for path in texts:
-        click.echo(f"{path}: {len(experiment.touches)} touches")
+    click.echo(f"{', '.join(map(str, texts))}: {len(experiment.touches)} touches")
     write_json(json_path, experiment_json(experiment))
 
 
@@ -110,7 +108,7 @@ def _left(
 
 def _program(
     kind: str, campaign: Path, recorded: Campaign, experiment: Experiment, out: Path
-) -> str:
+) -> dict[str, str]:
     axis, made = recorded.nominal.axis, experiment.touches
     rests = rests_s(made).tolist()
     try:
