@@ -14,6 +14,7 @@ from refusals import Program
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
 from skiplatch.campaign import Axis, Campaign, DatumFreedom, InputPath, Kind, read_campaign
 from skiplatch.cli import group
+from skiplatch.errors import CampaignWarning
 from skiplatch.importing.gcode_program import run as run_program
 from skiplatch.repeatability import repeatability
 
@@ -80,6 +81,19 @@ def test_klippy_log_gives_steps_temperatures_and_times(tmp_path: Path) -> None:
     assert len(touches.session_names) == 2
     assert run.coordinates() == [1.00125, 1.001875, 1.003125, 1.25]
     assert any("of 2 surfaces 1 touched once only" in line for line in run.said["assumed"])
+
+
+def test_a_line_too_long_for_a_touch_is_left_out_and_said(tmp_path: Path) -> None:
+    """Statistics of many micro-controllers are long, what others write into the log is longer."""
+    stats = "Stats 99.9: " + " ".join(f"mcu{i}: send_seq=1010 freq=180000229" for i in range(200))
+    assert len(stats) > 7_000
+    text = (LOGS / "klippy.log").read_text()
+    (tmp_path / "k.log").write_text(f"{stats}\nThumbnail: {'A' * 20_000}\n{text}")
+
+    with pytest.warns(CampaignWarning, match=r"k\.log:2: lines .* left out: 1"):
+        run = Run(tmp_path, "klipper", str(tmp_path / "k.log"))
+
+    assert run.coordinates() == [1.00125, 1.001875, 1.003125, 1.25]
 
 
 def test_grbl_commands_queued_before_their_replies_go_with_them(tmp_path: Path) -> None:

@@ -5,12 +5,13 @@ of its own, with ``Recv:``, ``>>>``, ``//``, list marks and HTML spaces.
 """
 
 import re
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
-from skiplatch.errors import InputError
+from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
 
 MAX_BYTES = 500 * 2**20
@@ -49,17 +50,24 @@ class Line:
 
 
 def read_text(path: Path) -> str:
-    """Read a log in any of the usual encodings.
+    """Read a log in any of the usual encodings; lines too long for a touch are blank.
 
     Raises:
         InputError: It cannot be read or is no text of lines.
     """
     text = _decoded(path)
-    for number, line in enumerate(text.splitlines(), 1):
-        if len(line) > MAX_LINE_CHARACTERS:
-            message = f"a line of more than {MAX_LINE_CHARACTERS} characters: expected a log"
-            raise InputError(path, number, None, message)
-    return text
+    lines = text.splitlines()
+    long = [number for number, line in enumerate(lines) if len(line) > MAX_LINE_CHARACTERS]
+    if not long:
+        return text
+    for number in long:
+        lines[number] = ""
+    if not any(line.strip() for line in lines):
+        message = f"a line of more than {MAX_LINE_CHARACTERS} characters: expected a log"
+        raise InputError(path, long[0] + 1, None, message)
+    message = f"lines of more than {MAX_LINE_CHARACTERS} characters are left out: {len(long)}"
+    warnings.warn(CampaignWarning(path, long[0] + 1, None, message), stacklevel=2)
+    return "\n".join(lines)
 
 
 def _decoded(path: Path) -> str:
