@@ -7,14 +7,14 @@ all.
 from __future__ import annotations
 
 import sys
-from collections import Counter
+from collections import defaultdict
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 
-def seconds_of(junit: Path) -> Counter[str]:
+def seconds_of(junit: Path) -> defaultdict[str, float]:
     """Give the time of each test file, by its path with points, as JUnit has it."""
-    seconds: Counter[str] = Counter()
+    seconds: defaultdict[str, float] = defaultdict(float)
     if junit.exists():
         for case in ET.parse(junit).getroot().iter("testcase"):  # noqa: S314 - our own
             seconds[case.get("classname", "")] += float(case.get("time", 0.0))
