@@ -62,10 +62,6 @@ lint: setup-lint ## set up and run every static check
 	@$(INNER_MAKE) generated
 	$(call run_suites,lint)
 
-.PHONY: sanitize
-sanitize: setup-test ## run the C tests under address and undefined-behaviour sanitizers
-	@$(MAKE) VARIANT=sanitize c-tests
-
 .PHONY: format
 format: setup-build ## lay out C and Python files as lint wants them
 	@$(if $(C_FILES),.venv/bin/clang-format -i $(C_FILES))
@@ -74,7 +70,7 @@ format: setup-build ## lay out C and Python files as lint wants them
 
 .PHONY: totals
 totals:
-	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint proofs \
+	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint sanitize proofs \
 	    $(notdir $(wildcard $(RESULTS)/bench-vm))
 
 .PHONY: clean

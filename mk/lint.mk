@@ -1,7 +1,7 @@
 # Static checks, each of them a check of the suite `lint`.
 
 ON_CROSS := $(addprefix compile-,$(BOARDS) $(CORES))
-LINT := compile-gcc compile-clang $(ON_CROSS) clang-format clang-tidy cppcheck \
+LINT := compile-gcc compile-clang analyzer $(ON_CROSS) clang-format clang-tidy cppcheck \
         dependencies firmware isr-calls size ruff-check ruff-format mypy shellcheck
 RESULTS.lint := $(LINT:%=$(RESULTS)/lint/%.check)
 
@@ -13,6 +13,8 @@ $(RESULTS)/lint/compile-gcc.check: FORCE
 	$(check) $(MAKE) VARIANT=gcc objects
 $(RESULTS)/lint/compile-clang.check: FORCE
 	$(check) $(MAKE) VARIANT=clang objects
+$(RESULTS)/lint/analyzer.check: FORCE
+	$(check) $(MAKE) VARIANT=analyzer analyzed
 # What is linked of a board is there before: two makes at once would write the same objects.
 $(ON_CROSS:%=$(RESULTS)/lint/%.check): $(RESULTS)/lint/compile-%.check: \
         $$(addprefix linked-,$$(filter $$*,$(LINKED))) FORCE
@@ -46,9 +48,12 @@ $(RESULTS)/lint/mypy.check: FORCE
 $(RESULTS)/lint/shellcheck.check: FORCE
 	$(check) shellcheck $(SHELL_FILES)
 
+.PHONY: analyzed
+analyzed: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS) $(MAIN) $(LINUX))
+
 .PHONY: tidy
 tidy: $(C_SOURCES:%=$(OUT)/tidy/%.ok)
 $(OUT)/tidy/%.ok: % .clang-tidy $(OUT)/flags/$$(call room_of,$$*) $(C_HEADERS)
 	@mkdir -p $(@D)
-	@.venv/bin/clang-tidy --quiet $< -- $(filter-out -Werror,$(call cflags_of,$<))
+	@.venv/bin/clang-tidy --quiet $< -- $(filter-out -Werror $(EVERYTHING),$(call cflags_of,$<))
 	@touch $@

@@ -6,7 +6,10 @@ MAIN     := $(wildcard host_sim/programs/main.c)
 PROGRAMS := $(filter-out $(MAIN),$(wildcard host_sim/programs/*.c))
 TEMPLATE := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))
 
-TESTS.unit     := $(wildcard tests/unit/test_*.c hal/ports/*/tests/test_*.c)
+# What gcc's analyzer doubts, without those of the store that take long.
+TESTS.memory   := $(filter-out %_cuts.c %_damage.c,$(wildcard tests/unit/test_kinematics_*.c))
+TESTS.unit     := $(if $(filter memory,$(VARIANT)),$(TESTS.memory),\
+                    $(wildcard tests/unit/test_*.c hal/ports/*/tests/test_*.c))
 TESTS.contract := $(wildcard tests/contract/test_*.c)
 TESTS.scenario := $(wildcard tests/scenario/test_*.c)
 TESTS          := $(TESTS.unit) $(TESTS.contract) $(TESTS.scenario)

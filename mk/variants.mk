@@ -3,6 +3,7 @@
 # host      what setup, test and demo use
 # sanitize  address and undefined-behaviour checks     gcc, clang  everything, compiled only
 # coverage  counts what the tests reach                fuzz        libFuzzer
+# memory    reads of what was never written, by clang    analyzer    gcc's own, compiled only
 # boards/BOARD  firmware, port and suites for that board: mk/boards.mk
 
 CC.host     := gcc
@@ -11,6 +12,8 @@ CC.sanitize := gcc
 CC.coverage := gcc
 CC.clang    := clang
 CC.fuzz     := clang
+CC.memory   := clang
+CC.analyzer := gcc
 CC          := $(or $(CC.$(VARIANT)),$(CC.$(FAMILY)))
 
 SANITIZERS := -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
@@ -20,6 +23,10 @@ FLAGS.gcc      := -O2
 FLAGS.clang    := -O1
 FLAGS.sanitize := -O1 -g $(SANITIZERS)
 FLAGS.coverage := -O0 -g --coverage -fprofile-update=atomic
+FLAGS.memory   := -O1 -g -fsanitize=memory -fno-sanitize-recover=all
+# gcc 12 loses track of loops that fill arrays in turns and calls them uninitialized; instead those
+# sources run in the variant memory.
+FLAGS.analyzer := -O1 -fanalyzer -Wno-analyzer-use-of-uninitialized-value
 FLAGS.fuzz     := -O1 -g $(SANITIZERS) -fsanitize=fuzzer-no-link
 
 # Contracted multiply-adds would make figures depend on the processor.
@@ -31,21 +38,36 @@ WARNINGS := -Wall -Wextra -Wpedantic -Werror -Wcast-align -Wcast-qual -Wconversi
             -Wformat=2 -Wmissing-prototypes -Wpointer-arith -Wshadow -Wsign-conversion \
             -Wstrict-prototypes -Wundef -Wvla -Wwrite-strings
 # What clang and the old compiler for the AVR do not know.
-ifneq ($(filter host gcc,$(VARIANT)),)
+ifneq ($(filter host gcc analyzer,$(VARIANT)),)
 WARNINGS += -Wduplicated-branches -Wduplicated-cond -Wlogical-op -Wnull-dereference
 endif
 # Instrumented code draws warnings that the plain one does not deserve.
-ifneq ($(filter sanitize coverage fuzz,$(VARIANT)),)
+ifneq ($(filter sanitize memory coverage fuzz,$(VARIANT)),)
 WARNINGS := -w
+endif
+
+# Everything that clang knows, but for:
+#   padded                       no structure is written out as bytes
+#   declaration-after-statement  C99, where a value is first known
+#   covered-switch-default, switch-enum   a damaged value takes the default, as gcc wants it
+#   bad-function-cast            (int)lrint(x) says what it does
+#   disabled-macro-expansion     the C library names a member and a macro alike (sa_handler)
+#   unsafe-buffer-usage, pre-c11-compat, unknown-warning-option   of newer clangs: C has no other arrays
+ifeq ($(VARIANT),clang)
+EVERYTHING := -Weverything -Wno-unknown-warning-option $(addprefix -Wno-,padded bad-function-cast \
+              declaration-after-statement covered-switch-default switch-enum \
+              disabled-macro-expansion unsafe-buffer-usage pre-c11-compat)
 endif
 
 CMOCK := /usr/share/cmock
 UNITY := $(CMOCK)/vendor/unity
 
 INCLUDES        := -Ifirmware -Ihal/include -Ihost_sim
-CFLAGS.firmware := -std=c99 $(WARNINGS) $(WARNINGS.$(FAMILY)) -Wdouble-promotion $(INCLUDES)
+CFLAGS.firmware := -std=c99 $(WARNINGS) $(EVERYTHING) $(WARNINGS.$(FAMILY)) -Wdouble-promotion $(INCLUDES)
 CFLAGS.hal      := $(CFLAGS.firmware) $(if $(TARGET),$(PORT_FOLDERS:%=-I%))
-CFLAGS.host_sim := -std=c11 -D_GNU_SOURCE $(WARNINGS) $(INCLUDES)
+# On a host double costs nothing.
+CFLAGS.host_sim := -std=c11 -D_GNU_SOURCE $(WARNINGS) $(EVERYTHING) \
+                   $(if $(EVERYTHING),-Wno-double-promotion) $(INCLUDES)
 # Unity compares floating-point numbers and calls test functions that have no prototype.
 CFLAGS.tests    := -std=c11 -D_GNU_SOURCE $(WARNINGS) -Wno-missing-prototypes -Wno-float-equal \
                    $(INCLUDES) -Itests -Itests/support -Ibuild/mocks $(if $(TARGET),$(PORT_FOLDERS:%=-I%)) \

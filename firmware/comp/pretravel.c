@@ -4,7 +4,6 @@
 #include <stdbool.h>
 
 #define S_PER_MIN 60.0
-#define UM_PER_MM 1000.0
 
 #define RUNS_MIN 3u /* a line through two points has no scatter */
 

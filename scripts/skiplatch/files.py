@@ -21,32 +21,6 @@ def atomic_write_text(path: str | os.PathLike[str], text: str) -> None:
     atomic_write_bytes(path, text.encode())
 
 
-def atomic_write_texts(texts: Mapping[Path, str]) -> None:
-    """Replace several files by UTF-8 texts, or leave all as they were where one cannot be written.
-
-    Raises:
-        InputError: A file cannot be written.
-    """
-    staged: list[tuple[Path, Path]] = []
-    try:
-        for path, text in texts.items():
-            with failures_named(path, "write"):
-                target = Path(os.path.realpath(path))
-                if target.exists() and not target.is_file():
-                    target.write_bytes(text.encode())
-                    continue
-                temporary = temporary_sibling(target)
-                staged.append((temporary, target))
-                _write_synced(temporary, text.encode())
-        for temporary, target in staged:
-            with failures_named(target, "write"):
-                replace(temporary, target)
-    except BaseException:
-        for temporary, _ in staged:
-            temporary.unlink(missing_ok=True)
-        raise
-
-
 def atomic_write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     """Replace the file by one holding the data, or leave it as it was.
 

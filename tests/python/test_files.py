@@ -12,7 +12,6 @@ from skiplatch.files import (
     atomic_write_bytes,
     atomic_write_folder,
     atomic_write_text,
-    atomic_write_texts,
     refuse_special_or_large,
 )
 
@@ -205,23 +204,3 @@ def test_size_at_the_limit_is_read_and_beyond_it_refused(tmp_path: Path) -> None
 
     with pytest.raises(InputError, match="a: larger than 4 bytes, which is the most that is read"):
         refuse_special_or_large(tmp_path / "a", 4)
-
-
-def test_several_files_are_written_together(tmp_path: Path) -> None:
-    atomic_write_texts({tmp_path / "a": "1", tmp_path / "b": "µ\r\n"})
-
-    assert (tmp_path / "a").read_bytes() == b"1"
-    assert (tmp_path / "b").read_bytes() == b"\xc2\xb5\r\n"
-    assert len(list(tmp_path.iterdir())) == 2
-
-
-def test_one_file_that_cannot_be_written_leaves_the_others_as_they_were(tmp_path: Path) -> None:
-    (tmp_path / "a").write_text("old")
-
-    with pytest.raises(InputError, match="absent/c: cannot write"):
-        atomic_write_texts(
-            {tmp_path / "a": "new", tmp_path / "b": "new", tmp_path / "absent" / "c": "new"}
-        )
-
-    assert (tmp_path / "a").read_text() == "old"
-    assert [path.name for path in tmp_path.iterdir()] == ["a"]

@@ -380,6 +380,55 @@ def test_session_of_sigrok_is_read(tmp_path: Path) -> None:
     assert run.campaign.nominal.bench.reference_jitter_us == pytest.approx(0.2887, abs=1e-4)
 
 
+@pytest.mark.parametrize("line", ["unitsize=0", "unitsize=x", "samplerate=0 Hz"])
+def test_session_of_sigrok_with_an_impossible_figure_is_refused(
+    line: str, tmp_path: Path, refused: Program
+) -> None:
+    head = "[device 1]\ncapturefile=logic-1\nprobe1=D0\nprobe2=D1\n"
+    name = line.split("=", maxsplit=1)[0]
+    others = {"unitsize": "samplerate=1 MHz\n", "samplerate": "unitsize=1\n"}[name]
+    with zipfile.ZipFile(tmp_path / "s.sr", "w") as archive:
+        archive.writestr("metadata", head + others + line + "\n")
+        archive.writestr("logic-1", bytes(100))
+
+    said = refused("import", "edges", tmp_path / "s.sr", "-o", tmp_path / "x")
+
+    assert "s.sr: expected a " in said
+
+
+def test_vcd_with_a_time_beyond_any_clock_is_refused(tmp_path: Path, refused: Program) -> None:
+    text = (LOGS / "capture.vcd").read_text()
+    (tmp_path / "late.vcd").write_text(text + f"#{'9' * 400}\n")
+
+    said = refused("import", "edges", tmp_path / "late.vcd", "-o", tmp_path / "x")
+
+    assert "late.vcd: expected times up to 2^63" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "function"),
+    [
+        ("capture.vcd", "captures._changes"),
+        ("saleae.csv", "captures._times"),
+        ("bus.log", "can_frames._extended"),
+    ],
+)
+def test_a_fault_of_the_importers_own_is_not_taken_for_a_bad_file(
+    name: str, function: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise ZeroDivisionError
+
+    (tmp_path / "bus.log").write_text(f"(1.000000) can0 {LATCH_ID:03X}#0011223344556677\n")
+    monkeypatch.setattr(f"skiplatch.importing.{function}", fail)
+    path = tmp_path / name if name == "bus.log" else LOGS / name
+    kind = "can" if name == "bus.log" else "edges"
+
+    result = CliRunner().invoke(group, ["import", kind, str(path), "-o", str(tmp_path / "x")])
+
+    assert isinstance(result.exception, ZeroDivisionError)
+
+
 def test_iso_table_gives_positions_runs_and_senses(tmp_path: Path) -> None:
     run = Run(tmp_path, "iso230", log("iso230_x.csv"), "--axis", "Y", "--feed", "1000")
 

@@ -39,7 +39,6 @@ from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
 from skiplatch.compensation.uncertainty import Inputs, Uncertainty, assess
 from skiplatch.errors import quoted
-from skiplatch.files import atomic_write_texts
 from skiplatch.stand_ins import read_playable
 
 EPILOG = """\b
@@ -224,12 +223,9 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     found = text.as_json(result.done, result.figures, result.known, result.after)
     if json_path is not None:
         texts.append((json_path, json_text(found)))
-    files = {path: content for path, content in texts if path != STDOUT}
     _refuse_clashes([path for path, _ in texts if path != STDOUT], radii, given)
-    atomic_write_texts(files)
-    for path, content in texts:
-        if path == STDOUT:
-            write_document(path, content)
+    for path, content in sorted(texts, key=lambda pair: pair[0] == STDOUT):
+        write_document(path, content)
     click.echo(text.as_text(result.done, result.figures, result.known, result.after))
     for remark in remarks:
         click.echo(remark)

@@ -20,7 +20,7 @@ from skiplatch.diagnosis.experiment import (
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.errors import InputError
-from skiplatch.files import atomic_write_texts, read_json
+from skiplatch.files import atomic_write_text, read_json
 from skiplatch.probing_program import KINDS, program
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
@@ -86,7 +86,8 @@ def command(
     if gcode is not None:
         made = _program(gcode, campaign, recorded, experiment, out)
         texts |= {out.with_name(name): text for name, text in made.items()}
-    atomic_write_texts(texts)
+    for path, text in texts.items():
+        atomic_write_text(path, text)
     click.echo(experiment_text(experiment))
     click.echo(f"{', '.join(map(str, texts))}: {len(experiment.touches)} touches")
     write_json(json_path, experiment_json(experiment))

@@ -3,6 +3,7 @@
 candump -L, ASC, BLF and what else python-can reads.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,16 +71,20 @@ def _read(path: Path) -> _Traffic:
     latches, edges = LatchReports(), EdgeReports()
     found_latches: list[Latch] = []
     found_edges: list[Edge] = []
-    what = "log that python-can reads"
-    with foreign_reader(path, MOST_BYTES, what), can.LogReader(path) as reader:
-        for message in reader:
-            data = bytes(message.data)
-            if message.arbitration_id == LATCH_ID and (latch := latches.take(data)):
-                found_latches.append(latch)
-            elif message.arbitration_id == EDGE_ID and (edge := edges.take(data)):
-                found_edges.append(edge)
+    for message in _messages(path):
+        data = bytes(message.data)
+        if message.arbitration_id == LATCH_ID and (latch := latches.take(data)):
+            found_latches.append(latch)
+        elif message.arbitration_id == EDGE_ID and (edge := edges.take(data)):
+            found_edges.append(edge)
     lost = latches.lost + latches.damaged + latches.unpaired + edges.damaged + edges.unpaired
     return _Traffic(found_edges, found_latches, _extended(found_latches, found_edges), lost)
+
+
+def _messages(path: Path) -> Iterator[can.Message]:
+    what = "log that python-can reads"
+    with foreign_reader(path, MOST_BYTES, what), can.LogReader(path) as reader:
+        yield from reader
 
 
 def _extended(latches: list[Latch], edges: list[Edge]) -> list[int]:

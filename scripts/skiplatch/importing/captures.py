@@ -10,19 +10,21 @@ from pathlib import Path
 
 import numpy as np
 from vcd.common import VarType
-from vcd.reader import TokenKind, VCDParseError, tokenize
+from vcd.reader import Token, TokenKind, VCDParseError, tokenize
 
 from skiplatch.arrays import FloatArray
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
 from skiplatch.importing.log_lines import read_text
 
 MOST_BYTES = 2 * 2**30
+MOST_TICKS = 2**63
 NS_PER_S = 1e9
 _RATE = re.compile(r"(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE)
 _SAMPLED = re.compile(r"^;.*?Samplerate:\s*(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE | re.MULTILINE)
 _CHANNELS = re.compile(r"^;\s*Channels[^:]*:\s*(.+)$", re.IGNORECASE | re.MULTILINE)
 _LEVELS = {"0": 0.0, "1": 1.0, "0.0": 0.0, "1.0": 1.0, "X": np.nan}
+_S_OF_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "ps": 1e-12, "fs": 1e-15}
 _TIMES = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}
 
 
@@ -52,8 +54,7 @@ def read_capture(path: Path) -> Capture:
         InputError: It cannot be read.
     """
     readers = {".vcd": _read_vcd, ".sr": _read_sigrok}
-    with foreign_reader(path, MOST_BYTES, "capture of a logic analyser"):
-        return readers.get(path.suffix.lower(), _read_csv)(path)
+    return readers.get(path.suffix.lower(), _read_csv)(path)
 
 
 def _read_csv(path: Path) -> Capture:
@@ -102,7 +103,7 @@ def _times(path: Path, texts: list[str]) -> FloatArray:
             return np.array([float(text) for text in texts])
         stamps = np.array([text.strip().split("+")[0].rstrip("Z") for text in texts], "M8[ns]")
         return np.asarray((stamps - stamps[:1]).astype(np.float64) / NS_PER_S)
-    except ValueError as error:
+    except (ValueError, OverflowError) as error:
         raise InputError(path, None, None, f"expected times: {error}") from error
 
 
@@ -149,58 +150,72 @@ def _read_vcd(path: Path) -> Capture:
     found: dict[str, list[tuple[float, float]]] = {}
     name_of: dict[str, str] = {}
     scale, now = 1e-9, 0
-    with path.open("rb") as file:
-        try:
-            for token in tokenize(file):
-                if token.kind is TokenKind.TIMESCALE:
-                    magnitude, unit = int(token.timescale.magnitude), token.timescale.unit.value
-                    scale = magnitude * {"s": 1, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}.get(
-                        unit, 1e-12 if unit == "ps" else 1e-15
-                    )
-                elif token.kind is TokenKind.VAR and token.var.type_ in (VarType.wire, VarType.reg):
-                    name_of[token.var.id_code] = token.var.reference
-                    found[token.var.reference] = []
-                elif token.kind is TokenKind.CHANGE_TIME:
-                    now = token.time_change
-                elif token.kind is TokenKind.CHANGE_SCALAR:
-                    code, value = token.scalar_change.id_code, token.scalar_change.value
-                    if code in name_of and value in "01":
-                        found[name_of[code]].append((now * scale, float(value)))
-        except VCDParseError as error:
-            raise InputError(path, error.loc.line, error.loc.column, "not valid VCD") from error
+    for token in _vcd_tokens(path):
+        if token.kind is TokenKind.TIMESCALE:
+            magnitude, unit = int(token.timescale.magnitude), token.timescale.unit.value
+            scale = magnitude * _S_OF_UNIT[unit]
+        elif token.kind is TokenKind.VAR and token.var.type_ in (VarType.wire, VarType.reg):
+            name_of[token.var.id_code] = token.var.reference
+            found[token.var.reference] = []
+        elif token.kind is TokenKind.CHANGE_TIME:
+            now = token.time_change
+            if now > MOST_TICKS:
+                raise InputError(path, None, None, "expected times up to 2^63")
+        elif token.kind is TokenKind.CHANGE_SCALAR:
+            code, value = token.scalar_change.id_code, token.scalar_change.value
+            if code in name_of and value in "01":
+                found[name_of[code]].append((now * scale, float(value)))
     channels = {name: np.array(pairs) for name, pairs in found.items() if pairs}
     if not channels:
         raise InputError(path, None, None, "expected wires that change, found none")
     return Capture({n: _changes(c[:, 0], c[:, 1]) for n, c in channels.items()}, None)
 
 
+def _vcd_tokens(path: Path) -> Iterator[Token]:
+    with foreign_reader(path, MOST_BYTES, "VCD"), path.open("rb") as file:
+        try:
+            yield from tokenize(file)
+        except VCDParseError as error:
+            raise InputError(path, error.loc.line, error.loc.column, "not valid VCD") from error
+
+
 def _read_sigrok(path: Path) -> Capture:
     """Read a session of sigrok: a zip of metadata and samples, a bit a channel."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            meta = configparser.ConfigParser()
-            meta.read_string(archive.read("metadata").decode())
-            device = meta["device 1"]
-            parts = sorted(_parts(archive, device["capturefile"]))
-            if sum(archive.getinfo(name).file_size for _, name in parts) > MOST_BYTES:
-                raise InputError(path, None, None, f"more than {MOST_BYTES} bytes of samples")
-            samples = b"".join(archive.read(name) for _, name in parts)
-    except (zipfile.BadZipFile, KeyError, configparser.Error, UnicodeDecodeError) as error:
-        raise InputError(path, None, None, "no session of sigrok") from error
+    device, samples = _sigrok_session(path)
     rate = _RATE.search(device.get("samplerate", ""))
     if not rate:
         raise InputError(path, None, None, "the session does not say its sample rate")
     step_s = 1.0 / _hertz(path, rate)
-    size = int(device.get("unitsize", "1"))
+    size = _sigrok_unit(path, device)
     if not samples:
         raise InputError(path, None, None, "the session holds no samples")
     units = np.frombuffer(samples[: len(samples) // size * size], dtype="u1").reshape(-1, size)
     names = {
         int(key.removeprefix("probe")): name
         for key, name in device.items()
-        if re.fullmatch(r"probe\d+", key)
+        if re.fullmatch(r"probe[1-9]\d{0,3}", key, re.ASCII)
     }
     return Capture(dict(_bits(units, names, step_s)), step_s)
+
+
+def _sigrok_session(path: Path) -> tuple[dict[str, str], bytes]:
+    """Give what the session says of its device, and the samples."""
+    with foreign_reader(path, MOST_BYTES, "session of sigrok"), zipfile.ZipFile(path) as archive:
+        meta = configparser.ConfigParser(interpolation=None)
+        meta.read_string(archive.read("metadata").decode())
+        device = dict(meta["device 1"])
+        parts = sorted(_parts(archive, device["capturefile"]))
+        if sum(archive.getinfo(name).file_size for _, name in parts) > MOST_BYTES:
+            raise InputError(path, None, None, f"more than {MOST_BYTES} bytes of samples")
+        return device, b"".join(archive.read(name) for _, name in parts)
+
+
+def _sigrok_unit(path: Path, device: Mapping[str, str]) -> int:
+    """Give the bytes of a sample."""
+    text = device.get("unitsize", "1")
+    if not re.fullmatch(r"[1-9]\d{0,2}", text, re.ASCII):
+        raise InputError(path, None, None, f"expected a unitsize of 1 to 999, got {quoted(text)}")
+    return int(text)
 
 
 def _parts(archive: zipfile.ZipFile, stem: str) -> Iterator[tuple[int, str]]:
