@@ -5,9 +5,11 @@
 # What a board.mk may say, all of it with `.$(board)` at the end of the name:
 #
 #   FAMILY       avr, arm: runs on a board of that compiler; host: compiled and linked here, run nowhere
+#   SHARED       folder of hal/ports with what boards of one chip have in common, as FAMILY's is
 #   FLAGS        the processor, for the compiler
 #   LINKER_SCRIPT   in its folder
 #   OTHER_CORES  names of cores that the port is linked and measured for as well; FLAGS.CORE of each
+#   CONTRACT_ONLY   why the unit tests of the firmware are not run on it
 #   SUITE_RUN    command that runs one suite, before the program's name; a family may know one
 #   RIG          Python module that records a campaign of a build in the emulator
 #   RIG_TOOLS    programs that rig or tests want: build/rigs/BOARD/tests/NAME of tests/NAME.c
@@ -75,7 +77,7 @@ TARGET  := $(patsubst boards/%,%,$(filter boards/%,$(VARIANT)))
 FAMILY  := $(FAMILY.$(TARGET))
 PORT    := $(or $(PORT.$(TARGET)),$(TARGET))
 PORT_FOLDER   := hal/ports/$(PORT)
-PORT_FOLDERS  := $(PORT_FOLDER) $(wildcard hal/ports/$(FAMILY))
+PORT_FOLDERS  := $(PORT_FOLDER) $(wildcard $(addprefix hal/ports/,$(FAMILY) $(SHARED.$(PORT))))
 PORT_SOURCES  := $(if $(TARGET),$(wildcard $(PORT_FOLDERS:%=%/*.c)))
 LINKER_SCRIPT := $(LINKER_SCRIPT.$(PORT):%=$(PORT_FOLDER)/%)
 LINKER_SCRIPTS := $(LINKER_SCRIPT) $(if $(LINKER_SCRIPT),$(wildcard hal/ports/$(FAMILY)/*.ld))

@@ -66,4 +66,5 @@ $(foreach test,$(TESTS:.c=),$(eval $(call test_rules,$(test))))
 # $(call under_test,test_hal_x,PORT): what stands between a contract suite and that port.
 under_test = $(if $(filter test_hal_pulse,$1),hal/ports/$2/tests/pulse_lines.c,\
                hal/ports/$2/tests/port_under_test.c tests/support/edge_log.c \
-               $(wildcard hal/ports/$(FAMILY.$2)/tests/port_under_test.c))
+               $(wildcard $(foreach folder,$(FAMILY.$2) $(SHARED.$2),\
+                   hal/ports/$(folder)/tests/port_under_test.c)))

@@ -7,7 +7,6 @@
 #include <stdint.h>
 
 #include "axis.h"
-#include "bus.h"
 #include "clock.h"
 #include "hal_clock.h"
 #include "hal_edge_events.h"
@@ -16,6 +15,7 @@
 #include "input/skip_input.h"
 #include "report/latch_report.h"
 #include "scan.h"
+#include "uart_bus.h"
 
 /* Every edge is a touch: what a bench injects does not bounce unless it is told to. */
 static const latch_config_t LATCH = {.repeated = true, .confirm_ticks = 0u, .holdoff_ticks = 0u};

@@ -15,6 +15,7 @@
 #include <avr/io.h>
 
 #define BOARD_CLOCK_HZ 16000000ul
+#define BOARD_BUS_BAUD 250000ul
 
 #define BOARD_TRIGGER_CHANNEL 0u
 #define BOARD_TRIGGER_BIT     _BV(PB0)

@@ -1,5 +1,6 @@
 # ATmega328P at 16 MHz, run in simavr.
 FAMILY.$(board) := avr
+SHARED.$(board) := atmega
 FLAGS.$(board)  := -mmcu=atmega328p
 
 DISTURBANCE.$(board).other_interrupt  := -DDISTURBANCE_INTERRUPT_US=100 \

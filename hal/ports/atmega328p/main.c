@@ -13,7 +13,6 @@
 
 #include "axis.h"
 #include "board.h"
-#include "bus.h"
 #include "clock.h"
 #include "cycle/touch_cycle.h"
 #include "deferred.h"
@@ -26,6 +25,7 @@
 #include "input/skip_input.h"
 #include "report/latch_report.h"
 #include "scan.h"
+#include "uart_bus.h"
 
 #define SCAN_US      2000u
 #define FAR_COUNTS   0x40000000

@@ -11,12 +11,12 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "bus.h"
 #include "clock.h"
 #include "hal_bus.h"
 #include "hal_pulse.h"
 #include "transmission/point_frame.h"
 #include "transmission/pulse_intake.h"
+#include "uart_bus.h"
 
 static const transmission_config_t CHAIN = {
     .method = TRANSMISSION_SUBDIVIDED,

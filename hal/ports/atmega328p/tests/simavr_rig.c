@@ -1,18 +1,23 @@
 /*
  * The rig of the AVR boards: runs a program in simavr and plays a list of stimuli to it.
  *
- *   simavr_rig FIRMWARE.elf <STIMULI >EVENTS
+ *   simavr_rig FIRMWARE.elf [PIN] <STIMULI >EVENTS
+ *
+ * PIN is that of the trigger line, B0 unless it is named.
  *
  * A stimulus is a line "CYCLE KIND VALUE", cycles rising: "e 1" and "e 0" raise and lower the
  * trigger line, "p 0" and "p 1" raise a pulse input and "l 0" and "l 1" lower it, "u 115" sends a
  * byte to the UART, "q 0" ends the run. What comes back, one line each:
  *
  *   edge CYCLE LEVEL PULSES      the line was driven; pulses forward less backward on the step pin
+ *   around BEFORE AFTER          after an edge: the pulses on the step pin before it and next
+ *   tick CYCLE                   a compare of Timer1, up to the first edge
  *   pulse CYCLE CHANNEL          the edge of a pulse
  *   note CYCLE CHANNEL OVERFLOWS TIMER LOST   what the firmware has noted of it ("pulse_notes")
  *   byte CYCLE VALUE             the last bit of a byte has left the UART
  *   check CYCLE PULSES COUNTS    after a touch, interrupts on: pulses on the pin, counts of the
- *                                firmware (symbol "axis_position"); they have to be the same
+ *                                firmware ("axis_position", or the first of "stepper_tick"); they
+ *                                have to be the same
  *   load CYCLE BUSY CAPTURES     at the end of the run: cycles spent in interrupts, capture
  * interrupts body VECTOR CALLS LEAST MEAN_X1000 MOST   of each interrupt: cycles from its vector to
  * the end of its reti, less those of interrupts inside it wait VECTOR CALLS LEAST MEAN_X1000 MOST
@@ -36,6 +41,7 @@
 #include <string.h>
 
 #define CLOCK_HZ      16000000u
+#define TRIGGER_PORT  'B'
 #define TRIGGER_PIN   0
 #define STEP_PIN      2
 #define PULSE_PIN     2 /* of channel 0; channel 1 is the trigger line's */
@@ -48,6 +54,8 @@
 #define VECTORS       64u
 #define NESTING       16u
 #define PIN_CHANGE    3u
+#define PIN_CHANGE_C  4u
+#define COMPARE       11u
 #define OVERFLOW      13u
 #define CAPTURE       10u
 #define EXIT_USAGE    2
@@ -74,6 +82,11 @@ static uint32_t  noted_address;
 static uint8_t   noted;
 static bool      is_direction_back;
 static int32_t   pulses;
+static uint64_t  pulse_cycle;
+static unsigned  open_edges; /* no pulse has come after them yet */
+static bool      has_edge;
+static char      trigger_port = TRIGGER_PORT;
+static int       trigger_pin = TRIGGER_PIN;
 static bool      wants_check;
 static bool      is_edge_open; /* no interrupt has taken it yet */
 static uint64_t  edge_cycle;
@@ -113,9 +126,14 @@ static void print_figures(const char *name, const figures_t *all)
 static void on_step(avr_irq_t *irq, uint32_t value, void *param)
 {
     (void)param;
-    if (value != 0u && irq->value == 0u) {
-        pulses += is_direction_back ? -1 : 1;
+    if (value == 0u || irq->value != 0u) {
+        return;
     }
+    pulses += is_direction_back ? -1 : 1;
+    for (; open_edges != 0u; --open_edges) {
+        printf("around %" PRIu64 " %" PRIu64 "\n", pulse_cycle, avr->cycle);
+    }
+    pulse_cycle = avr->cycle;
 }
 
 static void on_direction(avr_irq_t *irq, uint32_t value, void *param)
@@ -134,7 +152,7 @@ static void on_byte(avr_irq_t *irq, uint32_t value, void *param)
 
 static void begin_interrupt(unsigned vector)
 {
-    if (is_edge_open && (vector == CAPTURE || vector == PIN_CHANGE)) {
+    if (is_edge_open && (vector == CAPTURE || vector == PIN_CHANGE || vector == PIN_CHANGE_C)) {
         add(&waits[vector], avr->cycle - edge_cycle);
         is_edge_open = false;
     }
@@ -177,6 +195,15 @@ static void on_overflow(avr_irq_t *irq, uint32_t value, void *param)
     }
 }
 
+static void on_compare(avr_irq_t *irq, uint32_t value, void *param)
+{
+    (void)irq;
+    (void)param;
+    if (value != 0u && !has_edge) {
+        printf("tick %" PRIu64 "\n", avr->cycle);
+    }
+}
+
 static void listen(void)
 {
     uint32_t flags = 0u;
@@ -194,6 +221,9 @@ static void listen(void)
         if (vector == OVERFLOW) {
             avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, on_overflow, NULL);
         }
+        if (vector == COMPARE) {
+            avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, on_compare, NULL);
+        }
         if (irq != NULL) {
             avr_irq_register_notify(irq + AVR_INT_IRQ_RUNNING, on_interrupt,
                                     (void *)(uintptr_t)vector);
@@ -203,22 +233,29 @@ static void listen(void)
 
 /* ---- the stimuli ---- */
 
+static avr_irq_t *trigger_line(void)
+{
+    return avr_io_getirq(avr, (uint32_t)AVR_IOCTL_IOPORT_GETIRQ(trigger_port), trigger_pin);
+}
+
 static void drive(uint32_t level)
 {
     printf("edge %" PRIu64 " %" PRIu32 " %" PRId32 "\n", avr->cycle, level, pulses);
     if (level != 0u) {
         edge_cycle = avr->cycle;
         is_edge_open = true;
+        ++open_edges;
+        has_edge = true;
     } else {
         wants_check = true;
     }
-    avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), TRIGGER_PIN), level);
+    avr_raise_irq(trigger_line(), level);
 }
 
 static void drive_pulse(uint32_t channel, uint32_t level)
 {
     avr_irq_t *line = channel == 0u ? avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('D'), PULSE_PIN)
-                                    : avr_io_getirq(avr, AVR_IOCTL_IOPORT_GETIRQ('B'), TRIGGER_PIN);
+                                    : trigger_line();
     if (level != 0u) {
         printf("pulse %" PRIu64 " %" PRIu32 "\n", avr->cycle, channel);
     }
@@ -307,6 +344,9 @@ static bool load(const char *path)
         return false;
     }
     position_address = address_of(&firmware, "axis_position");
+    if (position_address == 0u) {
+        position_address = address_of(&firmware, "stepper_tick");
+    }
     lost_address = address_of(&firmware, "edge_line_lost");
     notes_address = address_of(&firmware, "pulse_notes");
     noted_address = address_of(&firmware, "pulse_noted");
@@ -315,7 +355,8 @@ static bool load(const char *path)
     }
     avr = avr_make_mcu_by_name("atmega328p");
     if (avr == NULL || lost_address == 0u || (position_address == 0u && notes_address == 0u)) {
-        fprintf(stderr, "simavr_rig: %s: neither axis_position nor pulse_notes found\n", path);
+        fprintf(stderr, "simavr_rig: %s: no axis_position, stepper_tick or pulse_notes found\n",
+                path);
         return false;
     }
     avr_init(avr);
@@ -326,9 +367,14 @@ static bool load(const char *path)
 
 int main(int argc, char **argv)
 {
-    if (argc != 2) {
-        fprintf(stderr, "usage: simavr_rig FIRMWARE.elf <STIMULI >EVENTS\n");
+    bool names_pin = argc == 3 && strlen(argv[2]) == 2u;
+    if (argc != 2 && !names_pin) {
+        fprintf(stderr, "usage: simavr_rig FIRMWARE.elf [PIN] <STIMULI >EVENTS\n");
         return EXIT_USAGE;
+    }
+    if (names_pin) {
+        trigger_port = argv[2][0];
+        trigger_pin = argv[2][1] - '0';
     }
     if (!load(argv[1])) {
         return EXIT_USAGE;

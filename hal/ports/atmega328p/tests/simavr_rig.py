@@ -114,6 +114,10 @@ class Events:
     notes: list[tuple[int, int, int]] = field(default_factory=list)
     """What the firmware has noted of them: channel, ticks of its clock, pulses lost before."""
     overflows: list[int] = field(default_factory=list)
+    arounds: list[tuple[int, int]] = field(default_factory=list)
+    """For each edge: when the pulses on the step pin before it and after it came."""
+    ticks: list[int] = field(default_factory=list)
+    """Compares of Timer1, up to the first edge."""
     bodies: dict[int, Figures] = field(default_factory=dict)
     waits: dict[int, Figures] = field(default_factory=dict)
     end: int = 0
@@ -148,6 +152,12 @@ class Events:
     def _overflow(self, values: Sequence[int]) -> None:
         self.overflows.append(values[0])
 
+    def _around(self, values: Sequence[int]) -> None:
+        self.arounds.append((values[0], values[1]))
+
+    def _tick(self, values: Sequence[int]) -> None:
+        self.ticks.append(values[0])
+
     def _body(self, values: Sequence[int]) -> None:
         self.bodies[values[0]] = _figures(values)
 
@@ -170,6 +180,8 @@ _TAKERS = {
     "pulse": Events._pulse,
     "note": Events._note,
     "overflow": Events._overflow,
+    "around": Events._around,
+    "tick": Events._tick,
     "body": Events._body,
     "wait": Events._wait,
     "end": Events._end,
@@ -181,10 +193,13 @@ def _figures(values: Sequence[int]) -> Figures:
     return Figures(calls, least, mean_x1000 / 1e3, most)
 
 
-def run(program: Path, stimuli: Sequence[Stimulus]) -> Events:
-    """Run a program with these stimuli, in order of their cycles, the last one ("q", 0)."""
+def run(program: Path, stimuli: Sequence[Stimulus], pin: str = "B0") -> Events:
+    """Run a program with these stimuli, in order of their cycles, the last one ("q", 0).
+
+    `pin` is that of the trigger line.
+    """
     text = "".join(f"{cycle} {kind} {value}\n" for cycle, kind, value in stimuli)
-    command = [str(RIG), str(program)]
+    command = [str(RIG), str(program), pin]
     result = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
     if result.returncode != 0:
         raise RuntimeError(f"{program}: {result.stderr.strip() or result.returncode}")

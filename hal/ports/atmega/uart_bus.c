@@ -1,13 +1,17 @@
-#include "bus.h"
+#include "uart_bus.h"
 
 #include <avr/interrupt.h>
 
-#include "board.h"
 #include "hal_bus.h"
 #include "hal_critical.h"
 #include "hal_error.h"
 
-#define BAUD        250000ul
+/* A chip with one UART leaves its number out. */
+#ifndef USART_UDRE_vect
+#define USART_UDRE_vect USART0_UDRE_vect
+#endif
+
+#define DIVIDER     8u  /* with U2X0 */
 #define QUEUE_BYTES 64u /* a power of two; four records */
 
 static uint8_t          queue[QUEUE_BYTES];
@@ -26,7 +30,10 @@ ISR(USART_UDRE_vect)
 
 void bus_start(void)
 {
-    UBRR0 = BOARD_CLOCK_HZ / 16u / BAUD - 1u;
+    UCSR0B = 0u;
+    sent = queued;
+    UCSR0A = _BV(U2X0);
+    UBRR0 = BOARD_CLOCK_HZ / DIVIDER / BOARD_BUS_BAUD - 1u;
     UCSR0C = _BV(UCSZ01) | _BV(UCSZ00);
     UCSR0B = _BV(RXEN0) | _BV(TXEN0);
 }
