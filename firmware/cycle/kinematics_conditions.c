@@ -27,7 +27,8 @@ double kinematics_conditions_feed(const kinematics_job_t *job)
         return job->machine.global_feed_mm_min;
     case KINEMATICS_NUMBER:
     default:
-        return number(job, KINEMATICS_Q253_FEED);
+        return number(job, KINEMATICS_Q253_FEED) > 0.0 ? number(job, KINEMATICS_Q253_FEED)
+                                                       : job->machine.probe_feed_max_mm_min;
     }
 }
 
@@ -117,6 +118,9 @@ static kinematics_cycle_fault_t fault_of(kinematics_cycle_error_t error,
 static kinematics_cycle_fault_t check_settings(const kinematics_job_t *job)
 {
     kinematics_setting_t setting = kinematics_settings_fault(&job->settings);
+    if (!job->machine.has_kinematics_opt) {
+        return fault_of(KINEMATICS_CYCLE_ERR_NO_CYCLE, KINEMATICS_SETTINGS);
+    }
     if (setting != KINEMATICS_SETTINGS) {
         return fault_of(KINEMATICS_CYCLE_ERR_SETTING, setting);
     }
@@ -181,6 +185,7 @@ const char *kinematics_cycle_phrase(kinematics_cycle_error_t error)
         [KINEMATICS_CYCLE_ERR_SETTING] = "a parameter is out of its limits",
         [KINEMATICS_CYCLE_ERR_NO_FEED] = "the feed for pre-positioning is 0",
         [KINEMATICS_CYCLE_ERR_NO_CLEARANCE] = "set-up clearance and SET_UP are both 0",
+        [KINEMATICS_CYCLE_ERR_NO_CYCLE] = "the cycle needs KinematicsOpt (option 48)",
         [KINEMATICS_CYCLE_ERR_OPTION] = "modes 2 and 3 need KinematicsComp (option 52)",
         [KINEMATICS_CYCLE_ERR_NOT_STACKED] = "mode 3 needs one rotary axis upon another",
         [KINEMATICS_CYCLE_ERR_RETRACT] = "a retract height above 0 is needed: an axis with a Hirth "

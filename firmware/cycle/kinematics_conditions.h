@@ -19,8 +19,9 @@ extern "C" {
 typedef enum {
     KINEMATICS_CYCLE_OK,
     KINEMATICS_CYCLE_ERR_SETTING,      /* out of its limits: see kinematics_settings_check() */
-    KINEMATICS_CYCLE_ERR_NO_FEED,      /* Q253 is 0: no axis would move */
+    KINEMATICS_CYCLE_ERR_NO_FEED,      /* the control has no feed for the word of Q253 */
     KINEMATICS_CYCLE_ERR_NO_CLEARANCE, /* Q320 and SET_UP are 0: a touch would begin touching */
+    KINEMATICS_CYCLE_ERR_NO_CYCLE,     /* no KinematicsOpt (option 48): no cycle 451 at all */
     KINEMATICS_CYCLE_ERR_OPTION,       /* Q406 = 2 or 3 without KinematicsComp (option 52) */
     KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs one rotary axis upon another */
     KINEMATICS_CYCLE_ERR_RETRACT,      /* Q408 = 0 with a Hirth axis that turns, or no option 2 */
@@ -56,6 +57,7 @@ typedef struct {
     double                 max_modification_mm;   /* 204801, ≥ 0 */
     double                 max_dev_cal_ball_mm;   /* 204802, ≥ 0; 0: the radius is not watched */
     int32_t                strobe_rot_ax_pos;     /* 204803: M function that positions; -1: none */
+    bool                   has_kinematics_opt;    /* option 48 */
     bool                   has_kinematics_comp;   /* option 52 */
     bool                   has_advanced_functions_2; /* option 2 */
     bool                   is_tcpm_on;
@@ -90,7 +92,8 @@ kinematics_cycle_fault_t kinematics_conditions_check(const kinematics_job_t *job
 /* A whole number among the settings, once they are checked. Any context. */
 uint8_t kinematics_conditions_whole(const kinematics_job_t *job, kinematics_setting_t setting);
 
-/* Feed while the probe is not watched, respectively is: then its own limit counts as well. */
+/* Feed while the probe is not watched, respectively is: then its own limit counts as well. Q253 = 0
+ * names none: the probe's own. */
 double kinematics_conditions_feed(const kinematics_job_t *job);
 double kinematics_conditions_watched_feed(const kinematics_job_t *job);
 

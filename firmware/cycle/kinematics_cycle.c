@@ -137,6 +137,11 @@ static void begin_measuring(kinematics_cycle_t *cycle)
     }
 }
 
+static void tilt(kinematics_cycle_t *cycle)
+{
+    (void)kinematics_request_begin(cycle, KINEMATICS_STEP_TILT, KINEMATICS_CYCLE_TILT);
+}
+
 /* The sphere stands still on its table: the first reference tells where it is. */
 static void finish(kinematics_cycle_t *cycle)
 {
@@ -146,7 +151,7 @@ static void finish(kinematics_cycle_t *cycle)
         kinematics_request_preset(cycle, KINEMATICS_STEP_PRESET_AFTER, first->angle_deg,
                                   first->centre_mm);
     } else {
-        cycle->state = KINEMATICS_CYCLE_DONE;
+        tilt(cycle);
     }
 }
 
@@ -219,6 +224,9 @@ static void advance(kinematics_cycle_t *cycle, const kinematics_cycle_input_t *i
         finish(cycle);
         break;
     case KINEMATICS_STEP_PRESET_AFTER:
+        tilt(cycle);
+        break;
+    case KINEMATICS_STEP_TILT:
     default:
         cycle->state = KINEMATICS_CYCLE_DONE;
         break;

@@ -61,7 +61,10 @@ typedef enum {
     /* Show a warning: change_mm is above maxModification. Carried out once NC start is pressed. */
     KINEMATICS_CYCLE_ACKNOWLEDGE,
     /* Write the evaluated kinematics into the active description. */
-    KINEMATICS_CYCLE_APPLY
+    KINEMATICS_CYCLE_APPLY,
+    /* Last of all: the working plane of the automatic mode (3-D ROT) becomes active, as the rotary
+     * axes stand, angle_deg. */
+    KINEMATICS_CYCLE_TILT
 } kinematics_cycle_request_kind_t;
 
 typedef struct {
@@ -110,7 +113,8 @@ typedef enum {
     KINEMATICS_STEP_EVALUATE,
     KINEMATICS_STEP_ACKNOWLEDGE,
     KINEMATICS_STEP_APPLY,
-    KINEMATICS_STEP_PRESET_AFTER
+    KINEMATICS_STEP_PRESET_AFTER,
+    KINEMATICS_STEP_TILT
 } kinematics_cycle_step_t;
 
 /* Owned by the caller; the fields are for this module. Start from all zeros. */

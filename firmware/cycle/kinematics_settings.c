@@ -26,7 +26,7 @@ static const kinematics_setting_description_t TABLE[KINEMATICS_SETTINGS] = {
     {418u, WHOLE, 0u, "MEAS. POINTS B AXIS", "", 0.0, 12.0, 2.0},
     {419u, ANY, 0u, "START ANGLE C AXIS", "deg", -TURN, TURN, -90.0},
     {420u, ANY, 0u, "END ANGLE C AXIS", "deg", -TURN, TURN, 90.0},
-    {421u, ANY, 0u, "INCID. ANGLE C AXIS", "deg", -TURN, TURN, 0.0},
+    {421u, ANY, 0u, "INCID. ANGLE C AXIS", "deg", -TURN, 360.0, 0.0},
     {422u, WHOLE, 0u, "MEAS. POINTS C AXIS", "", 0.0, 12.0, 2.0},
     {423u, WHOLE, 0u, "NO. OF PROBE POINTS", "", 3.0, 8.0, 4.0},
     {431u, WHOLE, 0u, "PRESET", "", 0.0, 3.0, 0.0},

@@ -25,10 +25,12 @@ struct sim_451 {
     double                   preset_mm[3];
     double                   shown_deg[3]; /* what the control shows */
     double                   change_mm;
+    double                   tilt_deg[3];
     int32_t                  presets;
     int64_t                  touches;
     double                   duration_s; /* of the motions as programmed, and of the touches */
     bool                     is_started;
+    bool                     is_tilted;
     bool                     is_rotation_cancelled;
 };
 
@@ -158,6 +160,10 @@ static bool carry_out(sim_451_t *play, const kinematics_cycle_request_t *request
         copy(play->preset_mm, request->sphere_mm);
         ++play->presets;
         return true;
+    case KINEMATICS_CYCLE_TILT:
+        copy(play->tilt_deg, request->angle_deg);
+        play->is_tilted = true;
+        return true;
     default:
         return false;
     }
@@ -221,9 +227,11 @@ static kinematics_cycle_machine_t description(const sim_451_t *play)
         .max_modification_mm = control->max_modification_mm,
         .max_dev_cal_ball_mm = control->max_dev_cal_ball_mm,
         .strobe_rot_ax_pos = control->strobe_rot_ax_pos,
+        .has_kinematics_opt = control->has_kinematics_opt != 0,
         .has_kinematics_comp = control->has_kinematics_comp != 0,
         .has_advanced_functions_2 = control->has_advanced_functions_2 != 0,
         .is_tcpm_on = control->is_tcpm_on != 0,
+        .is_turning = control->is_turning != 0,
         .is_stacked = is_stacked(&play->belief.machine),
     };
     copy(machine.position_mm, play->position_mm);
@@ -291,7 +299,7 @@ int sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
     five_axis_believe(&play->belief, believed);
     kinematics_settings_reset(&play->settings);
     five_axis_boot(&play->rig, &play->truth, &play->chain, controller, settings, settings_count,
-                   control->path, control->touch_feed_mm_min, seed, replicate);
+                   control->path, control->touch_feed_mm_min, control->track != 0, seed, replicate);
     prepare(play);
     *opened = play;
     return SIM_PLAY_OK;
@@ -413,6 +421,8 @@ void sim_451_report(const sim_451_t *play, sim_451_report_t *report)
         .touch_error = play->rig.error,
         .cancelled_rotation = play->is_rotation_cancelled,
         .presets = play->presets,
+        .is_tilted = play->is_tilted,
     };
+    copy(report->tilt_deg, play->tilt_deg);
     copy(report->preset_mm, play->preset_mm);
 }

@@ -83,7 +83,7 @@ int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *be
     }
     five_axis_believe(&belief, believed);
     five_axis_boot(&rig, truth, chain, controller, settings, settings_count, probing->path,
-                   probing->feed_mm_min, seed, replicate);
+                   probing->feed_mm_min, false, seed, replicate);
     for (uint32_t i = 0; i < n; ++i) {
         turn_to(&rig, &belief, spheres[i].angle_deg);
         if (i == 0u) { /* the operator has found it */

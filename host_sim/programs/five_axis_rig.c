@@ -25,7 +25,7 @@ static double play(five_axis_rig_t *rig, double approach_mm, double overtravel_m
     touch->time_s = fmax(touch->time_s, (double)rig->rig.done_at / SIM_NS_PER_S) + MOVE_S +
                     sim_random_uniform(&rig->random, MOVE_S);
     touch->approach_mm = approach_mm;
-    touch->alpha_deg = atan2(in_probe[1], in_probe[0]) / RAD_PER_DEG;
+    touch->alpha_deg = rig->is_tracking ? 0.0 : atan2(in_probe[1], in_probe[0]) / RAD_PER_DEG;
     touch->beta_deg = asin(fmax(-1.0, fmin(1.0, in_probe[2]))) / RAD_PER_DEG;
     rig->controller.overtravel_mm = overtravel_mm;
     rig->is_broken = rig->is_broken || rig_play(&rig->rig, touch, &outcome) != 0;
@@ -64,10 +64,10 @@ int five_axis_check(const sim_machine_t *machine, const sim_machine_t *believed,
 
 void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_chain_t *chain,
                     const sim_controller_t *controller, const sim_setting_t *settings,
-                    uint32_t count, int32_t path, double feed_mm_min, uint64_t seed,
-                    uint64_t replicate)
+                    uint32_t count, int32_t path, double feed_mm_min, bool is_tracking,
+                    uint64_t seed, uint64_t replicate)
 {
-    *rig = (five_axis_rig_t){.machine = machine, .controller = *controller};
+    *rig = (five_axis_rig_t){.machine = machine, .controller = *controller, .is_tracking = is_tracking};
     rig->touch = (sim_touch_t){
         .feed_mm_min = feed_mm_min, .sign = 1.0, .temp_c = 20.0, .path = path, .axis = SIM_AXIS_X};
     sim_machine_home(machine, &rig->stance);

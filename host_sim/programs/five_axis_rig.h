@@ -23,6 +23,7 @@ typedef struct {
     double               calibrated_mm; /* contact to latch, mean; taken off every touch */
     double               cycle_s;       /* of the last touch, back at its start */
     int32_t              error;         /* touch_error_t of the last touch */
+    bool                 is_tracking;   /* a controlled spindle turns the probe to every touch */
     bool                 is_broken;     /* the firmware refused to start its input */
 } five_axis_rig_t;
 
@@ -37,8 +38,8 @@ int five_axis_check(const sim_machine_t *machine, const sim_machine_t *believed,
  */
 void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_chain_t *chain,
                     const sim_controller_t *controller, const sim_setting_t *settings,
-                    uint32_t count, int32_t path, double feed_mm_min, uint64_t seed,
-                    uint64_t replicate);
+                    uint32_t count, int32_t path, double feed_mm_min, bool is_tracking,
+                    uint64_t seed, uint64_t replicate);
 
 /* Turn one rotary axis, SIM_ROTARY_*; it takes its time. */
 void five_axis_turn(five_axis_rig_t *rig, int32_t axis, double command_deg);

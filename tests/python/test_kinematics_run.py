@@ -145,6 +145,8 @@ def test_a_slip_in_the_truth_is_named(tmp_path: Path, text: str, message: str) -
     [
         ("is_tcpm_on = true", "cycle 451: "),
         ("has_kinematics_comp = false", "cycle 451: Q406"),
+        ("has_kinematics_opt = false", "cycle 451: the cycle needs KinematicsOpt (option 48)"),
+        ("is_turning = true", "cycle 451: FUNCTION MODE MILL is not active"),
         ("max_dev_cal_ball_mm = -1", "16:1: control.max_dev_cal_ball_mm: expected a number from 0"),
         ("is_tcpm_on = 1", "16:1: control.is_tcpm_on: expected true or false"),
         ("hirth_deg = [0, -3, 0]", "16:1: control.hirth_deg: expected a list of 3 numbers from 0"),
@@ -248,6 +250,46 @@ def test_an_inch_program_measures_the_same_in_mm(tmp_path: Path) -> None:
     in_mm = json.loads((tmp_path / "out.json").read_text())["runs"][0]["q"]
 
     assert in_inches == pytest.approx(in_mm, abs=1e-6)
+
+
+def test_a_range_is_told_in_the_inches_of_the_program(tmp_path: Path) -> None:
+    text = (SAMPLES / "save_and_check.h").read_text(encoding="utf-8")
+    wide = text.replace("Q407=+12.5", "Q407=+4")
+    program = program_of(tmp_path, f"BEGIN PGM X INCH\n{wide}END PGM X INCH\n")
+
+    result = run(program, tmp_path)
+
+    assert "Q407 is above its upper limit (SPHERE RADIUS: 3.93700787e-06 to 3.93700394 inch)" in (
+        str(result.exception)
+    )
+
+
+def test_3d_rot_and_track_at_the_end_stand_in_the_log(tmp_path: Path) -> None:
+    result = run(SAMPLES / "save_and_check.h", tmp_path)
+
+    assert result.exit_code == 0, result.output
+    said = "3-D ROT of the automatic mode active at B 0°, C 90°, as the axes stand; TRACK off"
+    assert said in result.output
+    assert said in (tmp_path / "log.html").read_text(encoding="utf-8")
+    (done,) = json.loads((tmp_path / "out.json").read_text())["runs"]
+    assert done["end"] == {"3d_rot_deg": {"B": 0.0, "C": 90.0}, "track": False}
+
+
+def test_a_probe_that_is_tracked_has_no_lobes(tmp_path: Path) -> None:
+    """Four touches around see lobes of 3 µm as a shift of the sphere, the same everywhere."""
+    machine = tmp_path / "machine.toml"
+    text = MACHINE.read_text(encoding="utf-8")
+    lobes = ("--effect", "pretravel_lobing:amplitude_um=3")
+    off_um = {}
+    for track in ("false", "true"):
+        machine.write_text(f"{text}\n[control]\ntrack = {track}\n", encoding="utf-8")
+        result = run(SAMPLES / "save_and_check.h", tmp_path, *lobes, "--machine", str(machine))
+        assert result.exit_code == 0, result.output
+        (done,) = json.loads((tmp_path / "out.json").read_text())["runs"]
+        off_um[track] = abs(done["parameters"]["XOC"]["value"] - 120.0)
+
+    assert off_um["false"] > 1.0
+    assert off_um["true"] < 0.5
 
 
 def test_the_same_seed_gives_the_same_result(tmp_path: Path) -> None:

@@ -24,6 +24,7 @@ void cycle451_set_up(cycle451_machine_t *machine)
         .max_modification_mm = 1.0,
         .max_dev_cal_ball_mm = 0.1,
         .strobe_rot_ax_pos = -1,
+        .has_kinematics_opt = true,
         .has_kinematics_comp = true,
         .has_advanced_functions_2 = true,
         .is_stacked = true,

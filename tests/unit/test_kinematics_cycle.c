@@ -11,6 +11,7 @@
 
 #define TINY_MM 1e-9
 #define PROBING 5 /* touches for one sphere with Q423 = 4 */
+#define LAST    (machine.count - 2) /* before 3-D ROT, which ends every cycle */
 
 static cycle451_machine_t machine;
 
@@ -55,7 +56,7 @@ void test_the_first_program_measures_five_spheres_and_changes_nothing(void)
     TEST_ASSERT_EQUAL(5 * PROBING, asked(KINEMATICS_CYCLE_TOUCH));
     TEST_ASSERT_EQUAL(5, kinematics_cycle_plan(&machine.cycle)->measured);
     TEST_ASSERT_EQUAL(1, asked(KINEMATICS_CYCLE_EVALUATE));
-    TEST_ASSERT_EQUAL(machine.count - 1, first(KINEMATICS_CYCLE_EVALUATE));
+    TEST_ASSERT_EQUAL(LAST, first(KINEMATICS_CYCLE_EVALUATE));
     TEST_ASSERT_EQUAL(0, asked(KINEMATICS_CYCLE_APPLY));
     TEST_ASSERT_EQUAL(0, asked(KINEMATICS_CYCLE_SET_PRESET));
 }
@@ -160,7 +161,7 @@ void test_a_retract_height_comes_before_every_turn_and_at_the_end(void)
             TEST_ASSERT_NOT_EQUAL(KINEMATICS_CYCLE_MOVE, machine.log[i - 1].kind);
         }
     }
-    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_RETRACT, machine.log[machine.count - 2].kind);
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_RETRACT, machine.log[LAST - 1].kind);
 }
 
 void test_a_turn_tells_where_the_sphere_was_measured_last(void)
@@ -197,6 +198,12 @@ void test_rotary_axes_turn_at_q253_and_the_watched_probe_at_the_smaller_feed(voi
     check_feeds(400, 400);
     kinematics_settings_set_word(&machine.settings, 253, KINEMATICS_PREDEF);
     check_feeds(300, 300);
+}
+
+void test_a_q253_of_0_is_the_feed_of_the_probe(void)
+{
+    cycle451_set(&machine, 253, 0);
+    check_feeds(600, 600);
 }
 
 void test_clearance_comes_on_top_of_set_up(void)
@@ -264,10 +271,10 @@ void test_presetting_after_uses_the_reference(void)
     check_done();
 
     TEST_ASSERT_EQUAL(1, asked(KINEMATICS_CYCLE_SET_PRESET));
-    TEST_ASSERT_EQUAL(machine.count - 1, first(KINEMATICS_CYCLE_SET_PRESET));
+    TEST_ASSERT_EQUAL(LAST, first(KINEMATICS_CYCLE_SET_PRESET));
     TEST_ASSERT_EQUAL(5 * PROBING, asked(KINEMATICS_CYCLE_TOUCH));
-    TEST_ASSERT_DOUBLE_WITHIN(TINY_MM, 80.0, machine.log[machine.count - 1].sphere_mm[0]);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, machine.log[machine.count - 1].angle_deg[ROTARY_C]);
+    TEST_ASSERT_DOUBLE_WITHIN(TINY_MM, 80.0, machine.log[LAST].sphere_mm[0]);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, machine.log[LAST].angle_deg[ROTARY_C]);
 }
 
 void test_presetting_before_and_after_does_both(void)
@@ -277,8 +284,24 @@ void test_presetting_before_and_after_does_both(void)
     check_done();
 
     TEST_ASSERT_EQUAL(2, asked(KINEMATICS_CYCLE_SET_PRESET));
-    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_APPLY, machine.log[machine.count - 2].kind);
-    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_SET_PRESET, machine.log[machine.count - 1].kind);
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_APPLY, machine.log[LAST - 1].kind);
+    TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_SET_PRESET, machine.log[LAST].kind);
+}
+
+void test_3d_rot_is_active_at_the_end_as_the_axes_stand(void)
+{
+    for (int preset = 0; preset <= 3; preset++) {
+        cycle451_set(&machine, 431, preset);
+        cycle451_set(&machine, 417, 15);
+        check_done();
+
+        const kinematics_cycle_request_t *last = &machine.log[machine.count - 1];
+        TEST_ASSERT_EQUAL(KINEMATICS_CYCLE_TILT, last->kind);
+        TEST_ASSERT_EQUAL(1, asked(KINEMATICS_CYCLE_TILT));
+        TEST_ASSERT_EQUAL_DOUBLE(0, last->angle_deg[ROTARY_A]);
+        TEST_ASSERT_EQUAL_DOUBLE(15, last->angle_deg[ROTARY_B]);
+        TEST_ASSERT_EQUAL_DOUBLE(90, last->angle_deg[ROTARY_C]);
+    }
 }
 
 /* ---- radius of the sphere ---- */

@@ -52,13 +52,14 @@ void test_every_parameter_out_of_its_limits_is_named(void)
     }
 }
 
+void test_without_kinematics_opt_there_is_no_cycle(void)
+{
+    machine.data.has_kinematics_opt = false;
+    check_refused(KINEMATICS_CYCLE_ERR_NO_CYCLE, KINEMATICS_SETTINGS);
+}
+
 void test_without_a_feed_nothing_would_move(void)
 {
-    cycle451_set(&machine, 253, 0);
-    check_refused(KINEMATICS_CYCLE_ERR_NO_FEED, KINEMATICS_Q253_FEED);
-    cycle451_set(&machine, 253, 0.0001);
-    check_starts();
-
     machine.data.tool_feed_mm_min = 0.0;
     kinematics_settings_set_word(&machine.settings, 253, KINEMATICS_FAUTO);
     check_refused(KINEMATICS_CYCLE_ERR_NO_FEED, KINEMATICS_Q253_FEED);

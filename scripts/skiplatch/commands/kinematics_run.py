@@ -184,7 +184,7 @@ def command(
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:
     spindle_mm = read_spindle(machine_path)
     logged = [
-        Logged(run.evaluation, run.parameters, _effort(run), run.notes, spindle_mm)
+        Logged(run.evaluation, run.parameters, _effort(run), _end(run), run.notes, spindle_mm)
         for run in outcome.runs
     ]
     return lay_out(
@@ -203,6 +203,19 @@ def _effort(run: Run) -> str:
         return f"{len(np.unique(run.stations.centre_mm, axis=0))} recorded positions"
     minutes = run.report.duration_s / SECONDS_PER_MINUTE
     return f"{run.report.touches} touches in {minutes:.1f} min"
+
+
+def _tilt_deg(run: Run) -> dict[str, float]:
+    """Give the angles of 3-D ROT by axis; empty where it is not active."""
+    shown = dict(zip(LETTERS, run.report.tilt_deg, strict=True)) if run.report.is_tilted else {}
+    return {axis.letter: shown[axis.letter] for axis in run.evaluation.believed.axes if shown}
+
+
+def _end(run: Run) -> str:
+    """Say how the tilt of the automatic mode and the tracking of the probe stand."""
+    angles = ", ".join(f"{letter} {angle:g}°" for letter, angle in _tilt_deg(run).items())
+    tilt = f"active at {angles}, as the axes stand" if angles else "off"
+    return f"3-D ROT of the automatic mode {tilt}; TRACK {'on' if run.tracks else 'off'}"
 
 
 def _text(run: Run) -> str:
@@ -227,6 +240,7 @@ def _text(run: Run) -> str:
         [
             f"cycle 451, mode {evaluation.mode}, {_effort(run)}",
             *run.notes,
+            f"{_end(run)}.",
             table(header, rows),
             *found,
             f"undetermined, left as believed: {left}",
@@ -260,6 +274,7 @@ def _run_json(run: Run) -> dict[str, object]:
         "duration_s": run.report.duration_s,
         "notes": list(run.notes),
         "preset_mm": list(run.report.preset_mm),
+        "end": {"3d_rot_deg": _tilt_deg(run), "track": run.tracks},
         "q": {f"Q{q}": value for q, value in evaluation.q_parameters().items()},
         "parameters": {
             name: {"value": e.value, "uncertainty": e.uncertainty, "unit": e.unit}

@@ -47,9 +47,12 @@ class Control:
     touch_feed_mm_min: float = FEED_MM_MIN
     search_mm: float = 6.0
     strobe_rot_ax_pos: int = -1
+    has_kinematics_opt: bool = True
     has_kinematics_comp: bool = True
     has_advanced_functions_2: bool = True
     is_tcpm_on: bool = False
+    is_turning: bool = False
+    track: bool = False
     path: InputPath = InputPath.SKIP
 
 
@@ -103,6 +106,8 @@ class Report:
     touch_error: int
     cancelled_rotation: int
     presets: int
+    is_tilted: int
+    tilt_deg: tuple[float, ...]
 
 
 class CycleRefusedError(Exception):
@@ -110,11 +115,13 @@ class CycleRefusedError(Exception):
 
     Attributes:
         parameter: Number of the Q parameter at fault, 0 for none.
+        limits: What the cycle admits, where the value is not.
     """
 
-    def __init__(self, parameter: int, message: str) -> None:
+    def __init__(self, parameter: int, message: str, limits: "Setting | None" = None) -> None:
         super().__init__(message)
         self.parameter = parameter
+        self.limits = limits
 
 
 @dataclass(slots=True)
@@ -137,7 +144,7 @@ class Play:
         )
         if code != 0:
             phrase = ffi.string(lib.sim_451_phrase(code)).decode()
-            raise CycleRefusedError(number, f"Q{number} {phrase}{_limits(number)}")
+            raise CycleRefusedError(number, f"Q{number} {phrase}", setting(number))
 
     def begin(self) -> bool:
         """Start and run until the measurements wait for their evaluation; False if it failed."""
@@ -188,7 +195,8 @@ class Play:
         filled = ffi.new("sim_451_report_t *")
         lib.sim_451_report(self._handle, filled)
         values = {f.name: getattr(filled, f.name) for f in fields(Report)}
-        values["preset_mm"] = tuple(filled.preset_mm)
+        for name in ("preset_mm", "tilt_deg"):
+            values[name] = tuple(getattr(filled, name))
         return Report(**values)
 
     def raise_failure(self) -> None:
@@ -220,11 +228,6 @@ def setting(number: int) -> Setting | None:
     low, high, initial = (ffi.new("double *") for _ in range(3))
     name = lib.sim_451_limits(number, low, high, initial)
     return Setting(ffi.string(name).decode(), low[0], high[0], initial[0]) if name else None
-
-
-def _limits(number: int) -> str:
-    row = setting(number)
-    return "" if row is None else f" ({row.name}: {row.low:.9g} to {row.high:.9g})"
 
 
 @contextmanager

@@ -55,13 +55,14 @@ class Setup:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One run of cycle 451."""
+    """One run of cycle 451; `tracks`: the spindle turned the probe to each touch (TRACK)."""
 
     parameters: Mapping[int, float | str]
     stations: Stations
     evaluation: Evaluation
     report: Report
     notes: tuple[str, ...]
+    tracks: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,9 +123,19 @@ def _run_451(program: Program, cycle: Cycle, setup: Setup, believed: Machine, pl
     except CycleRefusedError as error:
         given = cycle.parameters.get(error.parameter)
         line, column = (given.line, given.column) if given else (cycle.line, None)
-        raise InputError(program.path, line, column, f"cycle 451: {error}") from error
+        message = f"cycle 451: {error}{_range(error, program)}"
+        raise InputError(program.path, line, column, message) from error
     except (NoFitError, RecordedError) as error:
         raise InputError(program.path, cycle.line, None, f"cycle 451: {error}") from error
+
+
+def _range(error: CycleRefusedError, program: Program) -> str:
+    """Say what would be admitted, in the units of the program."""
+    if (row := error.limits) is None:
+        return ""
+    is_inch = program.is_inch and error.parameter in LENGTHS
+    low, high = (limit / MM_PER_INCH if is_inch else limit for limit in (row.low, row.high))
+    return f" ({row.name}: {low:.9g} to {high:.9g}{' inch' if is_inch else ''})"
 
 
 def _measured(
@@ -164,7 +175,7 @@ def _measured(
         notes.append(NO_BACKLASH.format(", ".join(loose)))
     if report.cancelled_rotation:
         notes.append("The preset has no basic rotation any more (SPA, SPB, SPC): set it again.")
-    return Run(parameters, stations, evaluation, report, tuple(notes))
+    return Run(parameters, stations, evaluation, report, tuple(notes), setup.control.track)
 
 
 def _moved_datums(evaluation: Evaluation) -> Iterator[str]:

@@ -32,6 +32,7 @@ class Logged:
         evaluation: What it found.
         parameters: Q parameters by number, as the cycle had them.
         effort: What the measurement took, such as touches and time.
+        end: How 3-D ROT and TRACK stand at the end.
         notes: What the operator should know, a sentence each.
         spindle_mm: The spindle nose with every axis at 0: positions of axes are told from there.
     """
@@ -39,6 +40,7 @@ class Logged:
     evaluation: Evaluation
     parameters: Mapping[int, float | str]
     effort: str
+    end: str
     notes: Sequence[str] = ()
     spindle_mm: Vector = (0.0, 0.0, 0.0)
 
@@ -121,6 +123,7 @@ def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[st
         "mode_words": MODES[evaluation.mode],
         "incidence": _incidence(logged),
         "effort": logged.effort,
+        "end": logged.end,
         "notes": [*logged.notes, *_undetermined(evaluation)],
         "lead": _lead(evaluation),
         "axes": sections,
