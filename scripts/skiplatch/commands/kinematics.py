@@ -4,7 +4,7 @@ from importlib import import_module
 
 import click
 
-SUBCOMMANDS = ("fit", "run", "sphere")
+SUBCOMMANDS = ("fit", "probing", "run", "sphere")
 
 
 class _Group(click.Group):

@@ -9,6 +9,7 @@ import click
 
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
+from skiplatch.kinematics.error_motions import ErrorMotion, error_motions
 from skiplatch.kinematics.firmware import (
     Circle,
     Estimate,
@@ -121,8 +122,33 @@ def too_few_named(points_path: Path, points: Points) -> Iterator[None]:
 def tell(machine: Machine, points: Points, found: Fit) -> dict[str, object]:
     """Say what was found, and give it as JSON has it."""
     turns = circles(machine, points)
-    click.echo(_text(found, turns))
-    return _json(found, turns)
+    motions = error_motions(machine, points)
+    click.echo("\n".join([_text(found, turns), *map(_motion_text, motions)]))
+    return {**_json(found, turns), "error_motions": [_motion_json(one) for one in motions]}
+
+
+def _motion_text(motion: ErrorMotion) -> str:
+    values = ", ".join(f"{name} {number(um, 3)} µm" for name, um in motion.values_um.items())
+    apart = motion.asynchronous_um
+    repeats = "" if apart is None else f", asynchronous {number(apart, 3)} µm"
+    count = f"{len(motion.angle_deg)} angles, {number(motion.radius_mm, 4)} mm off the axis"
+    return f"error motion of {motion.letter} (ISO 230-7), {count}: {values}{repeats}"
+
+
+def _motion_json(motion: ErrorMotion) -> dict[str, object]:
+    names = [f"E{x}{motion.letter}_um" for x in "XYZ"]
+    return {
+        "axis": motion.letter,
+        "others_deg": motion.others_deg,
+        "radius_mm": motion.radius_mm,
+        "angle_deg": motion.angle_deg.tolist(),
+        **dict(zip(names, motion.motion_um.T.tolist(), strict=True)),
+        "radial_um": motion.radial_um.tolist(),
+        "face_um": motion.face_um.tolist(),
+        "turn_arcsec": motion.turn_arcsec.tolist(),
+        "values_um": motion.values_um,
+        "asynchronous_um": motion.asynchronous_um,
+    }
 
 
 def _text(found: Fit, turns: Sequence[Circle]) -> str:

@@ -54,13 +54,20 @@ def read_positions(path: Path) -> NDArray[np.float64]:
     Raises:
         InputError: The file cannot be read, a column is missing, or a value is no finite number.
     """
+    return read_columns(path, POSITION_COLUMNS)
+
+
+def read_columns(path: Path, wanted: Sequence[str]) -> NDArray[np.float64]:
+    """Read columns of numbers, shape (n, wanted); they may stand in any order, with others.
+
+    Raises:
+        InputError: The file cannot be read, a column is missing, or a value is no finite number.
+    """
     rows = read_rows(path)
     line, names = _header(path, rows)
-    places = _places_of(path, line, names, POSITION_COLUMNS)
-    values = [
-        _values(path, number, cells, len(names), POSITION_COLUMNS, places) for number, cells in rows
-    ]
-    return np.array(values).reshape(-1, len(POSITION_COLUMNS))
+    places = _places_of(path, line, names, wanted)
+    values = [_values(path, number, cells, len(names), wanted, places) for number, cells in rows]
+    return np.array(values).reshape(-1, len(wanted))
 
 
 def read_points(path: Path, machine: Machine) -> Points:

@@ -69,7 +69,7 @@ def fit_sphere(points_mm: FloatArray) -> Sphere:
         NoSphereError: They lie in a plane or a line, or on too small a part of a sphere.
     """
     stays = np.ones(len(points_mm), dtype=bool)
-    unknowns = _solved(points_mm)
+    unknowns = least_squares_sphere(points_mm)
     while np.sum(~stays) < int(MOST_SHARE * len(points_mm)):
         worst = _worst(points_mm, stays, unknowns)
         if worst is None:
@@ -79,8 +79,12 @@ def fit_sphere(points_mm: FloatArray) -> Sphere:
     return _told(points_mm, stays, unknowns)
 
 
-def _solved(points: FloatArray) -> FloatArray:
-    """Begin with the algebraic sphere, and go on to the least squares of distances."""
+def least_squares_sphere(points: FloatArray) -> FloatArray:
+    """Give centre and radius by least squares of the distances, shape (4,), from the algebraic one.
+
+    Raises:
+        NoSphereError: The points determine none.
+    """
     middle = points.mean(axis=0)
     near = points - middle
     scale = float(np.sqrt(np.mean(np.sum(near**2, axis=1))))
@@ -122,7 +126,7 @@ def _worst(
         rows = stays.copy()
         rows[place] = False
         try:
-            other = _solved(points[rows])
+            other = least_squares_sphere(points[rows])
         except NoSphereError:
             continue
         squares = float(np.sum(_residuals(other, points[rows]) ** 2))
