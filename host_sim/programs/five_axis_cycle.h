@@ -31,15 +31,15 @@ typedef struct {
     double  preset_miss_mm[3]; /* the operator's preset is so far off the sphere's centre */
     double  start_above_mm;    /* the tip stands so far above the top of the sphere */
     double  touch_feed_mm_min;
-    double  search_mm;         /* a touch goes on so far past the nominal surface */
-    int32_t strobe_rot_ax_pos; /* number of the M function that positions; -1: none */
+    double  search_mm;           /* a touch goes on so far past the nominal surface */
+    int32_t strobe_rot_ax_pos;   /* number of the M function that positions; -1: none */
     int32_t has_kinematics_opt;  /* option 48 */
     int32_t has_kinematics_comp; /* option 52 */
     int32_t has_advanced_functions_2;
     int32_t is_tcpm_on;
     int32_t is_turning; /* FUNCTION MODE TURN */
     int32_t track;      /* TRACK of the probe table: the spindle turns the probe to each touch */
-    int32_t path; /* SIM_PATH_* of every touch */
+    int32_t path;       /* SIM_PATH_* of every touch */
 } sim_control_t;
 
 /* One measurement of the sphere. */
@@ -74,7 +74,7 @@ typedef struct {
     int32_t touch_error; /* touch_error_t of the last touch */
     int32_t cancelled_rotation;
     int32_t presets;
-    int32_t is_tilted;   /* 3-D ROT of the automatic mode, at tilt_deg of A, B, C */
+    int32_t is_tilted; /* 3-D ROT of the automatic mode, at tilt_deg of A, B, C */
     double  tilt_deg[3];
 } sim_451_report_t;
 

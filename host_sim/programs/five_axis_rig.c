@@ -67,7 +67,8 @@ void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const si
                     uint32_t count, int32_t path, double feed_mm_min, bool is_tracking,
                     uint64_t seed, uint64_t replicate)
 {
-    *rig = (five_axis_rig_t){.machine = machine, .controller = *controller, .is_tracking = is_tracking};
+    *rig = (five_axis_rig_t){
+        .machine = machine, .controller = *controller, .is_tracking = is_tracking};
     rig->touch = (sim_touch_t){
         .feed_mm_min = feed_mm_min, .sign = 1.0, .temp_c = 20.0, .path = path, .axis = SIM_AXIS_X};
     sim_machine_home(machine, &rig->stance);

@@ -14,6 +14,7 @@ PICTURES = (
     "latch_errors",
     "scan_position",
     "feeds",
+    "one_point",
     "cycle_times",
     "bench_isr_latency/compare_deviation_um",
     "bench_isr_latency/compare_latch_after_edge_us",

@@ -19,6 +19,7 @@ from skiplatch.figures import theme
 from skiplatch.figures.cycle_times import draw_cycle_times
 from skiplatch.figures.feeds import draw_feeds
 from skiplatch.figures.latch_errors import draw_latch_errors
+from skiplatch.figures.one_point import draw_one_point
 from skiplatch.figures.scan_position import draw_scan_position
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import latch_errors
@@ -42,6 +43,7 @@ def draw_errors(path: Path, *paths: InputPath) -> None:
 DRAWERS: dict[str, Callable[[Path], None]] = {
     "scan_position": lambda path: draw_scan_position(path, seed=1),
     "feeds": lambda path: draw_feeds(path, EFFORT),
+    "one_point": draw_one_point,
     "cycle_times": lambda path: draw_cycle_times(path, EFFORT),
     "latch_errors": lambda path: draw_errors(path, InputPath.SKIP, InputPath.PLC),
     "latch_errors_plc": lambda path: draw_errors(path, InputPath.PLC),
@@ -151,8 +153,8 @@ def test_no_text_lies_over_another_or_leaves_the_picture(picture: tuple[str, Fig
 
 def test_axes_name_their_units(picture: tuple[str, Figure]) -> None:
     for axes in picture[1].axes:
-        assert re.search(r", (µm|s|% per µs)$", axes.get_ylabel())
-    assert re.search(r", ?(µm|ms|mm/min|µs)$|, µs$", picture[1].axes[-1].get_xlabel())
+        assert re.search(r", (µm|s|mm/min|% per µs)$", axes.get_ylabel())
+    assert re.search(r", ?(µm|s|ms|mm/min|µs)$|, µs$", picture[1].axes[-1].get_xlabel())
 
 
 def test_same_picture_is_the_same_file(tmp_path: Path) -> None:

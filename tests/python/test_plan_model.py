@@ -19,6 +19,7 @@ from skiplatch.planner.model import (
     cycle_s,
     fast_feed_for_stand_off,
     feed_for_range,
+    legs,
     measuring_feed_for_stand_off,
     overtravel_mm,
     ramp_feed_mm_min,
@@ -56,6 +57,22 @@ paths = st.sampled_from(InputPath)
 )
 def test_model_gives_the_cycle_times_of_the_document(strategy: Strategy, document_s: float) -> None:
     assert round(cycle_s(DOCUMENT, strategy), 3) == document_s
+
+
+def test_legs_go_to_the_surface_and_back_to_the_start() -> None:
+    """Areas under the trapezoids: what goes forward comes back, and each contact is at 5 mm."""
+    two = Strategy(
+        measuring_feed_mm_min=30.0, fast_feed_mm_min=3000.0, back_off_mm=FITTED_BACK_OFF_MM
+    )
+    place_mm, met_mm = 0.0, []
+    for leg in legs(DOCUMENT, two):
+        v, ramp_s = leg.feed_mm_min / 60.0, abs(leg.feed_mm_min) / 60.0 / 3000.0
+        if leg.contact_s is not None:
+            met_mm.append(place_mm + v * (leg.contact_s - ramp_s / 2.0))
+        place_mm += v * (leg.time_s - ramp_s)
+
+    assert met_mm == pytest.approx([5.0, 5.0], abs=1e-9)
+    assert place_mm == pytest.approx(0.0, abs=1e-9)
 
 
 def test_one_touch_takes_what_the_closed_formula_says() -> None:

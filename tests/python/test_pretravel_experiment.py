@@ -186,6 +186,24 @@ def test_every_figure_says_whether_it_is_evidence() -> None:
     )
 
 
+@pytest.mark.parametrize("name", ["omp40-2", "omp60"])
+def test_the_laboratory_figures_as_printed_do_not_fit_together(name: str) -> None:
+    """A map after is the one before and what the feeds add: its range cannot be so much less."""
+    printed = RIGS[name].reported
+    added_um = (printed.feed_max_mm_min - printed.feed_min_mm_min) * printed.tau_ms / 60.0
+
+    excess_um = printed.vr_before_um - printed.vr_after_um - added_um
+
+    assert excess_um > 1.9 * np.sqrt(2.0) * 0.3  # U(V_r) = 0.6 µm (k = 2), of either map
+
+
+def test_what_is_simulated_fits_together() -> None:
+    by_name = {figure.name: figure for figure in paper.figures([result("omp40-2")])}
+
+    assert by_name["V_r before, mean of the runs"].ours < by_name["V_r before, at most"].ours
+    assert by_name["W above the least radius, of the range"].paper == pytest.approx(0.458, abs=1e-3)
+
+
 def test_several_trials_give_a_mean_and_an_interval() -> None:
     trials = [result("haas", seed) for seed in SEEDS]
 

@@ -10,7 +10,7 @@
 #include "unity.h"
 
 #define TINY_MM 1e-9
-#define PROBING 5 /* touches for one sphere with Q423 = 4 */
+#define PROBING 5                   /* touches for one sphere with Q423 = 4 */
 #define LAST    (machine.count - 2) /* before 3-D ROT, which ends every cycle */
 
 static cycle451_machine_t machine;

@@ -15,6 +15,7 @@ from skiplatch.figures.comparison import draw_comparison
 from skiplatch.figures.cycle_times import draw_cycle_times
 from skiplatch.figures.feeds import draw_feeds
 from skiplatch.figures.latch_errors import draw_latch_errors
+from skiplatch.figures.one_point import draw_one_point
 from skiplatch.figures.scan_position import draw_scan_position
 from skiplatch.latch import Effort, seed_document
 from skiplatch.latch.probing import DEFAULT_RIG
@@ -60,6 +61,7 @@ class _Demo:
         dots = self._effort.at_most(TOUCHES_OF_A_DOT)
         draw_scan_position(self._picture("scan_position"), seed=self._effort.seed)
         draw_feeds(self._picture("feeds"), dots)
+        draw_one_point(self._picture("one_point"))
         draw_cycle_times(self._picture("cycle_times"), dots)
         return seed_document.as_json(found)
 

@@ -21,6 +21,14 @@ FOUND = "found"
 """It came out though nobody had put it in."""
 
 
+NOTES = {
+    "V_r before, at most": "V_r after and (v_max − v_min)·tau: a map is another one and what the "
+    "feeds add, and a range is no more than the ranges of what it is a sum of",
+    "W above the least radius, of the range": "(v_max − v_0)/(v_max − v_min); half for a cosine",
+}
+"""What there is to say of figures that follow from others."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Figure:
     """One figure.
@@ -129,10 +137,18 @@ def _feeds(result: Result) -> list[Figure]:
         ("fastest feed", "mm/min", reported.feed_max_mm_min, high),
         ("(v_max − v_min)·tau", "µm", span_um, ours_um),
     ]
+    low_share = (reported.feed_max_mm_min - result.rig.feed_mm_min) / width
+    ours_share = (high - result.rig.feed_mm_min) / (high - low)
+    rows += [
+        ("V_r before, at most", "µm", reported.vr_after_um + span_um, result.after.vr_um + ours_um),
+        ("W above the least radius, of the range", "", low_share, ours_share),
+    ]
     increase = reported.time_increase
     return [
         *(
-            Figure(name=name, unit=unit, paper=paper, ours=ours, evidence=SET)
+            Figure(
+                name=name, unit=unit, paper=paper, ours=ours, evidence=SET, note=NOTES.get(name, "")
+            )
             for name, unit, paper, ours in rows
         ),
         Figure(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
+from skiplatch.compensation.lobes import Lobes, three_lobes
 from skiplatch.compensation.probe_map import ProbeMap
 
 BASE_UM = 1e4
@@ -47,12 +48,15 @@ class ProbeFigures:
         worst_range_um: Largest range of the repeats of one direction; None of a single run.
         rings: Of each ring with enough points for a circle.
         sphere: Of all directions; None of a single ring.
+        lobes: Three of them, with the centre and the datum of the artefact fitted as well; None
+            where the directions do not tell them.
     """
 
     repeatability_um: float | None
     worst_range_um: float | None
     rings: list[Form]
     sphere: Form | None
+    lobes: Lobes | None
 
 
 def probe_figures(probe_map: ProbeMap) -> ProbeFigures:
@@ -69,6 +73,7 @@ def probe_figures(probe_map: ProbeMap) -> ProbeFigures:
         worst_range_um=float(np.ptp(probe_map.radius_um, axis=1).max()) if several else None,
         rings=rings,
         sphere=_form(probe_map, everything, None) if is_sphere else None,
+        lobes=three_lobes(probe_map),
     )
 
 

@@ -89,7 +89,18 @@ def _span(done: Compensation) -> str:
 
 
 def _figures_text(found: ProbeFigures) -> str:
-    return repeatability_line(found) + "\n" + table(FORM_HEADER, form_rows(found))
+    lines = [repeatability_line(found), *lobes_lines(found)]
+    return "\n".join([*lines, table(FORM_HEADER, form_rows(found))])
+
+
+def lobes_lines(found: ProbeFigures) -> list[str]:
+    """Say how large three lobes are, wherever the artefact stood; nothing where none are told."""
+    if (lobes := found.lobes) is None:
+        return []
+    off_um = ", ".join(f"{x} {um:+.2f}" for x, um in zip("XYZ", lobes.off_centre_um, strict=True))
+    amplitude = f"{lobes.amplitude_um:.2f} µm ({lobes.low_um:.2f} … {lobes.high_um:.2f})"
+    where = f"a crest at {lobes.azimuth_deg:.1f}°; the best-fit centre is off by {off_um} µm"
+    return [f"three lobes: amplitude {amplitude}, {where}"]
 
 
 def repeatability_line(found: ProbeFigures) -> str:

@@ -1,4 +1,4 @@
-"""Cycle time against uncertainty, for one touch and for two: the document's third figure."""
+"""Cycle time against uncertainty, for one touch and for two: beyond the document's third figure."""
 
 from collections.abc import Callable
 from pathlib import Path

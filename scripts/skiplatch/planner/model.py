@@ -143,22 +143,42 @@ def measuring_feed_for_stand_off(limits: Limits, fast_mm_min: float) -> float:
     return S_PER_MIN * math.sqrt(2.0 * limits.accel_mm_s2 * room_mm)
 
 
-def cycle_s(limits: Limits, strategy: Strategy) -> float:
-    """Mean time of a whole cycle, until the axis is back at the start."""
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One motion of a cycle, from rest to rest, a trapezoid of the feed over time.
+
+    Attributes:
+        feed_mm_min: That is reached; above 0 towards the surface.
+        time_s: From rest to rest.
+        contact_s: When the surface is met, from the start of the leg; None without a touch.
+    """
+
+    feed_mm_min: float
+    time_s: float
+    contact_s: float | None = None
+
+
+def legs(limits: Limits, strategy: Strategy) -> list[Leg]:
+    """Give the motions of a whole cycle, until the axis is back at the start; mean times."""
     measuring = strategy.measuring_feed_mm_min
     if strategy.fast_feed_mm_min is None or strategy.back_off_mm is None:
-        return _touch_s(limits, limits.stand_off_mm, measuring) + _return_s(
-            limits, measuring, measuring
-        )
+        return [
+            _touch(limits, limits.stand_off_mm, measuring),
+            _return(limits, measuring, measuring),
+        ]
     fast = strategy.fast_feed_mm_min
     late_mm = speed(fast) * limits.input.mean_us / US_PER_S
-    back = strategy.back_off_mm + _stop_mm(limits, fast)
-    return (
-        _touch_s(limits, limits.stand_off_mm, fast)
-        + _move_s(limits, back, fast)
-        + _touch_s(limits, strategy.back_off_mm - late_mm, measuring)
-        + _return_s(limits, measuring, fast)
-    )
+    return [
+        _touch(limits, limits.stand_off_mm, fast),
+        _move(limits, strategy.back_off_mm + _stop_mm(limits, fast), fast),
+        _touch(limits, strategy.back_off_mm - late_mm, measuring),
+        _return(limits, measuring, fast),
+    ]
+
+
+def cycle_s(limits: Limits, strategy: Strategy) -> float:
+    """Mean time of a whole cycle: of its motions, each of which waits for its turn."""
+    return sum(leg.time_s + limits.wait_s for leg in legs(limits, strategy))
 
 
 def speed(feed_mm_min: float) -> float:
@@ -170,12 +190,12 @@ def _late_um(limits: Limits, feed_mm_min: float) -> float:
     return speed(feed_mm_min) * limits.input.width_us / US_PER_S * UM_PER_MM
 
 
-def _touch_s(limits: Limits, way_mm: float, feed_mm_min: float) -> float:
+def _touch(limits: Limits, way_mm: float, feed_mm_min: float) -> Leg:
     """Accelerate, meet the surface, latch, stop."""
     v = speed(feed_mm_min)
     approach_s = way_mm / v + v / (2.0 * limits.accel_mm_s2)
     late_s = (limits.input.mean_us + limits.reaction_us) / US_PER_S
-    return approach_s + late_s + v / limits.accel_mm_s2 + limits.wait_s
+    return Leg(feed_mm_min, approach_s + late_s + v / limits.accel_mm_s2, approach_s)
 
 
 def _stop_mm(limits: Limits, feed_mm_min: float) -> float:
@@ -184,14 +204,14 @@ def _stop_mm(limits: Limits, feed_mm_min: float) -> float:
     return v * limits.reaction_us / US_PER_S + v**2 / (2.0 * limits.accel_mm_s2)
 
 
-def _return_s(limits: Limits, measuring_mm_min: float, feed_mm_min: float) -> float:
+def _return(limits: Limits, measuring_mm_min: float, feed_mm_min: float) -> Leg:
     """From standstill after the measuring touch to the start."""
     late_mm = speed(measuring_mm_min) * limits.input.mean_us / US_PER_S
     way_mm = limits.stand_off_mm + late_mm + _stop_mm(limits, measuring_mm_min)
-    return _move_s(limits, way_mm, feed_mm_min)
+    return _move(limits, way_mm, feed_mm_min)
 
 
-def _move_s(limits: Limits, way_mm: float, feed_mm_min: float) -> float:
-    """From rest to rest, and the wait for the next step."""
+def _move(limits: Limits, way_mm: float, feed_mm_min: float) -> Leg:
+    """Away from the surface, from rest to rest."""
     v = min(speed(feed_mm_min), math.sqrt(limits.accel_mm_s2 * way_mm))
-    return way_mm / v + v / limits.accel_mm_s2 + limits.wait_s
+    return Leg(-v * S_PER_MIN, way_mm / v + v / limits.accel_mm_s2)
