@@ -1,7 +1,7 @@
 """The C simulation with the real firmware in it: the one place where Python reaches C.
 
-The shared library is built by ``make setup``. Its structures are read from the C headers
-themselves, so that their fields stand in one place.
+The shared library is built by ``make setup``, or comes with the wheel. Its structures are read from
+the C headers themselves, so that their fields stand in one place.
 """
 
 import os
@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Status, Touches
 from skiplatch.campaign.nominal import KEYS
+from skiplatch.places import ROOT
 
-ROOT = Path(__file__).parents[2]
 LIBRARY = ROOT / "build" / "host" / "libskiplatch_sim.so"
 HEADERS = (
     ROOT / "firmware" / "comp" / "pulse_judge.h",

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from skiplatch.errors import InputError
-from skiplatch.simulator import ROOT
+from skiplatch.places import ROOT
 
 PROGRAMS = ROOT / "build" / "host"
 READY_S = 20.0  # Python itself takes seconds to start on an emulated machine

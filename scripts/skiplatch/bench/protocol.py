@@ -9,7 +9,7 @@ from typing import Any
 import cantools.database
 from cantools.database import Database
 
-from skiplatch.simulator import ROOT
+from skiplatch.places import ROOT
 
 DBC = ROOT / "docs" / "injection.dbc"
 

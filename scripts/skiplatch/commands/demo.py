@@ -19,8 +19,8 @@ from skiplatch.figures.one_point import draw_one_point
 from skiplatch.figures.scan_position import draw_scan_position
 from skiplatch.latch import Effort, seed_document
 from skiplatch.latch.probing import DEFAULT_RIG
+from skiplatch.places import ROOT
 from skiplatch.planner.document import DOCUMENT_LIMITS
-from skiplatch.simulator import ROOT
 
 EPILOG = """\b
 Example:

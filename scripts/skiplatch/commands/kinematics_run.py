@@ -28,8 +28,9 @@ from skiplatch.kinematics.run import (
     run_program,
 )
 from skiplatch.kinematics.truth import draw_truth, read_truth
+from skiplatch.places import ROOT
 from skiplatch.report.kinematics import Log, Logged, lay_out
-from skiplatch.simulator import ROOT, Effect
+from skiplatch.simulator import Effect
 from skiplatch.tables import table
 
 LOG_NAME = "TCHPRAUTO.html"

@@ -1,0 +1,104 @@
+"""Pack the Python package: ``pack_python.py FOLDER --flags … --sources … --shown … --includes …``.
+
+Started in the project's folder. Lays the source tree of an sdist out in FOLDER/tree: the package,
+in it as ``skiplatch/tree`` what it reads of the project, and how CMake compiles the library.
+Builds FOLDER/skiplatch-….tar.gz of it and, out of that alone, FOLDER/skiplatch-….whl.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+PACKAGE = Path("scripts/skiplatch")
+WHEEL = Path("scripts/wheel")
+READ = ("docs/injection.dbc", "scripts/samples")
+"""What the package reads besides sources and headers, by its place in the project."""
+HEADERS = ("firmware/*.h", "firmware/*/*.h", "hal/include/*.h", "host_sim/*.h", "host_sim/*/*.h")
+LEFT_BY_RUNS = shutil.ignore_patterns("__pycache__", "TCHPRAUTO*", "kinematics.bin")
+RANDOM = Path("/usr/include/Random123")
+RANDOM_LICENCE = Path("/usr/share/doc/librandom123-dev/copyright")
+BACKEND = "import scikit_build_core.build as b, sys; b.build_sdist(sys.argv[1])"
+
+
+def project_table() -> str:
+    """Give [project] and its tables, as scripts/pyproject.toml has them."""
+    text = Path("scripts/pyproject.toml").read_text(encoding="utf-8")
+    return text[text.index("[project]") : text.index("[tool.")]
+
+
+def _copy(path: Path, tree: Path) -> None:
+    target = tree / path
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_dir():
+        shutil.copytree(path, target, ignore=LEFT_BY_RUNS)
+    else:
+        shutil.copy(path, target)
+
+
+def lay_out(tree: Path, options: argparse.Namespace) -> None:
+    """Write the source tree of the sdist."""
+    shutil.rmtree(tree, ignore_errors=True)
+    shutil.copytree(PACKAGE, tree / "skiplatch", ignore=LEFT_BY_RUNS)
+    inside = tree / "skiplatch" / "tree"
+    headers = [path for pattern in HEADERS for path in Path().glob(pattern)]
+    for path in (*map(Path, (*READ, *options.sources)), *headers):
+        _copy(path, inside)
+    shutil.copytree(RANDOM, inside / "Random123")
+    shutil.copy(RANDOM_LICENCE, inside / "Random123" / "copyright")
+    for path in (Path("LICENSE"), Path("README.md"), WHEEL / "CMakeLists.txt"):
+        shutil.copy(path, tree)
+    how = (WHEEL / "pyproject.toml").read_text(encoding="utf-8")
+    (tree / "pyproject.toml").write_text(project_table() + how, encoding="utf-8")
+    lists = {
+        "FLAGS": options.flags.split(),
+        "INCLUDES": [".", *options.includes],
+        "SOURCES": options.sources,
+        "SHOWN": options.shown,
+    }
+    lines = [f"set({name} {' '.join(values)})\n" for name, values in lists.items()]
+    (tree / "packed.cmake").write_text("".join(lines), encoding="utf-8")
+
+
+def _run(*words: str | Path, cwd: Path | None = None) -> None:
+    """Run a program of this Python's environment, whose others it finds as well."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    command = [sys.executable, *map(str, words)]
+    subprocess.run(command, cwd=cwd, env={**os.environ, "PATH": path}, check=True)  # noqa: S603
+
+
+def build(folder: Path) -> None:
+    """Build the sdist of the tree, and the wheel of the sdist."""
+    for old in (*folder.glob("*.tar.gz"), *folder.glob("*.whl")):
+        old.unlink()
+    _run("-c", BACKEND, folder.resolve(), cwd=folder / "tree")
+    (sdist,) = folder.glob("*.tar.gz")
+    plain = folder / "plain"
+    shutil.rmtree(plain, ignore_errors=True)
+    pip = ("-m", "pip", "--disable-pip-version-check", "wheel", "--quiet")
+    _run(*pip, "--no-deps", "--no-build-isolation", "--wheel-dir", plain, sdist)
+    (wheel,) = plain.glob("*.whl")
+    # Names the wheel after the oldest C library that it runs with.
+    _run("-m", "auditwheel", "repair", "--wheel-dir", folder, wheel)
+
+
+def main() -> int:
+    """Lay out, build, and print what was built."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--flags", default="")
+    for name in ("sources", "shown", "includes"):
+        parser.add_argument(f"--{name}", nargs="+", default=[])
+    options = parser.parse_args()
+    lay_out(options.folder / "tree", options)
+    build(options.folder)
+    print(*sorted(map(str, options.folder.glob("skiplatch-*"))), sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
