@@ -22,8 +22,9 @@ IMPORTED = {
     "edges": "capture.vcd",
     "can": "bus.log",
     "iso230": "iso230_x.csv",
+    "mdf": "bench.mf4",
 }
-"""A log for each kind of import; that of a bus is not there, and so refused."""
+"""A log for each kind of import; that of a bus and that in MDF are not there, and so refused."""
 DEEP = 100_000
 
 

@@ -1,8 +1,9 @@
 """Commands in README, docs and --help: each is one that the command line takes.
 
 Every command is parsed as it stands, effects and choices with it, and the project's own files that
-it names are there. What stands below a command is what it prints, in whole paragraphs; of the
-tutorial test_tutorial.py compares all of it.
+it names are there. The examples of --help are run, where nothing has to be measured first. What
+stands below a command is what it prints, in whole paragraphs; of the tutorial test_tutorial.py
+compares all of it.
 """
 
 import re
@@ -26,7 +27,28 @@ COMMAND = re.compile(r"^\s*(?:Example: )?(?:\.venv/bin/)?skiplatch (.+)$")
 NOT_YET = "stylus_bending"
 """An effect that a reader of docs/GAP.md adds."""
 ASSIGNMENT = re.compile(r"^(\w+)='([^']*)'$", re.MULTILINE)
-FEWEST = {"documents": 35, "help": 35, "printed": 3}
+FEWEST = {"documents": 35, "help": 35, "printed": 3, "run": 15}
+QUICK = ("check", "columns", "import", "init", "repeat", "simulate", "effects")
+NOT_HERE = (
+    "bench",
+    "import mdf",
+    "settle",
+    "transmission",
+    "compensate",
+    "kinematics fit",
+    "kinematics probing",
+    "kinematics sphere",
+)
+"""Their examples need a bus, a board, or what a user has measured."""
+LOGS = {
+    "klippy.log": "klippy.log",
+    "probe.txt": "linuxcnc_probe.txt",
+    "probe.ngc": "linuxcnc_probe.ngc",
+    "serial.log": "grbl_serial.log",
+    "x_axis.csv": "iso230_x.csv",
+    "m48.log": "marlin_m48.log",
+}
+"""The user's logs in examples, and those that stand for them."""
 
 
 def commands_in(text: str) -> Iterator[list[str]]:
@@ -82,6 +104,20 @@ def shown_by_help() -> list[tuple[str, list[str]]]:
     ]
 
 
+def runnable() -> list[Any]:
+    """Give the examples of each --help that need nothing but the checkout and a log."""
+    examples: dict[str, list[list[str]]] = {}
+    for where, words in shown_by_help():
+        name = where.removeprefix("skiplatch").removesuffix("--help").strip()
+        theirs = "mill" in words or words[:2] == ["import", "can"]
+        if not name.startswith(NOT_HERE) and not theirs:
+            examples.setdefault(name, []).append(words)
+    return [
+        pytest.param(commands, id=name, marks=[pytest.mark.long] * (not name.startswith(QUICK)))
+        for name, commands in examples.items()
+    ]
+
+
 def parse(words: list[str]) -> None:
     """Parse a command to its end, without doing anything."""
     command: click.Command = group
@@ -123,7 +159,23 @@ def test_command_prints_what_stands_below_it(commands: list[list[str]], expected
         assert paragraph in said
 
 
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
+@pytest.mark.parametrize("commands", runnable())
+def test_examples_of_help_run(commands: list[list[str]]) -> None:
+    for name, log in LOGS.items():
+        Path(name).symlink_to(ROOT / "tests/python/data/logs" / log)
+    capture = (ROOT / "tests/python/data/logs/capture.vcd").read_text()
+    Path("capture.vcd").write_text(capture.replace(" probe ", " D0 ").replace(" latch ", " D1 "))
+    Path("t.csv").write_text("Error,Remark\n0.002,a\n-0.001,\n0.001,\n")
+
+    for words in commands:
+        result = CliRunner().invoke(group, words, catch_exceptions=False)
+
+        assert result.exit_code == 0, f"{' '.join(words)}\n{result.output}"
+
+
 def test_commands_are_found() -> None:
+    assert len(runnable()) >= FEWEST["run"]
     assert len(documented()) >= FEWEST["documents"]
     assert len(printed()) >= FEWEST["printed"]
     assert len(shown_by_help()) >= FEWEST["help"]

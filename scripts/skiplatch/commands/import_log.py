@@ -1,6 +1,8 @@
 """``skiplatch import``: from a log that people have to a campaign."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -11,6 +13,9 @@ from skiplatch.commands.options import Decorator, json_option, write_json
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.importing.model import Imported
 from skiplatch.importing.writing import write_imported
+
+if TYPE_CHECKING:
+    from skiplatch.importing.captures import Capture
 
 EPILOG = """\b
 Example:
@@ -181,40 +186,67 @@ def csv(
     finish(found, (table,), out, json_path)
 
 
+def edge_options(function: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the channels of a capture."""
+    for option in reversed(EDGE_OPTIONS):
+        function = option(function)
+    return function
+
+
+EDGE_OPTIONS = (
+    click.argument("capture", type=click.Path(path_type=Path)),
+    click.option("--probe", metavar="CHANNEL", help="Channel of the injected edge."),
+    click.option("--latch", metavar="CHANNEL", help="Channel that changes at the latch."),
+    click.option("--report", metavar="CHANNEL", help="Channel that changes at the report."),
+    click.option("--falling", is_flag=True, help="Falling edges count rather than rising ones."),
+    click.option(
+        "--holdoff-us",
+        type=click.FloatRange(0.0),
+        default=1000.0,
+        show_default=True,
+        help="Edges of the probe within this time of one before are its bounces.",
+    ),
+    out_option,
+    json_option,
+)
+
+
 @command.command(
     epilog="Example: skiplatch import edges capture.vcd --probe D0 --latch D1 --out build/bench"
 )
-@click.argument("capture", type=click.Path(path_type=Path))
-@click.option("--probe", metavar="CHANNEL", help="Channel of the injected edge.")
-@click.option("--latch", metavar="CHANNEL", help="Channel that changes at the latch.")
-@click.option("--report", metavar="CHANNEL", help="Channel that changes at the report.")
-@click.option("--falling", is_flag=True, help="Falling edges count rather than rising ones.")
-@click.option(
-    "--holdoff-us",
-    type=click.FloatRange(0.0),
-    default=1000.0,
-    show_default=True,
-    help="Edges of the probe within this time of one before are its bounces.",
+@edge_options
+def edges(*, capture: Path, out: Path, json_path: Path | None, **channels: Any) -> None:  # noqa: ANN401
+    """Read the CAPTURE of a logic analyser: CSV of Saleae Logic, VCD, or sigrok's .sr."""
+    from skiplatch.importing.captures import read_capture  # noqa: PLC0415
+
+    finish(_touches_of(capture, read_capture(capture), **channels), (capture,), out, json_path)
+
+
+@command.command(
+    epilog="Example: skiplatch import mdf bench.mf4 --probe Edge --latch Latch --out build/bench"
 )
-@out_option
-@json_option
-def edges(
-    *,
-    capture: Path,
+@edge_options
+def mdf(*, capture: Path, out: Path, json_path: Path | None, **channels: Any) -> None:  # noqa: ANN401
+    """Read a CAPTURE in ASAM's MDF; needs asammdf."""
+    from skiplatch.importing.mdf import read_mdf  # noqa: PLC0415
+
+    finish(_touches_of(capture, read_mdf(capture), **channels), (capture,), out, json_path)
+
+
+def _touches_of(
+    path: Path,
+    capture: "Capture",
     probe: str | None,
     latch: str | None,
     report: str | None,
+    *,
     falling: bool,
     holdoff_us: float,
-    out: Path,
-    json_path: Path | None,
-) -> None:
-    """Read the CAPTURE of a logic analyser: CSV of Saleae Logic, VCD, or sigrok's .sr."""
+) -> Imported:
     from skiplatch.importing.edges import read_edges  # noqa: PLC0415
 
     holdoff_s = holdoff_us / 1e6
-    found = read_edges(capture, probe, latch, report, falling=falling, holdoff_s=holdoff_s)
-    finish(found, (capture,), out, json_path)
+    return read_edges(path, capture, probe, latch, report, falling=falling, holdoff_s=holdoff_s)
 
 
 @command.command(epilog="Example: skiplatch import can bus.log --out build/bench")

@@ -18,7 +18,7 @@ from skiplatch.tables import table, with_interval
 SHOWN = 12
 EPILOG = """\b
 Example:
-  skiplatch repeat scripts/samples/machine_no_gap
+  skiplatch repeat tests/python/data/logs/klipper_octoprint.log
   skiplatch repeat tests/python/data/logs/klippy.log --html build/repeat.html
 """
 

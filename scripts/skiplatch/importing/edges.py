@@ -7,7 +7,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Kind, Touches
 from skiplatch.errors import InputError, hint, quoted
-from skiplatch.importing.captures import Capture, read_capture
+from skiplatch.importing.captures import Capture
 from skiplatch.importing.model import Imported
 
 US_PER_S = 1e6
@@ -16,6 +16,7 @@ LONGEST_WAIT_S = 1.0  # from an edge to its latch
 
 def read_edges(
     path: Path,
+    capture: Capture,
     probe: str | None,
     latch: str | None,
     report: str | None,
@@ -23,10 +24,11 @@ def read_edges(
     falling: bool,
     holdoff_s: float,
 ) -> Imported:
-    """Read a capture.
+    """Find the touches in a capture.
 
     Args:
-        path: The file.
+        path: The file, for messages.
+        capture: What is in it.
         probe: Channel of the injected edge; the first where none is named.
         latch: Channel that changes at the latch; the second.
         report: Channel that changes at the report, if any.
@@ -34,9 +36,8 @@ def read_edges(
         holdoff_s: Edges of the probe within this time of one before are bounces.
 
     Raises:
-        InputError: It cannot be read, or a channel is not in it.
+        InputError: A channel is not in it, or has no edge.
     """
-    capture = read_capture(path)
     probe, latch = _channels(path, capture, probe, latch)
     edges = capture.edges(_named(path, capture, probe), falling=falling)
     first = np.diff(edges, prepend=-np.inf) > holdoff_s

@@ -1,0 +1,56 @@
+"""``skiplatch import mdf``: with asammdf, and what is said without it."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from numpy.typing import NDArray
+
+from refusals import Program
+from skiplatch.campaign import read_campaign
+from skiplatch.cli import group
+
+
+def test_missing_reader_is_named(
+    tmp_path: Path, refused: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "asammdf", None)
+    (tmp_path / "b.mf4").write_bytes(b"MDF     4.10    ")
+
+    said = refused("import", "mdf", tmp_path / "b.mf4", "--out", tmp_path / "made")
+
+    assert "asammdf, which is not installed: pip install asammdf" in said
+    assert not (tmp_path / "made").exists()
+
+
+def test_channels_of_volts_and_of_bits_are_edges(tmp_path: Path) -> None:
+    asammdf = pytest.importorskip("asammdf", reason="asammdf is not installed: make mdf")
+    step_s, late_s = 1e-6, 12e-6
+    times_s = np.arange(200_000) * step_s
+    starts_s = 0.01 + 0.03 * np.arange(6)
+
+    def high(begin_s: float) -> NDArray[np.bool_]:
+        since_s = times_s[:, None] - starts_s - begin_s
+        return np.asarray(((since_s > -step_s / 2) & (since_s < 1e-3)).any(axis=1))
+
+    volts = 0.2 + 4.6 * high(0.0)
+    latch = high(late_s).astype(np.uint8)
+    with asammdf.MDF(version="4.10") as recording:
+        recording.append(
+            [
+                asammdf.Signal(volts, times_s, name="Edge", unit="V"),
+                asammdf.Signal(latch, times_s, name="Latch"),
+            ]
+        )
+        recording.save(tmp_path / "bench.mf4")
+
+    words = ["import", "mdf", str(tmp_path / "bench.mf4"), "-o", str(tmp_path / "made")]
+    result = CliRunner().invoke(group, words, catch_exceptions=False)
+
+    assert result.exit_code == 0, result.output
+    made = read_campaign(tmp_path / "made")
+    assert made.touches.latch_us - made.touches.edge_us == pytest.approx(12.0, abs=1e-3)
+    assert len(made.touches) == len(starts_s)
+    assert made.nominal.skip.tick_us == pytest.approx(1.0)
