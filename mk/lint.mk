@@ -2,7 +2,7 @@
 
 ON_CROSS := $(addprefix compile-,$(BOARDS) $(CORES))
 LINT := compile-gcc compile-clang analyzer $(ON_CROSS) clang-format clang-tidy cppcheck \
-        dependencies firmware isr-calls size ruff-check ruff-format mypy shellcheck
+        dependencies firmware isr-calls size ruff-check ruff-format mypy shellcheck licences
 RESULTS.lint := $(LINT:%=$(RESULTS)/lint/%.check)
 
 .PHONY: run-lint
@@ -47,6 +47,9 @@ $(RESULTS)/lint/mypy.check: FORCE
 	    $(PYTHON_FILES)
 $(RESULTS)/lint/shellcheck.check: FORCE
 	$(check) shellcheck $(SHELL_FILES)
+
+$(RESULTS)/lint/licences.check: FORCE
+	$(check) $(VENV_PYTHON) scripts/sbom.py scripts/requirements.lock build/sbom.json
 
 .PHONY: analyzed
 analyzed: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS) $(MAIN) $(LINUX))

@@ -1,0 +1,5 @@
+# What the project stands on.
+
+.PHONY: sbom
+sbom: setup ## list the locked Python packages in build/sbom.json (CycloneDX), and check their licences
+	@$(VENV_PYTHON) scripts/sbom.py scripts/requirements.lock build/sbom.json
