@@ -1,5 +1,7 @@
 """Grids of time stamps: how far stamps lie off one, and the period of one with few stamps on it."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,21 +71,26 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
         return guess
     stamps, is_few = ordered, count < FIRST
     frequencies = np.arange(low, high, step)
+    agreement = _even_agreement(frequencies, stamps[:count])
     while True:
         kept = max(KEPT * first, KEPT_OF_FEW // count**2 if is_few else 0)
-        frequencies = _best(frequencies, stamps[:count], kept)
+        frequencies = _best(frequencies, agreement, kept)
         if count == len(stamps):
             break
         count = min(2 * count, len(stamps))
         finer = 0.25 / max(float(np.ptp(stamps[:count])), guess)
         around = np.arange(-step, step + finer / 2.0, finer)
         frequencies = frequencies[: max(1, MOST_PERIODS // len(around))]
-        frequencies = np.unique((frequencies[:, None] + around).ravel())
+        agreement = _agreement(frequencies, around, stamps[:count])
+        frequencies, first_of = np.unique(frequencies[:, None] + around, return_index=True)
+        agreement = agreement.ravel()[first_of]
         step = finer
+    best = frequencies[:1]
     for _ in range(REFINEMENTS):
-        frequencies = _best((frequencies[:1, None] + step * FINER).ravel(), stamps, kept=1)
+        agreement = _agreement(best, step * FINER, stamps)
+        best = _best((best[:, None] + step * FINER).ravel(), agreement.ravel(), kept=1)
         step /= 4.0
-    return float(1.0 / frequencies[0])
+    return float(1.0 / best[0])
 
 
 def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, float] | None:
@@ -112,10 +119,26 @@ def _outwards(stamps: FloatArray, first: int) -> FloatArray:
     return stamps[np.argsort(np.abs(stamps - middle), kind="stable")]
 
 
-def _best(frequencies: FloatArray, stamps: FloatArray, kept: int) -> FloatArray:
-    """Give the frequencies at which the stamps agree best on a phase, the best first."""
+def _even_agreement(frequencies: FloatArray, stamps: FloatArray) -> FloatArray:
+    """Give how well stamps agree on a phase, shape (f,), at evenly spaced frequencies, f > 0."""
+    width = math.isqrt(len(frequencies) - 1) + 1
+    offsets = frequencies[:width] - frequencies[0]
+    return _agreement(frequencies[::width], offsets, stamps).ravel()[: len(frequencies)]
+
+
+def _agreement(frequencies: FloatArray, offsets: FloatArray, stamps: FloatArray) -> FloatArray:
+    """Give how well stamps agree on a phase at each frequency plus each offset; shape (f, o).
+
+    The turns at a sum are products of turns: sines are taken f + o times a stamp, not f · o times.
+    """
     since = stamps - stamps[0]
-    angles = 2.0 * np.pi * np.outer(frequencies, since)
-    agreement = np.hypot(np.cos(angles).sum(axis=1), np.sin(angles).sum(axis=1))
+    turns, further = (
+        np.exp(2j * np.pi * np.outer(part, since)) for part in (frequencies, offsets)
+    )
+    return np.abs(turns @ further.T)
+
+
+def _best(frequencies: FloatArray, agreement: FloatArray, kept: int) -> FloatArray:
+    """Give the frequencies at which stamps agree best on a phase, the best first; shape (kept,)."""
     best = np.argpartition(-agreement, min(kept, len(agreement) - 1))[:kept]
     return np.asarray(frequencies[best[np.argsort(-agreement[best])]])
