@@ -7,6 +7,7 @@ shows in two ways, each of which is free: stamps tell when the surface is met, c
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,15 +69,15 @@ def at_best_datum(
     weight = told + (0.0 if u_um is None else max(u_um, TINY) ** -2.0)
     guess = np.zeros(count)
     for group in range(count):
-        here = groups == group
-        if here.any():
-            sharp = here & (width_um <= median(width_um[here]))
-            guess[group] = median(off_um[sharp])
+        here = np.flatnonzero(groups == group)
+        if len(here):
+            widths_um = width_um[here]
+            guess[group] = median(off_um[here[widths_um <= median(widths_um)]])
     calm = np.clip((off_um - guess[groups]) / width_um, -CALM, CALM) * width_um
     pull = np.bincount(groups, calm * weights, count)
     guess = (guess + pull / np.maximum(told, TINY)) * told / np.maximum(weight, TINY)
     whole = Residuals.together([part.residuals for part in parts])
     steps = np.maximum(weight, TINY) ** -0.5
     found, logs = whole.at_best_datum(per_um, groups, guess, steps, u_um)
-    ends = np.cumsum([len(part.off) for part in parts])[:-1]
-    return found, np.split(logs, ends)
+    ends = accumulate((len(part.off) for part in parts), initial=0)
+    return found, [logs[begin:end] for begin, end in pairwise(ends)]

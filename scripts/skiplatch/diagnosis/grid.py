@@ -132,10 +132,8 @@ def _agreement(frequencies: FloatArray, offsets: FloatArray, stamps: FloatArray)
     The turns at a sum are products of turns: sines are taken f + o times a stamp, not f · o times.
     """
     since = stamps - stamps[0]
-    turns, further = (
-        np.exp(2j * np.pi * np.outer(part, since)) for part in (frequencies, offsets)
-    )
-    return np.abs(turns @ further.T)
+    turns, further = (np.exp(2j * np.pi * np.outer(part, since)) for part in (frequencies, offsets))
+    return np.asarray(np.abs(turns @ further.T))
 
 
 def _best(frequencies: FloatArray, agreement: FloatArray, kept: int) -> FloatArray:

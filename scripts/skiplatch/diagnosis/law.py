@@ -5,6 +5,7 @@ randomness; the density of the sum itself does not. It is computed in ``host_sim
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -32,7 +33,7 @@ class Extra:
     """1 where the widest box of the law is not there for these touches."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Law:
     """The law of n residuals: arrays of shape (n,), or numbers that hold for all of them.
 
@@ -47,9 +48,10 @@ class Law:
 
     def select(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Self:
         """Give the law of some of the residuals; extras have to be numbers or of the same shape."""
+        numbers = np.flatnonzero(rows) if rows.dtype == np.bool_ else rows
 
         def part(value: FloatArray | float) -> FloatArray | float:
-            return value[rows] if isinstance(value, np.ndarray) and value.ndim else value
+            return value.take(numbers) if isinstance(value, np.ndarray) and value.ndim else value
 
         extras = tuple(
             Extra(
@@ -74,7 +76,7 @@ class Law:
         """Give a smoother law, for a coarse search."""
         return replace(self, sigma=np.hypot(self.sigma, sigma))
 
-    @property
+    @cached_property
     def mean(self) -> FloatArray:
         """Mean of each residual; shape (n,)."""
         mean = self.offset + (self.box_a + self.box_b) / 2.0
@@ -83,23 +85,23 @@ class Law:
             mean = mean + e.share * (e.offset + np.asarray(e.width) / 2.0 + e.mean - gone)
         return np.asarray(mean)
 
-    @property
+    @cached_property
     def plain_variance(self) -> FloatArray:
         """Variance of each residual, without the extras; shape (n,)."""
         return np.asarray(self.sigma**2 + (self.box_a**2 + self.box_b**2) / 12.0 + SMALLEST**2)
 
-    @property
+    @cached_property
     def spread(self) -> FloatArray:
         """Standard deviation of each residual, without the extras; shape (n,)."""
         return np.asarray(np.sqrt(self.plain_variance))
 
-    @property
+    @cached_property
     def variance(self) -> FloatArray:
         """Variance of each residual, with the extras; shape (n,)."""
         plain = self.plain_variance
         return np.asarray(plain + extra_variance(self)) if self.extras else plain
 
-    @property
+    @cached_property
     def usual_spread(self) -> float:
         """Median of the spread, n > 0."""
         return median(self.spread)

@@ -4,13 +4,13 @@ The change is carried through the chain to the law of every stream it can be see
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from functools import lru_cache, reduce
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, ndimage, special, stats
+from scipy import fft, ndimage, special
 
 from skiplatch.arrays import BoolArray, FloatArray, median
 from skiplatch.diagnosis import datum
@@ -388,9 +388,14 @@ def _wrapped(centre: float, spread: float) -> list[tuple[float, float, float]]:
     low, high = ((end - centre - TURNS) / spread for end in (0.0, 1.0))
     shares = special.ndtr(high) - special.ndtr(low)
     known = shares > LEAST_PART
-    # Mean and variance at once: each call takes as long as the density itself.
-    means, variances = stats.truncnorm.stats(low[known], high[known], centre + TURNS[known], spread)
-    columns = (shares[known], np.asarray(means), np.sqrt(np.asarray(variances)))
+    low, high, shares = low[known], high[known], shares[known]
+    # The truncated normal law's; scipy.stats takes longer over them than the density itself.
+    at_low, at_high = (
+        np.exp(-0.5 * end**2) / (np.sqrt(2.0 * np.pi) * shares) for end in (low, high)
+    )
+    means = at_low - at_high
+    variances = np.maximum(1.0 + low * at_low - high * at_high - means**2, 0.0)
+    columns = (shares, centre + TURNS[known] + spread * means, spread * np.sqrt(variances))
     return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
@@ -465,11 +470,29 @@ def _lattice(scene: Scene, stream: Stream, change: Change) -> Law:
 
 def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, FloatArray]:
     """Tabulate the logarithm of the density off the grid, over one period; fine at its edges."""
+    # It is the same for all stamps.
+    parts = (law.offset, law.sigma, law.box_a, law.box_b)
+    extras = tuple(tuple(_number(value) for value in astuple(extra)) for extra in law.extras)
     tick = scene.nominal.skip.tick_us
-    begins = np.array([float(np.asarray(extra.offset)) for extra in law.extras])
-    ends = begins + np.array([float(np.asarray(extra.width)) for extra in law.extras])
-    box = np.array([0.0, 1.0]) * float(law.box_a.flat[0])
-    edges = np.concatenate([float(law.offset.flat[0]) + box, begins, ends])
+    return _tabulated(tuple(_number(part) for part in parts), extras, tick, period)
+
+
+def _number(value: Number) -> float:
+    """Give the first of values, which stands for all."""
+    return float(np.asarray(value).flat[0])
+
+
+@lru_cache(maxsize=64)
+def _tabulated(
+    parts: tuple[float, ...], numbers: tuple[tuple[float, ...], ...], tick: float, period: float
+) -> tuple[FloatArray, FloatArray]:
+    """Give the same by the numbers of the law and of its extras: most change only the stamps."""
+    offset, sigma, box_a, box_b = (np.asarray(part) for part in parts)
+    law = Law(offset, sigma, box_a, box_b, tuple(Extra(*extra) for extra in numbers))
+    begins = np.array([extra.offset for extra in law.extras])
+    ends = begins + np.array([extra.width for extra in law.extras])
+    box = np.array([0.0, 1.0]) * law.box_a
+    edges = np.concatenate([law.offset + box, begins, ends])
     edges = edges[edges != 0.0]
     where = _lattice_places(tick, period)
     if len(edges):
@@ -477,8 +500,7 @@ def _lattice_table(scene: Scene, law: Law, period: float) -> tuple[FloatArray, F
         where = np.unique(np.append(where, folded(near, period)))
     turns = int(min(np.max(ends, initial=0.0) // period, MOST_TURNS)) + 2 if law.extras else 1
     places = (where + period * np.arange(turns)[:, None]).ravel()
-    first = law.select(np.zeros(len(places), dtype=np.intp))  # it is the same for all stamps
-    logs = first.log_density(places, period).reshape(turns, len(where))
+    logs = law.log_density(places, period).reshape(turns, len(where))
     return where, np.logaddexp.reduce(logs) + np.log(period)
 
 
