@@ -26,8 +26,8 @@ $(STAMPS)/board-%: hal/ports/%/setup.sh | $(STAMPS)/system-emulators
 	@$< || echo 'SKIPPED: what the board $* needs is not to be had here'
 	@mkdir -p $(@D) && touch $@
 
-$(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/pyproject.toml \
-         | $(STAMPS)/system-build
+$(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/requirements-fleet.lock \
+         scripts/pyproject.toml | $(STAMPS)/system-build
 	@scripts/setup_python.sh
 
 .PHONY: setup-build setup-test setup-lint

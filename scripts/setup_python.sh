@@ -40,6 +40,13 @@ if ! up_to_date packages "$key" || ! "$venv/bin/python" -c ''; then
     echo "$key" >"$venv/packages.key"
 fi
 
+# The optional extra on top: what is there stays.
+key=$(cat "$root/scripts/requirements-fleet.lock" "$venv/packages.key" | sha256sum | cut -d' ' -f1)
+if ! up_to_date fleet "$key"; then
+    pip_install --require-hashes --requirement "$root/scripts/requirements-fleet.lock"
+    echo "$key" >"$venv/fleet.key"
+fi
+
 key=$(sha256sum "$root/scripts/pyproject.toml" | cut -d' ' -f1)
 if ! up_to_date skiplatch "$key"; then
     say "installing skiplatch into $venv"

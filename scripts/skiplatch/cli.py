@@ -36,6 +36,7 @@ COMMANDS = {
     "compensate": "Map a probe's errors and even them out by the measuring feed.",
     "kinematics": "Find the location errors of rotary axes from touches of a sphere.",
     "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",
+    "fleet": "Keep the campaigns of many rigs and months in one store, and ask it.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }
 

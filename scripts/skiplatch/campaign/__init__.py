@@ -19,6 +19,7 @@ from skiplatch.campaign.folder import (
     TOUCHES_FILE,
     Campaign,
     read_campaign,
+    refuse_no_campaign,
     write_campaign,
 )
 from skiplatch.campaign.kind import Kind
@@ -73,6 +74,7 @@ __all__ = [
     "read_conditions",
     "read_nominal",
     "read_touches",
+    "refuse_no_campaign",
     "write_campaign",
     "write_nominal",
     "write_touches",

@@ -46,12 +46,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         InputError: The folder or one of its two files cannot be read or is wrong.
     """
     folder = Path(path)
-    if not folder.is_dir():
-        reason = NOT_A_FOLDER if folder.exists() else "no such folder"
-        raise InputError(path, None, None, reason)
-    if not (folder / NOMINAL_FILE).exists() and (inner := _campaigns_in(folder)):
-        message = f"no campaign, but a folder of some: {', '.join(inner[:MOST_NAMED])}"
-        raise InputError(path, None, None, message)
+    refuse_no_campaign(folder)
     nominal = read_nominal(folder / NOMINAL_FILE)
     required = REQUIRED_IN_VERSION_1 if nominal.version == 1 else REQUIRED
     touches = read_touches(folder / TOUCHES_FILE, required)
@@ -60,6 +55,16 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         warning = CampaignWarning(folder / TOUCHES_FILE, None, "edge_us", message)
         warnings.warn(warning, stacklevel=2)
     return Campaign(nominal, touches, folder)
+
+
+def refuse_no_campaign(folder: Path) -> None:
+    """Raise InputError for what is no folder, or one of campaigns; for early warning."""
+    if not folder.is_dir():
+        reason = NOT_A_FOLDER if folder.exists() else "no such folder"
+        raise InputError(folder, None, None, reason)
+    if not (folder / NOMINAL_FILE).exists() and (inner := _campaigns_in(folder)):
+        message = f"no campaign, but a folder of some: {', '.join(inner[:MOST_NAMED])}"
+        raise InputError(folder, None, None, message)
 
 
 def _campaigns_in(folder: Path) -> list[str]:

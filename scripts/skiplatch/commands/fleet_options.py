@@ -1,0 +1,51 @@
+"""What the commands of a fleet share: the store, and answers as text and JSON."""
+
+import math
+from collections.abc import Iterable
+from datetime import date, datetime, timedelta
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import click
+
+from skiplatch.commands.options import Decorator
+from skiplatch.tables import NOTHING, number, table
+
+KEY_DIGITS = 12
+"""Of a campaign's key, as people see it; 1 in 10⁶ that two of 24,000 campaigns share them."""
+
+store_option: Decorator = click.option(
+    "--store",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="The folder of the store.",
+)
+
+
+def answer_text(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """Lay an answer out as a table."""
+    return table(list(columns), [[_cell(value) for value in row] for row in rows])
+
+
+def _cell(value: object) -> str:
+    if value is None:
+        return NOTHING
+    if isinstance(value, float) and math.isfinite(value):
+        return number(value)
+    return str(value)
+
+
+def plain(value: Any) -> Any:  # noqa: ANN401
+    """Give a value of an answer as JSON has it; what is no number is null there."""
+    if isinstance(value, dict):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(inner) for inner in value]
+    if isinstance(value, Decimal | timedelta):
+        return plain(float(value) if isinstance(value, Decimal) else value.total_seconds())
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, date | datetime):
+        return value.isoformat()
+    return value if value is None or isinstance(value, bool | int | str) else str(value)

@@ -1,0 +1,89 @@
+"""What a store keeps of a diagnosis: a campaign's gap, and the effects that were named."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from skiplatch.diagnosis.text import FORMATS
+from skiplatch.errors import InputError
+from skiplatch.files import read_json
+
+DIAGNOSIS_FILE = "diagnosis.json"
+UM = "µm"
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosed:
+    """Figures of a diagnosis; None where there is none.
+
+    Attributes:
+        verdict: As the diagnosis has it.
+        seed: Of the diagnosis, where that says it.
+        gap_um: The largest gap of any observable in µm.
+        stage: Where the first effect acts; without effects where the first difference shows.
+        gaps: A mapping for each observable: observable, unit, before, after, noise_floor.
+        effects: A mapping for each parameter: effect, stage, confidence, parameter, value, low,
+            high.
+    """
+
+    verdict: str | None = None
+    seed: int | None = None
+    gap_um: float | None = None
+    stage: str | None = None
+    gaps: list[dict[str, Any]] = field(default_factory=list)
+    effects: list[dict[str, Any]] = field(default_factory=list)
+
+
+def diagnosed(folder: Path) -> Diagnosed:
+    """Read the diagnosis that lies in a campaign's folder, if one does.
+
+    Raises:
+        InputError: It is no whole diagnosis.
+    """
+    path = folder / DIAGNOSIS_FILE
+    if not path.exists():
+        return Diagnosed()
+    document = read_json(path)
+    if not isinstance(document, dict) or document.get("format") not in FORMATS:
+        message = f"expected a diagnosis of the format {' or '.join(FORMATS)}"
+        raise InputError(path, None, "format", message)
+    try:
+        return _figures(document)
+    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+        raise InputError(path, None, None, f"not a whole diagnosis: {error!r}") from error
+
+
+def _figures(document: dict[str, Any]) -> Diagnosed:
+    gaps: list[dict[str, Any]] = [
+        {
+            "observable": str(name),
+            "unit": str(gap["unit"]),
+            **{key: float(gap[key]) for key in ("before", "after", "noise_floor")},
+        }
+        for name, gap in document["gap"].items()
+    ]
+    stages = [str(entry["stage"]) for entry in (*document["effects"], *document["where"])]
+    seed = document.get("seed")
+    return Diagnosed(
+        verdict=str(document["verdict"]),
+        seed=None if seed is None else int(seed),
+        gap_um=max((gap["before"] for gap in gaps if gap["unit"] == UM), default=None),
+        stage=stages[0] if stages else None,
+        gaps=gaps,
+        effects=[row for entry in document["effects"] for row in _parameters(entry)],
+    )
+
+
+def _parameters(entry: dict[str, Any]) -> list[dict[str, Any]]:
+    return [
+        {
+            "effect": str(entry["id"]),
+            "stage": str(entry["stage"]),
+            "confidence": float(entry["confidence"]),
+            "parameter": str(name),
+            "value": float(value),
+            "low": float(entry["intervals"][name][0]),
+            "high": float(entry["intervals"][name][1]),
+        }
+        for name, value in entry["params"].items()
+    ]

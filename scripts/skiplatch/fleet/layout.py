@@ -1,0 +1,109 @@
+"""Where what stands in a store, and which stores and names are refused."""
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import quote
+
+from skiplatch.errors import InputError, quoted
+from skiplatch.files import atomic_write_folder, failures_named, read_json
+
+FORMAT = "skiplatch-fleet/1"
+STORE_FILE, LOCK_FILE, INDEX_FILE = "store.json", "lock", "campaigns.parquet"
+TOUCHES, FOLDERS = "touches", "folders"
+ENDINGS = {TOUCHES: ".parquet", FOLDERS: ".zip"}
+LONGEST_RIG = 60
+MOST_RIG_BYTES = 240  # with "rig=" what a file system takes as a name
+_TEMPORARY = re.compile(r"\.skiplatch-[0-9a-f]{16}\.tmp")
+_PARTITIONS = (re.compile(r"rig=.+"), re.compile(r"month=[0-9]{4}-[0-9]{2}"))
+_FILE = re.compile(r"[0-9a-f]{64}")
+_PATTERN_CHARACTERS = "*?[]"
+
+
+def create(path: Path) -> None:
+    """Make an empty store, with the folders above it.
+
+    Raises:
+        InputError: Something stands there, or it cannot be written.
+    """
+    text = json.dumps({"format": FORMAT}) + "\n"
+    atomic_write_folder(path, {STORE_FILE: text, LOCK_FILE: ""})
+
+
+def refuse_foreign(path: Path) -> None:
+    """Raise InputError unless this is a store of this version that is whole and all its own."""
+    if not path.is_dir():
+        reason = "not a folder" if path.exists() else "no such store; skiplatch fleet add makes one"
+        raise InputError(path, None, None, reason)
+    if set(_PATTERN_CHARACTERS) & set(os.fspath(path)):
+        message = f"the name of a store has none of the characters {_PATTERN_CHARACTERS}"
+        raise InputError(path, None, None, message)
+    with failures_named(path, "read"):
+        if not (path / STORE_FILE).exists():
+            raise InputError(path, None, None, f"no store: it has no {STORE_FILE}")
+        _refuse_version(path / STORE_FILE)
+        if not (path / INDEX_FILE).exists() and any((path / table).exists() for table in ENDINGS):
+            raise InputError(path / INDEX_FILE, None, None, "gone, though the store has campaigns")
+        for foreign in _foreign(path):
+            message = "a foreign file in the store; move it away, nothing was changed"
+            raise InputError(foreign, None, None, message)
+
+
+def _refuse_version(path: Path) -> None:
+    document = read_json(path)
+    found = document.get("format") if isinstance(document, dict) else None
+    if found != FORMAT:
+        message = f"expected a store of the format {quoted(FORMAT)}, got {quoted(str(found))}"
+        raise InputError(path, None, None, f"{message}; a newer skiplatch may have written it")
+
+
+def _foreign(path: Path) -> Iterator[str]:
+    """Give what no skiplatch has put there."""
+    for entry in list(os.scandir(path)):
+        if entry.name in ENDINGS and entry.is_dir(follow_symlinks=False):
+            yield from _foreign_below(Path(entry.path), ENDINGS[entry.name], 0)
+        elif not _TEMPORARY.fullmatch(entry.name) and (
+            entry.name not in (STORE_FILE, LOCK_FILE, INDEX_FILE) or entry.is_symlink()
+        ):
+            yield entry.path
+
+
+def _foreign_below(folder: Path, ending: str, depth: int) -> Iterator[str]:
+    for entry in list(os.scandir(folder)):
+        if depth < len(_PARTITIONS):
+            if entry.is_dir(follow_symlinks=False) and _PARTITIONS[depth].fullmatch(entry.name):
+                yield from _foreign_below(Path(entry.path), ending, depth + 1)
+            elif not _TEMPORARY.fullmatch(entry.name):
+                yield entry.path
+        elif not _TEMPORARY.fullmatch(entry.name) and not (
+            entry.is_file(follow_symlinks=False)
+            and entry.name.endswith(ending)
+            and _FILE.fullmatch(entry.name.removesuffix(ending))
+        ):
+            yield entry.path
+
+
+def place(store: Path, table: str, rig: str, month: str, name: str) -> Path:
+    """Give the path of a file, partitioned as Hive does it.
+
+    Args:
+        store: The store.
+        table: `TOUCHES` or `FOLDERS`.
+        rig: See `refuse_rig`.
+        month: As in 2026-03.
+        name: 64 hexadecimal digits.
+    """
+    partition = store / table / f"rig={quote(rig, safe='')}" / f"month={month}"
+    return partition / f"{name}{ENDINGS[table]}"
+
+
+def refuse_rig(path: Path, rig: object) -> str:
+    """Give the name of a rig, or raise InputError for one that is none."""
+    expected = f"expected the name of a rig, 1 to {LONGEST_RIG} printable characters"
+    if not isinstance(rig, str) or not 0 < len(rig) <= LONGEST_RIG or not rig.isprintable():
+        raise InputError(path, None, "rig", f"{expected}, got {quoted(str(rig))}")
+    if len(quote(rig, safe="", errors="replace")) > MOST_RIG_BYTES:
+        raise InputError(path, None, "rig", f"{quoted(rig)} is too long for the name of a folder")
+    return rig

@@ -1,0 +1,31 @@
+"""One writer at a time."""
+
+import fcntl
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from skiplatch.errors import InputError
+from skiplatch.files import failures_named
+from skiplatch.fleet.layout import LOCK_FILE
+
+
+@contextmanager
+def written_alone(store: Path) -> Iterator[None]:
+    """Hold the store against other writers; the kernel lets go of it if this process dies.
+
+    Raises:
+        InputError: Another one writes to it.
+    """
+    with failures_named(store / LOCK_FILE, "write"):
+        lock = os.open(store / LOCK_FILE, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+    try:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError as error:
+            message = "another skiplatch writes to this store; try again when it is done"
+            raise InputError(store, None, None, message) from error
+        yield
+    finally:
+        os.close(lock)

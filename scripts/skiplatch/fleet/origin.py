@@ -1,0 +1,72 @@
+"""Where a campaign comes from: its rig, and when it was recorded."""
+
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE
+from skiplatch.campaign.csv_text import read_rows
+from skiplatch.campaign.time_stamps import TIME_NAME
+from skiplatch.campaign.toml_text import parse_toml, read_toml_text
+from skiplatch.errors import InputError, quoted
+from skiplatch.fleet.layout import refuse_rig
+
+RIG_KEY, TIME_KEY = "rig", "recorded_at"
+EXPECTED = "expected a date and time such as 2026-03-01T14:05:12Z"
+
+
+def rig_of(folder: Path, named: str | None) -> str:
+    """Give the rig: as it was named, else `[notes] rig`, else the folder that it lies in.
+
+    Raises:
+        InputError: That is no name of a rig.
+    """
+    if named is not None:
+        return refuse_rig(folder, named)
+    notes = _notes(folder)
+    if RIG_KEY in notes:
+        return refuse_rig(folder / NOMINAL_FILE, notes[RIG_KEY])
+    return refuse_rig(folder, folder.resolve().parent.name)
+
+
+def recorded_at(folder: Path) -> datetime:
+    """Give when it was recorded, in UTC without a zone.
+
+    `[notes] recorded_at`, else the first stamp in the column time, else when touches.csv was last
+    written. What has no zone counts as UTC.
+
+    Raises:
+        InputError: What stands there is no time.
+    """
+    notes = _notes(folder)
+    if TIME_KEY in notes:
+        return _utc(folder / NOMINAL_FILE, TIME_KEY, notes[TIME_KEY])
+    if stamp := _first_stamp(folder / TOUCHES_FILE):
+        return _utc(folder / TOUCHES_FILE, TIME_NAME, stamp)
+    written_s = (folder / TOUCHES_FILE).stat().st_mtime
+    return datetime.fromtimestamp(written_s, UTC).replace(tzinfo=None, microsecond=0)
+
+
+def _notes(folder: Path) -> Mapping[str, Any]:
+    path = folder / NOMINAL_FILE
+    notes: Mapping[str, Any] = parse_toml(path, read_toml_text(path)).get("notes", {})
+    return notes
+
+
+def _first_stamp(path: Path) -> str | None:
+    rows = read_rows(path)
+    _, header = next(rows)
+    names = [name.strip().lower() for name in header]
+    if TIME_NAME not in names:
+        return None
+    place = names.index(TIME_NAME)
+    return next((row[place] for _, row in rows if row[place]), None)
+
+
+def _utc(path: Path, name: str, written: object) -> datetime:
+    try:
+        time = written if isinstance(written, datetime) else datetime.fromisoformat(str(written))
+        return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+    except (ValueError, OverflowError) as error:
+        raise InputError(path, None, name, f"{EXPECTED}, got {quoted(str(written))}") from error

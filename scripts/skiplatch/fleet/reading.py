@@ -1,0 +1,153 @@
+"""Reading a store: its tables for SQL, a fleet in figures, a rig's history, a campaign's folder."""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from skiplatch.errors import InputError, quoted
+from skiplatch.fleet import layout
+from skiplatch.fleet.contents import unpack
+from skiplatch.fleet.engine import Connection, connect, failures_told, literal
+from skiplatch.fleet.tables import CAMPAIGNS
+
+VIEWS = """
+CREATE VIEW gaps AS SELECT campaign, rig, recorded_at, unnest(gaps, recursive := true)
+    FROM campaigns;
+CREATE VIEW effects AS SELECT campaign, rig, recorded_at, unnest(effects, recursive := true)
+    FROM campaigns;
+CREATE VIEW touches AS SELECT kept.*, nominal, tool, seed
+    FROM kept JOIN (SELECT campaign, nominal, tool, seed FROM campaigns) USING (campaign);
+"""
+RIGS = """
+SELECT rig, count(*) AS campaigns, sum(touches)::BIGINT AS touches, min(recorded_at) AS first,
+    max(recorded_at) AS last, max_by(verdict, recorded_at) AS verdict,
+    max_by(gap_um, recorded_at) AS gap_um
+FROM campaigns GROUP BY rig ORDER BY rig
+"""
+HISTORY = """
+SELECT campaign, recorded_at, folder, campaigns.touches AS touches, deviation_um, deviation_sd_um,
+    verdict, gap_um, stage, effects
+FROM campaigns JOIN (
+    SELECT campaign, avg(deviation_um) AS deviation_um, stddev(deviation_um) AS deviation_sd_um
+    FROM kept WHERE rig = $rig GROUP BY campaign
+) USING (campaign) WHERE rig = $rig ORDER BY recorded_at, campaign
+"""
+FOUND = """
+SELECT campaign, rig, month, content FROM campaigns
+WHERE starts_with(campaign, $name) OR folder = $name
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a query gives.
+
+    Attributes:
+        columns: Their names.
+        rows: A value a column.
+    """
+
+    columns: list[str]
+    rows: list[tuple[Any, ...]]
+
+    def mappings(self) -> list[dict[str, Any]]:
+        """Give each row by the names of its columns."""
+        return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
+
+
+@dataclass(frozen=True, slots=True)
+class Reader:
+    """A store as it stood when it was opened; a writer beside it changes nothing here."""
+
+    path: Path
+    engine: Connection
+
+    def rigs(self) -> Answer:
+        """Give each rig with its campaigns, touches, first and last time and last diagnosis."""
+        return self._ask(RIGS)
+
+    def history(self, rig: str) -> Answer:
+        """Give the campaigns of a rig in the order of time, with deviation, gap and effects.
+
+        Raises:
+            InputError: There is no such rig.
+        """
+        answer = self._ask(HISTORY, {"rig": rig})
+        if not answer.rows:
+            raise InputError(self.path, None, None, f"no rig {quoted(rig)} in this store")
+        return answer
+
+    def query(self, sql: str) -> Answer:
+        """Give what one SELECT says.
+
+        Raises:
+            InputError: It is none, or it is wrong.
+        """
+        import duckdb  # noqa: PLC0415 - see `engine.connect`
+
+        with failures_told(Path("SQL")):
+            statements = self.engine.extract_statements(sql)
+        if len(statements) != 1 or statements[0].type != duckdb.StatementType.SELECT:
+            raise InputError("SQL", None, None, "expected one SELECT; a store is only read")
+        return self._ask(sql, where=Path("SQL"))
+
+    def export(self, name: str, out: Path) -> str:
+        """Make the folder of a campaign anew, and give the campaign's key.
+
+        Args:
+            name: The beginning of its key, or the name of its folder, if only one has that.
+            out: The folder to make.
+
+        Raises:
+            InputError: None or several are called that, or the folder cannot be made.
+        """
+        found = self._ask(FOUND, {"name": name}).rows if name else []
+        if len(found) != 1:
+            many = f"{len(found)} campaigns are" if found else "no campaign is"
+            raise InputError(self.path, None, None, f"{many} called {quoted(name)}")
+        key, rig, month, content = found[0]
+        unpack(layout.place(self.path, layout.FOLDERS, rig, month, content), out)
+        return str(key)
+
+    def _ask(
+        self, sql: str, values: dict[str, Any] | None = None, where: Path | None = None
+    ) -> Answer:
+        with failures_told(where or self.path):
+            asked = self.engine.execute(sql, values)
+            return Answer([column[0] for column in asked.description], asked.fetchall())
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Reader]:
+    """Open a store to read: the tables campaigns, touches, gaps and effects.
+
+    Raises:
+        InputError: It is no store, one of another version, or something foreign is in it.
+    """
+    path = Path(os.path.realpath(path))
+    layout.refuse_foreign(path)
+    with connect(path) as engine:
+        with failures_told(path / layout.INDEX_FILE):
+            index = path / layout.INDEX_FILE
+            columns = ", ".join(f'"{name}" {kind}' for name, kind in CAMPAIGNS.items())
+            engine.execute(f"CREATE TABLE campaigns ({columns})")
+            if index.exists():  # else an add was killed before anything was in
+                engine.execute("INSERT INTO campaigns FROM read_parquet(?)", [str(index)])
+        with failures_told(path / layout.TOUCHES):
+            _view_touches(path, engine)
+            engine.execute(VIEWS)
+        yield Reader(path, engine)
+
+
+def _view_touches(path: Path, engine: Connection) -> None:
+    kept = engine.execute("SELECT rig, month, campaign FROM campaigns").fetchall()
+    if not kept:
+        raise InputError(path, None, None, "an empty store; skiplatch fleet add fills it")
+    files = ", ".join(literal(str(layout.place(path, layout.TOUCHES, *row))) for row in kept)
+    engine.execute(
+        f"CREATE VIEW kept AS FROM read_parquet([{files}], hive_partitioning = true,"
+        " hive_types = {'rig': VARCHAR, 'month': VARCHAR})"
+    )
