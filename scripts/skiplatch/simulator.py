@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Self
 
@@ -20,6 +20,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Status, Touches
 from skiplatch.campaign.nominal import KEYS
 from skiplatch.places import ROOT
+from skiplatch.span import ALWAYS, Span
 
 LIBRARY = ROOT / "build" / "host" / "libskiplatch_sim.so"
 HEADERS = (
@@ -193,6 +194,7 @@ class Effect:
 
     id: str
     parameters: Mapping[str, float]
+    span: Span = ALWAYS
 
 
 @dataclass(frozen=True, slots=True)
@@ -394,12 +396,62 @@ def play(
         first_replicate: Number of the first replicate.
         jobs: Threads to play on.
         pulse_us: Contact opens again after this time; 0 means when the axis retreats.
-        switched_on: Effects that the nominal chain knows nothing of.
+        switched_on: Effects that the nominal chain knows nothing of; one that begins or ends is
+            played as if it had always been there, and taken where it is.
         seat: The mechanics of the probe, in place of its calibrated mean and lobes.
 
     Raises:
         SimulationError: A value is out of range, or the library is not built.
     """
+    alone = partial(
+        _play,
+        nominal,
+        controller,
+        touches,
+        seed=seed,
+        replicates=replicates,
+        first_replicate=first_replicate,
+        jobs=jobs,
+        pulse_us=pulse_us,
+        seat=seat,
+    )
+    if all(effect.span == ALWAYS for effect in switched_on):
+        return alone(switched_on=switched_on)
+    held = np.array([effect.span.holds(touches.touch) for effect in switched_on])
+    sets, which = np.unique(held, axis=1, return_inverse=True)
+    plays = [
+        alone(switched_on=[e for e, is_there in zip(switched_on, there, strict=True) if is_there])
+        for there in sets.T
+    ]
+    return spliced(plays, which.ravel())
+
+
+def spliced(plays: Sequence[Outcomes], which: NDArray[np.intp]) -> Outcomes:
+    """Take each touch from one of several plays, by its number of shape (n,)."""
+    touches = np.arange(len(which))
+    return Outcomes(
+        *(
+            np.ascontiguousarray(
+                np.stack([getattr(one, f.name) for one in plays])[which, :, touches].T
+            )
+            for f in fields(Outcomes)
+        )
+    )
+
+
+def _play(
+    nominal: Nominal,
+    controller: Controller,
+    touches: Touches,
+    *,
+    seed: int,
+    replicates: int,
+    first_replicate: int,
+    jobs: int,
+    pulse_us: float,
+    switched_on: Sequence[Effect],
+    seat: Seat | None,
+) -> Outcomes:
     binding = _binding()
     order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
     rows = _touches(binding, nominal, touches, pulse_us)[order]

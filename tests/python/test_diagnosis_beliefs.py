@@ -27,6 +27,9 @@ REPEATABILITY = ("probe", "repeatability_um")
 PRETRAVEL = ("probe", "pretravel_um")
 DELAY = ("probe", "delay_us")
 SCAN = ("plc", "scan_us")
+ACCELERATION = ("axis", "accel_mm_s2")
+LATENCY = ("report", "latency_us")
+JITTER = ("report", "jitter_us")
 
 
 def believed(campaign: Campaign, **u: float) -> Campaign:
@@ -123,6 +126,40 @@ def test_a_number_believed_wrong_moves_to_where_it_is() -> None:
     found = now(scene, belief_of(uncertain(scene.nominal), DELAY))
 
     assert found == pytest.approx(500.0, abs=8.0)
+
+
+def test_a_period_is_found_whose_peak_is_far_sharper_than_its_uncertainty() -> None:
+    """Stamps over the campaign tell it to a millionth: a search by the uncertainty misses it."""
+    campaign = believed(read_campaign(BENCH), plc__scan_us=0.4)
+    right_us = campaign.nominal.plc.scan_us
+    scene = Scene.of(as_played(campaign, {SCAN: right_us - 0.37}))
+
+    found = now(scene, belief_of(uncertain(scene.nominal), SCAN))
+
+    assert found == pytest.approx(right_us, abs=2e-3)
+
+
+def test_an_acceleration_is_found_as_closely_as_the_edges_tell_it() -> None:
+    campaign = believed(read_campaign(BENCH), axis__accel_mm_s2=60.0)
+    right = campaign.nominal.axis.accel_mm_s2
+    scene = Scene.of(as_played(campaign, {ACCELERATION: right + 55.0}))
+
+    found = now(scene, belief_of(uncertain(scene.nominal), ACCELERATION))
+
+    assert found == pytest.approx(right, rel=1e-4)
+
+
+def test_noise_hides_nothing_that_another_belief_explains() -> None:
+    """A report that is later by some of its jitter is a latency, and no more jitter."""
+    campaign = believed(read_campaign(BENCH), report__latency_us=20.0)
+    right_us = campaign.nominal.report.latency_us
+    scene = Scene.of(as_played(campaign, {LATENCY: right_us + 15.0}))
+
+    fitted = fit_beliefs(scene, Change(), uncertain(scene.nominal))
+
+    moved = {belief.key: places for belief, places in fitted.moved}
+    assert fitted.nominal.report.latency_us == pytest.approx(right_us, abs=2.0)
+    assert moved[JITTER] == 0.0
 
 
 def test_a_belief_that_is_right_stays() -> None:

@@ -20,6 +20,7 @@ from skiplatch.diagnosis.verdict import (
     Verdict,
     decide,
     failures,
+    shows_too_little,
     told_of_chance,
 )
 from skiplatch.statistics import Interval
@@ -99,10 +100,6 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "shrinks_somewhere": (
         lambda rule: shrinking_by(rule.threshold + A_BIT),
         lambda rule: shrinking_by(rule.threshold),
-    ),
-    "shrinks_where_fitted": (
-        lambda rule: replace(shrinking_by(rule.threshold + A_BIT), is_held_out=False),
-        lambda rule: replace(shrinking_by(rule.threshold), is_held_out=False),
     ),
     "grows_nowhere": (
         lambda rule: Evidence(gaps=gaps(gap(-1.0, rule.threshold))),
@@ -216,10 +213,10 @@ def test_a_gap_where_there_was_none_is_all_of_it() -> None:
     assert failure.words == "it leaves 0.3 µm of position, much of what was there"
 
 
-def test_touches_held_out_need_not_show_half_of_the_gap_gone() -> None:
-    rule = RULES["shrinks_where_fitted"]
-
-    assert failures([rule], shrinking_by(rule.threshold)) == []
+def test_only_a_lack_of_touches_asks_for_those_that_named() -> None:
+    assert shows_too_little(shrinking_by(0.0))
+    assert not shows_too_little(shrinking_by(1.0))
+    assert not shows_too_little(Evidence(gaps=gaps(gap(-1.0, -0.5))))  # it grows: no lack
 
 
 def of_kind(kind: str, z: float, size: float, relative: float, *conditions: str) -> Left:

@@ -21,7 +21,7 @@ def as_effects(fit: Fit) -> list[Effect]:
             if isinstance(candidate, Simulated)
             else _admitted(candidate.id, parameters)
         )
-        found.append(Effect(candidate.id, admitted))
+        found.append(Effect(candidate.id, admitted, candidate.span))
     return found
 
 

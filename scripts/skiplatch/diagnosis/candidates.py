@@ -5,7 +5,7 @@ effect that the simulator knows and this table does not is searched for by simul
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from skiplatch.diagnosis.starts import Starts
 from skiplatch.diagnosis.surrogates import Parameters
 from skiplatch.diagnosis.waves import transmissions
 from skiplatch.simulator import effects
+from skiplatch.span import ALWAYS, Span
 
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
@@ -47,6 +48,13 @@ class Candidate:
     """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
     like_datum: frozenset[str] = frozenset()
     """Parameters beside which a datum that may be anywhere makes another of the same."""
+    span: Span = ALWAYS
+    """The touches at which it acts."""
+
+    def acting(self, scene: Scene, parameters: Parameters) -> Change:
+        """Give what parameters, shape (p,), make of the physics of the touches at which it acts."""
+        change = self.change(scene, parameters)
+        return change if self.span == ALWAYS else Change(passing=((self.span, change),))
 
     def taken_up(self, scene: Scene) -> frozenset[int]:
         """Number the parameters that stay at 0, for the datum does what they do."""
@@ -71,14 +79,14 @@ class Candidate:
         """It stands in the table of effects."""
         return self.id in CANDIDATES
 
-    def __reduce__(self) -> tuple[Callable[[str], "Candidate"], tuple[str]]:
-        """Travel to another process as the id alone."""
-        return candidate, (self.id,)
+    def __reduce__(self) -> tuple[Callable[[str, Span], "Candidate"], tuple[str, Span]]:
+        """Travel to another process as the id and the span alone."""
+        return candidate, (self.id, self.span)
 
 
-def candidate(effect_id: str) -> Candidate:
-    """Give the candidate of an id."""
-    return CANDIDATES[effect_id]
+def candidate(effect_id: str, span: Span = ALWAYS) -> Candidate:
+    """Give the candidate of an id, acting at some touches."""
+    return replace(CANDIDATES[effect_id], span=span)
 
 
 def _machine(scene: Scene) -> bool:

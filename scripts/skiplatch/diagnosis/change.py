@@ -1,11 +1,15 @@
 """What an effect changes in the physics: a delay, a position, an extra that some touches get."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
+from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.law import Extra
+from skiplatch.span import Span
 
 Number = FloatArray | float
 
@@ -59,6 +63,22 @@ class Change:
     slack: float = 0.0
     """What scatter a shift brings along, as a share of its root mean square: no real effect has
     just the form that is fitted."""
+    passing: tuple[tuple[Span, "Change"], ...] = ()
+    """What differs besides, for some touches only."""
+
+    def at_times(self, touch: NDArray[np.integer]) -> Iterator[tuple[BoolArray, "Change"]]:
+        """Give all that differs, with the touches, a mask of shape (n,), for which it does.
+
+        Args:
+            touch: Their numbers; shape (n,).
+        """
+        held = np.array([span.holds(touch) for span, _ in self.passing]).reshape(-1, len(touch))
+        sets, which = np.unique(held, axis=1, return_inverse=True)
+        lasting = replace(self, passing=())
+        for i, there in enumerate(sets.T):
+            both = zip(self.passing, there, strict=True)
+            chosen = (change for (_, change), is_there in both if is_there)
+            yield which.ravel() == i, reduce(Change.joined, chosen, lasting)
 
     def joined(self, other: "Change") -> "Change":
         """Give both changes together."""
@@ -91,6 +111,7 @@ class Change:
             report_extra=_both(self.report_extra, other.report_extra),
             slack=max(self.slack, other.slack),
             lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
+            passing=self.passing + other.passing,
         )
 
 

@@ -17,6 +17,7 @@ LAGS = (1, 2, 3, 4, 5, 6, 7, 8)
 """Touches back at which the score of another one may tell something."""
 WINDOWS = (2, 5, 15)
 """Touches to either side whose scores are averaged."""
+WITHIN = "what is left within"
 RECENT_S = (10.0, 60.0)
 """Times over which touches are counted that were made just before."""
 
@@ -112,13 +113,18 @@ class Order:
         return np.asarray(self.serial - self.serial[last], dtype=float)
 
 
+def is_when(name: str) -> bool:
+    """Tell whether a covariate says when a touch was made, or what is left of those around it."""
+    return name.startswith(("time", "serial number,", WITHIN)) or name == "serial number"
+
+
 def neighbours(order: Order, scores: FloatArray) -> Mapping[str, FloatArray]:
     """Give the scores, shape (n,), of touches around each; NaN where there is none."""
     found = {f"what is left {lag} touches before": order.back(scores, lag) for lag in LAGS}
     found["what is left 1 touch after"] = order.back(scores, -1)
     for window in WINDOWS:
         around = [order.back(scores, k) for k in range(-window, window + 1) if k]
-        found[f"what is left within {window} touches"] = _mean(np.array(around))
+        found[f"{WITHIN} {window} touches"] = _mean(np.array(around))
     return found
 
 

@@ -36,6 +36,8 @@ TIED = 6.0
 
 Noticed = Callable[[Scored], frozenset[str]]
 """Names the streams in which something can still be seen once a model is played."""
+Passes = Callable[[Scored | None], bool]
+"""Tells whether what a model, or none, leaves goes with the sequence of the touches."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,11 +67,20 @@ class Finding:
         return (self.model, *(s for s in others if s.score > self.model.score - TIED))
 
 
-def find(judge: Judge, noticed: Noticed) -> Finding:
-    """Search forward, from several first effects, for as many as the touches ask for."""
-    ranked = judge.singles()
+def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
+    """Search forward, from several first effects, for as many as the touches ask for.
+
+    Args:
+        judge: Fits and scores.
+        noticed: Where a model leaves something.
+        passes: Whether what it leaves may have begun or ended.
+    """
+    judge.believe_beside(None)
+    ranked = _singles(judge, passes)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
+    judge.believe_beside(ranked[0].fit)
+    ranked = sorted(map(judge.scored_anew, ranked), key=lambda scored: -scored.score)
     best = ranked[0]
     if not noticed(best):
         return _single(judge, best, ranked)
@@ -80,13 +91,23 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
         if not pairs:
             ranked = [best, *(s for s in ranked if s.ids != best.ids)]
             return _single(judge, best, ranked)
-    model, tried = pairs[0], pairs
+    judge.believe_beside(pairs[0].fit)
+    model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
     while len(model.ids) < MOST_EFFECTS and (streams := noticed(model)):
         further = judge.pairs(model, streams)
         if not further or not _is_further(judge, further[0], model, noticed):
             break
-        model, tried = further[0], further
+        judge.believe_beside(further[0].fit)
+        model, tried = judge.scored_anew(further[0]), [judge.scored_anew(one) for one in further]
     return several(judge, model, tried)
+
+
+def _singles(judge: Judge, passes: Passes) -> list[Scored]:
+    """Give every effect alone, and those that begin or end where something may have done so."""
+    ranked = judge.singles()
+    if not passes(None) and not (ranked and passes(ranked[0])):
+        return ranked
+    return sorted([*judge.passing(ranked), *ranked], key=lambda scored: -scored.score)
 
 
 def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:

@@ -17,21 +17,30 @@ from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find, reduced
 from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates, settled
-from skiplatch.diagnosis.judge import Judge, Scored, Split, split
+from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
 from skiplatch.diagnosis.leftover import left_over, noticed, streams_of
 from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.notes import notes
 from skiplatch.diagnosis.outliers import outliers
-from skiplatch.diagnosis.playing import FittedDatum, Rig
+from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.reliability import reliability
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.surplus import without_surplus
-from skiplatch.diagnosis.verdict import CHANCE, Evidence, Failure, Verdict, decide, told_of_chance
+from skiplatch.diagnosis.verdict import (
+    CHANCE,
+    Evidence,
+    Failure,
+    Verdict,
+    decide,
+    shows_too_little,
+    told_of_chance,
+)
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, Parameter, effects
+from skiplatch.span import Span
 
 MOST_OF_RANGE = 0.9
 """Share of a range that an interval leaves open, from which on it tells nothing."""
@@ -51,6 +60,8 @@ class Named:
     confidence: float
     at_limit: frozenset[str] = frozenset()
     """Parameters at an end of their range."""
+    when: str = ""
+    """Since or until which touch it acts, in words; empty for one that always does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,14 +169,25 @@ class _Work:
         """
         key = fit.key if fit else ()
         if key not in self._rigs:
-            self._rigs[key] = self._fitted_rig(fit)
+            self._rigs[key] = self._fitted_rig(fit, self.naming)
         return self._rigs[key]
 
-    def _fitted_rig(self, fit: Fit | None) -> Rig:
-        fit = settled(self.naming, fit) if fit else None
-        change = fit.change(self.naming) if fit else Change()
-        nominal = fit_beliefs(self.naming, change, self.beliefs).nominal
-        datum = FittedDatum.of(self.naming.with_nominal(nominal), change)
+    def folds(self, fit: Fit) -> Folds:
+        """Give rigs that a hypothesis says it is, each by all touches but those that it plays."""
+        fold = folds(len(self.scene), self.seed)
+        others = [self.scene.select(fold != i) for i in range(FOLDS)]
+        return Folds([self._fitted_rig(fit, part) for part in others], fold)
+
+    def _fitted_rig(self, fit: Fit | None, scene: Scene) -> Rig:
+        change = fit.change(scene) if fit else Change()
+        nominal = fit_beliefs(scene, change, self.beliefs).nominal
+        if fit:
+            # Parameters would make up for beliefs that are off, and these then for parameters.
+            moved = scene.with_nominal(nominal)
+            fit = settled(moved, fit)
+            change = fit.change(moved)
+            nominal = fit_beliefs(scene, change, self.beliefs).nominal
+        datum = FittedDatum.of(scene.with_nominal(nominal), change)
         return Rig(nominal, as_effects(fit) if fit else (), datum)
 
     def left(self, scene: Scene, rig: Rig) -> list[Left]:
@@ -180,13 +202,18 @@ class _Work:
             self._noticed[key] = noticed(left, self.materiality)
         return self._noticed[key]
 
+    def passes(self, model: Scored | None) -> bool:
+        """Tell whether what a hypothesis leaves comes and goes, by no accident."""
+        left = self.left(self.naming, self.rig(model.fit if model else None))
+        return any(one.goes_with_time and one.z > CHANCE for one in left)
+
     def search(self, before: Sequence[Left]) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""
         streams = noticed(before, self.materiality)
         if not streams:
             return Finding(None), None
         self.judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
-        finding = find(self.judge, self.noticed)
+        finding = find(self.judge, self.noticed, self.passes)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
 
@@ -262,20 +289,15 @@ def _conclusion(
     # What is far off all that can be played says nothing of one rig or the other.
     usual = ~np.isin(scene.touches.touch, odd)
 
-    def gaps(rows: BoolArray) -> Mapping[str, Gap]:
+    def gaps(rows: BoolArray, after: Rig | Folds) -> Mapping[str, Gap]:
         rows = rows & usual
-        return shrink(scene, rows, believed, rig, seed=work.seed, jobs=work.jobs, truth=true_rig)
+        return shrink(scene, rows, believed, after, seed=work.seed, jobs=work.jobs, truth=true_rig)
 
     everywhere = np.full(len(scene), fill_value=True)
-    gap = gaps(work.parts.shrinking if finding.model else everywhere)
-    is_held_out = finding.model is None or _is_clear(gap)
-    if not is_held_out:
-        gap = gaps(everywhere)
-        is_held_out = not _is_clear(gap)  # else so few were held out that they show no gap
+    gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
     hidden = could_hide(scene, known, seed=work.seed)
     evidence = Evidence(
         gaps=gap,
-        is_held_out=is_held_out,
         believed=before,
         before=_mattering(before, work.materiality),
         after=_mattering(after, work.materiality),
@@ -287,11 +309,10 @@ def _conclusion(
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
     )
+    if finding.model and shows_too_little(evidence):
+        gap = gaps(everywhere, work.folds(finding.model.fit))
+        evidence = replace(evidence, gaps=gap, is_held_out=False)
     return _Conclusion(finding, rig, known, named, gap, hidden, odd, evidence)
-
-
-def _is_clear(gap: Mapping[str, Gap]) -> bool:
-    return any(one.is_clear for one in gap.values())
 
 
 def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Conclusion) -> Diagnosis:
@@ -305,7 +326,7 @@ def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Concl
     rig = found.rig if is_named else believed
     return Diagnosis(
         verdict=verdict,
-        where=places(scene, kept, before, left),
+        where=places(scene.with_nominal(rig.nominal), kept, before, left),
         effects=[_sure(one, verdict) for one in found.named] if is_named else [],
         gap={
             name: replace(gap, could_hide=found.hidden[name].size if name in found.hidden else 0.0)
@@ -343,9 +364,21 @@ def _named(scene: Scene, finding: Finding) -> list[Named]:
             alternatives=finding.alternatives[i],
             confidence=finding.confidences[i],
             at_limit=_at_limit(estimate.effect),
+            when=_when(scene, estimate.effect.span),
         )
         for i, estimate in enumerate(estimates(scene, fit, as_effects(fit)))
     ]
+
+
+def _when(scene: Scene, span: Span) -> str:
+    """Say when an effect begins or ends: by the touch, and the time of it in the campaign."""
+
+    def at(touch: int) -> str:
+        (row,) = np.flatnonzero(scene.touches.touch == touch)[:1]
+        return f"touch {touch}, at {scene.touches.time_s[row]:.6g} s"
+
+    words = [] if span.since is None else [f"since {at(span.since)}"]
+    return ", ".join(words if span.until is None else [*words, f"until {at(span.until)}"])
 
 
 def _at_limit(effect: Effect) -> frozenset[str]:

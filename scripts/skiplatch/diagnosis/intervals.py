@@ -270,7 +270,7 @@ def _as_estimates(
             if slot.turn and high[i] - low[i] > ANYWHERE * slot.turn:
                 ends[slot.parameter.name] = (0.0, slot.turn)
             i += 1
-        found.append(Estimate(Effect(effect.id, parameters), ends))
+        found.append(Estimate(replace(effect, parameters=parameters), ends))
     return found
 
 

@@ -6,14 +6,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property, reduce
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.beliefs import Fitted, believing, fit_beliefs, uncertain
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.covariates import conditions, varying
 from skiplatch.diagnosis.law import SMALLEST
 from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
+from skiplatch.diagnosis.onset import ends_of, outlives_datum, passing, proposed
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import (
     NOTHING,
@@ -35,6 +38,8 @@ CONTENDS = 0.4
 """Share of the best gain from which on other forms of an effect are tried."""
 MOST_POLISHED = 6
 """Candidates of a contest that are fitted in other forms."""
+ALSO_PASSING = 4
+"""Candidates, of those that fit a part of the campaign best, that are tried as passing ones."""
 REFINED_PAIRS = 4
 NEARLY = 30.0
 """Nats behind the best pair up to which a pair is refined jointly."""
@@ -48,6 +53,8 @@ IMPOSSIBLE = 10.0
 """Nats against an effect that cannot be, unless the believed chain is wrong there as well."""
 GOES_WITH, GOES_WITHOUT = 0.9, 0.3
 """Correlations of a shift with a condition that it goes with, and with one that it does not."""
+FOLDS = 4
+"""Parts of the touches, each of which judges what the others were fitted to."""
 MORE_VARIANCE = 1.2
 """Variance over the believed one from which on an effect leaves more to chance."""
 SCATTERED = 3.0
@@ -72,6 +79,11 @@ def split(touches: int, seed: int) -> Split:
     """Draw half of the touches for fitting, a fifth for checking, the rest for the shrink."""
     lot = np.random.default_rng(seed).permutation(touches) / touches
     return Split(lot < 0.5, (lot >= 0.5) & (lot < 0.7), lot >= 0.7)
+
+
+def folds(touches: int, seed: int) -> NDArray[np.intp]:
+    """Draw which of a few folds each touch belongs to; shape (n,)."""
+    return np.random.default_rng(seed).permutation(touches) % FOLDS
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,7 +129,7 @@ def _in_view(part: Scene, names: Collection[str]) -> set[str]:
 
 def _reached(part: Scene, model: Fit) -> frozenset[str]:
     """Name the streams where the last effect of a model changes anything."""
-    return affected(part, model.candidates[-1].change(part, model.parameters[-1]))
+    return affected(part, model.candidates[-1].acting(part, model.parameters[-1]))
 
 
 def _gain_in(part: Scene, model: Fit, names: Collection[str]) -> float:
@@ -146,16 +158,37 @@ class Judge:
             materiality: From which size on a change matters.
             noticed: Streams in which there may be something to explain; None for all.
         """
-        self.scene = scene
         self.materiality = materiality
         self.parts = parts
-        self._fitting = scene.select(parts.fitting)
-        self._checking = scene.select(parts.checking)
+        self._believed = scene
         self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
-        self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
         self._noticed = None if noticed is None else frozenset(noticed)
+        self._look_at(scene)
+
+    def _look_at(self, scene: Scene) -> None:
+        self.scene = scene
+        self._fitting = scene.select(self.parts.fitting)
+        self._checking = scene.select(self.parts.checking)
+        self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
         self._reaches: dict[str, frozenset[str]] = {}
         self._on_top: dict[tuple[object, ...], list[Scored]] = {}
+        self.__dict__.pop("_applicable", None)
+
+    def beliefs_beside(self, model: Fit | None) -> Fitted:
+        """Fit the beliefs, as they stand in nominal.toml, beside a model or none."""
+        naming = self._believed.select(self.parts.naming)
+        change = model.change(naming) if model else NOTHING
+        return fit_beliefs(naming, change, uncertain(naming.nominal))
+
+    def believe_beside(self, model: Fit | None) -> None:
+        """Hold models from now on against the chain with the beliefs that fit beside one.
+
+        What a belief takes up would else be found as an effect of its own. Noise stays as believed:
+        it would take up any gap.
+        """
+        moved = self.beliefs_beside(model).moved
+        values = {b.key: b.moved(x) for b, x in moved if not b.is_noise}
+        self._look_at(self._believed.with_nominal(believing(self._believed.nominal, values)))
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts."""
@@ -167,9 +200,33 @@ class Judge:
         impossible = sum(not candidate.is_possible(self.scene, p) for candidate, p in effects)
         return Scored(model, fitted, checked, impossible)
 
+    def scored_anew(self, scored: Scored) -> Scored:
+        """Score a model against the beliefs of now."""
+        return self.score(scored.fit)
+
     def singles(self) -> list[Scored]:
         """Every candidate alone, by falling score."""
         return self._with_twins(map(self.score, self._contest(self._candidates(), NOTHING)))
+
+    def passing(self, singles: Sequence[Scored]) -> list[Scored]:
+        """Candidates that begin or end within the campaign, by falling score.
+
+        Proposed by how they fit throughout, and how they fit its first and its last touches.
+        """
+        fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
+        for part in ends_of(self._fitting):
+            there = self._map(_fit, [(part, c, NOTHING) for c in self._candidates()])
+            gained = [(self._gain_on(part, one), i, one) for i, one in enumerate(there)]
+            best = sorted(gained, reverse=True)[:ALSO_PASSING]
+            fits += [one for gain, _, one in best if gain > WORTH_A_REFINEMENT]
+        tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
+        found = map(self.score, self._map(_passing, tasks))
+        return self._with_twins(one for one in found if self._is_no_datum(one))
+
+    def _is_no_datum(self, scored: Scored) -> bool:
+        """Tell whether an effect that begins is more than a surface that was moved then."""
+        nats = sum(outlives_datum(part, scored.fit) for part in (self._fitting, self._checking))
+        return nats - worth(scored.fit.size) > PLAIN
 
     def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
@@ -185,6 +242,11 @@ class Judge:
         ):
             fits[i] = found
         return fits
+
+    def _gain_on(self, part: Scene, found: Fit) -> float:
+        """Gain of a model over the unchanged simulation on some touches."""
+        changed = likelihood(part, found.change(part)).total
+        return changed - likelihood(part, NOTHING).total
 
     def _gain(self, found: Fit, given: Change) -> float:
         """Gain of a model, with its form left open or not, on the touches it was fitted to."""
@@ -243,7 +305,7 @@ class Judge:
         for other in self._applicable:
             if other.change == own.change and other.id != own.id:
                 candidates = list(model.fit.candidates)
-                candidates[position] = other
+                candidates[position] = replace(other, span=own.span)
                 found.append(self.score(replace(model.fit, candidates=tuple(candidates))))
         return found
 
@@ -342,13 +404,13 @@ class Judge:
         Another form of them would have to do that by chance.
         """
         effects = zip(model.fit.candidates, model.fit.parameters, strict=True)
-        *others, last = (c.change(self._fitting, parameters) for c, parameters in effects)
+        *others, last = (c.acting(self._fitting, parameters) for c, parameters in effects)
         return _goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
 
     def scatters(self, model: Scored, position: int) -> frozenset[str]:
         """Name the streams in which one effect of a model leaves more to chance."""
         candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]
-        change, scene = candidate.change(self._fitting, parameters), self._fitting
+        change, scene = candidate.acting(self._fitting, parameters), self._fitting
         found = set()
         for name in affected(scene, change) & scene.streams.keys():
             stream = scene.streams[name]
@@ -386,7 +448,7 @@ class Judge:
             gained -= before.fitted + before.checked
         position = len(before.ids) if before else 0
         candidate, parameters = scored.fit.candidates[position], scored.fit.parameters[position]
-        change = candidate.change(self._fitting, parameters)
+        change = candidate.acting(self._fitting, parameters)
         touches = int(self.parts.naming.sum())
         is_seen = gained / touches > self.materiality.nats_a_touch
         return is_seen and is_material(self._fitting, change, self.materiality)
@@ -429,6 +491,10 @@ def _both(first: Fit, second: Fit) -> Fit:
         first.reached | second.reached,
         max(first.slack, second.slack),
     )
+
+
+def _passing(model: tuple[Scene, Fit]) -> Fit:
+    return passing(*model)
 
 
 def _turned(model: tuple[Scene, Candidate, Fit]) -> Fit:

@@ -4,6 +4,7 @@ A simulated sample of any affordable size misjudges the tails, and with them eve
 randomness; the density of the sum itself does not. It is computed in ``host_sim/law.c``.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch import simulator
-from skiplatch.arrays import FloatArray, median
+from skiplatch.arrays import BoolArray, FloatArray, median
 
 SMALLEST = 1e-4
 """Scatter in µs or µm below which nothing is resolved, so that no density becomes infinite."""
@@ -118,6 +119,24 @@ class Law:
     def laid_out(self, residuals: FloatArray, reach: float) -> simulator.Residuals:
         """Lay residuals out with this law, for more than their density."""
         return simulator.Residuals.of(residuals, self, self.extras, reach, SMALLEST)
+
+
+def spliced(parts: Sequence[tuple[BoolArray, Law]]) -> Law:
+    """Give one law of those for some of n residuals each, by masks of shape (n,) that share none.
+
+    It is for their middle and their scatter, in which it has the extras; densities are the parts'.
+    """
+
+    def whole(values: Iterable[FloatArray]) -> FloatArray:
+        there = (np.where(rows, v, 0.0) for (rows, _), v in zip(parts, values, strict=True))
+        return np.asarray(sum(there))
+
+    laws = [law for _, law in parts]
+    box_a, box_b = whole(law.box_a for law in laws), whole(law.box_b for law in laws)
+    mean, variance = whole(law.mean for law in laws), whole(law.variance for law in laws)
+    gaussian = variance - (box_a**2 + box_b**2) / 12.0 - SMALLEST**2
+    sigma = np.sqrt(np.maximum(gaussian, 0.0))
+    return Law(mean - (box_a + box_b) / 2.0, sigma, box_a, box_b)
 
 
 def extra_variance(law: Law) -> FloatArray:

@@ -17,7 +17,7 @@ from skiplatch.diagnosis import datum
 from skiplatch.diagnosis.change import Change, Number
 from skiplatch.diagnosis.datum import FAMILIES, SHIFTED
 from skiplatch.diagnosis.grid import folded
-from skiplatch.diagnosis.law import Extra, Law
+from skiplatch.diagnosis.law import Extra, Law, spliced
 from skiplatch.diagnosis.scene import Scene, Stream
 from skiplatch.simulator import Residuals
 
@@ -106,9 +106,7 @@ def likelihood(
     wanted = set(scene.streams if names is None else names) & scene.streams.keys()
     found: dict[str, FloatArray] = {}
     for family in _families(scene, wanted):
-        members = [
-            _Member.of(scene, scene.streams[n], change, widening.get(n, 0.0)) for n in family
-        ]
+        members = [m for n in family for m in _members(scene, n, change, widening.get(n, 0.0))]
         found |= _values(scene, members)[1]
     values = {name: found[name] for name in scene.streams if name in wanted}
     if names is None or MISSED in names:
@@ -118,6 +116,10 @@ def likelihood(
 
 def affected(scene: Scene, change: Change) -> frozenset[str]:
     """Name the streams whose law a change alters at all."""
+    if change.passing:
+        return frozenset().union(
+            *(affected(scene, there) for _, there in change.at_times(scene.touches.touch))
+        )
     names = {
         name
         for name, stream in scene.streams.items()
@@ -140,6 +142,9 @@ def _differ(law: Law, other: Law) -> bool:
 
 
 def _missed(scene: Scene, change: Change) -> FloatArray:
+    if change.passing:
+        times = change.at_times(scene.touches.touch)
+        return np.asarray(sum(_missed(scene, there) * rows for rows, there in times))
     rate = 1.0 - (1.0 - NEVER_LOST) * (1.0 - change.lost)
     missed = scene.touches.missed
     rate = min(max(rate, NEVER_LOST), 1.0 - NEVER_LOST)
@@ -171,9 +176,8 @@ def fitted_datum_um(scene: Scene, change: Change) -> dict[tuple[str, ...], Float
         return {}
     found: dict[tuple[str, ...], FloatArray] = {}
     for family in FAMILIES:
-        there = [scene.streams[name] for name in family if name in scene.streams]
-        if there:
-            members = [_Member.of(scene, stream, change, 0.0) for stream in there]
+        members = [m for n in family if n in scene.streams for m in _members(scene, n, change, 0.0)]
+        if members:
             found[family] = _values(scene, members)[0]
     return found
 
@@ -216,24 +220,40 @@ class _Member:
         return values + self.bonus
 
 
+def _members(scene: Scene, name: str, change: Change, widening: float) -> list[_Member]:
+    """Lay a stream out under a change: in parts, where the change is not the same for all."""
+    stream = scene.streams[name]
+    if not change.passing:
+        return [_Member.of(scene, stream, change, widening)]
+    times = [
+        (replace(stream, rows=stream.rows & rows), there)
+        for rows, there in change.at_times(scene.touches.touch)
+    ]
+    return [_Member.of(scene, part, there, widening) for part, there in times if part.rows.any()]
+
+
 def _values(scene: Scene, members: Sequence[_Member]) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Give the likeliest datum of each group by some streams, and their log-likelihoods there."""
     parts = {
-        m.stream.name: datum.Part(
+        i: datum.Part(
             m.residuals,
             m.off,
             m.law.variance,
             scene.per_datum_um(m.stream)[m.stream.indices],
             scene.datum_groups[m.stream.indices],
         )
-        for m in members
+        for i, m in enumerate(members)
         if m.residuals is not None and scene.datum_groups is not None and m.stream.name in SHIFTED
     }
-    if not parts:
-        return np.zeros(scene.datum_count), {m.stream.name: m.values(scene, None) for m in members}
-    found, logs = datum.at_best_datum([*parts.values()], scene.datum_count, scene.datum_u_um)
-    known = dict(zip(parts, logs, strict=True))
-    return found, {m.stream.name: m.values(scene, known.get(m.stream.name)) for m in members}
+    found, known = np.zeros(scene.datum_count), dict[int, FloatArray]()
+    if parts:
+        found, logs = datum.at_best_datum([*parts.values()], scene.datum_count, scene.datum_u_um)
+        known = dict(zip(parts, logs, strict=True))
+    values: dict[str, FloatArray] = {}
+    for i, m in enumerate(members):
+        own = m.values(scene, known.get(i))
+        values[m.stream.name] = values[m.stream.name] + own if m.stream.name in values else own
+    return found, values
 
 
 def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law, coarse_us: float) -> FloatArray:
@@ -263,6 +283,9 @@ def _off_datum(scene: Scene, stream: Stream, off: FloatArray) -> FloatArray:
 
 def law_under(scene: Scene, stream: Stream, change: Change) -> Law:
     """Give the law of a stream's residuals, all n of them, once the physics is changed."""
+    if change.passing:
+        times = change.at_times(scene.touches.touch)
+        return spliced([(rows, law_under(scene, stream, there)) for rows, there in times])
     law = _LAWS[stream.name](scene, stream, change)
     if change.slack == 0.0 or stream.name == "lattice":
         return law

@@ -16,7 +16,7 @@ from scipy import stats
 from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.covariates import Order, conditions, neighbours, sequence, varying
+from skiplatch.diagnosis.covariates import Order, conditions, is_when, neighbours, sequence, varying
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import UNITS
 from skiplatch.diagnosis.periodogram import explained_by_sines
@@ -102,6 +102,11 @@ class Left:
     def is_predicted(self) -> bool:
         """It goes with something known; otherwise it is everywhere."""
         return self.conditions != (EVERYWHERE,)
+
+    @property
+    def goes_with_time(self) -> bool:
+        """It comes and goes, which what acts all the time does not."""
+        return any(map(is_when, self.conditions))
 
     def is_of(self, other: "Left") -> bool:
         """It shows in the same observable on the same path."""

@@ -60,7 +60,13 @@ DEFAULT = Materiality()
 
 
 def is_material(scene: Scene, change: Change, materiality: Materiality = DEFAULT) -> bool:
-    """Tell whether an effect changes some stretch of the chain by more than the threshold."""
+    """Tell whether an effect changes some stretch of the chain by more than the threshold.
+
+    One that comes or goes is held against it where it is there.
+    """
+    if change.passing:
+        times = change.at_times(scene.touches.touch)
+        return any(is_material(scene, there, materiality) for _, there in times)
     change = _beyond_calibration(scene, change, materiality)
     names = affected(scene, change)
     return MISSED in names or any(

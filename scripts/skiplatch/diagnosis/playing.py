@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
@@ -11,7 +12,8 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood import fitted_datum_um
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, datum_names
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator import Controller, Effect, Outcomes, play, spliced
+from skiplatch.span import ALWAYS, Span
 
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
@@ -65,6 +67,11 @@ class Rig:
     effects: Sequence[Effect] = ()
     datum: FittedDatum = field(default_factory=FittedDatum)
 
+    @property
+    def spans(self) -> list[Span]:
+        """Give those of effects that begin or end."""
+        return [span for span in dict.fromkeys(e.span for e in self.effects) if span != ALWAYS]
+
     def play(
         self,
         touches: Touches,
@@ -93,3 +100,28 @@ class Rig:
             switched_on=self.effects,
         )
         return replace(outcomes, deviation_um=outcomes.deviation_um + surface_um + coordinate_um)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Folds:
+    """Rigs of one finding, each of which plays the touches that it was not fitted to.
+
+    Attributes:
+        rigs: One for each fold.
+        fold: Number of that of each touch; shape (n,).
+    """
+
+    rigs: Sequence[Rig]
+    fold: NDArray[np.intp]
+
+    @property
+    def spans(self) -> list[Span]:
+        """Give those of effects that begin or end."""
+        return self.rigs[0].spans
+
+    def play(self, touches: Touches, *, seed: int, replicates: int, jobs: int = 1) -> Outcomes:
+        """Play the conditions of the n touches so often."""
+        plays = [
+            rig.play(touches, seed=seed, replicates=replicates, jobs=jobs) for rig in self.rigs
+        ]
+        return spliced(plays, self.fold)

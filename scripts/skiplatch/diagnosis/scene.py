@@ -80,6 +80,8 @@ class Scene:
     """The scene that this one is a part of, for what depends on the touches before."""
     chosen: NDArray[np.intp] | None = None
     """Which touches of the whole these are; shape (n,)."""
+    moved_at: int | None = None
+    """Number of a touch from which on the datum may be another one."""
 
     @classmethod
     def of(cls, campaign: Campaign) -> "Scene":
@@ -89,7 +91,7 @@ class Scene:
     def select(self, rows: BoolArray | NDArray[np.intp]) -> "Scene":
         """Give some of the touches."""
         chosen = np.arange(len(self))[rows]
-        return Scene(self.nominal, self.touches.select(rows), self, chosen)
+        return Scene(self.nominal, self.touches.select(rows), self, chosen, self.moved_at)
 
     def in_sequence(self, most: int) -> tuple["Scene", NDArray[np.intp]]:
         """Give the largest scene, of at most so many touches, that this one is a part of.
@@ -104,7 +106,11 @@ class Scene:
     def with_nominal(self, nominal: Nominal) -> "Scene":
         """Give the same touches under another belief."""
         whole = None if self.whole is None else self.whole.with_nominal(nominal)
-        return Scene(nominal, self.touches, whole, self.chosen)
+        return Scene(nominal, self.touches, whole, self.chosen, self.moved_at)
+
+    def with_datum_moved(self, touch: int) -> "Scene":
+        """Give the same touches, the datum of which may be another one from a touch on."""
+        return Scene(self.nominal, self.touches, self.whole, self.chosen, touch)
 
     def __len__(self) -> int:
         return len(self.touches)
@@ -242,7 +248,10 @@ class Scene:
     @cached_property
     def datum_names(self) -> NDArray[np.str_] | None:
         """Names of the data of the touches, shape (n,); None where they are known."""
-        return datum_names(self.nominal, self.touches)
+        names = datum_names(self.nominal, self.touches)
+        if names is None or self.moved_at is None:
+            return names
+        return np.char.add(names, np.where(self.touches.touch < self.moved_at, "", " moved"))
 
     @cached_property
     def datum_count(self) -> int:

@@ -21,6 +21,7 @@ from skiplatch.diagnosis.likelihood import (
     with_shared_datum,
 )
 from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.span import ALWAYS
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)
 FINER, FINEST = WIDENINGS[1:], WIDENINGS[-1:]
@@ -30,6 +31,8 @@ HOPELESS = 0.5
 """Nats."""
 WORTH_A_REFINEMENT = 2.0
 """Nats that one more parameter has to gain; it is also what it gains by chance."""
+WORTH_OF_AN_END = 3
+"""Parameters that the touch counts for at which an effect begins or ends."""
 WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
@@ -58,7 +61,7 @@ class Fit:
     def change(self, scene: Scene, given: Change = NOTHING) -> Change:
         """What they make of the physics, on top of what is given."""
         effects = zip(self.candidates, self.parameters, strict=True)
-        changes = (candidate.change(scene, parameters) for candidate, parameters in effects)
+        changes = (candidate.acting(scene, parameters) for candidate, parameters in effects)
         if self.slack > given.slack:
             given = replace(given, slack=self.slack)
         return reduce(Change.joined, changes, given)
@@ -67,7 +70,13 @@ class Fit:
     def key(self) -> tuple[object, ...]:
         """Tell fits apart by what they are."""
         parameters = (values.tobytes() for values in self.parameters)
-        return (*(c.id for c in self.candidates), *parameters, self.slack)
+        effects = ((c.id, c.span) for c in self.candidates)
+        return (*effects, *parameters, self.slack)
+
+    @property
+    def is_always(self) -> bool:
+        """They act at all touches."""
+        return all(candidate.span == ALWAYS for candidate in self.candidates)
 
     @property
     def is_loose(self) -> bool:
@@ -76,9 +85,13 @@ class Fit:
 
     @property
     def size(self) -> int:
-        """Number of parameters that are not 0, which is what the others stay at; slack is one."""
+        """Number of parameters that are not 0, which is what the others stay at; slack is one.
+
+        Any touch may be the first: the best of so many counts for more than a parameter.
+        """
         free = sum(int(np.count_nonzero(parameters)) for parameters in self.parameters)
-        return free + (self.slack > 0.0)
+        ends = sum(candidate.span.ends for candidate in self.candidates)
+        return free + (self.slack > 0.0) + WORTH_OF_AN_END * ends
 
 
 def _split(candidates: Sequence[Candidate], values: FloatArray) -> tuple[FloatArray, ...]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Literal, Self
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
@@ -24,11 +25,14 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.grid import off_grid
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.playing import Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
 from skiplatch.simulator import Outcomes
+from skiplatch.span import Span
 from skiplatch.statistics import CONFIDENCE, Interval
+
+IndexArray = NDArray[np.intp]
 
 PLAYED_TOUCHES = 40_000
 FEWEST_REPLICATES = 16
@@ -129,7 +133,7 @@ def shrink(
     scene: Scene,
     held_out: BoolArray,
     before: Rig,
-    after: Rig,
+    after: Rig | Folds,
     *,
     seed: int,
     jobs: int,
@@ -141,7 +145,7 @@ def shrink(
         scene: The campaign.
         held_out: Which touches to score; shape (n,).
         before: The rig as it is believed to be.
-        after: The rig with the effects that were found.
+        after: The rig with the effects that were found, or rigs fitted to other touches each.
         seed: Of the plays.
         jobs: Threads.
         truth: The rig that a simulated campaign really is of.
@@ -150,13 +154,13 @@ def shrink(
     plays = [_play(scene, rig, seed, jobs) for rig in rigs]
     gaps = {}
     for observable in _observables(scene):
-        cells = list(_cells(scene, held_out, observable, plays))
+        cells = list(_cells(scene, held_out, observable, plays, after.spans))
         if cells:
             gaps[observable.name] = _gap(cells, observable, _least(scene, observable), seed)
     return gaps
 
 
-def _play(scene: Scene, rig: Rig, seed: int, jobs: int) -> Outcomes:
+def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
     replicates = int(np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES))
     return rig.play(scene.touches, seed=seed, replicates=replicates, jobs=jobs)
 
@@ -186,7 +190,11 @@ def _least(scene: Scene, observable: Observable) -> float:
 
 
 def _cells(
-    scene: Scene, held_out: BoolArray, observable: Observable, plays: Sequence[Outcomes]
+    scene: Scene,
+    held_out: BoolArray,
+    observable: Observable,
+    plays: Sequence[Outcomes],
+    spans: Iterable[Span],
 ) -> Iterator[_Cell]:
     """Score cell by cell what was played: nominal, with the effects found, with the true ones."""
     recorded = observable.values(scene.touches, scene.contact)
@@ -195,7 +203,7 @@ def _cells(
     for values in played:
         known = known & ~np.isnan(values).all(axis=0)
     expected, scale = _expected(scene, observable)
-    for path, _, rows in cells_of(scene.touches, known, FEWEST_TOUCHES):
+    for path, rows in _cells_within(scene, known, spans):
         scored = [
             _pooled(
                 (recorded[rows] - expected[rows]) / scale[rows],
@@ -207,6 +215,19 @@ def _cells(
             for values in played
         ]
         yield _Cell(path, scored[0], scored[1], scored[2] if len(scored) == ALL_THREE else None)
+
+
+def _cells_within(
+    scene: Scene, known: BoolArray, spans: Iterable[Span]
+) -> Iterator[tuple[InputPath, IndexArray]]:
+    """Give the cells, the touches apart at which an effect that begins or ends is not there."""
+    parts = [known]
+    for span in spans:
+        acts = span.holds(scene.touches.touch)
+        parts = [half for part in parts for half in (part & acts, part & ~acts)]
+    for part in parts:
+        for path, _, rows in cells_of(scene.touches, part, FEWEST_TOUCHES):
+            yield path, rows
 
 
 def _expected(scene: Scene, observable: Observable) -> tuple[FloatArray, FloatArray]:
@@ -290,9 +311,15 @@ def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int
 
 
 def _share_gone(scores: _Scores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:
-    """Give the share with its interval, by the scores after it; 0 without a gap."""
-    before = scores.before
-    samples = (before - after, before - scores.floor, before - scores.nominal_floor)
+    """Give the share with its interval, by the scores after it; 0 without a gap.
+
+    A floor above what was there before is that of effects which scatter too much, and no measure of
+    a gap: then the floor of the nominal simulation is, which makes the gap rather too large.
+    """
+    above = scores.before - scores.floor
+    if above.sum() <= 0.0:
+        above = scores.before - scores.nominal_floor
+    samples = (scores.before - after, above)
     value = float(_share(*samples)) if is_clear else 0.0
     resampled = stats.bootstrap(
         samples,
@@ -307,17 +334,12 @@ def _share_gone(scores: _Scores, after: FloatArray, seed: int, *, is_clear: bool
     return Interval(value, min(float(resampled.low), value), max(float(resampled.high), value))
 
 
-def _share(
-    gone: FloatArray, above: FloatArray, above_nominal: FloatArray, axis: int = -1
-) -> FloatArray:
+def _share(gone: FloatArray, above: FloatArray, axis: int = -1) -> FloatArray:
     """Share of the gap above the floor that is gone; 0 where there was none and none came.
 
-    Touches that score below the floor by luck have not lost more than all of their gap. A floor
-    above what was there before is that of effects which scatter too much, and no measure of a gap:
-    then the floor of the nominal simulation is, which makes the gap rather too large.
+    Touches that score below the floor by luck have not lost more than all of their gap.
     """
-    lost, gap, most = gone.sum(axis=axis), above.sum(axis=axis), above_nominal.sum(axis=axis)
-    gap = np.where(gap > 0.0, gap, most)
+    lost, gap = gone.sum(axis=axis), above.sum(axis=axis)
     whole = np.maximum(np.maximum(gap, lost), RESOLVABLE)
     share = np.clip(lost / whole, -1.0, 1.0)
     return np.asarray(np.where(np.abs(lost) > RESOLVABLE, share, 0.0))

@@ -30,6 +30,7 @@ from skiplatch.simulator import (
     effects,
     play,
 )
+from skiplatch.span import Span
 
 IndexArray = NDArray[np.intp]
 
@@ -65,15 +66,19 @@ class Simulated(Candidate):
         """It stands in the table of effects."""
         return True
 
-    def __reduce__(self) -> tuple[Callable[[str], Candidate], tuple[str]]:
-        """Travel to another process as the id alone."""
-        return simulated, (self.id,)
+    def __reduce__(self) -> tuple[Callable[[str, Span], Candidate], tuple[str, Span]]:
+        """Travel to another process as the id and the span alone."""
+        return _simulated_at, (self.id, self.span)
 
 
 def catalogue() -> Mapping[str, Candidate]:
     """Give a candidate for every effect of the simulator's table, by id."""
     own = {name: simulated(name) for name in effects() if name not in CANDIDATES}
     return {**CANDIDATES, **own}
+
+
+def _simulated_at(effect_id: str, span: Span) -> Candidate:
+    return replace(simulated(effect_id), span=span)
 
 
 @cache

@@ -9,8 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from skiplatch.diagnosis.beliefs import Fitted, fit_beliefs, uncertain
-from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import AsRig
 from skiplatch.diagnosis.decide import Finding, reduced
 from skiplatch.diagnosis.judge import ENOUGH_FIT, PLAIN, Judge, Scored, worth
@@ -42,36 +40,31 @@ def without_surplus(
     """
     while (model := finding.model) is not None:
         if len(model.ids) == 1:
-            is_needed = _beliefs_leave(judge, model, None) > ENOUGH_FIT
+            is_needed = _beyond_beliefs(judge, model, None) > ENOUGH_FIT
             return (
                 finding
                 if is_needed
                 else replace(finding, model=None, alternatives=(), confidences=())
             )
         fewer = [judge.again_without(model, i) for i in range(len(model.ids))]
-        least = max(fewer, key=lambda smaller: smaller.score)
-        gained = model.score - least.score
-        if gained > PLAINLY_NEEDED:
-            return finding
-        if gained > _by_nature(judge, model, least, as_rig, seed, executor) + PLAIN and (
-            _beliefs_leave(judge, model, least) > ENOUGH_FIT
+        beyond, _, least = min(
+            (_beyond_beliefs(judge, model, smaller), i, smaller) for i, smaller in enumerate(fewer)
+        )
+        if beyond > PLAINLY_NEEDED or (
+            beyond > ENOUGH_FIT
+            and model.score - least.score
+            > _by_nature(judge, model, least, as_rig, seed, executor) + PLAIN
         ):
             return finding
         finding = reduced(judge, least)
     return finding
 
 
-def _beliefs_leave(judge: Judge, larger: Scored, smaller: Scored | None) -> float:
+def _beyond_beliefs(judge: Judge, larger: Scored, smaller: Scored | None) -> float:
     """Give the nats that a model gains over a smaller one, or none, if beliefs move in both."""
-    scene = judge.scene.select(judge.parts.naming)
-    beliefs = uncertain(scene.nominal)
-
-    def settled(model: Scored | None) -> Fitted:
-        change = model.fit.change(scene) if model else Change()
-        return fit_beliefs(scene, change, beliefs)
-
-    gained = settled(larger).nats - settled(smaller).nats
-    return gained - worth(larger.fit.size - (smaller.fit.size if smaller else 0))
+    with_it = judge.beliefs_beside(larger.fit).nats
+    without = judge.beliefs_beside(smaller.fit if smaller else None).nats
+    return with_it - without - worth(larger.fit.size - (smaller.fit.size if smaller else 0))
 
 
 def _by_nature(

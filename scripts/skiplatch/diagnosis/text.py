@@ -13,6 +13,7 @@ from skiplatch.diagnosis.playing import FittedDatum, Rig
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.diagnosis.verdict import EXPLAINS, HAS_GAP, NAMES, SEES, Verdict
 from skiplatch.simulator import Effect, effects
+from skiplatch.span import Span
 from skiplatch.statistics import Interval
 from skiplatch.tables import number, table
 
@@ -73,6 +74,8 @@ def _effect_text(named: Named) -> str:
             f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}) "
             f"{parameter.unit}, {parameter.meaning}{limit}"
         )
+    if named.when:
+        lines.append(f"  {named.when}")
     lines.append(f"  confidence {named.confidence:.3f}")
     if named.alternatives:
         lines.append(f"  cannot be told from: {', '.join(named.alternatives)}")
@@ -178,6 +181,8 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "stage": named.stage,
                 "params": dict(named.effect.parameters),
                 "intervals": {name: list(ends) for name, ends in named.intervals.items()},
+                "since": named.effect.span.since,
+                "until": named.effect.span.until,
                 "alternatives": list(named.alternatives),
                 "confidence": named.confidence,
                 "at_limit": {name: name in named.at_limit for name in named.effect.parameters},
@@ -257,11 +262,26 @@ def effects_from_json(document: Json) -> list[Effect]:
         raise ValueError(f'expected a diagnosis of the format "{FORMAT}"')
     try:
         return [
-            Effect(str(entry["id"]), {str(k): float(v) for k, v in entry["params"].items()})
+            Effect(
+                str(entry["id"]),
+                {str(k): float(v) for k, v in entry["params"].items()},
+                Span(_touch(entry.get("since")), _touch(entry.get("until"))),
+            )
             for entry in document["effects"]
         ]
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"not a whole diagnosis: {error!r}") from error
+
+
+def _touch(number: Json) -> int | None:
+    """Read the number of a touch, or none.
+
+    Raises:
+        TypeError: It is something else.
+    """
+    if number is None or (isinstance(number, int) and not isinstance(number, bool)):
+        return number
+    raise TypeError(f"expected the number of a touch or null, got {number!r}")
 
 
 def rig_from_json(document: Json, nominal: Nominal) -> Rig:

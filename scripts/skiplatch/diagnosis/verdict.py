@@ -35,7 +35,7 @@ class Evidence:
     Attributes:
         gaps: Observables on touches held out, with the gap before and after; by name.
         is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
-            all touches.
+            all touches, each with parameters that the others were fitted to.
         believed: All that was looked at under the believed chain.
         before: What that leaves that is material and hardly an accident.
         after: The same of the finding; of none, if nothing was found.
@@ -111,12 +111,6 @@ def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
     return "no gap shrinks for certain" if clear else "no gap is clear"
 
 
-def _shrinks_where_fitted(evidence: Evidence, threshold: float) -> str:
-    if evidence.is_held_out or any(g.shrink.low > threshold for g in _clear(evidence).values()):
-        return ""
-    return "no gap shrinks by much, on touches that it was fitted to at that"
-
-
 def _share_gone(evidence: Evidence, was: Left) -> float:
     """Give how much for certain is gone of a gap in a share of touches, as of those missed."""
     unseen = CHANCE * was.relative / was.z
@@ -135,7 +129,7 @@ def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
 
 
 def _held_out(evidence: Evidence, _: float) -> str:
-    return "" if evidence.is_held_out else "so few touches were held out that they show no gap"
+    return "" if evidence.is_held_out else "too few touches were held out to show that it shrinks"
 
 
 def _within_limits(evidence: Evidence, _: float) -> str:
@@ -213,7 +207,7 @@ EXPLAINS: Sequence[Rule] = (
         _leaves_nothing,
     ),
     Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
-    Rule("held_out", 0.0, "theory: fitted touches do not judge the fit", _held_out),
+    Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
     Rule(
         "within_limits",
         0.0,
@@ -232,12 +226,6 @@ NAMES: Sequence[Rule] = (
         0.2,
         "a level: of something that is named for certain; lower end of the interval",
         _shrinks_somewhere,
-    ),
-    Rule(
-        "shrinks_where_fitted",
-        0.5,
-        "tuned, on four campaigns: fitted touches flatter; where no others show a gap, half goes",
-        _shrinks_where_fitted,
     ),
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
     Rule(
@@ -263,6 +251,11 @@ HAS_GAP: Sequence[Rule] = (
     Rule("believed_leaves_nothing", SIGNIFICANT, "a level, as above", _leaves_nothing),
 )
 """What holds of touches without a gap, in which nothing was found."""
+
+
+def shows_too_little(evidence: Evidence) -> bool:
+    """Tell whether nothing but a lack of touches may keep effects from being named."""
+    return [one.rule for one in failures(NAMES, evidence)] == [NAMES[0].name]
 
 
 @dataclass(frozen=True, slots=True)

@@ -39,6 +39,7 @@ class Found:
     id: str
     physics: str
     sits: str
+    when: str
     confidence: str
     alternatives: str
     parameters: Table
@@ -136,6 +137,7 @@ def found(named: Named) -> Found:
         id=named.effect.id,
         physics=described.physics,
         sits=f"{named.stage} stage, {PATHS[described.paths]}",
+        when=named.when,
         confidence=f"{named.confidence:.3f}",
         alternatives=", ".join(named.alternatives),
         parameters=Table(("parameter", "value", "90 % interval", "unit", "meaning"), rows),

@@ -1,0 +1,165 @@
+"""Effects that begin or end: played, weighed, found, and told from a surface that was moved."""
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis.as_effects import as_effects
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.diagnose import diagnose
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.onset import ends_of, outlives_datum, passing, proposed
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit, fit
+from skiplatch.diagnosis.verdict import Verdict
+from skiplatch.simulator import Effect, Outcomes
+from skiplatch.span import ALWAYS, Span
+
+LATE = Effect("isr_latency", {"latency_us": 40.0})
+
+
+def middle_touch(campaign: Campaign) -> int:
+    return int(np.median(campaign.touches.touch))
+
+
+def of(candidate_id: str, parameters: list[float], span: Span = ALWAYS) -> Fit:
+    one = replace(CANDIDATES[candidate_id], span=span)
+    return Fit((one,), (np.array(parameters),), frozenset())
+
+
+def nats(scene: Scene, change: Change) -> float:
+    return likelihood(scene, change).total
+
+
+@pytest.mark.parametrize(
+    ("span", "held"),
+    [
+        (ALWAYS, [True, True, True]),
+        (Span(since=5), [False, True, True]),
+        (Span(until=5), [True, True, False]),
+        (Span(since=5, until=5), [False, True, False]),
+    ],
+)
+def test_a_span_holds_its_first_and_its_last_touch(span: Span, held: list[bool]) -> None:
+    assert span.holds(np.array([4, 5, 6])).tolist() == held
+
+
+def test_an_effect_that_begins_is_played_where_it_is_there_and_nowhere_else() -> None:
+    campaign = read_campaign(BENCH)
+    since = middle_touch(campaign)
+
+    def play(*effects: Effect) -> Outcomes:
+        return Rig(campaign.nominal, effects).play(campaign.touches, seed=3, replicates=2)
+
+    without, throughout, begun = play(), play(LATE), play(replace(LATE, span=Span(since=since)))
+
+    there = campaign.touches.touch >= since
+    assert 0 < there.sum() < len(there)
+    for field in fields(Outcomes):
+        values = [getattr(one, field.name) for one in (without, throughout, begun)]
+        np.testing.assert_array_equal(values[2], np.where(there, values[1], values[0]))
+    assert np.nanmax(np.abs(begun.latch_us - without.latch_us)) > 30.0
+
+
+def test_two_effects_that_pass_overlap_where_both_are_there() -> None:
+    campaign = read_campaign(BENCH)
+    numbers = np.sort(campaign.touches.touch)
+    first, last = int(numbers[len(numbers) // 3]), int(numbers[2 * len(numbers) // 3])
+    twice = [replace(LATE, span=Span(since=first)), replace(LATE, span=Span(until=last))]
+
+    def stamps(*effects: Effect) -> FloatArray:
+        rig = Rig(campaign.nominal, effects)
+        return np.asarray(rig.play(campaign.touches, seed=3, replicates=1).latch_us[0])
+
+    both = campaign.touches.touch <= last, campaign.touches.touch >= first
+    there = both[0] & both[1]
+    np.testing.assert_array_equal(stamps(*twice)[there], stamps(LATE, LATE)[there])
+    np.testing.assert_array_equal(stamps(*twice)[~there], stamps(LATE)[~there])
+
+
+def test_the_likelihood_of_parts_is_that_of_each_under_its_own_change() -> None:
+    scene = Scene.of(read_campaign(BENCH))
+    since = int(np.median(scene.touches.touch))
+    own = of("isr_latency", [40.0, 0.0, 0.0])
+    begun = of("isr_latency", [40.0, 0.0, 0.0], Span(since=since))
+
+    throughout, never = likelihood(scene, own.change(scene)), likelihood(scene, Change())
+    found = likelihood(scene, begun.change(scene))
+
+    later = scene.touches.touch >= since
+    expected = np.where(later, throughout.streams["latch_skip"], never.streams["latch_skip"])
+    np.testing.assert_allclose(found.streams["latch_skip"], expected, atol=0.2)
+    np.testing.assert_allclose(found.streams["report"], never.streams["report"], atol=1e-5)
+
+
+@pytest.mark.parametrize("begins", [True, False])
+def test_the_touch_is_found_at_which_an_effect_begins_or_ends(begins: bool) -> None:
+    touch = middle_touch(read_campaign(BENCH))
+    span = Span(since=touch) if begins else Span(until=touch)
+    scene = Scene.of(played(BENCH, replace(LATE, span=span)))
+
+    (first, *_) = proposed(scene, [of("isr_latency", [20.0, 0.0, 0.0])])
+    found = passing(scene, first)
+
+    (effect,) = as_effects(found)
+    assert (effect.span.since if begins else effect.span.until) == pytest.approx(touch, abs=3)
+    assert effect.parameters["latency_us"] == pytest.approx(40.0, abs=1.0)
+
+
+def test_an_end_costs_more_than_a_parameter() -> None:
+    throughout = of("isr_latency", [40.0, 0.0, 0.0])
+    begun = of("isr_latency", [40.0, 0.0, 0.0], Span(since=5))
+
+    assert begun.size > throughout.size + 1
+    assert begun.key != throughout.key
+
+
+def test_few_touches_have_no_ends() -> None:
+    scene = Scene.of(read_campaign(BENCH))
+    few = scene.select(np.arange(16))
+
+    assert proposed(few, [of("isr_latency", [20.0, 0.0, 0.0])]) == []
+
+    assert ends_of(scene.select(np.arange(20))) == []
+    first, last = ends_of(scene)
+    assert first.touches.touch.max() < last.touches.touch.min()
+
+
+def test_a_surface_that_was_moved_is_no_effect_that_begins() -> None:
+    """What only shifts all readings of an axis since a touch, a datum of its own takes up."""
+    campaign = read_campaign(MACHINE)
+    touches, since = campaign.touches, middle_touch(campaign)
+    later = touches.touch >= since
+    shifted = replace(touches, deviation_um=touches.deviation_um + 30.0 * later)
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS))
+    moved = Scene.of(replace(campaign, nominal=nominal, touches=shifted))
+    delay = CANDIDATES["trigger_delay"]
+    span = Span(since=since)
+    starts = [[300.0, 0.0, 0.0], [600.0, 0.0, 0.0]]
+    found = fit(moved, [replace(delay, span=span)], starts)
+
+    assert nats(moved, found.change(moved)) - nats(moved, Change()) > 100.0
+    assert outlives_datum(moved, found) < 15.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("begins", [True, False])
+def test_an_effect_that_begins_or_ends_is_named_with_the_touch(begins: bool) -> None:
+    touch = middle_touch(read_campaign(BENCH))
+    span = Span(since=touch) if begins else Span(until=touch)
+
+    diagnosis = diagnose(played(BENCH, replace(LATE, span=span)), seed=1)
+
+    assert diagnosis.verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
+    (named,) = diagnosis.effects
+    assert "isr_latency" in (named.effect.id, *named.alternatives)
+    found = named.effect.span.since if begins else named.effect.span.until
+    assert found == pytest.approx(touch, abs=0.05 * len(read_campaign(BENCH).touches))
+    assert named.when.startswith("since touch" if begins else "until touch")
