@@ -101,6 +101,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         lambda rule: shrinking_by(rule.threshold + A_BIT),
         lambda rule: shrinking_by(rule.threshold),
     ),
+    "shrinks_where_named": (
+        lambda rule: replace(shrinking_by(rule.threshold + A_BIT), is_held_out=False),
+        lambda rule: replace(shrinking_by(rule.threshold), is_held_out=False),
+    ),
     "grows_nowhere": (
         lambda rule: Evidence(gaps=gaps(gap(-1.0, rule.threshold))),
         lambda rule: Evidence(gaps=gaps(gap(-1.0, rule.threshold - A_BIT))),
@@ -217,6 +221,12 @@ def test_only_a_lack_of_touches_asks_for_those_that_named() -> None:
     assert shows_too_little(shrinking_by(0.0))
     assert not shows_too_little(shrinking_by(1.0))
     assert not shows_too_little(Evidence(gaps=gaps(gap(-1.0, -0.5))))  # it grows: no lack
+
+
+def test_touches_held_out_need_not_show_half_of_the_gap_gone() -> None:
+    rule = RULES["shrinks_where_named"]
+
+    assert failures([rule], shrinking_by(rule.threshold)) == []
 
 
 def of_kind(kind: str, z: float, size: float, relative: float, *conditions: str) -> Left:

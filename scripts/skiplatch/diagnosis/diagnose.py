@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -204,12 +205,17 @@ class _Work:
 
     def passes(self, model: Scored | None) -> bool:
         """Tell whether what a hypothesis leaves comes and goes, by no accident."""
-        left = self.left(self.naming, self.rig(model.fit if model else None))
+        left = self.left(self.naming, self.rig(model.fit)) if model else self.before
         return any(one.goes_with_time and one.z > CHANCE for one in left)
 
-    def search(self, before: Sequence[Left]) -> tuple[Finding, Confirmation | None]:
+    @cached_property
+    def before(self) -> Sequence[Left]:
+        """What the believed chain leaves of all touches."""
+        return self.left(self.scene, self.rig(None))
+
+    def search(self) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""
-        streams = noticed(before, self.materiality)
+        streams = noticed(self.before, self.materiality)
         if not streams:
             return Finding(None), None
         self.judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
@@ -259,9 +265,8 @@ class _Conclusion:
 
 
 def _concluded(work: _Work, truth: Sequence[Effect] | None) -> Diagnosis:
-    believed = work.rig(None)
-    before = work.left(work.scene, believed)
-    finding, confirmed = work.search(before)
+    believed, before = work.rig(None), work.before
+    finding, confirmed = work.search()
     found = _conclusion(work, believed, before, finding, confirmed, truth)
     if told := told_of_chance(found.evidence):
         kept = work.without_mimics(finding, told)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.beliefs import Fitted, believing, fit_beliefs, uncertain
+from skiplatch.diagnosis.beliefs import Belief, Fitted, fit_beliefs, uncertain
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.covariates import conditions, varying
@@ -176,9 +176,11 @@ class Judge:
 
     def beliefs_beside(self, model: Fit | None) -> Fitted:
         """Fit the beliefs, as they stand in nominal.toml, beside a model or none."""
+        return self._fit_beside(model, uncertain(self._believed.nominal))
+
+    def _fit_beside(self, model: Fit | None, beliefs: Sequence[Belief]) -> Fitted:
         naming = self._believed.select(self.parts.naming)
-        change = model.change(naming) if model else NOTHING
-        return fit_beliefs(naming, change, uncertain(naming.nominal))
+        return fit_beliefs(naming, model.change(naming) if model else NOTHING, beliefs)
 
     def believe_beside(self, model: Fit | None) -> None:
         """Hold models from now on against the chain with the beliefs that fit beside one.
@@ -186,9 +188,10 @@ class Judge:
         What a belief takes up would else be found as an effect of its own. Noise stays as believed:
         it would take up any gap.
         """
-        moved = self.beliefs_beside(model).moved
-        values = {b.key: b.moved(x) for b, x in moved if not b.is_noise}
-        self._look_at(self._believed.with_nominal(believing(self._believed.nominal, values)))
+        beliefs = [b for b in uncertain(self._believed.nominal) if not b.is_noise]
+        nominal = self._fit_beside(model, beliefs).nominal
+        if nominal != self.scene.nominal:
+            self._look_at(self._believed.with_nominal(nominal))
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts."""
