@@ -30,7 +30,7 @@ from skiplatch.simulator import (
     effects,
     play,
 )
-from skiplatch.span import Span
+from skiplatch.span import ALWAYS, Span
 
 IndexArray = NDArray[np.intp]
 
@@ -78,7 +78,8 @@ def catalogue() -> Mapping[str, Candidate]:
 
 
 def _simulated_at(effect_id: str, span: Span) -> Candidate:
-    return replace(simulated(effect_id), span=span)
+    always = simulated(effect_id)
+    return always if span == ALWAYS else replace(always, span=span)
 
 
 @cache
