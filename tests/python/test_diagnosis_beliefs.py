@@ -61,14 +61,18 @@ def test_all_noise_and_the_lobes_are_uncertain_and_named_as_in_the_file() -> Non
         "skip.jitter_us",
         "report.jitter_us",
         "probe.lobe_um",
+        "skip.latency_us",
+        "report.latency_us",
     ]
     assert [b.name for b in bench] == [
         "bench.reference_jitter_us",
         "skip.jitter_us",
         "report.jitter_us",
+        "skip.latency_us",
+        "report.latency_us",
     ]
-    *noise, lobes = machine
-    assert all(b.is_noise and b.u == NOISE_U for b in (*noise, *bench))
+    *noise, lobes, skip, report = machine
+    assert all(b.is_noise and b.u == NOISE_U for b in (*noise, *bench, skip, report))
     assert lobes.u == LOBES_U * lobes.value
 
 
@@ -169,6 +173,34 @@ def test_a_belief_that_is_right_stays() -> None:
     found = now(scene, belief_of(uncertain(scene.nominal), DELAY))
 
     assert found == pytest.approx(500.0, abs=8.0)
+
+
+@pytest.mark.parametrize("factor", [0.65, 1.6])
+def test_a_jitter_believed_wrong_about_its_middle_moves_with_its_delay(factor: float) -> None:
+    recorded = read_campaign(BENCH)
+    report = recorded.nominal.report
+    begins_us = report.latency_us + report.jitter_us * (1.0 - factor) / 2.0
+    wrong = {JITTER: factor * report.jitter_us, LATENCY: begins_us}
+    scene = Scene.of(as_played(recorded, wrong))
+
+    fitted = fit_beliefs(scene, Change(), uncertain(scene.nominal))
+
+    assert fitted.nominal.report.jitter_us == pytest.approx(report.jitter_us, rel=0.05)
+    assert fitted.nominal.report.latency_us == pytest.approx(report.latency_us, abs=1.5)
+    moved = [belief for belief, places in fitted.moved if places]
+    (delay,) = [belief for belief in moved if belief.key == LATENCY]
+    assert delay.uncertainties(delay.moved(1.3)) == pytest.approx(1.3)
+    assert delay.u_absolute == pytest.approx(NOISE_U * factor * report.jitter_us / 2.0)
+
+
+def test_a_jitter_that_is_wider_moves_no_delay_below_nothing() -> None:
+    nominal = believing(read_campaign(BENCH).nominal, {LATENCY: 1.0})
+    (delay,) = [b for b in uncertain(nominal) if b.key == LATENCY]
+
+    wider = delay.applied(nominal, 2.0)
+
+    assert wider.report.latency_us == 0.0
+    assert wider.report.jitter_us > nominal.report.jitter_us
 
 
 def test_nothing_moves_farther_than_the_farthest() -> None:

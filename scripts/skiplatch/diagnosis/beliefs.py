@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import optimize
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Kind, Nominal
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import likelihood
@@ -29,6 +30,11 @@ NOISE: Mapping[Kind, tuple[Key, ...]] = {
     Kind.MACHINE: (("probe", "repeatability_um"), ("skip", "jitter_us"), ("report", "jitter_us")),
     Kind.BENCH: (("bench", "reference_jitter_us"), ("skip", "jitter_us"), ("report", "jitter_us")),
 }
+BOXES: Mapping[Key, Key] = {
+    ("skip", "jitter_us"): ("skip", "latency_us"),
+    ("report", "jitter_us"): ("report", "latency_us"),
+}
+"""Delays that a jitter comes on top of, from 0 up."""
 FARTHEST = 2.5
 """Standard uncertainties to which a belief may move; a rig beyond has a gap. Of noise, a factor of
 about two either way."""
@@ -57,12 +63,16 @@ class Belief:
         value: What is believed.
         u: Its standard uncertainty; of noise a relative one.
         is_noise: It moves by a factor instead of a difference, and so stays positive.
+        box: Of a delay, the jitter on top of it and its believed size. Who has measured both knows
+            the mean of them better than either: the jitter moves about its middle, and the delay
+            with it.
     """
 
     key: Key
     value: float
     u: float
     is_noise: bool
+    box: tuple[Key, float] | None = None
 
     @property
     def name(self) -> str:
@@ -72,19 +82,34 @@ class Belief:
     @property
     def u_absolute(self) -> float:
         """Standard uncertainty in the unit of the value."""
+        if self.box:
+            return self.u * self.box[1] / 2.0
         return self.u * self.value if self.is_noise else self.u
 
     def uncertainties(self, value: float) -> float:
         """Give by how many standard uncertainties a value is away."""
+        if self.box:
+            return float(np.log1p(2.0 * (self.value - value) / self.box[1])) / self.u
         if self.is_noise:
             return float(np.log(value / self.value)) / self.u
         return (value - self.value) / self.u
 
     def moved(self, uncertainties: float) -> float:
         """Give the value so many standard uncertainties away."""
+        if self.box:
+            return self.value - float(np.expm1(self.u * uncertainties)) * self.box[1] / 2.0
         if self.is_noise:
             return self.value * float(np.exp(self.u * uncertainties))
         return self.value + self.u * uncertainties
+
+    def applied(self, nominal: Nominal, uncertainties: float) -> Nominal:
+        """Give a chain with the belief so many standard uncertainties away."""
+        if not self.box:
+            return believing(nominal, {self.key: self.moved(uncertainties)})
+        begins, width = _value(nominal, self.key), _value(nominal, self.box[0])
+        wider = width * float(np.expm1(self.u * uncertainties))
+        begins = max(0.0, begins - wider / 2.0)
+        return believing(nominal, {self.box[0]: width + wider, self.key: begins})
 
 
 def uncertain(nominal: Nominal) -> list[Belief]:
@@ -100,7 +125,12 @@ def uncertain(nominal: Nominal) -> list[Belief]:
         is_noise = key in NOISE[nominal.kind] and value > 0.0
         if u > 0.0:
             found.append(Belief(key, value, u / value if is_noise else u, is_noise=is_noise))
-    return found
+    boxes = [(BOXES[b.key], b) for b in found if b.key in BOXES]
+    middles = [
+        Belief(delay, _value(nominal, delay), b.u, is_noise=True, box=(b.key, b.value))
+        for delay, b in boxes
+    ]
+    return [*found, *middles]
 
 
 def _value(nominal: Nominal, key: Key) -> float:
@@ -138,28 +168,34 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
         change: What differs from the nominal chain besides.
         beliefs: As they stand in nominal.toml.
     """
-    places = {b.key: 0.0 for b in beliefs}
-    noise_last = sorted(beliefs, key=lambda belief: belief.is_noise)  # it hides what is off
+    places = np.zeros(len(beliefs))
+    noise_last = sorted(  # it hides the rest, and most of all where it moves the mean
+        range(len(beliefs)), key=lambda i: (beliefs[i].is_noise, beliefs[i].box is None)
+    )
 
-    def nominal_at(moved: Mapping[Key, float]) -> Nominal:
-        return believing(scene.nominal, {b.key: b.moved(moved[b.key]) for b in beliefs})
+    def nominal_at(moved: FloatArray) -> Nominal:
+        nominal = scene.nominal
+        for belief, uncertainties in zip(beliefs, moved.tolist(), strict=True):
+            nominal = belief.applied(nominal, uncertainties)
+        return nominal
 
-    def nats_at(moved: Mapping[Key, float]) -> float:
+    def nats_at(moved: FloatArray) -> float:
         total = likelihood(scene.with_nominal(nominal_at(moved)), change).total
-        return total - 0.5 * sum(x**2 for x in moved.values())
+        return total - 0.5 * float(moved @ moved)
 
     for _ in range(ROUNDS if len(beliefs) > 1 else 1):
-        for belief in noise_last:
+        for i in noise_last:
 
-            def cost(x: float, key: Key = belief.key) -> float:
-                return -nats_at({**places, key: x})
+            def cost(x: float, i: int = i) -> float:
+                return -nats_at(np.where(np.arange(len(places)) == i, x, places))
 
-            best = _least(cost, _guesses(scene, belief))
-            is_moved = cost(best) < cost(0.0) - WORTH_MOVING
-            places[belief.key] = best if is_moved else 0.0
-        if not any(places.values()):
+            best = _least(cost, _guesses(scene, beliefs[i]))
+            places[i] = best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0
+        if not places.any():
             break
-    return Fitted(nominal_at(places), [(b, places[b.key]) for b in beliefs], nats_at(places))
+    return Fitted(
+        nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats_at(places)
+    )
 
 
 def _guesses(scene: Scene, belief: Belief) -> list[float]:

@@ -423,4 +423,6 @@ def _values(work: _Work, rig: Rig) -> list[tuple[Belief, float]]:
         section, name = belief.key
         return float(getattr(getattr(rig.nominal, section), name))
 
-    return [(belief, now(belief)) for belief in work.beliefs]
+    said = {belief.key for belief in work.beliefs if not belief.box}
+    listed = [belief for belief in work.beliefs if not (belief.box and belief.key in said)]
+    return [(belief, now(belief)) for belief in listed]
