@@ -165,6 +165,7 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
         ("pretravel",): ([], {"--rig": "A"}),
         ("compensate",): ([points], {"--v0": "0.5", "--out": written}),
         ("kinematics", "fit"): ([points], {"--machine": str(KINEMATICS / "machine_bc.toml")}),
+        ("kinematics", "probing"): ([points], {}),
         ("kinematics", "run"): (
             [str(KINEMATICS / "save_and_check.h")],
             {"--memory": f"{written}.bin", "--html": f"{written}.html"},
