@@ -11,11 +11,20 @@ from played_campaigns import BENCH, MACHINE, stamped_machine
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
-from skiplatch.diagnosis import Diagnosis, Named, Verdict, as_json, rig_from_json
+from skiplatch.diagnosis import (
+    Diagnosis,
+    Named,
+    Verdict,
+    as_json,
+    effects_from_json,
+    rig_from_json,
+)
 from skiplatch.diagnosis.beliefs import believing, uncertain
-from skiplatch.diagnosis.playing import FittedDatum, Rig
+from skiplatch.diagnosis.judge import FOLDS, folds
+from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect, Outcomes, effects
+from skiplatch.span import Span
 
 NOTHING = {p.name: 0.0 for p in effects()["backlash"].parameters}
 BACKLASH = Effect("backlash", {**NOTHING, "backlash_um": 2.0})
@@ -110,6 +119,44 @@ def test_names_with_a_point_in_them_come_back() -> None:
     rig = Rig(campaign.nominal, [], FittedDatum({}, {"session 3.b": 7.0}))
 
     assert rig_from_json(as_json(diagnosed(rig, campaign)), campaign.nominal) == rig
+
+
+def test_a_fold_is_played_by_its_own_rig() -> None:
+    campaign = read_campaign(MACHINE)
+    rigs = [Rig(campaign.nominal, found) for found in ([], [BACKLASH])]
+    fold = folds(len(campaign.touches), seed=1) % len(rigs)
+
+    played = Folds(rigs, fold).play(campaign.touches, seed=3, replicates=2)
+
+    alone = [rig.play(campaign.touches, seed=3, replicates=2).deviation_um for rig in rigs]
+    np.testing.assert_array_equal(played.deviation_um, np.where(fold == 0, *alone))
+    assert not np.array_equal(alone[0], alone[1], equal_nan=True)
+
+
+def test_folds_share_no_touch_and_have_as_many_each() -> None:
+    fold = folds(1001, seed=1)
+
+    assert np.ptp(np.bincount(fold, minlength=FOLDS)) <= 1
+    assert not np.array_equal(fold, folds(1001, seed=2))
+
+
+def test_when_an_effect_began_comes_back_from_json() -> None:
+    campaign = read_campaign(MACHINE)
+    begun = replace(BACKLASH, span=Span(since=17, until=40))
+
+    document = as_json(diagnosed(Rig(campaign.nominal, [begun]), campaign))
+
+    (entry,) = document["effects"]
+    assert (entry["since"], entry["until"]) == (17, 40)
+    assert effects_from_json(document) == [begun]
+
+
+@pytest.mark.parametrize("number", [1.5, "17", True, [17]])
+def test_a_touch_that_is_none_is_refused(number: Any) -> None:  # noqa: ANN401
+    entry = {"id": BACKLASH.id, "params": dict(BACKLASH.parameters), "since": number}
+
+    with pytest.raises(ValueError, match="number of a touch"):
+        effects_from_json({"format": "skiplatch-diagnosis/2", "effects": [entry]})
 
 
 def test_an_older_diagnosis_has_effects_alone() -> None:

@@ -115,6 +115,16 @@ def test_without_a_clear_gap_the_interval_holds_zero() -> None:
     assert clear.value == clear.low == clear.high == pytest.approx(2.0 / 3.0)
 
 
+def test_a_gap_that_is_hardly_one_is_measured_by_one_floor() -> None:
+    """In a resample without it, what is gone is not held against another, far lower floor."""
+    luck = 1.1 * np.random.default_rng(2).standard_normal(300)
+    luck -= luck.mean()
+    ones = np.ones(len(luck))
+    scores = _Scores(ones, 10.1 + luck, 9.8 * ones, 10.0 * ones, ones, None)
+
+    assert _share_gone(scores, scores.after, seed=1, is_clear=True).low == pytest.approx(1.0)
+
+
 def test_effects_that_scatter_too_much_do_not_make_the_gap_small() -> None:
     """Their own floor lies above what was there before: 1 of 20 above the nominal one is gone."""
     scores = scored(before=30.0, after=29.0, floor=40.0, nominal_floor=10.0)
