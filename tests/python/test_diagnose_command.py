@@ -49,6 +49,40 @@ def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
     return CliRunner().invoke(cli.group, ["diagnose", str(BENCH), *options]), path
 
 
+def test_several_campaigns_are_a_list_in_their_order(tmp_path: Path) -> None:
+    quiet = Path(__file__).parent / "data" / "bench_no_gap"
+    out = tmp_path / "several.json"
+
+    said = run("diagnose", str(quiet), str(SAMPLES / "machine_no_gap"), "--json", str(out))
+
+    bench, machine = json.loads(out.read_text())
+    assert (bench["verdict"], machine["verdict"]) == ("no_gap", "no_gap")
+    assert bench["seed"] == machine["seed"] == 1
+    assert bench["gap"].keys() > machine["gap"].keys()
+    assert said.index(f"{quiet}: bench campaign") < said.index("machine_no_gap: machine campaign")
+
+
+def test_a_folder_that_is_none_is_refused_before_any_is_diagnosed(tmp_path: Path) -> None:
+    out = tmp_path / "several.json"
+
+    result = CliRunner().invoke(
+        cli.group, ["diagnose", str(BENCH), str(tmp_path / "none"), "--json", str(out)]
+    )
+
+    assert isinstance(result.exception, InputError)
+    assert not result.output
+    assert not out.exists()
+
+
+def test_a_page_shows_one_campaign(tmp_path: Path) -> None:
+    words = ["diagnose", str(BENCH), str(BENCH), "--html", str(tmp_path / "page.html")]
+
+    result = CliRunner().invoke(cli.group, words)
+
+    assert result.exit_code == 2
+    assert "--html shows one campaign" in result.output
+
+
 def test_diagnosis_and_prediction_go_together(
     diagnosed: tuple[Result, Path], tmp_path: Path
 ) -> None:

@@ -4,7 +4,7 @@ import json
 import math
 import os
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
@@ -153,12 +153,12 @@ class SizeType(click.ParamType[float]):
         return size
 
 
-def json_text(result: Mapping[str, Any]) -> str:
+def json_text(result: Mapping[str, Any] | Sequence[Any]) -> str:
     """Give the result as text. NaN is no JSON: put None in its place."""
     return json.dumps(result, indent=2, allow_nan=False) + "\n"
 
 
-def write_json(path: Path | None, result: Mapping[str, Any]) -> None:
+def write_json(path: Path | None, result: Mapping[str, Any] | Sequence[Any]) -> None:
     """Write the result, or do nothing without a path; see `json_text`."""
     if path is not None:
         write_document(path, json_text(result))
