@@ -16,6 +16,7 @@ TESTS          := $(TESTS.unit) $(TESTS.contract) $(TESTS.scenario)
 FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
 PERF           := $(wildcard tests/perf/*.c)
+SOAK           := $(wildcard tests/soak/*.c)
 RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
 
 # A board's headers are checked where its own are compiled.
