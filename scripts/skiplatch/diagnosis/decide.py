@@ -103,11 +103,15 @@ def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
 
 
 def _singles(judge: Judge, passes: Passes) -> list[Scored]:
-    """Give every effect alone, and those that begin or end where something may have done so."""
+    """Give every effect alone, and those that begin or end where something may have done so.
+
+    What still comes and goes beside one of these did not begin with it: a step stands for a drift.
+    """
     ranked = judge.singles()
     if not passes(None) and not (ranked and passes(ranked[0])):
         return ranked
-    return sorted([*judge.passing(ranked), *ranked], key=lambda scored: -scored.score)
+    begun = [scored for scored in judge.passing(ranked) if not passes(scored)]
+    return sorted([*begun, *ranked], key=lambda scored: -scored.score)
 
 
 def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:
