@@ -49,7 +49,6 @@ FINER = 0.04
 WORTH_A_CLOSER_LOOK = 0.1
 """Nats that the last one has to have gained."""
 ROUNDS = 2
-NO_CHANGE = Change()
 WORTH_MOVING = 4.0
 """Nats that a belief has to gain to move: of several one in two hundred does so by chance."""
 
@@ -202,7 +201,7 @@ def _guesses(scene: Scene, belief: Belief) -> list[float]:
     """Propose, in standard uncertainties, what a search would not come upon: a peak too sharp."""
     if belief.key != SCAN_PERIOD:
         return []
-    off_us = [start[0] for start in scan_periods(scene, NO_CHANGE)]
+    off_us = [start[0] for start in scan_periods(scene, Change())]
     guesses = [(scene.nominal.plc.scan_us + off - belief.value) / belief.u for off in off_us]
     return [guess for guess in guesses if abs(guess) < FARTHEST]
 

@@ -132,8 +132,8 @@ def _reached(part: Scene, model: Fit) -> frozenset[str]:
     return affected(part, model.candidates[-1].acting(part, model.parameters[-1]))
 
 
-def _gain_in(part: Scene, model: Fit, names: Collection[str]) -> float:
-    """Give what a model gains over the unchanged simulation in some streams."""
+def _gain_in(part: Scene, model: Fit, names: Collection[str] | None = None) -> float:
+    """Give what a model gains over the unchanged simulation in some streams; in all without any."""
     changed = likelihood(part, model.change(part), names=names).total
     return changed - likelihood(part, Change(), names=names).total
 
@@ -219,7 +219,7 @@ class Judge:
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in ends_of(self._fitting):
             there = self._map(_fit, [(part, c, NOTHING) for c in self._candidates()])
-            gained = [(self._gain_on(part, one), i, one) for i, one in enumerate(there)]
+            gained = [(_gain_in(part, one), i, one) for i, one in enumerate(there)]
             best = sorted(gained, reverse=True)[:ALSO_PASSING]
             fits += [one for gain, _, one in best if gain > WORTH_A_REFINEMENT]
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
@@ -245,11 +245,6 @@ class Judge:
         ):
             fits[i] = found
         return fits
-
-    def _gain_on(self, part: Scene, found: Fit) -> float:
-        """Gain of a model over the unchanged simulation on some touches."""
-        changed = likelihood(part, found.change(part)).total
-        return changed - likelihood(part, NOTHING).total
 
     def _gain(self, found: Fit, given: Change) -> float:
         """Gain of a model, with its form left open or not, on the touches it was fitted to."""
