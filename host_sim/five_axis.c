@@ -55,6 +55,7 @@ int32_t sim_machine_is_sound(const sim_machine_t *machine)
         good = good && counts[i] <= 1 && is_rotary(&machine->axes[i]);
     }
     return good && counts[0] + counts[1] + counts[2] > 0 && are_finite(machine->tool_mm, 3) &&
+           are_finite(machine->tip_mm, 3) && are_finite(machine->tip_error_mm, 3) &&
            are_finite(machine->sphere_mm, 3) && are_finite(machine->scale_ppm, 3) &&
            are_finite(machine->square_rad, 3) && isfinite(machine->sphere_radius_mm) &&
            machine->sphere_radius_mm > 0.0 && isfinite(machine->tip_radius_mm) &&
@@ -205,7 +206,10 @@ static void stretch(const sim_machine_t *machine, const double reading_mm[3], do
 void sim_machine_tip(const sim_machine_t *machine, const sim_stance_t *stance,
                      const double reading_mm[3], double tip_mm[3])
 {
-    double from_ram_mm[3] = {machine->tool_mm[0], machine->tool_mm[1], machine->tool_mm[2]};
+    double from_ram_mm[3];
+    for (int i = 0; i < 3; ++i) {
+        from_ram_mm[i] = machine->tool_mm[i] + machine->tip_mm[i] + machine->tip_error_mm[i];
+    }
     carry_all(machine, machine->head, stance, true, from_ram_mm);
     stretch(machine, reading_mm, tip_mm);
     for (int i = 0; i < 3; ++i) {

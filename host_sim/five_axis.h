@@ -36,10 +36,12 @@ typedef struct {
 /* A machine, the sphere on its table and the ball of its probe. */
 typedef struct {
     sim_rotary_t axes[3];
-    int32_t      table[3];     /* SIM_ROTARY_*, from the bed outwards; -1 ends the list */
-    int32_t      head[3];      /* SIM_ROTARY_*, from the ram to the tool; -1 ends the list */
-    double       tool_mm[3];   /* the tip among the lines of the head, all rotary axes at zero */
-    double       sphere_mm[3]; /* centre of the sphere, all rotary axes truly at zero */
+    int32_t      table[3];        /* SIM_ROTARY_*, from the bed outwards; -1 ends the list */
+    int32_t      head[3];         /* SIM_ROTARY_*, from the ram to the tool; -1 ends the list */
+    double       tool_mm[3];      /* the tip among the lines of the head, all rotary axes at zero */
+    double       tip_mm[3];       /* believed; the tip has since moved so far from there */
+    double       tip_error_mm[3]; /* and truly so much farther: another head, a drift */
+    double       sphere_mm[3];    /* centre of the sphere, all rotary axes truly at zero */
     double       sphere_radius_mm;
     double       tip_radius_mm;
     double       scale_ppm[3];  /* linear axes: so much longer than they show */

@@ -140,6 +140,24 @@ static kinematics_cycle_fault_t check_settings(const kinematics_job_t *job)
     return fault_of(KINEMATICS_CYCLE_OK, KINEMATICS_SETTINGS);
 }
 
+/*
+ * Where a preset that is off is compensated, what is off may turn with any axis that is not at 0°.
+ * It is told apart for axes that are measured alone.
+ */
+static kinematics_setting_t turned_unmeasured(const kinematics_job_t  *job,
+                                              const kinematics_plan_t *plan)
+{
+    for (uint8_t axis = 0u; axis < ROTARY_AXES; axis++) {
+        uint8_t incidence = kinematics_plan_incidence(axis);
+        bool    is_turned = !kinematics_plan_is_there(job->settings.value[incidence], 0.0);
+        if (job->machine.axes[axis].is_present && is_turned &&
+            !kinematics_plan_measures(plan, axis)) {
+            return (kinematics_setting_t)incidence;
+        }
+    }
+    return KINEMATICS_SETTINGS;
+}
+
 /* The settings are sound, and the plan is made of them. */
 static kinematics_cycle_fault_t check_plan(const kinematics_job_t  *job,
                                            const kinematics_plan_t *plan)
@@ -156,6 +174,10 @@ static kinematics_cycle_fault_t check_plan(const kinematics_job_t  *job,
     }
     if (kinematics_conditions_has_m_function(job) && !is_at_zero(job)) {
         return fault_of(KINEMATICS_CYCLE_ERR_NOT_AT_ZERO, KINEMATICS_SETTINGS);
+    }
+    kinematics_setting_t turned = turned_unmeasured(job, plan);
+    if (job->settings.kind == KINEMATICS_COMPENSATE_PRESET && turned != KINEMATICS_SETTINGS) {
+        return fault_of(KINEMATICS_CYCLE_ERR_INCIDENCE, turned);
     }
     return fault_of(plan->count > 0u ? KINEMATICS_CYCLE_OK : KINEMATICS_CYCLE_ERR_NOTHING,
                     KINEMATICS_SETTINGS);
@@ -195,6 +217,8 @@ const char *kinematics_cycle_phrase(kinematics_cycle_error_t error)
         [KINEMATICS_CYCLE_ERR_NOT_AT_ZERO] = "an M function positions the rotary axes, and not all "
                                              "of them are at 0°",
         [KINEMATICS_CYCLE_ERR_MACHINE] = "the machine's data are not sound",
+        [KINEMATICS_CYCLE_ERR_INCIDENCE] = "cycle 452 wants every axis at 0° that it does not "
+                                           "measure",
         [KINEMATICS_CYCLE_ERR_NOTHING] = "no rotary axis that is there has a position to measure",
         [KINEMATICS_CYCLE_ERR_REQUEST] = "a motion, a touch or another request failed",
         [KINEMATICS_CYCLE_ERR_NO_SPHERE] = "the touched points do not lie on a sphere",

@@ -1,6 +1,6 @@
 /*
- * What has to be so before cycle 451 moves anything, and what its settings come to on a machine:
- * feeds, clearance, retract height. Lengths in mm, feeds in mm/min, angles in degrees.
+ * What has to be so before cycle 451 or 452 moves anything, and what its settings come to on a
+ * machine: feeds, clearance, retract height. Lengths in mm, feeds in mm/min, angles in degrees.
  */
 #ifndef CYCLE_KINEMATICS_CONDITIONS_H
 #define CYCLE_KINEMATICS_CONDITIONS_H
@@ -21,7 +21,7 @@ typedef enum {
     KINEMATICS_CYCLE_ERR_SETTING,      /* out of its limits: see kinematics_settings_check() */
     KINEMATICS_CYCLE_ERR_NO_FEED,      /* the control has no feed for the word of Q253 */
     KINEMATICS_CYCLE_ERR_NO_CLEARANCE, /* Q320 and SET_UP are 0: a touch would begin touching */
-    KINEMATICS_CYCLE_ERR_NO_CYCLE,     /* no KinematicsOpt (option 48): no cycle 451 at all */
+    KINEMATICS_CYCLE_ERR_NO_CYCLE,     /* no KinematicsOpt (option 48): no cycle at all */
     KINEMATICS_CYCLE_ERR_OPTION,       /* Q406 = 2 or 3 without KinematicsComp (option 52) */
     KINEMATICS_CYCLE_ERR_NOT_STACKED,  /* Q406 = 3 needs one rotary axis upon another */
     KINEMATICS_CYCLE_ERR_RETRACT,      /* Q408 = 0 with a Hirth axis that turns, or no option 2 */
@@ -29,6 +29,7 @@ typedef enum {
     KINEMATICS_CYCLE_ERR_TURNING,      /* the cycle is one of FUNCTION MODE MILL */
     KINEMATICS_CYCLE_ERR_NOT_AT_ZERO,  /* an M function positions, and a rotary axis is not at 0° */
     KINEMATICS_CYCLE_ERR_MACHINE,   /* a value of kinematics_cycle_machine_t is out of its range */
+    KINEMATICS_CYCLE_ERR_INCIDENCE, /* 452: an axis that it leaves alone is told to turn */
     KINEMATICS_CYCLE_ERR_NOTHING,   /* no axis that is there has a position to measure */
     KINEMATICS_CYCLE_ERR_REQUEST,   /* the caller could not carry out what it was asked for */
     KINEMATICS_CYCLE_ERR_NO_SPHERE, /* no sphere passes through the touched points */

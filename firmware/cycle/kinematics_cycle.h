@@ -1,6 +1,9 @@
 /*
  * Cycle 451, MEASURE KINEMATICS, as a polled state machine: probes a calibration sphere at several
- * positions of each rotary axis, has the kinematics evaluated and, if told so, corrected.
+ * positions of each rotary axis, has the kinematics evaluated and, if told so, corrected. Also
+ * cycle 452, PRESET COMPENSATION, by the kind of the settings: the preset was set in the sphere
+ * before a head was changed or the machine drifted. The preset stays, and the kinematics are
+ * corrected so that the sphere stands there again.
  *
  * The cycle asks for one thing after the other, and the caller carries it out: kinematics_cycle_
  * start(), then poll with the outcome of the request taken last, and take the next request, until
@@ -55,8 +58,8 @@ typedef enum {
     KINEMATICS_CYCLE_TOUCH,
     /* The active preset becomes sphere_mm, read with the rotary axes at angle_deg. */
     KINEMATICS_CYCLE_SET_PRESET,
-    /* Fit kinematics to the measurements, see kinematics_cycle_plan(), as Q406 says. Answer:
-     * change_mm. Nothing is changed yet. */
+    /* Fit kinematics to the measurements, see kinematics_cycle_plan(), as Q406 says; in cycle 452
+     * with the sphere in the preset. Answer: change_mm. Nothing is changed yet. */
     KINEMATICS_CYCLE_EVALUATE,
     /* Show a warning: change_mm is above maxModification. Carried out once NC start is pressed. */
     KINEMATICS_CYCLE_ACKNOWLEDGE,

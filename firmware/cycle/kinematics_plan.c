@@ -13,6 +13,11 @@ static double setting_of(const kinematics_settings_t *settings, uint8_t axis, ui
     return settings->value[KINEMATICS_Q411_START_A + axis * SETTINGS_PER_AXIS + which];
 }
 
+uint8_t kinematics_plan_incidence(uint8_t axis)
+{
+    return (uint8_t)(KINEMATICS_Q411_START_A + axis * SETTINGS_PER_AXIS + INCIDENCE);
+}
+
 static double on_grid(double angle_deg, double grid_deg)
 {
     double tie = copysign(SAME_ANGLE_DEG, angle_deg); /* stays one in spite of rounding */
@@ -101,6 +106,15 @@ static void add_reference(const planner_t *planner)
     append(planner->plan, &reference);
 }
 
+/* The sphere alone, where no axis is measured. */
+static void add_sphere(const planner_t *planner)
+{
+    kinematics_station_t station = station_at(planner, 0.0, 0.0);
+    station.is_reference = true;
+    station.serves = 0u;
+    append(planner->plan, &station);
+}
+
 static void add_axis(const planner_t *planner, bool may_reverse)
 {
     const kinematics_settings_t *settings = planner->settings;
@@ -139,4 +153,16 @@ void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *
             add_axis(&(planner_t){plan, settings, axes, axis}, may_reverse && !has_grid);
         }
     }
+    if (plan->count == 0u && settings->kind == KINEMATICS_COMPENSATE_PRESET) {
+        add_sphere(&(planner_t){plan, settings, axes, ROTARY_A});
+    }
+}
+
+bool kinematics_plan_measures(const kinematics_plan_t *plan, uint8_t axis)
+{
+    bool measures = false;
+    for (uint8_t i = 0u; i < plan->count; i++) {
+        measures = measures || (plan->stations[i].serves & (1u << axis)) != 0u;
+    }
+    return measures;
 }

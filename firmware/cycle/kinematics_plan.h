@@ -1,6 +1,6 @@
 /*
- * Where cycle 451 measures: the measuring positions of each rotary axis, from start, end, number
- * and Hirth grid, and the stations that all of them give.
+ * Where cycles 451 and 452 measure: the measuring positions of each rotary axis, from start, end,
+ * number and Hirth grid, and the stations that all of them give.
  */
 #ifndef CYCLE_KINEMATICS_PLAN_H
 #define CYCLE_KINEMATICS_PLAN_H
@@ -62,10 +62,16 @@ uint8_t kinematics_plan_positions(double start_deg, double end_deg, uint8_t poin
  * already is not measured again. If Q432 is not 0, every position of an axis without a grid, and
  * that is `may_reverse`, is approached from both sides, Q432 away, first as its sign says; the
  * reference, and where it stands while other axes are measured, from the first side, so that its
- * lost motion is the same everywhere. `settings` are sound. Any context.
+ * lost motion is the same everywhere. Cycle 452 that measures no axis measures the sphere once,
+ * which serves none. `settings` are sound. Any context.
  */
 void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *settings,
                           const kinematics_plan_axis_t *axes, bool may_reverse);
+
+/* Whether a plan measures an axis, and the setting (kinematics_setting_t) of its incidence angle.
+ * Any context. */
+bool    kinematics_plan_measures(const kinematics_plan_t *plan, uint8_t axis);
+uint8_t kinematics_plan_incidence(uint8_t axis);
 
 /* Whether an axis that stands at `angle_deg` need not turn, and all of them. Any context. */
 bool kinematics_plan_is_there(double angle_deg, double target_deg);

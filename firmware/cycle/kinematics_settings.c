@@ -47,11 +47,25 @@ kinematics_setting_t kinematics_settings_find(uint16_t id)
     return (kinematics_setting_t)setting;
 }
 
-void kinematics_settings_reset(kinematics_settings_t *settings)
+#define MODE_OF_452   1.0 /* positions */
+#define PRESET_OF_452 0.0 /* never */
+
+static bool is_of(kinematics_kind_t kind, kinematics_setting_t setting)
 {
+    bool is_fixed = setting == KINEMATICS_Q406_MODE || setting == KINEMATICS_Q431_PRESET;
+    return setting < KINEMATICS_SETTINGS && !(kind == KINEMATICS_COMPENSATE_PRESET && is_fixed);
+}
+
+void kinematics_settings_reset(kinematics_settings_t *settings, kinematics_kind_t kind)
+{
+    settings->kind = kind;
     for (uint32_t i = 0u; i < KINEMATICS_SETTINGS; i++) {
         settings->value[i] = TABLE[i].initial;
         settings->word[i] = KINEMATICS_NUMBER;
+    }
+    if (kind == KINEMATICS_COMPENSATE_PRESET) {
+        settings->value[KINEMATICS_Q406_MODE] = MODE_OF_452;
+        settings->value[KINEMATICS_Q431_PRESET] = PRESET_OF_452;
     }
 }
 
@@ -95,7 +109,7 @@ kinematics_setting_error_t kinematics_settings_set(kinematics_settings_t *settin
                                                    double value)
 {
     kinematics_setting_t setting = kinematics_settings_find(id);
-    if (setting == KINEMATICS_SETTINGS) {
+    if (!is_of(settings->kind, setting)) {
         return KINEMATICS_SETTING_UNKNOWN;
     }
     kinematics_setting_error_t error = check_value(&TABLE[setting], value);
@@ -110,7 +124,7 @@ kinematics_setting_error_t kinematics_settings_set_word(kinematics_settings_t *s
                                                         uint16_t id, kinematics_word_t word)
 {
     kinematics_setting_t setting = kinematics_settings_find(id);
-    if (setting == KINEMATICS_SETTINGS) {
+    if (!is_of(settings->kind, setting)) {
         return KINEMATICS_SETTING_UNKNOWN;
     }
     if (!is_word(&TABLE[setting], word)) {
@@ -137,7 +151,7 @@ const char *kinematics_settings_phrase(kinematics_setting_error_t error)
     case KINEMATICS_SETTING_OK:
         return "is sound";
     case KINEMATICS_SETTING_UNKNOWN:
-        return "is no parameter of cycle 451";
+        return "is no parameter of this cycle";
     case KINEMATICS_SETTING_LOW:
         return "is below its lower limit";
     case KINEMATICS_SETTING_HIGH:

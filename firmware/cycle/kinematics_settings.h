@@ -1,7 +1,8 @@
 /*
- * The parameters of cycle 451 in one table: number, name, limits and default. The limits are those
- * of the document, also where it is not consistent (Q417); the defaults are what its first program
- * has. Lengths in mm, angles in degrees, feeds in mm/min.
+ * The parameters of cycles 451 and 452 in one table: number, name, limits and default. The limits
+ * are those of the document, also where it is not consistent (Q417); the defaults are what its
+ * first program has. Cycle 452 has all of 451 but Q406 and Q431: it corrects positions and sets no
+ * preset. Lengths in mm, angles in degrees, feeds in mm/min.
  */
 #ifndef CYCLE_KINEMATICS_SETTINGS_H
 #define CYCLE_KINEMATICS_SETTINGS_H
@@ -39,6 +40,12 @@ typedef enum {
     KINEMATICS_SETTINGS
 } kinematics_setting_t;
 
+/* Which cycle the parameters are of. */
+typedef enum {
+    KINEMATICS_MEASURE,          /* 451 */
+    KINEMATICS_COMPENSATE_PRESET /* 452 */
+} kinematics_kind_t;
+
 /* What may stand in place of a number. */
 typedef enum {
     KINEMATICS_NUMBER = 0,
@@ -62,11 +69,12 @@ typedef struct {
 typedef struct {
     double            value[KINEMATICS_SETTINGS];
     kinematics_word_t word[KINEMATICS_SETTINGS];
+    kinematics_kind_t kind;
 } kinematics_settings_t;
 
 typedef enum {
     KINEMATICS_SETTING_OK,
-    KINEMATICS_SETTING_UNKNOWN, /* no such number in cycle 451 */
+    KINEMATICS_SETTING_UNKNOWN, /* the cycle has no such number */
     KINEMATICS_SETTING_LOW,
     KINEMATICS_SETTING_HIGH,
     KINEMATICS_SETTING_NOT_WHOLE,
@@ -77,11 +85,12 @@ typedef enum {
 /* Row `setting` of the table, or NULL past its end. Any context. */
 const kinematics_setting_description_t *kinematics_settings_describe(uint32_t setting);
 
-/* Index of Q<id>, KINEMATICS_SETTINGS if the cycle has no such parameter. Any context. */
+/* Index of Q<id>, KINEMATICS_SETTINGS if neither cycle has such a parameter. Any context. */
 kinematics_setting_t kinematics_settings_find(uint16_t id);
 
-/* Every parameter at its default. Any context. */
-void kinematics_settings_reset(kinematics_settings_t *settings);
+/* Every parameter of a cycle at its default; those that 452 has not, at what it does. Any context.
+ */
+void kinematics_settings_reset(kinematics_settings_t *settings, kinematics_kind_t kind);
 
 /* Check one parameter, respectively set it once it is sound. Any context. */
 kinematics_setting_error_t kinematics_settings_check(const kinematics_settings_t *settings,

@@ -33,7 +33,7 @@ extern "C" {
 /* A check of every case at once takes a smaller store. */
 #ifndef KINEMATICS_STORE_RECORDS
 #define KINEMATICS_STORE_RECORDS     16  /* besides the active description; up to 30 */
-#define KINEMATICS_STORE_PAYLOAD_MAX 256 /* bytes of a description */
+#define KINEMATICS_STORE_PAYLOAD_MAX 272 /* bytes of a description */
 #define KINEMATICS_STORE_PAGE_BYTES  64  /* of the memory, or a multiple of its pages */
 #define KINEMATICS_STORE_NAME_MAX    16
 #endif

@@ -38,6 +38,7 @@ void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
     for (int i = 0; i < 3; ++i) {
         belief->machine.scale_ppm[i] = 0.0;
         belief->machine.square_rad[i] = 0.0;
+        belief->machine.tip_error_mm[i] = 0.0;
     }
     list_axes(machine, machine->table, 0, &belief->chain);
     list_axes(machine, machine->head, 1, &belief->chain);
@@ -46,14 +47,19 @@ void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
 void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3],
                       const double angle_deg[3], double reading_mm[3])
 {
-    const double *tool_mm = belief->machine.tool_mm;
-    const double  unknowns[KINEMATICS_UNKNOWNS_MAX] = {sphere_mm[0], sphere_mm[1], sphere_mm[2],
-                                                       tool_mm[0],   tool_mm[1],   tool_mm[2]};
-    double        angles_deg[KINEMATICS_AXES_MAX] = {0.0, 0.0, 0.0};
+    double unknowns[KINEMATICS_UNKNOWNS_MAX] = {0.0};
+    for (int i = 0; i < 3; ++i) {
+        unknowns[i] = sphere_mm[i];
+        unknowns[3 + i] = belief->machine.tool_mm[i] + belief->machine.tip_mm[i];
+    }
+    double angles_deg[KINEMATICS_AXES_MAX] = {0.0, 0.0, 0.0};
     for (int32_t i = 0; i < belief->chain.axes_count; ++i) {
         angles_deg[i] = angle_deg[belief->chain.axes[i].letter - 'A'];
     }
     kinematics_chain_position(&belief->chain, unknowns, angles_deg, reading_mm);
+    for (int i = 0; i < 3; ++i) {
+        reading_mm[i] -= belief->machine.tip_mm[i];
+    }
 }
 
 /*

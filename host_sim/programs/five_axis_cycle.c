@@ -246,21 +246,34 @@ static kinematics_cycle_machine_t description(const sim_451_t *play)
     return machine;
 }
 
-/* The operator turns the axes to where the program begins, sets the preset and puts the tip above
- * the sphere. */
-static void prepare(sim_451_t *play)
+/* The operator puts the tip above the preset. */
+static void stand_above(sim_451_t *play)
 {
     double up[3];
     double above_mm =
         play->truth.sphere_radius_mm + play->control.tip_radius_mm + play->control.start_above_mm;
+    five_axis_tool_axis(&play->belief, play->control.start_deg, up);
+    ahead(play->preset_mm, up, above_mm, play->position_mm);
+}
+
+/* The operator turns the axes to where the program begins, sets the preset and puts the tip above
+ * the sphere. */
+static void prepare(sim_451_t *play)
+{
     for (int32_t i = 0; i < SIM_ROTARIES; ++i) {
         turn_axis(play, i, play->control.start_deg[i]);
         play->shown_deg[i] = play->control.start_deg[i];
     }
     five_axis_concentric(&play->truth, &play->rig.stance, play->preset_mm);
     ahead(play->preset_mm, play->control.preset_miss_mm, 1.0, play->preset_mm);
-    five_axis_tool_axis(&play->belief, play->control.start_deg, up);
-    ahead(play->preset_mm, up, above_mm, play->position_mm);
+    stand_above(play);
+}
+
+void sim_451_keep_preset(sim_451_t *play, const double sphere_mm[3])
+{
+    five_axis_expect(&play->belief, sphere_mm, play->control.start_deg, play->preset_mm);
+    kinematics_settings_reset(&play->settings, KINEMATICS_COMPENSATE_PRESET);
+    stand_above(play);
 }
 
 /* What the firmware does not check itself; false for a NaN as well. */
@@ -297,7 +310,7 @@ int sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
     play->chain = *chain;
     play->control = *control;
     five_axis_believe(&play->belief, believed);
-    kinematics_settings_reset(&play->settings);
+    kinematics_settings_reset(&play->settings, KINEMATICS_MEASURE);
     five_axis_boot(&play->rig, &play->truth, &play->chain, controller, settings, settings_count,
                    control->path, control->touch_feed_mm_min, control->track != 0, seed, replicate);
     prepare(play);

@@ -1,7 +1,8 @@
 /*
- * Cycle 451 of the firmware on a five-axis machine: what a controller does around it. Every request
- * of the cycle is carried out here, but for those that the caller answers: evaluate, acknowledge,
- * apply. Python reads this header too: no more of the preprocessor than what can be left out.
+ * Cycles 451 and 452 of the firmware on a five-axis machine: what a controller does around it.
+ * Every request of the cycle is carried out here, but for those that the caller answers: evaluate,
+ * acknowledge, apply. Python reads this header too: no more of the preprocessor than what can be
+ * left out.
  */
 #ifndef PROGRAMS_FIVE_AXIS_CYCLE_H
 #define PROGRAMS_FIVE_AXIS_CYCLE_H
@@ -89,6 +90,12 @@ int  sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
                   const sim_control_t *control, uint64_t seed, uint64_t replicate,
                   sim_451_t **opened);
 void sim_451_close(sim_451_t *play);
+
+/*
+ * Make it cycle 452, before any parameter is set: the preset is not the operator's of today, but
+ * was set in a sphere that is believed to stand at `sphere_mm` at zero.
+ */
+void sim_451_keep_preset(sim_451_t *play, const double sphere_mm[3]);
 
 /*
  * Set Q<id> to a number, or with `word` (kinematics_word_t, not 0) to a word. Returns

@@ -12,7 +12,7 @@
 
 enum {
     SIM_450_WRITE_MAX = 32,
-    SIM_450_PAYLOAD_MAX = 256,
+    SIM_450_PAYLOAD_MAX = 272,
     SIM_450_TEXT_MAX = 17,
     SIM_450_DAMAGED = 8 /* of sim_450_check() */
 };

@@ -8,7 +8,7 @@
 void cycle451_set_up(cycle451_machine_t *machine)
 {
     memset(machine, 0, sizeof *machine);
-    kinematics_settings_reset(&machine->settings);
+    kinematics_settings_reset(&machine->settings, KINEMATICS_MEASURE);
     machine->data = (kinematics_cycle_machine_t){
         .axes = {{true, 0.0}, {true, 0.0}, {true, 0.0}},
         .position_mm = {80.0, 20.0, 40.0 + 12.5 + 2.5 + 3.0},

@@ -13,7 +13,7 @@ static kinematics_plan_t      plan;
 
 void setUp(void)
 {
-    kinematics_settings_reset(&settings);
+    kinematics_settings_reset(&settings, KINEMATICS_MEASURE);
     for (int i = 0; i < ROTARY_AXES; i++) {
         axes[i] = (kinematics_plan_axis_t){.is_present = true};
     }

@@ -46,7 +46,7 @@ static kinematics_settings_t settings;
 
 void setUp(void)
 {
-    kinematics_settings_reset(&settings);
+    kinematics_settings_reset(&settings, KINEMATICS_MEASURE);
 }
 
 void tearDown(void)

@@ -12,16 +12,24 @@ import numpy as np
 
 from skiplatch.campaign import InputPath
 from skiplatch.commands.kinematics_fit import tell
-from skiplatch.commands.options import EffectType, json_option, seed_option, write_json
-from skiplatch.commands.outputs import OutputFile
+from skiplatch.commands.options import (
+    EffectType,
+    json_option,
+    seed_option,
+    text_aside,
+    write_document,
+    write_json,
+)
+from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
 from skiplatch.kinematics.five_axis import Truth
-from skiplatch.kinematics.machine import LETTERS, Machine, read_machine, read_spindle
+from skiplatch.kinematics.machine import LETTERS, Machine, read_machine, read_preset, read_spindle
 from skiplatch.kinematics.memory import Memory, format_machine
 from skiplatch.kinematics.points import TOLD_COLUMNS, columns_of, read_points
 from skiplatch.kinematics.program import Program, read_program
 from skiplatch.kinematics.run import (
+    COMPENSATE_PRESET,
     Outcome,
     Run,
     Setup,
@@ -29,7 +37,7 @@ from skiplatch.kinematics.run import (
 )
 from skiplatch.kinematics.truth import draw_truth, read_truth
 from skiplatch.places import ROOT
-from skiplatch.report.kinematics import Log, Logged, lay_out
+from skiplatch.report.kinematics import Log, Logged, lay_out, vector_text
 from skiplatch.simulator import Effect
 from skiplatch.tables import table
 
@@ -64,6 +72,12 @@ Example:
     help="How the simulated machine truly is; drawn by the seed when not given.",
 )
 @click.option(
+    "--changed",
+    "changed_path",
+    type=FILE,
+    help="How it truly is from the first cycle 452 on: with another head, or after a drift.",
+)
+@click.option(
     "--path",
     "path_name",
     type=click.Choice([path.name.lower() for path in InputPath]),
@@ -87,8 +101,10 @@ Example:
 @click.option(
     "--html",
     "html_path",
-    type=OutputFile(),
-    help=f"The log; its charts go beside it as SVG.  [default: {LOG_NAME} beside PROGRAM]",
+    type=OutputFile(allow_dash=True),
+    callback=text_aside,
+    help="The log, - for stdout; its charts go beside a file as SVG.  "
+    f"[default: {LOG_NAME} beside PROGRAM]",
 )
 @click.option(
     "--from-points",
@@ -120,6 +136,7 @@ def command(
     program_path: Path,
     machine_path: Path,
     truth_path: Path | None,
+    changed_path: Path | None,
     path_name: str,
     switched_on: Sequence[Effect],
     acknowledged: bool,  # noqa: FBT001
@@ -132,9 +149,9 @@ def command(
     seed: int,
     json_path: Path | None,
 ) -> None:
-    """Run cycles 450 and 451 of PROGRAM, and write their log.
+    """Run cycles 450, 451 and 452 of PROGRAM, and write their log.
 
-    PROGRAM is a HEIDENHAIN program with blocks TOOL CALL and TCH PROBE 450 or 451 and their Q
+    PROGRAM is a HEIDENHAIN program with blocks TOOL CALL and TCH PROBE 450, 451 or 452 and their Q
     lines. Every measurement of the sphere is made of touches that the firmware latches, on a
     simulated machine with errors of its own; what is found is fitted by the firmware too.
     """
@@ -158,6 +175,8 @@ def command(
         acknowledged=acknowledged,
         switched_on=switched_on,
         recorded=recorded,
+        changed=None if changed_path is None else read_truth(changed_path, machine),
+        preset_mm=read_preset(machine_path),
     )
     memory = Memory(
         memory_path or program_path.parent / MEMORY_NAME, discards_damaged=discards_damaged
@@ -166,16 +185,17 @@ def command(
     log_path = html_path or program_path.parent / LOG_NAME
     if outcome.runs:
         log = _log(program, machine_path, log_path, outcome)
-        for name, chart in log.charts.items():
-            atomic_write_text(log_path.with_name(name), chart)
-        atomic_write_text(log_path, log.html)
+        if log_path != STDOUT:
+            for name, chart in log.charts.items():
+                atomic_write_text(log_path.with_name(name), chart)
+        write_document(log_path, log.html)
     if points_path is not None:
         atomic_write_text(points_path, _points(machine, outcome))
     if corrected_path is not None:
         atomic_write_text(corrected_path, format_machine(outcome.machine))
     result = _json(outcome) if recorded is not None else {**_json(outcome), "truth": asdict(truth)}
     click.echo("\n".join([*outcome.said, *(_text(run) for run in outcome.runs)]))
-    if outcome.runs:
+    if outcome.runs and log_path != STDOUT:
         click.echo(f"log: {log_path}")
     if recorded is not None and outcome.runs:
         result |= tell(machine, recorded, outcome.runs[-1].evaluation.fit)
@@ -185,12 +205,20 @@ def command(
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:
     spindle_mm = read_spindle(machine_path)
     logged = [
-        Logged(run.evaluation, run.parameters, _effort(run), _end(run), run.notes, spindle_mm)
+        Logged(
+            run.cycle,
+            run.evaluation,
+            run.parameters,
+            _effort(run),
+            _end(run),
+            run.notes,
+            spindle_mm,
+        )
         for run in outcome.runs
     ]
     return lay_out(
         logged,
-        name=log_path.stem,
+        name=None if log_path == STDOUT else log_path.stem,
         when=datetime.now(UTC).astimezone(),
         program=program.path.resolve(),
         tool=program.tool,
@@ -239,7 +267,8 @@ def _text(run: Run) -> str:
     left = ", ".join(u.name for u in evaluation.fit.undetermined)
     return "\n".join(
         [
-            f"cycle 451, mode {evaluation.mode}, {_effort(run)}",
+            f"{_named(run)}, {_effort(run)}",
+            *_compensation(run),
             *run.notes,
             f"{_end(run)}.",
             table(header, rows),
@@ -247,6 +276,17 @@ def _text(run: Run) -> str:
             f"undetermined, left as believed: {left}",
         ]
     )
+
+
+def _named(run: Run) -> str:
+    mode = f"mode {run.evaluation.mode}"
+    return f"cycle {run.cycle}, {'preset compensation' if run.cycle == COMPENSATE_PRESET else mode}"
+
+
+def _compensation(run: Run) -> list[str]:
+    """Say how far the sphere was off the preset that cycle 452 keeps."""
+    off_mm = run.evaluation.preset_off_mm
+    return [] if off_mm is None else [f"the sphere was off the preset by {vector_text(off_mm)}"]
 
 
 def _points(machine: Machine, outcome: Outcome) -> str:
@@ -270,11 +310,14 @@ def _json(outcome: Outcome) -> dict[str, object]:
 def _run_json(run: Run) -> dict[str, object]:
     evaluation = run.evaluation
     return {
+        "cycle": run.cycle,
         "mode": evaluation.mode,
         "touches": run.report.touches,
         "duration_s": run.report.duration_s,
         "notes": list(run.notes),
         "preset_mm": list(run.report.preset_mm),
+        "preset_at_0_mm": list(run.preset_at_0_mm),
+        "preset_off_mm": evaluation.preset_off_mm,
         "end": {"3d_rot_deg": _tilt_deg(run), "track": run.tracks},
         "q": {f"Q{q}": value for q, value in evaluation.q_parameters().items()},
         "parameters": {

@@ -1,4 +1,4 @@
-"""What each mode of cycle 451 may change in a description, and the best that it can be so."""
+"""What cycles 451 and 452 may change in a description, and the best that it can be so."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -73,15 +73,54 @@ class Correction:
     Attributes:
         machine: As corrected.
         fit: What the mode corrects, and what it could not tell apart.
+        preset_off_mm: How far the sphere was off the preset that cycle 452 keeps; None in 451.
     """
 
     machine: Machine
     fit: Fit
+    preset_off_mm: Vector | None = None
 
     @property
     def combined(self) -> tuple[str, ...]:
         """Name the sums that are corrected though their parts are not known."""
         return tuple(c.name for c in self.fit.combinations)
+
+
+def keep_preset(correction: Correction, off_mm: Vector, letters: Collection[str]) -> Correction:
+    """Move what has moved until the sphere stands in the preset again (cycle 452).
+
+    What a machine shows is where its tip is, so nothing that it reads tells a table that has moved
+    from a tip that has moved the other way. The tip moves here, and with it the head from the first
+    of its axes that was measured, or the whole head. A table stays where it was: what was fitted to
+    its axes is put back by as much as all readings are off. Axes that were not measured stood at 0.
+
+    Args:
+        correction: Of the positions of the axes.
+        off_mm: How far from the preset the sphere was found by that, with every axis at 0.
+        letters: The axes that were measured.
+    """
+    machine = correction.machine
+    head = [axis.letter for axis in machine.axes if axis.in_head]
+    first = next((place for place, letter in enumerate(head) if letter in letters), 0)
+    moved = {*head[first:], *(a.letter for a in machine.axes if a.letter in letters)}
+    axes = tuple(_moved_back(a, off_mm) if a.letter in moved else a for a in machine.axes)
+    shifted = replace(machine, axes=axes, tip_shift_mm=_minus(machine.tip_shift_mm, off_mm))
+    return replace(correction, machine=shifted, preset_off_mm=off_mm)
+
+
+def _moved_back(axis: RotaryAxis, off_mm: Vector) -> RotaryAxis:
+    """Move an axis; that of a table not along its own line, where nothing was fitted."""
+    along_mm = 0.0 if axis.in_head else float(np.dot(off_mm, axis.direction))
+    across_mm = _vector(np.subtract(off_mm, np.multiply(along_mm, axis.direction)))
+    return replace(axis, point_mm=_minus(axis.point_mm, across_mm))
+
+
+def _minus(point_mm: Vector, off_mm: Vector) -> Vector:
+    return _vector(np.subtract(point_mm, off_mm))
+
+
+def _vector(values: NDArray[np.float64]) -> Vector:
+    return cast(Vector, tuple(values.tolist()))
 
 
 def corrections(mode: int, machine: Machine, measured: Measured) -> Iterator[Correction]:
@@ -123,7 +162,7 @@ def _straightened(machine: Machine, pairs: Sequence[tuple[str, str]]) -> Machine
 
 
 def _unit(direction: NDArray[np.float64]) -> Vector:
-    return cast(Vector, tuple((direction / np.linalg.norm(direction)).tolist()))
+    return _vector(direction / np.linalg.norm(direction))
 
 
 def _fits(mode: int, machine: Machine, measured: Measured) -> Iterator[Fit]:
@@ -203,9 +242,7 @@ def _corrected(axis: RotaryAxis, amounts: Mapping[str, float]) -> RotaryAxis:
     direction = Rotation.from_rotvec(turn_deg, degrees=True).apply(axis.direction)
     return replace(
         axis,
-        point_mm=cast(
-            Vector, tuple(np.add(axis.point_mm, np.divide(shift_um, UM_PER_MM)).tolist())
-        ),
+        point_mm=_vector(np.add(axis.point_mm, np.divide(shift_um, UM_PER_MM))),
         direction=_unit(direction),
         datum_deg=axis.datum_deg + zero_deg,
     )

@@ -1,4 +1,4 @@
-"""Cycle 451 of the firmware on the simulated machine, with the evaluation by ``firmware/comp``."""
+"""Cycles 451 and 452 on the simulated machine, with the evaluation by ``firmware/comp``."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,6 +25,8 @@ from skiplatch.simulator import Effect, SimulationError, connection, rig_argumen
 CData = Any
 WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}
 MOST_STATIONS = 256
+UNKNOWN = 1
+"""KINEMATICS_SETTING_UNKNOWN: the cycle has no such parameter."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -144,7 +146,8 @@ class Play:
         )
         if code != 0:
             phrase = ffi.string(lib.sim_451_phrase(code)).decode()
-            raise CycleRefusedError(number, f"Q{number} {phrase}", setting(number))
+            limits = None if code == UNKNOWN else setting(number)
+            raise CycleRefusedError(number, f"Q{number} {phrase}", limits)
 
     def begin(self) -> bool:
         """Start and run until the measurements wait for their evaluation; False if it failed."""
@@ -242,8 +245,9 @@ def opened(
     replicate: int = 0,
     rig: Nominal = DEFAULT_RIG,
     switched_on: Sequence[Effect] = (),
+    preset_mm: Sequence[float] | None = None,
 ) -> Iterator[Play]:
-    """Switch a machine on, with the parameters of cycle 451 set.
+    """Switch a machine on, with the parameters of cycle 451 set, or of 452.
 
     Args:
         machine: The description that the truth stands beside.
@@ -255,6 +259,8 @@ def opened(
         replicate: Which of many runs.
         rig: Probe, input, axes.
         switched_on: Effects of the table on every touch.
+        preset_mm: Where the sphere was at zero when the preset was set that cycle 452 keeps; None:
+            it is cycle 451, and the operator has just set one.
 
     Raises:
         CycleRefusedError: A parameter is not admitted.
@@ -276,6 +282,8 @@ def opened(
     handle = place[0]
     try:
         play = Play(handle)
+        if preset_mm is not None:
+            lib.sim_451_keep_preset(handle, list(preset_mm))
         for number, value in parameters.items():
             play.set(number, value)
         yield play

@@ -1,4 +1,4 @@
-"""What cycle 451's measurements say of each axis, before and after a correction.
+"""What the measurements of cycles 451 and 452 say of each axis, before and after a correction.
 
 An error is measured minus expected, both relative to the measurement at 0°, the reference.
 """
@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from math import radians
+from typing import cast
 
 import numpy as np
 
@@ -17,12 +18,13 @@ from skiplatch.kinematics.correction import (
     Correction,
     Measured,
     corrections,
+    keep_preset,
 )
 from skiplatch.kinematics.cycle import Expectation, Results, Stations, expected_mm, results
 from skiplatch.kinematics.firmware import Fit, NoFitError, fit
 from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG, Truth
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
-from skiplatch.kinematics.outliers import Outlier, without_outliers
+from skiplatch.kinematics.outliers import Judged, Outlier, without_outliers
 from skiplatch.kinematics.points import Points
 
 SLOPE_STEP_DEG = 1e-3
@@ -102,6 +104,7 @@ class Evaluation:
         q_mm: Q141 to Q149.
         combined: Sums of location errors that were corrected though their parts are not known.
         outliers: Positions that the fit left out.
+        preset_off_mm: How far the sphere was off the preset that cycle 452 keeps; None in 451.
     """
 
     mode: int
@@ -112,14 +115,16 @@ class Evaluation:
     q_mm: Mapping[int, float]
     combined: tuple[str, ...] = ()
     outliers: tuple[Outlier, ...] = ()
+    preset_off_mm: Vector | None = None
 
     @property
     def change_mm(self) -> float:
-        """The largest change of the location of an axis."""
-        return max(
-            float(np.linalg.norm(np.subtract(after.point_mm, before.point_mm)))
-            for before, after in zip(self.believed.axes, self.corrected.axes, strict=True)
+        """The largest change of the location of an axis, or of the tip."""
+        before, after = (
+            [*(axis.point_mm for axis in machine.axes), machine.tip_shift_mm]
+            for machine in (self.believed, self.corrected)
         )
+        return float(np.max(np.linalg.norm(np.subtract(after, before), axis=1)))
 
     def q_parameters(self) -> dict[int, float]:
         """Give Q141 to Q149 in mm."""
@@ -176,6 +181,7 @@ def evaluate(
     mode: int,
     touches: int,
     recorded: Points | None = None,
+    preset_mm: Vector | None = None,
 ) -> Evaluation:
     """Fit the location errors and tell what each axis shows before and after the correction.
 
@@ -191,6 +197,7 @@ def evaluate(
         recorded: Positions of a real machine that count in the fit, stations or not; the place of a
             tip that the machine does not tell is then unknown. None: the stations of the simulated
             one, whose tip stands at 0 where nothing else is said.
+        preset_mm: Where the sphere was at zero when the preset was set that cycle 452 keeps.
 
     Raises:
         NoFitError: The positions are too few.
@@ -199,15 +206,19 @@ def evaluate(
     if points is None:
         known = replace(machine, tool_mm=machine.tool_mm or (0.0, 0.0, 0.0))
         points = _points_of(machine, stations)
-    judged = without_outliers(known, points, touches)
-    points = judged.kept
-    measured = Measured(points, touches, stations.letters())
+    letters = stations.letters()
+    judged = without_outliers(known, points, touches) if letters else Judged(points, ())
+    measured = Measured(judged.kept, touches, letters)
+    plain = next(corrections(POSITIONS, known, measured)) if letters else _as_it_was(known, points)
+    if preset_mm is not None:
+        found_mm = _sphere_mm(plain.machine, truth, stations)
+        plain = keep_preset(plain, _difference(found_mm, preset_mm), letters)
     see = partial(_see, _with_tip(known, measured), truth, stations, mode, measured)
-    seen = see(next(corrections(POSITIONS, known, measured)))
+    seen = see(plain)
     if mode > POSITIONS:
         seen = _no_worse_than(seen, map(see, corrections(mode, known, measured)), see)
     try:
-        found = fit(known, points, touches=touches)
+        found = fit(known, judged.kept, touches=touches)
     except NoFitError:
         found = seen.correction.fit
     return Evaluation(
@@ -219,7 +230,27 @@ def evaluate(
         seen.q_mm,
         seen.correction.combined,
         judged.outliers,
+        seen.correction.preset_off_mm,
     )
+
+
+def _sphere_mm(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
+    """Give where the sphere is at zero by the references, shape (3,)."""
+    first = stations.is_reference
+    angles_deg, centres_mm = stations.angle_deg[first], stations.centre_mm[first]
+    return np.asarray(np.mean(turned_back(machine, truth, angles_deg, centres_mm), axis=0))
+
+
+def _difference(after: FloatArray, before: Vector) -> Vector:
+    return cast(Vector, tuple(np.subtract(after, before).tolist()))
+
+
+def _as_it_was(machine: Machine, points: Points) -> Correction:
+    """Change no axis: the sphere alone was measured, with every axis at 0."""
+    sphere_mm = np.add(np.mean(points.positions_mm, axis=0), machine.tip_shift_mm)
+    place = cast(Vector, tuple(sphere_mm.tolist()))
+    alone = Fit({}, (), (), 0.0, place, machine.tool_mm or place, len(place), len(place), 0)
+    return Correction(machine, alone)
 
 
 def _no_worse_than(
@@ -254,9 +285,14 @@ def _points_of(machine: Machine, stations: Stations) -> Points:
     return Points(stations.angle_deg[first][:, order], stations.centre_mm[first])
 
 
+def has_unknown_tip(machine: Machine) -> bool:
+    """Tell whether a head turns a tip that nobody has told the place of."""
+    return machine.tool_mm is None and any(axis.in_head for axis in machine.axes)
+
+
 def _with_tip(machine: Machine, measured: Measured) -> Machine:
     """Place a tip that nobody has told where the machine's axes have it."""
-    if machine.tool_mm is not None or not any(axis.in_head for axis in machine.axes):
+    if not has_unknown_tip(machine):
         return machine
     return replace(machine, tool_mm=fit(machine, measured.points, free=()).tip_mm)
 
@@ -276,7 +312,7 @@ def _see(
         before_mm=_expected(machine, truth, stations),
         after_mm=_expected(corrected, truth, corrected_stations),
         slope_mm=_slopes(corrected, truth, corrected_stations),
-        offset_mm=_shift_mm(machine, corrected),
+        offset_mm=correction.preset_off_mm or _shift_mm(machine, corrected),
         is_optimised=mode != CHECK,
     )
     return _Seen(correction, expected, *results(stations, expected))
@@ -300,7 +336,7 @@ def _expected(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
         own = stations.of(LETTERS[axis])
         if np.any(own):
             first = np.flatnonzero(own & stations.is_reference)[:1]
-            sphere_mm = _turned_back(
+            sphere_mm = turned_back(
                 machine, truth, stations.angle_deg[first], stations.centre_mm[first]
             )
             others = own & ~stations.is_reference
@@ -309,7 +345,7 @@ def _expected(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
     return expected
 
 
-def _turned_back(
+def turned_back(
     machine: Machine, truth: Truth, angles_deg: FloatArray, centres_mm: FloatArray
 ) -> FloatArray:
     """Give where n spheres are at zero; what is read is linear in that. All shapes are (n, 3)."""
@@ -326,7 +362,7 @@ def _turned_back(
 def _slopes(machine: Machine, truth: Truth, stations: Stations) -> FloatArray:
     """Give how the expected reading moves while the station's axis turns, mm/rad; shape (n, 3)."""
     angles_deg = stations.angle_deg
-    spheres_mm = _turned_back(machine, truth, angles_deg, stations.centre_mm)
+    spheres_mm = turned_back(machine, truth, angles_deg, stations.centre_mm)
     steps_deg = SLOPE_STEP_DEG * np.eye(3)[stations.axis]
     ahead = expected_mm(machine, truth, spheres_mm, angles_deg + steps_deg)
     behind = expected_mm(machine, truth, spheres_mm, angles_deg - steps_deg)

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.kinematics.machine import LETTERS, Machine
+from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
 from skiplatch.simulator import connection
 
@@ -175,7 +175,7 @@ def fit(
     """
     ffi, library = connection()
     result = ffi.new("kinematics_result_t *")
-    rows = _rows(points)
+    rows = _rows(machine, points)
     given = ffi.from_buffer("kinematics_point_t[]", rows)
     filled = _machine(ffi, machine)
     if free is not None:
@@ -187,7 +187,7 @@ def fit(
         filled.axial_scatter = math.sqrt(touches / 2.0)
     code = library.sim_kinematics_fit(filled, given, len(points), result)
     _refuse(library, code, len(points))
-    return _fit(ffi, library, result)
+    return _fit(ffi, library, machine, result)
 
 
 def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]:
@@ -205,7 +205,7 @@ def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]
     travel = ffi.new("kinematics_travel_t *")
     for j, axis in enumerate(machine.axes):
         travel.low_deg[j], travel.high_deg[j] = axis.travel_deg
-    rows = _rows(points)
+    rows = _rows(machine, points)
     more = np.zeros((most, AXES_MAX + 3))
     after = ffi.new("kinematics_result_t *")
     found = library.sim_kinematics_recommend(
@@ -218,8 +218,9 @@ def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]
         after,
     )
     _refuse(library, min(found, 0), len(points))
-    new = Points(more[:found, : len(machine.axes)], more[:found, AXES_MAX:])
-    return new, _fit(ffi, library, after)
+    positions_mm = more[:found, AXES_MAX:] - machine.tip_shift_mm
+    new = Points(more[:found, : len(machine.axes)], positions_mm)
+    return new, _fit(ffi, library, machine, after)
 
 
 def circles(machine: Machine, points: Points) -> list[Circle]:
@@ -244,7 +245,7 @@ def _circle(
     machine: Machine, place: int, points: Points, alone: NDArray[np.bool_]
 ) -> tuple[tuple[float, float, float], float, float] | None:
     ffi, library = connection()
-    rows = _rows(Points(points.angles_deg[alone], points.positions_mm[alone]))
+    rows = _rows(machine, Points(points.angles_deg[alone], points.positions_mm[alone]))
     given = ffi.from_buffer("kinematics_point_t[]", rows)
     circle = ffi.new("kinematics_circle_t *")
     direction = ffi.new("double[3]", machine.axes[place].direction)
@@ -263,15 +264,18 @@ def _machine(ffi: CData, machine: Machine) -> CData:
         place.point_mm = axis.point_mm
     if machine.tool_mm is not None:
         given.tool_is_known = 1
-        given.tool_mm = machine.tool_mm
+        given.tool_mm = list(np.add(machine.tool_mm, machine.tip_shift_mm))
     return given
 
 
-def _rows(points: Points) -> NDArray[np.float64]:
-    """Lay the points out as kinematics_point_t: shape (n, AXES_MAX + 3)."""
+def _rows(machine: Machine, points: Points) -> NDArray[np.float64]:
+    """Lay the points out as kinematics_point_t: shape (n, AXES_MAX + 3).
+
+    The firmware's coordinates are where the tip is; readings are so since the tip last moved.
+    """
     rows = np.zeros((len(points), AXES_MAX + 3))
     rows[:, : points.angles_deg.shape[1]] = points.angles_deg
-    rows[:, AXES_MAX:] = points.positions_mm
+    rows[:, AXES_MAX:] = points.positions_mm + np.array(machine.tip_shift_mm)
     return rows
 
 
@@ -285,7 +289,7 @@ def _refuse(library: CData, code: int, count: int) -> None:
         raise NoFitError("a value of the machine or of the points is out of range")
 
 
-def _fit(ffi: CData, library: CData, result: CData) -> Fit:
+def _fit(ffi: CData, library: CData, machine: Machine, result: CData) -> Fit:
     names = [ffi.string(p.name).decode() for p in result.parameters[0 : result.parameters_count]]
     blind = result.blind[0 : result.blind_count]
     undetermined = tuple(_undetermined(b, names) for b in blind)
@@ -309,7 +313,7 @@ def _fit(ffi: CData, library: CData, result: CData) -> Fit:
         undetermined,
         result.residual_um,
         tuple(result.sphere_mm),
-        tuple(result.tip_mm),
+        cast(Vector, tuple(np.subtract(list(result.tip_mm), machine.tip_shift_mm).tolist())),
         result.unknowns,
         result.rank,
         result.freedom,

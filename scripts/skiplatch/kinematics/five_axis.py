@@ -77,6 +77,7 @@ class Truth:
         tip_radius_mm: That of the probe's ball.
         scale_ppm: How much longer X, Y, Z are than they show.
         square_arcsec: How much the second axis of XY, XZ, YZ leans towards the first.
+        tip_um: How far the tip is from where it is believed: another head, a drift.
     """
 
     axes: Mapping[str, RotaryTruth] = field(default_factory=dict)
@@ -85,6 +86,7 @@ class Truth:
     tip_radius_mm: float = 3.0
     scale_ppm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     square_arcsec: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    tip_um: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,6 +116,8 @@ def machine_structure(machine: Machine, truth: Truth) -> CData:
         rotary.point_mm = list(axis.point_mm)
         rotary.datum_deg = axis.datum_deg
     filled.tool_mm = list(machine.tool_mm or (0.0, 0.0, 0.0))
+    filled.tip_mm = list(machine.tip_shift_mm)
+    filled.tip_error_mm = [value / UM_PER_MM for value in truth.tip_um]
     filled.sphere_mm = list(truth.sphere_mm)
     filled.sphere_radius_mm = truth.sphere_radius_mm
     filled.tip_radius_mm = truth.tip_radius_mm

@@ -14,7 +14,9 @@ LETTERS = ("A", "B", "C")
 DEFAULT_TRAVEL_DEG = {"A": (-90.0, 90.0), "B": (-90.0, 90.0), "C": (-180.0, 180.0)}
 AXIS_KEYS = ("direction", "point_mm", "range_deg", "datum_deg")
 SPINDLE = "spindle_mm"
-TOP_KEYS = ("table", "head", "tool_mm", SPINDLE, "axes")
+PRESET = "preset_mm"
+TIP = "tip_shift_mm"
+TOP_KEYS = ("table", "head", "tool_mm", TIP, SPINDLE, PRESET, "axes")
 UNIT_TOLERANCE = 1e-4
 OWN_COSINE_MIN = 0.5
 FARTHEST_MM = 1e5
@@ -52,10 +54,13 @@ class Machine:
     Attributes:
         axes: The rotary axes.
         tool_mm: The probe's tip with every axis at 0, or None where it is not known.
+        tip_shift_mm: How far the tip has since moved from there, by cycle 452: coordinates are
+            those of the machine as it was.
     """
 
     axes: tuple[RotaryAxis, ...]
     tool_mm: Vector | None
+    tip_shift_mm: Vector = (0.0, 0.0, 0.0)
 
     @property
     def letters(self) -> tuple[str, ...]:
@@ -132,7 +137,8 @@ def read_machine(path: Path) -> Machine:
     rotary = (
         _axis(reader, axes[name], name, place >= len(table)) for place, name in enumerate(chain)
     )
-    return Machine(tuple(rotary), tool_mm)
+    shift_mm = reader.vector(document, (TIP,)) if TIP in document else (0.0, 0.0, 0.0)
+    return Machine(tuple(rotary), tool_mm, shift_mm)
 
 
 def read_spindle(path: Path) -> Vector:
@@ -147,9 +153,20 @@ def read_spindle(path: Path) -> Vector:
     return reader.vector(reader.document, (SPINDLE,))
 
 
+def read_preset(path: Path) -> Vector | None:
+    """Read where the preset was set for cycle 452, with every axis at 0; None if it is not told.
+
+    Raises:
+        InputError: The file cannot be read, or the place is none.
+    """
+    reader = _Reader(path)
+    return reader.vector(reader.document, (PRESET,)) if PRESET in reader.document else None
+
+
 def is_possible(machine: Machine) -> bool:
     """Tell whether `read_machine` could have given it."""
     points_mm = [axis.point_mm for axis in machine.axes]
+    points_mm += [machine.tip_shift_mm]
     points_mm += [machine.tool_mm] if machine.tool_mm is not None else []
     return (
         0 < len(machine.axes) == len(set(machine.letters))

@@ -20,6 +20,8 @@ SAVE, RESTORE, SHOW, DELETE = range(4)
 DONE = {SAVE: "saved as", RESTORE: "restored from", DELETE: "deleted:"}
 HEAD = struct.Struct("<BB3d")
 AXIS = struct.Struct("<cB9d")
+TIP_SHIFT = struct.Struct("<3d")
+NO_SHIFT = (0.0, 0.0, 0.0)
 
 
 class StoreRefusedError(Exception):
@@ -167,6 +169,8 @@ def pack(machine: Machine) -> bytes:
         )
         for a in machine.axes
     ]
+    if machine.tip_shift_mm != NO_SHIFT:
+        parts.append(TIP_SHIFT.pack(*machine.tip_shift_mm))
     return b"".join(parts)
 
 
@@ -177,11 +181,15 @@ def unpack(payload: bytes) -> Machine:
         StoreRefusedError: Something else wrote it.
     """
     foreign = StoreRefusedError("another version has saved this description")
-    if len(payload) < HEAD.size or len(payload) != HEAD.size + payload[0] * AXIS.size:
+    if len(payload) < HEAD.size:
         raise foreign
+    end = HEAD.size + payload[0] * AXIS.size
+    if len(payload) not in (end, end + TIP_SHIFT.size):
+        raise foreign
+    shift_mm = TIP_SHIFT.unpack_from(payload, end) if len(payload) > end else NO_SHIFT
     count, has_tool, *tool_mm = HEAD.unpack_from(payload)
     axes = [_axis(AXIS.unpack_from(payload, HEAD.size + i * AXIS.size)) for i in range(count)]
-    machine = Machine(tuple(axes), cast(Vector, tuple(tool_mm)) if has_tool else None)
+    machine = Machine(tuple(axes), cast(Vector, tuple(tool_mm)) if has_tool else None, shift_mm)
     if not is_possible(machine):
         raise foreign
     return machine
@@ -206,6 +214,8 @@ def format_machine(machine: Machine) -> str:
     lines = [f"table = {_list(table)}", f"head = {_list(head)}"]
     if machine.tool_mm is not None:
         lines.append(f"tool_mm = {_list(machine.tool_mm)}")
+    if machine.tip_shift_mm != NO_SHIFT:
+        lines.append(f"tip_shift_mm = {_list(machine.tip_shift_mm)}")
     for axis in machine.axes:
         lines += [
             "",

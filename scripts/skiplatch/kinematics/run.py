@@ -1,15 +1,18 @@
-"""Running an NC program with cycles 450 and 451 on the simulated five-axis machine."""
+"""Running an NC program with cycles 450, 451 and 452 on the simulated five-axis machine."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
 
 from skiplatch.errors import InputError
-from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK
+from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK, POSITIONS
 from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
-from skiplatch.kinematics.evaluate import Evaluation, evaluate
+from skiplatch.kinematics.evaluate import Evaluation, evaluate, has_unknown_tip, turned_back
 from skiplatch.kinematics.firmware import NoFitError
 from skiplatch.kinematics.five_axis import Truth
-from skiplatch.kinematics.machine import Machine
+from skiplatch.kinematics.machine import Machine, Vector
 from skiplatch.kinematics.memory import Memory, run_450
 from skiplatch.kinematics.points import Points
 from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
@@ -26,7 +29,10 @@ NO_BACKLASH = (
     "has some stands off by up to that angle, as it came. It shows as scatter, and as a tilt of "
     "the axis that it carries."
 )
-DEFAULTS = {MODE: CHECK, TOUCHES: 4}
+DEFAULTS = {451: {MODE: CHECK, TOUCHES: 4}, 452: {MODE: POSITIONS, TOUCHES: 4}}
+"""Of a cycle's parameters; cycle 452 has no mode but that one."""
+SAVE_KINEMATICS, COMPENSATE_PRESET = 450, 452
+PRESET, NEVER, PRESETS_AFTER = 431, 0.0, (2.0, 3.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +46,11 @@ class Setup:
         seed: Picks the random numbers.
         acknowledged: The operator presses NC start where a change exceeds maxModification.
         switched_on: Effects on every touch.
-        recorded: Sphere centres of a real machine, that each cycle 451 evaluates; None: the
-            simulated one measures.
+        recorded: Sphere centres of a real machine, that each cycle evaluates; None: the simulated
+            one measures.
+        changed: How the machine truly is from the first cycle 452 on; None: as before.
+        preset_mm: Where the sphere was at zero when the preset was set that cycle 452 keeps; None:
+            where a cycle 451 before it has left it, or the operator.
     """
 
     machine: Machine
@@ -51,18 +60,33 @@ class Setup:
     acknowledged: bool
     switched_on: Sequence[Effect] = ()
     recorded: Points | None = None
+    changed: Truth | None = None
+    preset_mm: Vector | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One run of cycle 451; `tracks`: the spindle turned the probe to each touch (TRACK)."""
+    """One run of cycle 451 or 452.
 
+    Attributes:
+        cycle: Which of them.
+        parameters: Q parameters by number, as given; lengths in mm.
+        stations: What was measured.
+        evaluation: What it says.
+        report: What the cycle did.
+        notes: What the operator should know, a sentence each.
+        tracks: The spindle turned the probe to each touch (TRACK).
+        preset_at_0_mm: Where the preset is believed with every axis at 0.
+    """
+
+    cycle: int
     parameters: Mapping[int, float | str]
     stations: Stations
     evaluation: Evaluation
     report: Report
     notes: tuple[str, ...]
     tracks: bool
+    preset_at_0_mm: Vector
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,15 +109,48 @@ def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
     runs: list[Run] = []
     said: list[str] = []
     for cycle in program.cycles:
-        if cycle.number == 450:
+        if cycle.number == SAVE_KINEMATICS:
             believed, words = run_450(program, cycle, believed, memory)
             said.append(words)
         else:
-            runs.append(_run_451(program, cycle, setup, believed, len(runs)))
+            if cycle.number == COMPENSATE_PRESET:
+                setup = _changed(program, cycle, setup, believed, runs)
+            runs.append(_run_cycle(program, cycle, setup, believed, len(runs)))
             if runs[-1].evaluation.mode > 0:
                 believed = runs[-1].evaluation.corrected
                 memory.activate(believed)
     return Outcome(tuple(runs), tuple(said), believed)
+
+
+def _changed(
+    program: Program, cycle: Cycle, setup: Setup, believed: Machine, runs: Sequence[Run]
+) -> Setup:
+    """Know the preset that cycle 452 keeps, and let the machine change that has it.
+
+    Raises:
+        InputError: Nobody has told where the preset of a real machine was set.
+    """
+    preset_mm = setup.preset_mm
+    if setup.recorded is not None and has_unknown_tip(believed):
+        message = "cycle 452: tool_mm is needed of a machine with axes in the head"
+        raise InputError(program.path, cycle.line, None, message)
+    if runs and (setup.recorded is None or runs[-1].report.presets):
+        preset_mm = runs[-1].preset_at_0_mm
+    elif preset_mm is None and setup.recorded is not None:
+        message = (
+            "cycle 452: preset_mm of the machine's description is needed, or a cycle 451 with "
+        )
+        raise InputError(program.path, cycle.line, None, f"{message}Q431 = 2 or 3 before it")
+    elif preset_mm is None:
+        with opened(setup.machine, setup.truth, setup.control, {}, seed=setup.seed) as play:
+            preset_mm = _at_0_mm(believed, setup.control.start_deg, play.report().preset_mm)
+    return replace(setup, truth=setup.changed or setup.truth, changed=None, preset_mm=preset_mm)
+
+
+def _at_0_mm(believed: Machine, angle_deg: Sequence[float], reading_mm: Sequence[float]) -> Vector:
+    """Give where what is read at these angles of A, B, C is believed with every axis at 0."""
+    angles, readings = (np.array(values)[np.newaxis] for values in (angle_deg, reading_mm))
+    return cast(Vector, tuple(turned_back(believed, Truth(), angles, readings)[0].tolist()))
 
 
 def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
@@ -106,7 +163,7 @@ def _parameters(program: Program, cycle: Cycle) -> dict[int, float | str]:
     }
 
 
-def _run_451(program: Program, cycle: Cycle, setup: Setup, believed: Machine, place: int) -> Run:
+def _run_cycle(program: Program, cycle: Cycle, setup: Setup, believed: Machine, place: int) -> Run:
     parameters = _parameters(program, cycle)
     try:
         with opened(
@@ -118,15 +175,18 @@ def _run_451(program: Program, cycle: Cycle, setup: Setup, believed: Machine, pl
             seed=setup.seed,
             replicate=place,
             switched_on=setup.switched_on,
+            preset_mm=setup.preset_mm if cycle.number == COMPENSATE_PRESET else None,
         ) as play:
-            return _measured(play, parameters, setup, believed)
+            return _measured(play, cycle.number, parameters, setup, believed)
     except CycleRefusedError as error:
         given = cycle.parameters.get(error.parameter)
         line, column = (given.line, given.column) if given else (cycle.line, None)
-        message = f"cycle 451: {error}{_range(error, program)}"
+        message = f"cycle {cycle.number}: {error}{_range(error, program)}"
         raise InputError(program.path, line, column, message) from error
     except (NoFitError, RecordedError) as error:
-        raise InputError(program.path, cycle.line, None, f"cycle 451: {error}") from error
+        raise InputError(
+            program.path, cycle.line, None, f"cycle {cycle.number}: {error}"
+        ) from error
 
 
 def _range(error: CycleRefusedError, program: Program) -> str:
@@ -139,7 +199,11 @@ def _range(error: CycleRefusedError, program: Program) -> str:
 
 
 def _measured(
-    play: Play, parameters: Mapping[int, float | str], setup: Setup, believed: Machine
+    play: Play,
+    number: int,
+    parameters: Mapping[int, float | str],
+    setup: Setup,
+    believed: Machine,
 ) -> Run:
     recorded = None
     notes: list[str] = []
@@ -149,9 +213,10 @@ def _measured(
     if not (play.begin() if recorded is None else play.begin_measured(recorded.stations)):
         play.raise_failure()
     stations = play.stations()
-    mode, touches = (int(parameters.get(q, DEFAULTS[q])) for q in (MODE, TOUCHES))
+    mode, touches = (int(parameters.get(q, DEFAULTS[number][q])) for q in (MODE, TOUCHES))
     points = recorded.points if recorded is not None else None
-    evaluation = evaluate(believed, setup.truth, stations, mode, touches, points)
+    preset_mm = setup.preset_mm if number == COMPENSATE_PRESET else None
+    evaluation = evaluate(believed, setup.truth, stations, mode, touches, points, preset_mm)
     play.answer(evaluation.change_mm)
     while play.asks in ("acknowledge", "apply"):
         if play.asks == "acknowledge":
@@ -175,7 +240,23 @@ def _measured(
         notes.append(NO_BACKLASH.format(", ".join(loose)))
     if report.cancelled_rotation:
         notes.append("The preset has no basic rotation any more (SPA, SPB, SPC): set it again.")
-    return Run(parameters, stations, evaluation, report, tuple(notes), setup.control.track)
+    active = evaluation.corrected if mode > CHECK else believed
+    at_0_mm = preset_mm or _preset_at_0_mm(active, setup, parameters, stations, report)
+    tracks = setup.control.track
+    return Run(number, parameters, stations, evaluation, report, tuple(notes), tracks, at_0_mm)
+
+
+def _preset_at_0_mm(
+    active: Machine,
+    setup: Setup,
+    parameters: Mapping[int, float | str],
+    stations: Stations,
+    report: Report,
+) -> Vector:
+    """Give where the preset of cycle 451 is believed with every axis at 0."""
+    was_set_after = parameters.get(PRESET, NEVER) in PRESETS_AFTER
+    angle_deg = stations.angle_deg[0] if was_set_after else setup.control.start_deg
+    return _at_0_mm(active, angle_deg, report.preset_mm)
 
 
 def _moved_datums(evaluation: Evaluation) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The log of cycle 451, TCHPRAUTO.html: no script, nothing from elsewhere, light and dark."""
+"""The log of cycles 451 and 452, TCHPRAUTO.html: no script, nothing from elsewhere."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +15,7 @@ from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
 from skiplatch.report.layout import render
 
 TEMPLATE = "kinematics.html"
+STREAM = "log"
 MODES = (
     "check",
     "optimise positions",
@@ -26,9 +27,10 @@ UM_PER_MM = 1000.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Logged:
-    """One run of the cycle.
+    """One run of a cycle.
 
     Attributes:
+        cycle: 451 or 452.
         evaluation: What it found.
         parameters: Q parameters by number, as the cycle had them.
         effort: What the measurement took, such as touches and time.
@@ -37,6 +39,7 @@ class Logged:
         spindle_mm: The spindle nose with every axis at 0: positions of axes are told from there.
     """
 
+    cycle: int
     evaluation: Evaluation
     parameters: Mapping[int, float | str]
     effort: str
@@ -79,7 +82,7 @@ class Log:
 def lay_out(
     logged: Sequence[Logged],
     *,
-    name: str,
+    name: str | None,
     when: datetime,
     program: Path,
     tool: str,
@@ -89,14 +92,14 @@ def lay_out(
 
     Args:
         logged: The runs, in their order.
-        name: Begins the names of the charts' files.
+        name: Begins the names of the charts' files; None: there are none, and no links to them.
         when: Date and time of the log.
         program: The NC program.
         tool: Name of the probe.
         kinematics: Name of the active kinematics.
     """
     sections = [
-        [_section(run, axis, f"{name}-{i}") for axis in run.evaluation.axes]
+        [_section(run, axis, f"{name or STREAM}-{i}") for axis in run.evaluation.axes]
         for i, run in enumerate(logged, start=1)
     ]
     html = render(
@@ -105,6 +108,7 @@ def lay_out(
         program=str(program),
         tool=tool or "—",
         kinematics=kinematics,
+        has_files=name is not None,
         runs=[_run(run, i, sections[i]) for i, run in enumerate(logged)],
     )
     charts = {
@@ -119,8 +123,10 @@ def lay_out(
 def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[str, object]:
     evaluation = logged.evaluation
     return {
-        "mode": f"{evaluation.mode} = {MODES[evaluation.mode]}",
-        "mode_words": MODES[evaluation.mode],
+        "cycle": f"cycle {logged.cycle}",
+        "title": _title(logged),
+        "words": _words(logged),
+        "preset": _preset(logged),
         "incidence": _incidence(logged),
         "effort": logged.effort,
         "end": logged.end,
@@ -134,7 +140,37 @@ def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[st
     }
 
 
+def _words(logged: Logged) -> str:
+    is_compensated = logged.evaluation.preset_off_mm is not None
+    return "compensate the preset" if is_compensated else MODES[logged.evaluation.mode]
+
+
+def _title(logged: Logged) -> str:
+    evaluation = logged.evaluation
+    if evaluation.preset_off_mm is not None:
+        return f"Cycle {logged.cycle} PRESET COMPENSATION"
+    name = f"Cycle {logged.cycle} MEASURE KINEMATICS"
+    return f"{name}, mode {evaluation.mode} = {MODES[evaluation.mode]}"
+
+
+def _preset(logged: Logged) -> list[tuple[str, str]]:
+    """Say what cycle 452 did to the tip, besides what stands with the axes."""
+    evaluation = logged.evaluation
+    if evaluation.preset_off_mm is None:
+        return []
+    before, after = (
+        machine.tip_shift_mm for machine in (evaluation.believed, evaluation.corrected)
+    )
+    return [
+        ("sphere off the preset, with every axis at 0", vector_text(evaluation.preset_off_mm)),
+        ("shift of the tip before", vector_text(before)),
+        ("shift of the tip, compensated", vector_text(after)),
+    ]
+
+
 def _lead(evaluation: Evaluation) -> str:
+    if not evaluation.axes:
+        return "No rotary axis was measured: the sphere alone, for the preset."
     parts = [
         f"{axis.letter} {UM_PER_MM * axis.scatter_before_mm:.2f} → "
         f"{UM_PER_MM * axis.scatter_after_mm:.2f} µm"
@@ -199,7 +235,7 @@ def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
         (f"greatest error, {would}", f"{axis.greatest_after_mm:.4f} mm"),
         ("position of the axis before, from the spindle nose", _seen(before, logged)),
         (f"position of the axis, {would}, from the spindle nose", _seen(after, logged)),
-        ("compensation in X, Y, Z (shift of the preset)", _vector(_shift(before, after))),
+        ("compensation in X, Y, Z (shift of the preset)", vector_text(_shift(before, after))),
         ("mean positioning error relative to 0°", positioning),
     ]
     if evaluation.mode >= ANGLES or evaluation.mode == CHECK:
@@ -228,10 +264,11 @@ def _shift(before: RotaryAxis, after: RotaryAxis) -> tuple[float, ...]:
 
 def _seen(axis: RotaryAxis, logged: Logged) -> str:
     pairs = zip(axis.point_mm, logged.spindle_mm, strict=True)
-    return _vector([point - start for point, start in pairs])
+    return vector_text([point - start for point, start in pairs])
 
 
-def _vector(values: Sequence[float]) -> str:
+def vector_text(values: Sequence[float]) -> str:
+    """Write a vector in mm, axis by axis."""
     return (
         ", ".join(f"{name} {value:+.4f}" for name, value in zip("XYZ", values, strict=True)) + " mm"
     )
@@ -251,10 +288,11 @@ def _positions(axis: AxisResult) -> Rows:
 
 
 def _results(evaluation: Evaluation) -> Rows:
+    offset = "offset" if evaluation.preset_off_mm is None else "sphere off the preset"
     meanings = {
         **{141 + i: f"standard deviation of {x}, measured" for i, x in enumerate(LETTERS)},
         **{144 + i: f"standard deviation of {x}, optimised" for i, x in enumerate(LETTERS)},
-        **{147 + i: f"offset in {x}" for i, x in enumerate("XYZ")},
+        **{147 + i: f"{offset} in {x}" for i, x in enumerate("XYZ")},
     }
     rows = [
         (f"Q{q}", "−1" if value == -1.0 else f"{value:.4f}", meanings[q])
