@@ -4,7 +4,7 @@
 #
 # What a board.mk may say, all of it with `.$(board)` at the end of the name:
 #
-#   FAMILY       avr, arm: runs on a board of that compiler; host: compiled and linked here, run nowhere
+#   FAMILY       avr, arm, riscv: runs on a board of that compiler; host: compiled and linked here, run nowhere
 #   SHARED       folder of hal/ports with what boards of one chip have in common, as FAMILY's is
 #   FLAGS        the processor, for the compiler
 #   LINKER_SCRIPT   in its folder
@@ -18,7 +18,7 @@
 #   LEFT_OUT     files of the folder that no build holds; = and $(in_build) where it depends on it
 #   TOUCHES, RIG_OPTIONS        how many on each path, and options of the rig; also ….BUILD
 #   NEEDS        a program that the board wants besides; setup.sh in its folder sees to it
-#   MEASURE      more to run in `make board`: a target of its own
+#   MEASURE      a command more to run in `make board`
 
 PORTS := $(patsubst hal/ports/%/board.mk,%,$(wildcard hal/ports/*/board.mk))
 
@@ -38,14 +38,22 @@ $(foreach port,$(PORTS),$(foreach core,$(OTHER_CORES.$(port)),$(eval $(call read
 
 CC.avr := avr-gcc
 CC.arm := arm-none-eabi-gcc
+CC.riscv := riscv64-unknown-elf-gcc
 
 WARNINGS.arm      := -Wduplicated-branches -Wduplicated-cond -Wlogical-op -Wnull-dereference
+WARNINGS.riscv    := $(WARNINGS.arm)
 # The old compiler for the AVR warns of conversions that were asked for.
 SUITE_CFLAGS.avr  := -Wno-conversion -Wno-sign-conversion
 # An AVR's suites keep their texts in RAM; avr_test_run gives the chip enough of it.
 SUITE_LDFLAGS.avr := -Wl,--defsym=__DATA_REGION_LENGTH__=0x3D00 -Wl,--defsym=__stack=0x3FFF
 LDFLAGS.arm       := --specs=nano.specs -nostartfiles
+# The library's headers belong to its specs, too.
+LIBRARY.riscv     := --specs=picolibc.specs
+LDFLAGS.riscv     := -nostartfiles
 
+# The emulator of a board that runs in QEMU is its tests/emulator.py.
+SUITE_RUN.arm  = .venv/bin/python -m tests.boards.qemu_suite hal.ports.$(PORT).tests.emulator
+SUITE_RUN.riscv = $(SUITE_RUN.arm)
 AVR_TEST_RUN  := build/rigs/avr_test_run
 SUITE_RUN.avr  = $(AVR_TEST_RUN) $(patsubst -mmcu=%,%,$(filter -mmcu=%,$(FLAGS)))
 UNSUITED.avr.test_overtravel := it holds the sums to 64 bits, and the double of avr-gcc has 32
@@ -54,16 +62,17 @@ UNSUITED.avr.test_latch_restart := it goes through all sequence numbers, too lon
 # What each family needs, and the command that installs it.
 TOOLS.avr    := $(and $(shell command -v avr-gcc),$(wildcard /usr/include/simavr/sim_avr.h))
 TOOLS.arm    := $(and $(shell command -v arm-none-eabi-gcc),$(shell command -v qemu-system-arm))
+TOOLS.riscv  := $(and $(shell command -v riscv64-unknown-elf-gcc),$(shell command -v qemu-system-riscv32))
 NO_TOOLS.avr := no avr-gcc or libsimavr here: scripts/setup_system.sh cross emulators
 NO_TOOLS.arm := no arm-none-eabi-gcc or qemu-system-arm here: scripts/setup_system.sh cross emulators
+NO_TOOLS.riscv := no riscv64-unknown-elf-gcc or qemu-system-riscv32 here: scripts/setup_system.sh riscv
 
 # ---- what follows --------------------------------------------------------------------------------
 
 ports_of   = $(foreach port,$(PORTS),$(if $(filter $1,$(FAMILY.$(port))),$(port)))
-BOARDS    := $(call ports_of,avr arm)
+BOARDS    := $(call ports_of,avr arm riscv)
 HOST_PORTS := $(call ports_of,host)
 CORES     := $(foreach board,$(BOARDS),$(OTHER_CORES.$(board)))
-MEASURED  := $(foreach board,$(BOARDS),$(if $(RIG.$(board)),$(board)))
 # What can be linked here; other cores are for the figures alone.
 LINKED    := $(foreach board,$(BOARDS) $(CORES),\
                $(if $(shell command -v $(CC.$(FAMILY.$(board)))),$(board)))
@@ -80,7 +89,7 @@ PORT_FOLDER   := hal/ports/$(PORT)
 PORT_FOLDERS  := $(PORT_FOLDER) $(wildcard $(addprefix hal/ports/,$(FAMILY) $(SHARED.$(PORT))))
 PORT_SOURCES  := $(if $(TARGET),$(wildcard $(PORT_FOLDERS:%=%/*.c)))
 LINKER_SCRIPT := $(LINKER_SCRIPT.$(PORT):%=$(PORT_FOLDER)/%)
-LINKER_SCRIPTS := $(LINKER_SCRIPT) $(if $(LINKER_SCRIPT),$(wildcard hal/ports/$(FAMILY)/*.ld))
+LINKER_SCRIPTS := $(LINKER_SCRIPT) $(if $(LINKER_SCRIPT),$(wildcard $(PORT_FOLDERS:%=%/*.ld)))
 LDFLAGS       := $(LDFLAGS.$(FAMILY)) $(LINKER_SCRIPT:%=-T %)
 ifneq ($(and $(TARGET),$(if $(FAMILY),,no)),)
 $(error no board $(TARGET); there are: $(BOARDS) $(CORES))

@@ -91,28 +91,44 @@ $(OUT)/contract/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/co
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) $(LDFLAGS) $(filter %.o,$^) $(filter %.a,$^) -lm -o $@
 
-# ---- campaigns -----------------------------------------------------------------------------------
+# ---- measuring: suites, sizes, and a campaign of each build ---------------------------------------
 
-.PHONY: boards board a-board $(BOARDS:%=campaigns-%) campaigns
-boards: setup setup-test $(STAMPS)/system-cross $(STAMPS)/system-emulators ## measure the boards in their emulators, into build/boards
-	@$(INNER_MAKE) $(BOARDS:%=campaigns-%)
-board: a-board setup setup-test $(STAMPS)/system-cross $(STAMPS)/system-emulators ## measure one, BOARD=its folder in hal/ports; without that, list them
-	@$(INNER_MAKE) campaigns-$(BOARD)
+.PHONY: boards board a-board
+boards: setup setup-test ## run the suites of all boards, measure them in their emulators, into build/boards
+	$(call run_suites,$(ON_BOARDS) $(BOARDS:%=board-%))
+board: a-board setup setup-test ## the same of one, BOARD=its folder in hal/ports; without that, list them
+	$(call run_suites,target-$(BOARD) board-$(BOARD))
 a-board:
 	@$(if $(filter $(BOARDS),$(BOARD)),,echo 'make board BOARD=…: one of $(BOARDS)' >&2; exit 2)
 
-$(BOARDS:%=campaigns-%): campaigns-%: $$(if $$(call tools_of,$$*),$$(RIG_TOOLS.$$*))
-	@$(if $(RIG.$*),$(if $(call tools_of,$*),$(MAKE) VARIANT=boards/$* campaigns,\
-	    echo "SKIPPED: $*: $(call no_tools_of,$*)"),echo "SKIPPED: $*: no RIG in its board.mk")
+measures_of     = size $(or $(if $(RIG.$1),$(BUILDS.$1)),touches) $(if $(MEASURE.$1),measure)
+measures_result = $(patsubst %,$(RESULTS)/board-$1/%.check,$(if $(call tools_of,$1),$(call measures_of,$1),tools))
+$(foreach board,$(BOARDS),$(eval RESULTS.board-$(board) := $(call measures_result,$(board))))
 
-# One campaign of each build; TOUCHES on each path.
-TOUCHES ?= $(or $(TOUCHES.$(TARGET).$*),$(TOUCHES.$(TARGET)),2000)
-campaigns: $(BUILDS.$(TARGET):%=$(OUT)/campaigns/%/touches.csv) $(SECOND)
-	$(MEASURE.$(TARGET))
-$(OUT)/campaigns/%/touches.csv: $(OUT)/firmware-%.elf FORCE
-	@rm -rf $(@D)
-	@echo "$(TARGET), $*:" && $(VENV_PYTHON) -m $(RIG.$(TARGET)) $< --out $(@D) --touches $(TOUCHES) \
-	    $(RIG_OPTIONS.$(TARGET).$*)
+.PHONY: $(BOARDS:%=run-board-%) measure-board
+$(BOARDS:%=run-board-%): run-board-%: generated $$(addprefix linked-,$$(filter $$*,$(LINKED))) \
+                         $$(if $$(call tools_of,$$*),$$(RIG_TOOLS.$$*))
+	@$(if $(call tools_of,$*),$(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) measure-board,\
+	    scripts/run_check.sh $(RESULTS)/board-$*/tools.check board-$* \
+	    $(call skip,$(call no_tools_of,$*)))
+measure-board: $(if $(TARGET),$(RESULTS.board-$(TARGET)))
+
+# What was measured is shown as well, under its outcome.
+measured = @scripts/run_check.sh $@ '$(TARGET), $*' $1 && sed 's/^/    /' $@.out
+ifneq ($(TARGET),)
+$(RESULTS)/board-$(TARGET)/%.check: campaign = $(OUT)/campaigns/$*
+$(RESULTS)/board-$(TARGET)/%.check: touches  = $(or $(TOUCHES),$(TOUCHES.$(TARGET).$*),$(TOUCHES.$(TARGET)),2000)
+$(RESULTS)/board-$(TARGET)/%.check: $(OUT)/firmware-%.elf FORCE
+	@rm -rf $(campaign)
+	$(call measured,$(VENV_PYTHON) -m $(RIG.$(TARGET)) $< --out $(campaign) --touches $(touches) \
+	    $(RIG_OPTIONS.$(TARGET).$*))
+$(addprefix $(RESULTS)/board-$(TARGET)/,size.check measure.check touches.check): \
+        $(RESULTS)/board-$(TARGET)/%.check: linked-board FORCE
+	$(call measured,$(MEASURE_BY.$*))
+endif
+MEASURE_BY.size    = $(SIZE_TABLE) compare $(TARGET):$(FAMILY)
+MEASURE_BY.measure = $(MEASURE.$(TARGET))
+MEASURE_BY.touches = $(call skip,no RIG in its board.mk)
 
 # ---- sizes ---------------------------------------------------------------------------------------
 

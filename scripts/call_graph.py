@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 HEADER = re.compile(r"^([0-9a-f]+) <([^>]+)>:$")
+HANDLER = re.compile(r"__vector_\d+$|\w+_trap$")  # of an AVR, of a RISC-V
 LOCAL = re.compile(r"\.L|L\d+(\^[AB]|[\x01\x02])")
 INSTRUCTION = re.compile(r"^\s*[0-9a-f]+:\t[0-9a-f ]+\t([^.\s]\S*)\s*(.*)$")  # no .word
 TARGET = re.compile(r"\b(?:0x)?([0-9a-f]+) <[^>]+>")
@@ -57,7 +58,17 @@ CORTEX_M = Processor(
     interrupt_bytes=9 * WORD_BYTES,  # eight registers and a word of alignment
     interrupts_nest=True,
 )
-PROCESSORS = {"avr": AVR, "arm": CORTEX_M}
+RISCV = Processor(
+    "riscv64-unknown-elf-",
+    re.compile(r"^(j|jal|b\w+)$"),
+    re.compile(r"^jal$"),
+    re.compile(r"^(jalr|jr)\b"),
+    re.compile(r"^(ret|mret|j|jr|tail|unimp)\b"),
+    call_bytes=0,
+    interrupt_bytes=0,  # a handler pushes for itself
+    interrupts_nest=True,
+)
+PROCESSORS = {"avr": AVR, "arm": CORTEX_M, "riscv": RISCV}
 
 
 @dataclass
@@ -193,6 +204,8 @@ def _pushed_bytes(mnemonic: str, operands: str) -> int:
         return (registers - 1) * WORD_BYTES
     if mnemonic.startswith("sub") and operands.startswith("sp,") and "#" in operands:
         return int(operands.split("#")[1].split(maxsplit=1)[0])
+    if mnemonic in ("add", "addi") and (down := re.match(r"sp,sp,-(\d+)", operands)):
+        return int(down[1])
     return 0
 
 
@@ -261,9 +274,9 @@ def task_root(graph: CallGraph) -> str:
 
 
 def interrupt_roots(program: Path, graph: CallGraph, processor: Processor) -> list[str]:
-    """Return the interrupt handlers: by name on an AVR, of the table at address 0 on a Cortex-M."""
-    if processor is AVR:
-        return sorted(name for name in graph.functions if re.match(r"__vector_\d+$", name))
+    """Return the interrupt handlers: by name, but of the table that comes first on a Cortex-M."""
+    if processor is not CORTEX_M:
+        return sorted(name for name in graph.functions if HANDLER.match(name))
     listing = run_tool(f"{processor.tools}nm", "--print-size", str(program))
     symbols = [line.split() for line in listing.splitlines() if len(line.split()) == 4]
     name_at = {int(address, 16) & ~1: name for address, _, kind, name in symbols if kind in "tTwW"}

@@ -1,6 +1,7 @@
 """Refuse slow arithmetic in the interrupts of linked programs.
 
-`lint_isr_calls.py BOARD...`, each `NAME:avr` or `NAME:arm`, its programs in build/boards/NAME.
+`lint_isr_calls.py BOARD...`, each `NAME:FAMILY` (avr, arm, riscv), its programs in
+build/boards/NAME.
 Follows every interrupt handler through the call graph. Neither an AVR nor a Cortex-M0+ has a
 divider, and none of the boards has floating point, so either shows up as a call to a routine of the
 compiler that takes hundreds of cycles. Calls through pointers cannot be followed and are refused.

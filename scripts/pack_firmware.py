@@ -69,6 +69,7 @@ def pack_library(folder: Path) -> None:
         target = folder / "src" / name
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, target)
+    shutil.copy(FIRMWARE / "arduino/skiplatch_arduino.hpp", folder / "src")
     for manifest in ("library.properties", "library.json"):
         text = (FIRMWARE / manifest).read_text(encoding="utf-8")
         (folder / manifest).write_text(text.replace("@VERSION@", version()))

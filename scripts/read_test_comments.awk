@@ -1,4 +1,4 @@
-# Turns the LINK, MOCK and CFLAGS comments at the top of C tests into variables for make:
+# Turns the LINK, MOCK, CFLAGS and LDFLAGS comments at the top of C tests into variables for make:
 #
 #   /* LINK: firmware/input/latch.c */  in tests/unit/test_latch.c  becomes
 #   LINK.tests/unit/test_latch := firmware/input/latch.c
@@ -11,7 +11,7 @@ FNR == 1 {
     sub(/\.c$/, "", test)
 }
 
-match($0, /^\/\* (LINK|MOCK|CFLAGS):/) {
+match($0, /^\/\* (LINK|MOCK|CFLAGS|LDFLAGS):/) {
     name = substr($0, 4, RLENGTH - 4)
     $0 = substr($0, RLENGTH + 1)
     inside = 1

@@ -2,8 +2,8 @@
 
 `size_table.py compare BOARD...` prints old, new and difference, and fails (1) if a figure has grown
 by more than the margin, or misses a goal; where the record was made by another compiler it exits
-with 77, skipped. `size_table.py record BOARD...` writes docs/SIZE.md anew. A BOARD is `NAME:avr` or
-`NAME:arm`; its program and objects are in build/boards/NAME.
+with 77, skipped. `size_table.py record BOARD...` writes docs/SIZE.md anew. A BOARD is `NAME:FAMILY`
+(avr, arm, riscv); its program and objects are in build/boards/NAME.
 """
 
 from __future__ import annotations
@@ -54,7 +54,8 @@ more: a change that is worth it is recorded in the same commit.
 * **program** is the whole firmware of the board, linked: code, constants and initial values;
   variables; the deepest path of the task and, on top of it, of the interrupts that can come
   together. On an AVR that is one interrupt, beside such as let others in; on a Cortex-M all of
-  them, each with the nine words that the processor may push: a bound, as some share a priority.
+  them, each with the nine words that the processor may push, and on a RISC-V all of them, too: a
+  bound, as some share a priority.
 * A **NAME program** is a second one, of `main_NAME.c`, for a chip that does nothing else.
 * **input**, **report**, **cycle**, **inject** are the folders of `firmware/`, all that is compiled,
   whether a board needs it or not. RAM is one of each structure that a caller owns

@@ -1,4 +1,4 @@
-"""A Cortex-M board in QEMU as a test bench: stopped and started, wired, its memory read.
+"""A board in QEMU as a test bench: stopped and started, wired, its memory read.
 
 The emulated chip counts virtual time by instructions (`-icount`): each lasts 2^ICOUNT_SHIFT ns,
 whatever the host is doing. What a board's pins are wired to, and which of its devices are the
@@ -6,6 +6,7 @@ bench's instruments, its own subclass knows.
 """
 
 import json
+import re
 import socket
 import subprocess
 import tempfile
@@ -17,13 +18,23 @@ from typing import ClassVar, Self, TextIO
 
 ICOUNT_SHIFT = 5  # 32 ns an instruction
 PATIENCE_S = 10.0
+HOLDERS = ("soc", "unattached")  # of a machine's devices, beside the machine itself
 
 
 class QemuBoard:
-    """One run of a program; a context manager."""
+    """One run of a program; a context manager.
+
+    Attributes:
+        QEMU: The emulator, its name or path.
+        MACHINE: What it emulates.
+        MORE: Options that the machine wants besides.
+        NM: What lists the symbols of a program.
+    """
 
     QEMU: ClassVar[str] = "qemu-system-arm"
     MACHINE: ClassVar[str]
+    MORE: ClassVar[tuple[str, ...]] = ()
+    NM: ClassVar[str] = "arm-none-eabi-nm"
 
     def __init__(
         self, program: Path, options: Sequence[str] = (), *, loops_back: bool = False
@@ -33,7 +44,7 @@ class QemuBoard:
         Args:
             program: The ELF file.
             options: More of QEMU's own options.
-            loops_back: Connect UART 0 to UART 1 instead of to `serial`.
+            loops_back: Let what UART 0 sends go into a file, `sent`, instead of to `serial`.
         """
         self._program = program
         self._options = options
@@ -62,7 +73,7 @@ class QemuBoard:
             *("-display", "none", "-monitor", "none", "-qtest-log", "none"),
             *("-qtest", f"unix:{folder / 'qtest'}", "-qmp", f"unix:{folder / 'qmp'}"),
             *(self._loop(folder) if self._loops_back else ("-serial", f"unix:{folder / 'serial'}")),
-            *self._options,
+            *(*self.MORE, *self._options),
         ]
         self.process = subprocess.Popen(
             command, cwd=folder, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL
@@ -77,13 +88,8 @@ class QemuBoard:
         self.monitor("qmp_capabilities")
 
     def _loop(self, folder: Path) -> tuple[str, ...]:
-        """Give the options that let the program hear its own bytes. QEMU runs in that folder."""
-        path = folder / "loop"
-        return (
-            *("-chardev", f"socket,id=near,path={path},server=on,wait=off"),
-            *("-chardev", f"socket,id=far,path={path}"),
-            *("-serial", "chardev:near", "-serial", "chardev:far"),
-        )
+        """Give the options that put what is sent where the program reads it, in no time."""
+        return ("-chardev", f"file,id=sent,path={folder / 'sent'}", "-serial", "chardev:sent")
 
     def _listen(self, path: Path) -> socket.socket:
         listening = self._stack.enter_context(socket.socket(socket.AF_UNIX))
@@ -112,6 +118,24 @@ class QemuBoard:
         rows = self.monitor("qom-list", path=path)
         assert isinstance(rows, list)
         return {row["name"]: row["type"] for row in rows}
+
+    def device(self, kind: str, number: int = 0) -> str:
+        """Give the path of one of the machine's devices of a type, in the order of their numbers.
+
+        Which of QEMU's objects holds them differs with its version.
+        """
+        machine = self.listed("/machine")
+        holders = ["/machine", *(f"/machine/{name}" for name in HOLDERS if name in machine)]
+        found = [
+            f"{holder}/{name}"
+            for holder in holders
+            for name, its_kind in self.listed(holder).items()
+            if its_kind == f"child<{kind}>"
+        ]
+        found.sort(key=lambda path: [int(digits) for digits in re.findall(r"\[(\d+)\]", path)])
+        if number >= len(found):
+            raise RuntimeError(f"this QEMU has {len(found)} of {kind}, and no number {number}")
+        return found[number]
 
     # ---- QMP and qtest ----
 

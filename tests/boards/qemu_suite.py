@@ -1,14 +1,17 @@
-"""Run one suite on a Cortex-M in QEMU, with its pin and its UARTs wired to themselves.
+"""Run one suite on a board in QEMU, with what it drives wired to its pin.
+
+    python -m tests.boards.qemu_suite MODULE SUITE
+
+MODULE has the board's `Emulator`, SUITE is the program of a suite.
 
 The report comes by semihosting, and so does the exit status.
 """
 
+import importlib
 import subprocess
 import sys
 from contextlib import suppress
 from pathlib import Path
-
-from tests.boards.qemu import QemuBoard
 
 TIMEOUT_S = 240.0
 SEMIHOSTING = (
@@ -17,16 +20,18 @@ SEMIHOSTING = (
 )
 
 
-def run_suite(board: type[QemuBoard]) -> int:
-    """Run the suite on the command line; give its exit status."""
-    if len(sys.argv) != 2:
-        print(f"{sys.argv[0]} SUITE: the program of one", file=sys.stderr)
-        return 2
-    with board(Path(sys.argv[1]), SEMIHOSTING, loops_back=True) as emulator:
+def main(module: str, suite: str) -> int:
+    """Run the suite; give its exit status."""
+    board = importlib.import_module(module).Emulator
+    with board(Path(suite), SEMIHOSTING, loops_back=True) as emulator:
         with suppress(ConnectionError):  # a short suite is over before QEMU has answered
             emulator.go()
         try:
-            return emulator.process.wait(TIMEOUT_S)
+            return int(emulator.process.wait(TIMEOUT_S))
         except subprocess.TimeoutExpired:
             print(f"no end after {TIMEOUT_S:g} s")
             return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))

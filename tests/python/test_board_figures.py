@@ -166,6 +166,32 @@ def test_a_handler_of_a_cortex_runs_on_only_if_nothing_ends_it(graphs: ModuleTyp
     assert not functions["__udivmoddi4"].indirect
 
 
+def test_a_handler_of_a_riscv_is_told_by_its_name_and_its_pushes(graphs: ModuleType) -> None:
+    text = (
+        "80000100 <timer_trap>:\n"
+        "80000100:\t1141                \tadd\tsp,sp,-16\n"
+        "80000102:\t02050463          \tbeqz\ta0,8000012a <work+0x2>\n"
+        "80000106:\t2031                \tjal\t80000128 <work>\n"
+        "80000108:\t30200073          \tmret\n"
+        "\n"
+        "80000128 <work>:\n"
+        "80000128:\t9782                \tjalr\ta5\n"
+        "8000012a:\t8082                \tret\n"
+        "\n"
+        "80000130 <work_trap_later>:\n"
+        "80000130:\tb7dd                \tj\t80000100 <timer_trap>\n"
+    )
+    functions = graphs.parse_disassembly(text, graphs.RISCV)
+    graph = graphs.CallGraph(functions, {}, 0)
+
+    assert functions["timer_trap"].calls == {"work"}
+    assert functions["timer_trap"].pushed_bytes == 16
+    assert not functions["timer_trap"].runs_on
+    assert functions["work"].indirect
+    assert functions["work_trap_later"].jumps == {"timer_trap"}
+    assert graphs.interrupt_roots(Path("none"), graph, graphs.RISCV) == ["timer_trap"]
+
+
 @pytest.mark.parametrize(
     ("old", "new", "too_much"),
     [

@@ -109,7 +109,7 @@ def test_sketches_compile_for_a_pico_against_a_stand_in(
     library = packed / "skiplatch/src"
     flags = ("-Os", "-mcpu=cortex-m0plus", "-mthumb", *ALL_WARNINGS, f"-I{library}")
     sketch = packed / f"skiplatch/examples/{example}/{example}.ino"
-    run("arm-none-eabi-g++", "-std=gnu++11", *flags, "-include", "tests/packages/arduino/Arduino.h",
+    run("arm-none-eabi-g++", "-std=gnu++11", *flags, "-Itests/packages/arduino",
         "-x", "c++", "-c", sketch, "-o", tmp_path / "sketch.o")  # fmt: skip
     objects = []
     for source in sorted(library.rglob("*.c")):

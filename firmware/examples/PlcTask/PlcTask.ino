@@ -1,22 +1,16 @@
 // What a polled input makes of the same probe: a scan every millisecond, up to that much too late.
-#include <skiplatch.h>
+#include <skiplatch_arduino.hpp>
 
-const uint8_t PROBE_PIN = 2;
-plc_task_t    task;
+plc_task_t     task;
 latch_config_t latch_config;
-uint32_t      next_us;
+uint32_t       next_us;
 
-uint32_t hal_clock_now_ticks(void) { return micros(); }
-uint32_t hal_clock_tick_ps(void) { return 1000000; }
-bool hal_edge_level(uint8_t) { return digitalRead(PROBE_PIN) == LOW; }
 int32_t hal_axis_position_counts(uint8_t) { return 0; } // your step counter
-hal_critical_state_t hal_critical_enter(void) { noInterrupts(); return 0; }
-void hal_critical_exit(hal_critical_state_t) { interrupts(); } // the core masks in loop() only
 
 void setup()
 {
     Serial.begin(115200);
-    pinMode(PROBE_PIN, INPUT_PULLUP);
+    probe_start(2);
     latch_config.repeated = true;
     latch_config.confirm_ticks = 2000;
     latch_config.holdoff_ticks = 10000;

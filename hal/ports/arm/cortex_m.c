@@ -10,3 +10,12 @@ void cortex_m_enable_irq(uint32_t irq, cortex_m_priority_t priority)
     NVIC_ICPR(irq) = NVIC_BIT(irq);
     NVIC_ISER(irq) = NVIC_BIT(irq);
 }
+
+void cortex_m_let_irq(uint32_t irq, bool may_come)
+{
+    if (may_come) {
+        NVIC_ISER(irq) = NVIC_BIT(irq);
+    } else {
+        NVIC_ICER(irq) = NVIC_BIT(irq);
+    }
+}

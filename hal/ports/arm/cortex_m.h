@@ -1,10 +1,11 @@
 /*
- * What every Cortex-M has: registers of SysTick and of the interrupt controller, and the start of a
- * program. Names and addresses as in the architecture's manual.
+ * What every Cortex-M has: registers of SysTick and of the interrupt controller. Names and
+ * addresses as in the architecture's manual.
  */
 #ifndef ARM_CORTEX_M_H
 #define ARM_CORTEX_M_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #define REGISTER(address) (*(volatile uint32_t *)(address))
@@ -37,27 +38,7 @@ typedef enum {
 /* Let an interrupt come, one that was pending before not. Task. */
 void cortex_m_enable_irq(uint32_t irq, cortex_m_priority_t priority);
 
-typedef void (*cortex_m_vector_t)(void);
-
-/* The first sixteen entries of a vector table. */
-typedef struct {
-    const uint32_t   *stack_end;
-    cortex_m_vector_t core[15];
-} cortex_m_vectors_t;
-
-/* The end of the stack, of the linker script. */
-extern const uint32_t link_stack_end[];
-
-/* The first entry of the table: memory as C wants it, then main(). */
-void reset(void);
-
-/* Faults end here: a debugger finds the program, with what led to it on the stack. */
-void stay(void);
-
-#define CORTEX_M_VECTORS(systick)                                                                \
-    {                                                                                            \
-        .stack_end = link_stack_end,                                                             \
-        .core = {reset, stay, stay, stay, stay, stay, 0, 0, 0, 0, stay, stay, 0, stay, systick}, \
-    }
+/* Let an interrupt come that has been enabled, or hold it back: it stays pending. Task. */
+void cortex_m_let_irq(uint32_t irq, bool may_come);
 
 #endif

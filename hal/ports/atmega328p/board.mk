@@ -34,5 +34,4 @@ RIG_OPTIONS.$(board).pin_change-other_interrupt  := --corrected --pin-change
 RIG_OPTIONS.$(board).pin_change-critical_section := --corrected --pin-change
 
 # How fast and how well the second program measures.
-MEASURE.$(board) = @echo "$(TARGET), transmission error:" && \
-                    $(VENV_PYTHON) -m hal.ports.$(TARGET).tests.transmission_rig $(OUT)/transmission.elf
+MEASURE.$(board) = $(VENV_PYTHON) -m hal.ports.$(TARGET).tests.transmission_rig $(OUT)/transmission.elf

@@ -16,8 +16,8 @@ static void start_clocks(void)
     while ((SYSCTL_RIS & RIS_PLL_LOCKED) == 0u) {
     }
     SYSCTL_RCC = rcc;
-    SYSCTL_RCGC1 = RCGC1_UART0 | RCGC1_UART1 | RCGC1_TIMER(0u) | RCGC1_TIMER(1u) | RCGC1_TIMER(2u) |
-                   RCGC1_TIMER(3u);
+    SYSCTL_RCGC1 =
+        RCGC1_UART0 | RCGC1_TIMER(0u) | RCGC1_TIMER(1u) | RCGC1_TIMER(2u) | RCGC1_TIMER(3u);
     SYSCTL_RCGC2 = RCGC2_GPIO_A | RCGC2_GPIO_C;
     (void)SYSCTL_RCGC2; /* the clocks take effect some cycles later */
     (void)SYSCTL_RCGC2;

@@ -1,8 +1,8 @@
 # LM3S6965 (Cortex-M3 at 50 MHz), run in QEMU's lm3s6965evb.
 FAMILY.$(board)        := arm
+SHARED.$(board)        := qemu
 FLAGS.$(board)         := -mcpu=cortex-m3 -mthumb
 LINKER_SCRIPT.$(board) := lm3s6965.ld
-SUITE_RUN.$(board)     := .venv/bin/python -m hal.ports.$(board).tests.qemu_suite
 
 # To keep the port portable.
 OTHER_CORES.$(board) := cortex_m0plus cortex_m4f

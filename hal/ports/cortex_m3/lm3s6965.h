@@ -20,7 +20,6 @@
 #define RCC_USE_DIVIDER     (1u << 22)
 #define RCC_DIVIDE_BY_4     (3u << 23) /* of 200 MHz */
 #define RCGC1_UART0         (1u << 0)
-#define RCGC1_UART1         (1u << 1)
 #define RCGC1_TIMER(number) (1u << (16u + (number)))
 #define RCGC2_GPIO_A        (1u << 0)
 #define RCGC2_GPIO_C        (1u << 2)
@@ -53,7 +52,6 @@
 
 /* ---- UART: PL011 ---- */
 #define UART0           0x4000C000u
-#define UART1           0x4000D000u
 #define UART_DR(uart)   REGISTER((uart) + 0x000u)
 #define UART_FR(uart)   REGISTER((uart) + 0x018u)
 #define UART_IBRD(uart) REGISTER((uart) + 0x024u)
@@ -64,7 +62,6 @@
 #define UART_ICR(uart)  REGISTER((uart) + 0x044u)
 #define FR_RX_EMPTY     (1u << 4)
 #define LCRH_8_BITS     (3u << 5)
-#define LCRH_FIFO       (1u << 4)
 #define CTL_ENABLE      0x301u /* both ways */
 #define UART_TX         (1u << 5)
 

@@ -1,8 +1,8 @@
 # STM32F405 (Cortex-M4 at 160 MHz), run in QEMU's netduinoplus2.
 FAMILY.$(board)        := arm
+SHARED.$(board)        := qemu
 LINKER_SCRIPT.$(board) := stm32f405.ld
 NEEDS.$(board)         := build/qemu/qemu-system-arm
-SUITE_RUN.$(board)     := .venv/bin/python -m hal.ports.$(board).tests.qemu_suite
 
 # What the emulated chip has otherwise: clocks that nothing sets, and no GPIO. There the pin is wired
 # to the interrupt output of USART3, so its level is what USART3's request is.

@@ -6,20 +6,10 @@
 #include "../axis.h"
 #include "../clock.h"
 #include "tests/own_pins.h"
-#include "uart_bus.h"
 
 #define LINE _BV(PD4)
 
-const port_facts_t PORT = {
-    .channels = 1u,
-    .axes = 1u,
-    .has_active_low = true,
-    .filter_max_us = 0u,
-    .filter_tried_us = 50u,
-    .edge_latency_us = 20u,
-    .frame_latency_us = 2u * HAL_BUS_FRAME_BYTES * BUS_BYTE_US,
-    .time_error_us = 20u,
-};
+const port_facts_t PORT = OWN_FACTS(20u, 20u);
 
 void own_start(uint32_t ticks)
 {

@@ -10,19 +10,8 @@
 #include "../scan.h"
 #include "hal_edge.h"
 #include "tests/own_pins.h"
-#include "uart_bus.h"
 
-/* Time is waited for in a loop, and interrupts come in between. */
-const port_facts_t PORT = {
-    .channels = 1u,
-    .axes = 1u,
-    .has_active_low = true,
-    .filter_max_us = 0u,
-    .filter_tried_us = 50u,
-    .edge_latency_us = 40u,
-    .frame_latency_us = 2u * HAL_BUS_FRAME_BYTES * BUS_BYTE_US,
-    .time_error_us = 20u,
-};
+const port_facts_t PORT = OWN_FACTS(40u, 20u);
 
 /* No scans here. */
 void scan_on_time(void)

@@ -352,7 +352,7 @@ def main() -> int:
     events = run(options.program, stimuli)
     touches = recorded(events, blocks, options.prescaler)
     nominal = nominal_of(pin_change=options.pin_change, corrected=options.corrected)
-    write_campaign(options.out, nominal, as_touches(nominal, touches))
+    write_campaign(options.out, nominal, as_touches(touches))
     print(summary(events, touches))
     missed = faults(events, touches, options.stamp_ticks, options.body_cycles)
     print("".join(f"MISSED: {fault}\n" for fault in missed), end="")

@@ -11,7 +11,7 @@ the ATmega328P, whose program runs here.
 import argparse
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from hal.ports.atmega328p.tests.simavr_rig import (
     ROUNDS,
     Events,
     Stimulus,
+    believed,
     commands,
     latches,
     run,
@@ -29,13 +30,8 @@ from hal.ports.atmega328p.tests.simavr_rig import (
 from skiplatch.bench.latches import Latch
 from skiplatch.campaign import (
     AxisNominal,
-    BenchNominal,
-    InputNominal,
     InputPath,
-    Kind,
-    Nominal,
     PlcNominal,
-    ProbeNominal,
     ReportNominal,
     SkipNominal,
     write_campaign,
@@ -52,15 +48,13 @@ HALF_STEP = 0.5  # a pulse lets the axis pass half a step
 
 # The data sheets: a pin change takes 4 cycles to enter, 3 to jump, up to 3 more for the instruction
 # that runs; a record is 16 bytes of ten bits at 250 kBd.
-BELIEVED = Nominal(
-    kind=Kind.BENCH,
-    probe=ProbeNominal(0.0, 0.0, 0.0, 0.0, 0.0),
-    input=InputNominal(filter_us=0.0),
-    skip=SkipNominal(latency_us=0.4375, jitter_us=0.1875, tick_us=0.0625),
+BELIEVED = replace(
+    believed(
+        SkipNominal(latency_us=0.4375, jitter_us=0.1875, tick_us=0.0625),
+        ReportNominal(latency_us=640.0, jitter_us=0.0),
+    ),
     plc=PlcNominal(scan_us=1000.0),
     axis=AxisNominal(resolution_um=STEP_UM / COUNTS_PER_STEP, accel_mm_s2=10_000.0),
-    report=ReportNominal(latency_us=640.0, jitter_us=0.0),
-    bench=BenchNominal(reference_jitter_us=0.018),
 )
 
 
@@ -190,9 +184,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     events, played = play(options.program, options.touches, options.seed)
-    write_campaign(
-        options.out, BELIEVED, as_touches(BELIEVED, [touch.recorded() for touch in played])
-    )
+    write_campaign(options.out, BELIEVED, as_touches([touch.recorded() for touch in played]))
     print(summary(events, played))
     is_wrong = any(pulses != steps for pulses, steps in events.checks)
     print("MISSED: pulses on the pin are not those in the firmware\n" if is_wrong else "", end="")

@@ -7,18 +7,8 @@
 #include "../stepper.h"
 #include "hal_edge.h"
 #include "tests/own_pins.h"
-#include "uart_bus.h"
 
-const port_facts_t PORT = {
-    .channels = 1u,
-    .axes = 1u,
-    .has_active_low = true,
-    .filter_max_us = 0u,
-    .filter_tried_us = 50u,
-    .edge_latency_us = 2600u,
-    .frame_latency_us = 2u * HAL_BUS_FRAME_BYTES * BUS_BYTE_US,
-    .time_error_us = 30u,
-};
+const port_facts_t PORT = OWN_FACTS(2600u, 30u);
 
 void own_start(uint32_t ticks)
 {

@@ -14,7 +14,6 @@ COUNTS = 1 << 32
 PORT_C = ("pl061_luminary", 2)  # the third of that type
 TRIGGER_PIN = "unnamed-gpio-in[4]"
 STIMULUS = ("stellaris-gptm", 3)  # timer 3
-HOLDERS = ("soc", "unattached")  # of a machine's devices: before QEMU 9, all were unattached
 
 WATCHDOG_LOAD = 0x40000000
 WATCHDOG_VALUE = 0x40000004
@@ -37,24 +36,9 @@ class Emulator(QemuBoard):
 
     def _wire(self) -> None:
         """Rewire timer 3's interrupt to the pin."""
-        pin = f"{self._device(*PORT_C)}/{TRIGGER_PIN}"
-        stimulus = self._device(*STIMULUS)
+        pin = f"{self.device(*PORT_C)}/{TRIGGER_PIN}"
+        stimulus = self.device(*STIMULUS)
         self.monitor("qom-set", path=stimulus, property="sysbus-irq[0]", value=pin)
-
-    def _device(self, kind: str, number: int) -> str:
-        """Give the path of one of the devices of a type, which stand in the order of the ports."""
-        found = [
-            f"{holder}/{name}"
-            for holder in (
-                f"/machine/{name}" for name in HOLDERS if name in self.listed("/machine")
-            )
-            for name, its_kind in self.listed(holder).items()
-            if its_kind == f"child<{kind}>"
-        ]
-        found.sort(key=lambda path: int(path.rpartition("[")[2].rstrip("]")))
-        if number >= len(found):
-            raise RuntimeError(f"this QEMU has {len(found)} of {kind}, and no number {number}")
-        return found[number]
 
     def start_clock(self) -> None:
         """Start the master clock from 0. Stopped, after the program has set the core's clock."""

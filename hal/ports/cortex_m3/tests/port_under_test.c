@@ -1,9 +1,7 @@
 /*
- * The Cortex-M3 port under test: the interrupt output of timer 3 is wired to the trigger pin, and
- * the two UARTs to each other, by qemu_suite.py. Time passes by the watchdog; the timers cannot be
- * read there.
+ * The Cortex-M3 port under test: the interrupt output of timer 3 is wired to the trigger pin by
+ * the emulator of its rig. Time passes by the watchdog; the timers cannot be read there.
  */
-#include "contract/port_under_test.h"
 #include "../board.h"
 #include "../lm3s6965.h"
 #include "tests/wired_board.h"
@@ -13,20 +11,12 @@
 #define WATCHDOG_CTL   REGISTER(0x40000008u)
 #define TIMER_LINE     3u
 
-/* Frames go round by the host, some milliseconds of virtual time. */
-const port_facts_t PORT = {
-    .channels = 1u,
-    .axes = 1u,
-    .has_active_low = true,
-    .filter_max_us = 0u,
-    .filter_tried_us = 50u,
-    .edge_latency_us = 5u,
-    .frame_latency_us = 20000u,
-    .time_error_us = 5u,
-};
-
 const uint32_t WIRED_TICKS_PER_US = BOARD_TICKS_PER_US;
-const uint32_t WIRED_UART_IRQ = IRQ_UART0;
+
+void wired_let_uart(bool may_interrupt)
+{
+    cortex_m_let_irq(IRQ_UART0, may_interrupt);
+}
 
 void wired_start(void)
 {
@@ -37,8 +27,6 @@ void wired_start(void)
     TIMER_TAMR(TIMER_LINE) = TAMR_ONE_SHOT;
     TIMER_TAILR(TIMER_LINE) = 1u;
     TIMER_IMR(TIMER_LINE) = TIMER_A;
-    UART_LCRH(UART1) = LCRH_8_BITS | LCRH_FIFO;
-    UART_CTL(UART1) = CTL_ENABLE;
 }
 
 uint32_t wired_ticks(void)
@@ -53,9 +41,4 @@ void wired_set_line(bool high)
     } else {
         TIMER_ICR(TIMER_LINE) = TIMER_A;
     }
-}
-
-int wired_hear(void)
-{
-    return (UART_FR(UART1) & FR_RX_EMPTY) == 0u ? (int)(UART_DR(UART1) & UINT8_MAX) : -1;
 }

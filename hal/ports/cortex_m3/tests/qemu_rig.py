@@ -28,9 +28,7 @@ from skiplatch.campaign import (
     ReportNominal,
     SkipNominal,
 )
-from skiplatch.motion import S_PER_MIN, US_PER_S
 from tests.boards.qemu_rig import SCAN_US, Rig, record
-from tests.boards.record import APPROACH_MM
 
 TICKS_PER_US = 50
 US_PER_TICK = TICK_NS / 1e3
@@ -86,19 +84,9 @@ class CortexM3(Rig):
         started = self._emulator.read(self._symbols["axis_started_ticks"])
         self._started = self._master(started, self._emulator.now())
 
-    def _inject(self, wait_us: float, feed_mm_min: float) -> int:
-        """Program the edge.
-
-        A campaign tells the start of a move to the µs: up to 1 µs is added, so that a move at this
-        feed that meets its surface at the edge starts at a whole one.
-        """
-        wait_ticks = int(wait_us * TICKS_PER_US)
-        speed_mm_s = feed_mm_min / S_PER_MIN
-        travel_s = APPROACH_MM / speed_mm_s + speed_mm_s / (2.0 * BELIEVED.axis.accel_mm_s2)
-        due = self._emulator.now() + wait_ticks + self._zero
-        wait_ticks += (round(travel_s * US_PER_S * TICKS_PER_US) - due) % TICKS_PER_US
+    def _inject(self, wait_us: float) -> int:
         self._emulator.release()
-        return self._emulator.deflect_in(wait_ticks)
+        return self._emulator.deflect_in(int(wait_us * TICKS_PER_US))
 
     def deviation_um(self, latch: Latch, stamp: int, edge: int, feed_mm_min: float) -> float:
         """From the steps, and where the axis is between two of them."""

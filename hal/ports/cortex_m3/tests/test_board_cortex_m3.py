@@ -9,70 +9,28 @@ import pytest
 
 from hal.ports.cortex_m3.tests import qemu_rig
 from skiplatch.bench.latches import Latch
-from skiplatch.campaign import InputPath
-from tests.boards.qemu_rig import play
+from tests.boards.qemu_checks import Checks, astray_um, speeds_um_us
 from tests.boards.record import Recorded
 
-PROGRAM = Path("build/boards/cortex_m3/firmware.elf")
-TOUCHES = 90  # on each path: half a second of virtual time, so that SysTick wraps
-EMULATED_SCAN_US = qemu_rig.BELIEVED.plc.scan_us  # QEMU's timers are a tick short
-SKIP_LATE_US = 1.2  # the longest stretch in which the port masks interrupts, and the handler
-SCAN_LATE_US = 5.0  # from the timer by way of the line, which is read first, to the clock
-UM_US_PER_MM_MIN = 1.0 / 60_000.0
+SKIP_LATE_US = 1.2
 STEP_LATE_US = 2.0 * SKIP_LATE_US  # a step counts late: masked, then a more urgent interrupt
-SCAN_WAVERS_US = 3.0 * SKIP_LATE_US  # masked, and two more urgent interrupts: a step, the clock's
 
 
-@pytest.fixture(scope="module")
-def recorded() -> list[Recorded]:
-    """Record one run."""
-    if not shutil.which("qemu-system-arm") or not PROGRAM.exists():
-        pytest.skip("no Cortex-M3 board here: scripts/setup_system.sh cross emulators")
-    return play(qemu_rig.CortexM3, PROGRAM, TOUCHES)
+class TestCortexM3(Checks):
+    """The line waits for the firmware's own critical sections at most."""
 
+    RIG = qemu_rig.CortexM3
+    TOUCHES = 90  # half a second of virtual time, so that SysTick wraps
+    SKIP_LATE_US = SKIP_LATE_US
+    SCAN_LATE_US = 5.0
+    SCAN_WAVERS_US = 3.0 * SKIP_LATE_US  # masked, and two more urgent ones: a step, the clock's
 
-def late_us(recorded: list[Recorded], path: InputPath) -> np.ndarray:
-    """Give latch minus edge, in µs."""
-    return np.array([t.latch_us - t.edge_us for t in recorded if t.path == path])
+    def test_positions_are_those_of_their_stamps_to_half_a_count(
+        self, recorded: list[Recorded]
+    ) -> None:
+        step_late_um = speeds_um_us(recorded) * STEP_LATE_US
 
-
-def test_every_edge_is_latched_on_both_paths(recorded: list[Recorded]) -> None:
-    for path in InputPath:
-        late = late_us(recorded, path)
-        assert len(late) == TOUCHES
-        assert np.isfinite(late).all()
-
-
-def test_the_skip_input_latches_at_once(recorded: list[Recorded]) -> None:
-    late = late_us(recorded, InputPath.SKIP)
-
-    assert late.min() > 0.0
-    assert late.max() < SKIP_LATE_US
-
-
-def test_the_plc_task_latches_at_the_next_scan(recorded: list[Recorded]) -> None:
-    late = late_us(recorded, InputPath.PLC)
-
-    assert late.min() > 0.0
-    assert late.max() < EMULATED_SCAN_US + SCAN_LATE_US
-    assert np.ptp(late) > EMULATED_SCAN_US / 2.0  # false alarm: 90 · 2⁻⁸⁹
-
-
-def test_the_scans_lie_on_one_lattice(recorded: list[Recorded]) -> None:
-    latch = np.array([t.latch_us for t in recorded if t.path == InputPath.PLC])
-    off = (latch - latch[0]) / EMULATED_SCAN_US
-
-    assert np.abs(off - np.round(off)).max() * EMULATED_SCAN_US < SCAN_WAVERS_US
-
-
-def test_positions_are_those_of_their_stamps_to_half_a_count(recorded: list[Recorded]) -> None:
-    late = np.array([t.latch_us - t.edge_us for t in recorded])
-    deviation_um = np.array([t.deviation_um for t in recorded])
-    speed_um_us = np.array([t.feed_mm_min for t in recorded]) * UM_US_PER_MM_MIN
-
-    off_um = np.abs(deviation_um - speed_um_us * late)
-
-    assert np.all(off_um <= qemu_rig.RESOLUTION_UM / 2.0 + speed_um_us * STEP_LATE_US)
+        assert np.all(astray_um(recorded) <= qemu_rig.RESOLUTION_UM / 2.0 + step_late_um)
 
 
 def test_a_deviation_counts_from_the_very_place_of_the_edge() -> None:

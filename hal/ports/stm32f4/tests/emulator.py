@@ -36,24 +36,12 @@ class Emulator(QemuBoard):
     _last_clock = 0
     _elapsed = 0
 
-    def _loop(self, folder: Path) -> tuple[str, ...]:
-        """Let it read in a file what it has sent: by semihosting, in no time."""
-        return ("-chardev", f"file,id=sent,path={folder / 'sent'}", "-serial", "chardev:sent")
-
     def _wire(self) -> None:
         """Wire the stimulus to the pin."""
-        soc = self._soc()
+        soc = self.device("stm32f405-soc")
         self.monitor(
             "qom-set", path=f"{soc}/{STIMULUS}", property="sysbus-irq[0]", value=f"{soc}/{PIN}"
         )
-
-    def _soc(self) -> str:
-        """Give the path of the chip, whose place differs with QEMU's version."""
-        for holder in ("/machine", "/machine/unattached"):
-            for name, kind in self.listed(holder).items():
-                if kind == "child<stm32f405-soc>":
-                    return f"{holder}/{name}"
-        raise RuntimeError("this QEMU has no STM32F405")
 
     def start_clock(self) -> None:
         """Start the master clock: virtual time since reset. Stopped, in the first 4 s of it."""

@@ -1,4 +1,6 @@
-#include "cortex_m.h"
+#include "reset.h"
+
+#include <stdint.h>
 
 /* Of the linker script. */
 extern const uint32_t link_data_load[];

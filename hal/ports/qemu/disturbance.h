@@ -2,8 +2,8 @@
  * Faults of a real program, off unless the build sets a constant. Rigs show with them that a
  * measured gap names its cause.
  */
-#ifndef ARM_DISTURBANCE_H
-#define ARM_DISTURBANCE_H
+#ifndef QEMU_DISTURBANCE_H
+#define QEMU_DISTURBANCE_H
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,10 +1,11 @@
 /*
- * What the boards of this family have beyond hal/include, for their common wiring and their tests:
- * its start, an axis that moves by itself, scans, the UART's two ways. Each board's own `board.h`
- * says BOARD_TICKS_PER_US, the ticks of its clock, before a disturbance makes them coarser.
+ * What the boards that run in QEMU have beyond hal/include, for their common wiring and their
+ * tests: its start, an axis that moves by itself, scans, the UART's two ways. Each board's own
+ * `board.h` says BOARD_TICKS_PER_US, the ticks of its clock, before a disturbance makes them
+ * coarser.
  */
-#ifndef ARM_DRIVERS_H
-#define ARM_DRIVERS_H
+#ifndef QEMU_DRIVERS_H
+#define QEMU_DRIVERS_H
 
 #include <stdbool.h>
 #include <stdint.h>
