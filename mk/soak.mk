@@ -7,6 +7,6 @@ $(OUT)/soak: $(call object_of,$(SOAK) tests/support/dice.c) $(OUT)/libskiplatch_
 	$(Q)$(CC) $(FLAGS) $(LTO) $^ -lm -o $@
 
 .PHONY: soak
-soak: setup ## play touches over a bad bus with restarts for HOURS=0.1, and account for each record
+soak: setup ## play touches over a bad bus with restarts and power cuts for HOURS=0.1, and account for each record
 	@$(INNER_MAKE) $(OUT)/soak
 	@nice $(OUT)/soak $$(awk 'BEGIN { print 3600 * $(HOURS) }') $(SOAK_SEED)

@@ -1,4 +1,4 @@
-"""A bad bus at random loses no record without counting it."""
+"""A bad bus at random loses no record without counting it, and power cuts mix up no store."""
 
 import re
 import shutil
@@ -21,7 +21,8 @@ def test_records_over_a_bad_bus_come_once_and_whole_or_are_counted() -> None:
     )
 
     numbers = map(int, re.findall(r"(\d+)", played.stdout))
-    seed, touches, restarts, wraps, disturbed, received, lost = numbers
+    seed, touches, restarts, wraps, disturbed, received, lost, cuts, operations = numbers
     assert (seed, received + lost) == (7, touches)
     assert touches >= TOUCHES
     assert min(restarts, wraps, disturbed, lost) > 0
+    assert operations > cuts > operations / 4

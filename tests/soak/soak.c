@@ -2,8 +2,8 @@
  * Plays touches on the simulated rig for as long as it is let, over a bus that loses, damages and
  * repeats frames and whole records, with restarts of the controller: `soak SECONDS SEED [TOUCHES]`
  * ends after the time, or after so many touches. Each record that the recorder puts together is one
- * that was sent, comes once and in order, and what was sent is received or counted as lost. Exit
- * status 0, or 1 with what fell.
+ * that was sent, comes once and in order, and what was sent is received or counted as lost. At each
+ * restart power cuts end operations of the store of kinematics. Exit status 0, or 1 with what fell.
  */
 #include <stdbool.h>
 #include <stdio.h>
@@ -13,6 +13,7 @@
 
 #include "dice.h"
 #include "programs/rig.h"
+#include "store_cuts.h"
 
 #define BOTH    LATCH_FRAMES_PER_RECORD
 #define ODDS    200u /* one frame in so many is lost, as many damaged, as many repeated */
@@ -20,6 +21,7 @@
 #define RUN_MAX 60000.0
 #define LATE_US 4100.0 /* latch after edge: a scan and the latency of the interrupt */
 #define TOUCH_S 0.8
+#define STORED  300u /* operations of the store at a restart */
 
 static const sim_chain_t CHAIN = {
     .skip_latency_us = 2.0,
@@ -48,6 +50,7 @@ typedef struct {
     uint32_t        since;     /* touches since the last one */
     latch_record_t  sent;      /* the last */
     bool            has_taken; /* it has come out */
+    store_cuts_t    store;
 } soak_t;
 
 static void fall(const soak_t *soak, const char *what)
@@ -62,6 +65,12 @@ static void restart(soak_t *soak)
     rig_boot(&soak->rig, &CHAIN, &CONTROLLER, NULL, 0u, dice_bits(&soak->dice), 0u, now);
     soak->left = (uint32_t)dice_any_scale(&soak->dice, 2.0 * QUIET + 1.0, RUN_MAX);
     soak->since = 0u;
+    for (uint32_t i = 0u; i < STORED; ++i) {
+        const char *wrong = store_cuts_play(&soak->store);
+        if (wrong != NULL) {
+            fall(soak, wrong);
+        }
+    }
 }
 
 /* A record has come out of the bad bus: it is the last that was sent, whole, for the first time. */
@@ -203,6 +212,7 @@ int main(int argc, char **argv)
         return 2;
     }
     soak.dice = dice_seed(seed);
+    store_cuts_start(&soak.store, seed);
     restart(&soak);
     play_run(&soak);
     while (difftime(time(NULL), start) < seconds && soak.touches < touches) {
@@ -211,10 +221,12 @@ int main(int argc, char **argv)
         play_run(&soak);
     }
     printf("soak: seed %llu: %llu touches, %llu restarts, %llu wraps, %llu frames disturbed; %llu "
-           "records received, %llu lost and counted, none double or torn\n",
+           "records received, %llu lost and counted, none double or torn; %llu power cuts in %llu "
+           "operations of the store\n",
            (unsigned long long)seed, (unsigned long long)soak.touches,
            (unsigned long long)soak.restarts, (unsigned long long)soak.wraps,
            (unsigned long long)soak.disturbed, (unsigned long long)soak.received,
-           (unsigned long long)soak.lost);
+           (unsigned long long)soak.lost, (unsigned long long)soak.store.cuts,
+           (unsigned long long)soak.store.operations);
     return EXIT_SUCCESS;
 }

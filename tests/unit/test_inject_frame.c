@@ -8,6 +8,7 @@
 
 #define FRAME_BITS (8u * INJECT_FRAME_BYTES)
 #define CRC        7u
+#define BEFORE     0xA5u /* what stands in a frame before it is put together */
 
 static const uint8_t DIGITS[] = {'1', '2', '3', '4', '5', '6', '7', '8', '9'};
 
@@ -21,8 +22,13 @@ static const inject_command_t COMMANDS[] = {
 };
 #define COMMAND_COUNT (sizeof COMMANDS / sizeof COMMANDS[0])
 
+static uint8_t made[INJECT_FRAME_BYTES];
+static uint8_t halves[INJECT_FRAMES_PER_EDGE][INJECT_FRAME_BYTES];
+
 void setUp(void)
 {
+    memset(made, BEFORE, sizeof made);
+    memset(halves, BEFORE, sizeof halves);
 }
 
 void tearDown(void)
@@ -66,10 +72,17 @@ void test_every_command_comes_out_as_it_went_in(void)
 void test_bytes_of_a_trigger_stand_where_the_document_says(void)
 {
     const uint8_t expected[] = {5u, 0xCDu, 0xABu, 0x21u, 0x43u, 0x65u, 4u};
-    uint8_t       frame[INJECT_FRAME_BYTES];
-    inject_frame_put_command(&COMMANDS[4], frame);
+    inject_frame_put_command(&COMMANDS[4], made);
 
-    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, frame, sizeof expected);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, made, sizeof expected);
+}
+
+void test_bytes_that_a_command_does_not_use_are_zero(void)
+{
+    const uint8_t expected[] = {INJECT_DISARM, 0u, 0u, 0u, 0u, 0u, 1u};
+    inject_frame_put_command(&COMMANDS[1], made);
+
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, made, sizeof expected);
 }
 
 /* A CRC of eight bits finds every burst of up to eight; one and two bits are tried one by one. */
@@ -107,19 +120,17 @@ void test_an_answer_stands_where_the_document_says(void)
 {
     const inject_answer_t answer = {.state = 2u, .verdict = 8u, .answered = 200u, .token = 0xBEEFu};
     const uint8_t         expected[] = {0u, 2u, 8u, 200u, 0xEFu, 0xBEu, 77u};
-    uint8_t               frame[INJECT_FRAME_BYTES];
-    inject_frame_put_answer(&answer, 77u, frame);
+    inject_frame_put_answer(&answer, 77u, made);
 
-    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, frame, sizeof expected);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, made, sizeof expected);
 }
 
 void test_a_page_of_counts_stands_where_the_document_says(void)
 {
     const uint8_t expected[] = {3u, 0x34u, 0x12u, 0x78u, 0x56u, 0u, 9u};
-    uint8_t       frame[INJECT_FRAME_BYTES];
-    inject_frame_put_counts(3u, 0x1234u, 0x5678u, 9u, frame);
+    inject_frame_put_counts(3u, 0x1234u, 0x5678u, 9u, made);
 
-    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, frame, sizeof expected);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, made, sizeof expected);
 }
 
 void test_the_time_of_an_edge_fills_two_frames(void)
@@ -128,11 +139,19 @@ void test_the_time_of_an_edge_fills_two_frames(void)
         .time_ns = 0x1122334455667788u, .number = 0xABCDu, .window_bits = 63u, .level = 1u};
     const uint8_t first[] = {0xFEu, 0xCDu, 0xABu, 0x88u, 0x77u, 0x66u, 255u};
     const uint8_t second[] = {0xFFu, 0x55u, 0x44u, 0x33u, 0x22u, 0x11u, 0u};
-    uint8_t       frames[INJECT_FRAMES_PER_EDGE][INJECT_FRAME_BYTES];
-    inject_frame_put_edge(&edge, 255u, frames);
+    inject_frame_put_edge(&edge, 255u, halves);
 
-    TEST_ASSERT_EQUAL_HEX8_ARRAY(first, frames[0], sizeof first);
-    TEST_ASSERT_EQUAL_HEX8_ARRAY(second, frames[1], sizeof second);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(first, halves[0], sizeof first);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(second, halves[1], sizeof second);
+}
+
+void test_an_edge_down_has_no_level(void)
+{
+    const inject_edge_t edge = {.level = 0u};
+    inject_frame_put_edge(&edge, 7u, halves);
+
+    TEST_ASSERT_EQUAL_HEX8(0u, halves[0][0]);
+    TEST_ASSERT_EQUAL_HEX8(1u, halves[1][0]);
 }
 
 void test_the_sum_of_the_second_half_depends_on_the_first(void)

@@ -1,0 +1,156 @@
+/*
+ * Every allocation of the simulation's library fails in turn, until what asks for it succeeds: then
+ * its code says so, nothing is held, and afterwards all is as without a fault. Threads that do not
+ * start cost nothing but time. The allocations of skiplatch-sim are those of test_sim_program.py.
+ */
+/* LINK: tests/support/play.c tests/support/failing_calls.c $(OUT)/libskiplatch_sim.a */
+/* LDFLAGS: -Wl,--wrap=calloc,--wrap=free,--wrap=pthread_create */
+#include <stddef.h>
+
+#include "failing_calls.h"
+#include "law.h"
+#include "play.h"
+#include "programs/five_axis_cycle.h"
+#include "programs/kinematics_memory.h"
+#include "unity.h"
+
+#define BLOCK_TOUCHES 4096u  /* what one thread plays */
+#define TOUCHES       24576u /* more blocks than threads */
+#define THREADS       4u
+#define MEMORY_BYTES  16384u
+#define FIRST_FAILURE 1u
+
+static sim_touch_t   touches[TOUCHES];
+static sim_outcome_t expected[TOUCHES];
+static sim_outcome_t outcomes[TOUCHES];
+static uint64_t      played;
+
+void setUp(void)
+{
+    failing_calls_reset();
+    played = BLOCK_TOUCHES;
+    for (uint64_t i = 0u; i < TOUCHES; ++i) {
+        touches[i] = play_touch(i, SIM_PATH_SKIP, (double)i);
+    }
+}
+
+void tearDown(void)
+{
+    failing_calls_reset();
+}
+
+static int play_them(uint32_t threads)
+{
+    return sim_play(&PLAY_MACHINE, &PLAY_ONE_TOUCH, NULL, 0u, touches, played, PLAY_SEED, 0u, 1u,
+                    threads, outcomes);
+}
+
+static int play_touches(void)
+{
+    return play_them(1u);
+}
+
+static int mount_store(void)
+{
+    static const uint8_t memory[MEMORY_BYTES];
+    TEST_ASSERT_LESS_OR_EQUAL_UINT32(MEMORY_BYTES, sim_450_bytes());
+    sim_450_t *store = sim_450_open(memory);
+    int        code = store == NULL ? SIM_PLAY_ERR_MEMORY : SIM_PLAY_OK;
+    sim_450_close(store);
+    return code;
+}
+
+static int switch_on_machine(void)
+{
+    static const sim_machine_t machine = {
+        .axes = {{.direction = {1.0, 0.0, 0.0}},
+                 {.direction = {0.0, 1.0, 0.0}},
+                 {.direction = {0.0, 0.0, 1.0}}},
+        .table = {SIM_ROTARY_B, SIM_ROTARY_C, -1},
+        .head = {-1, -1, -1},
+        .sphere_mm = {100.0, 0.0, 50.0},
+        .sphere_radius_mm = 12.5,
+        .tip_radius_mm = 3.0,
+    };
+    static const sim_control_t control = {.touch_feed_mm_min = 120.0, .path = SIM_PATH_SKIP};
+    sim_451_t                 *opened = NULL;
+
+    int code = sim_451_open(&machine, &machine, &PLAY_MACHINE, &PLAY_ONE_TOUCH, NULL, 0u, &control,
+                            1u, 0u, &opened);
+    TEST_ASSERT_EQUAL_INT(code == SIM_PLAY_OK, opened != NULL);
+    sim_451_close(opened);
+    return code;
+}
+
+static int find_datum(void)
+{
+    static const double    residuals[] = {1.0, 1.1, 0.9};
+    static const sim_law_t laws[] = {{.sigma = 0.1}, {.sigma = 0.1}, {.sigma = 0.1}};
+    static const double    ones[] = {1.0, 1.0, 1.0};
+    static const uint32_t  groups[] = {0u, 0u, 0u};
+    static const double    guess = 0.5;
+    static const double    step = 0.1;
+    const sim_residuals_t  of = {
+        .residuals = residuals, .laws = laws, .reach = ones, .n = 3u, .resolution = 0.01};
+    const sim_datum_t datum = {
+        .per_length = ones, .groups = groups, .guesses = &guess, .steps = &step, .group_count = 1u};
+    double found = 0.0;
+    double log_densities[3];
+
+    if (sim_law_at_best_datum(&of, &datum, &found, log_densities) != 0) {
+        return SIM_PLAY_ERR_MEMORY;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.05, 1.0, found);
+    return SIM_PLAY_OK;
+}
+
+/* Let the n-th allocation fail for every n until it succeeds; give how many there were to fail. */
+static uint32_t fail_each_allocation(int (*operation)(void))
+{
+    uint32_t n = FIRST_FAILURE;
+    for (;; ++n) {
+        failing_calls_fail(FAILING_CALLOC, n, n);
+        int code = operation();
+        TEST_ASSERT_EQUAL_UINT32_MESSAGE(0u, failing_calls_held(), "memory is held");
+        if (failing_calls_made(FAILING_CALLOC) < n) {
+            TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, code);
+            return n - FIRST_FAILURE;
+        }
+        TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_MEMORY, code);
+    }
+}
+
+void test_touches_are_refused_and_then_played(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(1u, fail_each_allocation(play_touches));
+    play_check_ok(outcomes, played);
+}
+
+void test_a_store_is_refused_and_then_mounted(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(1u, fail_each_allocation(mount_store));
+}
+
+void test_a_machine_is_refused_and_then_switched_on(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(1u, fail_each_allocation(switch_on_machine));
+}
+
+void test_a_datum_is_refused_and_then_found(void)
+{
+    TEST_ASSERT_EQUAL_UINT32(1u, fail_each_allocation(find_datum));
+}
+
+void test_threads_that_do_not_start_leave_their_work_to_the_others(void)
+{
+    played = TOUCHES;
+    play(&PLAY_MACHINE, &PLAY_ONE_TOUCH, touches, played, expected);
+    for (uint32_t n = FIRST_FAILURE; n <= THREADS; ++n) {
+        failing_calls_fail(FAILING_THREAD, n, UINT32_MAX);
+        TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, play_them(THREADS));
+        play_check_identical(expected, outcomes, played);
+        TEST_ASSERT_EQUAL_UINT32(n < THREADS ? n : THREADS - 1u,
+                                 failing_calls_made(FAILING_THREAD));
+        TEST_ASSERT_EQUAL_UINT32(0u, failing_calls_held());
+    }
+}
