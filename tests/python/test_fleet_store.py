@@ -19,6 +19,7 @@ from refusals import Program, refusal
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
 from skiplatch.errors import InputError
+from skiplatch.fleet.history import Gap, Parameter, read_history
 from skiplatch.fleet.reading import opened
 from skiplatch.fleet.store import opened_for_writing
 
@@ -141,6 +142,20 @@ def test_a_diagnosis_that_came_later_replaces_the_row(
     assert ask(store, "SELECT count(*) FROM touches") == [(30,)]
     assert len(list(store.rglob("*.zip"))) == 1
     assert files(export(store, "monday", tmp_path / "back")) == files(campaign)
+
+
+def test_history_has_the_diagnoses_in_the_order_of_time(campaign: Path, store: Path) -> None:
+    (campaign / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
+    later = another(campaign)
+    os.utime(later / "touches.csv", (2e9, 2e9))
+    add(store, later, campaign)
+
+    with opened(store, with_touches=False) as reader:
+        first, second = read_history(reader)["mill-7"]
+    assert (first.folder, first.verdict, first.gap_um) == ("monday", "explained", 2.5)
+    assert first.gaps["latch error"] == Gap("latch error", "µs", 41.0, 0.4)
+    assert second.parameters == [Parameter("isr_latency", "latch", "latency_us", 41.7, 41.5, 41.8)]
+    assert second.time.isoformat() == "2033-05-18T03:33:20"
 
 
 def test_thermometers_and_sessions_are_kept(campaign: Path, store: Path) -> None:

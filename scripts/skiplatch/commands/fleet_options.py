@@ -9,7 +9,8 @@ from typing import Any
 
 import click
 
-from skiplatch.commands.options import Decorator
+from skiplatch.commands.options import Decorator, SizeType
+from skiplatch.fleet.budget import ALARMS_A_MONTH
 from skiplatch.tables import NOTHING, number, table
 
 KEY_DIGITS = 12
@@ -20,6 +21,22 @@ store_option: Decorator = click.option(
     type=click.Path(path_type=Path),
     required=True,
     help="The folder of the store.",
+)
+
+days_option: Decorator = click.option(
+    "--days",
+    type=SizeType(),
+    default=31.0,
+    show_default=True,
+    help="How long before the newest campaign of the fleet a change was seen at most.",
+)
+rate_option: Decorator = click.option(
+    "--false-alarms-per-month",
+    "alarms_a_month",
+    type=SizeType(),
+    default=ALARMS_A_MONTH,
+    show_default=True,
+    help="How many false alarms of the whole fleet may be expected in a month.",
 )
 
 

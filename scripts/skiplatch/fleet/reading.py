@@ -13,11 +13,13 @@ from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.engine import Connection, connect, failures_told, literal
 from skiplatch.fleet.tables import CAMPAIGNS
 
-VIEWS = """
+CAMPAIGN_VIEWS = """
 CREATE VIEW gaps AS SELECT campaign, rig, recorded_at, unnest(gaps, recursive := true)
     FROM campaigns;
 CREATE VIEW effects AS SELECT campaign, rig, recorded_at, unnest(effects, recursive := true)
     FROM campaigns;
+"""
+TOUCHES_VIEW = """
 CREATE VIEW touches AS SELECT kept.*, nominal, tool, seed
     FROM kept JOIN (SELECT campaign, nominal, tool, seed FROM campaigns) USING (campaign);
 """
@@ -121,8 +123,12 @@ class Reader:
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[Reader]:
+def opened(path: Path, *, with_touches: bool = True) -> Iterator[Reader]:
     """Open a store to read: the tables campaigns, touches, gaps and effects.
+
+    Args:
+        path: The store.
+        with_touches: Whether the table touches is there, which is a file for each campaign.
 
     Raises:
         InputError: It is no store, one of another version, or something foreign is in it.
@@ -136,18 +142,24 @@ def opened(path: Path) -> Iterator[Reader]:
             engine.execute(f"CREATE TABLE campaigns ({columns})")
             if index.exists():  # else an add was killed before anything was in
                 engine.execute("INSERT INTO campaigns FROM read_parquet(?)", [str(index)])
-        with failures_told(path / layout.TOUCHES):
-            _view_touches(path, engine)
-            engine.execute(VIEWS)
+            engine.execute(CAMPAIGN_VIEWS)
+        _refuse_empty(path, engine)
+        if with_touches:
+            with failures_told(path / layout.TOUCHES):
+                _view_touches(path, engine)
         yield Reader(path, engine)
+
+
+def _refuse_empty(path: Path, engine: Connection) -> None:
+    if engine.execute("SELECT 1 FROM campaigns LIMIT 1").fetchone() is None:
+        raise InputError(path, None, None, "an empty store; skiplatch fleet add fills it")
 
 
 def _view_touches(path: Path, engine: Connection) -> None:
     kept = engine.execute("SELECT rig, month, campaign FROM campaigns").fetchall()
-    if not kept:
-        raise InputError(path, None, None, "an empty store; skiplatch fleet add fills it")
     files = ", ".join(literal(str(layout.place(path, layout.TOUCHES, *row))) for row in kept)
     engine.execute(
         f"CREATE VIEW kept AS FROM read_parquet([{files}], hive_partitioning = true,"
         " hive_types = {'rig': VARCHAR, 'month': VARCHAR})"
     )
+    engine.execute(TOUCHES_VIEW)

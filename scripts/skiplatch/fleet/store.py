@@ -151,6 +151,18 @@ def _sync(path: Path) -> None:
         os.close(descriptor)
 
 
+def refuse_unusable(path: Path) -> None:
+    """Raise InputError for what is neither a store nor can become one; for early warning."""
+    path = Path(os.path.realpath(path))
+    if not _is_new(path):
+        layout.refuse_foreign(path)
+
+
+def _is_new(path: Path) -> bool:
+    with failures_named(path, "read"):
+        return not os.path.lexists(path) or (path.is_dir() and not any(path.iterdir()))
+
+
 @contextmanager
 def opened_for_writing(path: Path) -> Iterator[Writer]:
     """Open a store, or make it, and hold it against other writers.
@@ -161,9 +173,7 @@ def opened_for_writing(path: Path) -> Iterator[Writer]:
     """
     path = Path(os.path.realpath(path))
     engine = connect(path)
-    with failures_named(path, "read"):
-        is_new = not path.exists() or (path.is_dir() and not any(path.iterdir()))
-    if is_new:
+    if _is_new(path):
         layout.create(path)
     layout.refuse_foreign(path)
     with written_alone(path), failures_told(path / layout.INDEX_FILE), engine:

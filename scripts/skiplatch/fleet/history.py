@@ -1,0 +1,98 @@
+"""What a store knows of each rig over time: one entry a campaign, in the order of time."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from skiplatch.fleet.reading import Reader
+
+ENTRIES = """
+SELECT rig, campaign, recorded_at AS time, folder, kind, touches, verdict, stage, gap_um, gaps,
+    effects
+FROM campaigns ORDER BY rig, recorded_at, campaign
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """The gap of an observable in a campaign, and what remains of it if nothing is wrong.
+
+    Both in the unit.
+    """
+
+    observable: str
+    unit: str
+    before: float
+    noise_floor: float
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of an effect that a diagnosis named, with its 95 % interval."""
+
+    effect: str
+    stage: str
+    name: str
+    value: float
+    low: float
+    high: float
+
+    @property
+    def key(self) -> tuple[str, str]:
+        """Effect and parameter."""
+        return self.effect, self.name
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A campaign of a rig.
+
+    Attributes:
+        campaign: Its key.
+        time: When it was recorded, UTC.
+        folder: Its name.
+        kind: Of its rig.
+        touches: Their number.
+        verdict: Of its diagnosis; None without one.
+        stage: Where the first effect acts, or where the first difference shows.
+        gap_um: The largest gap of an observable in µm.
+        gaps: By observable.
+        parameters: Of the effects that were named.
+    """
+
+    campaign: str
+    time: datetime
+    folder: str
+    kind: str
+    touches: int
+    verdict: str | None
+    stage: str | None
+    gap_um: float | None
+    gaps: dict[str, Gap]
+    parameters: list[Parameter]
+
+
+History = dict[str, list[Entry]]
+"""Entries of each rig."""
+
+
+def read_history(reader: Reader) -> History:
+    """Give all campaigns of a store by rig.
+
+    Raises:
+        InputError: The index is damaged.
+    """
+    found: History = {}
+    for row in reader.query(ENTRIES).mappings():
+        rig, gaps, effects = row.pop("rig"), row.pop("gaps"), row.pop("effects")
+        known = {
+            gap["observable"]: Gap(
+                gap["observable"], gap["unit"], gap["before"], gap["noise_floor"]
+            )
+            for gap in gaps or ()
+        }
+        parameters = [
+            Parameter(e["effect"], e["stage"], e["parameter"], e["value"], e["low"], e["high"])
+            for e in effects or ()
+        ]
+        found.setdefault(rig, []).append(Entry(**row, gaps=known, parameters=parameters))
+    return found

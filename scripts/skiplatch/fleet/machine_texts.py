@@ -1,0 +1,66 @@
+"""Findings for machines: JUnit XML for a CI bench, OpenMetrics text for Prometheus."""
+
+from datetime import UTC
+from xml.etree import ElementTree as ET  # written here, never parsed
+
+from skiplatch.errors import InputError
+from skiplatch.fleet.changes import Change
+from skiplatch.fleet.findings import Findings, change_text
+
+MISSING = "not installed; pip install 'skiplatch[fleet]' brings it"
+SUITE = "skiplatch fleet check"
+
+
+def junit_xml(findings: Findings) -> str:
+    """Give a test case for each rig, failed where it has changed lately."""
+    changed = _by_rig(findings.recent)
+    counts = {"tests": str(len(findings.history)), "failures": str(len(changed)), "errors": "0"}
+    suite = ET.Element("testsuite", {"name": SUITE, **counts, "skipped": "0"})
+    for rig in findings.history:
+        case = ET.SubElement(suite, "testcase", {"classname": SUITE, "name": rig})
+        if changes := changed.get(rig):
+            lines = [change_text(change) for change in changes]
+            failure = ET.SubElement(case, "failure", {"type": "changed", "message": lines[0]})
+            failure.text = "\n".join(lines)
+    ET.indent(suite)
+    declaration = '<?xml version="1.0" encoding="UTF-8"?>\n'
+    return declaration + ET.tostring(suite, encoding="unicode") + "\n"
+
+
+def _by_rig(changes: list[Change]) -> dict[str, list[Change]]:
+    found: dict[str, list[Change]] = {}
+    for change in changes:
+        found.setdefault(change.rig, []).append(change)
+    return found
+
+
+def open_metrics(findings: Findings) -> str:
+    """Give gauges of the fleet and of each rig.
+
+    Raises:
+        InputError: prometheus_client is not installed.
+    """
+    try:
+        from prometheus_client import CollectorRegistry, Gauge  # noqa: PLC0415 - an extra
+        from prometheus_client.openmetrics.exposition import generate_latest  # noqa: PLC0415
+    except ImportError as error:
+        raise InputError("prometheus_client", None, None, MISSING) from error
+    registry = CollectorRegistry()
+
+    def gauge(name: str, words: str, *labels: str) -> Gauge:
+        return Gauge(f"skiplatch_fleet_{name}", words, labels, registry=registry)
+
+    gauge("rigs", "Rigs of the store.").set(len(findings.history))
+    gauge("changed_rigs", "Rigs that changed lately.").set(len(_by_rig(findings.recent)))
+    gauge("undiagnosed_campaigns", "Campaigns without a diagnosis.").set(findings.undiagnosed)
+    changed = gauge("rig_changes", "Changes of a rig that were seen lately.", "rig")
+    gap_um = gauge("rig_gap_um", "Largest gap of the newest campaign in micrometres.", "rig")
+    newest = gauge("rig_newest_seconds", "When its newest campaign was recorded (UNIX).", "rig")
+    by_rig = _by_rig(findings.recent)
+    for rig, entries in findings.history.items():
+        changed.labels(rig).set(len(by_rig.get(rig, ())))
+        newest.labels(rig).set(entries[-1].time.replace(tzinfo=UTC).timestamp())
+        if (gap := entries[-1].gap_um) is not None:
+            gap_um.labels(rig).set(gap)
+    text: bytes = generate_latest(registry)  # type: ignore[no-untyped-call]
+    return text.decode()
