@@ -15,7 +15,8 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
 from skiplatch.diagnosis.judge import IMPOSSIBLE, Judge, _goes_its_own_way, split, worth
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
-from skiplatch.diagnosis.likelihood import law_under, likelihood
+from skiplatch.diagnosis.laws import law_under
+from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import holds, resolutions, slots

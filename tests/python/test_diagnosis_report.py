@@ -14,9 +14,10 @@ from click.testing import CliRunner
 from browser import Browser, browser, chromium
 from skiplatch import cli
 from skiplatch.campaign import Campaign, Touches, read_campaign
-from skiplatch.commands import diagnose as command
+from skiplatch.commands import examining as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
 from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
@@ -226,24 +227,18 @@ def test_unknown_says_where_it_sits_and_what_it_looks_like(pages: dict[str, str]
     assert "What causes it" not in text
 
 
-def test_next_experiment_is_a_section_only_if_there_is_one(pages: dict[str, str]) -> None:
+def test_next_experiment_is_a_table_if_there_is_one(pages: dict[str, str]) -> None:
     campaign, diagnosis = no_gap()
-    words = "Record edge_us.\nOr: <20 touches> at 60 mm/min."
+    touches = campaign.touches.select(slice(20))
+    experiment = Experiment("Record <edge_us>.", None, touches, 0.1, 0.9, 12, (("a",), ("b",)))
 
-    with_words = as_html(campaign, diagnosis, name="a", seed=1, next_experiment=words)
+    page = as_html(campaign, diagnosis, name="a", seed=1, next_experiment=experiment)
 
-    assert "<p>Record edge_us.</p>\n<p>Or: &lt;20 touches&gt; at 60 mm/min.</p>" in with_words
-    assert "What to do next" in with_words
+    assert "<p>Record &lt;edge_us&gt;.</p>" in page
+    assert page.count('data-label="feed_mm_min"') == 10
+    assert "… and 10 other conditions Expected: 0.9 bits in all touches" in prose(page)
+    assert "feed_mm_min Programmed measuring feed" in prose(page)  # among the words
     assert "What to do next" not in pages["no_gap"]
-
-
-def test_table_of_the_next_experiment_keeps_its_columns() -> None:
-    campaign, diagnosis = no_gap()
-    words = "Try this.\npath  mm/min\nskip      60\nThen that."
-
-    page = as_html(campaign, diagnosis, name="a", seed=1, next_experiment=words)
-
-    assert ">path  mm/min\nskip      60</pre>\n<p>Then that.</p>" in page
 
 
 def test_ranking_shows_differences_and_no_powers_of_ten() -> None:
@@ -411,6 +406,8 @@ def test_browser_shows_the_page_without_a_complaint(
     first = window.evaluate("document.querySelector('svg [id$=patch_1]').id")
     assert window.evaluate(patch.replace("PATCH", first)) == ground
     assert window.evaluate("document.documentElement.scrollWidth") <= width_px
+    hidden = "[...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth > e.clientWidth)"
+    assert window.evaluate(f"{hidden}.length") == 0
     assert window.picture().startswith(b"\x89PNG")
     assert window.events_of("Runtime.exceptionThrown") == []
     assert window.events_of("Runtime.consoleAPICalled") == []

@@ -9,7 +9,8 @@ from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import law_under, likelihood
+from skiplatch.diagnosis.laws import law_under
+from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
 from skiplatch.diagnosis.starts import overruns, scan_periods

@@ -11,7 +11,7 @@ from scipy import stats
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import LINEAR_AXES
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts, robust_fit
 

@@ -11,11 +11,12 @@ import numpy as np
 from scipy import optimize
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Kind, Nominal
+from skiplatch.campaign import SECTIONS, Kind, Nominal
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import scan_periods
+from skiplatch.simulator import effects
 
 Key = tuple[str, str]
 
@@ -58,7 +59,7 @@ class Belief:
     """A number of the nominal chain that is not known exactly.
 
     Attributes:
-        key: Its section and name in nominal.toml.
+        key: Its section and name in nominal.toml; of an effect believed in, its id and a parameter.
         value: What is believed.
         u: Its standard uncertainty; of noise a relative one.
         is_noise: It moves by a factor instead of a difference, and so stays positive.
@@ -105,7 +106,7 @@ class Belief:
         """Give a chain with the belief so many standard uncertainties away."""
         if not self.box:
             return believing(nominal, {self.key: self.moved(uncertainties)})
-        begins, width = _value(nominal, self.key), _value(nominal, self.box[0])
+        begins, width = value_of(nominal, self.key), value_of(nominal, self.box[0])
         wider = width * float(np.expm1(self.u * uncertainties))
         begins = max(0.0, begins - wider / 2.0)
         return believing(nominal, {self.box[0]: width + wider, self.key: begins})
@@ -113,35 +114,62 @@ class Belief:
 
 def uncertain(nominal: Nominal) -> list[Belief]:
     """Name the beliefs that are fitted: those with an uncertainty, all noise, and the lobes."""
-    given = getattr(nominal, "uncertainty", {})
-    noise = [key for key in NOISE[nominal.kind] if key not in given and _value(nominal, key) > 0.0]
-    found = [Belief(key, _value(nominal, key), NOISE_U, is_noise=True) for key in noise]
-    lobe_um = _value(nominal, LOBES)
+    given = nominal.uncertainty
+    noise = [
+        key for key in NOISE[nominal.kind] if key not in given and value_of(nominal, key) > 0.0
+    ]
+    found = [Belief(key, value_of(nominal, key), NOISE_U, is_noise=True) for key in noise]
+    lobe_um = value_of(nominal, LOBES)
     if LOBES not in given and lobe_um > 0.0:
         found.append(Belief(LOBES, lobe_um, LOBES_U * lobe_um, is_noise=False))
     for key, u in given.items():
-        value = _value(nominal, key)
+        value = value_of(nominal, key)
         is_noise = key in NOISE[nominal.kind] and value > 0.0
         if u > 0.0:
             found.append(Belief(key, value, u / value if is_noise else u, is_noise=is_noise))
+    found += [
+        Belief((effect.id, name), effect.values[name], u, is_noise=False)
+        for effect in nominal.believed_effects
+        for name, u in effect.uncertainty.items()
+        if u > 0.0
+    ]
     boxes = [(BOXES[b.key], b) for b in found if b.key in BOXES]
     middles = [
-        Belief(delay, _value(nominal, delay), b.u, is_noise=True, box=(b.key, b.value))
+        Belief(delay, value_of(nominal, delay), b.u, is_noise=True, box=(b.key, b.value))
         for delay, b in boxes
     ]
     return [*found, *middles]
 
 
-def _value(nominal: Nominal, key: Key) -> float:
-    return float(getattr(getattr(nominal, key[0]), key[1]))
+def value_of(nominal: Nominal, key: Key) -> float:
+    """Give what is believed now."""
+    section, name = key
+    if section in SECTIONS:
+        return nominal.number(section, name)
+    return next(e.values[name] for e in nominal.believed_effects if e.id == section)
 
 
 def believing(nominal: Nominal, values: Mapping[Key, float]) -> Nominal:
     """Give the nominal chain with other values."""
     for (section, name), value in values.items():
-        changed = replace(getattr(nominal, section), **{name: value})
-        nominal = replace(nominal, **{section: changed})
+        if section in SECTIONS:
+            changed = replace(getattr(nominal, section), **{name: value})
+            nominal = replace(nominal, **{section: changed})
+        else:
+            effects = tuple(
+                replace(one, values={**one.values, name: _admitted(section, name, value)})
+                if one.id == section
+                else one
+                for one in nominal.believed_effects
+            )
+            nominal = replace(nominal, believed_effects=effects)
     return nominal
+
+
+def _admitted(effect_id: str, name: str, value: float) -> float:
+    """Bring a parameter into its range."""
+    parameters = {p.name: p for p in effects()[effect_id].parameters}
+    return min(max(value, parameters[name].low), parameters[name].high)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,8 @@ from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.as_effects import as_effects
-from skiplatch.diagnosis.beliefs import Belief, fit_beliefs, uncertain
+from skiplatch.diagnosis.beliefs import Belief, fit_beliefs, uncertain, value_of
+from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find, reduced
@@ -124,7 +125,7 @@ def diagnose(
         materiality: From which size on a gap is one.
         truth: The effects of a simulated campaign, for an oracle beside the shrink.
     """
-    whole = Scene.of(campaign)
+    whole = scene_of(campaign)
     scene = _drawn(whole, seed)
     executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
     with executor as pool:
@@ -418,11 +419,6 @@ def _ranked(models: Sequence[Scored]) -> list[Ranked]:
 
 def _values(work: _Work, rig: Rig) -> list[tuple[Belief, float]]:
     """Give the beliefs that were fitted, where they are now."""
-
-    def now(belief: Belief) -> float:
-        section, name = belief.key
-        return float(getattr(getattr(rig.nominal, section), name))
-
     said = {belief.key for belief in work.beliefs if not belief.box}
     listed = [belief for belief in work.beliefs if not (belief.box and belief.key in said)]
-    return [(belief, now(belief)) for belief in listed]
+    return [(belief, value_of(rig.nominal, belief.key)) for belief in listed]

@@ -14,7 +14,8 @@ from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.covariates import conditions, varying
 from skiplatch.diagnosis.law import SMALLEST
-from skiplatch.diagnosis.likelihood import MISSED, affected, law_under, likelihood
+from skiplatch.diagnosis.laws import law_under
+from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.onset import ends_of, outlives_datum, passing, proposed
 from skiplatch.diagnosis.scene import Scene
@@ -38,7 +39,7 @@ CONTENDS = 0.4
 """Share of the best gain from which on other forms of an effect are tried."""
 MOST_POLISHED = 6
 """Candidates of a contest that are fitted in other forms."""
-ALSO_PASSING = 4
+ALSO_PASSING = 6
 """Candidates, of those that fit a part of the campaign best, that are tried as passing ones."""
 REFINED_PAIRS = 4
 NEARLY = 30.0

@@ -13,7 +13,8 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.beliefs import LOBES_U
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Law, extra_variance
-from skiplatch.diagnosis.likelihood import MISSED, affected, law_under
+from skiplatch.diagnosis.laws import law_under
+from skiplatch.diagnosis.likelihood import MISSED, affected
 from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
 
 RELATIVE = 0.25

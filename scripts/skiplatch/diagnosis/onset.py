@@ -9,7 +9,7 @@ from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import FINEST, Fit, fit, polish
+from skiplatch.diagnosis.search import FINEST, SLACKS, Fit, fit, polish
 from skiplatch.span import Span
 
 FEWEST = 8
@@ -18,7 +18,7 @@ CUTS = 16
 """First touches that are tried at once; then, between the best one's neighbours, as many again."""
 TIMES = 2
 """How often parameters and the touch are fitted in turn: each sharpens the other."""
-KEPT = 3
+KEPT = 5
 """Effects that begin or end that are fitted, of all that are proposed."""
 PURE = 1.0 / 3.0
 """Share of the campaign, at either end, in which an effect may act throughout or not at all."""
@@ -33,10 +33,18 @@ def ends_of(scene: Scene) -> list[Scene]:
 
 
 def proposed(scene: Scene, fits: Iterable[Fit]) -> list[Fit]:
-    """Let effects begin or end as they are, at the best of a few touches; the likeliest ones."""
+    """Let effects begin or end as they are, at the best of a few touches; the likeliest ones.
+
+    Their form is left open: what fits a few touches just so is off at others.
+    """
     spans = [spans for begins in (True, False) if (spans := _spans(scene, begins=begins))]
-    roughly = [_best(scene, found, _few(some)) for found in fits for some in spans]
-    return sorted(roughly, key=lambda one: -_nats(scene, one))[:KEPT]
+    loose = [replace(found, slack=SLACKS[-1]) for found in fits]
+    roughly = [_best(scene, found, _few(some)) for found in (*fits, *loose) for some in spans]
+    best: dict[tuple[str, bool], Fit] = {}
+    for one in sorted(roughly, key=lambda one: -_nats(scene, one)):
+        (acting,) = one.candidates
+        best.setdefault((acting.id, acting.span.since is None), one)
+    return list(best.values())[:KEPT]
 
 
 def passing(scene: Scene, found: Fit) -> Fit:

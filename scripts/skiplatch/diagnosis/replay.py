@@ -27,7 +27,9 @@ def replayed(scene: Scene, rows: BoolArray | NDArray[np.intp], rig: Rig, seed: i
     """
     outcomes = rig.play(scene.touches, seed=seed, replicates=CAMPAIGNS)
     columns = (as_recorded(scene.touches, outcomes, k) for k in range(CAMPAIGNS))
-    return [Scene(scene.nominal, touches).select(rows) for touches in columns]
+    return [
+        Scene(scene.nominal, touches, physics=scene.physics).select(rows) for touches in columns
+    ]
 
 
 def as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:

@@ -4,8 +4,9 @@ Each stream is what one stretch of the chain adds, as far as it was recorded: wi
 edges the stretches come apart, and the likelihood is a product over them.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Nominal, Status, Touches
 from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.datum import SHIFTED
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.law import Law
@@ -41,8 +43,11 @@ class Stream:
     unit: str
     stages: tuple[str, ...]
     residuals: FloatArray
-    law: Law
+    chain: Law
+    """Of the nominal chain alone."""
     rows: BoolArray
+    law: Law
+    """Of the rig that is believed in: the chain with the effects that it is believed to have."""
 
     @property
     def is_polled(self) -> bool:
@@ -70,6 +75,16 @@ class Stream:
         return float(np.sqrt(np.mean(off[off <= np.quantile(off, 0.95)] ** 2)))
 
 
+class BelievedPhysics(Protocol):
+    """Effects that a rig is believed to have, where touches are made."""
+
+    def change(self, scene: "Scene") -> Change:
+        """Give what they make of the physics of the chain."""
+
+    def law(self, scene: "Scene", stream: Stream) -> Law:
+        """Give the law of a stream's residuals, all n of them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """The touches of a campaign in order of time, and what the nominal chain says of each."""
@@ -82,16 +97,18 @@ class Scene:
     """Which touches of the whole these are; shape (n,)."""
     moved_at: int | None = None
     """Number of a touch from which on the datum may be another one."""
+    physics: BelievedPhysics | None = None
+    """Of the effects in the nominal chain, if there are any."""
 
     @classmethod
-    def of(cls, campaign: Campaign) -> "Scene":
+    def of(cls, campaign: Campaign, physics: BelievedPhysics | None = None) -> "Scene":
         """Take a campaign's touches in order of time."""
-        return cls(campaign.nominal, campaign.touches.in_order_of_time())
+        return cls(campaign.nominal, campaign.touches.in_order_of_time(), physics=physics)
 
     def select(self, rows: BoolArray | NDArray[np.intp]) -> "Scene":
         """Give some of the touches."""
         chosen = np.arange(len(self))[rows]
-        return Scene(self.nominal, self.touches.select(rows), self, chosen, self.moved_at)
+        return replace(self, touches=self.touches.select(rows), whole=self, chosen=chosen)
 
     def in_sequence(self, most: int) -> tuple["Scene", NDArray[np.intp]]:
         """Give the largest scene, of at most so many touches, that this one is a part of.
@@ -106,11 +123,11 @@ class Scene:
     def with_nominal(self, nominal: Nominal) -> "Scene":
         """Give the same touches under another belief."""
         whole = None if self.whole is None else self.whole.with_nominal(nominal)
-        return Scene(nominal, self.touches, whole, self.chosen, self.moved_at)
+        return replace(self, nominal=nominal, whole=whole)
 
     def with_datum_moved(self, touch: int) -> "Scene":
         """Give the same touches, the datum of which may be another one from a touch on."""
-        return Scene(self.nominal, self.touches, self.whole, self.chosen, touch)
+        return replace(self, moved_at=touch)
 
     def __len__(self) -> int:
         return len(self.touches)
@@ -303,7 +320,26 @@ class Scene:
             self._deviation("plc", self.plc),
             self._report(),
         )
-        return {stream.name: stream for stream in streams if stream.rows.any()}
+        recorded = (stream for stream in streams if stream.rows.any())
+        return {stream.name: self._as_believed(stream) for stream in recorded}
+
+    @cached_property
+    def believed(self) -> Change:
+        """What the effects that are believed in make of the physics of the chain."""
+        return Change() if self.physics is None else self.physics.change(self)
+
+    def with_beliefs(self, change: Change) -> Change:
+        """Give a change of the believed rig as one of the chain."""
+        return change if self._is_plain else self.believed.joined(change)
+
+    @property
+    def _is_plain(self) -> bool:
+        return self.physics is None or not self.nominal.believed_effects
+
+    def _as_believed(self, stream: Stream) -> Stream:
+        if self.physics is None or self._is_plain:
+            return stream
+        return replace(stream, law=self.physics.law(self, stream))
 
     def _full(self, value: float | FloatArray) -> FloatArray:
         return np.broadcast_to(np.asarray(value, dtype=float), (len(self),)).copy()
@@ -320,7 +356,7 @@ class Scene:
         known = rows & ~np.isnan(residuals) & ~self.false
         offset, sigma, box_a, box_b = map(self._full, law)
         full_law = Law(offset, sigma, box_a, box_b)
-        return Stream(name, unit, stages, np.nan_to_num(residuals), full_law, known)
+        return Stream(name, unit, stages, np.nan_to_num(residuals), full_law, known, full_law)
 
     def _motion(self) -> Stream:
         residuals = self.touches.edge_us - self.contact.time_us

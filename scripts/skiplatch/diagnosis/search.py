@@ -12,14 +12,8 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Law
-from skiplatch.diagnosis.likelihood import (
-    AFTER_LATCH,
-    LATCHES,
-    affected,
-    law_under,
-    likelihood,
-    with_shared_datum,
-)
+from skiplatch.diagnosis.laws import AFTER_LATCH, LATCHES, law_under
+from skiplatch.diagnosis.likelihood import affected, likelihood, with_shared_datum
 from skiplatch.diagnosis.scene import Scene, Stream
 from skiplatch.span import ALWAYS
 

@@ -8,7 +8,8 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import FIRST, MARGIN, folded, grid_period, kept_grid
-from skiplatch.diagnosis.likelihood import FAR_APART, SHORTEST_PERIOD, law_under
+from skiplatch.diagnosis.laws import SHORTEST_PERIOD, law_under
+from skiplatch.diagnosis.lines import FAR_APART
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import (
     BLURRED,

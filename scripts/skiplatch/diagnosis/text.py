@@ -302,13 +302,13 @@ def rig_from_json(document: Json, nominal: Nominal) -> Rig:
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ValueError(f"not a whole diagnosis: {error!r}") from error
     kinds: dict[str, dict[str, float]] = {SURFACE: {}, COORDINATE: {}}
-    values = {}
+    values, believed = {}, {effect.id for effect in nominal.believed_effects}
     for name, value in beliefs.items():
         first, _, rest = name.partition(".")
         datum, _, kind = rest.rpartition(".")
         if first == "datum" and kind in kinds:
             kinds[kind][datum] = value
-        elif (first, rest) in KEYS:
+        elif (first, rest) in KEYS or first in believed:
             values[first, rest] = value
         else:
             raise ValueError(f"no belief is called {name!r}")

@@ -10,7 +10,7 @@ from scipy import signal
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import LINEAR_AXES, Axis
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import law_under
+from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene
 

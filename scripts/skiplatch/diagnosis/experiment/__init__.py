@@ -8,7 +8,12 @@ from skiplatch.diagnosis.experiment.experiment import (
 )
 from skiplatch.diagnosis.experiment.outcome import Standing, outcome
 from skiplatch.diagnosis.experiment.rivals import models_from_json, models_json, rivals
-from skiplatch.diagnosis.experiment.text import experiment_json, experiment_text
+from skiplatch.diagnosis.experiment.text import (
+    experiment_json,
+    experiment_text,
+    remarks,
+    touches_table,
+)
 
 __all__ = [
     "Experiment",
@@ -20,6 +25,8 @@ __all__ = [
     "models_json",
     "next_experiment",
     "outcome",
+    "remarks",
     "rivals",
     "settle",
+    "touches_table",
 ]

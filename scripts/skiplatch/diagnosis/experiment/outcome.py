@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.decide import TIED
 from skiplatch.diagnosis.experiment.channels import recorded
 from skiplatch.diagnosis.experiment.joint import added_nats
 from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +49,7 @@ def outcome(
         seed: Of the plays that say what was to be expected.
         jobs: Threads to play on.
     """
-    before, new = Rehearsal.of(campaign, models), Scene.of(further)
+    before, new = Rehearsal.of(campaign, models), scene_of(further)
     added = [added_nats(before.old, new, fit) for fit in before.fits]
     played = [
         Rig(new.nominal, model).play(new.touches, seed=seed, replicates=REHEARSALS, jobs=jobs)

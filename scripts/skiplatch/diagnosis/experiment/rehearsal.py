@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import connected_components
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Nominal, Status, Touches
+from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.experiment.channels import recordable
 from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suited, total
 from skiplatch.diagnosis.experiment.rivals import Model
@@ -41,7 +42,7 @@ class Rehearsal:
     @classmethod
     def of(cls, campaign: Campaign, models: Sequence[Model]) -> Self:
         """Fit the models to the campaign."""
-        old = some(Scene.of(campaign))
+        old = some(scene_of(campaign))
         return cls(models, old, [suited([old], as_fit(model)) for model in models])
 
     def groups(

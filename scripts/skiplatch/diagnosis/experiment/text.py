@@ -26,23 +26,27 @@ VARIED = (
 
 def experiment_text(experiment: Experiment) -> str:
     """What to do and why, with the touches that are to be made most often."""
-    distinct = _distinct(experiment.touches)
-    rows = [(*cells, str(count)) for cells, count in distinct[:SHOWN]]
-    parts = [experiment.words, _filled_columns((*VARIED, REST, "touches"), rows)]
-    if len(distinct) > SHOWN:
-        parts.append(f"… and {len(distinct) - SHOWN} other conditions")
+    return "\n".join([experiment.words, table(*touches_table(experiment)), *remarks(experiment)])
+
+
+def touches_table(experiment: Experiment) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
+    """Give header and rows of the touches made most often, without what is empty in all."""
+    header = (*VARIED, REST, "touches")
+    rows = [(*cells, str(count)) for cells, count in _distinct(experiment.touches)[:SHOWN]]
+    kept = [i for i in range(len(header)) if not rows or any(row[i] for row in rows)]
+    return [header[i] for i in kept], [[row[i] for i in kept] for row in rows]
+
+
+def remarks(experiment: Experiment) -> list[str]:
+    """Say what is not in the table, and what is expected of all touches."""
+    more = len(_distinct(experiment.touches)) - SHOWN
+    said = [f"… and {more} other conditions"] if more > 0 else []
     if experiment.separates:
-        parts.append(
+        said.append(
             f"Expected: {compact(experiment.expected_bits, 3)} bits in all touches, "
             f"{compact(experiment.bits_per_touch, 2)} bits in one."
         )
-    return "\n".join(parts)
-
-
-def _filled_columns(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Lay out a table without the columns that are empty in all rows."""
-    kept = [i for i in range(len(header)) if not rows or any(row[i] for row in rows)]
-    return table([header[i] for i in kept], [[row[i] for i in kept] for row in rows])
+    return said
 
 
 def experiment_json(experiment: Experiment) -> dict[str, Any]:

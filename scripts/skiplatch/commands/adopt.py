@@ -1,0 +1,51 @@
+"""``skiplatch adopt``: what a diagnosis found becomes part of what is believed of the rig."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import click
+
+from skiplatch.campaign import NOMINAL_FILE, read_nominal
+from skiplatch.campaign.toml_text import read_toml_text
+from skiplatch.commands.options import json_option, write_json
+from skiplatch.commands.outputs import OutputFile
+from skiplatch.diagnosis.adoption import adopted, with_effects
+from skiplatch.errors import InputError
+from skiplatch.files import atomic_write_text, read_json
+from skiplatch.stand_ins import refuse_unplayable
+
+EPILOG = """\b
+Example:
+  skiplatch diagnose scripts/samples/bench_isr_latency --json build/diagnosis.json
+  skiplatch adopt scripts/samples/bench_isr_latency \\
+      --diagnosis build/diagnosis.json --out build/adopted.toml
+"""
+
+FILE = click.Path(path_type=Path, dir_okay=False)
+
+
+@click.command(epilog=EPILOG)
+@click.argument("campaign", type=click.Path(path_type=Path))
+@click.option("--diagnosis", type=FILE, required=True, help="JSON of a diagnosis of the campaign.")
+@click.option("-o", "--out", type=OutputFile(), required=True, help="nominal.toml to write.")
+@json_option
+def command(campaign: Path, diagnosis: Path, out: Path, json_path: Path | None) -> None:
+    """Write the effects that a diagnosis of a CAMPAIGN found into the beliefs about the rig.
+
+    The new nominal.toml is that of the campaign, comments and all, with a table [[effect]] for each
+    of them. Every command then plays the rig as it is, and the next diagnosis starts from there.
+    An effect that ended by itself is left out. Adopting again what is believed changes nothing.
+    """
+    path = campaign / NOMINAL_FILE
+    nominal = read_nominal(path)
+    refuse_unplayable(path, nominal)
+    document = read_json(diagnosis)
+    try:
+        found = adopted(document)
+    except ValueError as error:
+        raise InputError(diagnosis, None, None, str(error)) from error
+    refuse_unplayable(diagnosis, replace(nominal, believed_effects=tuple(found)))
+    atomic_write_text(out, with_effects(read_toml_text(path), nominal, found))
+    names = [effect.id for effect in found]
+    click.echo(f"{out}: {', '.join(names) if names else 'nothing to adopt'}")
+    write_json(json_path, {"out": str(out), "effects": names})

@@ -1,0 +1,40 @@
+"""Effects that a rig is believed to have: what is searched for comes on top of them."""
+
+from functools import reduce
+
+import numpy as np
+
+from skiplatch.campaign import BelievedEffect, Campaign
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.law import Law
+from skiplatch.diagnosis.laws import law_of
+from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.simulated import catalogue
+from skiplatch.simulator import effects
+
+
+class BelievedEffects:
+    """The physics of the effects in a scene's nominal chain."""
+
+    def change(self, scene: Scene) -> Change:
+        """Give what they make of the physics of the chain."""
+        changes = (_change(scene, effect) for effect in scene.nominal.believed_effects)
+        return reduce(Change.joined, changes, Change())
+
+    def law(self, scene: Scene, stream: Stream) -> Law:
+        """Give the law of a stream's residuals, all n of them."""
+        return law_of(scene, stream, scene.believed)
+
+
+BELIEVED = BelievedEffects()
+
+
+def scene_of(campaign: Campaign) -> Scene:
+    """Take a campaign's touches in order of time, with the effects believed in."""
+    return Scene.of(campaign, BELIEVED)
+
+
+def _change(scene: Scene, effect: BelievedEffect) -> Change:
+    row = effects()[effect.id]
+    values = np.array([effect.values.get(p.name, p.when_unset) for p in row.parameters])
+    return catalogue()[effect.id].change(scene, values)

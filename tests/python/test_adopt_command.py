@@ -1,0 +1,165 @@
+"""``skiplatch adopt``: a finding becomes a belief, and the next diagnosis starts from there."""
+
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from skiplatch import cli
+from skiplatch.campaign import BelievedEffect, read_campaign, read_nominal
+from skiplatch.diagnosis import Diagnosis, diagnose
+from skiplatch.diagnosis.beliefs import believing, uncertain, value_of
+from skiplatch.diagnosis.believed import scene_of
+from skiplatch.diagnosis.candidates import candidate
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.errors import InputError
+
+BENCH = Path(__file__).parents[2] / "scripts" / "samples" / "bench_isr_latency"
+LATENCY = {
+    "id": "isr_latency",
+    "params": {"latency_us": 41.7, "jitter_us": 0.0, "tail_us": 0.0},
+    "intervals": {"latency_us": [41.6, 41.8], "jitter_us": [0.0, 0.0]},
+    "since": None,
+    "until": None,
+}
+
+
+def diagnosis(folder: Path, effects: Sequence[object]) -> Path:
+    document = {"format": "skiplatch-diagnosis/2", "effects": effects}
+    path = folder / "diagnosis.json"
+    path.write_text(json.dumps(document))
+    return path
+
+
+def adopt(campaign: Path, found: Path, out: Path) -> tuple[int, str]:
+    arguments = ["adopt", str(campaign), "--diagnosis", str(found), "--out", str(out)]
+    result = CliRunner().invoke(cli.group, arguments)
+    if isinstance(result.exception, InputError):
+        return 2, str(result.exception)
+    return result.exit_code, result.output
+
+
+def test_help_has_an_example() -> None:
+    shown = CliRunner().invoke(cli.group, ["adopt", "--help"]).output
+
+    assert "Example:\n    skiplatch diagnose " in shown
+    assert "    skiplatch adopt " in shown
+
+
+def test_effect_is_believed_and_all_else_stays(tmp_path: Path) -> None:
+    campaign = tmp_path / "campaign"
+    shutil.copytree(BENCH, campaign)
+    path = campaign / "nominal.toml"
+    path.write_text("# as bought\n" + path.read_text() + '\n[notes]\nwho = "me"\n')
+    out = tmp_path / "adopted.toml"
+
+    assert adopt(campaign, diagnosis(tmp_path, [LATENCY]), out) == (0, f"{out}: isr_latency\n")
+
+    (effect,) = read_nominal(out).believed_effects
+    assert (effect.id, effect.values) == ("isr_latency", LATENCY["params"])
+    assert effect.uncertainty == {"latency_us": pytest.approx(0.1 / 1.645, rel=1e-2)}
+    kept = out.read_text().splitlines()
+    assert [line for line in path.read_text().splitlines() if line not in kept] == [
+        line for line in path.read_text().splitlines() if line.startswith("format = ")
+    ]
+
+
+def test_adopting_twice_changes_nothing(tmp_path: Path) -> None:
+    campaign = tmp_path / "campaign"
+    shutil.copytree(BENCH, campaign)
+    found, once, twice = diagnosis(tmp_path, [LATENCY]), tmp_path / "1.toml", tmp_path / "2.toml"
+    adopt(campaign, found, once)
+    shutil.copy(once, campaign / "nominal.toml")
+
+    adopt(campaign, found, twice)
+
+    assert twice.read_bytes() == once.read_bytes()
+
+
+def test_what_ended_is_left_out_and_what_began_is_there_now(tmp_path: Path) -> None:
+    ended, begun = {**LATENCY, "until": 20}, {**LATENCY, "since": 21}
+    out = tmp_path / "adopted.toml"
+
+    assert adopt(BENCH, diagnosis(tmp_path, [ended]), out) == (0, f"{out}: nothing to adopt\n")
+    assert adopt(BENCH, diagnosis(tmp_path, [begun]), out) == (0, f"{out}: isr_latency\n")
+
+
+@pytest.mark.parametrize(
+    ("effect", "complaint"),
+    [
+        ({**LATENCY, "id": "gremlins"}, 'no effect is called "gremlins"'),
+        ({**LATENCY, "params": {"latency": 1.0}}, "no such parameter; there are latency_us"),
+        ({**LATENCY, "params": {"latency_us": -1e9}}, "expected"),
+        ({**LATENCY, "intervals": {"latency_us": [1.0]}}, "not a whole diagnosis"),
+        ({**LATENCY, "intervals": 3}, "not a whole diagnosis"),
+        ({"params": {}}, "not a whole diagnosis"),
+    ],
+)
+def test_what_is_no_finding_is_refused(tmp_path: Path, effect: object, complaint: str) -> None:
+    out = tmp_path / "adopted.toml"
+    status, said = adopt(BENCH, diagnosis(tmp_path, [effect]), out)
+
+    assert status == 2
+    assert complaint in said
+    assert str(tmp_path / "diagnosis.json") in said
+    assert not out.exists()
+
+
+def test_likelihood_starts_from_what_is_believed() -> None:
+    campaign = read_campaign(BENCH)
+    believed = BelievedEffect("isr_latency", {"latency_us": 41.7})
+    nominal = replace(campaign.nominal, believed_effects=(believed,))
+    plain = Scene.of(replace(campaign, nominal=replace(campaign.nominal, version=2)))
+    change = candidate("isr_latency").change(plain, np.array([41.7, 0.0, 0.0]))
+    starting, nothing = scene_of(replace(campaign, nominal=nominal)), Change()
+
+    assert likelihood(starting, nothing).total == pytest.approx(likelihood(plain, change).total)
+    assert likelihood(starting, nothing).total > likelihood(plain, nothing).total + 100.0
+    for some in (starting.select(starting.plc), starting.with_nominal(starting.nominal)):
+        assert some.believed.skip_us == pytest.approx(change.skip_us)
+
+
+def test_parameter_known_to_an_uncertainty_is_a_belief() -> None:
+    effect = BelievedEffect("isr_latency", {"latency_us": 41.7, "tail_us": 0.1}, {"tail_us": 0.2})
+    nominal = replace(read_campaign(BENCH).nominal, believed_effects=(effect,))
+
+    (belief,) = [belief for belief in uncertain(nominal) if belief.key[0] == "isr_latency"]
+
+    assert (belief.name, belief.value, belief.u) == ("isr_latency.tail_us", 0.1, 0.2)
+    assert value_of(belief.applied(nominal, 1.0), belief.key) == pytest.approx(0.3)
+    assert value_of(belief.applied(nominal, -2.0), belief.key) == 0.0  # the end of its range
+    assert value_of(believing(nominal, {("skip", "tick_us"): 9.0}), ("skip", "tick_us")) == 9.0
+
+
+def believing_in(latency_us: float) -> Diagnosis:
+    campaign = read_campaign(BENCH)
+    believed = BelievedEffect("isr_latency", {"latency_us": latency_us}, {"latency_us": 0.1})
+    nominal = replace(campaign.nominal, believed_effects=(believed,))
+    return diagnose(replace(campaign, nominal=nominal), seed=1)
+
+
+@pytest.mark.long
+def test_next_diagnosis_of_what_is_believed_finds_no_gap() -> None:
+    found = believing_in(41.7)
+
+    assert found.verdict == "no_gap"
+    (fitted_us,) = [us for belief, us in found.beliefs if belief.name == "isr_latency.latency_us"]
+    assert fitted_us == pytest.approx(41.7, abs=0.25)
+
+
+@pytest.mark.long
+def test_next_diagnosis_finds_what_is_left() -> None:
+    found = believing_in(30.0)
+
+    (named,) = found.effects
+    assert found.verdict == "explained"
+    # A delay this much shorter than a scan is as good as any behind the pin.
+    assert "isr_latency" in {named.effect.id, *named.alternatives}
+    assert next(iter(named.effect.parameters.values())) == pytest.approx(11.7, abs=0.5)
