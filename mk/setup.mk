@@ -17,7 +17,7 @@ $(STAMPS)/gpiod: scripts/setup_gpiod.sh
 	@mkdir -p $(@D) && touch $@
 
 # What needs an absent cross compiler, emulator or tool of the rig is counted as skipped.
-$(addprefix $(STAMPS)/system-,cross emulators rig fresh): $(STAMPS)/system-%: scripts/setup_system.sh
+$(addprefix $(STAMPS)/system-,cross emulators riscv rig fresh): $(STAMPS)/system-%: scripts/setup_system.sh
 	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
@@ -33,7 +33,7 @@ $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/requirements-
 .PHONY: setup-build setup-test setup-lint
 setup-build: $(STAMPS)/system-build $(STAMPS)/gpiod $(VENV)
 setup-test: setup-build $(STAMPS)/system-test $(STAMPS)/cmock \
-            $(STAMPS)/system-cross $(STAMPS)/system-emulators \
+            $(STAMPS)/system-cross $(STAMPS)/system-emulators $(STAMPS)/system-riscv \
             $(patsubst hal/ports/%/setup.sh,$(STAMPS)/board-%,$(wildcard hal/ports/*/setup.sh))
 setup-lint: setup-test $(STAMPS)/system-lint $(STAMPS)/system-cross
 

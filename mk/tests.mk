@@ -4,8 +4,9 @@
 #                                                              a contract or scenario test gets all
 #   /* MOCK: hal/include/hal_edge.h */                         headers CMock makes mock_….h of
 #   /* CFLAGS: -DLATCH_STEP=hook */                            for the test and what it links
+#   /* LDFLAGS: -Wl,--wrap=calloc */                           for linking it
 
-# LINK.tests/unit/test_x, MOCK.… and CFLAGS.… of every test, read from those comments.
+# LINK.tests/unit/test_x, MOCK.…, CFLAGS.… and LDFLAGS.… of every test, read from those comments.
 build/tests.mk: $(TESTS) $(FUZZ) scripts/read_test_comments.awk
 	@mkdir -p $(@D)
 	@awk -f scripts/read_test_comments.awk $(TESTS) $(FUZZ) /dev/null >$@
@@ -49,7 +50,7 @@ $(OUT)/$1: $(OUT)/obj/$1.o $(OUT)/foreign/runners/$1.o $(mocks_of:build/%.h=$(OU
            $(OUT)/foreign/unity.o $(OUT)/foreign/cmock.o $(parts_of) $(call object_of,$(TARGET_GLUE)) \
            $(if $(LINKER_SCRIPT),$(OUT)/libboard.a $(LINKER_SCRIPTS))
 	@mkdir -p $$(@D)
-	$(Q)$(CC) $(FLAGS) $$(LDFLAGS) -fno-lto $$(filter %.o,$$^) $$(filter %.a,$$^) -lm -o $$@
+	$(Q)$(CC) $(FLAGS) $$(LDFLAGS) $(LDFLAGS.$1) -fno-lto $$(filter %.o,$$^) $$(filter %.a,$$^) -lm -o $$@
 $(OUT)/foreign/runners/$1.o: | $(mocks_of)
 $(if $(CFLAGS.$1),$(call private_rules,$1))
 endef

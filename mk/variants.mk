@@ -32,7 +32,7 @@ FLAGS.fuzz     := -O1 -g $(SANITIZERS) -fsanitize=fuzzer-no-link
 # Contracted multiply-adds would make figures depend on the processor.
 FLAGS.hosted := -fPIC -fvisibility=hidden -pthread -ffp-contract=off
 FLAGS.boards := -Os -g -ffunction-sections -fdata-sections -fstack-usage -Wl,--gc-sections
-FLAGS := $(if $(TARGET),$(FLAGS.$(TARGET)) $(FLAGS.boards),$(FLAGS.$(VARIANT)) $(FLAGS.hosted))
+FLAGS := $(if $(TARGET),$(FLAGS.$(TARGET)) $(LIBRARY.$(FAMILY)) $(FLAGS.boards),$(FLAGS.$(VARIANT)) $(FLAGS.hosted))
 
 WARNINGS := -Wall -Wextra -Wpedantic -Werror -Wcast-align -Wcast-qual -Wconversion -Wfloat-equal \
             -Wformat=2 -Wmissing-prototypes -Wpointer-arith -Wshadow -Wsign-conversion \

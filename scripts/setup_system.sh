@@ -25,6 +25,8 @@ packages_of() {
     lint) echo clang cppcheck shellcheck ;;
     cross) echo gcc-avr avr-libc binutils-avr gcc-arm-none-eabi libnewlib-arm-none-eabi ;;
     emulators) echo simavr libsimavr-dev libelf-dev qemu-system-arm ;;
+    # apart, so that a distribution without them has the others; its QEMU has been split since
+    riscv) echo gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf "$(riscv_emulator)" ;;
     # the virtual machine of the Linux bench; what works in it, or on a host with the devices
     vm) echo qemu-system-x86 busybox-static xz-utils zstd ;;
     rig) echo iproute2 rt-tests can-utils ;;
@@ -42,6 +44,10 @@ packages_of() {
         exit 2
         ;;
     esac
+}
+
+riscv_emulator() {
+    if to_be_had qemu-system-riscv; then echo qemu-system-riscv; else echo qemu-system-misc; fi
 }
 
 # The sanitizer and fuzzer runtimes carry the version of the distribution's default clang in their

@@ -27,6 +27,7 @@ COMMANDS = {
     "compare": "Hold a recorded campaign against the nominal simulation.",
     "diagnose": "Say where the gap lies, which effects cause it, and how far it shrinks.",
     "predict": "Play conditions with the effects that a diagnosis found.",
+    "adopt": "Write what a diagnosis found into the beliefs about the rig.",
     "design": "Say which touches or which column would settle a diagnosis, and write them.",
     "settle": "Say what those touches leave of a tie.",
     "effects": "List the effects that a simulation can be given.",

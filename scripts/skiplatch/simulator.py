@@ -174,6 +174,11 @@ class Parameter:
     low: float
     high: float
 
+    @property
+    def when_unset(self) -> float:
+        """What it is where nothing is given: 0, or the nearest admitted value."""
+        return min(max(0.0, self.low), self.high)
+
 
 @dataclass(frozen=True, slots=True)
 class EffectDescription:
@@ -190,7 +195,7 @@ class EffectDescription:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """An effect switched on; parameters that are not given are 0, or the nearest admitted value."""
+    """An effect switched on; parameters that are not given are as `Parameter.when_unset` says."""
 
     id: str
     parameters: Mapping[str, float]
@@ -336,8 +341,7 @@ def _settings(binding: _Binding, switched_on: Sequence[Effect]) -> CData:
     for setting, effect in zip(settings, ordered, strict=True):
         setting.effect = table[effect.id].index
         for i, parameter in enumerate(table[effect.id].parameters):
-            default = min(max(0.0, parameter.low), parameter.high)
-            setting.parameters[i] = effect.parameters.get(parameter.name, default)
+            setting.parameters[i] = effect.parameters.get(parameter.name, parameter.when_unset)
     return settings
 
 

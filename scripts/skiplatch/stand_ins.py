@@ -17,6 +17,7 @@ from skiplatch.campaign import (
     NOMINAL_FILE,
     TOUCHES_FILE,
     Axis,
+    BelievedEffect,
     Campaign,
     Kind,
     Nominal,
@@ -25,6 +26,7 @@ from skiplatch.campaign import (
 )
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.motion import S_PER_MIN, US_PER_S, expected_contact
+from skiplatch.simulator import effects
 
 ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
@@ -41,6 +43,24 @@ def refuse_unplayable(path: Path, nominal: Nominal) -> None:
         if not least <= value <= most:
             expected = f"expected {least:g} to {most:g}, which is what can be simulated"
             raise InputError(path, None, f"{section}.{name}", f"{expected}, got {value:g}")
+    for effect in nominal.believed_effects:
+        _refuse_unknown(path, effect)
+
+
+def _refuse_unknown(path: Path, effect: BelievedEffect) -> None:
+    """Raise InputError for an effect, a parameter or a value that the simulator does not have."""
+    if effect.id not in effects():
+        raise InputError(path, None, "effect.id", f'no effect is called "{effect.id}"')
+    parameters = {parameter.name: parameter for parameter in effects()[effect.id].parameters}
+    for name, value in effect.values.items():
+        column = f"effect.{effect.id}.{name}"
+        if name not in parameters:
+            known = ", ".join(parameters)
+            raise InputError(path, None, column, f"no such parameter; there are {known}")
+        known_as = parameters[name]
+        if not known_as.low <= value <= known_as.high:
+            expected = f"expected {known_as.low:g} to {known_as.high:g}, got {value:g}"
+            raise InputError(path, None, column, expected)
 
 
 def read_playable(path: str | os.PathLike[str]) -> Campaign:

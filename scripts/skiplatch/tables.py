@@ -1,13 +1,19 @@
 """Tables of plain text, and numbers as they stand in them."""
 
+import io
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+import shutil
+import sys
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:  # loads scipy
     from skiplatch.statistics import Interval
 
-GAP = "  "
+GAP = 2
+"""Spaces between columns."""
+MOST_WRAPPED = 1000
+"""Rows; wrapping takes 0.1 ms a cell, and nobody reads so many on a terminal."""
 FINEST = 6  # decimals
 NOTHING = "—"
 LEAST_COMPACT = 1e-6
@@ -15,10 +21,80 @@ EXACT_DIGITS = 5  # of a number without an interval
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Lay out rows under a header: the first column to the left, the others to the right."""
-    lines = [header, *rows]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(header))]
-    return "\n".join(_line(line, widths) for line in lines)
+    """Lay out rows under a header: the first column to the left, the others to the right.
+
+    On a terminal, cells wrap so that the table fits; where words would have to be broken, each
+    row becomes a list of names and values. Elsewhere a table is as wide as it takes.
+    """
+    lines, room = [header, *rows], _room()
+    text = _plain(lines, str.rjust)
+    if len(rows) > MOST_WRAPPED or _width(text) <= room:
+        return text
+    if _fits_by_words(lines, room):
+        return _wrapped(lines, "right", room)
+    stripped = [[cell.strip() for cell in row] for row in rows]
+    return "\n\n".join(listing(list(zip(header, row, strict=True))) for row in stripped)
+
+
+def listing(rows: Sequence[Sequence[str]]) -> str:
+    """Lay out rows of words without a header, all columns to the left; wraps as a table does."""
+    text, room = _plain(rows, str.ljust), _room()
+    return text if _width(text) <= room else _wrapped(rows, "left", room)
+
+
+def _room() -> int:
+    """Give how many characters a line may have; a file or a pipe gets the same text everywhere."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else sys.maxsize
+
+
+def _longest_words(lines: Sequence[Sequence[str]]) -> list[int]:
+    """Give the least width of each column; names, in the first one, are not parted."""
+    names, *columns = zip(*lines, strict=True)
+    words = [[word for cell in column for word in cell.split()] for column in columns]
+    return [max(map(len, names)), *(max(map(len, some), default=0) for some in words)]
+
+
+def _fits_by_words(lines: Sequence[Sequence[str]], room: int) -> bool:
+    longest = _longest_words(lines)
+    return sum(longest) + GAP * (len(longest) - 1) <= room
+
+
+def _width(text: str) -> int:
+    return max(map(len, text.splitlines()), default=0)
+
+
+def _plain(lines: Sequence[Sequence[str]], side: Callable[[str, int], str]) -> str:
+    """Put columns beside one another, the first to the left, the others to that side."""
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    sides = [str.ljust, *[side] * (len(widths) - 1)]
+    parts = (
+        (put(cell, width) for put, cell, width in zip(sides, line, widths, strict=True))
+        for line in lines
+    )
+    return "\n".join((" " * GAP).join(cells).rstrip() for cells in parts)
+
+
+def _wrapped(lines: Sequence[Sequence[str]], side: Literal["left", "right"], room: int) -> str:
+    """Do the same in lines no longer than `room`."""
+    from rich.console import Console  # noqa: PLC0415 - takes time to load
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
+    grid = Table.grid(padding=(0, GAP, 0, 0), pad_edge=True)
+    fits = _fits_by_words(lines, room)
+    for i, longest in enumerate(_longest_words(lines)):
+        grid.add_column(
+            justify=side if i else "left",
+            no_wrap=fits and i == 0,
+            overflow="fold",
+            min_width=longest if fits else None,
+        )
+    for line in lines:
+        grid.add_row(*map(Text, line))
+    console = Console(file=io.StringIO(), width=room + GAP, color_system=None)
+    with console.capture() as captured:
+        console.print(grid)
+    return "\n".join(line.rstrip() for line in captured.get().splitlines())
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -51,21 +127,11 @@ def with_interval(figure: "Interval") -> tuple[str, str]:
     width = figure.high - figure.low
     if width <= 0.0:
         return number(figure.value, EXACT_DIGITS), NOTHING
-    decimals = min(max(1 - math.floor(math.log10(width)), 0), FINEST)
-    value, low, high = (
-        _fixed(bound, decimals) for bound in (figure.value, figure.low, figure.high)
-    )
+    value, low, high = (beside(bound, width) for bound in (figure.value, figure.low, figure.high))
     return value, f"{low} … {high}"
 
 
-def _fixed(value: float, decimals: int) -> str:
-    """Give a number with so many decimals, and 0 without a sign."""
+def beside(value: float, width: float) -> str:
+    """Give a number with the decimals that two digits of a width above 0 take; no sign for 0."""
+    decimals = min(max(1 - math.floor(math.log10(width)), 0), FINEST)
     return f"{round(value, decimals) + 0.0:.{decimals}f}"
-
-
-def _line(cells: Sequence[str], widths: Sequence[int]) -> str:
-    first, *others = (
-        cell.ljust(width) if i == 0 else cell.rjust(width)
-        for i, (cell, width) in enumerate(zip(cells, widths, strict=True))
-    )
-    return GAP.join([first, *others]).rstrip()

@@ -14,6 +14,7 @@ SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 CAMPAIGN = SAMPLES / "bench_isr_latency"
 KINEMATICS = SAMPLES / "kinematics"
 LOGS = Path(__file__).parent / "data" / "logs"
+NOTHING_FOUND = Path(__file__).parent / "data" / "nothing_found.json"
 IMPORTED = {
     "linuxcnc": "linuxcnc_probe.txt",
     "grbl": "grbl_serial.log",
@@ -103,7 +104,7 @@ ENDINGS: dict[tuple[str, ...], tuple[str, ...]] = {
 
 WRITTEN = {
     *("--out", "--json", "--html", "--pictures", "--picture", "--header", "--nc"),
-    *("--record", "--corrected", "--points"),
+    *("--record", "--corrected", "--points", "--junit", "--metrics"),
 }
 """Options that name what is written; any other is read, new ones too."""
 
@@ -142,6 +143,7 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
     nominal = str(CAMPAIGN / "nominal.toml")
     conditions = str(CAMPAIGN / "touches.csv")
     points = str(KINEMATICS / "points.csv")
+    nothing_found = str(NOTHING_FOUND)
     written = str(out)
     known: dict[tuple[str, ...], tuple[list[str], dict[str, str]]] = {
         ("latch",): ([], {"--touches": "10"}),
@@ -154,6 +156,7 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
         ("compare",): ([str(CAMPAIGN)], {}),
         ("diagnose",): ([str(CAMPAIGN)], {}),
         ("predict",): ([str(CAMPAIGN)], {"--conditions": conditions, "--out": written}),
+        ("adopt",): ([str(CAMPAIGN)], {"--diagnosis": nothing_found, "--out": written}),
         ("design",): ([str(CAMPAIGN)], {"--out": written}),
         ("settle",): ([str(CAMPAIGN), str(CAMPAIGN)], {}),
         ("effects",): ([], {}),
@@ -183,6 +186,12 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
         ("fleet", "list"): ([], {"--store": written}),
         ("fleet", "show"): (["bench"], {"--store": written}),
         ("fleet", "query"): (["SELECT 1"], {"--store": written}),
+        ("fleet", "check"): ([], {"--store": written}),
+        ("fleet", "report"): ([], {"--store": written, "--html": f"{written}.html"}),
+        ("fleet", "watch"): (
+            [str(SAMPLES)],
+            {"--store": written, "--settle-s": "1e9", "--once": ""},
+        ),
         ("fleet", "export"): (["bench"], {"--store": written, "--out": f"{written}/new"}),
         ("demo",): ([], {"--out": written}),
         ("init",): ([], {"--preset": "bench", "--out": written}),

@@ -31,6 +31,7 @@ FEWEST = {"documents": 35, "help": 35, "printed": 3, "run": 15}
 QUICK = ("check", "columns", "import", "init", "repeat", "simulate", "effects")
 NOT_HERE = (
     "bench",
+    "fleet watch",
     "import mdf",
     "settle",
     "transmission",

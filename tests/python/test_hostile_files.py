@@ -30,8 +30,11 @@ FINE = {
     ("--memory", "link to itself"),
     ("fleet add --store", "missing"),
     ("fleet add --store", "folder"),
+    ("fleet watch --store", "missing"),
+    ("fleet watch --store", "folder"),
+    ("fleet watch argument 1", "folder"),
 }
-"""A truth without errors, and stores that are made anew."""
+"""A truth without errors, stores that are made anew, a folder in which nothing has appeared."""
 FEW = ["fifo", "a terabyte", "no UTF-8", "deep object", "a list"]
 MANY = [kind for kind in HOSTILE if kind not in FEW]
 

@@ -3,7 +3,7 @@
 import pytest
 
 from skiplatch.statistics import Interval
-from skiplatch.tables import compact, number, table, whole, with_interval
+from skiplatch.tables import beside, compact, listing, number, table, whole, with_interval
 
 
 @pytest.mark.parametrize(
@@ -60,3 +60,60 @@ def test_table_aligns_names_to_the_left_and_numbers_to_the_right() -> None:
     rows = [("a", "1.0", ""), ("bcd", "10.0", "x")]
 
     assert table(("", "µm", ""), rows) == "       µm\na     1.0\nbcd  10.0  x"
+
+
+ROWS = [("skip input", "11.0 ± 1.6", "goes with the sense"), ("PLC", "87 ± 29", "")]
+HEADER = ("path", "mean, µm", "how")
+
+
+def on_a_terminal(monkeypatch: pytest.MonkeyPatch, columns: int) -> None:
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setenv("COLUMNS", str(columns))
+
+
+@pytest.mark.parametrize("columns", [41, 40, 30, 24])
+def test_table_wraps_to_the_terminal_between_words(
+    columns: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = table(HEADER, ROWS)
+    on_a_terminal(monkeypatch, columns)
+
+    text = table(HEADER, ROWS)
+
+    assert max(map(len, text.splitlines())) <= columns
+    assert sorted(text.split()) == sorted(plain.split())
+    assert (text == plain) == (columns >= len(plain.splitlines()[1]))
+
+
+def test_table_with_no_room_becomes_a_list_a_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    on_a_terminal(monkeypatch, 20)
+    wide = [("skip", *(f"{i}.123456" for i in range(3)))]
+
+    text = table(("path", "a", "b", "c"), wide)
+
+    assert text == "path  skip\na     0.123456\nb     1.123456\nc     2.123456"
+
+
+def test_table_in_a_pipe_heeds_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "10")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+
+    text = table(HEADER, [("[red]x[/red]", "1 :smile:", "3" * 300)])
+
+    assert text.splitlines()[1].split("  ") == ["[red]x[/red]", "1 :smile:", "3" * 300]
+
+
+def test_listing_keeps_names_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    on_a_terminal(monkeypatch, 30)
+
+    text = listing([("probe:", ""), ("  pretravel_lobing", "three lobes of pretravel")])
+
+    lines = text.splitlines()
+    assert lines[:2] == ["probe:", "  pretravel_lobing  three"]
+    assert [line.strip() for line in lines[2:]] == ["lobes of", "pretravel"]
+
+
+def test_number_beside_a_width_has_its_digits() -> None:
+    assert beside(2.34567, 0.0123) == "2.346"
+    assert beside(-0.0001, 2.3) == "0.0"
+    assert beside(25103.7, 459.0) == "25104"

@@ -26,6 +26,7 @@ from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.nominal import (
     FORMATS,
     KEYS,
+    SECTIONS,
     AxisNominal,
     BelievedEffect,
     BenchNominal,
@@ -36,7 +37,7 @@ from skiplatch.campaign.nominal import (
     ReportNominal,
     SkipNominal,
 )
-from skiplatch.campaign.nominal_text import format_nominal, write_nominal
+from skiplatch.campaign.nominal_text import format_effect, format_nominal, write_nominal
 from skiplatch.campaign.nominal_toml import read_nominal
 from skiplatch.campaign.reading import read_conditions, read_touches
 from skiplatch.campaign.touches import Touches
@@ -50,6 +51,7 @@ __all__ = [
     "LINEAR_AXES",
     "NOMINAL_FILE",
     "NOT_RECORDED",
+    "SECTIONS",
     "TOUCHES_FILE",
     "Axis",
     "AxisNominal",
@@ -68,6 +70,7 @@ __all__ = [
     "SkipNominal",
     "Status",
     "Touches",
+    "format_effect",
     "format_nominal",
     "format_touches",
     "read_campaign",

@@ -32,7 +32,7 @@ def format_nominal(nominal: Nominal) -> str:
     if nominal.datum != Datum.of_kind(nominal.kind):
         lines += _datum(nominal.datum)
     for effect in nominal.believed_effects:
-        lines += _effect(effect)
+        lines += format_effect(effect)
     return "\n".join(lines) + "\n"
 
 
@@ -62,7 +62,8 @@ def _datum(datum: Datum) -> list[str]:
     return lines if datum.u_um is None else [*lines, f"u_um = {datum.u_um!r}"]
 
 
-def _effect(effect: BelievedEffect) -> list[str]:
+def format_effect(effect: BelievedEffect) -> list[str]:
+    """Give the lines of a table of an effect, an empty one first."""
     numbers = (
         f"{name} = {_number(value, effect.uncertainty.get(name))}"
         for name, value in effect.values.items()

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.campaign.column_kinds import NOT_RECORDED, Values
+from skiplatch.campaign.column_kinds import NOT_RECORDED, ChoiceColumn, Values
 from skiplatch.campaign.columns import COLUMNS, MEASURED_OUTCOMES, InputPath, Status
+from skiplatch.dataframes import DataFrame, Library, dataframe
 
 CodeArray = NDArray[np.int8]
 SerialArray = NDArray[np.int64]
@@ -115,6 +116,22 @@ class Touches:
         """Give the arrays by name, in the order of the table."""
         return {name: getattr(self, name) for name in COLUMNS}
 
+    def to_dataframe(self, library: Library | None = None) -> DataFrame:
+        """Give the columns of touches.csv, choices and sessions as text, None or NaN where empty.
+
+        Raises:
+            ImportError: Neither pandas nor polars is installed, or not the one wanted.
+        """
+        table: dict[str, Any] = {
+            name: _texts(column, values)
+            if isinstance(column := COLUMNS[name], ChoiceColumn)
+            else values
+            for name, values in self.columns().items()
+        }
+        table["session"] = [self.session_names[number] or None for number in self.session]
+        warmth = {f"temp_{place}_c": values for place, values in self.thermometers.items()}
+        return dataframe(table | warmth, library)
+
     def select(self, rows: BoolArray | NDArray[np.intp] | slice) -> Self:
         """Give the rows of a mask, shape (n,), or of indices, shape (m,), or of a slice."""
         chosen: dict[str, Any] = {name: values[rows] for name, values in self.columns().items()}
@@ -164,6 +181,10 @@ class Touches:
 def _mask(comparison: BoolArray) -> BoolArray:
     """Give numpy's comparisons, which the type checker knows nothing of, their type."""
     return comparison
+
+
+def _texts(column: ChoiceColumn, codes: CodeArray) -> list[str | None]:
+    return [text or None for text in column.format(codes)]
 
 
 def _numbered(sessions: Sequence[str]) -> tuple[SerialArray, tuple[str, ...]]:

@@ -1,13 +1,11 @@
 """``skiplatch diagnose``: where the gap lies, what causes it, how far it shrinks."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import click
 
 from skiplatch.campaign import Campaign
+from skiplatch.commands.examining import Asked, Examined, examine
 from skiplatch.commands.options import (
     EffectType,
     SizeType,
@@ -19,19 +17,10 @@ from skiplatch.commands.options import (
     write_document,
     write_json,
 )
-from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, explained
-from skiplatch.diagnosis.experiment import (
-    experiment_json,
-    experiment_text,
-    models_json,
-    next_experiment,
-    rivals,
-)
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
-from skiplatch.transmission.source import periodic_sources, read_axis_train
-from skiplatch.transmission.train import GearTrain
+from skiplatch.transmission.source import read_axis_train
 
 GAP = 1
 """Exit status of a gap."""
@@ -132,15 +121,14 @@ def command(
     recorded = [read_playable(folder) for folder in campaigns]
     for one in recorded:
         refuse_idle(truth, one.nominal.kind)
-    work = _Work(
+    asked = Asked(
         materiality=Materiality(material_fraction, material_us, material_um),
         truth=truth,
         train=train,
         explain=explain,
         seed=seed,
-        jobs=jobs,
     )
-    done = [work.done(folder, one) for folder, one in zip(campaigns, recorded, strict=True)]
+    done = [_told(*pair, asked, jobs) for pair in zip(campaigns, recorded, strict=True)]
     documents = [one.document for one in done]
     write_json(json_path, documents if len(documents) > 1 else documents[0])
     if html_path is not None:
@@ -150,64 +138,17 @@ def command(
         ctx.exit(GAP)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Done:
-    """A diagnosis, the same in plain types, and what to touch next in words."""
-
-    diagnosis: Diagnosis
-    document: Mapping[str, Any]
-    next_words: str
-
-    @property
-    def has_gap(self) -> bool:
-        return self.diagnosis.verdict not in (Verdict.NO_GAP, Verdict.UNDECIDED)
+def _told(folder: Path, recorded: Campaign, asked: Asked, jobs: int) -> Examined:
+    """Diagnose a campaign and print what was found."""
+    kind, touches = recorded.nominal.kind, len(recorded.touches)
+    found = examine(recorded, asked, jobs)
+    click.echo(f"{folder}: {kind} campaign, {touches} touches\n\n{found.text}")
+    return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Work:
-    """What is asked of each campaign."""
-
-    materiality: Materiality
-    truth: Sequence[Effect]
-    train: GearTrain | None
-    explain: bool
-    seed: int
-    jobs: int
-
-    def done(self, folder: Path, recorded: Campaign) -> _Done:
-        """Diagnose a campaign and say what was found."""
-        diagnosis = diagnose(
-            recorded,
-            seed=self.seed,
-            jobs=self.jobs,
-            materiality=self.materiality,
-            truth=self.truth or None,
-        )
-        kind, touches = recorded.nominal.kind, len(recorded.touches)
-        click.echo(f"{folder}: {kind} campaign, {touches} touches\n")
-        click.echo(as_text(diagnosis))
-        if self.explain:
-            click.echo(f"\n{explained(diagnosis)}")
-        sources = periodic_sources([named.effect for named in diagnosis.effects], self.train)
-        for source in sources:
-            click.echo(f"\n{source.text}")
-        experiment = next_experiment(recorded, diagnosis, seed=self.seed, jobs=self.jobs)
-        words = experiment_text(experiment)
-        click.echo(f"\nNext experiment\n{words}")
-        document = {
-            **as_json(diagnosis),
-            "seed": self.seed,
-            "models": models_json(rivals(diagnosis)),
-            "next_experiment": experiment_json(experiment),
-        }
-        if self.train is not None:
-            document["transmission"] = [asdict(source) for source in sources]
-        return _Done(diagnosis, document, words)
-
-
-def _page(recorded: Campaign, done: _Done, name: str, seed: int, jobs: int) -> str:
+def _page(recorded: Campaign, done: Examined, name: str, seed: int, jobs: int) -> str:
     # Drawing takes time to load, which only those pay who want a page.
     from skiplatch.report.page import as_html  # noqa: PLC0415
 
-    found, words = done.diagnosis, done.next_words
-    return as_html(recorded, found, name=name, seed=seed, jobs=jobs, next_experiment=words)
+    found, after = done.diagnosis, done.experiment
+    return as_html(recorded, found, name=name, seed=seed, jobs=jobs, next_experiment=after)

@@ -9,6 +9,7 @@ import click
 
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.simulator import EffectDescription, Parameter, effects
+from skiplatch.tables import listing
 
 EPILOG = """\b
 Examples:
@@ -34,22 +35,15 @@ def _range(parameter: Parameter) -> str:
 
 
 def _as_text(table: Iterable[EffectDescription]) -> str:
-    """Group the effects by stage: one line an effect, and under it one line a parameter."""
-    rows = list(table)
-    name = max(len(p.name) + 2 for row in rows for p in row.parameters)
-    name = max(name, *(len(row.id) for row in rows))
-    limits = max(len(_range(p)) for row in rows for p in row.parameters)
-    lines = []
-    for stage, of_stage in groupby(rows, key=lambda row: row.stage):
-        lines.append(f"{stage}:")
+    """Group the effects by stage: one row an effect, and under it one row a parameter."""
+    rows = []
+    for stage, of_stage in groupby(table, key=lambda row: row.stage):
+        rows.append((f"{stage}:", "", ""))
         for row in of_stage:
-            lines.append(f"  {row.id:{name}}  {row.paths:{limits}}  {row.physics}")
-            lines += [
-                f"    {p.name:{name - 2}}  {_range(p):{limits}}  {p.meaning}"
-                for p in row.parameters
-            ]
-        lines.append("")
-    return "\n".join(lines)
+            rows.append((f"  {row.id}", row.paths, row.physics))
+            rows += [(f"    {p.name}", _range(p), p.meaning) for p in row.parameters]
+        rows.append(("", "", ""))
+    return listing(rows)
 
 
 def _as_markdown(table: Iterable[EffectDescription]) -> str:

@@ -10,6 +10,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.importing.presets import PRESETS
 from skiplatch.importing.writing import nominal_text
+from skiplatch.tables import listing
 
 EPILOG = """\b
 Example:
@@ -26,8 +27,7 @@ def command(preset: str | None, out: Path | None) -> None:
     Without options it lists the presets; without --out it prints the text.
     """
     if preset is None:
-        for name, about in PRESETS.items():
-            click.echo(f"{name:<14}{about.about}")
+        click.echo(listing([(name, rig.about) for name, rig in PRESETS.items()]))
         return
     chosen = PRESETS[preset]
     text = nominal_text(chosen.kind, chosen.figures, Datum.of_kind(chosen.kind).free)

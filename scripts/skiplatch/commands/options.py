@@ -44,7 +44,7 @@ jobs_option: Decorator = click.option(
 )
 
 
-def _text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Path | None:
+def text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Path | None:
     """Send what is meant for people to stderr if a document goes to stdout."""
     if path == STDOUT:
         if __name__ in ctx.meta:
@@ -58,7 +58,7 @@ json_option: Decorator = click.option(
     "--json",
     "json_path",
     type=OutputFile(allow_dash=True),
-    callback=_text_aside,
+    callback=text_aside,
     help="Also write the result as JSON to this file; - for stdout, all else then goes to stderr.",
 )
 
@@ -66,7 +66,7 @@ html_option: Decorator = click.option(
     "--html",
     "html_path",
     type=OutputFile(allow_dash=True),
-    callback=_text_aside,
+    callback=text_aside,
     help="Also write the result as one page with pictures to this file; - for stdout.",
 )
 

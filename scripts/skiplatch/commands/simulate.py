@@ -1,12 +1,11 @@
 """``skiplatch simulate``: conditions in, campaign out."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import click
-import numpy as np
 
-from skiplatch.campaign import Status, Touches, read_conditions, read_nominal, write_campaign
+from skiplatch.api.work import simulate
+from skiplatch.campaign import read_conditions, read_nominal, write_campaign
 from skiplatch.commands.options import (
     EffectType,
     jobs_option,
@@ -16,7 +15,7 @@ from skiplatch.commands.options import (
     write_json,
 )
 from skiplatch.commands.outputs import OutputFolder
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator import Effect
 from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
@@ -26,18 +25,6 @@ Example:
 """
 
 FILE = click.Path(path_type=Path, dir_okay=False)
-
-
-def _as_recorded(conditions: Touches, outcomes: Outcomes) -> Touches:
-    """Put the first replicate where a recorder would have put it; conditions stay as they are."""
-    return replace(
-        conditions,
-        edge_us=outcomes.edge_us[0],
-        latch_us=outcomes.latch_us[0],
-        report_us=outcomes.report_us[0],
-        deviation_um=outcomes.deviation_um[0],
-        status=np.where(outcomes.ok[0], Status.OK, Status.MISSED).astype(np.int8),
-    )
 
 
 @click.command(epilog=EPILOG)
@@ -84,9 +71,7 @@ def command(
     refuse_idle(switched_on, nominal.kind)
     refuse_unplayable(nominal_path, nominal)
     conditions = read_conditions(conditions_path)
-    controller = Controller.for_campaign(nominal, conditions)
-    outcomes = play(nominal, controller, conditions, seed=seed, jobs=jobs, switched_on=switched_on)
-    touches = _as_recorded(conditions, outcomes)
+    touches = simulate(nominal, conditions, effects=switched_on, seed=seed, jobs=jobs).touches
     write_campaign(out, nominal, touches)
     missed = int(touches.missed.sum())
     click.echo(f"{out}: {len(touches)} touches, {missed} missed")

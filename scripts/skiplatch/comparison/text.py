@@ -8,7 +8,7 @@ import numpy as np
 from skiplatch.comparison.model import CellGap, Comparison, Missed
 from skiplatch.comparison.observables import OBSERVABLES, Observable
 from skiplatch.statistics import Interval
-from skiplatch.tables import number, table
+from skiplatch.tables import beside, number, table
 
 MM_MIN_TO_UM_US = 1e3 / 60e6
 
@@ -64,10 +64,10 @@ def row(gap: CellGap, alpha: float) -> tuple[str, ...]:
         gap.path.name.lower(),
         f"{gap.feed_mm_min:g}",
         str(gap.touches),
-        f"{_number(gap.recorded_mean)} ± {_number(gap.recorded_spread)}",
-        f"{_number(gap.simulated_mean)} ± {_number(gap.simulated_spread)}",
+        _with_spread(gap.recorded_mean, gap.recorded_spread),
+        _with_spread(gap.simulated_mean, gap.simulated_spread),
         _interval(gap.mean_difference),
-        _signed(_in_other_unit(gap)),
+        _interval(_in_other_unit(gap)).split(" ")[0],
         _interval(gap.spread_difference),
         _number(gap.distance),
         _number(gap.noise_floor),
@@ -80,25 +80,30 @@ def _number(value: float) -> str:
     return number(value, DIGITS) if abs(value) > INVISIBLE else "0"
 
 
-def _signed(value: float) -> str:
-    sign = "+" if value > INVISIBLE else "−" if value < -INVISIBLE else ""
-    return sign + _number(abs(value))
+def _with_spread(mean: float, spread: float) -> str:
+    """Give both, with two digits of the spread."""
+    if spread <= INVISIBLE:
+        return f"{_number(mean)} ± 0"
+    return f"{beside(mean, spread)} ± {beside(spread, spread)}"
 
 
 def _interval(interval: Interval) -> str:
-    """Give the value and half the width of its interval."""
-    return f"{_signed(interval.value)} ± {_number((interval.high - interval.low) / 2.0)}"
+    """Give the value with its sign and half the width of its interval."""
+    text = _with_spread(abs(interval.value), (interval.high - interval.low) / 2.0)
+    is_zero = not text.split(" ")[0].strip("0.")
+    return text if is_zero else ("−" if interval.value < 0.0 else "+") + text
 
 
 def _other_unit(observable: Observable) -> str:
     return "µs" if observable.unit == "µm" else "µm"
 
 
-def _in_other_unit(gap: CellGap) -> float:
+def _in_other_unit(gap: CellGap) -> Interval:
     """Give the difference of the means as a time, where it is a length, and the other way round."""
     speed_um_us = gap.feed_mm_min * MM_MIN_TO_UM_US
-    difference = gap.mean_difference.value
-    return difference / speed_um_us if gap.observable.unit == "µm" else difference * speed_um_us
+    return gap.mean_difference.scaled(
+        1.0 / speed_um_us if gap.observable.unit == "µm" else speed_um_us
+    )
 
 
 def missed_line(missed: Missed) -> str:
@@ -148,7 +153,7 @@ def _cell_json(gap: CellGap, alpha: float) -> dict[str, Any]:
         "path": gap.path.name.lower(),
         "differs": gap.p_value <= alpha,
     }
-    values["mean_difference_at_feed"] = _in_other_unit(gap)
+    values["mean_difference_at_feed"] = _in_other_unit(gap).value
     values["mean_difference_at_feed_unit"] = _other_unit(gap.observable)
     return values
 

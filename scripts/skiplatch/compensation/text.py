@@ -8,7 +8,7 @@ from skiplatch.compensation.compensate import Compensation, Times
 from skiplatch.compensation.probe_figures import Form, ProbeFigures
 from skiplatch.compensation.uncertainty import COVERAGE, Budget, MonteCarlo, Uncertainty
 from skiplatch.statistics import Interval
-from skiplatch.tables import number, table, whole, with_interval
+from skiplatch.tables import listing, number, table, whole, with_interval
 
 PER_CENT = 100.0
 BUDGET_HEADER = ("source", "type", "distribution", "u", "unit", "c, µm per unit", "u·c, µm")
@@ -28,7 +28,7 @@ def as_text(
 ) -> str:
     """Everything, for the terminal."""
     parts = [
-        _summary(done, known),
+        listing(summary_rows(done, known)),
         "Probe, in the style of ISO 230-10\n" + _figures_text(found),
         *(["Measured again with a table\n" + _figures_text(after)] if after else []),
         "Radius of one touch with the table, GUM budget\n"
@@ -39,11 +39,6 @@ def as_text(
         + table(SIMULATED_HEADER, simulated_rows(known.monte_carlo)),
     ]
     return "\n\n".join(parts + notes(done, known))
-
-
-def _summary(done: Compensation, known: Uncertainty) -> str:
-    rows = summary_rows(done, known)
-    return "\n".join(f"{name:<24}{value}" for name, value in rows)
 
 
 def summary_rows(done: Compensation, known: Uncertainty) -> list[tuple[str, str]]:

@@ -20,7 +20,7 @@ from skiplatch.tables import number
 
 BEFORE, AFTER = theme.MUTED, theme.FOURTH
 PANEL_IN = 2.1
-RESIDUAL_IN, RESIDUAL_WIDTH_IN = 2.4, 4.4
+RESIDUAL_IN = 2.3
 TAIL = 0.002
 """Share of the touches on either side that a picture may leave outside."""
 MARGIN = 0.06  # of the range, on both sides
@@ -32,7 +32,6 @@ MOST_LEVELS = 6
 DIGITS = 3
 SHRINK_IN = 0.42  # a row
 SHRINK_FOOT_IN = 0.6
-SHRINK_WIDTH_IN = 5.0
 
 
 def draw_distribution(
@@ -80,7 +79,7 @@ def draw_residuals(name: str, seen: Seen, evidence: Evidence, condition: Conditi
     if seen.left_after is not None:
         left["simulation with the effects"] = (seen.left_after, AFTER)
     low, high = _range(*(_finite(values[rows]) for values, _ in left.values()))
-    with panel(RESIDUAL_IN, RESIDUAL_WIDTH_IN) as figure:
+    with panel(RESIDUAL_IN) as figure:
         axes = figure.subplots()
         axes.axhline(0.0, color=theme.INK, lw=0.8)
         for values, color in left.values():
@@ -104,7 +103,7 @@ def draw_residuals(name: str, seen: Seen, evidence: Evidence, condition: Conditi
 
 def draw_shrink(name: str, gaps: Sequence[Gap]) -> Drawing:
     """Draw by which share the gap of each observable shrinks, with its interval."""
-    with panel(SHRINK_FOOT_IN + SHRINK_IN * len(gaps), SHRINK_WIDTH_IN) as figure:
+    with panel(SHRINK_FOOT_IN + SHRINK_IN * len(gaps)) as figure:
         axes = figure.subplots()
         for row, gap in enumerate(gaps):
             axes.plot([gap.shrink.low, gap.shrink.high], [row, row], color=AFTER, lw=5, alpha=0.4)

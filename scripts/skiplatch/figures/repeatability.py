@@ -11,7 +11,7 @@ from skiplatch.figures.inline import Drawing, drawing, panel
 from skiplatch.repeatability import Repeatability
 
 BAND = "band: ±σ; crosses: outliers"
-WIDE_IN, HIGH_IN = 7.4, 2.8
+WIDE_IN, HIGH_IN = 4.6, 2.4
 
 
 def draw_repeatability(path: Path, found: Repeatability, sentence: str) -> None:

@@ -4,6 +4,8 @@ import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
+from skiplatch.diagnosis.experiment import Experiment
+from skiplatch.diagnosis.experiment.text import REST, VARIED
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
 from skiplatch.figures.inline import Drawing
 from skiplatch.report import chain, glossary, words
@@ -23,7 +25,7 @@ def as_html(
     name: str,
     seed: int,
     jobs: int = 1,
-    next_experiment: str | None = None,
+    next_experiment: Experiment | None = None,
 ) -> str:
     """Lay out a diagnosis.
 
@@ -33,7 +35,7 @@ def as_html(
         name: What the campaign is called.
         seed: Picks the random numbers of the simulations shown.
         jobs: Threads to simulate on.
-        next_experiment: What to record or to try next, a paragraph a line; None for nothing.
+        next_experiment: What to record or to touch next; None for nothing.
     """
     evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
     steps = chain.steps(diagnosis, campaign.nominal.kind)
@@ -57,11 +59,13 @@ def as_html(
         no_gain=words.no_gain(diagnosis),
         where=words.where_table(diagnosis),
         left=words.left_table(diagnosis),
-        next_experiment=words.blocks(next_experiment or ""),
+        next_experiment=next_experiment and words.next_touches(next_experiment),
         notes=diagnosis.notes,
         glossary=glossary.words(
-            *("95 % interval", "chain", "deviation", "effect", "gap", "held out", "latch", "nats"),
-            *("noise floor", "nominal", "p", "PLC task", "scan", "shrink", "skip input"),
+            *("95 % interval", "chain", "confidence", "deviation", "direction α", "effect", "gap"),
+            *("held out", "latch", "nats", "noise floor", "nominal", "p", "PLC task", "scan"),
+            *("sense", "shrink", "skip input", "stage", "stretch"),
+            *((*VARIED, REST) if next_experiment is not None else ()),
         ),
     )
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
@@ -20,7 +20,6 @@ MOST_LEFT = 8
 HOPELESS_NATS = 30.0
 """Bars of what falls short by more are no longer."""
 PER_CENT = 100.0
-COLUMNS_APART = "  "
 PATHS = {"both": "both paths", "skip": "the skip path", "plc": "the PLC path"}
 
 
@@ -65,11 +64,12 @@ class Rank:
 
 
 @dataclass(frozen=True, slots=True)
-class Block:
-    """A paragraph, or a table laid out by spaces."""
+class Next:
+    """What to record or to touch next: why, which touches, and what is expected of them."""
 
-    is_table: bool
-    text: str
+    why: str
+    touches: Table
+    remarks: Sequence[str]
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -132,7 +132,8 @@ def found(named: Named) -> Found:
         value = named.effect.parameters.get(parameter.name, 0.0)
         low, high = named.intervals.get(parameter.name, (value, value))
         figures = with_interval(Interval(value, low, high))
-        rows.append((parameter.name, *figures, parameter.unit, parameter.meaning))
+        unit = "" if parameter.unit == "1" else parameter.unit
+        rows.append((parameter.name, *figures, unit, parameter.meaning))
     return Found(
         id=named.effect.id,
         physics=described.physics,
@@ -208,14 +209,9 @@ def gap_table(gaps: Iterable[Gap], *, after: bool) -> Table:
     return Table(("observable", "shrunk by", "unit", "before", "after", "noise floor"), rows)
 
 
-def blocks(text: str) -> list[Block]:
-    """Part a text into its paragraphs, a line each, and its tables, whose columns are kept."""
-    parts = groupby(text.splitlines(), key=lambda line: COLUMNS_APART in line.strip())
-    return [
-        Block(is_table, part)
-        for is_table, lines in parts
-        for part in (["\n".join(lines)] if is_table else lines)
-    ]
+def next_touches(experiment: Experiment) -> Next:
+    """Give the next experiment."""
+    return Next(experiment.words, Table(*touches_table(experiment)), remarks(experiment))
 
 
 def missed_table(missed: Sequence[Missed]) -> Table | None:
