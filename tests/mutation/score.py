@@ -27,6 +27,8 @@ PATIENCE_S = 30.0
 OTHERWISE = {"-O3": "-O2", "-g": "-g0"}  # so that what the source is called does not show
 LEFT_OUT = {"-Werror", "-flto", "-ffat-lto-objects", "-MMD", "-MP"}
 NO_MUTANT, KILLED, SURVIVED = "no mutant", "killed", "SURVIVED"
+# What an outer make hands on is of its own jobs, and would be spoken of where commands are read.
+OUTSIDE_MAKE = {name: text for name, text in os.environ.items() if "MAKEFLAGS" not in name}
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +45,8 @@ class Build:
 def commands_for(source: Path, programs: list[str]) -> list[list[str]]:
     """Ask make what it would run if the source had changed."""
     make = ["make", "--no-print-directory", "INNER=yes", *programs]
-    subprocess.run(make, check=True, stdout=subprocess.DEVNULL)
-    text = subprocess.check_output([*make, "-n", "-W", str(source)], text=True)
+    subprocess.run(make, check=True, stdout=subprocess.DEVNULL, env=OUTSIDE_MAKE)
+    text = subprocess.check_output([*make, "-n", "-W", str(source)], text=True, env=OUTSIDE_MAKE)
     return [shlex.split(line) for line in text.splitlines() if line.startswith("gcc ")]
 
 

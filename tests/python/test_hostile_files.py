@@ -26,6 +26,8 @@ READ = [place for place in places() if not place.is_output]
 FINE = {
     ("--truth", "empty"),
     ("--truth", "mark alone"),
+    ("--changed", "empty"),
+    ("--changed", "mark alone"),
     ("--memory", "missing"),
     ("--memory", "link to itself"),
     ("fleet add --store", "missing"),
@@ -34,7 +36,7 @@ FINE = {
     ("fleet watch --store", "folder"),
     ("fleet watch argument 1", "folder"),
 }
-"""A truth without errors, stores that are made anew, a folder in which nothing has appeared."""
+"""A truth without errors, before and after a change, stores that are made anew, a folder in which nothing has appeared."""
 FEW = ["fifo", "a terabyte", "no UTF-8", "deep object", "a list"]
 MANY = [kind for kind in HOSTILE if kind not in FEW]
 
