@@ -36,7 +36,7 @@ FINE = {
     ("fleet watch --store", "folder"),
     ("fleet watch argument 1", "folder"),
 }
-"""A truth without errors, before and after a change, stores that are made anew, a folder in which nothing has appeared."""
+"""A truth without errors, stores that are made anew, a folder in which nothing has appeared."""
 FEW = ["fifo", "a terabyte", "no UTF-8", "deep object", "a list"]
 MANY = [kind for kind in HOSTILE if kind not in FEW]
 
