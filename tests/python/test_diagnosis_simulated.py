@@ -21,7 +21,7 @@ from skiplatch.simulator import Effect, effects
 CASES = {
     "feed_error": [3.0, 0.0, 0.0],
     "unfinished_acceleration": [0.3, 0.5],
-    "pretravel_lobing": [3.0, 30.0],
+    "pretravel_lobing": [3.0, 30.0, 1.0, -0.5, 1.0],
     "trigger_delay": [300.0, 0.0, 0.0],
     "input_filter": [100.0, 20.0, 0.0],
     "contact_bounce": [0.2, 300.0, 0.0, 0.0],
@@ -140,7 +140,11 @@ def test_starts_are_admitted_and_nowhere_0(effect_id: str) -> None:
 
 
 def test_parameters_out_of_range_are_brought_into_it() -> None:
-    row = effects()["pretravel_lobing"]  # 0 … 50 µm, 0 … 120°
+    row = effects()["pretravel_lobing"]  # 0 … 50 µm, 0 … 120°, -50 … 50 µm, and more
 
-    assert admitted_values(row, [-3.0, 130.0]) == {"amplitude_um": 3.0, "azimuth_deg": 10.0}
-    assert admitted_values(row, [70.0, -10.0]) == {"amplitude_um": 50.0, "azimuth_deg": 110.0}
+    low = admitted_values(row, [-3.0, 130.0, -60.0, 0.0, 0.0])
+    high = admitted_values(row, [70.0, -10.0, 0.0, 0.0, 5.0])
+
+    assert (low["amplitude_um"], low["azimuth_deg"], low["second_um"]) == (3.0, 10.0, -50.0)
+    assert (high["amplitude_um"], high["azimuth_deg"]) == (50.0, 110.0)
+    assert high["elevation_power"] == 4.0

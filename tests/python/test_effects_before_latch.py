@@ -104,6 +104,18 @@ def test_pretravel_lobing_turns_with_the_azimuth_and_fades_with_the_tilt() -> No
     assert_close(played.deviation_shift_um, more_um, POSITION_TOLERANCE_UM)
 
 
+def test_pointed_lobes_have_cosines_of_their_multiples_and_fade_faster() -> None:
+    form = {"second_um": 1.2, "third_um": -0.4, "elevation_power": 1.0}
+    played = trace(SKIP, "pretravel_lobing", amplitude_um=3.0, azimuth_deg=50.0, **form)
+    touches = played.touches
+    off = np.deg2rad(touches.alpha_deg - 50.0)
+    crests = 3.0 * np.cos(3.0 * off) + 1.2 * np.cos(6.0 * off) - 0.4 * np.cos(9.0 * off)
+    more_um = np.cos(np.deg2rad(touches.beta_deg)) ** 2 * crests
+
+    assert_close(played.edge_shift_us, more_um / played.speed_um_us, 0.0011)
+    assert_close(played.deviation_shift_um, more_um, POSITION_TOLERANCE_UM)
+
+
 def test_pretravel_lobing_leaves_no_pretravel_below_0() -> None:
     played = trace(SKIP, "pretravel_lobing", amplitude_um=50.0)
     contact_us, _ = contact(played.touches, 1.0, ACCEL_MM_S2)

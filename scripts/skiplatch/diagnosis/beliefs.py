@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import optimize
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import SECTIONS, Kind, Nominal
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.likelihood import Likelihood, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import scan_periods
 from skiplatch.simulator import effects
@@ -206,23 +206,23 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
             nominal = belief.applied(nominal, uncertainties)
         return nominal
 
-    def nats_at(moved: FloatArray) -> float:
-        total = likelihood(scene.with_nominal(nominal_at(moved)), change).total
-        return total - 0.5 * float(moved @ moved)
+    def at(moved: FloatArray, names: frozenset[str] | None = None) -> Likelihood:
+        return likelihood(scene.with_nominal(nominal_at(moved)), change, names)
 
     for _ in range(ROUNDS if len(beliefs) > 1 else 1):
         for i in noise_last:
+            only = np.arange(len(places)) == i
+            names = at(places).differing(at(np.where(only, places + 1.0, places)))
 
-            def cost(x: float, i: int = i) -> float:
-                return -nats_at(np.where(np.arange(len(places)) == i, x, places))
+            def cost(x: float, only: BoolArray = only, names: frozenset[str] = names) -> float:
+                return 0.5 * x**2 - at(np.where(only, x, places), names).total
 
             best = _least(cost, _guesses(scene, beliefs[i]))
             places[i] = best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0
         if not places.any():
             break
-    return Fitted(
-        nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats_at(places)
-    )
+    nats = at(places).total - 0.5 * float(places @ places)
+    return Fitted(nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats)
 
 
 def _guesses(scene: Scene, belief: Belief) -> list[float]:

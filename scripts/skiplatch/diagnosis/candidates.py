@@ -136,10 +136,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "pretravel_lobing",
-            ("amplitude_um", "azimuth_deg"),
+            ("amplitude_um", "azimuth_deg", "second_um", "third_um", "elevation_power"),
             surrogates.lobing,
-            starts.fixed(*([2.0, azimuth] for azimuth in (0.0, 30.0, 60.0, 90.0))),
+            starts.fixed(*([2.0, azimuth, 0.0, 0.0, 0.0] for azimuth in (0.0, 30.0, 60.0, 90.0))),
             _shows_lobes,
+            refinements=({2: 0.5}, {2: -0.5}, {3: 0.3}, {3: -0.3}, {4: 1.0}, {4: -0.5}),
         ),
         Candidate(
             "trigger_delay",

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,13 +71,15 @@ class Change:
         Args:
             touch: Their numbers; shape (n,).
         """
-        held = np.array([span.holds(touch) for span, _ in self.passing]).reshape(-1, len(touch))
-        sets, which = np.unique(held, axis=1, return_inverse=True)
-        lasting = replace(self, passing=())
-        for i, there in enumerate(sets.T):
-            both = zip(self.passing, there, strict=True)
-            chosen = (change for (_, change), is_there in both if is_there)
-            yield which.ravel() == i, reduce(Change.joined, chosen, lasting)
+        parts = [(np.full(len(touch), fill_value=True), replace(self, passing=()))]
+        for span, change in self.passing:
+            acts = span.holds(touch)
+            parts = [
+                half
+                for rows, there in parts
+                for half in ((rows & ~acts, there), (rows & acts, there.joined(change)))
+            ]
+        yield from (part for part in parts if part[0].any())
 
     def joined(self, other: "Change") -> "Change":
         """Give both changes together."""

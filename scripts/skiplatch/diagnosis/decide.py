@@ -103,12 +103,13 @@ def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
 
 
 def _singles(judge: Judge, passes: Passes) -> list[Scored]:
-    """Give every effect alone, and those that begin or end where something may have done so.
+    """Give every effect alone, and those that begin or end where no lasting one will do.
 
-    What still comes and goes beside one of these did not begin with it: a step stands for a drift.
+    Where the best of them leaves nothing that comes and goes, nothing need have begun. What still
+    comes and goes beside one that begins did not begin with it: a step stands for a drift.
     """
     ranked = judge.singles()
-    if not passes(None) and not (ranked and passes(ranked[0])):
+    if not passes(ranked[0] if ranked else None):
         return ranked
     begun = [scored for scored in judge.passing(ranked) if not passes(scored)]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)

@@ -207,7 +207,7 @@ class _Work:
     def passes(self, model: Scored | None) -> bool:
         """Tell whether what a hypothesis leaves comes and goes, by no accident."""
         left = self.left(self.naming, self.rig(model.fit)) if model else self.before
-        return any(one.goes_with_time and one.z > CHANCE for one in left)
+        return any(one.goes_with_time for one in _mattering(left, self.materiality))
 
     @cached_property
     def before(self) -> Sequence[Left]:

@@ -4,7 +4,7 @@ The change is carried through the chain to the law of every stream it can be see
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Self
 
 import numpy as np
@@ -42,6 +42,11 @@ class Likelihood:
     def total(self) -> float:
         """Of all touches."""
         return float(self.per_touch.sum())
+
+    def differing(self, other: "Likelihood") -> frozenset[str]:
+        """Name the streams in which another likelihood is not the same."""
+        both = self.streams.items()
+        return frozenset(n for n, own in both if not np.array_equal(own, other.streams[n]))
 
 
 def likelihood(
@@ -182,10 +187,7 @@ def _members(scene: Scene, name: str, change: Change, widening: float) -> list[_
     stream = scene.streams[name]
     if not change.passing:
         return [_Member.of(scene, stream, change, widening)]
-    times = [
-        (replace(stream, rows=stream.rows & rows), there)
-        for rows, there in change.at_times(scene.touches.touch)
-    ]
+    times = [(stream.part(rows), there) for rows, there in change.at_times(scene.touches.touch)]
     return [_Member.of(scene, part, there, widening) for part, there in times if part.rows.any()]
 
 

@@ -57,7 +57,7 @@ class Left:
     Attributes:
         observable: In which it shows.
         path: "skip" or "plc".
-        kind: "shift", "scatter", "wave" or "share".
+        kind: "shift", "scatter", "shape", "wave" or "share".
         conditions: What it goes with, the most telling first; or that it is everywhere.
         size: Of the difference: by condition, half of that between touches that are predicted high
             and low.
@@ -81,11 +81,16 @@ class Left:
     z: float
 
     def is_material(self, materiality: Materiality) -> bool:
-        """It is large enough to matter, and to be told from rounding, which need not be random."""
+        """It is large enough to matter, and to be told from rounding, which need not be random.
+
+        What is lost always matters.
+        """
+        if self.is_share:
+            return True
         resolved = RESOLVED_SCATTER if self.kind == "scatter" else RESOLVED
         if self.size <= resolved * self.step:
             return False
-        least = materiality.absolute(self.unit) if self.unit != "1" else None
+        least = materiality.absolute(self.unit)
         return self.relative > materiality.fraction if least is None else self.size > least
 
     @property
@@ -268,6 +273,20 @@ class Look:
             off = abs(size) if kind == "shift" else max(size, 0.0)
             everything = np.full(len(self._off), fill_value=True)
             yield self._left(kind, (EVERYWHERE,), everything, off / error)
+        yield self._shape(others)
+
+    def _shape(self, others: Sequence[FloatArray]) -> Left:
+        """Compare the distribution of the scores with that of plays, by the way between them.
+
+        A wait that is bound to one point of the scan scatters less than any, about the same middle.
+        """
+        usual = np.array([_from_normal(scores) for scores in others])
+        off = _from_normal(self._scores) - float(usual.mean())
+        error = max(float(usual.std(ddof=1)), SMALLEST)
+        size, relative = (
+            max(off, 0.0) * float(np.median(v)) for v in (self._noise, self._noise / self._scale)
+        )
+        return self._of("shape", (EVERYWHERE,), size, relative, off / error)
 
     def straight(self) -> Iterator[Left]:
         """Rank the scores by every condition, one by one: few touches tell no more."""
@@ -379,6 +398,13 @@ def _wave(
     chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
     z = float(stats.norm.isf(np.clip(chance, 1e-300, 0.5)))
     return 1.0 / float(frequencies[best]), share, z
+
+
+def _from_normal(scores: FloatArray) -> float:
+    """Give the mean way from scores to those of as many normal ones (Wasserstein's distance)."""
+    known = np.sort(scores[~np.isnan(scores)])
+    shares = (np.arange(len(known)) + 0.5) / len(known)
+    return float(np.mean(np.abs(known - stats.norm.ppf(shares))))
 
 
 def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:

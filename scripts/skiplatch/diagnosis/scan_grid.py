@@ -146,7 +146,8 @@ def grid_values(scene: Scene, stream: Stream, change: Change, law: Law) -> Float
     else:
         phases = np.unique(turns)
         if len(phases) > PHASES:
-            phases = np.quantile(phases, np.linspace(0.0, 1.0, PHASES))
+            evenly = np.linspace(0.0, len(phases) - 1.0, PHASES)
+            phases = np.interp(evenly, np.arange(len(phases)), phases)  # quantiles
     phase, found = best(phases)
     for finer in _ever_finer(step, tick / period):
         phase, found = best(phase + finer * NEAR)

@@ -28,6 +28,15 @@ UM_PER_MM = 1e3
 FEWEST_POSITIONS = 8
 """Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
 DISTINCT_DIGITS = 2  # of a mm
+OF_TOUCHES = frozenset(
+    ("is_machine", "plc", "alpha", "cos_beta", "sign", "latched_mm", "false", "rest_s", "follows")
+    + ("alpha_before", "shortest_wave_mm", "has_stamps")
+)
+"""Cached properties of a scene that no number of nominal.toml changes."""
+OF_MOTION = frozenset({"contact", "speed"})
+"""Those that depend on the axis alone, beside the touches."""
+OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count"})
+"""Those that depend on how the datum is free."""
 CLOSE = 0.1
 """Share of the gaps between distinct positions that are smaller than what counts as spacing."""
 
@@ -68,6 +77,17 @@ class Stream:
     def far(self) -> float:
         """Size that a tenth of the residuals exceeds."""
         return float(np.quantile(np.abs(self.known), 0.9))
+
+    @cached_property
+    def _parts(self) -> dict[bytes, "Stream"]:
+        return {}
+
+    def part(self, rows: BoolArray) -> "Stream":
+        """Give the same for some of the touches; an onset that is searched for asks often."""
+        key = rows.tobytes()
+        if key not in self._parts:
+            self._parts[key] = replace(self, rows=self.rows & rows)
+        return self._parts[key]
 
     def off(self, law: Law) -> float:
         """Root mean square distance of the residuals from a law's mean, without the worst."""
@@ -123,7 +143,15 @@ class Scene:
     def with_nominal(self, nominal: Nominal) -> "Scene":
         """Give the same touches under another belief."""
         whole = None if self.whole is None else self.whole.with_nominal(nominal)
-        return replace(self, nominal=nominal, whole=whole)
+        moved = replace(self, nominal=nominal, whole=whole)
+        kept = set(OF_TOUCHES)
+        if nominal.axis == self.nominal.axis:
+            kept |= OF_MOTION
+        if nominal.datum == self.nominal.datum:
+            kept |= OF_DATUM
+        # What was derived from what stays the same; beliefs are tried out by the hundred.
+        moved.__dict__.update({n: v for n, v in self.__dict__.items() if n in kept})
+        return moved
 
     def with_datum_moved(self, touch: int) -> "Scene":
         """Give the same touches, the datum of which may be another one from a touch on."""

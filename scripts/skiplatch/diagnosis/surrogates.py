@@ -31,6 +31,8 @@ BLURRED = 3.0
 """Fine steps up to which coarser ones need not show: lines a third as wide as they are apart."""
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
+STEEPEST = 5.0
+"""Power of the cosine of the elevation that lobes fall with."""
 SHORTEST_MM = 0.01
 SHORTEST_US = 1e-3
 MOST_LAG = 3.0
@@ -94,9 +96,11 @@ def _other_motion(
 
 
 def lobing(scene: Scene, p: Parameters) -> Change:
-    """Lobes come on top of the calibrated ones."""
-    azimuth = LOBES * (scene.alpha - np.deg2rad(p[1]))
-    return Change(pretravel_um=p[0] * scene.cos_beta * np.cos(azimuth))
+    """Lobes come on top of the calibrated ones, pointed or flat, steeper with the elevation."""
+    lobe = LOBES * (scene.alpha - np.deg2rad(p[1]))
+    along_um = p[0] * np.cos(lobe) + p[2] * np.cos(2.0 * lobe) + p[3] * np.cos(3.0 * lobe)
+    power = np.clip(1.0 + p[4], 0.0, STEEPEST)
+    return Change(pretravel_um=along_um * np.abs(scene.cos_beta) ** power)
 
 
 def slotted(_scene: Scene, p: Parameters) -> Change:
