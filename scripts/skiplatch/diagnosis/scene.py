@@ -29,8 +29,10 @@ FEWEST_POSITIONS = 8
 """Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
 DISTINCT_DIGITS = 2  # of a mm
 OF_TOUCHES = frozenset(
-    ("is_machine", "plc", "alpha", "cos_beta", "sign", "latched_mm", "false", "rest_s", "follows")
-    + ("alpha_before", "shortest_wave_mm", "has_stamps")
+    {
+        *("is_machine", "plc", "sign", "latched_mm", "false", "has_stamps", "shortest_wave_mm"),
+        *("alpha", "alpha_before", "cos_beta", "rest_s", "follows"),
+    }
 )
 """Cached properties of a scene that no number of nominal.toml changes."""
 OF_MOTION = frozenset({"contact", "speed"})
