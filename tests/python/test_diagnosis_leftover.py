@@ -133,6 +133,22 @@ def test_scatter_that_goes_with_the_rest_before_is_found() -> None:
     assert "rest" in told_by(found, "scatter")
 
 
+def test_a_wait_that_is_bound_to_the_scan_is_found_though_it_scatters_less() -> None:
+    bound = Effect("scan_phase_lock", {"phase": 0.5, "spread": 0.03, "unlocked": 0.3})
+
+    found = mattering(played(BENCH, bound))
+
+    assert {(one.observable, one.kind) for one in found if one.path == "plc"} >= {
+        ("latch", "shape")
+    }
+
+
+def test_a_few_that_are_lost_matter() -> None:
+    found = mattering(played(BENCH, Effect("lost_trigger", {"probability": 0.04})))
+
+    assert {one.observable for one in found} == {MISSED}
+
+
 def test_misses_that_go_with_the_feed_are_found() -> None:
     campaign = played(MACHINE)
     touches = campaign.touches

@@ -12,7 +12,6 @@ from skiplatch.diagnosis.verdict import (
     CHANCE,
     EXPLAINS,
     HAS_GAP,
-    MORE_NOISE,
     NAMES,
     SEES,
     Evidence,
@@ -29,10 +28,10 @@ RULES = {rule.name: rule for rule in (*EXPLAINS, *NAMES, *SEES, *HAS_GAP)}
 A_BIT = 1e-6
 
 
-def left(z: float, *conditions: str, relative: float = 1.0, noise: float = 1.0) -> Left:
-    """Something left of a position, where plays scatter by so much."""
+def left(z: float, *conditions: str, relative: float = 1.0) -> Left:
+    """Something left of a position, where plays scatter by 1 µm."""
     names = conditions or (EVERYWHERE,)
-    return Left("position", "skip", "shift", names, relative, "µm", relative, noise, 0.1, z)
+    return Left("position", "skip", "shift", names, relative, "µm", relative, 1.0, 0.1, z)
 
 
 def gap(low: float, high: float = 1.0, *, is_clear: bool = True) -> Gap:
@@ -47,7 +46,6 @@ def gaps(*several: Gap) -> Mapping[str, Gap]:
 
 FOUND = Evidence(
     gaps=gaps(gap(0.95)),
-    believed=[left(20.0, "feed", relative=4.0)],
     before=[left(20.0, "feed", relative=4.0)],
     effects=["backlash"],
     hidden=0.1,
@@ -67,9 +65,9 @@ def leaving(z: float) -> Evidence:
     return Evidence(after=[left(z)])
 
 
-def telling_of_chance(z: float, noise: float = 3.0) -> Evidence:
-    """Something known tells of what a finding that scatters more has left to chance."""
-    return Evidence(believed=[left(0.0)], after=[left(z, "feed", noise=noise)])
+def telling_of_chance(z: float) -> Evidence:
+    """Something known tells of what a finding has left to chance."""
+    return Evidence(chance=[left(z, "feed")])
 
 
 def leaving_of_four(relative: float) -> Evidence:
@@ -175,27 +173,11 @@ def test_no_clear_gap_shrinks_nowhere() -> None:
     assert failure.words == "no gap is clear"
 
 
-def test_what_is_everywhere_tells_nothing_of_chance() -> None:
-    evidence = Evidence(believed=[left(0.0)], after=[left(30.0, noise=3.0)])
+def test_what_is_left_elsewhere_tells_nothing_of_chance() -> None:
+    evidence = Evidence(after=[left(30.0, "feed")])
 
     assert told_of_chance(evidence) == []
     assert failures([RULES["chance_is_chance"]], evidence) == []
-
-
-@pytest.mark.parametrize(("noise", "fails"), [(MORE_NOISE, False), (MORE_NOISE + A_BIT, True)])
-def test_what_scatters_no_more_than_was_believed_adds_nothing_to_chance(
-    noise: float, fails: bool
-) -> None:
-    evidence = telling_of_chance(30.0, noise)
-
-    assert told_of_chance(evidence) == (list(evidence.after) if fails else [])
-    assert bool(failures([RULES["chance_is_chance"]], evidence)) is fails
-
-
-def test_chance_of_another_path_is_not_told() -> None:
-    other = replace(left(30.0, "feed", noise=3.0), path="plc")
-
-    assert told_of_chance(Evidence(believed=[left(0.0)], after=[other])) == []
 
 
 def test_what_tells_of_chance_is_named() -> None:
@@ -278,7 +260,7 @@ def test_what_falls_short_in_one_respect_explains_in_part(worse: Evidence, rule:
         (replace(FOUND, gaps=gaps(gap(0.1))), "shrinks_somewhere"),
         (replace(FOUND, gaps=gaps(gap(0.95), gap(-1.0, -0.1))), "grows_nowhere"),
         (replace(FOUND, after=[left(20.0, "time", relative=3.0)]), "takes_most"),
-        (replace(FOUND, after=[left(20.0, "time", noise=2.0)]), "chance_is_chance"),
+        (replace(FOUND, chance=[left(20.0, "time")]), "chance_is_chance"),
     ],
 )
 def test_a_finding_that_cannot_be_named_leaves_the_gap_unknown(wrong: Evidence, rule: str) -> None:

@@ -14,6 +14,7 @@ from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.beliefs import Belief, fit_beliefs, uncertain, value_of
 from skiplatch.diagnosis.believed import scene_of
+from skiplatch.diagnosis.chance import chance_of
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find, reduced
@@ -304,7 +305,9 @@ def _conclusion(
     hidden = could_hide(scene, known, seed=work.seed)
     evidence = Evidence(
         gaps=gap,
-        believed=before,
+        chance=chance_of(work.scene, rig, believed, seed=work.seed, jobs=work.jobs)
+        if finding.model
+        else (),
         before=_mattering(before, work.materiality),
         after=_mattering(after, work.materiality),
         hidden=min((one.relative for one in hidden.values()), default=np.inf),

@@ -6,6 +6,8 @@ tells it is what that looks like.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
@@ -51,25 +53,59 @@ def left_over(
         jobs: Threads to play on.
         memo: What was found of other rigs, to be looked up and added to.
     """
-    if len(scene) > MOST_TOUCHES:
-        some = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
-        scene = scene.select(np.sort(some))
-    # What a touch does may depend on those before it, whether they are looked at or not.
-    sequence, rows = scene.in_sequence(MOST_PLAYED)
-    outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
-    recorded, played = _without_rests(scene, *_dithered(scene, outcomes, seed))
-    setting, memo = Setting(scene, seed), {} if memo is None else memo
+    beside = Beside.of(scene, rig, seed=seed, jobs=jobs)
+    memo = {} if memo is None else memo
     found: list[Left] = []
-    paths: Mapping[str, BoolArray] = {"skip": ~scene.plc, "plc": scene.plc}
-    for path, here in paths.items():
-        for name in recorded:
-            known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
-            seen: BoolArray = here & known
+    for path, here in beside.paths.items():
+        for name in beside.recorded:
+            seen = here & beside.known(name)
             if seen.sum() >= FEWEST:
-                look = Look(setting, name, path, seen, recorded[name], played[name])
-                found += look.all(memo)
-        found += _missing(setting, path, here, outcomes)
+                found += beside.look(name, path, seen).all(memo)
+        found += _missing(beside.setting, path, here, beside.outcomes)
     return sorted(found, key=lambda left: -left.z)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beside:
+    """Touches beside plays of them, taken apart by observable.
+
+    Attributes:
+        setting: What is known of the touches.
+        outcomes: The plays.
+        recorded: Shape (n,), by observable.
+        played: Shape (r, n), by observable.
+    """
+
+    setting: Setting
+    outcomes: Outcomes
+    recorded: Mapping[str, FloatArray]
+    played: Mapping[str, FloatArray]
+
+    @classmethod
+    def of(cls, scene: Scene, rig: Rig, *, seed: int, jobs: int) -> Self:
+        """Play the touches of a scene; some of them, if there are many."""
+        if len(scene) > MOST_TOUCHES:
+            some = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
+            scene = scene.select(np.sort(some))
+        # What a touch does may depend on those before it, whether they are looked at or not.
+        sequence, rows = scene.in_sequence(MOST_PLAYED)
+        outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
+        apart = _without_rests(scene, *_dithered(scene, outcomes, seed))
+        return cls(Setting(scene, seed), outcomes, *apart)
+
+    @property
+    def paths(self) -> Mapping[str, BoolArray]:
+        """Give the touches of each path; shape (n,)."""
+        plc = self.setting.scene.plc
+        return {"skip": ~plc, "plc": plc}
+
+    def known(self, name: str) -> BoolArray:
+        """Tell which touches show an observable, recorded and played; shape (n,)."""
+        return ~np.isnan(self.recorded[name]) & ~np.isnan(self.played[name]).all(axis=0)
+
+    def look(self, name: str, path: str, rows: BoolArray) -> Look:
+        """Hold some touches of a path against their plays."""
+        return Look(self.setting, name, path, rows, self.recorded[name], self.played[name])
 
 
 STREAMS = {

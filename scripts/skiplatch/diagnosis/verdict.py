@@ -14,8 +14,9 @@ CHANCE = 4.0
 """Standard errors from which on something is kept as evidence."""
 UNTOUCHED = 0.02
 """Share by which what is left may change by chance where a finding does nothing."""
-MORE_NOISE = 1.1
-"""Scatter of the plays over that of the believed chain from which on a finding adds to chance."""
+TOLD = 3.5
+"""Standard errors from which on something tells how chance fell: of some thirty looks, one in a
+hundred findings."""
 
 
 class Verdict(StrEnum):
@@ -36,8 +37,8 @@ class Evidence:
         gaps: Observables on touches held out, with the gap before and after; by name.
         is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
             all touches, each with parameters that the others were fitted to.
-        believed: All that was looked at under the believed chain.
-        before: What that leaves that is material and hardly an accident.
+        chance: What may tell how the finding's chance fell, all that was looked at.
+        before: What the believed chain leaves that is material and hardly an accident.
         after: The same of the finding; of none, if nothing was found.
         hidden: By how many times its noise an observable may be off unseen, the best of them.
         effects: Ids of the effects found.
@@ -50,7 +51,7 @@ class Evidence:
 
     gaps: Mapping[str, Gap] = field(default_factory=dict)
     is_held_out: bool = True
-    believed: Sequence[Left] = ()
+    chance: Sequence[Left] = ()
     before: Sequence[Left] = ()
     after: Sequence[Left] = ()
     hidden: float = 0.0
@@ -154,26 +155,14 @@ def _is_confirmed(evidence: Evidence, _: float) -> str:
     return "" if evidence.is_confirmed else "plain simulation does no better with it"
 
 
-def told_of_chance(evidence: Evidence, threshold: float = CHANCE) -> list[Left]:
+def told_of_chance(evidence: Evidence, threshold: float = TOLD) -> list[Left]:
     """Give what tells of touches how a finding's chance fell: it is none, then."""
-    return [
-        one
-        for one in evidence.after
-        if one.is_predicted and one.z > threshold and _is_scattered(evidence, one)
-    ]
+    return [one for one in evidence.chance if one.z > threshold]
 
 
 def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
-    found = told_of_chance(evidence, threshold)
-    return (
-        f"what it leaves to chance in {found[0].observable} {found[0].looks_like}" if found else ""
-    )
-
-
-def _is_scattered(evidence: Evidence, left: Left) -> bool:
-    """Tell whether the finding lets more to chance, where something is left, than was believed."""
-    believed = [one.noise for one in evidence.believed if one.is_of(left)]
-    return bool(believed) and left.noise > MORE_NOISE * believed[0]
+    told = told_of_chance(evidence, threshold)
+    return f"what it leaves to chance in {told[0].observable} {told[0].looks_like}" if told else ""
 
 
 def _takes_most(evidence: Evidence, threshold: float) -> str:
@@ -242,8 +231,8 @@ NAMES: Sequence[Rule] = (
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
     Rule(
         "chance_is_chance",
-        CHANCE,
-        "theory: chance goes with nothing; a level of one in thirty thousand a look",
+        TOLD,
+        "theory: chance goes with nothing; a level of one in a hundred findings",
         _chance_is_chance,
     ),
     Rule(

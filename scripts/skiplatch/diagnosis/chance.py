@@ -1,0 +1,64 @@
+"""Whether what a finding leaves to chance is chance.
+
+Which touches bounced, how late a scan began, where a value lies between two lines: no condition
+tells it, and no touch before, for the physics of the effect knows none of them. Where something
+does, the effect stands for something else. It shows best where scatter is mostly the effect's.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.leftover import Beside
+from skiplatch.diagnosis.look import FEWEST_FOR_FOREST, Left
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+
+MOSTLY = 2.0
+"""Variance over the believed one from which on the scatter of a touch is mostly the finding's."""
+SMALLEST = 1e-9
+
+
+def chance_of(scene: Scene, found: Rig, believed: Rig, *, seed: int, jobs: int = 1) -> list[Left]:
+    """Look for what tells how the chance of a finding fell; all of it, the most significant first.
+
+    Args:
+        scene: The touches.
+        found: The rig with the effects.
+        believed: The rig without them.
+        seed: Of the plays and of the forests.
+        jobs: Threads to play on.
+    """
+    beside, before = (Beside.of(scene, rig, seed=seed, jobs=jobs) for rig in (found, believed))
+    looks = [left for look in _looks(beside, before) for left in look]
+    return sorted(looks, key=lambda left: -left.z)
+
+
+def _looks(beside: Beside, before: Beside) -> Iterator[Iterator[Left]]:
+    for path, here in beside.paths.items():
+        for name in beside.recorded:
+            rows = here & beside.known(name) & before.known(name)
+            if rows.any():
+                rows = rows & _is_mostly(beside, before, name, rows)
+            if rows.sum() >= FEWEST_FOR_FOREST:
+                look = beside.look(name, path, rows)
+                yield look.straight()
+                yield look.predicted()
+
+
+def _is_mostly(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:
+    """Tell which touches scatter mostly by the finding: feeds in which variance has grown; (n,)."""
+    step = beside.setting.step(name)
+    feeds = beside.setting.scene.touches.feed_mm_min
+    mostly = np.zeros(len(rows), dtype=np.bool_)
+    for feed in np.unique(feeds[rows]):
+        there = rows & (feeds == feed)
+        now, was = (_variance(plays.played[name][:, there], step) for plays in (beside, before))
+        mostly |= there & (now > MOSTLY * was)
+    return mostly
+
+
+def _variance(played: FloatArray, step: float) -> float:
+    """Give the mean variance of touches, shape (r, m), but of no less than rounding makes."""
+    return max(float(np.nanmean(np.nanvar(played, axis=0))), step**2 / 12.0, SMALLEST)

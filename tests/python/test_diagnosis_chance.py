@@ -1,0 +1,85 @@
+"""Chance goes with nothing: what a finding leaves to it must not be told by anything known."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from played_campaigns import MACHINE, played
+from skiplatch.arrays import BoolArray
+from skiplatch.campaign import Campaign, InputPath, Touches
+from skiplatch.diagnosis.chance import chance_of
+from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.verdict import TOLD
+from skiplatch.simulator import Effect
+
+SHARE, LATE_US = 0.3, 3000.0
+BOUNCE = Effect("contact_bounce", {"probability": SHARE, "least_us": LATE_US})
+
+
+def told(campaign: Campaign, *effects: Effect) -> list[Left]:
+    found, believed = Rig(campaign.nominal, effects), Rig(campaign.nominal)
+    looks = chance_of(Scene.of(campaign), found, believed, seed=1)
+    return [one for one in looks if one.z > TOLD]
+
+
+def late(campaign: Campaign, rows: BoolArray) -> Campaign:
+    """Some touches latch later, and are deeper by the way of that time."""
+    touches = campaign.touches
+    way_um = touches.feed_mm_min / 60.0 * LATE_US * 1e-3
+    return replace(
+        campaign,
+        touches=replace(
+            touches,
+            latch_us=touches.latch_us + LATE_US * rows,
+            report_us=touches.report_us + LATE_US * rows,
+            deviation_um=touches.deviation_um + way_um * rows,
+        ),
+    )
+
+
+def longest_rests(touches: Touches) -> BoolArray:
+    rest_s = np.diff(touches.time_s, prepend=touches.time_s[:1])
+    return np.asarray(rest_s > np.quantile(rest_s, 1.0 - SHARE))
+
+
+def in_order() -> Campaign:
+    campaign = played(MACHINE)
+    return replace(campaign, touches=campaign.touches.in_order_of_time())
+
+
+def test_nothing_tells_which_touches_bounced() -> None:
+    """At this level one finding in a hundred is told by accident."""
+    for seed in range(3):
+        assert told(played(MACHINE, BOUNCE, seed=seed), BOUNCE) == []
+
+
+def test_the_rest_before_tells_which_touches_did_not_bounce_but_came_late() -> None:
+    campaign = in_order()
+
+    found = told(late(campaign, longest_rests(campaign.touches)), BOUNCE)
+
+    assert found
+    assert "rest before" in found[0].conditions
+
+
+def test_what_leaves_nothing_more_to_chance_cannot_be_told_of() -> None:
+    campaign = in_order()
+    delay = Effect("trigger_delay", {"delay_us": 400.0})
+
+    looks = chance_of(
+        Scene.of(campaign), Rig(campaign.nominal, [delay]), Rig(campaign.nominal), seed=1
+    )
+
+    assert looks == []
+
+
+def test_only_the_path_on_which_it_scatters_is_looked_at() -> None:
+    blocking = Effect("isr_blocking", {"probability": SHARE, "length_us": LATE_US})
+    campaign = in_order()
+    rows = longest_rests(campaign.touches) & (campaign.touches.path == InputPath.SKIP)
+
+    found = told(late(campaign, rows), blocking)
+
+    assert {one.path for one in found} == {"skip"}
