@@ -8,6 +8,7 @@
 
 #define CONTAMINATION 1e-3 /* share of residuals that may lie anywhere */
 #define THIN          0.1  /* what a box or an exponential, over the Gaussian, only adds to it */
+#define THIN_BOX      0.5  /* the same of boxes alone: no skewness, and a kurtosis of -0.0005 */
 #define SHORTEST      1e-4 /* width of a box, over the exponential, whose edges are not resolved */
 #define BOX_VARIANCE  12.0 /* squared width over variance */
 #define SQRT_2        1.4142135623730951
@@ -133,10 +134,11 @@ static void fold_box(sum_t *sum, double *box)
 /* Make what is too thin to have a shape of its own a part of the Gaussian. */
 static void fold_thin(sum_t *sum)
 {
-    if (sum->narrow < fmax(THIN * sum->sigma, SHORTEST * sum->mean)) {
+    double thin = sum->mean > 0.0 ? THIN : THIN_BOX; /* over the scatter */
+    if (sum->narrow < fmax(thin * sum->sigma, SHORTEST * sum->mean)) {
         fold_box(sum, &sum->narrow);
     }
-    if (sum->wide < fmax(THIN * sum->sigma, SHORTEST * sum->mean)) {
+    if (sum->wide < fmax(thin * sum->sigma, SHORTEST * sum->mean)) {
         fold_box(sum, &sum->wide);
     }
     if (sum->mean < THIN * sum->sigma) {

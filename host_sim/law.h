@@ -53,8 +53,9 @@ typedef struct {
  * Write the logarithm of the density of each residual under its own law and extras. One in a
  * thousand may lie anywhere. Shares of the extras of a residual add up to 1 at the most.
  *
- * A box or an exponential of less than a tenth of the scatter, a box of less than a ten-thousandth
- * of the exponential, and the narrowest of three boxes count by mean and variance alone.
+ * A box of less than half of the scatter, a box or an exponential of less than a tenth of it beside
+ * each other, a box of less than a ten-thousandth of the exponential, and the narrowest of three
+ * boxes count by mean and variance alone.
  */
 void sim_law_log_density(const sim_residuals_t *of, double *log_densities);
 

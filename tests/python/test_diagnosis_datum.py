@@ -61,13 +61,18 @@ def quiet() -> Campaign:
         approach_mm=np.full(n, 3.0),
         position_mm=rng.uniform(-100.0, 100.0, n),
         deviation_um=np.zeros(n),
-        session=(np.arange(n) >= n // 2).astype(int),
-        session_names=("before", "after"),
     )
     campaign = replace(
         machine, nominal=replace(nominal, probe=probe, axis=axis, skip=skip), touches=touches
     )
     return played_again(campaign)
+
+
+def in_sessions(campaign: Campaign) -> Campaign:
+    """The same touches, homed anew after half of them."""
+    later = (np.arange(len(campaign.touches)) >= len(campaign.touches) // 2).astype(int)
+    touches = replace(campaign.touches, session=later, session_names=("before", "after"))
+    return replace(campaign, touches=touches)
 
 
 def fitted(campaign: Campaign) -> Mapping[str, float]:
@@ -127,13 +132,26 @@ def test_a_datum_of_each_sense_takes_up_backlash_and_one_of_each_axis_does_not()
 
 
 def test_a_datum_of_each_session_takes_up_what_changes_between_them() -> None:
-    by_session = free(quiet(), DatumFreedom.SESSION)
+    by_session = free(in_sessions(quiet()), DatumFreedom.SESSION)
     later_um = np.where(by_session.touches.session == 1, 7.0, 2.0)
 
     assert fitted(moved(by_session, later_um)) == {
         "session before": pytest.approx(2.0, abs=0.1),
         "session after": pytest.approx(7.0, abs=0.1),
     }
+
+
+def test_a_session_moves_the_datum_of_each_axis() -> None:
+    campaign = in_sessions(quiet())
+    by_axis = np.array([5.0, -3.0, 80.0])[campaign.touches.axis]
+    moved_um = np.where(campaign.touches.session == 1, by_axis, 0.0)
+
+    found = fitted(moved(campaign, moved_um))
+
+    assert [found[f"{axis} session before"] for axis in "XYZ"] == pytest.approx([0.0] * 3, abs=0.15)
+    assert [found[f"{axis} session after"] for axis in "XYZ"] == pytest.approx(
+        [5.0, -3.0, 80.0], abs=0.15
+    )
 
 
 def test_what_is_known_of_a_datum_holds_it_back() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from skiplatch.campaign import BelievedEffect, Campaign
 from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.directions import with_directions
 from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.laws import law_of
 from skiplatch.diagnosis.scene import Scene, Stream
@@ -31,7 +32,7 @@ BELIEVED = BelievedEffects()
 
 def scene_of(campaign: Campaign) -> Scene:
     """Take a campaign's touches in order of time, with the effects believed in."""
-    return Scene.of(campaign, BELIEVED)
+    return Scene.of(with_directions(campaign), BELIEVED)
 
 
 def _change(scene: Scene, effect: BelievedEffect) -> Change:

@@ -37,7 +37,7 @@ TIED = 6.0
 Noticed = Callable[[Scored], frozenset[str]]
 """Names the streams in which something can still be seen once a model is played."""
 Passes = Callable[[Scored | None], bool]
-"""Tells whether what a model, or none, leaves goes with the sequence of the touches."""
+"""Tells whether what a model, or none, leaves goes with the sequence of the touches, or may."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,16 +67,17 @@ class Finding:
         return (self.model, *(s for s in others if s.score > self.model.score - TIED))
 
 
-def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
+def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> Finding:
     """Search forward, from several first effects, for as many as the touches ask for.
 
     Args:
         judge: Fits and scores.
         noticed: Where a model leaves something.
-        passes: Whether what it leaves may have begun or ended.
+        may_begin: Whether what it leaves may have begun or ended.
+        passes: Whether what it leaves comes and goes.
     """
     judge.believe_beside(None)
-    ranked = _singles(judge, passes)
+    ranked = _singles(judge, may_begin, passes)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -102,14 +103,15 @@ def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
     return several(judge, model, tried)
 
 
-def _singles(judge: Judge, passes: Passes) -> list[Scored]:
+def _singles(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
     """Give every effect alone, and those that begin or end where no lasting one will do.
 
-    Where the best of them leaves nothing that comes and goes, nothing need have begun. What still
-    comes and goes beside one that begins did not begin with it: a step stands for a drift.
+    Where the best of them leaves nothing but what goes with conditions, nothing need have begun.
+    What still comes and goes beside one that begins did not begin with it: a step stands for a
+    drift.
     """
     ranked = judge.singles()
-    if not passes(ranked[0] if ranked else None):
+    if not may_begin(ranked[0] if ranked else None):
         return ranked
     begun = [scored for scored in judge.passing(ranked) if not passes(scored)]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)

@@ -21,7 +21,7 @@ from skiplatch.diagnosis.decide import Finding, find, reduced
 from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates, settled
 from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
-from skiplatch.diagnosis.leftover import left_over, noticed, streams_of
+from skiplatch.diagnosis.leftover import NOTICED, left_over, noticed, streams_of
 from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.notes import notes
@@ -205,10 +205,18 @@ class _Work:
             self._noticed[key] = noticed(left, self.materiality)
         return self._noticed[key]
 
+    def may_begin(self, model: Scored | None) -> bool:
+        """Tell whether what a hypothesis leaves may have begun or ended: it is no condition's."""
+        left = self._left_to_name(model)
+        return any(one.goes_with_time or not one.is_predicted for one in left)
+
     def passes(self, model: Scored | None) -> bool:
         """Tell whether what a hypothesis leaves comes and goes, by no accident."""
+        return any(one.goes_with_time and one.z > CHANCE for one in self._left_to_name(model))
+
+    def _left_to_name(self, model: Scored | None) -> list[Left]:
         left = self.left(self.naming, self.rig(model.fit)) if model else self.before
-        return any(one.goes_with_time for one in _mattering(left, self.materiality))
+        return [one for one in left if one.z > NOTICED and one.is_material(self.materiality)]
 
     @cached_property
     def before(self) -> Sequence[Left]:
@@ -221,7 +229,7 @@ class _Work:
         if not streams:
             return Finding(None), None
         self.judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
-        finding = find(self.judge, self.noticed, self.passes)
+        finding = find(self.judge, self.noticed, self.may_begin, self.passes)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
 

@@ -37,14 +37,15 @@ that are not quite normal, one or two."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
 SMALLEST = 1e-4
-RESOLVED = 0.25
-"""Steps of rounding that a difference has to exceed."""
-RESOLVED_SCATTER = 0.5
-"""The same of scatter: what is rounded up or down from one place scatters by half a step."""
+RESOLVED = 0.5
+"""Steps that a difference has to exceed where hardly more than rounding scatters: so much may each
+value be off, and all of them alike."""
 CALM = (0.02, 0.98)
 """Quantiles beyond which values count no further for a spread."""
 NAMED = 3
 """Covariates that are named at most."""
+MOSTLY_WAIT = 0.9
+"""Scatter of the wait for a scan over that of plays from which on it is nearly all of it."""
 LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
 EVERYWHERE = "everywhere"
@@ -87,8 +88,7 @@ class Left:
         """
         if self.is_share:
             return True
-        resolved = RESOLVED_SCATTER if self.kind == "scatter" else RESOLVED
-        if self.size <= resolved * self.step:
+        if self.size <= RESOLVED * self.step and self.noise < self.step:
             return False
         least = materiality.absolute(self.unit)
         return self.relative > materiality.fraction if least is None else self.size > least
@@ -200,6 +200,18 @@ class Setting:
         is_probe = UNITS[observable] == "µm" and self.scene.is_machine
         return self.scene.nominal.probe.repeatability_um if is_probe else 0.0
 
+    def is_mostly_wait(
+        self, observable: str, path: str, noise: FloatArray, rows: BoolArray
+    ) -> bool:
+        """Tell whether plays of a path, which scatter so much, do so for the phase of the scan."""
+        scene = self.scene
+        if path != "plc" or observable not in ("latch", "position"):
+            return False
+        wait = np.full(len(scene), scene.nominal.plc.scan_us / np.sqrt(12.0))
+        if observable == "position":
+            wait = np.where(scene.has_stamps, 0.0, wait * scene.speed)
+        return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
+
     def step(self, observable: str) -> float:
         """Give what an observable is rounded to, in its unit."""
         chain = self.scene.nominal
@@ -273,18 +285,21 @@ class Look:
             off = abs(size) if kind == "shift" else max(size, 0.0)
             everything = np.full(len(self._off), fill_value=True)
             yield self._left(kind, (EVERYWHERE,), everything, off / error)
-        yield self._shape(others)
+        if self._setting.is_mostly_wait(self._name, self._path, self._noise, self._rows):
+            yield self._shape(others)
 
     def _shape(self, others: Sequence[FloatArray]) -> Left:
-        """Compare the distribution of the scores with that of plays, by the way between them.
+        """Compare where in the scan touches fall with where plays do, by the way between them.
 
-        A wait that is bound to one point of the scan scatters less than any, about the same middle.
+        A wait that is bound to one point of the scan may scatter no more than any, about the same
+        middle. Of noise the shape is not known so well.
         """
         usual = np.array([_from_normal(scores) for scores in others])
         off = _from_normal(self._scores) - float(usual.mean())
         error = max(float(usual.std(ddof=1)), SMALLEST)
         size, relative = (
-            max(off, 0.0) * float(np.median(v)) for v in (self._noise, self._noise / self._scale)
+            max(off, 0.0) * float(np.median(values))
+            for values in (self._noise, self._noise / self._scale)
         )
         return self._of("shape", (EVERYWHERE,), size, relative, off / error)
 

@@ -72,6 +72,11 @@ class Rig:
         """Give those of effects that begin or end."""
         return [span for span in dict.fromkeys(e.span for e in self.effects) if span != ALWAYS]
 
+    @property
+    def keeps_scan_grid(self) -> bool:
+        """Its scans come evenly. Where touches are bound to the scan, plays move it to them."""
+        return all(effect.id != "scan_phase_lock" for effect in self.effects)
+
     def play(
         self,
         touches: Touches,
@@ -118,6 +123,11 @@ class Folds:
     def spans(self) -> list[Span]:
         """Give those of effects that begin or end."""
         return self.rigs[0].spans
+
+    @property
+    def keeps_scan_grid(self) -> bool:
+        """Its scans come evenly."""
+        return self.rigs[0].keeps_scan_grid
 
     def play(self, touches: Touches, *, seed: int, replicates: int, jobs: int = 1) -> Outcomes:
         """Play the conditions of the n touches so often."""

@@ -5,7 +5,7 @@ edges the stretches come apart, and the likelihood is a product over them.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, reduce
 from typing import Protocol
 
 import numpy as np
@@ -476,15 +476,17 @@ def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
 
     None where it is known.
     """
+    if nominal.datum.free is DatumFreedom.NONE:
+        return None
     axes = np.array([*(axis.name for axis in Axis), "axis"])[touches.axis]
-    match nominal.datum.free:
-        case DatumFreedom.NONE:
-            return None
-        case DatumFreedom.CAMPAIGN:
-            return np.full(len(touches), "campaign")
-        case DatumFreedom.AXIS:
-            return axes
-        case DatumFreedom.AXIS_SENSE:
-            return np.char.add(axes, np.where(touches.sign < 0.0, "-", "+"))
-        case DatumFreedom.SESSION:
-            return np.array([f"session {name}" for name in touches.session_names])[touches.session]
+    parts = {
+        DatumFreedom.CAMPAIGN: [np.full(len(touches), "campaign")],
+        DatumFreedom.AXIS: [axes],
+        DatumFreedom.AXIS_SENSE: [axes, np.where(touches.sign < 0.0, "-", "+")],
+        DatumFreedom.SESSION: [],
+    }[nominal.datum.free]
+    # What was homed or clamped anew has a datum of its own.
+    if not parts or len(touches.session_names) > 1:
+        before = " session " if parts else "session "
+        parts.append(np.array([before + name for name in touches.session_names])[touches.session])
+    return reduce(np.char.add, parts)

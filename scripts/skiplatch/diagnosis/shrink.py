@@ -25,6 +25,7 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.grid import off_grid
+from skiplatch.diagnosis.observed import observed
 from skiplatch.diagnosis.playing import Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
@@ -155,7 +156,7 @@ def shrink(
     rigs = [before, after] if truth is None else [before, after, truth]
     plays = [_play(scene, rig, seed, jobs) for rig in rigs]
     gaps = {}
-    for observable in _observables(scene):
+    for observable in _observables(scene, after):
         cells = list(_cells(scene, held_out, observable, plays, after.spans))
         if cells:
             gaps[observable.name] = _gap(cells, observable, _least(scene, observable), seed)
@@ -167,19 +168,28 @@ def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
     return rig.play(scene.touches, seed=seed, replicates=replicates, jobs=jobs)
 
 
-def _observables(scene: Scene) -> Iterator[Observable]:
-    """Give those of every comparison, and where the stamps of scans lie on their grid.
+def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
+    """Give those of every comparison, and two that stamps tell far more sharply.
 
     A scan that is late moves the stamp of its touch by little of the wait for a scan: it is only
-    beside the other stamps that it shows.
+    beside the other stamps that it shows. Nor does a position that is off show in that wait: it
+    does beside the way until its own stamp.
     """
     yield from OBSERVABLES
+
+    def beyond(recorded: Recorded, _: Contact) -> FloatArray:
+        return np.where(scene.has_stamps, observed(scene, recorded)["position"], np.nan)
+
+    if "position" in scene.streams:
+        yield Observable(
+            "deviation_beyond_stamp_um", "deviation − way until its stamp", "µm", beyond
+        )
 
     def late(recorded: Recorded, _: Contact) -> FloatArray:
         stamps = np.where(scene.plc, recorded.latch_us, np.nan)
         return np.asarray(np.round(off_grid(stamps, scene.nominal.plc.scan_us), NS))
 
-    if "lattice" in scene.streams:
+    if "lattice" in scene.streams and after.keeps_scan_grid:
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
 
@@ -241,8 +251,10 @@ def _expected(scene: Scene, observable: Observable) -> tuple[FloatArray, FloatAr
 
 
 def _own(recorded: FloatArray, plays: FloatArray) -> _Scored:
-    """Score touches, shape (m,), each against its own plays, shape (m, r)."""
-    ensemble = np.where(np.isnan(plays), np.nanmedian(plays, axis=1)[:, None], plays)
+    """Score touches, shape (m,), each against its own plays, shape (m, r), that were latched."""
+    ensemble = plays.copy()
+    for row in (ensemble[i] for i in np.flatnonzero(np.isnan(plays).any(axis=1))):
+        row[:] = np.resize(row[~np.isnan(row)], len(row))
     return _Scored(_crps(recorded, ensemble), _floor(ensemble))
 
 

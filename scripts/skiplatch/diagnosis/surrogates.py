@@ -347,9 +347,9 @@ def coarse_positions(scene: Scene, p: Parameters) -> Change:
     step_um = abs(p[0])
     if p[1] <= HALF_WAY:
         return Change(coarse_um=step_um)
-    if not p[2]:  # steps too fine to show
-        fine_um = scene.nominal.axis.resolution_um
-        return Change(coarse_um=min(step_um, BLURRED * fine_um), line_um=np.nan)
+    if not p[2]:  # steps too fine to show: coarser ones would
+        is_fine = step_um <= BLURRED * scene.nominal.axis.resolution_um
+        return Change(coarse_um=step_um, line_um=np.nan) if is_fine else Change()
     line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
     return Change(coarse_um=step_um, line_um=line_um)
 

@@ -112,12 +112,6 @@ def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
     return "no gap shrinks for certain" if clear else "no gap is clear"
 
 
-def _shrinks_where_named(evidence: Evidence, threshold: float) -> str:
-    if evidence.is_held_out or any(g.shrink.low > threshold for g in _clear(evidence).values()):
-        return ""
-    return "no gap shrinks by much, on touches that named it at that"
-
-
 def _share_gone(evidence: Evidence, was: Left) -> float:
     """Give how much for certain is gone of a gap in a share of touches, as of those missed."""
     unseen = CHANCE * was.relative / was.z
@@ -126,7 +120,11 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
 
 
 def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
-    grown = [name for name, gap in _clear(evidence).items() if gap.shrink.high < threshold]
+    grown = [
+        name
+        for name, gap in _clear(evidence).items()
+        if gap.shrink.high < threshold and gap.after > (1.0 + UNTOUCHED) * gap.before
+    ]
     return f"the gap grows: {', '.join(grown)}" if grown else ""
 
 
@@ -221,12 +219,6 @@ NAMES: Sequence[Rule] = (
         0.2,
         "a level: of something that is named for certain; lower end of the interval",
         _shrinks_somewhere,
-    ),
-    Rule(
-        "shrinks_where_named",
-        0.5,
-        "a level: half of a gap, where the touches that named an effect have to judge it as well",
-        _shrinks_where_named,
     ),
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
     Rule(

@@ -1,0 +1,63 @@
+"""Directions that were not recorded: filled in by axis and sense; lobes are unknown then."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from played_campaigns import MACHINE, played, played_again
+from skiplatch.campaign import Axis, Campaign, read_campaign
+from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.diagnosis import diagnose
+from skiplatch.diagnosis.directions import with_directions
+from skiplatch.diagnosis.verdict import Verdict
+
+
+def without_directions(campaign: Campaign) -> Campaign:
+    unknown = np.full(len(campaign.touches), np.nan)
+    touches = replace(campaign.touches, alpha_deg=unknown, beta_deg=unknown)
+    return replace(campaign, touches=touches)
+
+
+def with_lobes(campaign: Campaign, lobe_um: float) -> Campaign:
+    probe = replace(campaign.nominal.probe, lobe_um=lobe_um)
+    return replace(campaign, nominal=replace(campaign.nominal, probe=probe))
+
+
+def test_axis_and_sense_give_the_direction() -> None:
+    touches = with_directions(without_directions(played(MACHINE))).touches
+
+    for axis, plus in ((Axis.X, 0.0), (Axis.Y, 90.0)):
+        for sign in (1.0, -1.0):
+            here = (touches.axis == axis) & (touches.sign == sign)
+            assert set(touches.alpha_deg[here]) <= {plus if sign > 0.0 else plus + 180.0}
+    assert set(touches.beta_deg[touches.axis == Axis.Z]) <= {90.0}
+
+
+def test_what_was_recorded_stays() -> None:
+    campaign = played(MACHINE)
+
+    assert np.array_equal(with_directions(campaign).touches.alpha_deg, campaign.touches.alpha_deg)
+    assert with_directions(campaign).nominal == campaign.nominal
+
+
+def test_lobes_in_unknown_directions_are_scatter_and_a_datum_of_each_sense() -> None:
+    campaign = with_lobes(without_directions(played(MACHINE)), 4.0)
+    probe_um = campaign.nominal.probe.repeatability_um
+
+    nominal = with_directions(campaign).nominal
+
+    assert nominal.probe.lobe_um == 0.0
+    assert probe_um < nominal.probe.repeatability_um < np.hypot(probe_um, 4.0)
+    assert nominal.datum.free is DatumFreedom.AXIS_SENSE
+    u_um = nominal.uncertainty["probe", "repeatability_um"]
+    assert nominal.probe.repeatability_um * np.exp(
+        2.0 * u_um / nominal.probe.repeatability_um
+    ) == pytest.approx(np.hypot(probe_um, 4.0 / np.sqrt(2.0)), rel=0.01)
+
+
+def test_a_sound_probe_with_lobes_shows_no_gap_without_directions() -> None:
+    """It had a gap of the size of its lobes, which were all played in one direction."""
+    campaign = without_directions(played_again(with_lobes(read_campaign(MACHINE), 6.0)))
+
+    assert diagnose(campaign, seed=1).verdict is Verdict.NO_GAP
