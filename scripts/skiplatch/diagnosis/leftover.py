@@ -90,7 +90,7 @@ class Beside:
         # What a touch does may depend on those before it, whether they are looked at or not.
         sequence, rows = scene.in_sequence(MOST_PLAYED)
         outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
-        apart = _without_rests(scene, *_dithered(scene, outcomes, seed))
+        apart = _without_rests(scene, *_dithered(scene, rig, outcomes, seed))
         return cls(Setting(scene, seed), outcomes, *apart)
 
     @property
@@ -132,14 +132,14 @@ def noticed(looks: Sequence[Left], materiality: Materiality) -> frozenset[str]:
 
 
 def _dithered(
-    scene: Scene, outcomes: Outcomes, seed: int
+    scene: Scene, rig: Rig, outcomes: Outcomes, seed: int
 ) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
     """Take record and plays apart, all lengths spread evenly over what they are rounded to.
 
     A datum that was fitted need not be a whole number of steps, and a play moved by it would lie
     between the values that the record can have.
     """
-    rng, step_um = np.random.default_rng(seed), scene.nominal.axis.resolution_um
+    rng, step_um = np.random.default_rng(seed), rig.resolution_um
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
     if scene.datum_names is None:
         return recorded, played

@@ -15,6 +15,7 @@ from skiplatch.diagnosis.scene import UM_PER_MM, Scene, datum_names
 from skiplatch.simulator import Controller, Effect, Outcomes, play, spliced
 from skiplatch.span import ALWAYS, Span
 
+ENCODER, SCAN_LOCK = "encoder_quantisation", "scan_phase_lock"
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -73,9 +74,15 @@ class Rig:
         return [span for span in dict.fromkeys(e.span for e in self.effects) if span != ALWAYS]
 
     @property
+    def resolution_um(self) -> float:
+        """What it rounds positions to, believed or found."""
+        coarse = (e.parameters["resolution_um"] for e in self.effects if e.id == ENCODER)
+        return max([self.nominal.axis.resolution_um, *coarse])
+
+    @property
     def keeps_scan_grid(self) -> bool:
         """Its scans come evenly. Where touches are bound to the scan, plays move it to them."""
-        return all(effect.id != "scan_phase_lock" for effect in self.effects)
+        return all(effect.id != SCAN_LOCK for effect in self.effects)
 
     def play(
         self,
