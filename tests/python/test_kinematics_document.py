@@ -1,4 +1,4 @@
-"""docs/KINEMATICS.md lists every parameter of 451 and 453 with its range and a test that shows it."""
+"""docs/KINEMATICS.md lists every parameter of 451 and 453 with its range and a test of it."""
 
 import re
 from pathlib import Path
@@ -18,9 +18,9 @@ def number(text: str) -> float:
 def rows(heading: str = "") -> list[tuple[str, ...]]:
     """Read the rows below a heading, or all of them."""
     text = (ROOT / "docs" / "KINEMATICS.md").read_text(encoding="utf-8")
-    return ROW.findall(
-        text.partition(f"## {heading}")[2].partition("\n## ")[0] if heading else text
-    )
+    if not heading:
+        return ROW.findall(text)
+    return ROW.findall(text.partition(f"## {heading}")[2].partition("\n## ")[0])
 
 
 def test_every_parameter_stands_there_with_its_range() -> None:

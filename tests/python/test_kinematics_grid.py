@@ -104,7 +104,7 @@ def test_a_check_writes_no_table(tmp_path: Path) -> None:
 
 
 def test_cycle_451_measures_what_the_table_leaves(tmp_path: Path) -> None:
-    """The axes with the table active go as straight lines say, but for what stands between nodes."""
+    """With the table active the axes go as straight lines say at its nodes."""
     measure = cycle(0, 451, Q418=3, Q415=-40, Q416=40, Q422=5, Q419=-180, Q420=180)
 
     before, _, after = runs_of(tmp_path, play(tmp_path, measure + cycle(1) + measure))
@@ -132,7 +132,7 @@ def test_the_log_tells_deviations_and_where_the_greatest_is(tmp_path: Path) -> N
     (found,) = runs_of(tmp_path, play(tmp_path, cycle(0)))
 
     page = (tmp_path / "log.html").read_text()
-    _, b, c = found["greatest_at_deg"]  # type: ignore[misc]
+    _, b, c = np.array(found["greatest_at_deg"])
     assert "Cycle 453 KINEMATICS GRID, mode 0 = check the grid" in page
     assert f"<dt>standard deviation</dt><dd>{found['deviation_um'] / 1e3:.4f} mm</dd>" in page  # type: ignore[operator]
     assert f"<dt>greatest deviation</dt><dd>{found['greatest_um'] / 1e3:.4f} mm</dd>" in page  # type: ignore[operator]
@@ -289,7 +289,7 @@ def test_what_was_found_is_what_was_planted(tmp_path: Path) -> None:
 
     (found,) = runs_of(tmp_path, result)
     angles = np.array(found["angle_deg"])[:, [0, 2]]
-    np.testing.assert_allclose(found["off_um"], 1e3 * wobble_mm(angles), atol=1e-3)
+    np.testing.assert_allclose(np.array(found["off_um"]), 1e3 * wobble_mm(angles), atol=1e-3)
     size = np.linalg.norm(1e3 * wobble_mm(angles), axis=1)
     assert found["greatest_um"] == pytest.approx(size.max(), abs=1e-3)
     assert found["deviation_um"] == pytest.approx(np.sqrt(np.mean(size[1:] ** 2)), abs=1e-3)

@@ -33,7 +33,8 @@ class Grid:
     @property
     def positions_deg(self) -> tuple[Row, ...]:
         """All positions, in the order of the table."""
-        return tuple(product(*(nodes or (0.0,) for nodes in self.nodes_deg)))
+        of_a, of_b, of_c = (nodes or (0.0,) for nodes in self.nodes_deg)
+        return tuple(product(of_a, of_b, of_c))
 
     @property
     def table_mm(self) -> tuple[Row, ...]:
