@@ -113,7 +113,7 @@ void kinematics_grid_interpolate(const kinematics_grid_t *grid, const double *ta
         double   weight = 1.0;
         uint16_t position = 0u;
         for (uint8_t axis = 0u; axis < AXES; axis++) {
-            uint8_t next = (uint8_t)(corner >> axis & 1u);
+            uint8_t next = (uint8_t)((corner >> axis) % 2);
             weight *= next == 1u ? place[axis].share : 1.0 - place[axis].share;
             position = (uint16_t)(position * nodes_of(grid, axis) + place[axis].below + next);
         }

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from kinematics_programs import program_of, run
+from kinematics_programs import SAMPLES, program_of, run
 from measured_machines import described, lines_of
 from rotary_machines import OWN, Array, Kind, Planted, plant, readings
 from skiplatch.cli import group
@@ -84,6 +84,17 @@ def test_what_was_off_is_compensated_and_comes_back_when_deleted(tmp_path: Path)
     assert len(first["off_um"]) == 15  # type: ignore[arg-type]
     assert first["off_um"][0] == pytest.approx([0, 0, 0], abs=1e-6)  # type: ignore[index]
     assert read_machine(tmp_path / "corrected.toml").grid.offset_mm == ()  # type: ignore[union-attr]
+
+
+def test_the_sample_is_compensated_after_its_axes_are_corrected(tmp_path: Path) -> None:
+    sample, truth = SAMPLES / "compensate_grid.h", SAMPLES / "truth_bc_wobbly.toml"
+
+    result = run(sample, tmp_path, "--machine", str(SAMPLES / "machine_bc_grid.toml"), truth=truth)
+
+    axes, first, checked = runs_of(tmp_path, result)
+    assert (axes["cycle"], first["mode"], checked["mode"]) == (451, 1, 0)
+    assert first["deviation_um"] > 10.0  # type: ignore[operator]
+    assert checked["deviation_um"] < 1.5  # type: ignore[operator]
 
 
 def test_the_table_goes_on_in_the_next_program(tmp_path: Path) -> None:
