@@ -201,6 +201,7 @@ def test_what_is_not_possible_is_refused(
         ("grid = 3\n", "grid: expected a table"),
         ("[grid]\nA = [0, 1]\n", "grid.A: expected an axis of the machine (B, C) or offset_um"),
         ("[grid]\nB = []\n", "grid.B: expected a list of 1 to 25 angles"),
+        (f"[grid]\nB = [0, 1{'0' * 400}]\n", "grid.B: expected a list of 1 to 25 angles"),
         ("[grid]\nB = [0, 0]\n", "grid.B: expected rising angles, 0 among them"),
         ("[grid]\nB = [1, 2]\n", "grid.B: expected rising angles, 0 among them"),
         ("[grid]\nC = [-181, 0, 180]\n", "grid.C: expected angles within 360°"),

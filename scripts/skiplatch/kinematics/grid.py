@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
-from math import isfinite, prod
+from math import prod
+from sys import float_info
 from typing import Any
 
 AXES = ("A", "B", "C")
@@ -103,7 +104,7 @@ def _is_table(value: object, count: int) -> bool:
 
 def _is_number(value: object) -> bool:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and isfinite(value)  # type: ignore[arg-type]
+    return is_number and abs(value) <= float_info.max  # type: ignore[operator]
 
 
 def format_grid(grid: Grid) -> list[str]:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from sys import float_info
 from typing import Any
 
 from skiplatch.campaign.toml_positions import KeyPath, key_positions
@@ -116,7 +117,7 @@ class _Reader:
 
 def _is_number(value: object) -> bool:
     is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value)  # type: ignore[arg-type]
+    return is_number and abs(value) <= float_info.max  # type: ignore[operator]
 
 
 def read_machine(path: Path) -> Machine:
