@@ -89,9 +89,11 @@ static place_t place_of(const kinematics_grid_t *grid, uint8_t axis, double angl
     if (last == 0u) {
         return place;
     }
-    /* An axis that turns on shows the same place again. */
-    double middle_deg = 0.5 * (node_deg[0] + node_deg[last]);
-    angle_deg -= TURN_DEG * round((angle_deg - middle_deg) / TURN_DEG);
+    if (angle_deg < node_deg[0] || angle_deg > node_deg[last]) {
+        /* An axis that turns on shows the same place again. */
+        double middle_deg = 0.5 * (node_deg[0] + node_deg[last]);
+        angle_deg -= TURN_DEG * round((angle_deg - middle_deg) / TURN_DEG);
+    }
     while (place.below + 1u < last && angle_deg >= node_deg[place.below + 1u]) {
         place.below++;
     }

@@ -71,10 +71,11 @@ void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *
 
 /*
  * Plan cycle 453: first the position of a sound grid with all axes at 0°, the reference, then the
- * others, each axis with rising angle. They serve no axis. The same, for a coupling: whether the
- * axes of a grid are there, with all nodes on their Hirth grids. Any context.
+ * others, each axis with rising angle. They serve no axis. Any context.
  */
 void kinematics_plan_make_grid(kinematics_plan_t *plan, const kinematics_grid_t *grid);
+
+/* Whether the axes of a grid are there, and all its nodes on their Hirth grids. Any context. */
 bool kinematics_plan_grid_fits(const kinematics_grid_t *grid, const kinematics_plan_axis_t *axes);
 
 /* Whether a plan measures an axis, and the setting (kinematics_setting_t) of its incidence angle.

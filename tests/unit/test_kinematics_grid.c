@@ -90,6 +90,18 @@ void test_a_full_turn_changes_nothing(void)
     TEST_ASSERT_EQUAL_DOUBLE(180.0, found_mm[0]);
 }
 
+void test_either_end_of_a_full_turn_has_its_own_value(void)
+{
+    table_mm[5][0] = -4.0;
+    table_mm[9][0] = 4.0;
+
+    look(0.0, -180.0);
+    TEST_ASSERT_EQUAL_DOUBLE(-4.0, found_mm[0]);
+
+    look(0.0, 180.0);
+    TEST_ASSERT_EQUAL_DOUBLE(4.0, found_mm[0]);
+}
+
 void test_a_sound_grid_has_2_to_75_positions(void)
 {
     TEST_ASSERT_TRUE(kinematics_grid_is_sound(&grid));
