@@ -47,6 +47,18 @@ static bool count_axes(const int32_t list[3], int32_t counts[3])
     return good;
 }
 
+/* As many nodes as there is room for; where they stand is the cycle's affair. */
+static bool is_grid(const sim_grid_t *grid)
+{
+    bool good = are_finite(grid->node_deg[0], sizeof grid->node_deg / sizeof(double)) &&
+                are_finite(grid->offset_mm[0], sizeof grid->offset_mm / sizeof(double));
+    for (int i = 0; i < SIM_ROTARIES; ++i) {
+        good = good && grid->count[i] >= 0 &&
+               grid->count[i] <= (int32_t)(sizeof grid->node_deg[0] / sizeof(double));
+    }
+    return good;
+}
+
 int32_t sim_machine_is_sound(const sim_machine_t *machine)
 {
     int32_t counts[3] = {0, 0, 0};
@@ -56,10 +68,10 @@ int32_t sim_machine_is_sound(const sim_machine_t *machine)
     }
     return good && counts[0] + counts[1] + counts[2] > 0 && are_finite(machine->tool_mm, 3) &&
            are_finite(machine->tip_mm, 3) && are_finite(machine->tip_error_mm, 3) &&
-           are_finite(machine->sphere_mm, 3) && are_finite(machine->scale_ppm, 3) &&
-           are_finite(machine->square_rad, 3) && isfinite(machine->sphere_radius_mm) &&
-           machine->sphere_radius_mm > 0.0 && isfinite(machine->tip_radius_mm) &&
-           machine->tip_radius_mm >= 0.0;
+           is_grid(&machine->grid) && are_finite(machine->sphere_mm, 3) &&
+           are_finite(machine->scale_ppm, 3) && are_finite(machine->square_rad, 3) &&
+           isfinite(machine->sphere_radius_mm) && machine->sphere_radius_mm > 0.0 &&
+           isfinite(machine->tip_radius_mm) && machine->tip_radius_mm >= 0.0;
 }
 
 /* Turn `v` by a unit quaternion (w, x, y, z). */

@@ -33,6 +33,13 @@ typedef struct {
     double repeatability_deg; /* scatter of a move, 1 sigma */
 } sim_rotary_t;
 
+/* Believed: a grid of positions and what the linear axes go more there, firmware/comp. */
+typedef struct {
+    int32_t count[3]; /* nodes of A, B, C; 0: none */
+    double  node_deg[3][25];
+    double  offset_mm[75][3]; /* C is the fastest */
+} sim_grid_t;
+
 /* A machine, the sphere on its table and the ball of its probe. */
 typedef struct {
     sim_rotary_t axes[3];
@@ -41,7 +48,8 @@ typedef struct {
     double       tool_mm[3];      /* the tip among the lines of the head, all rotary axes at zero */
     double       tip_mm[3];       /* believed; the tip has since moved so far from there */
     double       tip_error_mm[3]; /* and truly so much farther: another head, a drift */
-    double       sphere_mm[3];    /* centre of the sphere, all rotary axes truly at zero */
+    sim_grid_t   grid;
+    double       sphere_mm[3]; /* centre of the sphere, all rotary axes truly at zero */
     double       sphere_radius_mm;
     double       tip_radius_mm;
     double       scale_ppm[3];  /* linear axes: so much longer than they show */

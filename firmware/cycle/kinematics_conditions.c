@@ -11,6 +11,11 @@ uint8_t kinematics_conditions_whole(const kinematics_job_t *job, kinematics_sett
     return (uint8_t)job->settings.value[setting];
 }
 
+int8_t kinematics_conditions_mode(const kinematics_job_t *job)
+{
+    return (int8_t)job->settings.value[KINEMATICS_Q406_MODE];
+}
+
 static double number(const kinematics_job_t *job, kinematics_setting_t setting)
 {
     return job->settings.value[setting];
@@ -130,7 +135,10 @@ static kinematics_cycle_fault_t check_settings(const kinematics_job_t *job)
     if (!(kinematics_conditions_stand_off(job) > 0.0)) {
         return fault_of(KINEMATICS_CYCLE_ERR_NO_CLEARANCE, KINEMATICS_Q320_CLEARANCE);
     }
-    uint8_t mode = kinematics_conditions_whole(job, KINEMATICS_Q406_MODE);
+    if (job->settings.kind == KINEMATICS_MEASURE_GRID && !job->machine.has_kinematics_comp) {
+        return fault_of(KINEMATICS_CYCLE_ERR_NO_COMP, KINEMATICS_SETTINGS);
+    }
+    int8_t mode = kinematics_conditions_mode(job);
     if (mode >= KINEMATICS_MODE_ANGLES && !job->machine.has_kinematics_comp) {
         return fault_of(KINEMATICS_CYCLE_ERR_OPTION, KINEMATICS_Q406_MODE);
     }
@@ -183,6 +191,19 @@ static kinematics_cycle_fault_t check_plan(const kinematics_job_t  *job,
                     KINEMATICS_SETTINGS);
 }
 
+/* Deleting the table moves nothing, so only the grid matters. */
+static kinematics_cycle_fault_t check_grid(const kinematics_job_t *job, kinematics_plan_t *plan)
+{
+    const kinematics_grid_t *grid = &job->machine.grid;
+    if (!kinematics_grid_is_sound(grid) || !kinematics_plan_grid_fits(grid, job->machine.axes)) {
+        return fault_of(KINEMATICS_CYCLE_ERR_GRID, KINEMATICS_SETTINGS);
+    }
+    kinematics_plan_make_grid(plan, grid);
+    return kinematics_conditions_mode(job) == KINEMATICS_MODE_DELETE
+               ? fault_of(KINEMATICS_CYCLE_OK, KINEMATICS_SETTINGS)
+               : check_plan(job, plan);
+}
+
 kinematics_cycle_fault_t kinematics_conditions_check(const kinematics_job_t *job,
                                                      kinematics_plan_t      *plan)
 {
@@ -192,6 +213,9 @@ kinematics_cycle_fault_t kinematics_conditions_check(const kinematics_job_t *job
     }
     if (!is_sound(&job->machine)) {
         return fault_of(KINEMATICS_CYCLE_ERR_MACHINE, KINEMATICS_SETTINGS);
+    }
+    if (job->settings.kind == KINEMATICS_MEASURE_GRID) {
+        return check_grid(job, plan);
     }
     kinematics_plan_make(plan, &job->settings, job->machine.axes,
                          !kinematics_conditions_has_m_function(job));
@@ -219,6 +243,10 @@ const char *kinematics_cycle_phrase(kinematics_cycle_error_t error)
         [KINEMATICS_CYCLE_ERR_MACHINE] = "the machine's data are not sound",
         [KINEMATICS_CYCLE_ERR_INCIDENCE] = "cycle 452 wants every axis at 0° that it does not "
                                            "measure",
+        [KINEMATICS_CYCLE_ERR_NO_COMP] = "cycle 453 needs KinematicsComp (option 52)",
+        [KINEMATICS_CYCLE_ERR_GRID] = "cycle 453 needs a grid of the machine's maker: rising "
+                                      "positions of its axes, 0° among them, on the grids of "
+                                      "Hirth couplings, 2 to 75 in all",
         [KINEMATICS_CYCLE_ERR_NOTHING] = "no rotary axis that is there has a position to measure",
         [KINEMATICS_CYCLE_ERR_REQUEST] = "a motion, a touch or another request failed",
         [KINEMATICS_CYCLE_ERR_NO_SPHERE] = "the touched points do not lie on a sphere",

@@ -1,5 +1,5 @@
 /*
- * What has to be so before cycle 451 or 452 moves anything, and what its settings come to on a
+ * What has to be so before cycle 451, 452 or 453 moves anything, and what its settings come to on a
  * machine: feeds, clearance, retract height. Lengths in mm, feeds in mm/min, angles in degrees.
  */
 #ifndef CYCLE_KINEMATICS_CONDITIONS_H
@@ -30,6 +30,8 @@ typedef enum {
     KINEMATICS_CYCLE_ERR_NOT_AT_ZERO,  /* an M function positions, and a rotary axis is not at 0° */
     KINEMATICS_CYCLE_ERR_MACHINE,   /* a value of kinematics_cycle_machine_t is out of its range */
     KINEMATICS_CYCLE_ERR_INCIDENCE, /* 452: an axis that it leaves alone is told to turn */
+    KINEMATICS_CYCLE_ERR_NO_COMP,   /* 453 without KinematicsComp (option 52) */
+    KINEMATICS_CYCLE_ERR_GRID,      /* 453: the machine has no sound grid that its axes can take */
     KINEMATICS_CYCLE_ERR_NOTHING,   /* no axis that is there has a position to measure */
     KINEMATICS_CYCLE_ERR_REQUEST,   /* the caller could not carry out what it was asked for */
     KINEMATICS_CYCLE_ERR_NO_SPHERE, /* no sphere passes through the touched points */
@@ -64,12 +66,14 @@ typedef struct {
     bool                   is_tcpm_on;
     bool                   is_turning; /* FUNCTION MODE TURN is active */
     bool                   is_stacked; /* two rotary axes, both in the table or both in the head */
+    kinematics_grid_t      grid;       /* of cycle 453; no nodes at all: the machine has none */
 } kinematics_cycle_machine_t;
 
 /* Q406 and Q431. */
 enum {
+    KINEMATICS_MODE_DELETE = -1, /* the table of cycle 453 */
     KINEMATICS_MODE_CHECK,
-    KINEMATICS_MODE_POSITIONS,
+    KINEMATICS_MODE_POSITIONS, /* in cycle 453: compensate */
     KINEMATICS_MODE_ANGLES,
     KINEMATICS_MODE_DATUM
 };
@@ -90,8 +94,10 @@ typedef struct {
 kinematics_cycle_fault_t kinematics_conditions_check(const kinematics_job_t *job,
                                                      kinematics_plan_t      *plan);
 
-/* A whole number among the settings, once they are checked. Any context. */
+/* A whole number among the settings, once they are checked, and Q406, which may be below 0. Any
+ * context. */
 uint8_t kinematics_conditions_whole(const kinematics_job_t *job, kinematics_setting_t setting);
+int8_t  kinematics_conditions_mode(const kinematics_job_t *job);
 
 /* Feed while the probe is not watched, respectively is: then its own limit counts as well. Q253 = 0
  * names none: the probe's own. */

@@ -158,7 +158,7 @@ static void finish(kinematics_cycle_t *cycle)
 static void take_evaluation(kinematics_cycle_t *cycle, double change_mm)
 {
     cycle->change_mm = change_mm;
-    if (kinematics_conditions_whole(&cycle->job, KINEMATICS_Q406_MODE) == KINEMATICS_MODE_CHECK) {
+    if (kinematics_conditions_mode(&cycle->job) == KINEMATICS_MODE_CHECK) {
         finish(cycle);
     } else if (change_mm <= cycle->job.machine.max_modification_mm) {
         (void)kinematics_request_begin(cycle, KINEMATICS_STEP_APPLY, KINEMATICS_CYCLE_APPLY);
@@ -226,6 +226,7 @@ static void advance(kinematics_cycle_t *cycle, const kinematics_cycle_input_t *i
     case KINEMATICS_STEP_PRESET_AFTER:
         tilt(cycle);
         break;
+    case KINEMATICS_STEP_CLEAR:
     case KINEMATICS_STEP_TILT:
     default:
         cycle->state = KINEMATICS_CYCLE_DONE;
@@ -288,8 +289,12 @@ kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t              
         return cycle->fault.error;
     }
     expect_sphere(cycle);
-    (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CANCEL_ROTATION,
-                                   KINEMATICS_CYCLE_CANCEL_ROTATION);
+    if (kinematics_conditions_mode(&cycle->job) == KINEMATICS_MODE_DELETE) {
+        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CLEAR, KINEMATICS_CYCLE_CLEAR);
+    } else {
+        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CANCEL_ROTATION,
+                                       KINEMATICS_CYCLE_CANCEL_ROTATION);
+    }
     return KINEMATICS_CYCLE_OK;
 }
 

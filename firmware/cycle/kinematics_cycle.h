@@ -3,7 +3,9 @@
  * positions of each rotary axis, has the kinematics evaluated and, if told so, corrected. Also
  * cycle 452, PRESET COMPENSATION, by the kind of the settings: the preset was set in the sphere
  * before a head was changed or the machine drifted. The preset stays, and the kinematics are
- * corrected so that the sphere stands there again.
+ * corrected so that the sphere stands there again. And cycle 453, KINEMATICS GRID: the sphere is
+ * probed over a grid of the rotary axes that the machine's maker has set, and how far it is off at
+ * each position, against that with all axes at 0°, goes into a table (comp/kinematics_grid.h).
  *
  * The cycle asks for one thing after the other, and the caller carries it out: kinematics_cycle_
  * start(), then poll with the outcome of the request taken last, and take the next request, until
@@ -59,12 +61,15 @@ typedef enum {
     /* The active preset becomes sphere_mm, read with the rotary axes at angle_deg. */
     KINEMATICS_CYCLE_SET_PRESET,
     /* Fit kinematics to the measurements, see kinematics_cycle_plan(), as Q406 says; in cycle 452
-     * with the sphere in the preset. Answer: change_mm. Nothing is changed yet. */
+     * with the sphere in the preset; in cycle 453 tell how far it is off at each station. Answer:
+     * change_mm. Nothing is changed yet. */
     KINEMATICS_CYCLE_EVALUATE,
     /* Show a warning: change_mm is above maxModification. Carried out once NC start is pressed. */
     KINEMATICS_CYCLE_ACKNOWLEDGE,
-    /* Write the evaluated kinematics into the active description. */
+    /* Write the evaluated kinematics into the active description, or cycle 453's table. */
     KINEMATICS_CYCLE_APPLY,
+    /* Cycle 453 in mode −1, and nothing else then: all values of the table become 0. */
+    KINEMATICS_CYCLE_CLEAR,
     /* Last of all: the working plane of the automatic mode (3-D ROT) becomes active, as the rotary
      * axes stand, angle_deg. */
     KINEMATICS_CYCLE_TILT
@@ -100,7 +105,7 @@ typedef struct {
      * sphere_mm at from_angle_deg. */
     double centre_mm[LINEAR_AXES];
     double tool_axis[LINEAR_AXES]; /* TURN: from tip to spindle, length 1 */
-    double change_mm;              /* EVALUATE: the largest change of the location of an axis */
+    double change_mm; /* EVALUATE: the largest change of the location of an axis, or in a table */
 } kinematics_cycle_input_t;
 
 /* What the cycle is at: what the request on its way belongs to. */
@@ -116,6 +121,7 @@ typedef enum {
     KINEMATICS_STEP_EVALUATE,
     KINEMATICS_STEP_ACKNOWLEDGE,
     KINEMATICS_STEP_APPLY,
+    KINEMATICS_STEP_CLEAR,
     KINEMATICS_STEP_PRESET_AFTER,
     KINEMATICS_STEP_TILT
 } kinematics_cycle_step_t;
@@ -152,7 +158,7 @@ kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t              
  * The same for what was measured before, `count` stations: nothing moves or is touched, and the
  * cycle asks at once for the evaluation. A radius that is off by more than maxDevCalBall is an
  * error as in a cycle that measures; KINEMATICS_CYCLE_ERR_NOTHING for no station or more than
- * KINEMATICS_STATIONS_MAX. Task.
+ * KINEMATICS_STATIONS_MAX. Not for mode −1 of cycle 453, which measures nothing. Task.
  */
 kinematics_cycle_error_t kinematics_cycle_start_measured(kinematics_cycle_t               *cycle,
                                                          const kinematics_settings_t      *settings,

@@ -22,12 +22,13 @@ kinematics_store_error_t kinematics_store_name(kinematics_designation_t *designa
     uint8_t length = 0u;
 
     while (length <= KINEMATICS_STORE_NAME_MAX && name[length] != '\0') {
-        if (name[length] <= ' ' || name[length] > '~') {
+        if (name[length] < ' ' || name[length] > '~') {
             return KINEMATICS_STORE_ERR_DESIGNATION;
         }
         length++;
     }
-    if (length == 0u || length > KINEMATICS_STORE_NAME_MAX) {
+    if (length == 0u || length > KINEMATICS_STORE_NAME_MAX || name[0] == ' ' ||
+        name[length - 1u] == ' ') {
         return KINEMATICS_STORE_ERR_DESIGNATION;
     }
     memset(designation, 0, sizeof *designation);
@@ -70,10 +71,10 @@ static bool is_blank(const uint8_t *bytes, uint8_t begin)
 static bool is_name(const uint8_t *bytes)
 {
     uint8_t end = 1u;
-    while (end <= KINEMATICS_STORE_NAME_MAX && bytes[end] > ' ' && bytes[end] <= '~') {
+    while (end <= KINEMATICS_STORE_NAME_MAX && bytes[end] >= ' ' && bytes[end] <= '~') {
         end++;
     }
-    return end > 1u && is_blank(bytes, end);
+    return end > 1u && bytes[1] != ' ' && bytes[end - 1u] != ' ' && is_blank(bytes, end);
 }
 
 bool kinematics_designation_is_own(const kinematics_designation_t *designation)

@@ -158,6 +158,47 @@ void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *
     }
 }
 
+static void add_position(kinematics_plan_t *plan, const kinematics_grid_t *grid, uint8_t position)
+{
+    kinematics_station_t station = {
+        .axis = ROTARY_A,
+        .is_reference = position == kinematics_grid_reference(grid),
+    };
+    kinematics_grid_angles(grid, position, station.angle_deg);
+    append(plan, &station);
+}
+
+void kinematics_plan_make_grid(kinematics_plan_t *plan, const kinematics_grid_t *grid)
+{
+    uint8_t count = kinematics_grid_positions(grid);
+    uint8_t reference = kinematics_grid_reference(grid);
+
+    plan->count = 0u;
+    plan->measured = 0u;
+    for (uint8_t axis = 0u; axis < ROTARY_AXES; axis++) {
+        plan->side_deg[axis] = 0.0;
+    }
+    add_position(plan, grid, reference);
+    for (uint8_t position = 0u; position < count; position++) {
+        if (position != reference) {
+            add_position(plan, grid, position);
+        }
+    }
+}
+
+bool kinematics_plan_grid_fits(const kinematics_grid_t *grid, const kinematics_plan_axis_t *axes)
+{
+    bool fits = true;
+    for (uint8_t axis = 0u; axis < ROTARY_AXES; axis++) {
+        for (uint8_t i = 0u; i < grid->count[axis]; i++) {
+            double node_deg = grid->node_deg[axis][i];
+            fits = fits && axes[axis].is_present &&
+                   kinematics_plan_is_there(on_grid(node_deg, axes[axis].grid_deg), node_deg);
+        }
+    }
+    return fits;
+}
+
 bool kinematics_plan_measures(const kinematics_plan_t *plan, uint8_t axis)
 {
     bool measures = false;

@@ -1,6 +1,6 @@
 /*
  * Where cycles 451 and 452 measure: the measuring positions of each rotary axis, from start, end,
- * number and Hirth grid, and the stations that all of them give.
+ * number and Hirth grid, and the stations that all of them give; and cycle 453, over a grid.
  */
 #ifndef CYCLE_KINEMATICS_PLAN_H
 #define CYCLE_KINEMATICS_PLAN_H
@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "comp/kinematics_grid.h"
 #include "cycle/kinematics_settings.h"
 
 #ifdef __cplusplus
@@ -67,6 +68,15 @@ uint8_t kinematics_plan_positions(double start_deg, double end_deg, uint8_t poin
  */
 void kinematics_plan_make(kinematics_plan_t *plan, const kinematics_settings_t *settings,
                           const kinematics_plan_axis_t *axes, bool may_reverse);
+
+/*
+ * Plan cycle 453: first the position of a sound grid with all axes at 0°, the reference, then the
+ * others, each axis with rising angle. They serve no axis. Any context.
+ */
+void kinematics_plan_make_grid(kinematics_plan_t *plan, const kinematics_grid_t *grid);
+
+/* Whether the axes of a grid are there, and all its nodes on their Hirth grids. Any context. */
+bool kinematics_plan_grid_fits(const kinematics_grid_t *grid, const kinematics_plan_axis_t *axes);
 
 /* Whether a plan measures an axis, and the setting (kinematics_setting_t) of its incidence angle.
  * Any context. */

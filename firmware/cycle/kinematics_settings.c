@@ -33,6 +33,15 @@ static const kinematics_setting_description_t TABLE[KINEMATICS_SETTINGS] = {
     {432u, ANY, 0u, "BACKLASH, ANG. RANGE", "deg", -3.0, 3.0, 0.0},
 };
 
+static const kinematics_setting_description_t MODE_OF_453 = {
+    .id = 406u,
+    .is_whole = WHOLE,
+    .name = "MODE",
+    .unit = "",
+    .low = -1.0,
+    .high = 1.0,
+};
+
 const kinematics_setting_description_t *kinematics_settings_describe(uint32_t setting)
 {
     return setting < KINEMATICS_SETTINGS ? &TABLE[setting] : NULL;
@@ -53,7 +62,24 @@ kinematics_setting_t kinematics_settings_find(uint16_t id)
 static bool is_of(kinematics_kind_t kind, kinematics_setting_t setting)
 {
     bool is_fixed = setting == KINEMATICS_Q406_MODE || setting == KINEMATICS_Q431_PRESET;
-    return setting < KINEMATICS_SETTINGS && !(kind == KINEMATICS_COMPENSATE_PRESET && is_fixed);
+    bool is_of_axis = (setting >= KINEMATICS_Q411_START_A && setting <= KINEMATICS_Q422_POINTS_C) ||
+                      setting == KINEMATICS_Q432_BACKLASH_ANGLE;
+    return setting < KINEMATICS_SETTINGS && !(kind == KINEMATICS_COMPENSATE_PRESET && is_fixed) &&
+           !(kind == KINEMATICS_MEASURE_GRID && is_of_axis);
+}
+
+/* Also of what a cycle has not: that stands at its default. */
+static const kinematics_setting_description_t *row_of(kinematics_kind_t    kind,
+                                                      kinematics_setting_t setting)
+{
+    bool is_own = kind == KINEMATICS_MEASURE_GRID && setting == KINEMATICS_Q406_MODE;
+    return is_own ? &MODE_OF_453 : &TABLE[setting];
+}
+
+const kinematics_setting_description_t *kinematics_settings_of(kinematics_kind_t    kind,
+                                                               kinematics_setting_t setting)
+{
+    return is_of(kind, setting) ? row_of(kind, setting) : NULL;
 }
 
 void kinematics_settings_reset(kinematics_settings_t *settings, kinematics_kind_t kind)
@@ -82,7 +108,7 @@ static kinematics_setting_error_t check_value(const kinematics_setting_descripti
         return KINEMATICS_SETTING_HIGH;
     }
     /* Within limits of at most 12, so that it fits an int of 16 bits. */
-    bool is_broken = row->is_whole && value - (int)value > 0.0;
+    bool is_broken = row->is_whole && fabs(value - (int)value) > 0.0;
     return is_broken ? KINEMATICS_SETTING_NOT_WHOLE : KINEMATICS_SETTING_OK;
 }
 
@@ -99,7 +125,7 @@ kinematics_setting_error_t kinematics_settings_check(const kinematics_settings_t
         return KINEMATICS_SETTING_UNKNOWN;
     }
     if (settings->word[setting] == KINEMATICS_NUMBER) {
-        return check_value(&TABLE[setting], settings->value[setting]);
+        return check_value(row_of(settings->kind, setting), settings->value[setting]);
     }
     bool is_allowed = is_word(&TABLE[setting], settings->word[setting]);
     return is_allowed ? KINEMATICS_SETTING_OK : KINEMATICS_SETTING_WORD;
@@ -112,7 +138,7 @@ kinematics_setting_error_t kinematics_settings_set(kinematics_settings_t *settin
     if (!is_of(settings->kind, setting)) {
         return KINEMATICS_SETTING_UNKNOWN;
     }
-    kinematics_setting_error_t error = check_value(&TABLE[setting], value);
+    kinematics_setting_error_t error = check_value(row_of(settings->kind, setting), value);
     if (error == KINEMATICS_SETTING_OK) {
         settings->value[setting] = value;
         settings->word[setting] = KINEMATICS_NUMBER;

@@ -1,8 +1,9 @@
 /*
- * The parameters of cycles 451 and 452 in one table: number, name, limits and default. The limits
- * are those of the document, also where it is not consistent (Q417); the defaults are what its
- * first program has. Cycle 452 has all of 451 but Q406 and Q431: it corrects positions and sets no
- * preset. Lengths in mm, angles in degrees, feeds in mm/min.
+ * The parameters of cycles 451, 452 and 453 in one table: number, name, limits and default. The
+ * limits are those of the document, also where it is not consistent (Q417); the defaults are what
+ * its first program has. Cycle 452 has all of 451 but Q406 and Q431: it corrects positions and sets
+ * no preset. Cycle 453 has those that are of no axis, without Q432, and modes of its own. Lengths
+ * in mm, angles in degrees, feeds in mm/min.
  */
 #ifndef CYCLE_KINEMATICS_SETTINGS_H
 #define CYCLE_KINEMATICS_SETTINGS_H
@@ -42,8 +43,9 @@ typedef enum {
 
 /* Which cycle the parameters are of. */
 typedef enum {
-    KINEMATICS_MEASURE,          /* 451 */
-    KINEMATICS_COMPENSATE_PRESET /* 452 */
+    KINEMATICS_MEASURE,           /* 451 */
+    KINEMATICS_COMPENSATE_PRESET, /* 452 */
+    KINEMATICS_MEASURE_GRID       /* 453 */
 } kinematics_kind_t;
 
 /* What may stand in place of a number. */
@@ -82,10 +84,14 @@ typedef enum {
     KINEMATICS_SETTING_WORD /* this word is not allowed here */
 } kinematics_setting_error_t;
 
-/* Row `setting` of the table, or NULL past its end. Any context. */
+/* Row `setting` of the table as cycle 451 has it, or NULL past its end. Any context. */
 const kinematics_setting_description_t *kinematics_settings_describe(uint32_t setting);
 
-/* Index of Q<id>, KINEMATICS_SETTINGS if neither cycle has such a parameter. Any context. */
+/* The same as a cycle has it; NULL if it has no such parameter. Any context. */
+const kinematics_setting_description_t *kinematics_settings_of(kinematics_kind_t    kind,
+                                                               kinematics_setting_t setting);
+
+/* Index of Q<id>, KINEMATICS_SETTINGS if no cycle has such a parameter. Any context. */
 kinematics_setting_t kinematics_settings_find(uint16_t id);
 
 /* Every parameter of a cycle at its default; those that 452 has not, at what it does. Any context.

@@ -118,7 +118,8 @@ kinematics_store_error_t kinematics_store_check(const kinematics_store_t *store)
  */
 kinematics_store_error_t kinematics_store_discard_damaged(kinematics_store_t *store);
 
-/* Designate by Q409 = number, respectively by QS409 = name: 1 to 16 printable ASCII characters. */
+/* Designate by Q409 = number, respectively by QS409 = name: 1 to 16 printable ASCII characters,
+ * spaces within. */
 kinematics_store_error_t kinematics_store_number(kinematics_designation_t *designation,
                                                  double                    number);
 kinematics_store_error_t kinematics_store_name(kinematics_designation_t *designation,

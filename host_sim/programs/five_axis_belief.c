@@ -26,6 +26,18 @@ static void list_axes(const sim_machine_t *machine, const int32_t list[3], int32
     }
 }
 
+static kinematics_grid_t grid_of(const sim_grid_t *given)
+{
+    kinematics_grid_t grid = {{0u}, {{0.0}}};
+    for (int axis = 0; axis < SIM_ROTARIES; ++axis) {
+        grid.count[axis] = (uint8_t)given->count[axis];
+        for (int32_t i = 0; i < given->count[axis]; ++i) {
+            grid.node_deg[axis][i] = given->node_deg[axis][i];
+        }
+    }
+    return grid;
+}
+
 void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
 {
     *belief = (five_axis_belief_t){.machine = *machine};
@@ -40,8 +52,21 @@ void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
         belief->machine.square_rad[i] = 0.0;
         belief->machine.tip_error_mm[i] = 0.0;
     }
+    belief->grid = grid_of(&machine->grid);
     list_axes(machine, machine->table, 0, &belief->chain);
     list_axes(machine, machine->head, 1, &belief->chain);
+}
+
+void five_axis_compensation(const five_axis_belief_t *belief, const double angle_deg[3],
+                            double offset_mm[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        offset_mm[i] = 0.0;
+    }
+    if (kinematics_grid_is_sound(&belief->grid)) {
+        kinematics_grid_interpolate(&belief->grid, belief->machine.grid.offset_mm[0], angle_deg,
+                                    offset_mm);
+    }
 }
 
 void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3],
@@ -56,9 +81,11 @@ void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3
     for (int32_t i = 0; i < belief->chain.axes_count; ++i) {
         angles_deg[i] = angle_deg[belief->chain.axes[i].letter - 'A'];
     }
+    double offset_mm[3];
     kinematics_chain_position(&belief->chain, unknowns, angles_deg, reading_mm);
+    five_axis_compensation(belief, angle_deg, offset_mm);
     for (int i = 0; i < 3; ++i) {
-        reading_mm[i] -= belief->machine.tip_mm[i];
+        reading_mm[i] += offset_mm[i] - belief->machine.tip_mm[i];
     }
 }
 

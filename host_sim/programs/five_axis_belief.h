@@ -3,11 +3,13 @@
 #define PROGRAMS_FIVE_AXIS_BELIEF_H
 
 #include "comp/kinematics.h"
+#include "comp/kinematics_grid.h"
 #include "five_axis.h"
 
 typedef struct {
     sim_machine_t        machine; /* without any error */
     kinematics_machine_t chain;   /* the same in the firmware's terms */
+    kinematics_grid_t    grid;    /* of cycle 453; no nodes: none */
 } five_axis_belief_t;
 
 /* Believe the axes of `machine`, and that they have no error. */
@@ -16,6 +18,10 @@ void five_axis_believe(five_axis_belief_t *belief, const sim_machine_t *machine)
 /* Where the linear axes should read the centre of a sphere that stands at `sphere_mm` at zero. */
 void five_axis_expect(const five_axis_belief_t *belief, const double sphere_mm[3],
                       const double angle_deg[3], double reading_mm[3]);
+
+/* What the table of cycle 453 has at these angles; nothing where there is no sound grid. */
+void five_axis_compensation(const five_axis_belief_t *belief, const double angle_deg[3],
+                            double offset_mm[3]);
 
 /* Where it stands at zero, by where it was read. */
 void five_axis_turn_back(const five_axis_belief_t *belief, const double angle_deg[3],

@@ -179,6 +179,8 @@ static int asked(const kinematics_cycle_request_t *request)
         return SIM_451_ACKNOWLEDGE;
     case KINEMATICS_CYCLE_APPLY:
         return SIM_451_APPLY;
+    case KINEMATICS_CYCLE_CLEAR:
+        return SIM_451_CLEAR;
     default:
         return SIM_451_FAILED;
     }
@@ -233,6 +235,7 @@ static kinematics_cycle_machine_t description(const sim_451_t *play)
         .is_tcpm_on = control->is_tcpm_on != 0,
         .is_turning = control->is_turning != 0,
         .is_stacked = is_stacked(&play->belief.machine),
+        .grid = play->belief.grid,
     };
     copy(machine.position_mm, play->position_mm);
     copy(machine.preset_mm, play->preset_mm);
@@ -274,6 +277,11 @@ void sim_451_keep_preset(sim_451_t *play, const double sphere_mm[3])
     five_axis_expect(&play->belief, sphere_mm, play->control.start_deg, play->preset_mm);
     kinematics_settings_reset(&play->settings, KINEMATICS_COMPENSATE_PRESET);
     stand_above(play);
+}
+
+void sim_451_measure_grid(sim_451_t *play)
+{
+    kinematics_settings_reset(&play->settings, KINEMATICS_MEASURE_GRID);
 }
 
 /* What the firmware does not check itself; false for a NaN as well. */
@@ -341,10 +349,13 @@ const char *sim_451_fault_phrase(int error)
     return kinematics_cycle_phrase((kinematics_cycle_error_t)error);
 }
 
-const char *sim_451_limits(uint16_t id, double *low, double *high, double *initial)
+const char *sim_451_limits(int32_t number, uint16_t id, double *low, double *high, double *initial)
 {
+    kinematics_kind_t                       kind = number == 452   ? KINEMATICS_COMPENSATE_PRESET
+                                                   : number == 453 ? KINEMATICS_MEASURE_GRID
+                                                                   : KINEMATICS_MEASURE;
     const kinematics_setting_description_t *row =
-        kinematics_settings_describe((uint32_t)kinematics_settings_find(id));
+        kinematics_settings_of(kind, kinematics_settings_find(id));
     if (row == NULL) {
         return NULL;
     }
@@ -399,6 +410,14 @@ void sim_machine_expect(const sim_machine_t *believed, const double sphere_mm[3]
     five_axis_belief_t belief;
     five_axis_believe(&belief, believed);
     five_axis_expect(&belief, sphere_mm, angle_deg, reading_mm);
+}
+
+void sim_machine_compensation(const sim_machine_t *believed, const double angle_deg[3],
+                              double offset_mm[3])
+{
+    five_axis_belief_t belief;
+    five_axis_believe(&belief, believed);
+    five_axis_compensation(&belief, angle_deg, offset_mm);
 }
 
 uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity)

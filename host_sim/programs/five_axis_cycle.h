@@ -1,8 +1,8 @@
 /*
- * Cycles 451 and 452 of the firmware on a five-axis machine: what a controller does around it.
+ * Cycles 451, 452 and 453 of the firmware on a five-axis machine: what a controller does around it.
  * Every request of the cycle is carried out here, but for those that the caller answers: evaluate,
- * acknowledge, apply. Python reads this header too: no more of the preprocessor than what can be
- * left out.
+ * acknowledge, apply, clear. Python reads this header too: no more of the preprocessor than what
+ * can be left out.
  */
 #ifndef PROGRAMS_FIVE_AXIS_CYCLE_H
 #define PROGRAMS_FIVE_AXIS_CYCLE_H
@@ -61,7 +61,8 @@ enum {
     SIM_451_ACKNOWLEDGE = 1,
     SIM_451_APPLY = 2,
     SIM_451_DONE = 3,
-    SIM_451_FAILED = 4
+    SIM_451_FAILED = 4,
+    SIM_451_CLEAR = 5
 };
 
 /* What the cycle has done so far. */
@@ -97,6 +98,9 @@ void sim_451_close(sim_451_t *play);
  */
 void sim_451_keep_preset(sim_451_t *play, const double sphere_mm[3]);
 
+/* Make it cycle 453, before any parameter is set, over the grid of what is believed. */
+void sim_451_measure_grid(sim_451_t *play);
+
 /*
  * Set Q<id> to a number, or with `word` (kinematics_word_t, not 0) to a word. Returns
  * kinematics_setting_error_t; sim_451_phrase() says it in words.
@@ -107,8 +111,8 @@ const char *sim_451_phrase(int setting_error);
 /* A phrase for sim_451_report_t.error. */
 const char *sim_451_fault_phrase(int error);
 
-/* Limits of Q<id>, its default and its name; NULL if the cycle has no such parameter. */
-const char *sim_451_limits(uint16_t id, double *low, double *high, double *initial);
+/* Limits of Q<id>, its default and its name; NULL if cycle `number` has no such parameter. */
+const char *sim_451_limits(int32_t number, uint16_t id, double *low, double *high, double *initial);
 
 /* Start the cycle (once), and run until it comes back for something. */
 int sim_451_run(sim_451_t *play);
@@ -131,6 +135,10 @@ void sim_451_believe(sim_451_t *play, const sim_machine_t *believed);
  */
 void sim_machine_expect(const sim_machine_t *believed, const double sphere_mm[3],
                         const double angle_deg[3], double reading_mm[3]);
+
+/* What the table of cycle 453 adds to that. */
+void sim_machine_compensation(const sim_machine_t *believed, const double angle_deg[3],
+                              double offset_mm[3]);
 
 /* Write up to `capacity` measurements, and return how many there are. */
 uint32_t sim_451_stations(const sim_451_t *play, sim_station_t *stations, uint32_t capacity);

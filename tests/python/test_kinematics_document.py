@@ -1,7 +1,9 @@
-"""docs/KINEMATICS.md lists every parameter of cycle 451 with its range and a test that shows it."""
+"""docs/KINEMATICS.md lists every parameter of 451 and 453 with its range and a test of it."""
 
 import re
 from pathlib import Path
+
+from skiplatch.kinematics.cycle import KINEMATICS_GRID, setting
 
 ROOT = Path(__file__).parents[2]
 ROW = re.compile(r"^\| Q(\d+) \| (\S+) … (\S+) \| [^|]+ \| `(test_\w+)` \|$", re.MULTILINE)
@@ -13,8 +15,12 @@ def number(text: str) -> float:
     return float(text.replace("TURN", str(TURN)))
 
 
-def rows() -> list[tuple[str, ...]]:
-    return ROW.findall((ROOT / "docs" / "KINEMATICS.md").read_text(encoding="utf-8"))
+def rows(heading: str = "") -> list[tuple[str, ...]]:
+    """Read the rows below a heading, or all of them."""
+    text = (ROOT / "docs" / "KINEMATICS.md").read_text(encoding="utf-8")
+    if not heading:
+        return ROW.findall(text)
+    return ROW.findall(text.partition(f"## {heading}")[2].partition("\n## ")[0])
 
 
 def test_every_parameter_stands_there_with_its_range() -> None:
@@ -22,7 +28,17 @@ def test_every_parameter_stands_there_with_its_range() -> None:
     ranges = {q: (number(low), number(high)) for q, low, high in SETTING.findall(source)}
 
     assert len(ranges) == 21
-    assert {q: (float(low), float(high)) for q, low, high, _ in rows()} == ranges
+    of_451 = rows("Every parameter of cycle 451")
+    assert {q: (float(low), float(high)) for q, low, high, _ in of_451} == ranges
+
+
+def test_every_parameter_of_the_grid_stands_there_with_its_range() -> None:
+    described = {q: (float(low), float(high)) for q, low, high, _ in rows("Cycle 453")}
+
+    all_of_451 = [int(q) for q, *_ in rows("Every parameter of cycle 451")]
+    own = {str(q): row for q in all_of_451 if (row := setting(q, KINEMATICS_GRID)) is not None}
+    assert len(own) == 8
+    assert described == {q: (row.low, row.high) for q, row in own.items()}
 
 
 def test_every_test_that_is_named_is_there() -> None:

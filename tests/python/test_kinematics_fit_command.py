@@ -189,6 +189,11 @@ def test_columns_may_stand_in_any_order_among_others(
             "datum_deg = 400\npoint_mm",
             "machine.toml:6:13: axes.A.datum_deg: expected a number of at most 360",
         ),
+        (
+            "point_mm",
+            f"datum_deg = 1{'0' * 400}\npoint_mm",
+            "machine.toml:6:13: axes.A.datum_deg: expected a number of at most 360",
+        ),
         ("head = []", "tool_mm = 3", "machine.toml:2:11: tool_mm: expected a list of 3"),
         ("head = []", "heads = []", "machine.toml:2:9: heads: unknown key; did you mean"),
         ("head = []", "head = [", "machine.toml:4"),

@@ -18,14 +18,14 @@ def test_the_store_keeps_restores_and_deletes(tmp_path: Path) -> None:
     memory = Memory(tmp_path / "store.bin")
     memory.activate(machine)
 
-    memory.run(0.0, "before")
+    memory.run(0.0, "my old one")
     memory.run(0.0, 5.0)
-    assert Memory(tmp_path / "store.bin").names() == ["5", "before"]
-    assert memory.run(1.0, "before") == machine
-    memory.run(3.0, "before")
+    assert Memory(tmp_path / "store.bin").names() == ["5", "my old one"]
+    assert memory.run(1.0, "my old one") == machine
+    memory.run(3.0, "my old one")
     assert memory.names() == ["5"]
     with pytest.raises(StoreRefusedError):
-        memory.run(1.0, "before")
+        memory.run(1.0, "my old one")
 
 
 def test_a_description_survives_store_and_file(tmp_path: Path) -> None:

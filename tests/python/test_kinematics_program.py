@@ -63,9 +63,9 @@ def test_an_iso_program_says_the_same(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("N20 G450", "N20 G453", ":3:5: expected cycle 450, 451 or 452, got 453"),
+        ("N20 G450", "N20 G454", ":3:5: expected cycle 450, 451, 452 or 453, got 454"),
         ("Q407=10", "Q407=x", ':7:22: expected a number, got "x"'),
-        ("N10 T", "N10 G0 X", ":2:5: expected a block T, G450, G451, G452 or %"),
+        ("N10 T", "N10 G0 X", ":2:5: expected a block T, G450 to G453 or %"),
     ],
 )
 def test_a_slip_in_an_iso_program_is_named(
@@ -85,7 +85,7 @@ def test_a_program_may_have_a_name_with_spaces(tmp_path: Path) -> None:
     ("text", "message"),
     [
         ("", "no TCH PROBE cycle"),
-        ("12 TCH PROBE 453 X\n", ":1:4: expected cycle 450, 451 or 452, got 453"),
+        ("12 TCH PROBE 454 X\n", ":1:4: expected cycle 450, 451, 452 or 453, got 454"),
         ("12 L X+0\n", ":1:4: expected a block"),
         ("12 TCH PROBE 450 X ~\n", ':1:20: expected a parameter such as "Q406=+0" after "~"'),
         ("12 TCH PROBE 450 X ~\nQ410=1,5\n", ':2:6: expected a number, got "1,5"'),

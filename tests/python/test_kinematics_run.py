@@ -150,6 +150,7 @@ def test_a_slip_in_the_truth_is_named(tmp_path: Path, text: str, message: str) -
         ("max_dev_cal_ball_mm = -1", "16:1: control.max_dev_cal_ball_mm: expected a number from 0"),
         ("is_tcpm_on = 1", "16:1: control.is_tcpm_on: expected true or false"),
         ("hirth_deg = [0, -3, 0]", "16:1: control.hirth_deg: expected a list of 3 numbers from 0"),
+        ("max_modification_mm = 1" + "0" * 400, "16:1: control.max_modification_mm: expected a"),
         ("hirth_dg = 3", '16:1: control.hirth_dg: unknown key; did you mean "hirth_deg"?'),
     ],
 )

@@ -93,6 +93,18 @@ void test_a_machine_true_or_believed_that_is_none_is_refused(void)
     check_both(SIM_PLAY_ERR_MACHINE);
 }
 
+void test_a_grid_with_too_many_nodes_or_no_numbers_is_refused(void)
+{
+    believed.grid.count[1] = 26;
+    check_both(SIM_PLAY_ERR_MACHINE);
+    believed.grid.count[2] = -1;
+    check_both(SIM_PLAY_ERR_MACHINE);
+    believed.grid.node_deg[2][24] = NAN;
+    check_both(SIM_PLAY_ERR_MACHINE);
+    believed.grid.offset_mm[74][2] = INFINITY;
+    check_both(SIM_PLAY_ERR_MACHINE);
+}
+
 static void refuse_control(double *value, double bad)
 {
     sim_451_t *play = NULL;

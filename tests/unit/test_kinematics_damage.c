@@ -212,6 +212,7 @@ void test_a_designation_that_nobody_can_give_is_refused(void)
         {{2}},                   /* an empty name */
         {{2, 'A', 0, 'B'}},      /* a name after its end */
         {{2, 'A', ' '}},
+        {{2, ' ', 'A'}},
         {{2, 0xC3, 0xA4}}, /* unprintable */
     };
     for (unsigned i = 0; i < sizeof bad / sizeof *bad; i++) {

@@ -1,5 +1,6 @@
 /* Measuring positions and stations: the document's examples, the grid, the reference, backlash. */
-/* LINK: firmware/cycle/kinematics_plan.c firmware/cycle/kinematics_settings.c */
+/* LINK: firmware/comp/kinematics_grid.c firmware/cycle/kinematics_plan.c
+ *       firmware/cycle/kinematics_settings.c */
 #include <math.h>
 
 #include "cycle/kinematics_plan.h"

@@ -209,13 +209,14 @@ void test_numbers_are_whole_and_within_limits(void)
 void test_names_have_1_to_16_printable_characters(void)
 {
     kinematics_designation_t designation;
-    const char *const        bad[] = {"", "12345678901234567", "A B", "\t", "\x7F", "\xC3\xA4"};
+    const char *const bad[] = {"", "12345678901234567", " A", "A ", "\t", "\x7F", "\xC3\xA4"};
 
     for (unsigned i = 0; i < sizeof bad / sizeof *bad; i++) {
         TEST_ASSERT_EQUAL(KINEMATICS_STORE_ERR_DESIGNATION,
                           kinematics_store_name(&designation, bad[i]));
     }
     TEST_ASSERT_EQUAL(KINEMATICS_STORE_OK, kinematics_store_name(&designation, "!"));
+    TEST_ASSERT_EQUAL(KINEMATICS_STORE_OK, kinematics_store_name(&designation, "my old one"));
     TEST_ASSERT_EQUAL(KINEMATICS_STORE_OK, kinematics_store_name(&designation, "1234567890123456"));
 }
 

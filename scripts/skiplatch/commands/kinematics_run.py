@@ -23,21 +23,26 @@ from skiplatch.commands.options import (
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.files import atomic_write_text
 from skiplatch.kinematics.control import read_control
+from skiplatch.kinematics.cycle import COMPENSATE_PRESET
+from skiplatch.kinematics.evaluate import Evaluation
 from skiplatch.kinematics.five_axis import Truth
-from skiplatch.kinematics.machine import LETTERS, Machine, read_machine, read_preset, read_spindle
+from skiplatch.kinematics.grid_evaluation import DELETE, GridEvaluation
+from skiplatch.kinematics.machine import (
+    LETTERS,
+    Machine,
+    Vector,
+    read_machine,
+    read_preset,
+    read_spindle,
+)
 from skiplatch.kinematics.memory import Memory, format_machine
 from skiplatch.kinematics.points import TOLD_COLUMNS, columns_of, read_points
 from skiplatch.kinematics.program import Program, read_program
-from skiplatch.kinematics.run import (
-    COMPENSATE_PRESET,
-    Outcome,
-    Run,
-    Setup,
-    run_program,
-)
+from skiplatch.kinematics.run import Outcome, Run, Setup, run_program
 from skiplatch.kinematics.truth import draw_truth, read_truth
 from skiplatch.places import ROOT
 from skiplatch.report.kinematics import Log, Logged, lay_out, vector_text
+from skiplatch.report.kinematics_grid import LoggedGrid, lead
 from skiplatch.simulator import Effect
 from skiplatch.tables import table
 
@@ -149,9 +154,9 @@ def command(
     seed: int,
     json_path: Path | None,
 ) -> None:
-    """Run cycles 450, 451 and 452 of PROGRAM, and write their log.
+    """Run cycles 450, 451, 452 and 453 of PROGRAM, and write their log.
 
-    PROGRAM is a HEIDENHAIN program with blocks TOOL CALL and TCH PROBE 450, 451 or 452 and their Q
+    PROGRAM is a HEIDENHAIN program with blocks TOOL CALL and TCH PROBE 450 to 453 and their Q
     lines. Every measurement of the sphere is made of touches that the firmware latches, on a
     simulated machine with errors of its own; what is found is fitted by the firmware too.
     """
@@ -194,30 +199,19 @@ def command(
     if corrected_path is not None:
         atomic_write_text(corrected_path, format_machine(outcome.machine))
     result = _json(outcome) if recorded is not None else {**_json(outcome), "truth": asdict(truth)}
-    click.echo("\n".join([*outcome.said, *(_text(run) for run in outcome.runs)]))
+    click.echo("\n".join([*outcome.said, *map(_run_text, outcome.runs)]))
     if outcome.runs and log_path != STDOUT:
         click.echo(f"log: {log_path}")
-    if recorded is not None and outcome.runs:
-        result |= tell(machine, recorded, outcome.runs[-1].evaluation.fit)
+    fitted = [e.fit for run in outcome.runs if isinstance(e := run.evaluation, Evaluation)]
+    if recorded is not None and fitted:
+        result |= tell(machine, recorded, fitted[-1])
     write_json(json_path, result)
 
 
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:
     spindle_mm = read_spindle(machine_path)
-    logged = [
-        Logged(
-            run.cycle,
-            run.evaluation,
-            run.parameters,
-            _effort(run),
-            _end(run),
-            run.notes,
-            spindle_mm,
-        )
-        for run in outcome.runs
-    ]
     return lay_out(
-        logged,
+        [_logged(run, spindle_mm) for run in outcome.runs],
         name=None if log_path == STDOUT else log_path.stem,
         when=datetime.now(UTC).astimezone(),
         program=program.path.resolve(),
@@ -226,8 +220,17 @@ def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome)
     )
 
 
+def _logged(run: Run, spindle_mm: Vector) -> Logged | LoggedGrid:
+    found, effort, end = run.evaluation, _effort(run), _end(run)
+    if isinstance(found, GridEvaluation):
+        return LoggedGrid(found, effort, end, run.notes)
+    return Logged(run.cycle, found, run.parameters, effort, end, run.notes, spindle_mm)
+
+
 def _effort(run: Run) -> str:
     """Say what the measurement took, or where it comes from."""
+    if run.evaluation.mode == DELETE:
+        return "no touch"
     if run.report.touches == 0:
         return f"{len(np.unique(run.stations.centre_mm, axis=0))} recorded positions"
     minutes = run.report.duration_s / SECONDS_PER_MINUTE
@@ -247,8 +250,17 @@ def _end(run: Run) -> str:
     return f"3-D ROT of the automatic mode {tilt}; TRACK {'on' if run.tracks else 'off'}"
 
 
-def _text(run: Run) -> str:
-    evaluation = run.evaluation
+def _run_text(run: Run) -> str:
+    found = run.evaluation
+    return _grid_text(run, found) if isinstance(found, GridEvaluation) else _text(run, found)
+
+
+def _grid_text(run: Run, evaluation: GridEvaluation) -> str:
+    name = f"cycle {run.cycle}, mode {evaluation.mode}, {_effort(run)}"
+    return "\n".join([name, *run.notes, f"{_end(run)}.", lead(evaluation)])
+
+
+def _text(run: Run, evaluation: Evaluation) -> str:
     rows = []
     for axis in evaluation.axes:
         backlash = "—" if axis.backlash_arcsec is None else f"{axis.backlash_arcsec:.2f}"
@@ -268,7 +280,7 @@ def _text(run: Run) -> str:
     return "\n".join(
         [
             f"{_named(run)}, {_effort(run)}",
-            *_compensation(run),
+            *_compensation(evaluation),
             *run.notes,
             f"{_end(run)}.",
             table(header, rows),
@@ -283,9 +295,9 @@ def _named(run: Run) -> str:
     return f"cycle {run.cycle}, {'preset compensation' if run.cycle == COMPENSATE_PRESET else mode}"
 
 
-def _compensation(run: Run) -> list[str]:
+def _compensation(evaluation: Evaluation) -> list[str]:
     """Say how far the sphere was off the preset that cycle 452 keeps."""
-    off_mm = run.evaluation.preset_off_mm
+    off_mm = evaluation.preset_off_mm
     return [] if off_mm is None else [f"the sphere was off the preset by {vector_text(off_mm)}"]
 
 
@@ -308,17 +320,42 @@ def _json(outcome: Outcome) -> dict[str, object]:
 
 
 def _run_json(run: Run) -> dict[str, object]:
-    evaluation = run.evaluation
+    found = run.evaluation
     return {
         "cycle": run.cycle,
-        "mode": evaluation.mode,
+        "mode": found.mode,
         "touches": run.report.touches,
         "duration_s": run.report.duration_s,
         "notes": list(run.notes),
         "preset_mm": list(run.report.preset_mm),
         "preset_at_0_mm": list(run.preset_at_0_mm),
-        "preset_off_mm": evaluation.preset_off_mm,
         "end": {"3d_rot_deg": _tilt_deg(run), "track": run.tracks},
+        **(_grid_json(found) if isinstance(found, GridEvaluation) else _found_json(found)),
+    }
+
+
+def _grid_json(evaluation: GridEvaluation) -> dict[str, object]:
+    """Give what cycle 453 found at the positions of the grid, and its table."""
+    if evaluation.mode == DELETE:
+        return {}
+    grid = evaluation.corrected.grid
+    return {
+        "deviation_um": UM_PER_MM * evaluation.deviation_mm,
+        "greatest_um": UM_PER_MM * evaluation.change_mm,
+        "greatest_at_deg": evaluation.angle_deg[evaluation.greatest].tolist(),
+        "angle_deg": evaluation.angle_deg.tolist(),
+        "off_um": (UM_PER_MM * evaluation.off_mm).tolist(),
+        "table": {
+            "angle_deg": grid.positions_deg if grid else [],
+            "offset_um": (UM_PER_MM * np.array(grid.table_mm)).tolist() if grid else [],
+        },
+    }
+
+
+def _found_json(evaluation: Evaluation) -> dict[str, object]:
+    """Give what cycle 451 or 452 found."""
+    return {
+        "preset_off_mm": evaluation.preset_off_mm,
         "q": {f"Q{q}": value for q, value in evaluation.q_parameters().items()},
         "parameters": {
             name: {"value": e.value, "uncertainty": e.uncertainty, "unit": e.unit}

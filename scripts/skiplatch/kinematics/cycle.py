@@ -1,4 +1,4 @@
-"""Cycles 451 and 452 on the simulated machine, with the evaluation by ``firmware/comp``."""
+"""Cycles 451, 452 and 453 on the simulated machine, with the evaluation by ``firmware/comp``."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -25,6 +25,7 @@ from skiplatch.simulator import Effect, SimulationError, connection, rig_argumen
 CData = Any
 WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}
 MOST_STATIONS = 256
+MEASURE_KINEMATICS, COMPENSATE_PRESET, KINEMATICS_GRID = 451, 452, 453
 UNKNOWN = 1
 """KINEMATICS_SETTING_UNKNOWN: the cycle has no such parameter."""
 
@@ -131,6 +132,7 @@ class Play:
     """One cycle on one machine; `opened` gives it."""
 
     _handle: CData
+    _cycle: int
     _asked: int = field(default=0)
 
     def set(self, number: int, value: float | str) -> None:
@@ -146,7 +148,7 @@ class Play:
         )
         if code != 0:
             phrase = ffi.string(lib.sim_451_phrase(code)).decode()
-            limits = None if code == UNKNOWN else setting(number)
+            limits = None if code == UNKNOWN else setting(number, self._cycle)
             raise CycleRefusedError(number, f"Q{number} {phrase}", limits)
 
     def begin(self) -> bool:
@@ -168,8 +170,36 @@ class Play:
 
     @property
     def asks(self) -> str:
-        """What the cycle came back for: evaluate, acknowledge, apply, done or failed."""
-        return ("evaluate", "acknowledge", "apply", "done", "failed")[self._asked]
+        """What the cycle came back for: evaluate, acknowledge, apply, clear, done or failed."""
+        return ("evaluate", "acknowledge", "apply", "done", "failed", "clear")[self._asked]
+
+    def conclude(
+        self, change_mm: float, corrected: Machine, truth: Truth, *, acknowledged: bool
+    ) -> list[str]:
+        """Answer an evaluation, and carry out what it leads to; give warnings, a sentence each.
+
+        Args:
+            change_mm: The greatest change that the evaluation would make.
+            corrected: What is believed where the cycle applies it.
+            truth: What the simulated machine knows of its tip.
+            acknowledged: The operator presses NC start where a change exceeds maxModification.
+
+        Raises:
+            CycleRefusedError: The cycle ended with an error.
+        """
+        warnings: list[str] = []
+        self.answer(change_mm)
+        while self.asks in ("acknowledge", "apply"):
+            if self.asks == "acknowledge":
+                change_mm = self.report().change_mm
+                warnings.append(f"Warning: a change of {change_mm:.4f} mm exceeds maxModification.")
+                self.answer(is_possible=acknowledged)
+            else:
+                self.believe(corrected, truth)
+                self.answer()
+        if self.asks != "done":
+            self.raise_failure()
+        return warnings
 
     def believe(self, machine: Machine, truth: Truth) -> None:
         """Let the controller believe something else of its axes."""
@@ -225,11 +255,11 @@ class Setting:
     initial: float
 
 
-def setting(number: int) -> Setting | None:
-    """Describe Q<number>; None if the cycle has no such parameter."""
+def setting(number: int, cycle: int = MEASURE_KINEMATICS) -> Setting | None:
+    """Describe Q<number> of a cycle; None if it has no such parameter."""
     ffi, lib = connection()
     low, high, initial = (ffi.new("double *") for _ in range(3))
-    name = lib.sim_451_limits(number, low, high, initial)
+    name = lib.sim_451_limits(cycle, number, low, high, initial)
     return Setting(ffi.string(name).decode(), low[0], high[0], initial[0]) if name else None
 
 
@@ -245,9 +275,10 @@ def opened(
     replicate: int = 0,
     rig: Nominal = DEFAULT_RIG,
     switched_on: Sequence[Effect] = (),
+    cycle: int = MEASURE_KINEMATICS,
     preset_mm: Sequence[float] | None = None,
 ) -> Iterator[Play]:
-    """Switch a machine on, with the parameters of cycle 451 set, or of 452.
+    """Switch a machine on, with the parameters of a cycle set.
 
     Args:
         machine: The description that the truth stands beside.
@@ -259,8 +290,9 @@ def opened(
         replicate: Which of many runs.
         rig: Probe, input, axes.
         switched_on: Effects of the table on every touch.
+        cycle: 451, 452 or 453.
         preset_mm: Where the sphere was at zero when the preset was set that cycle 452 keeps; None:
-            it is cycle 451, and the operator has just set one.
+            the operator has just set one.
 
     Raises:
         CycleRefusedError: A parameter is not admitted.
@@ -281,8 +313,10 @@ def opened(
     refuse(code)
     handle = place[0]
     try:
-        play = Play(handle)
-        if preset_mm is not None:
+        play = Play(handle, cycle)
+        if cycle == KINEMATICS_GRID:
+            lib.sim_451_measure_grid(handle)
+        elif preset_mm is not None:
             lib.sim_451_keep_preset(handle, list(preset_mm))
         for number, value in parameters.items():
             play.set(number, value)

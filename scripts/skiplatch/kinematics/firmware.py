@@ -8,6 +8,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.arrays import FloatArray
+from skiplatch.kinematics.five_axis import compensation_mm
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
 from skiplatch.simulator import connection
@@ -218,8 +220,9 @@ def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]
         after,
     )
     _refuse(library, min(found, 0), len(points))
+    angles_deg = more[:found, : len(machine.axes)]
     positions_mm = more[:found, AXES_MAX:] - machine.tip_shift_mm
-    new = Points(more[:found, : len(machine.axes)], positions_mm)
+    new = Points(angles_deg, positions_mm + _compensated_mm(machine, angles_deg))
     return new, _fit(ffi, library, machine, after)
 
 
@@ -271,12 +274,21 @@ def _machine(ffi: CData, machine: Machine) -> CData:
 def _rows(machine: Machine, points: Points) -> NDArray[np.float64]:
     """Lay the points out as kinematics_point_t: shape (n, AXES_MAX + 3).
 
-    The firmware's coordinates are where the tip is; readings are so since the tip last moved.
+    The firmware's coordinates are where the tip is; readings are so since the tip last moved, and
+    but for what the table of cycle 453 adds to them.
     """
     rows = np.zeros((len(points), AXES_MAX + 3))
     rows[:, : points.angles_deg.shape[1]] = points.angles_deg
-    rows[:, AXES_MAX:] = points.positions_mm + np.array(machine.tip_shift_mm)
+    added_mm = _compensated_mm(machine, points.angles_deg)
+    rows[:, AXES_MAX:] = points.positions_mm + np.array(machine.tip_shift_mm) - added_mm
     return rows
+
+
+def _compensated_mm(machine: Machine, angles_deg: FloatArray) -> FloatArray:
+    """Give what the table of cycle 453 has at n positions of the machine's axes; shape (n, 3)."""
+    shown_deg = np.zeros((len(angles_deg), len(LETTERS)))
+    shown_deg[:, [LETTERS.index(letter) for letter in machine.letters]] = angles_deg
+    return compensation_mm(machine, shown_deg)
 
 
 def _refuse(library: CData, code: int, count: int) -> None:

@@ -24,6 +24,7 @@ from skiplatch.campaign import (
     ReportNominal,
     SkipNominal,
 )
+from skiplatch.kinematics.grid import Grid
 from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.simulator import Controller, Effect, SimulationError, connection, rig_arguments
 
@@ -117,6 +118,8 @@ def machine_structure(machine: Machine, truth: Truth) -> CData:
         rotary.datum_deg = axis.datum_deg
     filled.tool_mm = list(machine.tool_mm or (0.0, 0.0, 0.0))
     filled.tip_mm = list(machine.tip_shift_mm)
+    if machine.grid is not None:
+        _fill_grid(filled.grid, machine.grid)
     filled.tip_error_mm = [value / UM_PER_MM for value in truth.tip_um]
     filled.sphere_mm = list(truth.sphere_mm)
     filled.sphere_radius_mm = truth.sphere_radius_mm
@@ -129,6 +132,26 @@ def machine_structure(machine: Machine, truth: Truth) -> CData:
 def _list(machine: Machine, *, is_head: bool) -> list[int]:
     listed = [LETTERS.index(a.letter) for a in machine.axes if a.in_head == is_head]
     return listed + [-1] * (len(LETTERS) - len(listed))
+
+
+def _fill_grid(filled: CData, grid: Grid) -> None:
+    filled.count = [len(nodes) for nodes in grid.nodes_deg]
+    filled.node_deg = [list(nodes) for nodes in grid.nodes_deg]
+    filled.offset_mm = [list(row) for row in grid.table_mm]
+
+
+def compensation_mm(machine: Machine, angles_deg: FloatArray) -> FloatArray:
+    """Give what the table of cycle 453 has at n positions of A, B, C; both shapes are (n, 3)."""
+    if machine.grid is None or not machine.grid.offset_mm:
+        return np.zeros_like(angles_deg)
+    ffi, lib = connection()
+    structure = machine_structure(machine, Truth())
+    offset = ffi.new("double[3]")
+    rows = []
+    for angles in angles_deg.tolist():
+        lib.sim_machine_compensation(structure, angles, offset)
+        rows.append(list(offset))
+    return np.array(rows).reshape(-1, len(LETTERS))
 
 
 def _fill_rotary(rotary: CData, truth: RotaryTruth) -> None:

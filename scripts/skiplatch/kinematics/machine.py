@@ -4,11 +4,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from sys import float_info
 from typing import Any
 
 from skiplatch.campaign.toml_positions import KeyPath, key_positions
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, hint, quoted
+from skiplatch.kinematics.grid import Grid, GridError, grid_of
 
 LETTERS = ("A", "B", "C")
 DEFAULT_TRAVEL_DEG = {"A": (-90.0, 90.0), "B": (-90.0, 90.0), "C": (-180.0, 180.0)}
@@ -16,7 +18,8 @@ AXIS_KEYS = ("direction", "point_mm", "range_deg", "datum_deg")
 SPINDLE = "spindle_mm"
 PRESET = "preset_mm"
 TIP = "tip_shift_mm"
-TOP_KEYS = ("table", "head", "tool_mm", TIP, SPINDLE, PRESET, "axes")
+GRID = "grid"
+TOP_KEYS = ("table", "head", "tool_mm", TIP, SPINDLE, PRESET, GRID, "axes")
 UNIT_TOLERANCE = 1e-4
 OWN_COSINE_MIN = 0.5
 FARTHEST_MM = 1e5
@@ -56,11 +59,13 @@ class Machine:
         tool_mm: The probe's tip with every axis at 0, or None where it is not known.
         tip_shift_mm: How far the tip has since moved from there, by cycle 452: coordinates are
             those of the machine as it was.
+        grid: Where cycle 453 measures, and what it compensates; None where there is none.
     """
 
     axes: tuple[RotaryAxis, ...]
     tool_mm: Vector | None
     tip_shift_mm: Vector = (0.0, 0.0, 0.0)
+    grid: Grid | None = None
 
     @property
     def letters(self) -> tuple[str, ...]:
@@ -111,8 +116,9 @@ class _Reader:
 
 
 def _is_number(value: object) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_number and math.isfinite(value)  # type: ignore[arg-type]
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    return abs(value) <= float_info.max
 
 
 def read_machine(path: Path) -> Machine:
@@ -138,7 +144,18 @@ def read_machine(path: Path) -> Machine:
         _axis(reader, axes[name], name, place >= len(table)) for place, name in enumerate(chain)
     )
     shift_mm = reader.vector(document, (TIP,)) if TIP in document else (0.0, 0.0, 0.0)
-    return Machine(tuple(rotary), tool_mm, shift_mm)
+    grid = _grid(reader, document[GRID], chain) if GRID in document else None
+    return Machine(tuple(rotary), tool_mm, shift_mm, grid)
+
+
+def _grid(reader: _Reader, table: object, letters: list[str]) -> Grid:
+    if not isinstance(table, dict):
+        raise reader.fail((GRID,), "expected a table, such as [grid] with C = [-90, 0, 90]")
+    try:
+        return grid_of(table, letters)
+    except GridError as error:
+        key = (GRID,) if error.key is None else (GRID, error.key)
+        raise reader.fail(key, str(error)) from error
 
 
 def read_spindle(path: Path) -> Vector:

@@ -1,14 +1,19 @@
-"""Cycle 450: kinematics saved, restored, shown and deleted by the firmware's store, in a file."""
+"""Cycle 450: kinematics saved, restored, shown and deleted by the firmware's store, in a file.
+
+The table of cycle 453 is none of them: it stays as it is.
+"""
 
 import os
 import struct
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_bytes, failures_named, refuse_special_or_large
+from skiplatch.kinematics.grid import format_grid
 from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector, is_possible
 from skiplatch.kinematics.program import Cycle, Program, Value
 from skiplatch.simulator import SimulationError, connection
@@ -150,7 +155,7 @@ def run_450(
     designation = given.value if given else 0.0
     memory.activate(machine)
     try:
-        active = memory.run(mode.value, designation)
+        active = replace(memory.run(mode.value, designation), grid=machine.grid)
     except StoreRefusedError as error:
         raise InputError(program.path, cycle.line, None, f"cycle 450: {error}") from error
     shown = f"{designation:g}" if isinstance(designation, float) else designation
@@ -226,6 +231,7 @@ def format_machine(machine: Machine) -> str:
         ]
         if axis.datum_deg != 0.0:
             lines.append(f"datum_deg = {axis.datum_deg!r}")
+    lines += format_grid(machine.grid) if machine.grid is not None else []
     return "\n".join(lines) + "\n"
 
 

@@ -30,9 +30,9 @@ TOOL = re.compile(r'TOOL CALL\s+(?:"(?P<name>[^"]*)"|(?P<index>\d+))\s*(?P<axis>
 BEGIN = re.compile(r"BEGIN PGM\s+(?P<name>\S.*?)\s+(?P<unit>MM|INCH)")
 END = re.compile(r"END PGM\b.*")
 PARAMETER = re.compile(r"(?P<kind>QS?)(?P<number>\d+)\s*=\s*(?P<value>\"[^\"]*\"|[^\s;~]+)")
-_BLOCKS = "TOOL CALL, TCH PROBE 450, 451 or 452, BEGIN PGM or END PGM"
+_BLOCKS = "TOOL CALL, TCH PROBE 450 to 453, BEGIN PGM or END PGM"
 WORDS = {"FMAX", "FAUTO", "PREDEF"}
-CYCLES = (450, 451, 452)
+CYCLES = (450, 451, 452, 453)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,12 +141,12 @@ class _Reader:
         elif begin := (ISO_FRAME if self._is_iso else BEGIN).fullmatch(text):
             self.is_inch = begin["unit"] in ("INCH", "0")
         elif self._is_iso or not END.fullmatch(text):
-            blocks = "T, G450, G451, G452 or %" if self._is_iso else _BLOCKS
+            blocks = "T, G450 to G453 or %" if self._is_iso else _BLOCKS
             raise self._fail(line, column, f"expected a block {blocks}, got {quoted(text)}")
 
     def _cycle(self, line: _Line, column: int, number: int, rest: str) -> None:
         if number not in CYCLES:
-            raise self._fail(line, column, f"expected cycle 450, 451 or 452, got {number}")
+            raise self._fail(line, column, f"expected cycle 450, 451, 452 or 453, got {number}")
         parameters: dict[int, Value] = {}
         goes_on = rest.strip() == "~"
         while (goes_on or self._is_iso) and self._at < len(self._lines):

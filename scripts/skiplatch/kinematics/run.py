@@ -1,4 +1,4 @@
-"""Running an NC program with cycles 450, 451 and 452 on the simulated five-axis machine."""
+"""Running an NC program with cycles 450 to 453 on the simulated five-axis machine."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -8,10 +8,21 @@ import numpy as np
 
 from skiplatch.errors import InputError
 from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK, POSITIONS
-from skiplatch.kinematics.cycle import Control, CycleRefusedError, Play, Report, Stations, opened
+from skiplatch.kinematics.cycle import (
+    COMPENSATE_PRESET,
+    KINEMATICS_GRID,
+    Control,
+    CycleRefusedError,
+    Play,
+    Report,
+    Stations,
+    opened,
+)
 from skiplatch.kinematics.evaluate import Evaluation, evaluate, has_unknown_tip, turned_back
 from skiplatch.kinematics.firmware import NoFitError
 from skiplatch.kinematics.five_axis import Truth
+from skiplatch.kinematics.grid_cycle import play_grid
+from skiplatch.kinematics.grid_evaluation import GridEvaluation, NoGridError
 from skiplatch.kinematics.machine import Machine, Vector
 from skiplatch.kinematics.memory import Memory, run_450
 from skiplatch.kinematics.points import Points
@@ -31,7 +42,7 @@ NO_BACKLASH = (
 )
 DEFAULTS = {451: {MODE: CHECK, TOUCHES: 4}, 452: {MODE: POSITIONS, TOUCHES: 4}}
 """Of a cycle's parameters; cycle 452 has no mode but that one."""
-SAVE_KINEMATICS, COMPENSATE_PRESET = 450, 452
+SAVE_KINEMATICS = 450
 PRESET, NEVER, PRESETS_AFTER = 431, 0.0, (2.0, 3.0)
 
 
@@ -66,7 +77,7 @@ class Setup:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Run:
-    """One run of cycle 451 or 452.
+    """One run of cycle 451, 452 or 453.
 
     Attributes:
         cycle: Which of them.
@@ -82,7 +93,7 @@ class Run:
     cycle: int
     parameters: Mapping[int, float | str]
     stations: Stations
-    evaluation: Evaluation
+    evaluation: Evaluation | GridEvaluation
     report: Report
     notes: tuple[str, ...]
     tracks: bool
@@ -91,7 +102,7 @@ class Run:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Outcome:
-    """What came of a program: its runs of 451, what 450 said, the kinematics at the end."""
+    """What came of a program: its runs of 451 to 453, what 450 said, the kinematics at the end."""
 
     runs: tuple[Run, ...]
     said: tuple[str, ...]
@@ -116,7 +127,7 @@ def run_program(program: Program, setup: Setup, memory: Memory) -> Outcome:
             if cycle.number == COMPENSATE_PRESET:
                 setup = _changed(program, cycle, setup, believed, runs)
             runs.append(_run_cycle(program, cycle, setup, believed, len(runs)))
-            if runs[-1].evaluation.mode > 0:
+            if runs[-1].evaluation.mode != CHECK:
                 believed = runs[-1].evaluation.corrected
                 memory.activate(believed)
     return Outcome(tuple(runs), tuple(said), believed)
@@ -175,15 +186,18 @@ def _run_cycle(program: Program, cycle: Cycle, setup: Setup, believed: Machine, 
             seed=setup.seed,
             replicate=place,
             switched_on=setup.switched_on,
+            cycle=cycle.number,
             preset_mm=setup.preset_mm if cycle.number == COMPENSATE_PRESET else None,
         ) as play:
+            if cycle.number == KINEMATICS_GRID:
+                return _measured_grid(play, parameters, setup, believed)
             return _measured(play, cycle.number, parameters, setup, believed)
     except CycleRefusedError as error:
         given = cycle.parameters.get(error.parameter)
         line, column = (given.line, given.column) if given else (cycle.line, None)
         message = f"cycle {cycle.number}: {error}{_range(error, program)}"
         raise InputError(program.path, line, column, message) from error
-    except (NoFitError, RecordedError) as error:
+    except (NoFitError, NoGridError, RecordedError) as error:
         raise InputError(
             program.path, cycle.line, None, f"cycle {cycle.number}: {error}"
         ) from error
@@ -217,17 +231,9 @@ def _measured(
     points = recorded.points if recorded is not None else None
     preset_mm = setup.preset_mm if number == COMPENSATE_PRESET else None
     evaluation = evaluate(believed, setup.truth, stations, mode, touches, points, preset_mm)
-    play.answer(evaluation.change_mm)
-    while play.asks in ("acknowledge", "apply"):
-        if play.asks == "acknowledge":
-            change_mm = play.report().change_mm
-            notes.append(f"Warning: a change of {change_mm:.4f} mm exceeds maxModification.")
-            play.answer(is_possible=setup.acknowledged)
-        else:
-            play.believe(evaluation.corrected, setup.truth)
-            play.answer()
-    if play.asks != "done":
-        play.raise_failure()
+    notes += play.conclude(
+        evaluation.change_mm, evaluation.corrected, setup.truth, acknowledged=setup.acknowledged
+    )
     report = play.report()
     notes += _moved_datums(evaluation)
     notes += _combined(evaluation)
@@ -238,12 +244,35 @@ def _measured(
     loose = [axis.letter for axis in evaluation.axes if not stations.has_second(axis.letter)]
     if loose:
         notes.append(NO_BACKLASH.format(", ".join(loose)))
-    if report.cancelled_rotation:
-        notes.append("The preset has no basic rotation any more (SPA, SPB, SPC): set it again.")
+    notes += _cancelled(report)
     active = evaluation.corrected if mode > CHECK else believed
     at_0_mm = preset_mm or _preset_at_0_mm(active, setup, parameters, stations, report)
     tracks = setup.control.track
     return Run(number, parameters, stations, evaluation, report, tuple(notes), tracks, at_0_mm)
+
+
+def _measured_grid(
+    play: Play, parameters: Mapping[int, float | str], setup: Setup, believed: Machine
+) -> Run:
+    played = play_grid(
+        play,
+        parameters,
+        believed,
+        setup.truth,
+        recorded=setup.recorded,
+        acknowledged=setup.acknowledged,
+    )
+    report, found = play.report(), played.evaluation
+    active = believed if found.mode == CHECK else found.corrected
+    at_0_mm = _preset_at_0_mm(active, setup, parameters, played.stations, report)
+    notes = (*played.notes, *_cancelled(report))
+    tracks = setup.control.track
+    return Run(KINEMATICS_GRID, parameters, played.stations, found, report, notes, tracks, at_0_mm)
+
+
+def _cancelled(report: Report) -> Iterator[str]:
+    if report.cancelled_rotation:
+        yield "The preset has no basic rotation any more (SPA, SPB, SPC): set it again."
 
 
 def _preset_at_0_mm(
@@ -253,8 +282,8 @@ def _preset_at_0_mm(
     stations: Stations,
     report: Report,
 ) -> Vector:
-    """Give where the preset of cycle 451 is believed with every axis at 0."""
-    was_set_after = parameters.get(PRESET, NEVER) in PRESETS_AFTER
+    """Give where the preset of cycle 451 or 453 is believed with every axis at 0."""
+    was_set_after = report.presets > 0 and parameters.get(PRESET, NEVER) in PRESETS_AFTER
     angle_deg = stations.angle_deg[0] if was_set_after else setup.control.start_deg
     return _at_0_mm(active, angle_deg, report.preset_mm)
 

@@ -1,4 +1,4 @@
-"""The log of cycles 451 and 452, TCHPRAUTO.html: no script, nothing from elsewhere."""
+"""The log of cycles 451, 452 and 453, TCHPRAUTO.html: no script, nothing from elsewhere."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ from skiplatch.kinematics.evaluate import AxisResult, Evaluation
 from skiplatch.kinematics.firmware import Estimate
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis, Vector
 from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
+from skiplatch.report.kinematics_grid import LoggedGrid, Rows, lay_out_grid
 from skiplatch.report.layout import render
 
 TEMPLATE = "kinematics.html"
@@ -27,10 +28,10 @@ UM_PER_MM = 1000.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Logged:
-    """One run of a cycle.
+    """One run of cycle 451 or 452.
 
     Attributes:
-        cycle: 451 or 452.
+        cycle: Which of them.
         evaluation: What it found.
         parameters: Q parameters by number, as the cycle had them.
         effort: What the measurement took, such as touches and time.
@@ -46,14 +47,6 @@ class Logged:
     end: str
     notes: Sequence[str] = ()
     spindle_mm: Vector = (0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True, slots=True)
-class Rows:
-    """A table of the page."""
-
-    header: tuple[str, ...]
-    rows: Sequence[tuple[str, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +73,7 @@ class Log:
 
 
 def lay_out(
-    logged: Sequence[Logged],
+    logged: Sequence[Logged | LoggedGrid],
     *,
     name: str | None,
     when: datetime,
@@ -99,7 +92,9 @@ def lay_out(
         kinematics: Name of the active kinematics.
     """
     sections = [
-        [_section(run, axis, f"{name or STREAM}-{i}") for axis in run.evaluation.axes]
+        []
+        if isinstance(run, LoggedGrid)
+        else [_section(run, axis, f"{name or STREAM}-{i}") for axis in run.evaluation.axes]
         for i, run in enumerate(logged, start=1)
     ]
     html = render(
@@ -109,7 +104,10 @@ def lay_out(
         tool=tool or "—",
         kinematics=kinematics,
         has_files=name is not None,
-        runs=[_run(run, i, sections[i]) for i, run in enumerate(logged)],
+        runs=[
+            lay_out_grid(run, i) if isinstance(run, LoggedGrid) else _run(run, i, sections[i])
+            for i, run in enumerate(logged)
+        ],
     )
     charts = {
         file: chart.file
@@ -133,6 +131,7 @@ def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[st
         "notes": [*logged.notes, *_undetermined(evaluation)],
         "lead": _lead(evaluation),
         "axes": sections,
+        "grid": None,
         "results": _results(evaluation),
         "errors": _location_errors(evaluation),
         "is_check": evaluation.mode == CHECK,
