@@ -32,19 +32,58 @@ ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
 BEYOND_THE_RAMP_MM = {Kind.MACHINE: 1.0, Kind.BENCH: 0.01}  # a bench may begin with an edge
 BETWEEN_TOUCHES_S = 1.0
-PLAYED = {("plc", "scan_us"): (100.0, 20_000.0), ("skip", "tick_us"): (0.001, 1000.0)}
-"""What the firmware's scans, in µs, and the simulator's clock can do."""
+DURATION_US = (0.0, 1e9)
+LENGTH = (0.0, 10_000.0)  # mm or µm
+PLACE = (-LENGTH[1], LENGTH[1])
+PLAYED = {
+    ("plc", "scan_us"): (100.0, 20_000.0),  # the firmware's scans
+    ("skip", "tick_us"): (0.001, 1000.0),
+    ("probe", "pretravel_um"): PLACE,
+    ("probe", "lobe_um"): PLACE,
+    ("probe", "repeatability_um"): LENGTH,
+    ("probe", "delay_us"): DURATION_US,
+    ("input", "filter_us"): DURATION_US,
+    ("skip", "latency_us"): DURATION_US,
+    ("skip", "jitter_us"): DURATION_US,
+    ("axis", "resolution_um"): (1e-4, 1e4),
+    ("axis", "accel_mm_s2"): (1e-3, 1e6),
+    ("report", "latency_us"): DURATION_US,
+    ("report", "jitter_us"): DURATION_US,
+    ("bench", "reference_jitter_us"): DURATION_US,
+}
+"""What the simulator takes of nominal.toml: is_chain() of host_sim/programs/batch.c."""
+MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
+PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
+"""And of a touch: is_touch() there."""
 
 
 def refuse_unplayable(path: Path, nominal: Nominal) -> None:
     """Raise InputError for a figure of nominal.toml, at `path`, that cannot be simulated."""
-    for (section, name), (least, most) in PLAYED.items():
-        value = nominal.number(section, name)
-        if not least <= value <= most:
-            expected = f"expected {least:g} to {most:g}, which is what can be simulated"
-            raise InputError(path, None, f"{section}.{name}", f"{expected}, got {value:g}")
+    for (section, name), limits in PLAYED.items():
+        _refuse_beyond(path, f"{section}.{name}", nominal.number(section, name), limits)
+    if len(nominal.believed_effects) > MOST_EFFECTS:
+        message = f"expected at most {MOST_EFFECTS}, got {len(nominal.believed_effects)}"
+        raise InputError(path, None, "effect", message)
     for effect in nominal.believed_effects:
         _refuse_unknown(path, effect)
+
+
+def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
+    """Raise InputError for a condition of a touch, read from `path`, that cannot be simulated."""
+    for name, (least, most) in PLAYED_TOUCHES.items():
+        values = getattr(touches, name)
+        beyond = np.flatnonzero((values < least) | (values > most))
+        if len(beyond):
+            first = int(beyond[0])
+            where = f"{name} of touch {touches.touch[first]}"
+            _refuse_beyond(path, where, float(values[first]), (least, most))
+
+
+def _refuse_beyond(path: Path, where: str, value: float, limits: tuple[float, float]) -> None:
+    least, most = limits
+    if not least <= value <= most:
+        expected = f"expected {least:g} to {most:g}, which is what can be simulated"
+        raise InputError(path, None, where, f"{expected}, got {value:g}")
 
 
 def _refuse_unknown(path: Path, effect: BelievedEffect) -> None:
@@ -80,6 +119,7 @@ def playable(campaign: Campaign) -> Campaign:
             cannot be simulated.
     """
     refuse_unplayable(campaign.path / NOMINAL_FILE, campaign.nominal)
+    refuse_unplayable_touches(campaign.path / TOUCHES_FILE, campaign.touches)
     touches = _as_linear(campaign.touches)
     no_feed, no_way = np.isnan(touches.feed_mm_min), np.isnan(touches.approach_mm)
     no_time = np.isnan(touches.time_s)

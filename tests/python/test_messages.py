@@ -52,6 +52,22 @@ def test_figure_that_cannot_be_simulated_is_named(command: str, tmp_path: Path) 
     assert str(result.exception) == f"{nominal}: {expected}"
 
 
+@pytest.mark.parametrize("command", ["latch", "plan"])
+def test_a_rig_that_cannot_be_simulated_is_told_by_file_and_key(
+    command: str, tmp_path: Path
+) -> None:
+    nominal = tmp_path / "nominal.toml"
+    nominal.write_text('format = "skiplatch-campaign/2"\n[skip]\njitter_us = 1e15\n')
+    words = [command, "--nominal", str(nominal)]
+    words += ["--path", "plc", "--uncertainty-um", "2"] if command == "plan" else []
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError)
+    expected = "skip.jitter_us: expected 0 to 1e+09, which is what can be simulated, got 1e+15"
+    assert str(result.exception) == f"{nominal}: {expected}"
+
+
 @pytest.mark.parametrize(
     ("text", "count"), [("1e5", 100_000), ("250", 250), ("2.5e3", 2500), ("1e+3", 1000)]
 )
