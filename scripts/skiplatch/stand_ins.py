@@ -6,6 +6,7 @@ is emptied. Of a rotary axis a degree counts as a millimetre.
 
 import os
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,16 +18,15 @@ from skiplatch.campaign import (
     NOMINAL_FILE,
     TOUCHES_FILE,
     Axis,
-    BelievedEffect,
     Campaign,
     Kind,
     Nominal,
     Touches,
     read_campaign,
 )
-from skiplatch.errors import CampaignWarning, InputError
+from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import S_PER_MIN, US_PER_S, expected_contact
-from skiplatch.simulator import effects
+from skiplatch.simulator import Effect, effects, with_believed
 
 ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
@@ -57,14 +57,21 @@ PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach
 """And of a touch: is_touch() there."""
 
 
-def refuse_unplayable(path: Path, nominal: Nominal) -> None:
-    """Raise InputError for a figure of nominal.toml, at `path`, that cannot be simulated."""
+def refuse_unplayable(path: Path, nominal: Nominal, besides: Sequence[Effect] = ()) -> None:
+    """Raise InputError for what was read from `path` and cannot be simulated.
+
+    Args:
+        path: Of nominal.toml, or of a diagnosis.
+        nominal: The rig, with the effects that it is believed to have.
+        besides: Effects that act, too.
+    """
     for (section, name), limits in PLAYED.items():
         _refuse_beyond(path, f"{section}.{name}", nominal.number(section, name), limits)
-    if len(nominal.believed_effects) > MOST_EFFECTS:
-        message = f"expected at most {MOST_EFFECTS}, got {len(nominal.believed_effects)}"
+    switched_on = with_believed(nominal, besides)
+    if len(switched_on) > MOST_EFFECTS:
+        message = f"expected at most {MOST_EFFECTS}, got {len(switched_on)}"
         raise InputError(path, None, "effect", message)
-    for effect in nominal.believed_effects:
+    for effect in switched_on:
         _refuse_unknown(path, effect)
 
 
@@ -86,12 +93,12 @@ def _refuse_beyond(path: Path, where: str, value: float, limits: tuple[float, fl
         raise InputError(path, None, where, f"{expected}, got {value:g}")
 
 
-def _refuse_unknown(path: Path, effect: BelievedEffect) -> None:
+def _refuse_unknown(path: Path, effect: Effect) -> None:
     """Raise InputError for an effect, a parameter or a value that the simulator does not have."""
     if effect.id not in effects():
-        raise InputError(path, None, "effect.id", f'no effect is called "{effect.id}"')
+        raise InputError(path, None, "effect.id", f"no effect is called {quoted(effect.id)}")
     parameters = {parameter.name: parameter for parameter in effects()[effect.id].parameters}
-    for name, value in effect.values.items():
+    for name, value in effect.parameters.items():
         column = f"effect.{effect.id}.{name}"
         if name not in parameters:
             known = ", ".join(parameters)

@@ -304,6 +304,15 @@ def test_a_foreign_file_is_refused(filled: Path, place: str) -> None:
     assert path.read_text() == "mine"
 
 
+@pytest.mark.parametrize("place", ["campaigns.parquet", "lock", "touches/*/*/*", "folders/*/*/*"])
+def test_a_pipe_in_place_of_a_file_is_refused_and_not_waited_for(filled: Path, place: str) -> None:
+    path = next(filled.glob(place))
+    path.unlink()
+    os.mkfifo(path)
+
+    assert f"{path}: a foreign file" in refusal(ask, filled, "SELECT 1")
+
+
 @pytest.mark.parametrize("pattern", ["campaigns.parquet", "touches/*/*/*", "folders/*/*/*"])
 @pytest.mark.parametrize("damage", ["cut", "foreign", "gone"])
 def test_a_damaged_file_is_one_line(

@@ -52,6 +52,36 @@ def test_figure_that_cannot_be_simulated_is_named(command: str, tmp_path: Path) 
     assert str(result.exception) == f"{nominal}: {expected}"
 
 
+def diagnosis_with(parameter: str) -> str:
+    effect = f'{{"id": "isr_latency", "params": {{"latency_us": {parameter}}}}}'
+    found = f'"effects": [{effect}], "models": [[{effect}]], "verdict": "explained"'
+    return f'{{"format": "skiplatch-diagnosis/2", {found}, "beliefs": {{}}}}'
+
+
+@pytest.mark.parametrize("command", ["predict", "adopt", "design"])
+@pytest.mark.parametrize(
+    ("parameter", "told"),
+    [
+        ("1e15", "effect.isr_latency.latency_us: expected "),
+        ("NaN", "effect.isr_latency.latency_us: expected "),
+        ("9" * 400, "no JSON: a whole number beyond 64 bits: "),
+    ],
+)
+def test_a_diagnosis_that_cannot_be_played_is_told_by_file(
+    command: str, parameter: str, told: str, tmp_path: Path
+) -> None:
+    diagnosis, out = tmp_path / "found.json", tmp_path / "out"
+    diagnosis.write_text(diagnosis_with(parameter))
+    words = [command, str(BENCH), "--diagnosis", str(diagnosis), "--out", str(out)]
+    words += ["--conditions", str(BENCH / "touches.csv")] if command == "predict" else []
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError), result.exception
+    assert str(result.exception).startswith(f"{diagnosis}: {told}")
+    assert not out.exists()
+
+
 @pytest.mark.parametrize("command", ["latch", "plan"])
 def test_a_rig_that_cannot_be_simulated_is_told_by_file_and_key(
     command: str, tmp_path: Path

@@ -29,9 +29,11 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
         return Rig(nominal)
     document = read_json(path)
     try:
-        return rig_from_json(document, nominal)
+        rig = rig_from_json(document, nominal)
     except ValueError as error:
         raise InputError(path, None, None, str(error)) from error
+    refuse_unplayable(path, rig.nominal, rig.effects)
+    return rig
 
 
 @click.command(epilog=EPILOG)
