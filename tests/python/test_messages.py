@@ -82,6 +82,19 @@ def test_a_diagnosis_that_cannot_be_played_is_told_by_file(
     assert not out.exists()
 
 
+def test_an_interval_without_bounds_is_not_adopted(tmp_path: Path) -> None:
+    diagnosis, out = tmp_path / "found.json", tmp_path / "out.toml"
+    wide = '"intervals": {"latency_us": [-1e308, 1e308]}, "params"'
+    diagnosis.write_text(diagnosis_with("41.7").replace('"params"', wide))
+    words = ["adopt", str(BENCH), "--diagnosis", str(diagnosis), "--out", str(out)]
+
+    result = CliRunner().invoke(group, words)
+
+    told = "effect.isr_latency.latency_us: an interval without bounds says nothing"
+    assert str(result.exception) == f"{diagnosis}: {told}"
+    assert not out.exists()
+
+
 @pytest.mark.parametrize("command", ["latch", "plan"])
 def test_a_rig_that_cannot_be_simulated_is_told_by_file_and_key(
     command: str, tmp_path: Path
