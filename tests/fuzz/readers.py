@@ -17,12 +17,12 @@ from mutations import expect_one_line
 from skiplatch.api.diagnosed import read_diagnosis
 from skiplatch.bench.plan import read_plan
 from skiplatch.campaign import InputPath, read_nominal
-from skiplatch.commands.design import models_from_json
 from skiplatch.compensation.formats import read_table
 from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.adoption import adopted
+from skiplatch.diagnosis.experiment import models_from_json
 from skiplatch.errors import InputError
 from skiplatch.files import read_json
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, diagnosed
