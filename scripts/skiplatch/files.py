@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from skiplatch.errors import InputError, quoted
-from skiplatch.undo import replace, temporary_sibling
+from skiplatch.undo import make_folders, replace, temporary_sibling
 
 MOST_JSON_BYTES = 64 << 20
 
@@ -49,8 +49,7 @@ def atomic_write_folder(path: str | os.PathLike[str], texts: Mapping[str, str]) 
     refuse_occupied(path)
     with failures_named(path, "write"):
         target = Path(os.path.realpath(path))
-        if not target.parent.exists():
-            target.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(target.parent)
         temporary = temporary_sibling(target)
         try:
             temporary.mkdir()

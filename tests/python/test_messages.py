@@ -1,5 +1,6 @@
 """What commands say of slips: what, where, and what was expected."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 BENCH = SAMPLES / "bench_isr_latency"
+LOGS = Path(__file__).parent / "data" / "logs"
 
 
 def simulate(nominal: Path, effect: str, out: Path) -> str:
@@ -50,6 +52,38 @@ def test_figure_that_cannot_be_simulated_is_named(command: str, tmp_path: Path) 
     assert isinstance(result.exception, InputError)
     expected = "plc.scan_us: expected 100 to 20000, which is what can be simulated, got 2"
     assert str(result.exception) == f"{nominal}: {expected}"
+
+
+def test_a_log_that_cannot_be_repeated_is_told_by_its_own_name() -> None:
+    log = LOGS / "grbl_serial.log"
+
+    result = CliRunner().invoke(group, ["repeat", str(log)])
+
+    assert str(result.exception).startswith(f"{log}: expected a surface that was touched 3 times")
+
+
+@pytest.mark.parametrize("number", ["9" * 400 + ".5", "nan"])
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("grbl", "grbl_serial.log"),
+        ("klipper", "klippy.log"),
+        ("marlin", "marlin_m48.log"),
+        ("linuxcnc", "linuxcnc_probe.txt"),
+        ("edges", "saleae.csv"),
+    ],
+)
+def test_a_log_of_numbers_without_bounds_is_refused(
+    kind: str, name: str, number: str, tmp_path: Path
+) -> None:
+    log, out = tmp_path / name, tmp_path / "out"
+    log.write_text(re.sub(r"\d+\.\d+", number, (LOGS / name).read_text()))
+
+    result = CliRunner().invoke(group, ["import", kind, str(log), "--out", str(out)])
+
+    assert isinstance(result.exception, InputError), result.exception
+    assert str(result.exception).startswith(f"{log}: ")
+    assert not out.exists()
 
 
 def diagnosis_with(parameter: str) -> str:

@@ -13,7 +13,7 @@ from typing import IO
 from skiplatch.campaign.csv_text import MAX_BYTES
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_occupied, refuse_special_or_large
-from skiplatch.undo import replace, temporary_sibling
+from skiplatch.undo import make_folders, replace, temporary_sibling
 
 PIECE_BYTES = 1 << 20
 MOST_FILES = 10_000
@@ -115,7 +115,7 @@ def unpack(archive_path: Path, out: Path) -> None:
         packed = archive_path.open("rb")
     with packed, failures_named(out, "write"):
         target = Path(os.path.realpath(out))
-        target.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(target.parent)
         temporary = temporary_sibling(target)
         try:
             temporary.mkdir()
