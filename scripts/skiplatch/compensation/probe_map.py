@@ -216,9 +216,9 @@ def _warn_of_hidden_lobes(found: "ProbeMap") -> None:
 def _nearest(cells: firmware.Map, readings: Readings) -> IndexArray:
     """Give the cell of each reading, shape (k,), in blocks that fit into little memory."""
     alpha, beta = readings.alpha_deg, readings.beta_deg
-    starts = range(0, len(alpha), block := max(1, BLOCK_CELLS // len(cells)))
-    blocks = (_nearest_of(cells, alpha[at : at + block], beta[at : at + block]) for at in starts)
-    return np.concatenate(list(blocks))
+    block = max(1, BLOCK_CELLS // len(cells))
+    parts = [slice(at, at + block) for at in range(0, len(alpha), block)]
+    return np.concatenate([_nearest_of(cells, alpha[part], beta[part]) for part in parts])
 
 
 def _nearest_of(cells: firmware.Map, alpha_deg: FloatArray, beta_deg: FloatArray) -> IndexArray:

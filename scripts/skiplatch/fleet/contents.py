@@ -20,12 +20,12 @@ from skiplatch.undo import make_folders, replace, temporary_sibling
 PIECE_BYTES = 1 << 20
 MOST_FILES = 10_000
 LEVEL = 3
+"""Of compression: nearly twice as fast as zlib's own default, and 8 % larger on touches."""
 DAMAGE = (
     *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, ValueError, OverflowError),
     *(NotImplementedError, RuntimeError),  # a method or an encryption that nobody chose
 )
 """What reading an archive ends in that has lost bits."""
-"""Of compression: nearly twice as fast as zlib's own default, and 8 % larger on touches."""
 
 
 @dataclass(frozen=True, slots=True)
