@@ -12,7 +12,7 @@ SECONDS = {"fuzz_readers.py": "2"}  # it takes so long for each of its readers
 
 
 def run_fuzzer(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, FUZZ / words[0], *words[1:]]
+    command = [sys.executable, str(FUZZ / words[0]), *words[1:]]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
