@@ -91,4 +91,4 @@ def test_four_angles_are_too_few() -> None:
 def test_a_sphere_on_the_axis_shows_no_motion() -> None:
     still = Points(np.array(ANGLES_DEG, dtype=float)[:, None], np.zeros((len(ANGLES_DEG), 3)))
 
-    assert error_motions(Machine((C,)), still) == []
+    assert error_motions(Machine((C,), None), still) == []
