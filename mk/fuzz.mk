@@ -15,9 +15,15 @@ $(OUT)/fuzz/fuzz_%:
 	@mkdir -p $(@D)
 	$(Q)$(CC) $(FLAGS) -fsanitize=fuzzer $^ -lm -o $@
 
+# Without Atheris the parsers in Python are fuzzed blindly.
+$(STAMPS)/fuzz: scripts/requirements-fuzz.lock $(VENV)
+	@mkdir -p $(@D)
+	@$(VENV_PYTHON) -m pip install --quiet --disable-pip-version-check --require-hashes \
+	    --requirement $< && touch $@ || echo 'SKIPPED: no Atheris to be had here'
+
 SECONDS ?= 60
 .PHONY: fuzz
-fuzz: setup setup-lint ## run every fuzz target for SECONDS=60 from its seeds
+fuzz: setup setup-lint $(STAMPS)/fuzz ## run every fuzz target, and each reader of files in Python, for SECONDS=60 from its seeds
 	@$(MAKE) VARIANT=fuzz INNER=yes $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))
 
 .PHONY: $(addprefix fuzz/,$(notdir $(basename $(FUZZ) $(FUZZ_PYTHON))))

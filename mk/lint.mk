@@ -49,7 +49,7 @@ $(RESULTS)/lint/shellcheck.check: FORCE
 	$(check) shellcheck $(SHELL_FILES)
 
 $(RESULTS)/lint/licences.check: FORCE
-	$(check) $(VENV_PYTHON) scripts/sbom.py scripts/requirements.lock build/sbom.json
+	$(check) $(VENV_PYTHON) scripts/sbom.py build/sbom.json $(SETUP_LOCKS)
 
 .PHONY: analyzed
 analyzed: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS) $(MAIN) $(LINUX))

@@ -3,6 +3,7 @@
 STAMPS      := build/stamps
 VENV_PYTHON := .venv/bin/python
 VENV        := .venv/skiplatch.key
+SETUP_LOCKS := scripts/requirements.lock scripts/requirements-fleet.lock
 
 $(STAMPS)/system-%: scripts/setup_system.sh
 	@scripts/setup_system.sh $*
@@ -26,8 +27,7 @@ $(STAMPS)/board-%: hal/ports/%/setup.sh | $(STAMPS)/system-emulators
 	@$< || echo 'SKIPPED: what the board $* needs is not to be had here'
 	@mkdir -p $(@D) && touch $@
 
-$(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/requirements-fleet.lock \
-         scripts/pyproject.toml | $(STAMPS)/system-build
+$(VENV): scripts/setup_python.sh $(SETUP_LOCKS) scripts/pyproject.toml | $(STAMPS)/system-build
 	@scripts/setup_python.sh
 
 .PHONY: setup-build setup-test setup-lint

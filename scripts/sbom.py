@@ -1,15 +1,14 @@
-"""Write an SBOM of the locked Python packages and check their licences: `sbom.py LOCK OUT`.
+"""Write an SBOM of the locked Python packages and check their licences: `sbom.py OUT LOCK…`.
 
 The SBOM is CycloneDX 1.5 as JSON: of each package its version, the hashes of the lock and the
 licence that the installed package states. Ends with 1 if a package is not installed in the locked
 version, or states a licence that is not among those that Apache-2.0 software can stand beside.
 """
 
-from __future__ import annotations
-
 import json
 import re
 import sys
+from collections.abc import Iterator, Sequence
 from importlib.metadata import PackageMetadata, PackageNotFoundError, metadata
 from pathlib import Path
 
@@ -63,10 +62,20 @@ def component(name: str, version: str, hashes: str, stated: str) -> dict[str, ob
     }
 
 
-def main(lock: Path, out: Path) -> int:
+def pins(locks: Sequence[Path]) -> Iterator[tuple[str, str, str, str]]:
+    """Give name, version, marker and hashes of each package once; locks agree on versions."""
+    known = set()
+    for lock in locks:
+        for name, version, marker, hashes in PIN.findall(lock.read_text(encoding="utf-8")):
+            if (name, version, marker) not in known:
+                known.add((name, version, marker))
+                yield name, version, marker, hashes
+
+
+def main(out: Path, *locks: Path) -> int:
     """Write the SBOM, print the licences, and tell what is wrong with them."""
     components, wrong = [], []
-    for name, version, marker, hashes in PIN.findall(lock.read_text(encoding="utf-8")):
+    for name, version, marker, hashes in pins(locks):
         if marker and not Marker(marker).evaluate():
             print(f"{name:24} {version:16} left out: {marker}")
             continue

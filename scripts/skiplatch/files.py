@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from skiplatch.errors import InputError, quoted
-from skiplatch.undo import replace, temporary_sibling
+from skiplatch.undo import make_folders, replace, temporary_sibling
 
 MOST_JSON_BYTES = 64 << 20
 
@@ -49,8 +49,7 @@ def atomic_write_folder(path: str | os.PathLike[str], texts: Mapping[str, str]) 
     refuse_occupied(path)
     with failures_named(path, "write"):
         target = Path(os.path.realpath(path))
-        if not target.parent.exists():
-            target.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(target.parent)
         temporary = temporary_sibling(target)
         try:
             temporary.mkdir()
@@ -155,12 +154,24 @@ def read_json(path: Path, max_bytes: int = MOST_JSON_BYTES) -> Any:  # noqa: ANN
     """
     text = read_text(path, max_bytes)
     try:
-        return json.loads(text)
+        return json.loads(text, parse_int=_whole_number)
     except json.JSONDecodeError as error:
         raise InputError(path, error.lineno, error.colno, f"no JSON: {error.msg}") from error
     except (RecursionError, ValueError) as error:
         reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise InputError(path, None, None, f"no JSON: {reason}") from error
+
+
+def _whole_number(digits: str) -> int:
+    """Read a whole number that any number type of what reads the document has room for.
+
+    Raises:
+        ValueError: It has more than 64 bits.
+    """
+    number = int(digits)
+    if number.bit_length() >= 64:
+        raise ValueError(f"a whole number beyond 64 bits: {quoted(digits)}")
+    return number
 
 
 def refuse_special_or_large(path: Path, max_bytes: int) -> None:

@@ -6,6 +6,7 @@ is emptied. Of a rotary axis a degree counts as a millimetre.
 
 import os
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,42 +18,87 @@ from skiplatch.campaign import (
     NOMINAL_FILE,
     TOUCHES_FILE,
     Axis,
-    BelievedEffect,
     Campaign,
     Kind,
     Nominal,
     Touches,
     read_campaign,
 )
-from skiplatch.errors import CampaignWarning, InputError
+from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import S_PER_MIN, US_PER_S, expected_contact
-from skiplatch.simulator import effects
+from skiplatch.simulator import Effect, effects, with_believed
 
 ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
 BEYOND_THE_RAMP_MM = {Kind.MACHINE: 1.0, Kind.BENCH: 0.01}  # a bench may begin with an edge
 BETWEEN_TOUCHES_S = 1.0
-PLAYED = {("plc", "scan_us"): (100.0, 20_000.0), ("skip", "tick_us"): (0.001, 1000.0)}
-"""What the firmware's scans, in µs, and the simulator's clock can do."""
+DURATION_US = (0.0, 1e9)
+LENGTH = (0.0, 10_000.0)  # mm or µm
+PLACE = (-LENGTH[1], LENGTH[1])
+PLAYED = {
+    ("plc", "scan_us"): (100.0, 20_000.0),  # the firmware's scans
+    ("skip", "tick_us"): (0.001, 1000.0),
+    ("probe", "pretravel_um"): PLACE,
+    ("probe", "lobe_um"): PLACE,
+    ("probe", "repeatability_um"): LENGTH,
+    ("probe", "delay_us"): DURATION_US,
+    ("input", "filter_us"): DURATION_US,
+    ("skip", "latency_us"): DURATION_US,
+    ("skip", "jitter_us"): DURATION_US,
+    ("axis", "resolution_um"): (1e-4, 1e4),
+    ("axis", "accel_mm_s2"): (1e-3, 1e6),
+    ("report", "latency_us"): DURATION_US,
+    ("report", "jitter_us"): DURATION_US,
+    ("bench", "reference_jitter_us"): DURATION_US,
+}
+"""What the simulator takes of nominal.toml: is_chain() of host_sim/programs/batch.c."""
+MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
+PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
+"""And of a touch: is_touch() there."""
 
 
-def refuse_unplayable(path: Path, nominal: Nominal) -> None:
-    """Raise InputError for a figure of nominal.toml, at `path`, that cannot be simulated."""
-    for (section, name), (least, most) in PLAYED.items():
-        value = nominal.number(section, name)
-        if not least <= value <= most:
-            expected = f"expected {least:g} to {most:g}, which is what can be simulated"
-            raise InputError(path, None, f"{section}.{name}", f"{expected}, got {value:g}")
-    for effect in nominal.believed_effects:
+def refuse_unplayable(path: Path, nominal: Nominal, besides: Sequence[Effect] = ()) -> None:
+    """Raise InputError for what was read from `path` and cannot be simulated.
+
+    Args:
+        path: Of nominal.toml, or of a diagnosis.
+        nominal: The rig, with the effects that it is believed to have.
+        besides: Effects that act, too.
+    """
+    for (section, name), limits in PLAYED.items():
+        _refuse_beyond(path, f"{section}.{name}", nominal.number(section, name), limits)
+    switched_on = with_believed(nominal, besides)
+    if len(switched_on) > MOST_EFFECTS:
+        message = f"expected at most {MOST_EFFECTS}, got {len(switched_on)}"
+        raise InputError(path, None, "effect", message)
+    for effect in switched_on:
         _refuse_unknown(path, effect)
 
 
-def _refuse_unknown(path: Path, effect: BelievedEffect) -> None:
+def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
+    """Raise InputError for a condition of a touch, read from `path`, that cannot be simulated."""
+    for name, (least, most) in PLAYED_TOUCHES.items():
+        values = getattr(touches, name)
+        beyond = np.flatnonzero((values < least) | (values > most))
+        if len(beyond):
+            first = int(beyond[0])
+            where = f"{name} of touch {touches.touch[first]}"
+            _refuse_beyond(path, where, float(values[first]), (least, most))
+
+
+def _refuse_beyond(path: Path, where: str, value: float, limits: tuple[float, float]) -> None:
+    least, most = limits
+    if not least <= value <= most:
+        expected = f"expected {least:g} to {most:g}, which is what can be simulated"
+        raise InputError(path, None, where, f"{expected}, got {value:g}")
+
+
+def _refuse_unknown(path: Path, effect: Effect) -> None:
     """Raise InputError for an effect, a parameter or a value that the simulator does not have."""
     if effect.id not in effects():
-        raise InputError(path, None, "effect.id", f'no effect is called "{effect.id}"')
+        raise InputError(path, None, "effect.id", f"no effect is called {quoted(effect.id)}")
     parameters = {parameter.name: parameter for parameter in effects()[effect.id].parameters}
-    for name, value in effect.values.items():
+    for name, value in effect.parameters.items():
         column = f"effect.{effect.id}.{name}"
         if name not in parameters:
             known = ", ".join(parameters)
@@ -80,6 +126,7 @@ def playable(campaign: Campaign) -> Campaign:
             cannot be simulated.
     """
     refuse_unplayable(campaign.path / NOMINAL_FILE, campaign.nominal)
+    refuse_unplayable_touches(campaign.path / TOUCHES_FILE, campaign.touches)
     touches = _as_linear(campaign.touches)
     no_feed, no_way = np.isnan(touches.feed_mm_min), np.isnan(touches.approach_mm)
     no_time = np.isnan(touches.time_s)

@@ -59,13 +59,40 @@ class _Step:
         else:
             self.target.unlink()
 
+    def let_stand(self) -> None:
+        """Forget what stood there."""
+        self.backup.unlink(missing_ok=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _MadeFolder:
+    """A folder that was made to put an output into."""
+
+    path: Path
+
+    def take_back(self) -> None:
+        """Remove it, if nothing of others is in it."""
+        self.path.rmdir()
+
+    def let_stand(self) -> None:
+        """Do nothing: it is there."""
+
 
 def _identity(path: Path) -> tuple[int, int]:
     status = path.stat()
     return status.st_dev, status.st_ino
 
 
-_STEPS: ContextVar[list[_Step] | None] = ContextVar("steps", default=None)
+_STEPS: ContextVar[list[_Step | _MadeFolder] | None] = ContextVar("steps", default=None)
+
+
+def make_folders(path: Path) -> None:
+    """Make a folder and those above it where they are missing; see `replace`."""
+    if not path.exists():
+        make_folders(path.parent)
+        path.mkdir(exist_ok=True)
+        if (steps := _STEPS.get()) is not None:
+            steps.append(_MadeFolder(path))
 
 
 def replace(temporary: Path, target: Path) -> None:
@@ -83,7 +110,7 @@ def keep_outputs() -> None:
     """Let what was written until now stand, whatever comes."""
     steps = _STEPS.get() or []
     while steps:
-        steps.pop().backup.unlink(missing_ok=True)
+        steps.pop().let_stand()
 
 
 @contextmanager
@@ -92,7 +119,7 @@ def taken_back_on_failure() -> Iterator[None]:
 
     An exit that a command asks for is no failure.
     """
-    steps: list[_Step] = []
+    steps: list[_Step | _MadeFolder] = []
     token = _STEPS.set(steps)
     try:
         with _terminated_in_order():

@@ -205,6 +205,38 @@ def test_an_occupied_folder_is_not_taken_back(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"new/theirs": b"theirs"}
 
 
+def test_folders_that_were_made_for_an_output_are_taken_back(tmp_path: Path) -> None:
+    (tmp_path / "old").mkdir()
+
+    def write_two(folder: Path, second: Path) -> None:
+        with undo.taken_back_on_failure():
+            atomic_write_folder(folder / "new" / "campaign", {"a": "first"})
+            atomic_write_text(second, "second")
+
+    with pytest.raises(InputError):
+        write_two(tmp_path / "old", tmp_path / "no" / "such")
+    assert [path.name for path in tmp_path.rglob("*")] == ["old"]
+
+    write_two(tmp_path / "old", tmp_path / "second")
+    assert (tmp_path / "old" / "new" / "campaign" / "a").read_text() == "first"
+
+
+def test_a_full_disk_leaves_no_folder_for_pictures(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def no_space(number: int) -> NoReturn:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), number)
+
+    monkeypatch.setattr(os, "fsync", no_space)
+    words = ["latch", "--touches", "200", "--pictures", str(tmp_path / "new" / "pictures")]
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError)
+    assert str(result.exception).endswith("cannot write: No space left on device")
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_exit_status_that_is_asked_for_keeps_the_outputs(tmp_path: Path) -> None:
     def write() -> NoReturn:
         atomic_write_text(tmp_path / "a", "ours")

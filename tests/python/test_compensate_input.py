@@ -7,9 +7,11 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
-from refusals import Program
+from refusals import Program, refusal
 from seat_probe import OMP40, radii, write_radii, write_speeds
 from skiplatch import cli
+from skiplatch.compensation import probe_map
+from skiplatch.compensation.probe_map import MOST_DIRECTIONS, read_map
 from skiplatch.errors import CampaignWarning
 
 Edit = Callable[[list[str]], list[str]]
@@ -303,3 +305,23 @@ def test_spaces_blank_lines_a_full_turn_and_many_poles_are_taken(tmp_path: Path)
     inverse = [50.0 / float(row.split(",")[2]) for row in lines[1:]]
     expected = sum(inverse) / len(inverse) - 1.0
     assert json.loads(found.read_text())["time_increase"] == pytest.approx(expected, abs=1e-12)
+
+
+def test_more_directions_than_anybody_measures_are_refused(tmp_path: Path) -> None:
+    rows = [f"{n % 360},{n // 360},1,10" for n in range(MOST_DIRECTIONS + 1)]
+    path = tmp_path / "radii.csv"
+    path.write_text("alpha_deg,beta_deg,run,radius_um\n" + "\n".join(rows) + "\n")
+
+    told = refusal(lambda: read_map(path, outside=False))
+
+    assert told == f"{path}:2: alpha_deg: 4097 directions: a map has at most 4096"
+
+
+def test_blocks_do_not_change_the_map(radii_csv: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    at_once = read_map(radii_csv, outside=False)
+    monkeypatch.setattr(probe_map, "BLOCK_CELLS", 7 * len(at_once.cells))
+
+    in_blocks = read_map(radii_csv, outside=False)
+
+    assert len(at_once.cell_of) % 7 != 0
+    assert in_blocks.cell_of.tolist() == at_once.cell_of.tolist()

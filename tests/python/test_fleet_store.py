@@ -19,6 +19,7 @@ from refusals import Program, refusal
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
 from skiplatch.errors import InputError
+from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.history import Gap, Parameter, read_history
 from skiplatch.fleet.reading import opened
 from skiplatch.fleet.store import opened_for_writing
@@ -302,6 +303,34 @@ def test_a_foreign_file_is_refused(filled: Path, place: str) -> None:
 
     assert f"{path}: a foreign file" in refusal(ask, filled, "SELECT 1")
     assert path.read_text() == "mine"
+
+
+def test_a_lost_bit_of_a_folder_is_told_or_costs_nothing(filled: Path, tmp_path: Path) -> None:
+    archive = next(filled.glob("folders/*/*/*"))
+    data = archive.read_bytes()
+    unpack(archive, tmp_path / "whole")
+    told = 0
+    for place in range(0, len(data), max(1, len(data) // 200)):
+        archive.write_bytes(data[:place] + bytes([data[place] ^ 0x10]) + data[place + 1 :])
+        out = tmp_path / f"back-{place}"
+        try:
+            unpack(archive, out)
+        except InputError as error:
+            told += str(error).startswith(f"{archive}: damaged: ")
+            assert not out.exists()
+        else:
+            assert set(files(out).values()) == set(files(tmp_path / "whole").values())
+
+    assert told > 150
+
+
+@pytest.mark.parametrize("place", ["campaigns.parquet", "lock", "touches/*/*/*", "folders/*/*/*"])
+def test_a_pipe_in_place_of_a_file_is_refused_and_not_waited_for(filled: Path, place: str) -> None:
+    path = next(filled.glob(place))
+    path.unlink()
+    os.mkfifo(path)
+
+    assert f"{path}: a foreign file" in refusal(ask, filled, "SELECT 1")
 
 
 @pytest.mark.parametrize("pattern", ["campaigns.parquet", "touches/*/*/*", "folders/*/*/*"])

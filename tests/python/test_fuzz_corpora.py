@@ -7,16 +7,27 @@ from pathlib import Path
 import pytest
 
 FUZZ = Path(__file__).parents[1] / "fuzz"
+FUZZERS = [path.name for path in sorted(FUZZ.glob("fuzz_*.py"))]
+SECONDS = {"fuzz_readers.py": "2"}  # it takes so long for each of its readers
 
 
-@pytest.mark.parametrize("fuzzer", [path.name for path in sorted(FUZZ.glob("fuzz_*.py"))])
+def run_fuzzer(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(FUZZ / words[0]), *words[1:]]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("fuzzer", FUZZERS)
 def test_whole_corpus_is_read_or_refused_in_one_line(fuzzer: str) -> None:
-    run = subprocess.run(
-        [sys.executable, FUZZ / fuzzer, "0", "--seed", "0"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    run = run_fuzzer(fuzzer, "0", "--seed", "0")
 
     assert run.returncode == 0, run.stderr
+    assert run.stdout.endswith(" 0 failures\n")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("fuzzer", FUZZERS)
+def test_what_is_mutated_is_read_or_refused_in_one_line(fuzzer: str) -> None:
+    run = run_fuzzer(fuzzer, SECONDS.get(fuzzer, "20"))
+
+    assert run.returncode == 0, run.stdout + run.stderr
     assert run.stdout.endswith(" 0 failures\n")

@@ -86,3 +86,9 @@ def test_four_angles_are_too_few() -> None:
     centres = np.array([about_z(angle) @ SPHERE_MM for angle in ANGLES_DEG[:4]])
 
     assert error_motions(Machine((C,), None), Points(ANGLES_DEG[:4, None], centres)) == []
+
+
+def test_a_sphere_on_the_axis_shows_no_motion() -> None:
+    still = Points(np.array(ANGLES_DEG, dtype=float)[:, None], np.zeros((len(ANGLES_DEG), 3)))
+
+    assert error_motions(Machine((C,), None), still) == []

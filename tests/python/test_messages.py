@@ -1,5 +1,6 @@
 """What commands say of slips: what, where, and what was expected."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 BENCH = SAMPLES / "bench_isr_latency"
+LOGS = Path(__file__).parent / "data" / "logs"
 
 
 def simulate(nominal: Path, effect: str, out: Path) -> str:
@@ -49,6 +51,97 @@ def test_figure_that_cannot_be_simulated_is_named(command: str, tmp_path: Path) 
 
     assert isinstance(result.exception, InputError)
     expected = "plc.scan_us: expected 100 to 20000, which is what can be simulated, got 2"
+    assert str(result.exception) == f"{nominal}: {expected}"
+
+
+def test_a_log_that_cannot_be_repeated_is_told_by_its_own_name() -> None:
+    log = LOGS / "grbl_serial.log"
+
+    result = CliRunner().invoke(group, ["repeat", str(log)])
+
+    assert str(result.exception).startswith(f"{log}: expected a surface that was touched 3 times")
+
+
+@pytest.mark.parametrize("number", ["9" * 400 + ".5", "nan"])
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [
+        ("grbl", "grbl_serial.log"),
+        ("klipper", "klippy.log"),
+        ("marlin", "marlin_m48.log"),
+        ("linuxcnc", "linuxcnc_probe.txt"),
+        ("edges", "saleae.csv"),
+    ],
+)
+def test_a_log_of_numbers_without_bounds_is_refused(
+    kind: str, name: str, number: str, tmp_path: Path
+) -> None:
+    log, out = tmp_path / name, tmp_path / "out"
+    log.write_text(re.sub(r"\d+\.\d+", number, (LOGS / name).read_text()))
+
+    result = CliRunner().invoke(group, ["import", kind, str(log), "--out", str(out)])
+
+    assert isinstance(result.exception, InputError), result.exception
+    assert str(result.exception).startswith(f"{log}: ")
+    assert not out.exists()
+
+
+def diagnosis_with(parameter: str) -> str:
+    effect = f'{{"id": "isr_latency", "params": {{"latency_us": {parameter}}}}}'
+    found = f'"effects": [{effect}], "models": [[{effect}]], "verdict": "explained"'
+    return f'{{"format": "skiplatch-diagnosis/2", {found}, "beliefs": {{}}}}'
+
+
+@pytest.mark.parametrize("command", ["predict", "adopt", "design"])
+@pytest.mark.parametrize(
+    ("parameter", "told"),
+    [
+        ("1e15", "effect.isr_latency.latency_us: expected "),
+        ("NaN", "effect.isr_latency.latency_us: expected "),
+        ("9" * 400, "no JSON: a whole number beyond 64 bits: "),
+    ],
+)
+def test_a_diagnosis_that_cannot_be_played_is_told_by_file(
+    command: str, parameter: str, told: str, tmp_path: Path
+) -> None:
+    diagnosis, out = tmp_path / "found.json", tmp_path / "out"
+    diagnosis.write_text(diagnosis_with(parameter))
+    words = [command, str(BENCH), "--diagnosis", str(diagnosis), "--out", str(out)]
+    words += ["--conditions", str(BENCH / "touches.csv")] if command == "predict" else []
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError), result.exception
+    assert str(result.exception).startswith(f"{diagnosis}: {told}")
+    assert not out.exists()
+
+
+def test_an_interval_without_bounds_is_not_adopted(tmp_path: Path) -> None:
+    diagnosis, out = tmp_path / "found.json", tmp_path / "out.toml"
+    wide = '"intervals": {"latency_us": [-1e308, 1e308]}, "params"'
+    diagnosis.write_text(diagnosis_with("41.7").replace('"params"', wide))
+    words = ["adopt", str(BENCH), "--diagnosis", str(diagnosis), "--out", str(out)]
+
+    result = CliRunner().invoke(group, words)
+
+    told = "effect.isr_latency.latency_us: an interval without bounds says nothing"
+    assert str(result.exception) == f"{diagnosis}: {told}"
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("command", ["latch", "plan"])
+def test_a_rig_that_cannot_be_simulated_is_told_by_file_and_key(
+    command: str, tmp_path: Path
+) -> None:
+    nominal = tmp_path / "nominal.toml"
+    nominal.write_text('format = "skiplatch-campaign/2"\n[skip]\njitter_us = 1e15\n')
+    words = [command, "--nominal", str(nominal)]
+    words += ["--path", "plc", "--uncertainty-um", "2"] if command == "plan" else []
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError)
+    expected = "skip.jitter_us: expected 0 to 1e+09, which is what can be simulated, got 1e+15"
     assert str(result.exception) == f"{nominal}: {expected}"
 
 

@@ -15,7 +15,7 @@ def test_a_package_of_another_version_or_absent_is_a_fault(
 ) -> None:
     (tmp_path / "lock").write_text(PINS + PINS.replace("click", "no-such-package"))
 
-    assert sbom.main(tmp_path / "lock", tmp_path / "out.json") == 1
+    assert sbom.main(tmp_path / "out.json", tmp_path / "lock") == 1
 
     said = capsys.readouterr().out
     assert "1 packages, 2 faults\nclick: installed is " in said
@@ -34,6 +34,16 @@ def test_a_licence_is_allowed_in_all_its_parts_or_not_at_all() -> None:
 def test_what_is_for_another_system_is_left_out(tmp_path: Path) -> None:
     (tmp_path / "lock").write_text(PINS.replace("0.1 ", "0.1 ; sys_platform == 'none' "))
 
-    assert sbom.main(tmp_path / "lock", tmp_path / "out.json") == 1  # nothing is left
+    assert sbom.main(tmp_path / "out.json", tmp_path / "lock") == 1  # nothing is left
 
     assert not json.loads((tmp_path / "out.json").read_text())["components"]
+
+
+def test_a_package_of_two_locks_is_listed_once(tmp_path: Path) -> None:
+    (tmp_path / "lock").write_text(PINS)
+    (tmp_path / "extra.lock").write_text(PINS + PINS.replace("click", "pytest"))
+
+    sbom.main(tmp_path / "out.json", tmp_path / "lock", tmp_path / "extra.lock")
+
+    listed = json.loads((tmp_path / "out.json").read_text())["components"]
+    assert [component["name"] for component in listed] == ["click", "pytest"]

@@ -7,12 +7,25 @@ import numpy as np
 import pytest
 
 from refusals import refusal
-from skiplatch.campaign import Axis, BelievedEffect, Campaign, Touches, read_campaign
+from skiplatch.campaign import Axis, BelievedEffect, Campaign, Nominal, Touches, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.errors import CampaignWarning
 from skiplatch.motion import expected_contact
-from skiplatch.simulator import Controller, Effect, play
-from skiplatch.stand_ins import playable
+from skiplatch.simulator import (
+    Controller,
+    Effect,
+    SimulationError,
+    connection,
+    play,
+    rig_arguments,
+)
+from skiplatch.stand_ins import (
+    PLAYED,
+    PLAYED_TOUCHES,
+    playable,
+    refuse_unplayable,
+    refuse_unplayable_touches,
+)
 
 
 def without(campaign: Campaign, *names: str) -> Campaign:
@@ -147,3 +160,55 @@ def test_pretravel_below_nothing_is_played_in_version_2(
     found = play(nominal, controller, campaign.touches, seed=3).deviation_um
 
     assert least_um <= np.nanmin(found) <= least_um + 4.0
+
+
+def simulator_takes(nominal: Nominal) -> bool:
+    _, lib = connection()
+    return bool(
+        lib.sim_play_check(*rig_arguments(nominal, Controller(overtravel_mm=2.0)))
+        == lib.SIM_PLAY_OK
+    )
+
+
+@pytest.mark.parametrize(("section", "name"), PLAYED)
+def test_what_is_refused_of_a_rig_is_what_the_simulator_refuses(
+    bench_sample: Path, section: str, name: str
+) -> None:
+    believed = read_campaign(bench_sample).nominal
+    for limit, beyond in zip(PLAYED[section, name], (-np.inf, np.inf), strict=True):
+        at = replace(getattr(believed, section), **{name: limit})
+        past = replace(getattr(believed, section), **{name: float(np.nextafter(limit, beyond))})
+
+        refuse_unplayable(Path("x"), replace(believed, version=2, **{section: at}))
+        assert simulator_takes(replace(believed, version=2, **{section: at}))
+        assert not simulator_takes(replace(believed, version=2, **{section: past}))
+        told = refusal(refuse_unplayable, Path("x"), replace(believed, **{section: past}))
+        assert told.startswith(f"x: {section}.{name}: expected ")
+
+
+@pytest.mark.parametrize("name", PLAYED_TOUCHES)
+def test_what_is_refused_of_a_touch_is_what_the_simulator_refuses(
+    bench_sample: Path, name: str
+) -> None:
+    campaign = read_campaign(bench_sample)
+    for beyond in (PLAYED_TOUCHES[name][0] / 2 - 1e-9, PLAYED_TOUCHES[name][1] * 1.001):
+        values = getattr(campaign.touches, name).copy()
+        values[7] = beyond
+        touches = replace(campaign.touches, **{name: values})
+
+        told = refusal(refuse_unplayable_touches, Path("x"), touches)
+        assert told.startswith(f"x: {name} of touch {touches.touch[7]}: expected ")
+        with pytest.raises(SimulationError, match="a condition of a touch"):
+            play(campaign.nominal, Controller(overtravel_mm=2.0), touches, seed=1)
+
+
+def test_one_effect_more_than_the_simulator_has_room_for_is_refused(bench_sample: Path) -> None:
+    believed = read_campaign(bench_sample).nominal
+    lost = BelievedEffect("backlash", {"backlash_um": 1.0})
+    full = replace(believed, believed_effects=(lost,) * 8)
+    over = replace(believed, believed_effects=(lost,) * 9)
+
+    refuse_unplayable(Path("x"), full)
+    assert simulator_takes(full)
+    assert not simulator_takes(over)
+    assert refusal(refuse_unplayable, Path("x"), over) == "x: effect: expected at most 8, got 9"

@@ -23,7 +23,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text, read_json
 from skiplatch.probing_program import KINDS, program
 from skiplatch.simulator import Effect
-from skiplatch.stand_ins import read_playable
+from skiplatch.stand_ins import read_playable, refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -102,9 +102,12 @@ def _left(
         return rivals(diagnosis), str(diagnosis.verdict)
     document = read_json(path)
     try:
-        return models_from_json(document), str(Verdict(document["verdict"]))
+        models, verdict = models_from_json(document), str(Verdict(document["verdict"]))
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(path, None, None, f"expected a diagnosis: {error}") from error
+    for model in models:
+        refuse_unplayable(path, recorded.nominal, model)
+    return models, verdict
 
 
 def _program(

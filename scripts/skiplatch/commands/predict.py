@@ -12,7 +12,7 @@ from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text, read_json
-from skiplatch.stand_ins import refuse_unplayable
+from skiplatch.stand_ins import refuse_unplayable, refuse_unplayable_touches
 
 EPILOG = """\b
 Example:
@@ -29,9 +29,11 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
         return Rig(nominal)
     document = read_json(path)
     try:
-        return rig_from_json(document, nominal)
+        rig = rig_from_json(document, nominal)
     except ValueError as error:
         raise InputError(path, None, None, str(error)) from error
+    refuse_unplayable(path, rig.nominal, rig.effects)
+    return rig
 
 
 @click.command(epilog=EPILOG)
@@ -67,6 +69,7 @@ def command(
     nominal = read_nominal(campaign / NOMINAL_FILE)
     refuse_unplayable(campaign / NOMINAL_FILE, nominal)
     conditions = read_conditions(conditions_path)
+    refuse_unplayable_touches(conditions_path, conditions)
     rig = _rig(diagnosis, nominal)
     recorded = read_campaign(campaign).touches if diagnosis else None
     prediction = predicted(rig, recorded, conditions, replicates=replicates, seed=seed, jobs=jobs)

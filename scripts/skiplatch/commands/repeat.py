@@ -1,6 +1,7 @@
 """``skiplatch repeat``: how well touches repeat, without any nominal."""
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,7 @@ def _read(source: Path) -> tuple[Campaign, str]:
         name, imported = read_any(source)
         with tempfile.TemporaryDirectory(prefix="skiplatch-") as folder:
             write_imported(Path(folder) / "made", imported, (source,))
-            campaign = read_campaign(Path(folder) / "made")
+            campaign = replace(read_campaign(Path(folder) / "made"), path=source)
         kind = f"log of {name}"
     return campaign, f"{source}: {kind}, {len(campaign.touches)} touches"
 

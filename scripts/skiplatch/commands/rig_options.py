@@ -12,6 +12,7 @@ import numpy as np
 from skiplatch.campaign import KEYS, Nominal, read_nominal
 from skiplatch.campaign.constraints import Range
 from skiplatch.latch.probing import DEFAULT_RIG, on_bench
+from skiplatch.stand_ins import refuse_unplayable
 
 
 class Quantity(click.ParamType[float]):
@@ -91,6 +92,8 @@ def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
             if value is not None:
                 section = replace(getattr(rig, option.section), **{option.key: value})
                 rig = replace(rig, **{option.section: section})
+        if nominal_path is not None:
+            refuse_unplayable(nominal_path, rig)
         return command(*args, rig=rig, **values)
 
     described: Callable[..., Any] = _nominal_option(with_rig)

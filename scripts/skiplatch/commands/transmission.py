@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
+from skiplatch.errors import quoted
 from skiplatch.transmission.firmware import Method
 from skiplatch.transmission.measure import Chain, Measurement, measure, measure_all
 from skiplatch.transmission.text import as_json, as_text, methods_json, methods_text
@@ -34,7 +35,7 @@ class RatioType(click.ParamType[Fraction]):
         try:
             ratio = Fraction(value if SHORT_NUMBER.fullmatch(value) else "none")
         except (ValueError, ZeroDivisionError):
-            self.fail(f'"{value}" is no fraction such as 407/10', param, ctx)
+            self.fail(f"{quoted(value)} is no fraction such as 407/10", param, ctx)
         if ratio <= 0:
             self.fail(f"{value} is not above zero: input turns in an output turn", param, ctx)
         return ratio

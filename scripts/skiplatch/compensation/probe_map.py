@@ -25,6 +25,8 @@ COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "run": RUN, "radius_um": RADIUS
 
 TURN_DEG = 360.0
 SAME_DEG = 1e-3
+MOST_DIRECTIONS = 4096  # 2.3 deg apart over half a sphere; what follows grows with their square
+BLOCK_CELLS = 1 << 22  # readings times directions that are held side by side at once
 LOBES_NEED = 7
 """Azimuths at the equator: more than two for each of three lobes."""
 
@@ -154,6 +156,7 @@ def map_of(readings: Readings, *, outside: bool) -> ProbeMap:
     Raises:
         InputError: A direction lacks a run, there are too few directions, or some are missing.
     """
+    _refuse_endless(readings)
     cells = firmware.Map.from_readings(readings.alpha_deg, readings.beta_deg, readings.radius_um)
     cell_of = _nearest(cells, readings)
     try:
@@ -164,6 +167,15 @@ def map_of(readings: Readings, *, outside: bool) -> ProbeMap:
     found = ProbeMap(cells, radius_um, outside, readings, cell_of)
     _warn_of_hidden_lobes(found)
     return found
+
+
+def _refuse_endless(readings: Readings) -> None:
+    """Raise InputError for more directions than a map is ever measured in."""
+    steps = np.round(np.column_stack([readings.alpha_deg, readings.beta_deg]) / SAME_DEG)
+    count = len(np.unique(steps, axis=0))
+    if count > MOST_DIRECTIONS:
+        message = f"{count} directions: a map has at most {MOST_DIRECTIONS}"
+        raise readings.fault(0, "alpha_deg", message)
 
 
 def _incomplete(
@@ -202,10 +214,18 @@ def _warn_of_hidden_lobes(found: "ProbeMap") -> None:
 
 
 def _nearest(cells: firmware.Map, readings: Readings) -> IndexArray:
-    """Give the cell of each reading, shape (k,); at the pole every azimuth is the same."""
-    turn = np.abs(readings.alpha_deg[:, None] - cells.alpha_deg) % TURN_DEG
+    """Give the cell of each reading, shape (k,), in blocks that fit into little memory."""
+    alpha, beta = readings.alpha_deg, readings.beta_deg
+    block = max(1, BLOCK_CELLS // len(cells))
+    parts = [slice(at, at + block) for at in range(0, len(alpha), block)]
+    return np.concatenate([_nearest_of(cells, alpha[part], beta[part]) for part in parts])
+
+
+def _nearest_of(cells: firmware.Map, alpha_deg: FloatArray, beta_deg: FloatArray) -> IndexArray:
+    """Give the cell of each direction, shape (k,); at the pole every azimuth is the same."""
+    turn = np.abs(alpha_deg[:, None] - cells.alpha_deg) % TURN_DEG
     azimuth = np.minimum(turn, TURN_DEG - turn) * np.cos(np.radians(cells.beta_deg))
-    rise = np.abs(readings.beta_deg[:, None] - cells.beta_deg)
+    rise = np.abs(beta_deg[:, None] - cells.beta_deg)
     return np.asarray(np.argmin(azimuth + rise, axis=1))
 
 

@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.typing import RcKeyType
 
 from skiplatch.files import atomic_write_text, failures_named
+from skiplatch.undo import make_folders
 
 PAPER = "#fffffe"
 INK = "#1f2328"
@@ -106,7 +107,7 @@ def picture(path: Path, words: Words, *, height_in: float = 4.6) -> Iterator[Fig
         yield figure
         text = as_file(svg_of(figure), words)
     with failures_named(path.parent, "write"):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
     atomic_write_text(path, text)
 
 

@@ -4,7 +4,9 @@ import hashlib
 import os
 import shutil
 import stat
+import struct
 import zipfile
+import zlib
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path, PurePosixPath
@@ -13,12 +15,17 @@ from typing import IO
 from skiplatch.campaign.csv_text import MAX_BYTES
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_occupied, refuse_special_or_large
-from skiplatch.undo import replace, temporary_sibling
+from skiplatch.undo import make_folders, replace, temporary_sibling
 
 PIECE_BYTES = 1 << 20
 MOST_FILES = 10_000
 LEVEL = 3
 """Of compression: nearly twice as fast as zlib's own default, and 8 % larger on touches."""
+DAMAGE = (
+    *(zipfile.BadZipFile, zlib.error, struct.error, EOFError, ValueError, OverflowError),
+    *(NotImplementedError, RuntimeError),  # a method or an encryption that nobody chose
+)
+"""What reading an archive ends in that has lost bits."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +122,7 @@ def unpack(archive_path: Path, out: Path) -> None:
         packed = archive_path.open("rb")
     with packed, failures_named(out, "write"):
         target = Path(os.path.realpath(out))
-        target.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(target.parent)
         temporary = temporary_sibling(target)
         try:
             temporary.mkdir()
@@ -136,7 +143,7 @@ def _extract(archive_path: Path, packed: IO[bytes], folder: Path) -> None:
                     shutil.copyfileobj(source, file, PIECE_BYTES)
                 changed_s = datetime(*member.date_time).timestamp()  # noqa: DTZ001 - local in a zip
                 os.utime(path, (changed_s, changed_s))
-    except (zipfile.BadZipFile, ValueError, EOFError) as error:
+    except DAMAGE as error:
         raise InputError(archive_path, None, None, f"damaged: {error}") from error
 
 

@@ -65,7 +65,8 @@ def _foreign(path: Path) -> Iterator[str]:
         if entry.name in ENDINGS and entry.is_dir(follow_symlinks=False):
             yield from _foreign_below(Path(entry.path), ENDINGS[entry.name], 0)
         elif not _TEMPORARY.fullmatch(entry.name) and (
-            entry.name not in (STORE_FILE, LOCK_FILE, INDEX_FILE) or entry.is_symlink()
+            entry.name not in (STORE_FILE, LOCK_FILE, INDEX_FILE)
+            or not entry.is_file(follow_symlinks=False)
         ):
             yield entry.path
 

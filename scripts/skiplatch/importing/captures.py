@@ -100,11 +100,18 @@ def _times(path: Path, texts: list[str]) -> FloatArray:
     """Give times in s: numbers, or dates of ISO 8601 since the first."""
     try:
         if not any("T" in text for text in texts):
-            return np.array([float(text) for text in texts])
+            return _all_finite(np.array([float(text) for text in texts]))
         stamps = np.array([text.strip().split("+")[0].rstrip("Z") for text in texts], "M8[ns]")
         return np.asarray((stamps - stamps[:1]).astype(np.float64) / NS_PER_S)
     except (ValueError, OverflowError) as error:
         raise InputError(path, None, None, f"expected times: {error}") from error
+
+
+def _all_finite(times: FloatArray) -> FloatArray:
+    """Give the times, or raise ValueError."""
+    if not np.isfinite(times).all():
+        raise ValueError("one is not finite")
+    return times
 
 
 def _levels(path: Path, rows: list[list[str]], count: int) -> FloatArray:

@@ -4,6 +4,7 @@ A line a touch, nine coordinates X Y Z A B C U V W in units of the program. Linu
 for a touch that ends exactly where the one before did.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -70,7 +71,7 @@ def _rows(path: Path) -> tuple[list[Row], int]:
             numbers = tuple(float(word) for word in line.split())
         except ValueError:
             numbers = ()
-        if len(numbers) in (COLUMNS, FEWEST):
+        if len(numbers) in (COLUMNS, FEWEST) and all(map(math.isfinite, numbers)):
             rows.append(numbers)
         elif line.strip():
             broken += 1

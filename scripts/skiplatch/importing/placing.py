@@ -23,6 +23,7 @@ DECIMALS = 3
 Key = tuple[str, str, int, tuple[float, ...], int]
 
 
+@np.errstate(invalid="ignore", over="ignore")  # what is infinite is refused when it is written
 def as_touches(
     touches: Sequence[Touch], *, is_plc: bool
 ) -> tuple[Touches, DatumFreedom, dict[str, int]]:

@@ -19,6 +19,7 @@ from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis
 from skiplatch.kinematics.points import Points
 
 SAME_DEG = 0.01
+LEAST_RADIUS_MM = 1e-3  # a circle of 1 µm is noise
 FEWEST = 5
 """Angles: a mean circle and a mean plane take three from each coordinate's four or more."""
 UM_PER_MM = 1000.0
@@ -58,13 +59,17 @@ class ErrorMotion:
 
 
 def error_motions(machine: Machine, points: Points) -> list[ErrorMotion]:
-    """Find the error motion of each axis that turned to five angles while the others stood."""
-    return [
+    """Find the error motion of each axis that turned to five angles while the others stood.
+
+    A sphere on the axis itself goes round no circle and shows none.
+    """
+    found = (
         _motion(machine.axes[axis], axis, machine, points, rows)
         for axis in range(len(machine.axes))
         for rows in _groups(points.angles_deg, axis)
         if len(np.unique(_steps(points.angles_deg[rows, axis]))) >= FEWEST
-    ]
+    )
+    return [motion for motion in found if motion is not None]
 
 
 def _steps(angles_deg: FloatArray) -> NDArray[np.int64]:
@@ -81,7 +86,7 @@ def _groups(angles_deg: FloatArray, axis: int) -> Iterator[NDArray[np.intp]]:
 
 def _motion(
     axis: RotaryAxis, place: int, machine: Machine, points: Points, rows: NDArray[np.intp]
-) -> ErrorMotion:
+) -> ErrorMotion | None:
     angles_deg = points.angles_deg[rows, place]
     frame = _frame(axis, machine, points.angles_deg[rows[0]])
     seen = points.positions_mm[rows] @ frame.T
@@ -91,6 +96,8 @@ def _motion(
     theta = np.radians(angles_deg[first])
     off, arm = _off_circle(mean, theta)
     radius_mm = float(np.hypot(*arm))
+    if radius_mm < LEAST_RADIUS_MM:
+        return None
     towards = _turned(arm / radius_mm, theta)
     along = np.column_stack([-towards[:, 1], towards[:, 0]])
     turn_rad = np.sum(off[:, :2] * along, axis=1) / radius_mm
