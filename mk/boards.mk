@@ -10,6 +10,7 @@
 #   LINKER_SCRIPT   in its folder
 #   OTHER_CORES  names of cores that the port is linked and measured for as well; FLAGS.CORE of each
 #   CONTRACT_ONLY   why the unit tests of the firmware are not run on it
+#   UNSUITED.$(board).SUITE     why that one is not
 #   SUITE_RUN    command that runs one suite, before the program's name; a family may know one
 #   RIG          Python module that records a campaign of a build in the emulator
 #   RIG_TOOLS    programs that rig or tests want: build/rigs/BOARD/tests/NAME of tests/NAME.c

@@ -59,7 +59,8 @@ ON_BOARD    := $(TESTS.contract) $(foreach test,$(filter tests/%,$(TESTS.unit)),
 no_pulses   = $(if $(wildcard hal/ports/$1/pulse.c),,%/test_hal_pulse.c)
 suites_on   = $(if $(CONTRACT_ONLY.$1),$(TESTS.contract),$(ON_BOARD))
 names_on    = $(notdir $(basename $(filter-out $(call no_pulses,$1),$(call suites_on,$1))))
-outcome_on  = $2.$(if $(UNSUITED.$(FAMILY.$1).$2),check,log)
+unsuited    = $(or $(UNSUITED.$1.$2),$(UNSUITED.$(FAMILY.$1).$2))
+outcome_on  = $2.$(if $(call unsuited,$1,$2),check,log)
 on_board    = $(foreach name,$(call names_on,$1),$(RESULTS)/target-$1/$(call outcome_on,$1,$(name)))
 target_results = $(if $(call tools_of,$1),$(call on_board,$1),$(RESULTS)/target-$1/tools.check)
 $(foreach board,$(BOARDS),$(eval RESULTS.target-$(board) := $(call target_results,$(board))))
@@ -80,7 +81,7 @@ $(RESULTS)/target-$(TARGET)/%.log: $(OUT)/contract/% FORCE
 $(RESULTS)/target-$(TARGET)/%.log: $(OUT)/tests/unit/% FORCE
 	@tests/boards/run_suite.sh $(TARGET) $< $@ $(SUITE_RUN)
 $(RESULTS)/target-$(TARGET)/%.check: FORCE
-	$(check) $(call skip,$(UNSUITED.$(FAMILY).$*))
+	$(check) $(call skip,$(call unsuited,$(TARGET),$*))
 endif
 
 $(OUT)/contract/% $(OUT)/tests/unit/%: LDFLAGS += $(SUITE_LDFLAGS.$(FAMILY))

@@ -27,12 +27,13 @@ debian_mirror() {
         grep -v security | sed -n 's/^Debian //p' | head -n 1
 }
 
-# How this machine reaches the network: names, certificates, pip's index.
+# How this machine reaches the network: names, certificates, what pip and npm take theirs from.
 lend_network() {
     mkdir -p "$root/etc/ssl"
     cp /etc/resolv.conf "$root/etc/"
     cp /etc/ssl/certs/ca-certificates.crt "$root/etc/ssl/lent.crt"
     [ ! -f /etc/pip.conf ] || cp /etc/pip.conf "$root/etc/"
+    [ ! -f /etc/npmrc ] || cp /etc/npmrc "$root/etc/"
 }
 
 in_root() {
@@ -40,7 +41,8 @@ in_root() {
     # shellcheck disable=SC2046
     chroot "$root" env -i HOME=/root LANG=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin \
         $(env | grep -E '^(PIP_|https?_proxy=|no_proxy=)[^ ]*$') \
-        SSL_CERT_FILE=/etc/ssl/lent.crt PIP_CERT=/etc/ssl/lent.crt sh -c "$1"
+        SSL_CERT_FILE=/etc/ssl/lent.crt PIP_CERT=/etc/ssl/lent.crt NODE_EXTRA_CA_CERTS=/etc/ssl/lent.crt \
+        sh -c "$1"
 }
 
 # Runs in namespaces of its own: its mounts and processes end with it.

@@ -25,6 +25,8 @@ packages_of() {
     lint) echo clang cppcheck shellcheck ;;
     cross) echo gcc-avr avr-libc binutils-avr gcc-arm-none-eabi libnewlib-arm-none-eabi ;;
     emulators) echo simavr libsimavr-dev libelf-dev qemu-system-arm ;;
+    # what runs an emulator that is written in JavaScript, and what fetches it
+    node) echo nodejs npm ;;
     # apart, so that a distribution without them has the others; its QEMU has been split since
     riscv) echo gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf "$(riscv_emulator)" ;;
     # the virtual machine of the Linux bench; what works in it, or on a host with the devices

@@ -7,6 +7,7 @@ bench's instruments, its own subclass knows.
 
 import json
 import re
+import shutil
 import socket
 import subprocess
 import tempfile
@@ -16,25 +17,25 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import ClassVar, Self, TextIO
 
+from tests.boards.emulated import EmulatedBoard
+
 ICOUNT_SHIFT = 5  # 32 ns an instruction
 PATIENCE_S = 10.0
 HOLDERS = ("soc", "unattached")  # of a machine's devices, beside the machine itself
 
 
-class QemuBoard:
+class QemuBoard(EmulatedBoard):
     """One run of a program; a context manager.
 
     Attributes:
         QEMU: The emulator, its name or path.
         MACHINE: What it emulates.
         MORE: Options that the machine wants besides.
-        NM: What lists the symbols of a program.
     """
 
     QEMU: ClassVar[str] = "qemu-system-arm"
     MACHINE: ClassVar[str]
     MORE: ClassVar[tuple[str, ...]] = ()
-    NM: ClassVar[str] = "arm-none-eabi-nm"
 
     def __init__(
         self, program: Path, options: Sequence[str] = (), *, loops_back: bool = False
@@ -62,6 +63,11 @@ class QemuBoard:
     def __exit__(self, *_: object) -> None:
         """End the emulator."""
         self._stack.close()
+
+    @classmethod
+    def is_here(cls) -> bool:
+        """Tell whether this QEMU is installed."""
+        return shutil.which(cls.QEMU) is not None
 
     def _launch(self) -> None:
         folder = Path(self._stack.enter_context(tempfile.TemporaryDirectory()))
@@ -170,10 +176,6 @@ class QemuBoard:
         self._ask(f"writel {address:#x} {value:#x}")
 
     # ---- time ----
-
-    def now(self) -> int:
-        """Read the bench's master clock."""
-        raise NotImplementedError
 
     def stop(self) -> None:
         """Let virtual time stand."""

@@ -1,4 +1,4 @@
-"""A board in QEMU as a bench: injects edges, records a campaign.
+"""A board in QEMU, or the like, as a bench: injects edges, records a campaign.
 
 The latch is the firmware's own stamp. Edge and latch come from one virtual time: no drift between
 the two clocks can show here. The emulated UARTs take no time for a byte, so reports are not timed:
@@ -19,7 +19,7 @@ from tqdm import tqdm
 
 from skiplatch.bench.latches import Latch, LatchReports
 from skiplatch.campaign import InputPath, Nominal, write_campaign
-from tests.boards.qemu import QemuBoard
+from tests.boards.emulated import EmulatedBoard
 from tests.boards.record import Recorded, as_touches
 
 COUNTS = 1 << 32
@@ -47,12 +47,12 @@ class Rig(ABC):
         DEVICE_TICK: A tick of the device clock, in those.
     """
 
-    EMULATOR: ClassVar[type[QemuBoard]]
+    EMULATOR: ClassVar[type[EmulatedBoard]]
     BELIEVED: ClassVar[Nominal]
     TICKS_PER_US: ClassVar[int]
     DEVICE_TICK: ClassVar[int]
 
-    def __init__(self, emulator: QemuBoard, symbols: dict[str, int], tick_shift: int) -> None:
+    def __init__(self, emulator: EmulatedBoard, symbols: dict[str, int], tick_shift: int) -> None:
         """Let it start up.
 
         Args:

@@ -1,4 +1,4 @@
-/* A suite on a Cortex-M in QEMU: report and end by semihosting. */
+/* A suite on a Cortex-M in its emulator: report and end by semihosting. */
 #include "target.h"
 
 #include <stdint.h>

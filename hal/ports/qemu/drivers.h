@@ -1,7 +1,7 @@
 /*
- * What the boards that run in QEMU have beyond hal/include, for their common wiring and their
- * tests: its start, an axis that moves by itself, scans, the UART's two ways. Each board's own
- * `board.h` says BOARD_TICKS_PER_US, the ticks of its clock, before a disturbance makes them
+ * What the boards that run in QEMU or rp2040js have beyond hal/include, for their common wiring and
+ * their tests: its start, an axis that moves by itself, scans, the UART's two ways. Each board's
+ * own `board.h` says BOARD_TICKS_PER_US, the ticks of its clock, before a disturbance makes them
  * coarser.
  */
 #ifndef QEMU_DRIVERS_H

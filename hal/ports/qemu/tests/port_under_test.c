@@ -1,6 +1,6 @@
 /*
- * A board in QEMU under test. What its UART sends goes into a file, by tests/boards/qemu.py, which
- * is read by semihosting: that takes no time.
+ * A board in QEMU or rp2040js under test. What its UART sends is a file, which is read by
+ * semihosting: that takes no time.
  *
  * Nor does a byte on an emulated UART. So that a queue can fill, its interrupt comes only
  * while time is let pass.
