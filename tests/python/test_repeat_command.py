@@ -73,6 +73,15 @@ def test_outliers_are_named_and_left_out(machine_sample: Path) -> None:
     assert "2 lie far outside" in sentence(found)
 
 
+def test_two_conditions_in_one_are_no_outliers(machine_sample: Path) -> None:
+    y = noise(40)
+    y[::2] += 300.0
+
+    assert "20 lie apart from the others: what is taken for one condition are two" in sentence(
+        of(machine_sample, y)
+    )
+
+
 def test_surfaces_have_middles_of_their_own(machine_sample: Path) -> None:
     place = np.repeat([0.0, 100.0], 40)
 

@@ -16,6 +16,7 @@ from skiplatch.statistics import Interval
 from skiplatch.tables import table, with_interval
 
 SHOWN = 12
+MOST_OUTSIDE = 0.25  # of the touches; more of them are no outliers
 EPILOG = """\b
 Example:
   skiplatch repeat tests/python/data/logs/klipper_octoprint.log
@@ -87,13 +88,21 @@ def sentence(found: Repeatability) -> str:
     if _shows(found.slope):
         parts.append(f"they come later with the feed, by {_words(found.slope, 'ms')}")
     if _shows(found.first):
-        parts.append(f"the first of a series is off by {_words(found.first, 'µm')}")
+        parts.append(f"the first of a series is off by {_words(found.first, unit)}")
     if _shows(found.drift):
-        parts.append(f"they drift by {_words(found.drift, 'µm')} a touch")
+        parts.append(f"they drift by {_words(found.drift, unit)} a touch")
     if found.outliers:
-        n = len(found.outliers)
-        parts.append(f"{n} {'lies' if n == 1 else 'lie'} far outside")
+        parts.append(_outside(len(found.outliers), len(found.touches)))
     return "; ".join(parts) + "."
+
+
+def _outside(n: int, touches: int) -> str:
+    if n > MOST_OUTSIDE * touches:
+        return (
+            f"{n} lie apart from the others: what is taken for one condition are two, "
+            "such as two feeds that were not recorded"
+        )
+    return f"{n} {'lies' if n == 1 else 'lie'} far outside"
 
 
 def _what(found: Repeatability) -> str:
