@@ -114,6 +114,20 @@ def test_replies_between_the_steps_of_a_preset_tell_their_own(tmp_path: Path) ->
     assert run.coordinates() == [-5.121, -5.124]
 
 
+def test_reach_that_a_log_tells_is_that_of_the_axis(tmp_path: Path) -> None:
+    head = "[MSG:INFO: FluidNC v3.7.18]\n[MSG:INFO: Axis Z (-110.000,5.000)]\n"
+    (tmp_path / "f.log").write_text(f"{head}G91\nG38.2 Z-9 F60\n[PRB:0.000,0.000,-5.120:1]\nok\n")
+    config = "[stepper_z]\nposition_min = -5\nposition_max: 235.5\n"
+    (tmp_path / "klippy.log").write_text(f"{config}probe at 1.000,2.000 is z=0.125000\n")
+    (tmp_path / "k").mkdir()
+
+    fluid = Run(tmp_path, "grbl", str(tmp_path / "f.log")).campaign.nominal.axis
+    klipper = Run(tmp_path / "k", "klipper", str(tmp_path / "klippy.log")).campaign.nominal.axis
+
+    assert (fluid.min_mm, fluid.max_mm) == (-110.0, 5.0)
+    assert (klipper.min_mm, klipper.max_mm) == (-5.0, 235.5)
+
+
 def test_touches_of_unknown_feed_among_others_are_left_out(tmp_path: Path) -> None:
     reply = "[PRB:0.000,0.000,-5.120:1]\nok\n"
     (tmp_path / "s.log").write_text(reply + "G21 G91\n" + f"G38.2 Z-9 F60\n{reply}" * 3)

@@ -28,6 +28,7 @@ _REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*
 _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
 _PARAMETERS = re.compile(r"\[(?:G5[4-9]|G28|G30|G92|TLO|TLR|HOME)\b", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
+_RANGE = re.compile(r"\bAxis ([XYZABC]) \((-?\d+\.?\d*),\s*(-?\d+\.?\d*)\)", re.ASCII)
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
 _STEPS, _ACCEL, _INCHES = 100, 120, 13
 UM_PER_MM = 1e3
@@ -70,12 +71,15 @@ class _Reader:
         self._session = 0
         self._is_hal = False
         self._lists_parameters = False
+        self._ranges: dict[str, tuple[float, float]] = {}
         self._guessed = 0
 
     def take(self, line: Line) -> None:
         """Take in a line: settings, a command, a reply, or several of them in one."""
         for number, value in _SETTING.findall(line.text):
             self._settings[int(number)] = float(value)
+        if ends := _RANGE.search(line.text):
+            self._ranges[ends[1]] = (float(ends[2]), float(ends[3]))
         self._is_hal = self._is_hal or bool(_GRBL_HAL.search(line.text))
         if _HOMED.search(line.text) and self.touches:
             self._session += 1
@@ -203,6 +207,8 @@ class _Reader:
         has_settings = bool(found.figures)
         if not has_settings and self._is_finer_than(PRESETS[found.preset]):
             found.figure("axis", "resolution_um", DIGIT_MM * UM_PER_MM, "a digit of the replies")
+        if ends := self._ranges.get(self.touches[-1].axis):
+            found.reach(*ends, "the range that FluidNC tells at its start")
         self._say(found, has_settings=has_settings)
         return found
 
