@@ -4,10 +4,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from bench_rig import c_frames
 from refusals import Program
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
+from skiplatch.cli import group
 from test_import_logs import Run
 
 HEAD = "sep=;\nDatum/Zeit;Richtung;Vorschub [mm/min];Abweichung [µm];Temperatur [°C]\n"
@@ -105,6 +107,15 @@ def test_replies_of_grbl_get_the_digits_of_their_steps(tmp_path: Path) -> None:
     assert run.coordinates() == [-5.1225, -5.125, -5.1275]
 
 
+def test_reply_beyond_any_machine_is_left_as_it_is(tmp_path: Path) -> None:
+    far = "9" * 400
+    (tmp_path / "s.log").write_text(f"$102=400.000\n[PRB:0.000,0.000,{far}:1]\n")
+
+    result = CliRunner().invoke(group, ["import", "grbl", str(tmp_path / "s.log"), "-o", "x"])
+
+    assert not isinstance(result.exception, OverflowError)
+
+
 def test_replies_between_the_steps_of_a_preset_tell_their_own(tmp_path: Path) -> None:
     (tmp_path / "s.log").write_text("[PRB:0.000,0.000,-5.121:1]\n[PRB:0.000,0.000,-5.124:1]\n")
 
@@ -166,6 +177,21 @@ def test_candump_is_read_as_people_write_it_down(tmp_path: Path, name: str) -> N
     touches = Run(tmp_path, "can", str(tmp_path / name)).campaign.touches
 
     assert (touches.latch_us - touches.edge_us).tolist() == pytest.approx([64.5], abs=0.6)
+
+
+def test_candump_goes_straight_to_repeat(tmp_path: Path) -> None:
+    lines = []
+    for i in range(3):
+        lines.append(f"edge {5_000_000_000 + i * 100_000_000} {i} 12 1 {2 * i}")
+        lines.append(f"latch {50_000_650 + i * 1_000_000} 0 {i} 0 8")
+    frames = [(EDGE_ID if line.startswith("edge") else LATCH_ID, line) for line in lines]
+    shown = [f"can0  {n:03X}   [8]  {f.hex(' ')}" for n, line in frames for f in c_frames(line)]
+    (tmp_path / "bus.txt").write_text("\n".join(shown) + "\n")
+
+    result = CliRunner().invoke(group, ["repeat", str(tmp_path / "bus.txt")])
+
+    assert "log of CAN traffic, 3 touches" in result.output
+    assert "3 latches come" in result.output
 
 
 def capture(path: Path, edges_ms: list[float], latches_ms: list[float]) -> Path:

@@ -1,6 +1,7 @@
 """``skiplatch repeat``: how well touches repeat, without any nominal."""
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ def command(
     first touch apart, outliers by number, and the slope with the feed in ms, which is a delay. With
     95 % intervals. Of a bench without motion, the times from edge to latch.
     """
-    campaign, head = _read(source)
+    campaign, head, assumed = _read(source)
     found = repeatability(campaign)
     said = sentence(found)
     click.echo(f"{head}\n\n{said}\n")
@@ -51,7 +52,10 @@ def command(
         shown = ", ".join(str(touch) for touch in found.outliers[:SHOWN])
         more = len(found.outliers) - SHOWN
         click.echo(f"\noutliers: touches {shown}{f' and {more} more' if more > 0 else ''}")
-    write_json(json_path, {"source": str(source), **as_json(found), "sentence": said})
+    if assumed:
+        click.echo("\n".join(("", "Assumed", *(f"  {line}" for line in assumed))))
+    document = {"source": str(source), **as_json(found), "sentence": said, "assumed": assumed}
+    write_json(json_path, document)
     if html_path is not None:
         # Drawing takes time to load, which only those pay who want a picture.
         from skiplatch.report.repeatability import as_html  # noqa: PLC0415
@@ -65,7 +69,9 @@ def command(
         click.echo(f"wrote {picture}")
 
 
-def _read(source: Path) -> tuple[Campaign, str]:
+def _read(source: Path) -> tuple[Campaign, str, list[str]]:
+    """Give the campaign, what it was read from, and what was assumed of a log."""
+    assumed: list[str] = []
     if source.is_dir():
         campaign = read_campaign(source)
         kind = f"{campaign.nominal.kind} campaign"
@@ -73,9 +79,9 @@ def _read(source: Path) -> tuple[Campaign, str]:
         name, imported = read_any(source)
         with tempfile.TemporaryDirectory(prefix="skiplatch-") as folder:
             write_imported(Path(folder) / "made", imported, (source,))
-            campaign = read_campaign(Path(folder) / "made")
-        kind = f"log of {name}"
-    return campaign, f"{source}: {kind}, {len(campaign.touches)} touches"
+            campaign = replace(read_campaign(Path(folder) / "made"), path=source)
+        kind, assumed = f"log of {name}", imported.assumed
+    return campaign, f"{source}: {kind}, {len(campaign.touches)} touches", assumed
 
 
 def sentence(found: Repeatability) -> str:

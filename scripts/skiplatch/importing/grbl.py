@@ -26,7 +26,7 @@ _IN_MACHINE = re.compile(r"G53\b", re.IGNORECASE)
 _OFFSETS = re.compile(r"G(?:10|92|5[4-9])\b", re.IGNORECASE)
 _REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
 _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
-_PARAMETERS = re.compile(r"\[(?:G5[4-9]|G28|G30|G92|TLO|TLR|HOME)\b", re.IGNORECASE)
+_PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TLO|TLR|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
 _RANGE = re.compile(r"\bAxis ([XYZABC]) \((-?\d+\.?\d*),\s*(-?\d+\.?\d*)\)", re.ASCII)
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
@@ -34,6 +34,7 @@ _STEPS, _ACCEL, _INCHES = 100, 120, 13
 UM_PER_MM = 1e3
 DIGIT_MM = 1e-3  # the last that is printed
 HALF_A_DIGIT_MM = 0.51 * DIGIT_MM
+FARTHEST_MM = 1e6  # that any machine goes
 MOST_STEPS_PER_MM = 800.0  # with more of them, any printed number is near a step
 
 
@@ -215,8 +216,8 @@ class _Reader:
     def _is_finer_than(self, preset: Preset) -> bool:
         """Tell whether the replies fall between the steps that such a controller has."""
         step_mm = preset.figures["axis", "resolution_um"].value / UM_PER_MM
-        latched = (touch.coordinate for touch in self.touches if touch.coordinate is not None)
-        beside = (abs(place - round(place / step_mm) * step_mm) for place in latched)
+        latched = [place for touch in self.touches if (place := touch.coordinate) is not None]
+        beside = (abs(z - round(z / step_mm) * step_mm) for z in latched if abs(z) < FARTHEST_MM)
         return any(way > HALF_A_DIGIT_MM for way in beside)
 
     def _put_on_steps(self) -> None:
@@ -224,11 +225,11 @@ class _Reader:
         for axis in {touch.axis for touch in self.touches} & set("XYZ"):
             latched = [t for t in self.touches if t.axis == axis and t.coordinate is not None]
             steps = self._settings.get(_STEPS + AXES.index(axis), 0.0)
-            if not 0.0 < steps < MOST_STEPS_PER_MM:
+            told = [touch.coordinate or 0.0 for touch in latched]
+            if not 0.0 < steps < MOST_STEPS_PER_MM or any(abs(z) > FARTHEST_MM for z in told):
                 continue
-            whole = [round((t.coordinate or 0.0) * steps) / steps for t in latched]
-            cut_off = [abs(w - (t.coordinate or 0.0)) for w, t in zip(whole, latched, strict=True)]
-            if max(cut_off, default=0.0) <= HALF_A_DIGIT_MM:
+            whole = [round(z * steps) / steps for z in told]
+            if all(abs(w - z) <= HALF_A_DIGIT_MM for w, z in zip(whole, told, strict=True)):
                 for touch, coordinate in zip(latched, whole, strict=True):
                     touch.coordinate = coordinate
 

@@ -147,9 +147,8 @@ def _in(mapped: Mapped) -> str:
 
 def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
     """Find a column by its head as given, else by the head without the unit of either."""
-    for head in heads:
-        if head == m.head:
-            return m
+    if m.head in heads:
+        return m
     for head in heads:
         name, unit = _split(m.column, head)
         if m.name in (head, name) and (not m.unit or unit in ("", m.unit)):
