@@ -132,7 +132,7 @@ def playable(campaign: Campaign) -> Campaign:
     no_time = np.isnan(touches.time_s)
     if campaign.nominal.kind is Kind.MACHINE and no_feed.any():
         missing = f"not recorded in {no_feed.sum()} of {len(touches)} touches"
-        why = "without it nobody can tell a delay from a length"
+        why = "without it nobody can tell a delay from a length; import has --feed"
         raise InputError(campaign.path / TOUCHES_FILE, None, "feed_mm_min", f"{missing}; {why}")
     for name, missing_rows in (
         ("feed_mm_min", no_feed),

@@ -1,6 +1,7 @@
 """``skiplatch check``: what cannot be as it stands, what is missing, what was not varied."""
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -184,3 +185,14 @@ def test_command_says_and_writes_it(bench_sample: Path, tmp_path: Path) -> None:
     assert document["touches"] == 400
     assert document["odd"][0]["touches"] == []
     assert document["missing_columns"] == {}
+
+
+def test_figure_that_cannot_be_simulated_is_odd(tmp_path: Path) -> None:
+    for name in ("nominal.toml", "touches.csv"):
+        text = (SAMPLES / "bench_isr_latency" / name).read_text()
+        (tmp_path / name).write_text(re.sub(r"scan_us = .*", "scan_us = 2.0", text))
+
+    said = CliRunner().invoke(group, ["check", str(tmp_path)]).output
+
+    assert "nominal.toml: plc.scan_us: expected 100 to 20000" in said
+    assert "got 2" in said

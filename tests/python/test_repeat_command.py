@@ -73,6 +73,22 @@ def test_outliers_are_named_and_left_out(machine_sample: Path) -> None:
     assert "2 lie far outside" in sentence(found)
 
 
+def test_what_was_assumed_of_a_log_is_said() -> None:
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / "linuxcnc_probe.txt")])
+
+    assert "Assumed\n" in result.output
+    assert "  the program's unit was the millimetre; else give --inch" in result.output
+
+
+def test_two_conditions_in_one_are_no_outliers(machine_sample: Path) -> None:
+    y = noise(40)
+    y[::2] += 300.0
+
+    assert "20 lie apart from the others: what is taken for one condition are two" in sentence(
+        of(machine_sample, y)
+    )
+
+
 def test_surfaces_have_middles_of_their_own(machine_sample: Path) -> None:
     place = np.repeat([0.0, 100.0], 40)
 
@@ -149,6 +165,8 @@ def test_log_goes_straight_to_json_and_picture(tmp_path: Path) -> None:
         ("klipper_newest_first.log", "klipper"),
         ("marlin_m48.log", "marlin"),
         ("linuxcnc_probe.txt", "linuxcnc"),
+        ("saleae_latches.csv", "a logic analyser"),
+        ("saleae_dates.csv", "a logic analyser"),
     ],
 )
 def test_kind_of_a_log_is_told_by_what_stands_in_it(name: str, kind: str) -> None:
@@ -187,7 +205,8 @@ def test_what_cannot_be_told_is_refused(tmp_path: Path, refused: Program) -> Non
     (tmp_path / "few.log").write_text("[PRB:0.000,0.000,-1.000:1]\n")
 
     assert "expected a campaign or a log of grbl" in refused("repeat", tmp_path / "x.txt")
-    assert "touched 3 times or more" in refused("repeat", tmp_path / "few.log")
+    said = refused("repeat", tmp_path / "few.log")
+    assert said.startswith(f"skiplatch: {tmp_path}/few.log: expected a surface that was touched 3")
 
 
 def test_slip_in_the_name_of_a_command_is_told() -> None:

@@ -91,7 +91,7 @@ def test_machine_without_feed_is_told(machine_sample: Path) -> None:
 
     assert said.endswith(
         "touches.csv: feed_mm_min: not recorded in 400 of 400 touches; "
-        "without it nobody can tell a delay from a length"
+        "without it nobody can tell a delay from a length; import has --feed"
     )
 
 

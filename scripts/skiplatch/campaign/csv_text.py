@@ -14,6 +14,7 @@ MAX_BYTES = 2 * 2**30
 MAX_LINE_CHARACTERS = 65_536
 
 DELIMITERS = (",", ";", "\t")
+UTF8 = "utf-8-sig"
 
 _SEPARATOR = re.compile(r"sep=([,;\t])\s*$", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
@@ -22,7 +23,7 @@ _UNDECODABLE = re.compile("[\udc80-\udcff]")
 Row = tuple[int, list[str]]
 
 
-def read_rows(path: Path) -> Iterator[Row]:
+def read_rows(path: Path, encoding: str = UTF8) -> Iterator[Row]:
     """Yield the line number and the cells of each row that is not blank.
 
     A byte order mark and any of the usual line ends are accepted, and semicolons or tabs between
@@ -30,11 +31,11 @@ def read_rows(path: Path) -> Iterator[Row]:
     that quoted line ends spread over several is its last one.
 
     Raises:
-        InputError: The file cannot be read, is too large, or is no UTF-8 or CSV text.
+        InputError: The file cannot be read, is too large, or is no CSV text in that encoding.
     """
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
-        with path.open(encoding="utf-8-sig", newline="") as file:
+        with path.open(encoding=encoding, newline="") as file:
             yield from _rows(path, file)
 
 

@@ -5,10 +5,12 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.campaign.plausibility import oddities
+from skiplatch.campaign import NOMINAL_FILE, Campaign, read_campaign
+from skiplatch.campaign.plausibility import Oddity, oddities
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
 from skiplatch.commands.options import json_option, write_json
+from skiplatch.errors import InputError
+from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -24,7 +26,7 @@ def command(campaign: Path, json_path: Path | None) -> None:
     read = read_campaign(campaign)
     click.echo(check_text(read))
     found = {
-        "odd": [asdict(oddity) for oddity in oddities(read)],
+        "odd": [asdict(oddity) for oddity in _odd(read)],
         "missing_columns": missing_columns(read),
         "missing_keys": missing_keys(read),
         "cannot_be_told": cannot_be_told(read),
@@ -39,7 +41,7 @@ def check_text(campaign: Campaign) -> str:
     columns, keys = missing_columns(campaign), missing_keys(campaign)
     lost = [f"{name}: {what}" for name, what in {**columns, **keys}.items()]
     parts = (
-        ("Odd", [oddity.line for oddity in oddities(campaign)]),
+        ("Odd", [oddity.line for oddity in _odd(campaign)]),
         ("Not recorded or left out, and what cannot be told for it", lost),
         ("Not varied, and what would help", cannot_be_told(campaign)),
     )
@@ -47,3 +49,13 @@ def check_text(campaign: Campaign) -> str:
     for head, found in parts:
         lines += ["", head, *(f"  {line}" for line in found or ["nothing"])]
     return "\n".join(lines)
+
+
+def _odd(campaign: Campaign) -> list[Oddity]:
+    """Give what is odd, and what no diagnosis would take."""
+    found = list(oddities(campaign))
+    try:
+        refuse_unplayable(campaign.path / NOMINAL_FILE, campaign.nominal)
+    except InputError as error:
+        found.append(Oddity(str(error)))
+    return found

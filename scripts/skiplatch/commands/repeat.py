@@ -17,6 +17,7 @@ from skiplatch.statistics import Interval
 from skiplatch.tables import table, with_interval
 
 SHOWN = 12
+MOST_OUTSIDE = 0.25  # of the touches; more of them are no outliers
 EPILOG = """\b
 Example:
   skiplatch repeat tests/python/data/logs/klipper_octoprint.log
@@ -42,7 +43,7 @@ def command(
     first touch apart, outliers by number, and the slope with the feed in ms, which is a delay. With
     95 % intervals. Of a bench without motion, the times from edge to latch.
     """
-    campaign, head = _read(source)
+    campaign, head, assumed = _read(source)
     found = repeatability(campaign)
     said = sentence(found)
     click.echo(f"{head}\n\n{said}\n")
@@ -51,7 +52,10 @@ def command(
         shown = ", ".join(str(touch) for touch in found.outliers[:SHOWN])
         more = len(found.outliers) - SHOWN
         click.echo(f"\noutliers: touches {shown}{f' and {more} more' if more > 0 else ''}")
-    write_json(json_path, {"source": str(source), **as_json(found), "sentence": said})
+    if assumed:
+        click.echo("\n".join(("", "Assumed", *(f"  {line}" for line in assumed))))
+    document = {"source": str(source), **as_json(found), "sentence": said, "assumed": assumed}
+    write_json(json_path, document)
     if html_path is not None:
         # Drawing takes time to load, which only those pay who want a picture.
         from skiplatch.report.repeatability import as_html  # noqa: PLC0415
@@ -65,7 +69,9 @@ def command(
         click.echo(f"wrote {picture}")
 
 
-def _read(source: Path) -> tuple[Campaign, str]:
+def _read(source: Path) -> tuple[Campaign, str, list[str]]:
+    """Give the campaign, what it was read from, and what was assumed of a log."""
+    assumed: list[str] = []
     if source.is_dir():
         campaign = read_campaign(source)
         kind = f"{campaign.nominal.kind} campaign"
@@ -74,8 +80,8 @@ def _read(source: Path) -> tuple[Campaign, str]:
         with tempfile.TemporaryDirectory(prefix="skiplatch-") as folder:
             write_imported(Path(folder) / "made", imported, (source,))
             campaign = replace(read_campaign(Path(folder) / "made"), path=source)
-        kind = f"log of {name}"
-    return campaign, f"{source}: {kind}, {len(campaign.touches)} touches"
+        kind, assumed = f"log of {name}", imported.assumed
+    return campaign, f"{source}: {kind}, {len(campaign.touches)} touches", assumed
 
 
 def sentence(found: Repeatability) -> str:
@@ -88,13 +94,21 @@ def sentence(found: Repeatability) -> str:
     if _shows(found.slope):
         parts.append(f"they come later with the feed, by {_words(found.slope, 'ms')}")
     if _shows(found.first):
-        parts.append(f"the first of a series is off by {_words(found.first, 'µm')}")
+        parts.append(f"the first of a series is off by {_words(found.first, unit)}")
     if _shows(found.drift):
-        parts.append(f"they drift by {_words(found.drift, 'µm')} a touch")
+        parts.append(f"they drift by {_words(found.drift, unit)} a touch")
     if found.outliers:
-        n = len(found.outliers)
-        parts.append(f"{n} {'lies' if n == 1 else 'lie'} far outside")
+        parts.append(_outside(len(found.outliers), len(found.touches)))
     return "; ".join(parts) + "."
+
+
+def _outside(n: int, touches: int) -> str:
+    if n > MOST_OUTSIDE * touches:
+        return (
+            f"{n} lie apart from the others: what is taken for one condition are two, "
+            "such as two feeds that were not recorded"
+        )
+    return f"{n} {'lies' if n == 1 else 'lie'} far outside"
 
 
 def _what(found: Repeatability) -> str:

@@ -15,6 +15,7 @@ from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import InputPath, Kind, Touches
 from skiplatch.errors import InputError
 from skiplatch.files import foreign_reader
+from skiplatch.importing.candump import is_logged, is_shown, shown_frames
 from skiplatch.importing.model import Imported
 
 NS_PER_US = 1e3
@@ -71,20 +72,24 @@ def _read(path: Path) -> _Traffic:
     latches, edges = LatchReports(), EdgeReports()
     found_latches: list[Latch] = []
     found_edges: list[Edge] = []
-    for message in _messages(path):
-        data = bytes(message.data)
-        if message.arbitration_id == LATCH_ID and (latch := latches.take(data)):
+    for number, data in _frames(path):
+        if number == LATCH_ID and (latch := latches.take(data)):
             found_latches.append(latch)
-        elif message.arbitration_id == EDGE_ID and (edge := edges.take(data)):
+        elif number == EDGE_ID and (edge := edges.take(data)):
             found_edges.append(edge)
     lost = latches.lost + latches.damaged + latches.unpaired + edges.damaged + edges.unpaired
     return _Traffic(found_edges, found_latches, _extended(found_latches, found_edges), lost)
 
 
-def _messages(path: Path) -> Iterator[can.Message]:
-    what = "log that python-can reads"
-    with foreign_reader(path, MOST_BYTES, what), can.LogReader(path) as reader:
-        yield from reader
+def _frames(path: Path) -> Iterator[tuple[int, bytes]]:
+    """Give id and bytes of each frame; what candump wrote is known by its lines."""
+    with foreign_reader(path, MOST_BYTES, "log that python-can reads"):
+        if is_shown(path):
+            yield from shown_frames(path)
+            return
+        with can.CanutilsLogReader(path) if is_logged(path) else can.LogReader(path) as reader:
+            for message in reader:
+                yield message.arbitration_id, bytes(message.data)
 
 
 def _extended(latches: list[Latch], edges: list[Edge]) -> list[int]:

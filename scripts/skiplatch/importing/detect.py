@@ -5,10 +5,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from skiplatch.errors import InputError
+from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.importing.candump import is_logged, is_shown
 from skiplatch.importing.grbl import read_grbl
 from skiplatch.importing.klipper import read_klipper
 from skiplatch.importing.linuxcnc import read_linuxcnc
-from skiplatch.importing.log_lines import read_text
+from skiplatch.importing.log_lines import MAX_BYTES, read_text
 from skiplatch.importing.marlin import read_marlin
 from skiplatch.importing.model import Imported
 
@@ -30,16 +32,48 @@ KINDS: Mapping[str, tuple[re.Pattern[str], Callable[[Path], Imported]]] = {
 }
 
 
+_CAPTURE = re.compile(r"^(?:Time ?\[s\],|;.*(?:libsigrok|Samplerate))", re.MULTILINE)
+_LOOKED_AT = 2000  # characters
+HOLDOFF_S = 1e-3
+
+
 def read_any(path: Path) -> tuple[str, Imported]:
     """Read a log of whatever kind and give the name of that.
 
     Raises:
         InputError: It cannot be read, or is of no kind that can be told.
     """
+    if path.suffix.lower() in (".vcd", ".sr"):
+        return "a logic analyser", _capture(path)
+    if path.suffix.lower() in (".asc", ".blf") or _is_candump(path):
+        return "CAN traffic", _can(path)
     text = read_text(path)
+    if _CAPTURE.search(text[:_LOOKED_AT]):
+        return "a logic analyser", _capture(path)
     for kind, (sign, read) in KINDS.items():
         if sign.search(text):
             return kind, read(path)
     kinds = ", ".join(KINDS)
     message = f"expected a campaign or a log of {kinds}; for others see skiplatch import"
     raise InputError(path, None, None, message)
+
+
+def _is_candump(path: Path) -> bool:
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, MAX_BYTES)
+        return is_shown(path) or is_logged(path)
+
+
+def _capture(path: Path) -> Imported:
+    # The libraries for such files take time to load, which the other logs do not need.
+    from skiplatch.importing.captures import read_capture  # noqa: PLC0415
+    from skiplatch.importing.edges import read_edges  # noqa: PLC0415
+
+    capture = read_capture(path)
+    return read_edges(path, capture, None, None, None, falling=False, holdoff_s=HOLDOFF_S)
+
+
+def _can(path: Path) -> Imported:
+    from skiplatch.importing.can_frames import read_can  # noqa: PLC0415
+
+    return read_can(path)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Kind, Touches
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.captures import Capture
@@ -33,20 +33,22 @@ def read_edges(
         latch: Channel that changes at the latch; the second.
         report: Channel that changes at the report, if any.
         falling: Whether the falling edges count rather than the rising ones.
-        holdoff_s: Edges of the probe within this time of one before are bounces.
+        holdoff_s: Edges of the probe within this time of one before are bounces, unless they
+            have a latch of their own.
 
     Raises:
         InputError: A channel is not in it, or has no edge.
     """
     probe, latch = _channels(path, capture, probe, latch)
     edges = capture.edges(_named(path, capture, probe), falling=falling)
-    first = np.diff(edges, prepend=-np.inf) > holdoff_s
+    latches = capture.edges(_named(path, capture, latch), falling=falling)
+    first = _begins_touch(edges, latches, holdoff_s)
     bounces, edges = int((~first).sum()), edges[first]
     if not len(edges):
         sense = "falling" if falling else "rising"
         raise InputError(path, None, None, f"no {sense} edge on channel {quoted(probe)}")
     zero = edges[0]
-    latched = _following(edges, capture.edges(_named(path, capture, latch), falling=falling))
+    latched = _following(edges, latches)
     columns = {
         "touch": np.arange(len(edges)),
         "edge_us": (edges - zero) * US_PER_S,
@@ -113,6 +115,19 @@ def _named(path: Path, capture: Capture, name: str) -> str:
             return known
     message = f"no channel {quoted(name)}{hint(name, names)}; there are: {', '.join(names)}"
     raise InputError(path, None, None, message)
+
+
+def _begins_touch(edges: FloatArray, latches: FloatArray, holdoff_s: float) -> BoolArray:
+    """Tell the edges after a pause, and those between a latch of the edge before and their own."""
+    if not len(edges):
+        return np.zeros(0, dtype=bool)
+    rested = np.diff(edges, prepend=-np.inf) > holdoff_s
+    before = np.searchsorted(latches, edges, side="left")
+    pauses = np.flatnonzero(rested)
+    at_next_pause = np.append(before[pauses], len(latches))[np.cumsum(rested)]
+    has_own = before < at_next_pause
+    begins: BoolArray = rested | ((np.diff(before, prepend=-1) > 0) & has_own)
+    return begins
 
 
 def _following(edges: FloatArray, latches: FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, Machine, ProbeMove
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
 from skiplatch.importing.model import MM_PER_INCH, NO_TIMES, Imported, Touch
+from skiplatch.importing.presets import PRESETS, Preset
 
 _PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
 _SETTING = re.compile(r"\$(\d{1,3})\s*=\s*(-?\d+\.?\d*)")
@@ -25,9 +26,16 @@ _IN_MACHINE = re.compile(r"G53\b", re.IGNORECASE)
 _OFFSETS = re.compile(r"G(?:10|92|5[4-9])\b", re.IGNORECASE)
 _REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
 _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
+_PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TLO|TLR|HOME):", re.IGNORECASE)
+_ASKS = re.compile(r"\[?\s*\$#")
+_RANGE = re.compile(r"\bAxis ([XYZABC]) \((-?\d+\.?\d*),\s*(-?\d+\.?\d*)\)", re.ASCII)
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
 _STEPS, _ACCEL, _INCHES = 100, 120, 13
 UM_PER_MM = 1e3
+DIGIT_MM = 1e-3  # the last that is printed
+HALF_A_DIGIT_MM = 0.51 * DIGIT_MM
+FARTHEST_MM = 1e6  # that any machine goes
+MOST_STEPS_PER_MM = 800.0  # with more of them, any printed number is near a step
 
 
 def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported:
@@ -63,12 +71,16 @@ class _Reader:
         self._last: tuple[float, ...] | None = None
         self._session = 0
         self._is_hal = False
+        self._lists_parameters = False
+        self._ranges: dict[str, tuple[float, float]] = {}
         self._guessed = 0
 
     def take(self, line: Line) -> None:
         """Take in a line: settings, a command, a reply, or several of them in one."""
         for number, value in _SETTING.findall(line.text):
             self._settings[int(number)] = float(value)
+        if ends := _RANGE.search(line.text):
+            self._ranges[ends[1]] = (float(ends[2]), float(ends[3]))
         self._is_hal = self._is_hal or bool(_GRBL_HAL.search(line.text))
         if _HOMED.search(line.text) and self.touches:
             self._session += 1
@@ -76,6 +88,8 @@ class _Reader:
             self._machine.execute(_FEED_0.sub("", modes[1]), line.number)
             return
         reply = _PRB.search(line.text)
+        if self._repeats_the_last(line, is_reply=reply is not None):
+            return
         if not self._answered(line, has_touched=reply is not None):
             before = line.text[: reply.start()] if reply else line.text
             if not _REPORT.match(before) and (command := _COMMAND.search(before)):
@@ -84,6 +98,13 @@ class _Reader:
             self._reply(reply, line)
         elif _NOT_BEGUN.search(line.text):
             self._moves = self._moves[1:]
+
+    def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
+        """Tell the last touch in the list of parameters that $# asks for."""
+        if is_reply:
+            return self._lists_parameters or bool(_ASKS.match(line.text))
+        self._lists_parameters = bool(_PARAMETERS.match(line.text))
+        return False
 
     def _answered(self, line: Line, *, has_touched: bool) -> bool:
         """Take a line with a command and its answer, ``[ G38.2 X62 F80 ] [PRB:…]``.
@@ -183,17 +204,44 @@ class _Reader:
             found.figure("axis", "resolution_um", UM_PER_MM / steps, f"${_STEPS + axis} of the log")
         if accel := self._settings.get(_ACCEL + axis):
             found.figure("axis", "accel_mm_s2", accel, f"${_ACCEL + axis} of the log")
-        self._say(found)
+        self._put_on_steps()
+        has_settings = bool(found.figures)
+        if not has_settings and self._is_finer_than(PRESETS[found.preset]):
+            found.figure("axis", "resolution_um", DIGIT_MM * UM_PER_MM, "a digit of the replies")
+        if ends := self._ranges.get(self.touches[-1].axis):
+            found.reach(*ends, "the range that FluidNC tells at its start")
+        self._say(found, has_settings=has_settings)
         return found
 
-    def _say(self, found: Imported) -> None:
+    def _is_finer_than(self, preset: Preset) -> bool:
+        """Tell whether the replies fall between the steps that such a controller has."""
+        step_mm = preset.figures["axis", "resolution_um"].value / UM_PER_MM
+        latched = [place for touch in self.touches if (place := touch.coordinate) is not None]
+        beside = (abs(z - round(z / step_mm) * step_mm) for z in latched if abs(z) < FARTHEST_MM)
+        return any(way > HALF_A_DIGIT_MM for way in beside)
+
+    def _put_on_steps(self) -> None:
+        """Give the coordinates the digits that three decimals cut off: grbl counts whole steps."""
+        for axis in {touch.axis for touch in self.touches} & set("XYZ"):
+            latched = [t for t in self.touches if t.axis == axis and t.coordinate is not None]
+            steps = self._settings.get(_STEPS + AXES.index(axis), 0.0)
+            told = [touch.coordinate or 0.0 for touch in latched]
+            if not 0.0 < steps < MOST_STEPS_PER_MM or any(abs(z) > FARTHEST_MM for z in told):
+                continue
+            whole = [round(z * steps) / steps for z in told]
+            if all(abs(w - z) <= HALF_A_DIGIT_MM for w, z in zip(whole, told, strict=True)):
+                for touch, coordinate in zip(latched, whole, strict=True):
+                    touch.coordinate = coordinate
+
+    def _say(self, found: Imported, *, has_settings: bool) -> None:
         found.known.append("where each touch was latched, in machine coordinates")
         missed = sum(touch.coordinate is None for touch in self.touches)
         if missed:
             found.known.append(f"probing moves that ended without a touch (:0]): {missed}")
-        if not found.figures:
+        if not has_settings:
+            steps = "" if found.figures else "steps per mm and "
             found.assumed.append(
-                "no $ settings in the log: steps per mm and acceleration are grbl's defaults; "
+                f"no $ settings in the log: {steps}acceleration as grbl has it by default; "
                 "type $$ before probing"
             )
         if self._guessed:

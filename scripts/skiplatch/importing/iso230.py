@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from skiplatch.campaign import Axis, Touches
-from skiplatch.campaign.csv_text import read_rows
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.model import Imported
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_encoding
 
 _NEGATIVE = re.compile(r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback", re.IGNORECASE)
 _MM_HEAD = re.compile(r"\bmm\b", re.IGNORECASE)
@@ -32,7 +32,7 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     Raises:
         InputError: It cannot be read or is no such table.
     """
-    rows = list(read_rows(path))
+    rows, encoding = read_spreadsheet(path)
     if len(rows) < 2 or len(rows[0][1]) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)
@@ -49,6 +49,7 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     turns = axis in "ABC"
     place, beyond = positions[point], deviations[point, run] * unit * signs[run]
     found = Imported(preset="plc-4ms")
+    say_encoding(found, encoding)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
         "axis": np.full(len(point), Axis[axis]),

@@ -20,6 +20,7 @@ _STATS = re.compile(r"^Stats (\d+\.\d+):")
 _TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?\d+\.?\d* )?temp=(-?\d+\.?\d*)")
 _SECTION = re.compile(r"^\[([^\]]+)\]$")
 _NUMBER = re.compile(r"\d+\.?\d*", re.ASCII)
+_SIGNED = re.compile(rf"-?{_NUMBER.pattern}", re.ASCII)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
 _SPEED_WORD = re.compile(rf"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE)
 _HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
@@ -133,6 +134,7 @@ class _Reader(Console):
         found = self.imported("klipper")
         self._feeds(found)
         self._steps(found)
+        self._reach(found)
         found.known.append("where each touch was latched, and at which X and Y")
         if self._stats_s is not None:
             found.assumed.append(
@@ -153,6 +155,12 @@ class _Reader(Console):
                 f"{len(unknown)} touches at Klipper's default of {_DEFAULT_SPEED_MM_S:g} mm/s: "
                 "the log does not say their speed; else give --feed"
             )
+
+    def _reach(self, found: Imported) -> None:
+        """Take the ends of Z from the configuration, so that no touch is asked for beyond them."""
+        ends = [self._config.get(("stepper_z", f"position_{end}"), "") for end in ("min", "max")]
+        if all(_SIGNED.fullmatch(end) for end in ends):
+            found.reach(float(ends[0]), float(ends[1]), "[stepper_z] of the log")
 
     def _steps(self, found: Imported) -> None:
         """Work the step of Z out of the configuration that klippy.log begins with."""

@@ -74,5 +74,11 @@ class Imported:
         """Note what the log says of the rig."""
         self.figures[section, name] = Figure(value, source)
 
+    def reach(self, least_mm: float, greatest_mm: float, source: str) -> None:
+        """Note between which ends the axis can move, where they are in order."""
+        if least_mm < greatest_mm:
+            self.figure("axis", "min_mm", least_mm, source)
+            self.figure("axis", "max_mm", greatest_mm, source)
+
 
 Figures = Mapping[KeyPath, Figure]

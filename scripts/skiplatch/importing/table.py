@@ -11,12 +11,13 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import COLUMNS, Axis, Kind, Touches
 from skiplatch.campaign.column_kinds import CellError, LabelColumn, NumberColumn
 from skiplatch.campaign.columns import TIME, is_thermometer, place_of
-from skiplatch.campaign.csv_text import read_rows
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.model import Imported, Touch
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_encoding
 
-_MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<name>.*?)(?:\[(?P<unit>[^\]]*)\])?$")
+_MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
+_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<aside>[^)]*)\))$")
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
 
@@ -30,6 +31,10 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "arcsec": {"arcsec": 1.0, '"': 1.0, "deg": 3600.0, "rad": 180.0 * 3600.0 / np.pi},
     "°C": {"°C": 1.0, "C": 1.0, "degC": 1.0, "K": 1.0, "F": 5.0 / 9.0, "°F": 5.0 / 9.0},
 }
+_DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)")
+"""07.10.2025 08:15:00: with points the day comes first."""
+_SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
+_GREEK_MU = "\u03bc"  # looks like the µ of UNITS
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
 
 
@@ -39,11 +44,13 @@ class Mapped:
 
     Attributes:
         column: Of the campaign.
-        name: Its head in the table.
+        head: As it was given.
+        name: The head without its unit.
         unit: Of the table's column; empty where it is that of the campaign.
     """
 
     column: str
+    head: str
     name: str
     unit: str
 
@@ -57,14 +64,25 @@ def parse_mapping(text: str) -> Mapped:
     match = _MAPPING.match(text)
     if not match:
         raise ValueError(f'expected COLUMN=HEAD or COLUMN="HEAD [unit]", got {quoted(text)}')
-    column, unit = match["column"], (match["unit"] or "").strip()
+    column, head = match["column"], match["head"].strip()
     known = (*COLUMNS, COORDINATE, TIME_NAME)
     if column not in known and not is_thermometer(column):
         raise ValueError(f"{quoted(column)} is no column of a campaign{hint(column, known)}")
-    units = UNITS.get(_unit_of(column), {})
-    if unit and unit not in units:
-        raise ValueError(f"{column}: unit {quoted(unit)} is none of {', '.join(units) or 'any'}")
-    return Mapped(column, match["name"].strip(), unit)
+    name, unit = _split(column, head)
+    ending, units = _UNIT.match(head), UNITS.get(_unit_of(column))
+    if units and ending and ending["unit"] and not unit:
+        named = quoted(ending["unit"])
+        raise ValueError(f"{column}: unit {named} is none of {', '.join(units)}")
+    return Mapped(column, head, name, unit)
+
+
+def _split(column: str, head: str) -> tuple[str, str]:
+    """Take the unit off a head, ``Error [mm]`` or ``Feed (in/min)``, where it is one."""
+    ending = _UNIT.match(head)
+    if ending is None:
+        return head, ""
+    unit = (ending["unit"] or ending["aside"] or "").strip().replace(_GREEK_MU, "µ")
+    return (ending["name"], unit) if unit in UNITS.get(_unit_of(column), {}) else (head, "")
 
 
 def read_table(
@@ -89,20 +107,25 @@ def read_table(
     Raises:
         InputError: It cannot be read, lacks a column, or holds a wrong cell.
     """
-    rows = list(read_rows(path))
+    rows, encoding = read_spreadsheet(path)
     if not rows:
         raise InputError(path, None, None, "expected a header row, got an empty file")
     (header_line, header), body = rows[0], rows[1:]
     heads = [head.strip() for head in header]
-    columns = {m.column: _cells(path, header_line, heads, body, m) for m in mapped}
+    mapped = [_in_table(path, header_line, heads, m) for m in mapped]
+    columns = {m.column: _cells(path, heads, body, m) for m in mapped}
     lines = np.array([line for line, _ in body])
     if not body:
         raise InputError(path, header_line, None, "expected touches after the header, got none")
     if TIME_NAME in columns:
         columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
     found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
-    found.known += [f"{m.column} from {quoted(m.name)}{_in(m)}" for m in mapped]
-    ignored = [head for head in heads if head not in {m.name for m in mapped} and head]
+    say_encoding(found, encoding)
+    found.known += [f"{m.column} from {quoted(m.head)}{_in(m)}" for m in mapped]
+    bare = [m.column for m in mapped if not m.unit and UNITS.get(_unit_of(m.column))]
+    if bare:
+        found.assumed.append(f"in the units of a campaign, as none is named: {', '.join(bare)}")
+    ignored = [head for head in heads if head not in {m.head for m in mapped} and head]
     if ignored:
         found.unread.append(f"columns that no --map names: {', '.join(ignored[:20])}")
     if COORDINATE in columns:
@@ -122,21 +145,34 @@ def _in(mapped: Mapped) -> str:
     return f" in {mapped.unit}" if mapped.unit else ""
 
 
+def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
+    """Find a column by its head as given, else by the head without the unit of either."""
+    if m.head in heads:
+        return m
+    for head in heads:
+        name, unit = _split(m.column, head)
+        if m.name in (head, name) and (not m.unit or unit in ("", m.unit)):
+            return Mapped(m.column, head, name, m.unit or unit)
+    message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {', '.join(heads)}"
+    raise InputError(path, line, None, message)
+
+
 def _cells(
-    path: Path, header_line: int, heads: list[str], body: list[tuple[int, list[str]]], m: Mapped
+    path: Path, heads: list[str], body: list[tuple[int, list[str]]], m: Mapped
 ) -> FloatArray:
-    if m.name not in heads:
-        message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {', '.join(heads)}"
-        raise InputError(path, header_line, None, message)
-    position = heads.index(m.name)
+    position = heads.index(m.head)
     cells = [row[position] if position < len(row) else "" for _, row in body]
+    if m.column == "sign":
+        cells = [_SENSES.get(cell.strip(), cell) for cell in cells]
+    if m.column == TIME_NAME:
+        cells = [_DOTTED_DATE.sub(r"\3-\2-\1T", cell.strip()) for cell in cells]
     about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
     if about is None or isinstance(about, NumberColumn):
         about = _LOOSE
     try:
         values = about.parse(cells)
     except CellError as error:
-        raise InputError(path, body[error.index][0], m.name, error.message) from error
+        raise InputError(path, body[error.index][0], m.head, error.message) from error
     if isinstance(about, LabelColumn) or about is not _LOOSE:
         return values
     factor = UNITS.get(_unit_of(m.column), {}).get(m.unit, 1.0)

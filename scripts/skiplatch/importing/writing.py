@@ -37,6 +37,7 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         touches: Touches = imported.columns
         free = Datum.of_kind(imported.kind).free
     else:
+        _leave_out_unknown_feeds(imported)
         touches, free, surfaces = as_touches(imported.touches, is_plc=imported.path_is_plc)
         imported.known.append(_surfaces(surfaces))
         single = sum(1 for n in surfaces.values() if n == 1)
@@ -58,6 +59,21 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
     except ValueError as error:  # a log can tell what is impossible
         raise InputError(sources[0], None, None, str(error)) from error
     atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: text})
+
+
+def _leave_out_unknown_feeds(imported: Imported) -> None:
+    """Leave out the touches whose feed no line says, where that of most others is known.
+
+    A diagnosis refuses a campaign in which a feed is missing.
+    """
+    known = [touch for touch in imported.touches if touch.feed is not None]
+    without = len(imported.touches) - len(known)
+    if 0 < without < len(known):
+        imported.touches = known
+        imported.unread.append(
+            f"{without} touches of unknown feed are left out; --feed says what it was, and "
+            "keeps them"
+        )
 
 
 def nominal_text(

@@ -1,0 +1,225 @@
+"""``skiplatch import``: forms of logs and tables that other programs write by default."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from bench_rig import c_frames
+from refusals import Program
+from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
+from skiplatch.cli import group
+from test_import_logs import Run
+
+HEAD = "sep=;\nDatum/Zeit;Richtung;Vorschub [mm/min];Abweichung [µm];Temperatur [°C]\n"
+ROWS = "07.10.2025 08:15:00;+;100;33,3;21,3\n08.10.2025 08:15:14;-;300;-4,5;21,4\n"
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-16", "utf-8-sig", "utf-8"])
+def test_table_of_a_spreadsheet_is_read_in_its_encoding(tmp_path: Path, encoding: str) -> None:
+    table = tmp_path / "t.csv"
+    table.write_bytes((HEAD + ROWS).replace("\n", "\r\n").encode(encoding))
+
+    run = Run(
+        tmp_path,
+        *("csv", str(table), "--map", "time=Datum/Zeit", "--map", "sign=Richtung"),
+        *("--map", "deviation_um=Abweichung", "--map", "temp_c=Temperatur [°C]"),
+        *("--map", "feed_mm_min=Vorschub"),
+    )
+
+    touches = run.campaign.touches
+    assert touches.deviation_um.tolist() == [33.3, -4.5]
+    assert touches.temp_c.tolist() == [21.3, 21.4]
+    assert touches.sign.tolist() == [1, -1]
+    assert touches.time_s.tolist() == [0.0, 86_414.0]
+    assert any("Windows-1252" in line for line in run.said["assumed"]) == (encoding == "cp1252")
+
+
+def test_table_in_no_encoding_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_bytes(b"a,\x81\n1,2\n")
+
+    said = refused("import", "csv", tmp_path / "t.csv", "--map", "deviation_um=a", "-o", "x")
+
+    assert "t.csv" in said
+    assert "not UTF-8 text" in said
+
+
+@pytest.mark.parametrize(
+    ("head", "mapping", "um"),
+    [
+        ("Error (in)", "deviation_um=Error (in)", 25_400.0),
+        ("Error (in)", "deviation_um=Error", 25_400.0),
+        ("Error [mm]", "deviation_um=Error [mm]", 1000.0),
+        ("Error [\u03bcm]", "deviation_um=Error", 1.0),
+        ("Error", "deviation_um=Error (mm)", 1000.0),
+        ("Error (of X)", "deviation_um=Error (of X)", 1.0),
+    ],
+)
+def test_unit_in_a_head_counts(tmp_path: Path, head: str, mapping: str, um: float) -> None:
+    (tmp_path / "t.csv").write_text(f"{head};n\n1;1\n2;2\n", encoding="utf-8")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), "--map", mapping)
+
+    assert run.campaign.touches.deviation_um.tolist() == pytest.approx([um, 2 * um])
+    is_assumed = any("as none is named" in line for line in run.said["assumed"])
+    assert is_assumed == (head == "Error (of X)")
+
+
+def test_unit_other_than_that_of_the_head_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("Error [in],n\n1,1\n")
+
+    said = refused(
+        *("import", "csv", tmp_path / "t.csv", "--map", "deviation_um=Error [mm]", "-o", "x")
+    )
+
+    assert 'no column "Error"' in said
+    assert "there are: Error [in], n" in said
+
+
+LIST = "[G54:0.000,0.000,0.000]\n[G92:0.000,0.000,0.000]\n[TLO:0.000]\n"
+
+
+@pytest.mark.parametrize(
+    "listed",
+    [
+        f">>> $#\n{LIST}[PRB:0.000,0.000,-5.123:1]\nok\n",
+        "[08:00:01] [ $# ] [PRB:0.000,0.000,-5.123:1]\n[08:00:01] [ $# ] ok\n",
+    ],
+)
+def test_last_touch_in_a_list_of_parameters_is_no_further_one(tmp_path: Path, listed: str) -> None:
+    touch = "[08:00:00] >>> G38.2 Z-9 F60\n[PRB:0.000,0.000,-5.123:1]\nok\n"
+    (tmp_path / "s.log").write_text(f"G21 G91\n{touch}{listed}{touch}")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [60.0, 60.0]
+
+
+def test_replies_of_grbl_get_the_digits_of_their_steps(tmp_path: Path) -> None:
+    touches = "".join(
+        f"G38.2 Z-9 F60\n[PRB:0.000,0.000,{z}:1]\nok\n" for z in ("-5.123", "-5.125", "-5.128")
+    )
+    (tmp_path / "s.log").write_text(f"$102=400.000\nok\nG21 G91\n{touches}")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert run.coordinates() == [-5.1225, -5.125, -5.1275]
+
+
+def test_reply_beyond_any_machine_is_left_as_it_is(tmp_path: Path) -> None:
+    far = "9" * 400
+    (tmp_path / "s.log").write_text(f"$102=400.000\n[PRB:0.000,0.000,{far}:1]\n")
+
+    result = CliRunner().invoke(group, ["import", "grbl", str(tmp_path / "s.log"), "-o", "x"])
+
+    assert not isinstance(result.exception, OverflowError)
+
+
+def test_replies_between_the_steps_of_a_preset_tell_their_own(tmp_path: Path) -> None:
+    (tmp_path / "s.log").write_text("[PRB:0.000,0.000,-5.121:1]\n[PRB:0.000,0.000,-5.124:1]\n")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert run.campaign.nominal.axis.resolution_um == 1.0
+    assert run.coordinates() == [-5.121, -5.124]
+
+
+def test_reach_that_a_log_tells_is_that_of_the_axis(tmp_path: Path) -> None:
+    head = "[MSG:INFO: FluidNC v3.7.18]\n[MSG:INFO: Axis Z (-110.000,5.000)]\n"
+    (tmp_path / "f.log").write_text(f"{head}G91\nG38.2 Z-9 F60\n[PRB:0.000,0.000,-5.120:1]\nok\n")
+    config = "[stepper_z]\nposition_min = -5\nposition_max: 235.5\n"
+    (tmp_path / "klippy.log").write_text(f"{config}probe at 1.000,2.000 is z=0.125000\n")
+    (tmp_path / "k").mkdir()
+
+    fluid = Run(tmp_path, "grbl", str(tmp_path / "f.log")).campaign.nominal.axis
+    klipper = Run(tmp_path / "k", "klipper", str(tmp_path / "klippy.log")).campaign.nominal.axis
+
+    assert (fluid.min_mm, fluid.max_mm) == (-110.0, 5.0)
+    assert (klipper.min_mm, klipper.max_mm) == (-5.0, 235.5)
+
+
+def test_touches_of_unknown_feed_among_others_are_left_out(tmp_path: Path) -> None:
+    reply = "[PRB:0.000,0.000,-5.120:1]\nok\n"
+    (tmp_path / "s.log").write_text(reply + "G21 G91\n" + f"G38.2 Z-9 F60\n{reply}" * 3)
+
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    lacking = Run(tmp_path / "a", "grbl", str(tmp_path / "s.log"))
+    given = Run(tmp_path / "b", "grbl", str(tmp_path / "s.log"), "--feed", "60")
+
+    assert lacking.campaign.touches.feed_mm_min.tolist() == [60.0] * 3
+    assert any("unknown feed are left out" in line for line in lacking.said["could_not_be_read"])
+    assert given.campaign.touches.feed_mm_min.tolist() == [60.0] * len(given.campaign.touches)
+    assert len(given.campaign.touches) > 3
+
+
+FORMS = {
+    "times.txt": " ({i:017.6f})  can0  {id:03X}   [{n}]  {data}",
+    "bare.log": "  can0  {id:03X}   [{n}]  {data}",
+    "extra.log": " (2025-11-03 20:00:05.{i:06d})  can0  RX - -  {id:03X}   [{n}]  {data}",
+    "named.asc": "({i}.000000) can0 {id:03X}#{packed}",
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_candump_is_read_as_people_write_it_down(tmp_path: Path, name: str) -> None:
+    frames = [(EDGE_ID, f) for f in c_frames("edge 5000000000 0 0 1 0")]
+    frames += [(LATCH_ID, f) for f in c_frames("latch 50000650 0 0 0 8")]
+    lines = [
+        FORMS[name].format(
+            i=i, id=number, n=len(f), data=f.hex(" ").upper(), packed=f.hex().upper()
+        )
+        for i, (number, f) in enumerate([(0x7F0, b"\x01\x02"), *frames])
+    ]
+    (tmp_path / name).write_text("\n".join(lines) + "\n")
+
+    touches = Run(tmp_path, "can", str(tmp_path / name)).campaign.touches
+
+    assert (touches.latch_us - touches.edge_us).tolist() == pytest.approx([64.5], abs=0.6)
+
+
+def test_candump_goes_straight_to_repeat(tmp_path: Path) -> None:
+    lines = []
+    for i in range(3):
+        lines.append(f"edge {5_000_000_000 + i * 100_000_000} {i} 12 1 {2 * i}")
+        lines.append(f"latch {50_000_650 + i * 1_000_000} 0 {i} 0 8")
+    frames = [(EDGE_ID if line.startswith("edge") else LATCH_ID, line) for line in lines]
+    shown = [f"can0  {n:03X}   [8]  {f.hex(' ')}" for n, line in frames for f in c_frames(line)]
+    (tmp_path / "bus.txt").write_text("\n".join(shown) + "\n")
+
+    result = CliRunner().invoke(group, ["repeat", str(tmp_path / "bus.txt")])
+
+    assert "log of CAN traffic, 3 touches" in result.output
+    assert "3 latches come" in result.output
+
+
+def capture(path: Path, edges_ms: list[float], latches_ms: list[float]) -> Path:
+    changes = [(t, 0, 1) for t in edges_ms] + [(t + 0.01, 0, 0) for t in edges_ms]
+    changes += [(t, 1, 1) for t in latches_ms] + [(t + 0.01, 1, 0) for t in latches_ms]
+    levels, lines = [0, 0], ["Time [s],probe,latch", "-0.001,0,0"]
+    for time_ms, channel, level in sorted(changes):
+        levels[channel] = level
+        lines.append(f"{time_ms / 1e3:.7f},{levels[0]},{levels[1]}")
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("edges_ms", "latches_ms", "touches_ms"),
+    [
+        ([0, 0.5, 1.0, 1.5], [0.1, 0.6, 1.1, 1.6], [0, 0.5, 1.0, 1.5]),  # one latch each
+        ([0, 0.05, 9], [0.1, 9.1], [0, 9]),  # a bounce before the latch
+        ([0, 0.3, 9], [0.1, 9.1], [0, 9]),  # a bounce after it
+        ([0, 0.5, 0.53, 9], [0.1, 0.6, 9.1], [0, 0.5, 9]),  # a bounce of the second touch
+    ],
+)
+def test_edge_near_another_is_a_touch_if_it_has_a_latch_of_its_own(
+    tmp_path: Path, edges_ms: list[float], latches_ms: list[float], touches_ms: list[float]
+) -> None:
+    path = capture(tmp_path / "c.csv", edges_ms, latches_ms)
+
+    touches = Run(tmp_path, "edges", str(path)).campaign.touches
+
+    assert (touches.edge_us / 1e3).tolist() == pytest.approx(touches_ms)
+    assert not np.isnan(touches.latch_us).any()
