@@ -27,7 +27,7 @@ $(STAMPS)/board-%: hal/ports/%/setup.sh | $(STAMPS)/system-emulators
 	@mkdir -p $(@D) && touch $@
 
 $(VENV): scripts/setup_python.sh scripts/requirements.lock scripts/requirements-fleet.lock \
-         scripts/pyproject.toml | $(STAMPS)/system-build
+         scripts/requirements-cluster.lock scripts/pyproject.toml | $(STAMPS)/system-build
 	@scripts/setup_python.sh
 
 .PHONY: setup-build setup-test setup-lint

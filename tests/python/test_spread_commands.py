@@ -1,0 +1,118 @@
+"""Commands that spread their work: the same bytes on any workers; what is done is kept."""
+
+import json
+import shutil
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from skiplatch import cli
+from skiplatch.commands import diagnose_many
+from skiplatch.commands.diagnose_many import Told
+from skiplatch.commands.examining import Asked
+from skiplatch.commands.kept import Kept
+
+QUIET = Path(__file__).parent / "data" / "bench_no_gap"
+LATCH = ["latch", "--touches", "200000", "--path", "skip"]
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(cli.group, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> list[Path]:
+    """Two campaigns of the same touches."""
+    copies = [tmp_path / "first", tmp_path / "second"]
+    for copy in copies:
+        shutil.copytree(QUIET, copy)
+    return copies
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Diagnose in this process, in no time; gives how many campaigns were, each time."""
+    counts: list[int] = []
+
+    def told(
+        _: object, asked: Asked, workers: object, numbers: Sequence[int]
+    ) -> Iterator[tuple[int, Told]]:
+        counts.append(len(numbers))
+        for number in reversed(numbers):
+            yield number, Told(f"text {number}", {"verdict": "no_gap", "seed": asked.seed}, False)
+
+    monkeypatch.setattr(diagnose_many, "_told", told)
+    return counts
+
+
+def test_a_cluster_gives_the_same_bytes(tmp_path: Path, folders: list[Path]) -> None:
+    pytest.importorskip("distributed")
+    here, there = tmp_path / "here.json", tmp_path / "there.json"
+
+    assert run(*LATCH, "--json", here).exit_code == 0
+    assert run(*LATCH, "--json", there, "--cluster", "local:2").exit_code == 0
+    assert here.read_bytes() == there.read_bytes()
+
+
+@pytest.mark.long
+def test_campaigns_on_a_cluster_are_diagnosed_as_alone(tmp_path: Path, folders: list[Path]) -> None:
+    pytest.importorskip("distributed")
+    alone, spread, two = (tmp_path / name for name in ("alone.json", "spread.json", "two.json"))
+
+    assert run("diagnose", folders[0], "--json", alone).exit_code == 0
+    assert run("diagnose", *folders, "--json", two, "--jobs", "2").exit_code == 0
+    assert run("diagnose", *folders, "--json", spread, "--cluster", "local:2").exit_code == 0
+
+    assert spread.read_bytes() == two.read_bytes()
+    assert json.loads(spread.read_text()) == [json.loads(alone.read_text())] * 2
+
+
+def test_a_campaign_that_takes_too_long_is_named(tmp_path: Path, folders: list[Path]) -> None:
+    out = tmp_path / "out.json"
+
+    result = run("diagnose", *folders, "--json", out, "--jobs", "1", "--task-limit-s", "0.001")
+
+    assert f"skiplatch: {folders[0]}: it took too long, 3 times" in result.output
+    assert str(result.exception) == f"{folders[1]}: it took too long, 3 times"
+    assert not out.exists()
+
+
+def test_what_comes_out_of_order_is_told_in_order(
+    tmp_path: Path, folders: list[Path], counted: list[int]
+) -> None:
+    result = run("diagnose", *folders, "--json", tmp_path / "out.json")
+
+    assert result.exit_code == 0, result.output
+    assert result.output.index("text 0") < result.output.index("text 1")
+    assert not (tmp_path / "out.json.part").exists()
+
+
+def test_what_was_done_is_not_done_again(
+    tmp_path: Path, folders: list[Path], counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out.json"
+    command = ["diagnose", *folders, "--json", out]
+    with monkeypatch.context() as cut:
+        cut.setattr(Kept, "drop", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert run(*command).exit_code == 130
+    assert not out.exists()
+    first = sorted((tmp_path / "out.json.part").iterdir())
+    assert len(first) == 2
+
+    first[0].write_text("{")
+    assert run(*command).exit_code == 0
+    (folders[1] / "touches.csv").open("a").write("\n")
+    assert run(*command, "--seed", "2").exit_code == 0
+
+    assert counted == [2, 1, 2]
+    assert [one["seed"] for one in json.loads(out.read_text())] == [2, 2]
+
+
+@pytest.mark.parametrize("address", ["", "local:", "local:0", "local:2000", "head", "head:x"])
+def test_an_address_that_is_none_is_refused(address: str) -> None:
+    result = run("diagnose", QUIET, "--cluster", address)
+
+    assert result.exit_code == 2
+    assert "expected local:N with 1 to 1024 workers, or HOST:PORT, got" in result.output
