@@ -9,10 +9,11 @@ import pytest
 from click.testing import CliRunner, Result
 
 from skiplatch import cli
+from skiplatch.campaign import NOMINAL_FILE
 from skiplatch.commands import diagnose_many
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.commands.examining import Asked
-from skiplatch.commands.kept import Kept
+from skiplatch.commands.kept import Kept, key_of
 
 QUIET = Path(__file__).parent / "data" / "bench_no_gap"
 LATCH = ["latch", "--touches", "200000", "--path", "skip"]
@@ -24,10 +25,12 @@ def run(*arguments: str | Path) -> Result:
 
 @pytest.fixture
 def folders(tmp_path: Path) -> list[Path]:
-    """Two campaigns of the same touches."""
+    """Two campaigns of the same touches and beliefs, in other bytes."""
     copies = [tmp_path / "first", tmp_path / "second"]
     for copy in copies:
         shutil.copytree(QUIET, copy)
+        with (copy / NOMINAL_FILE).open("a") as file:
+            file.write(f"# {copy.name}\n")
     return copies
 
 
@@ -103,11 +106,22 @@ def test_what_was_done_is_not_done_again(
 
     first[0].write_text("{")
     assert run(*command).exit_code == 0
-    (folders[1] / "touches.csv").open("a").write("\n")
-    assert run(*command, "--seed", "2").exit_code == 0
 
-    assert counted == [2, 1, 2]
-    assert [one["seed"] for one in json.loads(out.read_text())] == [2, 2]
+    assert counted == [2, 1]
+    assert [one["verdict"] for one in json.loads(out.read_text())] == ["no_gap", "no_gap"]
+    assert not (tmp_path / "out.json.part").exists()
+
+
+def test_an_answer_is_that_of_its_bytes_question_and_software(folders: list[Path]) -> None:
+    keys = {
+        key_of(folder, Asked(seed=seed), software)
+        for folder in folders
+        for seed in (1, 2)
+        for software in ("0.1.0", "0.2.0")
+    }
+
+    assert len(keys) == 8
+    assert key_of(folders[0], Asked(seed=1), "0.1.0") in keys
 
 
 @pytest.mark.parametrize("address", ["", "local:", "local:0", "local:2000", "head", "head:x"])

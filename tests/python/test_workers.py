@@ -2,9 +2,14 @@
 
 import os
 import signal
+import socket
+import subprocess
+import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Executor, Future
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -57,10 +62,22 @@ def die_the_first_time(number: int, folder: Path) -> int:
     return double(number)
 
 
+def wait_for(number: int, go: Path) -> int:
+    while not go.exists():
+        time.sleep(0.05)
+    return double(number)
+
+
 def hang_at_two(number: int) -> int:
     if number == 2:
         time.sleep(60.0)
     return double(number)
+
+
+def free_port() -> int:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
 
 
 def outcomes(executor: Executor, task: Callable[..., Any], *more: object) -> list[Any]:
@@ -176,10 +193,60 @@ def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "dask", None)
+    monkeypatch.setitem(sys.modules, "dask", None)
 
     with (
         pytest.raises(InputError, match=r"distributed: not installed; pip install 'skiplatch\["),
         opened(Workers(cluster="local:1")),
     ):
         pass
+
+
+@pytest.mark.long
+def test_a_worker_of_a_cluster_that_dies_costs_only_time(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+
+    with opened(Workers(cluster="local:2")) as executor:
+        assert outcomes(executor, die_the_first_time, tmp_path) == [0, 2, 4, 6, 8]
+
+
+def started(*words: str) -> "subprocess.Popen[bytes]":
+    """Start a part of a cluster, whose workers know this module."""
+    here = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+    dask = Path(sys.executable).with_name("dask")
+    return subprocess.Popen([dask, *words], env=here, stderr=subprocess.DEVNULL)
+
+
+@contextmanager
+def cluster(port: int) -> Iterator[str]:
+    """Run a scheduler and a worker, and kill both as a power cut does."""
+    address = f"tcp://127.0.0.1:{port}"
+    parts = [
+        started("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"),
+        started("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"),
+    ]
+    try:
+        yield address
+    finally:
+        for part in parts:
+            part.kill()
+            part.wait()
+
+
+@pytest.mark.long
+def test_what_a_scheduler_forgot_is_done_once_it_is_back(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    port = free_port()
+    found: dict[int, int | Failed] = {}
+    with ExitStack() as parts:
+        with cluster(port) as address:
+            executor = parts.enter_context(opened(Workers(cluster=address)))
+            coming = finished(executor, wait_for, [(n, tmp_path / "go") for n in range(4)])
+            waiting = threading.Thread(target=lambda: found.update(coming))
+            waiting.start()
+            time.sleep(1.0)
+        (tmp_path / "go").touch()
+        parts.enter_context(cluster(port))
+        waiting.join()
+
+    assert found == {0: 0, 1: 2, 2: 4, 3: 6}
