@@ -2,7 +2,9 @@
 
 import json
 import shutil
+import threading
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -16,6 +18,8 @@ from skiplatch.commands.examining import Asked
 from skiplatch.commands.kept import Kept, key_of
 
 QUIET = Path(__file__).parent / "data" / "bench_no_gap"
+MANY = 16
+KILLED_EVERY_S = 4.0
 LATCH = ["latch", "--touches", "200000", "--path", "skip"]
 
 
@@ -70,6 +74,49 @@ def test_campaigns_on_a_cluster_are_diagnosed_as_alone(tmp_path: Path, folders: 
 
     assert spread.read_bytes() == two.read_bytes()
     assert json.loads(spread.read_text()) == [json.loads(alone.read_text())] * 2
+
+
+@contextmanager
+def killing(every_s: float) -> Iterator[list[int]]:
+    """Kill a worker of a cluster that this process runs so often; gives those that were."""
+    psutil = pytest.importorskip("psutil")
+    killed: list[int] = []
+    stop = threading.Event()
+
+    def kill() -> None:
+        while not stop.wait(every_s):
+            children = psutil.Process().children(recursive=True)
+            found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+            for child in found[len(killed) % 2 : len(killed) % 2 + 1]:
+                child.kill()
+                killed.append(child.pid)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        yield killed
+    finally:
+        stop.set()
+        thread.join()
+
+
+@pytest.mark.long
+def test_workers_that_are_killed_change_no_byte(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    folders = [tmp_path / f"campaign_{number}" for number in range(MANY)]
+    for number, folder in enumerate(folders):
+        shutil.copytree(QUIET, folder)
+        with (folder / NOMINAL_FILE).open("a") as file:
+            file.write(f"# {number}\n")
+    here, there = tmp_path / "here.json", tmp_path / "there.json"
+    assert run("diagnose", *folders, "--json", here, "--jobs", "2").exit_code == 0
+
+    with killing(KILLED_EVERY_S) as killed:
+        result = run("diagnose", *folders, "--json", there, "--cluster", "local:2")
+
+    assert result.exit_code == 0, result.output
+    assert killed
+    assert there.read_bytes() == here.read_bytes()
 
 
 def test_a_campaign_that_takes_too_long_is_named(tmp_path: Path, folders: list[Path]) -> None:
