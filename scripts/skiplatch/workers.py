@@ -39,6 +39,8 @@ MOST_UNDER_WAY = 4096
 """Tasks that a scheduler knows at a time: enough for 2,000 workers, in some 200 MB."""
 ANSWER_S = 30.0
 """So long a scheduler may take to answer, or to come back."""
+REACHABLE = ("running", "connecting")
+"""States of a client of Dask in which it still sends tasks, now or once it is connected again."""
 OUT_OF_TIME = 124
 """Exit status of a worker whose task took too long, as of the command `timeout`."""
 LOCAL = re.compile(r"local:([1-9][0-9]{0,3})")
@@ -84,7 +86,7 @@ def opened(workers: Workers) -> Iterator[Executor]:
         yield from _ended(_Processes(workers))
     else:
         with _client(workers.cluster) as client:
-            yield from _ended(_Cluster(client, workers.limit_s))
+            yield from _ended(_Cluster(client, workers.cluster, workers.limit_s))
 
 
 def finished(
@@ -220,8 +222,8 @@ class _Processes(Executor):
 class _Cluster(Executor):
     """A Dask cluster. Its scheduler gives tasks of workers that died to others."""
 
-    def __init__(self, client: Any, limit_s: float) -> None:  # noqa: ANN401 - an optional extra
-        self._client, self._limit_s = client, limit_s
+    def __init__(self, client: Any, address: str, limit_s: float) -> None:  # noqa: ANN401 - an extra
+        self._client, self._address, self._limit_s = client, address, limit_s
 
     def submit(
         self,
@@ -230,6 +232,9 @@ class _Cluster(Executor):
         *args: Any,  # noqa: ANN401 - as the base
         **kwargs: Any,  # noqa: ANN401 - likewise
     ) -> "Future[Result]":
+        if self._client.status not in REACHABLE:
+            message = f"the scheduler was lost, and did not come back within {ANSWER_S:g} s"
+            raise InputError(self._address, None, None, message)
         answer: Future[Result] = Future()
         words = software(), self._limit_s, fn, args, kwargs
         self._client.submit(_on_worker, *words, pure=False).add_done_callback(

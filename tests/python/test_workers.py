@@ -181,6 +181,19 @@ def test_a_task_that_hangs_is_ended(two: Executor) -> None:
     assert outcomes(two, hang_at_two) == [0, 2, Failed("it took too long, 3 times"), 6, 8]
 
 
+class Gone:
+    """A client of Dask whose scheduler did not come back."""
+
+    status = "closing"
+
+
+def test_a_scheduler_that_does_not_come_back_is_one_line() -> None:
+    executor = workers._Cluster(Gone(), "tcp://head:8786", LIMIT_S)
+
+    with pytest.raises(InputError, match="tcp://head:8786: the scheduler was lost, and did not"):
+        outcomes(executor, double)
+
+
 def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
     monkeypatch.setattr(workers, "ANSWER_S", 0.2)

@@ -50,7 +50,7 @@ limit_option: Decorator = click.option(
     metavar="s",
     default=LIMIT_S,
     show_default=True,
-    help="A piece of the work that takes longer is ended, tried again, and in the end told by "
+    help="A piece of spread work that takes longer is ended, tried again, and in the end told by "
     "name; the rest is not lost.",
 )
 
