@@ -154,7 +154,10 @@ class _Round(Generic[Result]):
             for following in islice(numbers, 1):
                 self._submit(following)
             left -= 1
-            yield number, Failed(f"{why}, {TRIES} times") if why else _outcome(future)
+            if why:
+                yield number, Failed(f"{why}, {TRIES} times")
+            else:
+                yield number, _outcome(future)
 
     def _submit(self, number: int) -> None:
         self._tries[number] += 1
@@ -195,10 +198,10 @@ class _Processes(Executor):
         context = get_context("forkserver")
         context.set_forkserver_preload([workers.loads])
         self._limit_s = workers.limit_s
-        self._pool = ProcessPool(
+        self._pool: Any = ProcessPool(  # not all of it has types
             max_workers=workers.jobs,
             initializer=_one_thread,
-            context=context,  # type: ignore[arg-type] # a context is what it takes
+            context=context,
         )
 
     def submit(
@@ -208,7 +211,8 @@ class _Processes(Executor):
         *args: Any,  # noqa: ANN401 - as the base
         **kwargs: Any,  # noqa: ANN401 - likewise
     ) -> "Future[Result]":
-        return self._pool.schedule(fn, args, kwargs, self._limit_s)
+        future: Future[Result] = self._pool.schedule(fn, args, kwargs, self._limit_s)
+        return future
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: FBT001, FBT002
         if cancel_futures:
@@ -271,11 +275,20 @@ def _client(address: str) -> Iterator[Any]:
         with _connected(distributed, address) as client:
             yield client
         return
-    cluster = distributed.LocalCluster(
-        n_workers=int(local[1]), threads_per_worker=1, dashboard_address=None
-    )
-    with cluster, distributed.Client(cluster, set_as_default=False) as client:
+    with (
+        _started(distributed, address, int(local[1])) as cluster,
+        distributed.Client(cluster, set_as_default=False) as client,
+    ):
         yield client
+
+
+def _started(distributed: Any, address: str, workers: int) -> Any:  # noqa: ANN401 - an optional extra
+    try:
+        return distributed.LocalCluster(
+            n_workers=workers, threads_per_worker=1, dashboard_address=":0"
+        )
+    except RuntimeError as error:
+        raise InputError(address, None, None, str(error)) from error
 
 
 def _distributed() -> Any:  # noqa: ANN401 - an optional extra

@@ -77,14 +77,21 @@ def test_campaigns_on_a_cluster_are_diagnosed_as_alone(tmp_path: Path, folders: 
 
 
 @contextmanager
-def killing(every_s: float) -> Iterator[list[int]]:
-    """Kill a worker of a cluster that this process runs so often; gives those that were."""
+def killing(every_s: float, since: Path) -> Iterator[list[int]]:
+    """Kill a worker of a cluster that this process runs so often; gives those that were.
+
+    Args:
+        every_s: How often.
+        since: What has to be there first: a cluster that is killed before it is up is none.
+    """
     psutil = pytest.importorskip("psutil")
     killed: list[int] = []
     stop = threading.Event()
 
     def kill() -> None:
         while not stop.wait(every_s):
+            if not since.exists():
+                continue
             children = psutil.Process().children(recursive=True)
             found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
             for child in found[len(killed) % 2 : len(killed) % 2 + 1]:
@@ -111,7 +118,7 @@ def test_workers_that_are_killed_change_no_byte(tmp_path: Path) -> None:
     here, there = tmp_path / "here.json", tmp_path / "there.json"
     assert run("diagnose", *folders, "--json", here, "--jobs", "2").exit_code == 0
 
-    with killing(KILLED_EVERY_S) as killed:
+    with killing(KILLED_EVERY_S, there.with_name("there.json.part")) as killed:
         result = run("diagnose", *folders, "--json", there, "--cluster", "local:2")
 
     assert result.exit_code == 0, result.output
@@ -143,7 +150,7 @@ def test_what_was_done_is_not_done_again(
     tmp_path: Path, folders: list[Path], counted: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     out = tmp_path / "out.json"
-    command = ["diagnose", *folders, "--json", out]
+    command: list[str | Path] = ["diagnose", *folders, "--json", out]
     with monkeypatch.context() as cut:
         cut.setattr(Kept, "drop", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
         assert run(*command).exit_code == 130
