@@ -157,12 +157,24 @@ class _Round(Generic[Result]):
             if why:
                 yield number, Failed(f"{why}, {TRIES} times")
             else:
-                yield number, _outcome(future)
+                yield number, self._outcome(future)
 
     def _submit(self, number: int) -> None:
         self._tries[number] += 1
         future = self._executor.submit(self._task, *self._arguments[number])
         future.add_done_callback(lambda done: self._done.put((number, done)))
+
+    @staticmethod
+    def _outcome(future: "Future[Result]") -> Result | Failed:
+        error = future.exception()
+        if error is None:
+            return future.result()
+        if isinstance(error, ForeignWorkerError):
+            raise error
+        if isinstance(error, ModuleNotFoundError):
+            raise ForeignWorkerError("worker", None, None, f"{error}; it wants {software()}")
+        is_told = isinstance(error, InputError | SimulationError | OSError)
+        return Failed(one_line(str(error) if is_told else f"{type(error).__name__}: {error}"))
 
 
 def _lost(future: "Future[Any]") -> str:
@@ -177,18 +189,6 @@ def _lost(future: "Future[Any]") -> str:
     if isinstance(error, ProcessExpired) or type(error).__name__ == "KilledWorker":
         return "its worker died, as out of memory or time"
     return ""
-
-
-def _outcome(future: "Future[Result]") -> Result | Failed:
-    error = future.exception()
-    if error is None:
-        return future.result()
-    if isinstance(error, ForeignWorkerError):
-        raise error
-    if isinstance(error, ModuleNotFoundError):
-        raise ForeignWorkerError("worker", None, None, f"{error}; it wants {software()}")
-    is_told = isinstance(error, InputError | SimulationError | OSError)
-    return Failed(one_line(str(error) if is_told else f"{type(error).__name__}: {error}"))
 
 
 class _Processes(Executor):

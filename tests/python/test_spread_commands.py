@@ -4,7 +4,7 @@ import json
 import shutil
 import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -92,11 +92,12 @@ def killing(every_s: float, since: Path) -> Iterator[list[int]]:
         while not stop.wait(every_s):
             if not since.exists():
                 continue
-            children = psutil.Process().children(recursive=True)
-            found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
-            for child in found[len(killed) % 2 : len(killed) % 2 + 1]:
-                child.kill()
-                killed.append(child.pid)
+            with suppress(psutil.NoSuchProcess):  # one has just ended by itself
+                children = psutil.Process().children(recursive=True)
+                found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+                for child in found[len(killed) % 2 : len(killed) % 2 + 1]:
+                    child.kill()
+                    killed.append(child.pid)
 
     thread = threading.Thread(target=kill)
     thread.start()
