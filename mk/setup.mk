@@ -3,7 +3,7 @@
 STAMPS      := build/stamps
 VENV_PYTHON := .venv/bin/python
 VENV        := .venv/skiplatch.key
-SETUP_LOCKS := scripts/requirements.lock scripts/requirements-fleet.lock
+SETUP_LOCKS := scripts/requirements.lock scripts/requirements-fleet.lock scripts/requirements-cluster.lock
 
 $(STAMPS)/system-%: scripts/setup_system.sh
 	@scripts/setup_system.sh $*

@@ -18,7 +18,7 @@ from packaging.markers import Marker
 ALLOWED = frozenset(
     {
         *("0BSD", "Apache-2.0", "BSD-2-Clause", "BSD-3-Clause", "CC0-1.0", "LGPL-3.0-only"),
-        *("MIT", "MIT-0", "MIT-CMU", "MPL-2.0", "PSF-2.0", "Zlib"),
+        *("LGPL-3.0-or-later", "MIT", "MIT-0", "MIT-CMU", "MPL-2.0", "PSF-2.0", "Zlib"),
     }
 )
 SPDX = {
@@ -26,11 +26,12 @@ SPDX = {
     "Apache Software License": "Apache-2.0",
     "BSD": "BSD-3-Clause",
     "BSD License": "BSD-3-Clause",
+    "GNU Library or Lesser General Public License (LGPL)": "LGPL-3.0-or-later",
     "MIT License": "MIT",
     "Mozilla Public License 2.0 (MPL 2.0)": "MPL-2.0",
     "Python Software Foundation License": "PSF-2.0",
 }
-"""What older packages state instead of an identifier."""
+"""What older packages state instead of an identifier; of the LGPL, what the files of Pebble say."""
 PIN = re.compile(r"^([\w.-]+)==(\S+)(?: ; (.*))? \\\n((?: +--hash=.*\n)+)", re.MULTILINE)
 HASH = re.compile(r"--hash=sha256:(\w+)")
 

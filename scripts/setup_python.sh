@@ -40,12 +40,15 @@ if ! up_to_date packages "$key" || ! "$venv/bin/python" -c ''; then
     echo "$key" >"$venv/packages.key"
 fi
 
-# The optional extra on top: what is there stays.
-key=$(cat "$root/scripts/requirements-fleet.lock" "$venv/packages.key" | sha256sum | cut -d' ' -f1)
-if ! up_to_date fleet "$key"; then
-    pip_install --require-hashes --requirement "$root/scripts/requirements-fleet.lock"
-    echo "$key" >"$venv/fleet.key"
-fi
+# The optional extras on top: what is there stays.
+for extra in fleet cluster; do
+    lock=$root/scripts/requirements-$extra.lock
+    key=$(cat "$lock" "$venv/packages.key" | sha256sum | cut -d' ' -f1)
+    if ! up_to_date "$extra" "$key"; then
+        pip_install --require-hashes --requirement "$lock"
+        echo "$key" >"$venv/$extra.key"
+    fi
+done
 
 key=$(sha256sum "$root/scripts/pyproject.toml" | cut -d' ' -f1)
 if ! up_to_date skiplatch "$key"; then

@@ -1,8 +1,8 @@
 """``make bench``: how fast the simulation is, beside a bare loop and beside SimPy, in one run.
 
 Then how fast a probe is compensated, see ``compensation_bench``, and how fast the diagnosis is,
-beside pyABC, see ``diagnosis_bench``. Then how fast the firmware measures transmission error, see
-``transmission_bench``.
+beside pyABC, see ``diagnosis_bench``. Then how fast a fleet is kept and spread over workers, see
+``fleet_bench``, and how fast the firmware measures transmission error, see ``transmission_bench``.
 
 Absolute times depend on the machine and on its mood. What counts are the ratios of things timed in
 turn, and their medians.
@@ -15,6 +15,7 @@ from statistics import median
 
 import compensation_bench
 import diagnosis_bench
+import fleet_bench
 import numpy as np
 import simpy_chain
 import transmission_bench
@@ -149,13 +150,14 @@ def bench_path(path: InputPath, nominal: Nominal, floor: simulator.CData) -> Non
 
 
 def main() -> None:
-    """Run the benchmarks: both paths, compensation, diagnosis, transmission error."""
+    """Run the benchmarks: both paths, compensation, diagnosis, fleet, transmission error."""
     nominal = read_nominal(NOMINAL)
     floor = floor_library()
     for path in InputPath:
         bench_path(path, nominal, floor)
     compensation_bench.bench_compensation()
     diagnosis_bench.bench_diagnosis()
+    fleet_bench.bench_fleet()
     transmission_bench.bench_transmission()
 
 

@@ -5,18 +5,16 @@ Every type is measured twice: as it is, and with one position in thirty wrong, a
 
 import argparse
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from measured_machines import ALL_KINDS, described, draw, left_mm, name_of, stations_of
 from rotary_machines import Kind, Planted
 from skiplatch.kinematics.cycle import Stations
 from skiplatch.kinematics.evaluate import Evaluation, evaluate
 from skiplatch.kinematics.five_axis import Truth
+from skiplatch.workers import Workers, in_order, opened
 
 NOISE_MM = 2e-4
 SAME_MM = 1e-8
@@ -106,16 +104,16 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--count", type=int, default=1000, help="machines of each type")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--cluster", help="local:N, or the address of a Dask scheduler")
     parser.add_argument("--type", default="", help='only types whose name has this: "head AC"')
     given = parser.parse_args()
     print("| type | outliers | modes 2, 3 leave more | errors within 3u | mode 2 leaves, median |")
     print("|---|---|---|---|---|")
-    single_thread = partial(threadpool_limits, 1)  # threads that wait for one another cost more
-    with ProcessPoolExecutor(given.jobs, initializer=single_thread) as pool:
+    with opened(Workers(jobs=given.jobs, cluster=given.cluster)) as executor:
         for kind in (kind for kind in ALL_KINDS if given.type in name_of(kind)):
             for outliers in (0.0, OUTLIERS):
-                one = partial(judge, kind, outliers=outliers)
-                judged = list(pool.map(one, range(given.count), chunksize=10))
+                tasks = [(kind, seed, outliers) for seed in range(given.count)]
+                judged = list(in_order(executor, judge, tasks, "machine"))
                 print(row_of(kind, outliers, judged), flush=True)
 
 

@@ -1,6 +1,7 @@
 """``skiplatch demo`` as the user meets it, with fewer touches."""
 
 import json
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from skiplatch import cli
-from skiplatch.commands import demo
+from skiplatch.campaign import Campaign
+from skiplatch.commands import demo, demo_fleet
+from skiplatch.commands.diagnose_many import Told
+from skiplatch.diagnosis.text import FORMATS
 
 PICTURES = (
     "latch_errors",
@@ -21,11 +25,24 @@ PICTURES = (
     "bench_isr_latency/compare_report_after_latch_us",
     "machine_no_gap/compare_deviation_um",
 )
+PAGE = "fleet.html"
+
+
+def measured(recorded: Sequence[Campaign], *_: object) -> Iterator[Told]:
+    """Stands for the diagnoses, which take long: a gap of 4 µm where a rig has worn, else 0.3."""
+    for number, campaign in enumerate(recorded):
+        week, rig = divmod(number, len(demo_fleet.RIGS))
+        is_worn = demo_fleet.RIGS[rig] == demo_fleet.WORN and week >= demo_fleet.WORN_SINCE
+        before = (4.0 if is_worn else 0.3) + 0.01 * (campaign.touches.deviation_um[0] % 1.0)
+        gap = {"unit": "µm", "before": before, "after": before, "noise_floor": 0.1}
+        document = {"format": FORMATS[0], "verdict": "unknown", "gap": {"deviation": gap}}
+        yield Told("", {**document, "effects": [], "where": []}, has_gap=True)
 
 
 def run(*arguments: str) -> Result:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(demo, "TOUCHES", 2000)
+        patch.setattr(demo_fleet, "tell_all", measured)
         return CliRunner().invoke(cli.group, ["demo", "--jobs", "2", *arguments])
 
 
@@ -56,13 +73,17 @@ def test_demo_shows_everything_and_ends_with_its_pictures(shown: tuple[Path, Res
         assert words in result.output
     for sample in ("bench_isr_latency", "machine_no_gap"):
         assert f"Recorded sample {sample}" in result.output
-    last_lines = result.output.splitlines()[-len(PICTURES) :]
+    assert "mill-2: deviation gap grew from" in result.output
+    last_lines = result.output.splitlines()[-len(PICTURES) - 1 :]
+    assert f"wrote {folder / 'demo' / PAGE}" in last_lines
+    assert "mill-3" in (folder / "demo" / PAGE).read_text()
     for name in PICTURES:
         assert f"wrote {folder / 'demo' / name}.svg" in last_lines
         assert (folder / "demo" / f"{name}.svg").stat().st_size > 0
     document: dict[str, Any] = json.loads((folder / "a.json").read_text())
     assert document["seed_figures"]["agree"] is True
     assert document["plan"]["feasible"] is True
+    assert {change["rig"] for change in document["fleet"]["changed"]} == {"mill-2"}
     assert set(document["comparisons"]) == {"bench_isr_latency", "machine_no_gap"}
 
 
@@ -80,3 +101,14 @@ def test_folder_is_required() -> None:
 
     assert result.exit_code == 2
     assert "Missing option '-o' / '--out'" in result.output
+
+
+@pytest.mark.long
+def test_the_fleet_is_diagnosed_and_the_worn_rig_found(tmp_path: Path) -> None:
+    page = tmp_path / "fleet.html"
+
+    found = demo_fleet.show_fleet(demo.SAMPLES / "machine_no_gap", page, seed=1, jobs=2)
+
+    assert {change["rig"] for change in found["changed"]} == {demo_fleet.WORN}
+    assert found["undiagnosed"] == 0
+    assert demo_fleet.WEAR.id in page.read_text()

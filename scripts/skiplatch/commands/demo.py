@@ -9,6 +9,7 @@ import click
 
 from skiplatch import comparison, latch, planner
 from skiplatch.campaign import InputPath, read_campaign
+from skiplatch.commands.demo_fleet import show_fleet
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.figures.comparison import draw_comparison
@@ -83,6 +84,16 @@ class _Demo:
         self.pictures += draw_comparison(found, self._out / sample)
         return comparison.as_json(found)
 
+    def fleet(self) -> Mapping[str, Any]:
+        """Show a small fleet, of which one rig wears."""
+        _heading("A fleet of simulated rigs, one of which wears: which has changed?")
+        page = self._out / "fleet.html"
+        found = show_fleet(
+            SAMPLES / "machine_no_gap", page, seed=self._effort.seed, jobs=self._effort.jobs
+        )
+        self.pictures += [page] if found else []
+        return found
+
     def _picture(self, name: str) -> Path:
         self.pictures.append(self._out / f"{name}.svg")
         return self.pictures[-1]
@@ -104,10 +115,11 @@ def _heading(text: str) -> None:
 @jobs_option
 @json_option
 def command(out: Path, seed: int, jobs: int, json_path: Path | None) -> None:
-    """Show the whole program at work, in less than a minute, and draw the pictures.
+    """Show the whole program at work, in about a minute, and draw the pictures.
 
     Latch errors of both input paths from a million touches each, every figure of the document on
-    probing strategies, a plan, and two recorded samples beside the simulation.
+    probing strategies, a plan, two recorded samples beside the simulation, and a small fleet with
+    its page.
     """
     demo = _Demo(out, Effort(TOUCHES, seed, jobs))
     result = {
@@ -119,6 +131,7 @@ def command(out: Path, seed: int, jobs: int, json_path: Path | None) -> None:
         "comparisons": {
             sample: demo.compare(sample) for sample in ("bench_isr_latency", "machine_no_gap")
         },
+        "fleet": demo.fleet(),
         "pictures": [str(path) for path in demo.pictures],
     }
     write_json(json_path, result)

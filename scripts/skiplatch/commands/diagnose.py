@@ -5,7 +5,9 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import Campaign
+from skiplatch.commands.diagnose_many import Told, tell_all, told_of
 from skiplatch.commands.examining import Asked, Examined, examine
+from skiplatch.commands.kept import Kept
 from skiplatch.commands.options import (
     EffectType,
     SizeType,
@@ -17,10 +19,12 @@ from skiplatch.commands.options import (
     write_document,
     write_json,
 )
+from skiplatch.commands.worker_options import cluster_option, limit_option
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable
 from skiplatch.transmission.source import read_axis_train
+from skiplatch.workers import Workers
 
 GAP = 1
 """Exit status of a gap."""
@@ -29,7 +33,7 @@ Example:
   skiplatch diagnose scripts/samples/bench_isr_latency --json build/diagnosis.json
   skiplatch diagnose scripts/samples/bench_isr_latency --html build/diagnosis.html
   skiplatch diagnose scripts/samples/bench_isr_latency scripts/samples/machine_no_gap \\
-      --json build/diagnoses.json
+      --json build/diagnoses.json --cluster local:2
 """
 
 
@@ -39,6 +43,8 @@ Example:
 )
 @seed_option
 @jobs_option
+@cluster_option
+@limit_option
 @json_option
 @html_option
 @click.option(
@@ -95,6 +101,8 @@ def command(
     campaigns: tuple[Path, ...],
     seed: int,
     jobs: int,
+    cluster: str | None,
+    limit_s: float,
     json_path: Path | None,
     html_path: Path | None,
     material_fraction: float,
@@ -113,10 +121,11 @@ def command(
     sequence of the touches, tells what is left.
 
     All folders are read before the first is diagnosed. The JSON of several is a list in their
-    order; a page shows one alone.
+    order; a page shows one alone. Several are diagnosed side by side, each by one process. What is
+    done is kept in FILE.part beside the JSON until that is whole: the same command goes on there.
     """
-    if html_path is not None and len(campaigns) > 1:
-        raise click.UsageError("--html shows one campaign; give one folder, or --json for several")
+    if html_path is not None and (len(campaigns) > 1 or cluster is not None):
+        raise click.UsageError("--html shows one campaign, diagnosed here; --json holds several")
     train = read_axis_train(train_path) if train_path is not None else None
     recorded = [read_playable(folder) for folder in campaigns]
     for one in recorded:
@@ -128,22 +137,30 @@ def command(
         explain=explain,
         seed=seed,
     )
-    done = [_told(*pair, asked, jobs) for pair in zip(campaigns, recorded, strict=True)]
+    kept, page = Kept.beside(json_path), ""
+    if len(campaigns) == 1 and cluster is None:
+        found = examine(recorded[0], asked, jobs)
+        done = [_said(recorded[0], told_of(found))]
+        if html_path is not None:
+            page = _page(recorded[0], found, campaigns[0].resolve().name, seed, jobs)
+    else:
+        workers = Workers(jobs=jobs, cluster=cluster, limit_s=limit_s)
+        told = tell_all(recorded, asked, workers, kept)
+        done = [_said(*pair) for pair in zip(recorded, told, strict=True)]
     documents = [one.document for one in done]
     write_json(json_path, documents if len(documents) > 1 else documents[0])
+    kept.drop()
     if html_path is not None:
-        name = campaigns[0].resolve().name
-        write_document(html_path, _page(recorded[0], done[0], name, seed, jobs))
+        write_document(html_path, page)
     if fail_on_gap and any(one.has_gap for one in done):
         ctx.exit(GAP)
 
 
-def _told(folder: Path, recorded: Campaign, asked: Asked, jobs: int) -> Examined:
-    """Diagnose a campaign and print what was found."""
+def _said(recorded: Campaign, told: Told) -> Told:
+    """Print what was found in a campaign."""
     kind, touches = recorded.nominal.kind, len(recorded.touches)
-    found = examine(recorded, asked, jobs)
-    click.echo(f"{folder}: {kind} campaign, {touches} touches\n\n{found.text}")
-    return found
+    click.echo(f"{recorded.path}: {kind} campaign, {touches} touches\n\n{told.text}")
+    return told
 
 
 def _page(recorded: Campaign, done: Examined, name: str, seed: int, jobs: int) -> str:

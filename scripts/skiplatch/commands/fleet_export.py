@@ -27,7 +27,7 @@ def command(campaign: str, store: Path, out: Path, json_path: Path | None) -> No
     CAMPAIGN is the beginning of its key (fleet show), or the name of the folder that was added, if
     no other has it.
     """
-    with opened(store) as reader:
+    with opened(store, with_touches=False) as reader:
         key = reader.export(campaign, out)
     click.echo(out)
     write_json(json_path, {"campaign": key, "folder": str(out)})

@@ -20,7 +20,7 @@ Example:
 @json_option
 def command(store: Path, json_path: Path | None) -> None:
     """List the rigs of a store: campaigns, touches, first and last time, last diagnosis."""
-    with opened(store) as reader:
+    with opened(store, with_touches=False) as reader:
         rigs = reader.rigs()
     click.echo(answer_text(rigs.columns, rigs.rows))
     write_json(json_path, {"rigs": plain(rigs.mappings())})

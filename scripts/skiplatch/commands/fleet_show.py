@@ -27,7 +27,7 @@ def command(rig: str, store: Path, json_path: Path | None) -> None:
     Mean and standard deviation of the deviations, verdict and gap of the diagnosis, and each
     effect's parameters with their intervals.
     """
-    with opened(store) as reader:
+    with opened(store, with_touches=False) as reader:
         history = reader.history(rig)
     rows = [{**row, "campaign": row["campaign"][:KEY_DIGITS]} for row in history.mappings()]
     cells = [{**row, "effects": _effects(row["effects"])}.values() for row in rows]

@@ -9,6 +9,7 @@ from skiplatch.campaign import InputPath, Nominal
 from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.commands.rig_options import rig_json, rig_options, within
+from skiplatch.commands.worker_options import cluster_if_named, cluster_option, limit_option
 from skiplatch.latch import Effort, as_json, as_text, examine
 
 EPILOG = """\b
@@ -55,6 +56,8 @@ PATHS = {
 )
 @seed_option
 @jobs_option
+@cluster_option
+@limit_option
 @json_option
 def command(
     paths: Sequence[InputPath],
@@ -64,6 +67,8 @@ def command(
     pictures: Path | None,
     seed: int,
     jobs: int,
+    cluster: str | None,
+    limit_s: float,
     json_path: Path | None,
 ) -> None:
     """How much later than the edge each input path latches, and how far off: the distributions.
@@ -73,7 +78,8 @@ def command(
     The interval of an extreme reaches from what was seen to the limit that the rig sets.
     """
     effort = Effort(touches, seed, jobs)
-    results = {path: examine(rig, path, feed_mm_min, effort) for path in paths}
+    with cluster_if_named(cluster, limit_s) as executor:
+        results = {path: examine(rig, path, feed_mm_min, effort, executor) for path in paths}
     click.echo(as_text(rig, feed_mm_min, results))
     conditions = {"touches": touches, "feed_mm_min": feed_mm_min, "seed": seed}
     document = {"format": "skiplatch-latch/1", **conditions, "rig": rig_json(rig)}

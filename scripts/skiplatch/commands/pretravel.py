@@ -4,13 +4,16 @@ from pathlib import Path
 
 import click
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
+from skiplatch.commands.worker_options import cluster_if_named, cluster_option, limit_option
 from skiplatch.compensation import campaigns, paper
-from skiplatch.compensation.experiment import run
+from skiplatch.compensation.experiment import Result, run
 from skiplatch.compensation.rigs import RIGS
 from skiplatch.files import refuse_occupied
+from skiplatch.workers import in_order
 
 EPILOG = """\b
 Example:
@@ -67,6 +70,8 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
 )
 @seed_option
 @jobs_option
+@cluster_option
+@limit_option
 @json_option
 def command(
     name: str,
@@ -77,6 +82,8 @@ def command(
     folder: Path | None,
     seed: int,
     jobs: int,
+    cluster: str | None,
+    limit_s: float,
     json_path: Path | None,
 ) -> None:
     """Measure a probe, compensate it by variable feeds, and measure it again, in simulation.
@@ -92,17 +99,14 @@ def command(
             refuse_occupied(folder / part)
     rig = RIGS[name]
     table = None if table_path is None else campaigns.read_feeds(table_path, rig.directions)
-    results = [
-        run(
-            rig,
-            seed=trial,
-            jobs=jobs,
-            path=PATHS[path],
-            iterations=iterations,
-            table_mm_min=table,
-        )
-        for trial in range(seed, seed + trials)
-    ]
+    seeds = range(seed, seed + trials)
+    with cluster_if_named(cluster, limit_s) as executor:
+        threads = 1 if executor else jobs
+        tasks = [(name, PATHS[path], iterations, table, threads, trial) for trial in seeds]
+        if executor is None:
+            results = [_trial(*task) for task in tasks]
+        else:
+            results = list(in_order(executor, _trial, tasks, "trial"))
     figures = paper.figures(results)
     click.echo(paper.as_text(results, figures))
     write_json(
@@ -119,3 +123,22 @@ def command(
     if folder is not None:
         campaigns.record(folder, results[0])
         click.echo(f"\nwrote {folder}: campaigns before and after, their radii, and speeds.csv")
+
+
+def _trial(
+    name: str,
+    path: InputPath,
+    iterations: int,
+    table_mm_min: FloatArray | None,
+    threads: int,
+    seed: int,
+) -> Result:
+    """Make the experiment once, on whichever machine."""
+    return run(
+        RIGS[name],
+        seed=seed,
+        jobs=threads,
+        path=path,
+        iterations=iterations,
+        table_mm_min=table_mm_min,
+    )

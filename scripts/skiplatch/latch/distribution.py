@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.statistics import CONFIDENCE, Interval, mean, standard_deviation
@@ -56,6 +57,38 @@ class Summary:
     histogram: Histogram
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Chunk:
+    """What a chunk of values adds: counts of the bins, power sums about the pivot, extremes."""
+
+    counts: NDArray[np.int64]
+    power_sums: FloatArray
+    extremes: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """What chunks are summed up by, wherever that is done."""
+
+    bins: Bins
+    pivot: float
+
+    def chunk(self, values: FloatArray) -> Chunk:
+        """Sum up values, shape (n,) with n ≥ 1.
+
+        Raises:
+            ValueError: One lies outside the bins.
+        """
+        edges = self.bins.edges
+        counts, _ = np.histogram(values, self.bins.count, (edges[0], edges[-1]))
+        if counts.sum() != len(values):
+            raise ValueError(f"values outside {edges[0]} … {edges[-1]}")
+        first = values - self.pivot
+        second = first * first
+        sums = np.array([first.sum(), second.sum(), first @ second, second @ second])
+        return Chunk(counts, sums, (float(values.min()), float(values.max())))
+
+
 class Distribution:
     """Takes values chunk by chunk; extremes and moments are exact, quantiles as fine as the bins.
 
@@ -70,24 +103,29 @@ class Distribution:
         self._pivot: float | None = None
         self._extremes = (math.inf, -math.inf)
 
+    @property
+    def scale(self) -> Scale:
+        """What further chunks are summed up by, once there is a first."""
+        if self._pivot is None:
+            raise ValueError("no chunk yet")
+        return Scale(self._bins, self._pivot)
+
     def add(self, values: FloatArray) -> None:
         """Take in values, shape (n,) with n ≥ 1.
 
         Raises:
             ValueError: One lies outside the bins.
         """
-        edges = self._bins.edges
-        counts, _ = np.histogram(values, self._bins.count, (edges[0], edges[-1]))
-        if counts.sum() != len(values):
-            raise ValueError(f"values outside {edges[0]} … {edges[-1]}")
         if self._pivot is None:
             self._pivot = float(values.mean())
-        first = values - self._pivot
-        second = first * first
-        self._power_sums += [first.sum(), second.sum(), first @ second, second @ second]
-        self._counts += counts
+        self.join(self.scale.chunk(values))
+
+    def join(self, chunk: Chunk) -> None:
+        """Take in a chunk that was summed up by `scale`; the order decides the last bits."""
+        self._power_sums += chunk.power_sums
+        self._counts += chunk.counts
         low, high = self._extremes
-        self._extremes = (min(low, float(values.min())), max(high, float(values.max())))
+        self._extremes = (min(low, chunk.extremes[0]), max(high, chunk.extremes[1]))
 
     def summary(self) -> Summary:
         """Sum up what was taken in, at least two values."""

@@ -1,13 +1,19 @@
 """Latch errors of one input path: how much later the latch is than the edge, and how far off."""
 
 import math
-from dataclasses import dataclass
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
 
-from skiplatch.latch.distribution import Bins, Distribution, Summary
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.latch.distribution import Bins, Chunk, Distribution, Scale, Summary
 from skiplatch.latch.effort import Effort
-from skiplatch.latch.probing import Probing, chunks
+from skiplatch.latch.probing import CHUNK_TOUCHES, Probing, all_latched, chunks
 from skiplatch.latch.reaction import reaction_of
 from skiplatch.progress import shown
+from skiplatch.simulator import Outcomes
+from skiplatch.workers import in_order
 
 FINE_BINS = 32_768
 NANOSECOND_US = 1e-3  # to which the simulation rounds times
@@ -27,14 +33,31 @@ class LatchErrors:
     """v·T/√12, at the feed v."""
 
 
-def latch_errors(probing: Probing, effort: Effort) -> LatchErrors:
-    """Play so many touches and collect how far off they latch."""
+def latch_errors(probing: Probing, effort: Effort, executor: Executor | None = None) -> LatchErrors:
+    """Play so many touches and collect how far off they latch.
+
+    Args:
+        probing: How is probed.
+        effort: How many touches.
+        executor: Workers that play the chunks; else they are played here. The result is the same.
+    """
     latency = Distribution(_latency_bins(probing))
     position = Distribution(_position_bins(probing))
     title = f"{probing.path.name.lower()} touches"
-    for outcomes in shown(probing.latched(effort), chunks(effort), title):
-        latency.add((outcomes.latch_us - outcomes.true_edge_us)[0])
+    if executor is None:
+        for outcomes in shown(probing.latched(effort), chunks(effort), title):
+            latency.add(_latency_us(outcomes))
+            position.add(outcomes.deviation_um[0])
+    else:
+        outcomes = all_latched(probing.chunk(effort, 0))
+        latency.add(_latency_us(outcomes))
         position.add(outcomes.deviation_um[0])
+        alone = replace(effort, jobs=1)
+        firsts = range(CHUNK_TOUCHES, effort.touches, CHUNK_TOUCHES)
+        tasks = [(probing, alone, first, latency.scale, position.scale) for first in firsts]
+        for chunk in shown(in_order(executor, _played, tasks, "chunk"), len(tasks), title):
+            latency.join(chunk[0])
+            position.join(chunk[1])
     formula_us = reaction_of(probing.nominal, probing.path).width_us / math.sqrt(12.0)
     return LatchErrors(
         latency_us=latency.summary(),
@@ -42,6 +65,18 @@ def latch_errors(probing: Probing, effort: Effort) -> LatchErrors:
         formula_us=formula_us,
         formula_um=probing.feed_um_us * formula_us,
     )
+
+
+def _played(
+    probing: Probing, effort: Effort, first: int, latency: Scale, position: Scale
+) -> tuple[Chunk, Chunk]:
+    """Play a chunk and sum it up: what a worker does."""
+    outcomes = all_latched(probing.chunk(effort, first))
+    return latency.chunk(_latency_us(outcomes)), position.chunk(outcomes.deviation_um[0])
+
+
+def _latency_us(outcomes: Outcomes) -> FloatArray:
+    return np.asarray((outcomes.latch_us - outcomes.true_edge_us)[0])
 
 
 def _latency_bins(probing: Probing) -> Bins:

@@ -1,6 +1,7 @@
 """All there is to know of how an input path latches."""
 
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass
 
 from skiplatch.campaign import InputPath, Nominal
@@ -23,11 +24,25 @@ class PathResult:
 Results = Mapping[InputPath, PathResult]
 
 
-def examine(rig: Nominal, path: InputPath, feed_mm_min: float, effort: Effort) -> PathResult:
-    """Find out how far off a path latches and what it makes of short pulses."""
+def examine(
+    rig: Nominal,
+    path: InputPath,
+    feed_mm_min: float,
+    effort: Effort,
+    executor: Executor | None = None,
+) -> PathResult:
+    """Find out how far off a path latches and what it makes of short pulses.
+
+    Args:
+        rig: What is believed of the rig.
+        path: Which.
+        feed_mm_min: Of the measuring touch.
+        effort: How many touches are played.
+        executor: Workers that play them; else they are played here. The result is the same.
+    """
     probing = one_touch(rig, path, feed_mm_min)
     pulses = effort.at_most(MOST_PULSES)
     return PathResult(
-        errors=latch_errors(probing, effort),
+        errors=latch_errors(probing, effort, executor),
         pulses=pulse_response(probing, default_widths_us(rig), pulses),
     )

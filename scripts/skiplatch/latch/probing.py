@@ -105,12 +105,16 @@ class Probing:
         Each starts at a random time in a scan of its own. The firmware of a touch that begins
         before the end of the one before is set up anew, so that they are independent.
         """
-        starts = np.random.default_rng((effort.seed, self.path))
-        scan_s = self.nominal.plc.scan_us / US_PER_S
         for first in range(0, effort.touches, CHUNK_TOUCHES):
-            count = min(CHUNK_TOUCHES, effort.touches - first)
-            touches = self.at(scan_s * (np.arange(count) + starts.random(count)), first)
-            yield self.play(touches, seed=effort.seed, jobs=effort.jobs, pulse_us=pulse_us)
+            yield self.chunk(effort, first, pulse_us=pulse_us)
+
+    def chunk(self, effort: Effort, first: int, *, pulse_us: float = 0.0) -> Outcomes:
+        """Play the chunk that begins with this touch; no other chunk has to be played for it."""
+        starts = np.random.Generator(np.random.PCG64((effort.seed, self.path)).advance(first))
+        scan_s = self.nominal.plc.scan_us / US_PER_S
+        count = min(CHUNK_TOUCHES, effort.touches - first)
+        touches = self.at(scan_s * (np.arange(count) + starts.random(count)), first)
+        return self.play(touches, seed=effort.seed, jobs=effort.jobs, pulse_us=pulse_us)
 
     def latched(self, effort: Effort) -> Iterator[Outcomes]:
         """Play as `outcomes` does, where every touch has to be latched and its cycle to end well.
@@ -118,15 +122,19 @@ class Probing:
         Raises:
             SimulationError: One was not.
         """
-        for outcomes in self.outcomes(effort):
-            failed = int(np.count_nonzero(outcomes.error))
-            if failed:
-                code = int(outcomes.error[outcomes.error != 0][0])
-                raise SimulationError(
-                    f"the firmware refused or failed {failed} of {outcomes.error.size} touches "
-                    f"(touch_error_t {code}): the rig or the feed is out of its range"
-                )
-            yield outcomes
+        return map(all_latched, self.outcomes(effort))
+
+
+def all_latched(outcomes: Outcomes) -> Outcomes:
+    """Pass on what was played; raises SimulationError if a touch failed."""
+    failed = int(np.count_nonzero(outcomes.error))
+    if failed:
+        code = int(outcomes.error[outcomes.error != 0][0])
+        raise SimulationError(
+            f"the firmware refused or failed {failed} of {outcomes.error.size} touches "
+            f"(touch_error_t {code}): the rig or the feed is out of its range"
+        )
+    return outcomes
 
 
 def one_touch(nominal: Nominal, path: InputPath, feed_mm_min: float) -> Probing:

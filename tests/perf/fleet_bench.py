@@ -1,0 +1,175 @@
+"""How fast a fleet is kept and spread: a rig's history, empty tasks, campaigns on workers."""
+
+import subprocess
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from importlib.util import find_spec
+from pathlib import Path
+
+import duckdb
+from diagnosis_bench import NOMINAL, SKIPLATCH, conditions, played
+
+from skiplatch.campaign import read_nominal, write_campaign
+from skiplatch.fleet import layout
+from skiplatch.fleet.reading import opened as opened_store
+from skiplatch.fleet.store import opened_for_writing
+from skiplatch.simulator import Effect
+from skiplatch.workers import Workers, finished, opened
+
+RIGS, WEEKS, TOUCHES = 200, 52, 1_000
+HISTORY_AIM_S = 1.0
+EMPTY = (1_000, 10_000)
+CAMPAIGNS, CAMPAIGN_TOUCHES = 12, 400
+SHARE_AIM, OVERHEAD_AIM_MS = 0.95, 50
+PROCESSES = 2
+EFFECT = Effect("trigger_delay", {"delay_us": 60.0})
+INDEX = """
+COPY (
+    SELECT * EXCLUDE (rig_number, week) REPLACE (
+        'rig-' || lpad(rig_number::VARCHAR, 3, '0') AS rig,
+        md5(rig_number || '-' || week) || md5(week || '-' || rig_number) AS campaign,
+        recorded_at + week * INTERVAL 7 DAY AS recorded_at,
+        strftime(recorded_at + week * INTERVAL 7 DAY, '%Y-%m') AS month
+    )
+    FROM read_parquet($index), range($rigs) rigs(rig_number), range($weeks) weeks(week)
+    ORDER BY rig, recorded_at
+) TO '{target}' (FORMAT parquet, COMPRESSION zstd)
+"""
+ROWS = "SELECT rig, month, campaign, content FROM read_parquet(?)"
+OF_CAMPAIGN = """
+COPY (SELECT * REPLACE ($campaign AS campaign) FROM read_parquet($file, hive_partitioning = false))
+TO '{target}' (FORMAT parquet, COMPRESSION zstd)
+"""
+
+
+def fill(folder: Path, rigs: int, weeks: int, touches: int) -> Path:
+    """Make a store with a campaign of so many touches for each rig and week.
+
+    One campaign is added; the files of the others are made of its own. Those of all rigs but the
+    first are its very bytes, which is cheaper and which a look at the first never reads.
+    """
+    campaign, store = folder / "campaign", folder / "store"
+    record(campaign, touches, seed=1)
+    with opened_for_writing(store) as writer:
+        writer.add(campaign, "seed")
+        writer.commit()
+    (first,) = store.glob("touches/*/*/*.parquet")
+    (packed,) = store.glob("folders/*/*/*.zip")
+    index = store / layout.INDEX_FILE
+    with duckdb.connect(":memory:") as engine:
+        whole = {"index": str(index), "rigs": rigs, "weeks": weeks}
+        engine.execute(INDEX.format(target=index.with_suffix(".new")), whole)
+        index.with_suffix(".new").replace(index)
+        rows = engine.execute(ROWS, [str(index)]).fetchall()
+        for rig, month, key, content in rows:
+            touches_file = room(store, layout.TOUCHES, rig, month, key)
+            if rig == rows[0][0]:
+                of_campaign = {"campaign": key, "file": str(first)}
+                engine.execute(OF_CAMPAIGN.format(target=touches_file), of_campaign)
+            else:
+                touches_file.hardlink_to(first)
+            folder_file = room(store, layout.FOLDERS, rig, month, content)
+            if not folder_file.exists():
+                folder_file.hardlink_to(packed)
+    return store
+
+
+def room(store: Path, table: str, rig: str, month: str, name: str) -> Path:
+    """Give the place of a file, whose folder is there then."""
+    target = layout.place(store, table, rig, month, name)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    return target
+
+
+def record(campaign: Path, touches: int, seed: int) -> None:
+    """Write a campaign with an effect."""
+    nominal = read_nominal(NOMINAL)
+    write_campaign(campaign, nominal, played(nominal, conditions(touches), EFFECT, seed))
+
+
+def bench_history(folder: Path) -> None:
+    """Time what a rig was, out of ten million touches."""
+    store = fill(folder, RIGS, WEEKS, TOUCHES)
+    begin = time.perf_counter()
+    with opened_store(store, with_touches=False) as reader:
+        weeks = reader.history("rig-000").rows
+    seconds = time.perf_counter() - begin
+    whole = timed([str(SKIPLATCH), "fleet", "show", "rig-000", "--store", str(store)])
+    everything = RIGS * WEEKS * TOUCHES
+    print(f"a rig's history of {len(weeks)} campaigns in a store of {everything:,} touches")
+    print(f"  {seconds:9.2f} s, the whole command {whole:.2f} s   aim: at most {HISTORY_AIM_S:g} s")
+
+
+def bench_empty() -> None:
+    """Time tasks that do nothing: what spreading costs each."""
+    print("empty tasks, cost of each")
+    for name, workers in places().items():
+        with opened(workers) as executor:
+            list(finished(executor, abs, [(0,)]))
+            for count in EMPTY:
+                tasks = [(number,) for number in range(count)]
+                begin = time.perf_counter()
+                list(finished(executor, abs, tasks))
+                each_ms = 1e3 * (time.perf_counter() - begin) / count
+                print(
+                    f"  {name:18} {count:7,} tasks {each_ms:7.2f} ms each   aim: the same at both"
+                )
+
+
+def places() -> dict[str, Workers]:
+    """Name where tasks can run here."""
+    found = {f"--jobs {PROCESSES}": Workers(jobs=PROCESSES)}
+    if find_spec("distributed"):
+        found[f"--cluster local:{PROCESSES}"] = Workers(cluster=f"local:{PROCESSES}")
+    return found
+
+
+def bench_campaigns(folder: Path) -> None:
+    """Time many campaigns beside as many plain processes, two at a time."""
+    campaigns = [folder / f"campaign_{number}" for number in range(CAMPAIGNS)]
+    for number, campaign in enumerate(campaigns):
+        record(campaign, CAMPAIGN_TOUCHES, number)
+    plain_s = together([diagnose(campaigns[at::PROCESSES]) for at in range(PROCESSES)])
+    print(f"{CAMPAIGNS} campaigns of {CAMPAIGN_TOUCHES} touches, {PROCESSES} at a time")
+    print(f"  plain loops        {60.0 * CAMPAIGNS / plain_s:9.1f} campaigns/min")
+    for name in places():
+        seconds = timed([str(SKIPLATCH), "diagnose", *map(str, campaigns), *name.split()])
+        over_ms = 1e3 * (seconds - plain_s) * PROCESSES / CAMPAIGNS
+        share = plain_s / seconds
+        print(f"  {name:18} {60.0 * CAMPAIGNS / seconds:9.1f} campaigns/min")
+        print(f"    of plain loops {share:13.2f}   aim: at least {SHARE_AIM}")
+        print(f"    more a campaign {over_ms:+12.0f} ms   aim: at most {OVERHEAD_AIM_MS} ms")
+
+
+def diagnose(campaigns: Sequence[Path]) -> Callable[[], subprocess.Popen[bytes]]:
+    """Give what starts one process that diagnoses these one after the other."""
+    words = [str(SKIPLATCH), "diagnose", *map(str, campaigns), "--jobs", "1"]
+    return lambda: subprocess.Popen(words, stdout=subprocess.DEVNULL)
+
+
+def together(starts: Sequence[Callable[[], subprocess.Popen[bytes]]]) -> float:
+    """Time processes side by side."""
+    begin = time.perf_counter()
+    for process in [start() for start in starts]:
+        process.wait()
+    return time.perf_counter() - begin
+
+
+def timed(words: Sequence[str]) -> float:
+    """Time a command."""
+    begin = time.perf_counter()
+    subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+    return time.perf_counter() - begin
+
+
+def bench_fleet() -> None:
+    """Run everything."""
+    with tempfile.TemporaryDirectory() as temporary:
+        bench_history(Path(temporary))
+        bench_campaigns(Path(temporary))
+    bench_empty()
+
+
+if __name__ == "__main__":
+    bench_fleet()

@@ -1,0 +1,187 @@
+"""Commands that spread their work: the same bytes on any workers; what is done is kept."""
+
+import json
+import shutil
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from skiplatch import cli
+from skiplatch.campaign import NOMINAL_FILE
+from skiplatch.commands import diagnose_many
+from skiplatch.commands.diagnose_many import Told
+from skiplatch.commands.examining import Asked
+from skiplatch.commands.kept import Kept, key_of
+
+QUIET = Path(__file__).parent / "data" / "bench_no_gap"
+MANY = 16
+KILLED_EVERY_S = 4.0
+LATCH = ["latch", "--touches", "200000", "--path", "skip"]
+
+
+def run(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(cli.group, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> list[Path]:
+    """Two campaigns of the same touches and beliefs, in other bytes."""
+    copies = [tmp_path / "first", tmp_path / "second"]
+    for copy in copies:
+        shutil.copytree(QUIET, copy)
+        with (copy / NOMINAL_FILE).open("a") as file:
+            file.write(f"# {copy.name}\n")
+    return copies
+
+
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Diagnose in this process, in no time; gives how many campaigns were, each time."""
+    counts: list[int] = []
+
+    def told(
+        _: object, asked: Asked, workers: object, numbers: Sequence[int]
+    ) -> Iterator[tuple[int, Told]]:
+        counts.append(len(numbers))
+        for number in reversed(numbers):
+            yield number, Told(f"text {number}", {"verdict": "no_gap", "seed": asked.seed}, False)
+
+    monkeypatch.setattr(diagnose_many, "_told", told)
+    return counts
+
+
+def test_a_cluster_gives_the_same_bytes(tmp_path: Path, folders: list[Path]) -> None:
+    pytest.importorskip("distributed")
+    here, there = tmp_path / "here.json", tmp_path / "there.json"
+
+    assert run(*LATCH, "--json", here).exit_code == 0
+    assert run(*LATCH, "--json", there, "--cluster", "local:2").exit_code == 0
+    assert here.read_bytes() == there.read_bytes()
+
+
+@pytest.mark.long
+def test_campaigns_on_a_cluster_are_diagnosed_as_alone(tmp_path: Path, folders: list[Path]) -> None:
+    pytest.importorskip("distributed")
+    alone, spread, two = (tmp_path / name for name in ("alone.json", "spread.json", "two.json"))
+
+    assert run("diagnose", folders[0], "--json", alone).exit_code == 0
+    assert run("diagnose", *folders, "--json", two, "--jobs", "2").exit_code == 0
+    assert run("diagnose", *folders, "--json", spread, "--cluster", "local:2").exit_code == 0
+
+    assert spread.read_bytes() == two.read_bytes()
+    assert json.loads(spread.read_text()) == [json.loads(alone.read_text())] * 2
+
+
+@contextmanager
+def killing(every_s: float, since: Path) -> Iterator[list[int]]:
+    """Kill a worker of a cluster that this process runs so often; gives those that were.
+
+    Args:
+        every_s: How often.
+        since: What has to be there first: a cluster that is killed before it is up is none.
+    """
+    psutil = pytest.importorskip("psutil")
+    killed: list[int] = []
+    stop = threading.Event()
+
+    def kill() -> None:
+        while not stop.wait(every_s):
+            if not since.exists():
+                continue
+            with suppress(psutil.NoSuchProcess):  # one has just ended by itself
+                children = psutil.Process().children(recursive=True)
+                found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+                for child in found[len(killed) % 2 : len(killed) % 2 + 1]:
+                    child.kill()
+                    killed.append(child.pid)
+
+    thread = threading.Thread(target=kill)
+    thread.start()
+    try:
+        yield killed
+    finally:
+        stop.set()
+        thread.join()
+
+
+@pytest.mark.long
+def test_workers_that_are_killed_change_no_byte(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    folders = [tmp_path / f"campaign_{number}" for number in range(MANY)]
+    for number, folder in enumerate(folders):
+        shutil.copytree(QUIET, folder)
+        with (folder / NOMINAL_FILE).open("a") as file:
+            file.write(f"# {number}\n")
+    here, there = tmp_path / "here.json", tmp_path / "there.json"
+    assert run("diagnose", *folders, "--json", here, "--jobs", "2").exit_code == 0
+
+    with killing(KILLED_EVERY_S, there.with_name("there.json.part")) as killed:
+        result = run("diagnose", *folders, "--json", there, "--cluster", "local:2")
+
+    assert result.exit_code == 0, result.output
+    assert killed
+    assert there.read_bytes() == here.read_bytes()
+
+
+def test_a_campaign_that_takes_too_long_is_named(tmp_path: Path, folders: list[Path]) -> None:
+    out = tmp_path / "out.json"
+
+    result = run("diagnose", *folders, "--json", out, "--jobs", "1", "--task-limit-s", "0.001")
+
+    assert f"skiplatch: {folders[0]}: it took too long, 3 times" in result.output
+    assert str(result.exception) == f"{folders[1]}: it took too long, 3 times"
+    assert not out.exists()
+
+
+def test_what_comes_out_of_order_is_told_in_order(
+    tmp_path: Path, folders: list[Path], counted: list[int]
+) -> None:
+    result = run("diagnose", *folders, "--json", tmp_path / "out.json")
+
+    assert result.exit_code == 0, result.output
+    assert result.output.index("text 0") < result.output.index("text 1")
+    assert not (tmp_path / "out.json.part").exists()
+
+
+def test_what_was_done_is_not_done_again(
+    tmp_path: Path, folders: list[Path], counted: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out.json"
+    command: list[str | Path] = ["diagnose", *folders, "--json", out]
+    with monkeypatch.context() as cut:
+        cut.setattr(Kept, "drop", lambda _: (_ for _ in ()).throw(KeyboardInterrupt))
+        assert run(*command).exit_code == 130
+    assert not out.exists()
+    first = sorted((tmp_path / "out.json.part").iterdir())
+    assert len(first) == 2
+
+    first[0].write_text("{")
+    assert run(*command).exit_code == 0
+
+    assert counted == [2, 1]
+    assert [one["verdict"] for one in json.loads(out.read_text())] == ["no_gap", "no_gap"]
+    assert not (tmp_path / "out.json.part").exists()
+
+
+def test_an_answer_is_that_of_its_bytes_question_and_software(folders: list[Path]) -> None:
+    keys = {
+        key_of(folder, Asked(seed=seed), software)
+        for folder in folders
+        for seed in (1, 2)
+        for software in ("0.1.0", "0.2.0")
+    }
+
+    assert len(keys) == 8
+    assert key_of(folders[0], Asked(seed=1), "0.1.0") in keys
+
+
+@pytest.mark.parametrize("address", ["", "local:", "local:0", "local:2000", "head", "head:x"])
+def test_an_address_that_is_none_is_refused(address: str) -> None:
+    result = run("diagnose", QUIET, "--cluster", address)
+
+    assert result.exit_code == 2
+    assert "expected local:N with 1 to 1024 workers, or HOST:PORT, got" in result.output

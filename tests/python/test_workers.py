@@ -1,0 +1,265 @@
+"""Tasks spread over workers: what is lost is tried again, and what stays lost is named."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Executor, Future
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from skiplatch import workers
+from skiplatch.errors import InputError
+from skiplatch.simulator import SimulationError
+from skiplatch.workers import Failed, ForeignWorkerError, Workers, finished, in_order, opened
+
+LIMIT_S = 0.5
+
+
+class Scripted(Executor):
+    """Ends each try of a task as a script says: a result, or what it fails by."""
+
+    def __init__(self, script: dict[int, list[object]]) -> None:
+        self.script = script
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **_: Any) -> "Future[Any]":  # noqa: ANN401
+        future: Future[Any] = Future()
+        come = self.script.get(args[0], [])
+        outcome = come.pop(0) if come else fn(*args)
+        if isinstance(outcome, BaseException):
+            future.set_exception(outcome)
+        else:
+            future.set_result(outcome)
+        return future
+
+
+class KilledWorker(Exception):  # noqa: N818 - as Dask calls it
+    """What Dask says of a task that workers died of."""
+
+
+def double(number: int) -> int:
+    return 2 * number
+
+
+def die_of_three(number: int) -> int:
+    if number == 3:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return double(number)
+
+
+def die_the_first_time(number: int, folder: Path) -> int:
+    mark = folder / str(number)
+    if not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return double(number)
+
+
+def wait_for(number: int, go: Path) -> int:
+    while not go.exists():
+        time.sleep(0.05)
+    return double(number)
+
+
+def hang_at_two(number: int) -> int:
+    if number == 2:
+        time.sleep(60.0)
+    return double(number)
+
+
+def free_port() -> int:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
+
+
+def outcomes(executor: Executor, task: Callable[..., Any], *more: object) -> list[Any]:
+    found = dict(finished(executor, task, [(number, *more) for number in range(5)]))
+    return [found[number] for number in range(5)]
+
+
+@pytest.fixture
+def two() -> Iterator[Executor]:
+    with opened(Workers(jobs=2, limit_s=LIMIT_S)) as executor:
+        yield executor
+
+
+@pytest.mark.parametrize(
+    ("lost", "why"),
+    [
+        (CancelledError(), "the scheduler was lost"),
+        (TimeoutError(), "it took too long"),
+        (MemoryError(), "it ran out of memory"),
+        (KilledWorker(), "its worker died, as out of memory or time"),
+    ],
+)
+def test_what_is_lost_is_tried_thrice(lost: BaseException, why: str) -> None:
+    assert outcomes(Scripted({1: [lost, lost]}), double) == [0, 2, 4, 6, 8]
+    assert outcomes(Scripted({1: [lost, lost, lost]}), double) == [
+        0,
+        Failed(f"{why}, 3 times"),
+        4,
+        6,
+        8,
+    ]
+
+
+def test_what_fails_by_itself_is_told_and_not_tried_again() -> None:
+    wrong = InputError("here", 3, None, "is wrong")
+    faulty = ValueError("a bug")
+    executor = Scripted({1: [wrong], 2: [SimulationError("out of its range")], 3: [faulty]})
+
+    assert outcomes(executor, double) == [
+        0,
+        Failed("here:3: is wrong"),
+        Failed("out of its range"),
+        Failed("ValueError: a bug"),
+        8,
+    ]
+
+
+def test_a_worker_with_other_software_ends_it() -> None:
+    foreign = ForeignWorkerError("host-7", None, None, "its worker has skiplatch 0.0.9")
+
+    with pytest.raises(ForeignWorkerError, match=r"host-7: its worker has skiplatch 0\.0\.9"):
+        outcomes(Scripted({4: [foreign]}), double)
+    with pytest.raises(ForeignWorkerError, match="No module named 'skiplatch'; it wants skiplatch"):
+        outcomes(Scripted({4: [ModuleNotFoundError("No module named 'skiplatch'")]}), double)
+
+
+def test_a_worker_tells_other_software_from_its_own() -> None:
+    assert workers._on_worker(workers.software(), 60.0, double, (21,), {}) == 42
+    with pytest.raises(ForeignWorkerError, match=r"it wants skiplatch 0\.0\.9"):
+        workers._on_worker("skiplatch 0.0.9", 60.0, double, (21,), {})
+
+
+def test_no_more_are_under_way_than_a_scheduler_can_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers, "MOST_UNDER_WAY", 2)
+    sent: list[int] = []
+
+    def noted(number: int) -> int:
+        sent.append(number)
+        return number
+
+    coming = finished(Scripted({}), noted, [(number,) for number in range(5)])
+
+    for count in range(5):
+        assert next(coming) == (count, count)
+        assert len(sent) == min(5, count + 3)
+
+
+def test_results_come_in_their_order_where_that_is_asked() -> None:
+    tasks = [(number,) for number in range(5)]
+
+    assert list(in_order(Scripted({0: [CancelledError()]}), double, tasks, "trial")) == [
+        0,
+        2,
+        4,
+        6,
+        8,
+    ]
+    with pytest.raises(InputError, match="trial 4: its worker died"):
+        list(in_order(Scripted({3: [KilledWorker()] * 3}), double, tasks, "trial"))
+
+
+def test_a_process_that_dies_costs_only_its_task(two: Executor, tmp_path: Path) -> None:
+    found = outcomes(two, die_of_three)
+
+    assert found[:3] + found[4:] == [0, 2, 4, 8]
+    assert found[3] == Failed("its worker died, as out of memory or time, 3 times")
+    assert outcomes(two, die_the_first_time, tmp_path) == [0, 2, 4, 6, 8]
+
+
+def test_a_task_that_hangs_is_ended(two: Executor) -> None:
+    assert outcomes(two, hang_at_two) == [0, 2, Failed("it took too long, 3 times"), 6, 8]
+
+
+class Gone:
+    """A client of Dask whose scheduler did not come back."""
+
+    status = "closing"
+
+
+def test_a_scheduler_that_does_not_come_back_is_one_line() -> None:
+    executor = workers._Cluster(Gone(), "tcp://head:8786", LIMIT_S)
+
+    with pytest.raises(InputError, match="tcp://head:8786: the scheduler was lost, and did not"):
+        outcomes(executor, double)
+
+
+def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(workers, "ANSWER_S", 0.2)
+
+    with (
+        pytest.raises(InputError, match="no Dask scheduler answers there within 0"),
+        opened(Workers(cluster="tcp://127.0.0.1:9")),
+    ):
+        pass
+
+
+def test_without_dask_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "dask", None)
+
+    with (
+        pytest.raises(InputError, match=r"distributed: not installed; pip install 'skiplatch\["),
+        opened(Workers(cluster="local:1")),
+    ):
+        pass
+
+
+@pytest.mark.long
+def test_a_worker_of_a_cluster_that_dies_costs_only_time(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+
+    with opened(Workers(cluster="local:2")) as executor:
+        assert outcomes(executor, die_the_first_time, tmp_path) == [0, 2, 4, 6, 8]
+
+
+def started(*words: str) -> "subprocess.Popen[bytes]":
+    """Start a part of a cluster, whose workers know this module."""
+    here = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+    dask = Path(sys.executable).with_name("dask")
+    return subprocess.Popen([dask, *words], env=here, stderr=subprocess.DEVNULL)
+
+
+@contextmanager
+def cluster(port: int) -> Iterator[str]:
+    """Run a scheduler and a worker, and kill both as a power cut does."""
+    address = f"tcp://127.0.0.1:{port}"
+    parts = [
+        started("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"),
+        started("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"),
+    ]
+    try:
+        yield address
+    finally:
+        for part in parts:
+            part.kill()
+            part.wait()
+
+
+@pytest.mark.long
+def test_what_a_scheduler_forgot_is_done_once_it_is_back(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    port = free_port()
+    found: dict[int, int | Failed] = {}
+    with ExitStack() as parts:
+        with cluster(port) as address:
+            executor = parts.enter_context(opened(Workers(cluster=address)))
+            coming = finished(executor, wait_for, [(n, tmp_path / "go") for n in range(4)])
+            waiting = threading.Thread(target=lambda: found.update(coming))
+            waiting.start()
+            time.sleep(1.0)
+        (tmp_path / "go").touch()
+        parts.enter_context(cluster(port))
+        waiting.join()
+
+    assert found == {0: 0, 1: 2, 2: 4, 3: 6}
