@@ -23,7 +23,8 @@ class Search:
 
     def found(self) -> Finding:
         """The effects by their surrogates."""
-        return find(self.judge, self._work.noticed, self._work.passes)
+        work = self._work
+        return find(self.judge, work.noticed, work.may_begin, work.passes)
 
     def left(self, model: Scored) -> list[Left]:
         """What a model leaves that is significant and matters."""

@@ -105,8 +105,15 @@ def test_pretravel_lobing_turns_with_the_azimuth_and_fades_with_the_tilt() -> No
 
 
 def test_pointed_lobes_have_cosines_of_their_multiples_and_fade_faster() -> None:
-    form = {"second_um": 1.2, "third_um": -0.4, "elevation_power": 1.0}
-    played = trace(SKIP, "pretravel_lobing", amplitude_um=3.0, azimuth_deg=50.0, **form)
+    played = trace(
+        SKIP,
+        "pretravel_lobing",
+        amplitude_um=3.0,
+        azimuth_deg=50.0,
+        second_um=1.2,
+        third_um=-0.4,
+        elevation_power=1.0,
+    )
     touches = played.touches
     off = np.deg2rad(touches.alpha_deg - 50.0)
     crests = 3.0 * np.cos(3.0 * off) + 1.2 * np.cos(6.0 * off) - 0.4 * np.cos(9.0 * off)
