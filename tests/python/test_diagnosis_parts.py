@@ -281,6 +281,16 @@ def test_what_hardly_moves_all_the_while_does_not_follow_the_temperature() -> No
     assert largest_um(4.0 * takes_s) == 0.0
 
 
+def test_lobes_are_told_from_backlash_by_more_directions_than_two_axes_have() -> None:
+    campaign = read_campaign(MACHINE)
+    lobes = CANDIDATES["pretravel_lobing"]
+
+    for step_deg, shows in ((90.0, False), (60.0, False), (45.0, True)):
+        alpha_deg = np.round(campaign.touches.alpha_deg / step_deg) * step_deg % 360.0
+        touches = replace(campaign.touches, alpha_deg=alpha_deg)
+        assert lobes.applies(Scene.of(replace(campaign, touches=touches))) is shows
+
+
 @pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])
 def test_the_period_of_a_grid_is_found_from_far_apart_stamps(period: float, jitter: float) -> None:
     rng = np.random.default_rng(1)

@@ -20,6 +20,8 @@ from skiplatch.diagnosis.waves import transmissions
 from skiplatch.simulator import effects
 from skiplatch.span import ALWAYS, Span
 
+FEWEST_AZIMUTHS = 7
+"""Directions, to a degree, that show three lobes in a turn: two for each, and one more (Nyquist)."""
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
 
@@ -109,7 +111,9 @@ def _shows_waves(scene: Scene) -> bool:
 
 
 def _shows_lobes(scene: Scene) -> bool:
-    return scene.is_machine and _varies("alpha_deg")(scene)
+    """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn."""
+    azimuths = np.unique(np.round(scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]))
+    return scene.is_machine and len(azimuths) >= FEWEST_AZIMUTHS
 
 
 def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
