@@ -21,7 +21,7 @@ from skiplatch.simulator import effects
 from skiplatch.span import ALWAYS, Span
 
 FEWEST_AZIMUTHS = 7
-"""Directions, to a degree, that show three lobes in a turn: two for each, and one more (Nyquist)."""
+"""Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
 
