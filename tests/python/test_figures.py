@@ -207,7 +207,7 @@ def test_picture_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
 
     with (
-        pytest.raises(InputError, match="file/a.svg: cannot write"),
+        pytest.raises(InputError, match=r"file/a\.svg: cannot write"),
         theme.picture(tmp_path / "file" / "a.svg", theme.Words("a", "b")),
     ):
         pass

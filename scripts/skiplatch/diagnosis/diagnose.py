@@ -18,6 +18,7 @@ from skiplatch.diagnosis.chance import chance_of
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find, reduced
+from skiplatch.diagnosis.directions import UNDIRECTED
 from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates, settled
 from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
@@ -133,6 +134,8 @@ def diagnose(
         work = _Work(scene, pool, seed, jobs, materiality)
         found = _concluded(work, truth)
     odd = [oddity.line for oddity in oddities(campaign)]
+    if whole.nominal != campaign.nominal:
+        odd.append(UNDIRECTED)
     return replace(found, touches=len(whole), notes=[*odd, *found.notes])
 
 

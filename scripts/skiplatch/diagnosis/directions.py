@@ -10,18 +10,23 @@ import numpy as np
 
 from skiplatch.campaign import Axis, Campaign, Kind, Nominal, Touches
 from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.diagnosis.beliefs import NOISE_U
 
 MOST_UNKNOWN = 0.5
 """Share of touches without an azimuth from which on lobes are not played."""
 REPEATABILITY = ("probe", "repeatability_um")
 LOBES = ("probe", "lobe_um")
+UNDIRECTED = (
+    "The directions were not recorded: the probe's lobes count as scatter, and as a datum of each "
+    "sense."
+)
 REACH = 4.0
 """Standard uncertainties from the least scatter that may be to the largest."""
 
 
 def with_directions(campaign: Campaign) -> Campaign:
     """Fill in the directions that were not recorded by axis and sense, and let lobes be unknown."""
-    known = without_unknown_lobes(campaign)
+    known = _without_unknown_lobes(campaign)
     return replace(known, touches=_directed(known.touches))
 
 
@@ -38,7 +43,7 @@ def _directed(touches: Touches) -> Touches:
     )
 
 
-def without_unknown_lobes(campaign: Campaign) -> Campaign:
+def _without_unknown_lobes(campaign: Campaign) -> Campaign:
     """Let lobes be unknown where the azimuths are: they scatter, or shift each axis and sense.
 
     A probe that touches from few directions has a lobe for each of them, as constant as the place
@@ -56,7 +61,7 @@ def _scattering(nominal: Nominal) -> Nominal:
     least_um = max(nominal.probe.repeatability_um, nominal.axis.resolution_um)
     most_um = float(np.hypot(least_um, nominal.probe.lobe_um / np.sqrt(2.0)))
     middle_um = float(np.sqrt(least_um * most_um))
-    own_u = nominal.uncertainty.get(REPEATABILITY, 0.0)
+    own_u = nominal.uncertainty.get(REPEATABILITY, NOISE_U * middle_um)
     u_um = float(np.hypot(own_u, middle_um * np.log(most_um / least_um) / REACH))
     known = {key: u for key, u in nominal.uncertainty.items() if key != LOBES}
     datum = nominal.datum

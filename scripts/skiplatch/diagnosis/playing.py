@@ -76,7 +76,7 @@ class Rig:
     @property
     def resolution_um(self) -> float:
         """What it rounds positions to, believed or found."""
-        coarse = (e.parameters["resolution_um"] for e in self.effects if e.id == ENCODER)
+        coarse = (e.parameters.get("resolution_um", 0.0) for e in self.effects if e.id == ENCODER)
         return max([self.nominal.axis.resolution_um, *coarse])
 
     @property
