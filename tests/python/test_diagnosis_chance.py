@@ -11,7 +11,7 @@ from skiplatch.diagnosis.chance import chance_of
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.verdict import TOLD
+from skiplatch.diagnosis.verdict import CHANCE
 from skiplatch.simulator import Effect
 
 SHARE, LATE_US = 0.3, 3000.0
@@ -21,7 +21,7 @@ BOUNCE = Effect("contact_bounce", {"probability": SHARE, "least_us": LATE_US})
 def told(campaign: Campaign, *effects: Effect) -> list[Left]:
     found, believed = Rig(campaign.nominal, effects), Rig(campaign.nominal)
     looks = chance_of(Scene.of(campaign), found, believed, seed=1)
-    return [one for one in looks if one.z > TOLD]
+    return [one for one in looks if one.z > CHANCE]
 
 
 def late(campaign: Campaign, rows: BoolArray) -> Campaign:
@@ -50,7 +50,7 @@ def in_order() -> Campaign:
 
 
 def test_nothing_tells_which_touches_bounced() -> None:
-    """At this level one finding in a hundred is told by accident."""
+    """At this level one finding in a thousand is told by accident."""
     for seed in range(3):
         assert told(played(MACHINE, BOUNCE, seed=seed), BOUNCE) == []
 

@@ -2,7 +2,7 @@
 
 Which touches bounced, how late a scan began, where a value lies between two lines: no condition
 tells it, and no touch before, for the physics of the effect knows none of them. Where something
-does, the effect stands for something else. It shows best where scatter is mostly the effect's.
+does, the effect stands for something else. It shows at the feeds at which the effect adds scatter.
 """
 
 from collections.abc import Iterator
@@ -10,13 +10,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.judge import MORE_VARIANCE
 from skiplatch.diagnosis.leftover import Beside
 from skiplatch.diagnosis.look import FEWEST_FOR_FOREST, Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 
-MOSTLY = 2.0
-"""Variance over the believed one from which on the scatter of a touch is mostly the finding's."""
 SMALLEST = 1e-9
 
 
@@ -40,23 +39,23 @@ def _looks(beside: Beside, before: Beside) -> Iterator[Iterator[Left]]:
         for name in beside.recorded:
             rows = here & beside.known(name) & before.known(name)
             if rows.any():
-                rows = rows & _is_mostly(beside, before, name, rows)
+                rows = rows & _adds_scatter(beside, before, name, rows)
             if rows.sum() >= FEWEST_FOR_FOREST:
                 look = beside.look(name, path, rows)
                 yield look.straight()
                 yield look.predicted()
 
 
-def _is_mostly(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:
-    """Tell which touches scatter mostly by the finding: feeds in which variance has grown; (n,)."""
+def _adds_scatter(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:
+    """Tell which touches a finding leaves more to chance: at feeds where variance grows; (n,)."""
     step = beside.setting.step(name)
     feeds = beside.setting.scene.touches.feed_mm_min
-    mostly = np.zeros(len(rows), dtype=np.bool_)
+    adds = np.zeros(len(rows), dtype=np.bool_)
     for feed in np.unique(feeds[rows]):
         there = rows & (feeds == feed)
         now, was = (_variance(plays.played[name][:, there], step) for plays in (beside, before))
-        mostly |= there & (now > MOSTLY * was)
-    return mostly
+        adds |= there & (now > MORE_VARIANCE * was)
+    return adds
 
 
 def _variance(played: FloatArray, step: float) -> float:

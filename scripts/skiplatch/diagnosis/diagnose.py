@@ -314,11 +314,10 @@ def _conclusion(
     everywhere = np.full(len(scene), fill_value=True)
     gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
     hidden = could_hide(scene, known, seed=work.seed)
+    told = chance_of(scene, rig, believed, seed=work.seed, jobs=work.jobs) if finding.model else []
     evidence = Evidence(
         gaps=gap,
-        chance=chance_of(work.scene, rig, believed, seed=work.seed, jobs=work.jobs)
-        if finding.model
-        else (),
+        chance=_mattering(told, work.materiality),
         before=_mattering(before, work.materiality),
         after=_mattering(after, work.materiality),
         hidden=min((one.relative for one in hidden.values()), default=np.inf),

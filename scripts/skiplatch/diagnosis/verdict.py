@@ -14,9 +14,6 @@ CHANCE = 4.0
 """Standard errors from which on something is kept as evidence."""
 UNTOUCHED = 0.02
 """Share by which what is left may change by chance where a finding does nothing."""
-TOLD = 3.5
-"""Standard errors from which on something tells how chance fell: of some thirty looks, one in a
-hundred findings."""
 
 
 class Verdict(StrEnum):
@@ -37,7 +34,7 @@ class Evidence:
         gaps: Observables on touches held out, with the gap before and after; by name.
         is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
             all touches, each with parameters that the others were fitted to.
-        chance: What may tell how the finding's chance fell, all that was looked at.
+        chance: What may tell how the finding's chance fell, if it is material.
         before: What the believed chain leaves that is material and hardly an accident.
         after: The same of the finding; of none, if nothing was found.
         hidden: By how many times its noise an observable may be off unseen, the best of them.
@@ -153,7 +150,7 @@ def _is_confirmed(evidence: Evidence, _: float) -> str:
     return "" if evidence.is_confirmed else "plain simulation does no better with it"
 
 
-def told_of_chance(evidence: Evidence, threshold: float = TOLD) -> list[Left]:
+def told_of_chance(evidence: Evidence, threshold: float = CHANCE) -> list[Left]:
     """Give what tells of touches how a finding's chance fell: it is none, then."""
     return [one for one in evidence.chance if one.z > threshold]
 
@@ -223,8 +220,8 @@ NAMES: Sequence[Rule] = (
     Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
     Rule(
         "chance_is_chance",
-        TOLD,
-        "theory: chance goes with nothing; a level of one in a hundred findings",
+        CHANCE,
+        "theory: chance goes with nothing; a level of one in thirty thousand a look",
         _chance_is_chance,
     ),
     Rule(
