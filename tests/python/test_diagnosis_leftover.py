@@ -144,9 +144,23 @@ def test_a_wait_that_is_bound_to_the_scan_is_found_though_it_scatters_less() -> 
 
 
 def test_a_few_that_are_lost_matter() -> None:
-    found = mattering(played(BENCH, Effect("lost_trigger", {"probability": 0.04})))
+    found = mattering(played(BENCH, Effect("lost_trigger", {"probability": 0.08})))
 
     assert {one.observable for one in found} == {MISSED}
+
+
+def test_one_that_is_missed_is_an_accident() -> None:
+    campaign = played(BENCH)
+    unseen = np.arange(len(campaign.touches)) == 7
+    status = np.where(unseen, Status.MISSED, campaign.touches.status).astype(np.int8)
+    blank = {
+        name: np.where(unseen, np.nan, getattr(campaign.touches, name))
+        for name in ("latch_us", "report_us", "deviation_um")
+    }
+
+    found = mattering(replace(campaign, touches=replace(campaign.touches, status=status, **blank)))
+
+    assert found == []
 
 
 def test_misses_that_go_with_the_feed_are_found() -> None:

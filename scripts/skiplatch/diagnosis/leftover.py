@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.covariates import varying
@@ -186,7 +187,6 @@ def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -
         return
     missed, played = setting.scene.touches.missed[here], ~outcomes.ok[:, here]
     n, expected = len(missed), float(played.mean())
-    error = np.sqrt(max(expected * (1.0 - expected), USUALLY_MISSED) / n)
     share = float(missed.mean()) - expected
     if missed.any() or expected > USUALLY_MISSED:
         yield Left(
@@ -199,7 +199,7 @@ def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -
             abs(share),
             0.0,
             0.0,
-            abs(share) / error,
+            _errors_of_count(int(missed.sum()), n, max(expected, USUALLY_MISSED)),
         )
     if FEWEST_MISSED <= missed.sum() <= n - FEWEST_MISSED:
         columns = varying(setting.known, here)
@@ -220,3 +220,10 @@ def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -
                 0.0,
                 correlation * np.sqrt(n),
             )
+
+
+def _errors_of_count(count: int, n: int, rate: float) -> float:
+    """Give how many standard errors a count of n is from its rate: one alone is an accident."""
+    law = stats.binom(n, rate)
+    chance = float(law.sf(count - 1) if count > n * rate else law.cdf(count))
+    return float(stats.norm.isf(np.clip(chance, 1e-300, 0.5)))
