@@ -225,7 +225,7 @@ def _evaluated(node: ast.AST) -> float:
             return float(number)
         case ast.UnaryOp(op=op, operand=operand):
             return _OPERATORS[type(op)](_evaluated(operand))
-        case ast.BinOp(left=left, op=op, right=right):
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
             return _OPERATORS[type(op)](_evaluated(left), _evaluated(right))
         case ast.Compare(left=left, ops=[op], comparators=[right]):
             return float(_OPERATORS[type(op)](_evaluated(left), _evaluated(right)))
