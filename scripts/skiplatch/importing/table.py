@@ -153,7 +153,8 @@ def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
         name, unit = _split(m.column, head)
         if m.name in (head, name) and (not m.unit or unit in ("", m.unit)):
             return Mapped(m.column, head, name, m.unit or unit)
-    message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {', '.join(map(quoted, heads[:20]))}"
+    there = ", ".join(head[:40] for head in heads[:20])
+    message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {there}"
     raise InputError(path, line, None, message)
 
 
