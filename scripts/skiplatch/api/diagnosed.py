@@ -89,7 +89,7 @@ class Diagnosis:
                 notes=tuple(document.get("notes", ())),
                 document=document,
             )
-        except (KeyError, TypeError, AttributeError) as error:
+        except (LookupError, TypeError, AttributeError) as error:
             raise ValueError(f"not a whole diagnosis: {error!r}") from error
 
     def to_dataframe(self, library: Library | None = None) -> DataFrame:

@@ -49,7 +49,7 @@ def diagnosed(folder: Path) -> Diagnosed:
         raise InputError(path, None, "format", message)
     try:
         return _figures(document)
-    except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InputError(path, None, None, f"not a whole diagnosis: {error!r}") from error
 
 
