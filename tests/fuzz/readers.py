@@ -89,7 +89,10 @@ def _store(path: Path) -> None:
     path.write_bytes(path.read_bytes()[: lib.sim_450_bytes()].ljust(lib.sim_450_bytes(), b"\0"))
     memory = Memory(path)
     memory.names()
-    memory.run(float(SHOW), 0.0)
+    try:
+        memory.run(float(SHOW), 0.0)
+    except StoreRefusedError as error:  # as the cycle says it to the program
+        raise InputError(path, None, None, str(error)) from error
 
 
 def _findings(path: Path) -> None:
