@@ -28,7 +28,7 @@ from skiplatch.files import read_json
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, diagnosed
 from skiplatch.kinematics.control import read_control
 from skiplatch.kinematics.machine import Machine, read_machine, read_preset, read_spindle
-from skiplatch.kinematics.memory import SHOW, Memory
+from skiplatch.kinematics.memory import SHOW, Memory, StoreRefusedError
 from skiplatch.kinematics.points import read_points
 from skiplatch.kinematics.probing_test import read_test
 from skiplatch.kinematics.program import read_program
