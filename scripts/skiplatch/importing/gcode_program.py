@@ -107,7 +107,7 @@ def _global(parameters: dict[str, float]) -> dict[str, float]:
     return {
         name: value
         for name, value in parameters.items()
-        if name.startswith("<_") or (name.isdigit() and int(name) > LAST_LOCAL)
+        if name.startswith("<_") or (name.isdecimal() and float(name) > LAST_LOCAL)
     }
 
 

@@ -21,7 +21,7 @@ MOST_BYTES = 1_000_000
 MM_PER_INCH = 25.4
 
 BLOCK = re.compile(r"N?(?P<number>\d+)\s+(?P<text>\S.*)")
-CYCLE = re.compile(r"TCH PROBE (?P<cycle>\d+)\b[^~;]*")
+CYCLE = re.compile(r"TCH PROBE (?P<cycle>\d{1,9})\b[^~;]*")
 ISO_CYCLE = re.compile(r"G(?P<cycle>45\d)\b[^~;]*")
 ISO_TOOL = re.compile(r'T\s*(?:"(?P<name>[^"]*)"|(?P<index>\d+))\s*(?P<axis>G1[789]).*')
 ISO_FRAME = re.compile(r"%(?P<name>.*\S)\s+G7(?P<unit>[01])")
@@ -29,7 +29,7 @@ ISO_PARAMETER = re.compile(r"\bQS?\d+\s*=")
 TOOL = re.compile(r'TOOL CALL\s+(?:"(?P<name>[^"]*)"|(?P<index>\d+))\s*(?P<axis>[XYZ]?).*')
 BEGIN = re.compile(r"BEGIN PGM\s+(?P<name>\S.*?)\s+(?P<unit>MM|INCH)")
 END = re.compile(r"END PGM\b.*")
-PARAMETER = re.compile(r"(?P<kind>QS?)(?P<number>\d+)\s*=\s*(?P<value>\"[^\"]*\"|[^\s;~]+)")
+PARAMETER = re.compile(r"(?P<kind>QS?)(?P<number>\d{1,9})\s*=\s*(?P<value>\"[^\"]*\"|[^\s;~]+)")
 _BLOCKS = "TOOL CALL, TCH PROBE 450 to 453, BEGIN PGM or END PGM"
 WORDS = {"FMAX", "FAUTO", "PREDEF"}
 CYCLES = (450, 451, 452, 453)
