@@ -143,6 +143,31 @@ def test_a_wait_that_is_bound_to_the_scan_is_found_though_it_scatters_less() -> 
     }
 
 
+def test_touches_that_all_meet_one_point_of_the_scan_are_found_by_the_edges_recorded() -> None:
+    """All waits follow from the edges and the grid: it is the edges that are not anywhere."""
+    campaign = played(BENCH, seed=5)
+    touches, period = campaign.touches, campaign.nominal.plc.scan_us
+    behind_us = campaign.nominal.input.filter_us
+    rng = np.random.default_rng(5)
+    wait_us = rng.normal(0.35, 0.04, len(touches)) * period
+    edge_us = np.where(touches.on_plc, touches.latch_us - behind_us - wait_us, touches.edge_us)
+    locked = replace(campaign, touches=replace(touches, edge_us=edge_us))
+
+    found = mattering(locked)
+
+    assert ("latch", "shape") in {(one.observable, one.kind) for one in found}
+
+
+def test_positions_on_a_coarser_grid_than_believed_are_found() -> None:
+    coarse = Effect("encoder_quantisation", {"resolution_um": 2.6})
+
+    steps = [one for one in mattering(played(MACHINE, coarse)) if one.kind == "steps"]
+
+    assert "plc" in {one.path for one in steps}
+    step_um = played(MACHINE).nominal.axis.resolution_um
+    assert steps[0].size == pytest.approx(np.sqrt((2.6**2 - step_um**2) / 12.0), rel=1e-3)
+
+
 def test_a_few_that_are_lost_matter() -> None:
     found = mattering(played(BENCH, Effect("lost_trigger", {"probability": 0.08})))
 

@@ -112,6 +112,35 @@ def test_scans_may_wait_for_some_moves_and_keep_their_grid_for_the_others() -> N
     assert abs(found[0].parameters[0][2]) == pytest.approx(0.7, abs=0.15)
 
 
+@pytest.mark.parametrize("ratio", [0.6, 1.32, 2.1])
+def test_a_scan_period_far_from_the_believed_one_is_found(ratio: float) -> None:
+    """A few stamps that keep no grid do not spoil it."""
+    campaign = played(BENCH, seed=9)
+    touches, period = campaign.touches, ratio * campaign.nominal.plc.scan_us
+    behind_us = campaign.nominal.input.filter_us
+    next_us = np.ceil((np.nan_to_num(touches.edge_us) + behind_us) / period) * period
+    odd = np.arange(len(touches)) % 41 == 0
+    stamps = np.where(touches.on_plc & ~odd, np.floor(next_us), touches.latch_us)
+    scene = Scene.of(replace(campaign, touches=replace(touches, latch_us=stamps)))
+    candidate = CANDIDATES["scan_period"]
+
+    found = fit(scene, [candidate], candidate.starts(scene, Change())).parameters[0]
+
+    assert found[0] == pytest.approx(period - campaign.nominal.plc.scan_us, abs=1e-3)
+
+
+def test_stamps_on_no_grid_were_not_rounded_to_coarse_ticks() -> None:
+    """They scatter as far as such ticks would let them, but lie anywhere."""
+    late = Effect("isr_latency", {"latency_us": 0.0, "jitter_us": 1000.0})
+    scene = Scene.of(played(BENCH, late, seed=2))
+    ticks = CANDIDATES["timer_quantisation"].change(scene, np.array([1000.0, 1000.0, 0.0]))
+    jitter = CANDIDATES["isr_latency"].change(scene, np.array([0.0, 1000.0, 0.0]))
+
+    coarse, plain = (likelihood(scene, change).total for change in (ticks, jitter))
+
+    assert coarse < plain - 100.0
+
+
 @pytest.mark.long
 def test_what_the_stamps_of_a_foreign_clock_read_late_is_found_without_a_bias() -> None:
     truth = Effect("timer_quantisation", {"tick_us": 1.7, "origin_us": 0.3})

@@ -83,6 +83,25 @@ def test_an_effect_that_is_not_there_makes_a_gap() -> None:
     assert gap.shrink.value == pytest.approx(-1.0)
 
 
+def test_what_has_not_come_by_chance_makes_no_gap_grow() -> None:
+    """One touch in twenty is late: that none of the few held out is, is luck."""
+    rare = Effect("contact_bounce", {"probability": 0.05, "mean_us": 300.0})
+    scene = Scene.of(read_campaign(BENCH))
+    few = np.arange(len(scene)) % 12 == 0
+    before, after = (Rig(scene.nominal, effects) for effects in ((), [rare]))
+
+    gaps = shrink(scene, few, before, after, seed=1, jobs=2)
+
+    assert not any(gap.grows for gap in gaps.values())
+
+
+def test_what_the_effects_hardly_ever_do_makes_a_gap_grow() -> None:
+    often = Effect("contact_bounce", {"probability": 0.9, "mean_us": 300.0})
+
+    assert shrunk(read_campaign(BENCH), often)["latch_after_edge_us"].grows
+    assert not shrunk(played(BENCH, often), often)["latch_after_edge_us"].grows
+
+
 @pytest.mark.parametrize("folder", [MACHINE, BENCH])
 def test_without_a_gap_nothing_shrinks(folder: str) -> None:
     for name, gap in shrunk(read_campaign(folder)).items():

@@ -19,7 +19,7 @@ class DatumFreedom(StrEnum):
     AXIS_SENSE = "axis_sense"
     """The touches of one axis in one sense."""
     SESSION = "session"
-    """The touches of one session."""
+    """The touches of one axis in one session."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,5 +1,6 @@
 """Effects that a rig is believed to have: what is searched for comes on top of them."""
 
+from dataclasses import replace
 from functools import reduce
 
 import numpy as np
@@ -32,7 +33,8 @@ BELIEVED = BelievedEffects()
 
 def scene_of(campaign: Campaign) -> Scene:
     """Take a campaign's touches in order of time, with the effects believed in."""
-    return Scene.of(with_directions(campaign), BELIEVED)
+    known = with_directions(campaign)
+    return replace(Scene.of(known, BELIEVED), is_directed=known.nominal == campaign.nominal)
 
 
 def _change(scene: Scene, effect: BelievedEffect) -> Change:

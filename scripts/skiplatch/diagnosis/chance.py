@@ -12,7 +12,7 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.judge import MORE_VARIANCE
 from skiplatch.diagnosis.leftover import Beside
-from skiplatch.diagnosis.look import FEWEST_FOR_FOREST, Left
+from skiplatch.diagnosis.look import FEWEST, Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 
@@ -40,7 +40,7 @@ def _looks(beside: Beside, before: Beside) -> Iterator[Iterator[Left]]:
             rows = here & beside.known(name) & before.known(name)
             if rows.any():
                 rows = rows & _adds_scatter(beside, before, name, rows)
-            if rows.sum() >= FEWEST_FOR_FOREST:
+            if rows.sum() >= FEWEST:
                 look = beside.look(name, path, rows)
                 yield look.straight()
                 yield look.predicted()

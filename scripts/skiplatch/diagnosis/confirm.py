@@ -125,7 +125,8 @@ def confirm(
     """Play rigs, the proposed one first, and score them on touches they were not fitted to."""
     unchanged = _play(scene, believed, seed, jobs)
     plays = [_play(scene, rig, seed, jobs) for rig in rigs]
-    scorer = _Scorer(scene, rows, unchanged)
+    keeps_grid = all(rig.keeps_scan_grid for rig in rigs)
+    scorer = _Scorer(scene, rows, unchanged, keeps_grid=keeps_grid)
     scores = [scorer.scores(played) for played in plays]
     gains = [_interval(scorer.unchanged - score, GAIN_ERRORS) for score in scores]
     better = [_interval(scores[0] - score, CLEARLY) for score in scores]
@@ -134,20 +135,16 @@ def confirm(
     ]
     chosen = max(stronger, key=lambda i: better[i].value, default=0)
     holds = gains[chosen].value > 0.0 or _is_usual(
-        scene, rows, unchanged, plays[chosen], gains[chosen].high
+        scorer, unchanged, plays[chosen], gains[chosen].high
     )
     return Confirmation(gains, chosen, holds)
 
 
-def _is_usual(
-    scene: Scene, rows: BoolArray, unchanged: Outcomes, played: Outcomes, gain: float
-) -> bool:
+def _is_usual(scorer: "_Scorer", unchanged: Outcomes, played: Outcomes, gain: float) -> bool:
     """Tell whether the model's own plays may gain as little: what is rare may not have happened."""
     for k in range(min(OWN_PLAYS, len(played.ok))):
-        scorer = _Scorer(
-            replace(scene, touches=as_recorded(scene.touches, played, k)), rows, unchanged
-        )
-        if float(np.mean(scorer.unchanged - scorer.scores(played))) <= gain:
+        own = scorer.of_play(unchanged, played, k)
+        if float(np.mean(own.unchanged - own.scores(played))) <= gain:
             return True
     return False
 
@@ -173,8 +170,19 @@ def _play(scene: Scene, rig: Rig, seed: int, jobs: int) -> Outcomes:
 class _Scorer:
     """Scores plays by the recorded touches: less is better."""
 
-    def __init__(self, scene: Scene, rows: BoolArray, unchanged: Outcomes) -> None:
+    def __init__(
+        self, scene: Scene, rows: BoolArray, unchanged: Outcomes, *, keeps_grid: bool
+    ) -> None:
+        """Score what was recorded of some touches, shape (n,).
+
+        Args:
+            scene: All touches.
+            rows: Which of them.
+            unchanged: Plays of the believed rig.
+            keeps_grid: The scans of all rigs come evenly, so that stamps tell how late one is.
+        """
         self._scene = scene
+        self._keeps_grid = keeps_grid
         self._rows = rows
         self._recorded = observed(scene, scene.touches)
         nominal = observed(scene, unchanged)
@@ -185,13 +193,19 @@ class _Scorer:
         }
         self.unchanged = self.scores(unchanged)
 
+    def of_play(self, unchanged: Outcomes, played: Outcomes, k: int) -> "_Scorer":
+        """Score one of the plays in place of what was recorded."""
+        touches = as_recorded(self._scene.touches, played, k)
+        scene = replace(self._scene, touches=touches)
+        return _Scorer(scene, self._rows, unchanged, keeps_grid=self._keeps_grid)
+
     def scores(self, outcomes: Outcomes) -> FloatArray:
         """Score the m chosen touches, each over all that was recorded of it; shape (b, m)."""
         total = np.tile(self._missed(outcomes), (BATCHES, 1))
         for name, played in observed(self._scene, outcomes).items():
             recorded = self._recorded[name]
             rows = self._rows & ~np.isnan(recorded) & ~np.isnan(played).all(axis=0)
-            if rows.any():
+            if rows.any() and (name != "grid" or self._keeps_grid):
                 calm = self._calm(name, np.where(np.isnan(played), _mean(played), played))
                 batches = calm[:, rows].reshape(-1, BATCHES, rows.sum())
                 seen = np.broadcast_to(self._calm(name, recorded)[rows], batches.shape[1:])

@@ -18,6 +18,8 @@ LAGS = (1, 2, 3, 4, 5, 6, 7, 8)
 WINDOWS = (2, 5, 15)
 """Touches to either side whose scores are averaged."""
 WITHIN = "what is left within"
+DIRECTIONS = ("axis", "sense", "azimuth", "elevation", "direction", "turn since")
+"""Begin of the names of covariates that say where a probe points."""
 RECENT_S = (10.0, 60.0)
 """Times over which touches are counted that were made just before."""
 
@@ -80,6 +82,11 @@ def sequence(scene: Scene) -> Mapping[str, FloatArray]:
         begins = np.searchsorted(touches.time_s, touches.time_s - span_s)
         found[f"touches in the {span_s:g} s before"] = np.arange(len(scene)) - begins
     return {name: np.asarray(values, dtype=float) for name, values in found.items()}
+
+
+def without_directions(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Leave out what says in which direction a touch was made: unknown lobes go with all of it."""
+    return {name: v for name, v in columns.items() if not name.startswith(DIRECTIONS)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

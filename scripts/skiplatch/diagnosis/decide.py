@@ -106,12 +106,14 @@ def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> F
 def _singles(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
     """Give every effect alone, and those that begin or end where no lasting one will do.
 
-    Where the best of them leaves nothing but what goes with conditions, nothing need have begun.
+    Where the best of them leaves nothing but what goes with conditions, nothing need have begun,
+    unless it leaves to chance at which touches it acts: those may be the ones after an onset.
     What still comes and goes beside one that begins did not begin with it: a step stands for a
     drift.
     """
     ranked = judge.singles()
-    if not may_begin(ranked[0] if ranked else None):
+    best = ranked[0] if ranked else None
+    if not may_begin(best) and not (best and judge.scatters(best, 0)):
         return ranked
     begun = [scored for scored in judge.passing(ranked) if not passes(scored)]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)

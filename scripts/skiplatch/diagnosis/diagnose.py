@@ -23,6 +23,7 @@ from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates, settled
 from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
 from skiplatch.diagnosis.leftover import NOTICED, left_over, noticed, streams_of
+from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.notes import notes
@@ -134,7 +135,7 @@ def diagnose(
         work = _Work(scene, pool, seed, jobs, materiality)
         found = _concluded(work, truth)
     odd = [oddity.line for oddity in oddities(campaign)]
-    if whole.nominal != campaign.nominal:
+    if not whole.is_directed:
         odd.append(UNDIRECTED)
     return replace(found, touches=len(whole), notes=[*odd, *found.notes])
 
@@ -325,6 +326,7 @@ def _conclusion(
         at_limit=[f"{n.effect.id}.{name}" for n in named for name in sorted(n.at_limit)],
         open=[f"{n.effect.id}.{name}" for n in named for name in _open(n)],
         is_loose=finding.model is not None and finding.model.fit.is_loose,
+        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding),
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
     )
@@ -332,6 +334,16 @@ def _conclusion(
         gap = gaps(everywhere, work.folds(finding.model.fit))
         evidence = replace(evidence, gaps=gap, is_held_out=False)
     return _Conclusion(finding, rig, known, named, gap, hidden, odd, evidence)
+
+
+def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: Finding) -> float:
+    """Give the nats by which touches are likelier under a finding than without it."""
+    if finding.model is None or not rows.any():
+        return 0.0
+    part = scene.select(rows)
+    found = part.with_nominal(rig.nominal)
+    with_it = likelihood(found, finding.model.fit.change(found)).total
+    return with_it - likelihood(part.with_nominal(believed.nominal), Change()).total
 
 
 def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Conclusion) -> Diagnosis:

@@ -26,8 +26,9 @@ from skiplatch.diagnosis.look import (
 )
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import observed
+from skiplatch.diagnosis.pitches import kept_pitch
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scene import UM_PER_MM, Scene
 from skiplatch.simulator import Outcomes
 
 PLAYS = 60
@@ -63,6 +64,7 @@ def left_over(
             if seen.sum() >= FEWEST:
                 found += beside.look(name, path, seen).all(memo)
         found += _missing(beside.setting, path, here, beside.outcomes)
+        found += _steps(beside.setting, path, here, rig)
     return sorted(found, key=lambda left: -left.z)
 
 
@@ -179,6 +181,32 @@ def _without_rests(
         {**recorded, "position": calm(recorded["position"])},
         {**played, "position": calm(played["position"])},
     )
+
+
+def _steps(setting: Setting, path: str, here: BoolArray, rig: Rig) -> Iterator[Left]:
+    """Look whether positions are rounded to more than the rig's resolution: they show its lines."""
+    scene, fine_um = setting.scene, rig.resolution_um
+    deviation_um = np.where(here, scene.touches.deviation_um, np.nan)
+    coordinate_um = np.where(here, scene.latched_mm * UM_PER_MM, np.nan)
+    for values in (deviation_um, coordinate_um):
+        if kept := kept_pitch(values, fine_um):
+            pitch_um, z = kept
+            size_um = float(np.sqrt((pitch_um**2 - fine_um**2) / 12.0))
+            noise_um = max(setting.repeats_to("position"), fine_um / np.sqrt(12.0))
+            relative = size_um / noise_um
+            yield Left(
+                "position",
+                path,
+                "steps",
+                (EVERYWHERE,),
+                size_um,
+                "µm",
+                relative,
+                noise_um,
+                fine_um,
+                z,
+            )
+            return
 
 
 def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -> Iterator[Left]:

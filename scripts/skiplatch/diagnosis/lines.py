@@ -38,7 +38,9 @@ def _in_ticks(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     if line_us and coarse_us < FAR_APART * tick_us:
         return np.zeros(len(scene))
     fine_us = KNOWN_TO * tick_us if line_us else tick_us
-    return _by_lines(scene.touches.latch_us, line_us, coarse_us, fine_us, stream.rows)
+    weights = _by_lines(scene.touches.latch_us, line_us, coarse_us, fine_us, stream.rows)
+    # A clock has one grid: stamps that mostly keep none were not rounded to it.
+    return weights if np.any(weights) or coarse_us <= fine_us else stream.rows * np.log(OFF_GRID)
 
 
 def _in_slots(scene: Scene, stream: Stream, change: Change) -> FloatArray:

@@ -16,7 +16,15 @@ from scipy import stats
 from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.covariates import Order, conditions, is_when, neighbours, sequence, varying
+from skiplatch.diagnosis.covariates import (
+    Order,
+    conditions,
+    is_when,
+    neighbours,
+    sequence,
+    varying,
+    without_directions,
+)
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import UNITS
 from skiplatch.diagnosis.periodogram import explained_by_sines
@@ -44,7 +52,7 @@ CALM = (0.02, 0.98)
 """Quantiles beyond which values count no further for a spread."""
 NAMED = 3
 """Covariates that are named at most."""
-MOSTLY_WAIT = 0.9
+MOSTLY_WAIT = 0.8
 """Scatter of the wait for a scan over that of plays from which on it is nearly all of it."""
 LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
@@ -58,7 +66,7 @@ class Left:
     Attributes:
         observable: In which it shows.
         path: "skip" or "plc".
-        kind: "shift", "scatter", "shape", "wave" or "share".
+        kind: "shift", "scatter", "shape", "wave", "steps" or "share".
         conditions: What it goes with, the most telling first; or that it is everywhere.
         size: Of the difference: by condition, half of that between touches that are predicted high
             and low.
@@ -178,7 +186,8 @@ class Setting:
         """What each could depend on; shape (n,)."""
         whole, rows = self.scene.in_sequence(LONGEST)
         made = {name: values[rows] for name, values in sequence(whole).items()}
-        return {**conditions(self.scene), **made}
+        known = {**conditions(self.scene), **made}
+        return known if self.scene.is_directed else without_directions(known)
 
     @cached_property
     def places(self) -> Sequence[Place]:
@@ -232,6 +241,11 @@ def normal_scores(recorded: FloatArray, played: FloatArray) -> FloatArray:
     return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
 
 
+def _scores_of_each(played: FloatArray) -> list[FloatArray]:
+    """Rank each play, of shape (r, n), among the others."""
+    return [normal_scores(play, np.delete(played, k, axis=0)) for k, play in enumerate(played)]
+
+
 class Look:
     """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m)."""
 
@@ -273,10 +287,7 @@ class Look:
 
     def everywhere(self) -> Iterator[Left]:
         """Compare middle and scatter of the scores with those of plays among the others."""
-        others = [
-            normal_scores(self._played[k], np.delete(self._played, k, axis=0))
-            for k in range(len(self._played))
-        ]
+        others = _scores_of_each(self._played)
         for kind, power in (("shift", 1), ("scatter", 2)):
             usual = np.array([np.nanmean(scores**power) for scores in others])
             size = float(np.mean(self._scores**power) - usual.mean())
@@ -286,14 +297,17 @@ class Look:
             everything = np.full(len(self._off), fill_value=True)
             yield self._left(kind, (EVERYWHERE,), everything, off / error)
         if self._setting.is_mostly_wait(self._name, self._path, self._noise, self._rows):
-            yield self._shape(others)
+            yield self._shape()
 
-    def _shape(self, others: Sequence[FloatArray]) -> Left:
+    def _shape(self) -> Left:
         """Compare where in the scan touches fall with where plays do, by the way between them.
 
         A wait that is bound to one point of the scan may scatter no more than any, about the same
-        middle. Of noise the shape is not known so well.
+        middle. Of noise the shape is not known so well. All touches of a play share the phase of
+        its scans, as those recorded do: where these fall is held against touches of many plays.
         """
+        rng = np.random.default_rng(self._setting.seed)
+        others = _scores_of_each(rng.permuted(self._played, axis=0))
         usual = np.array([_from_normal(scores) for scores in others])
         off = _from_normal(self._scores) - float(usual.mean())
         error = max(float(usual.std(ddof=1)), SMALLEST)

@@ -121,6 +121,8 @@ class Scene:
     """Number of a touch from which on the datum may be another one."""
     physics: BelievedPhysics | None = None
     """Of the effects in the nominal chain, if there are any."""
+    is_directed: bool = True
+    """It was recorded in which direction of the probe touches were made, where that matters."""
 
     @classmethod
     def of(cls, campaign: Campaign, physics: BelievedPhysics | None = None) -> "Scene":
@@ -483,10 +485,10 @@ def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
         DatumFreedom.CAMPAIGN: [np.full(len(touches), "campaign")],
         DatumFreedom.AXIS: [axes],
         DatumFreedom.AXIS_SENSE: [axes, np.where(touches.sign < 0.0, "-", "+")],
-        DatumFreedom.SESSION: [],
+        DatumFreedom.SESSION: [axes],
     }[nominal.datum.free]
     # What was homed or clamped anew has a datum of its own.
-    if not parts or len(touches.session_names) > 1:
-        before = " session " if parts else "session "
-        parts.append(np.array([before + name for name in touches.session_names])[touches.session])
+    if len(touches.session_names) > 1:
+        sessions = np.array([f" session {name}" for name in touches.session_names])
+        parts.append(sessions[touches.session])
     return reduce(np.char.add, parts)

@@ -42,7 +42,8 @@ FEWEST_TOUCHES = 3  # in a cell
 RESAMPLES = 999
 MOST_POOLED = 400
 NS = 3  # decimals of a µs
-ALL_THREE = 3  # simulations, where the truth is known
+MOST_LUCKY = 60
+"""Plays of the effects, at most, all of which have to do better by them for a gap to grow."""
 ROUNDING = 1.0 / 6.0
 """Noise floor of what is known but for its rounding, in steps of it."""
 ALPHA = 0.01
@@ -66,6 +67,8 @@ class Gap:
     """Shift of half of the touches against the others that could have hidden, 95 %."""
     is_clear: bool = True
     """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
+    grows: bool = False
+    """The effects score worse than their own plays would if they were the truth."""
     oracle: float | None = None
     """The score of the true effects, where somebody knows them."""
     oracle_shrink: Interval | None = None
@@ -88,6 +91,57 @@ class _Cell:
     before: _Scored
     after: _Scored
     truth: _Scored | None
+    ensembles: Sequence["_Ensemble"] = ()
+    """Plays without the effects and with them, and those of the truth, where it is known."""
+
+    @classmethod
+    def of(cls, path: InputPath, recorded: FloatArray, ensembles: Sequence["_Ensemble"]) -> Self:
+        """Score touches, shape (m,)."""
+        before, after, *truth = (ensemble.scored(recorded) for ensemble in ensembles)
+        return cls(path, before, after, truth[0] if truth else None, ensembles)
+
+    def lost_by_luck(self, k: int) -> FloatArray:
+        """Give by how much the effects score worse than none on a play of theirs; shape (m,)."""
+        before, after = self.ensembles[:2]
+        recorded = after.plays[k]
+        return after.scored(recorded, but=k).scores - before.scored(recorded).scores
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Ensemble:
+    """Plays of m touches, each moved and scaled alike; arrays of shape (m,), plays of (r, m).
+
+    Attributes:
+        plays: Of each touch; one that was not latched has another play's outcome.
+        scale: Turns their unit into that of the observable.
+        is_pooled: A touch is held against the plays of all. All touches of a campaign share the
+            phase of one scan, and so do those of a replicate: its own plays alone show a touch no
+            more phases than there are replicates, and to all of them the same.
+    """
+
+    plays: FloatArray
+    scale: FloatArray
+    is_pooled: bool
+
+    @classmethod
+    def of(cls, plays: FloatArray, scale: FloatArray, *, is_pooled: bool) -> Self:
+        """Fill in what was not latched; some play of each touch was."""
+        filled = plays.copy()
+        for i in np.flatnonzero(np.isnan(plays).any(axis=0)):
+            filled[:, i] = np.resize(plays[~np.isnan(plays[:, i]), i], len(plays))
+        return cls(filled, scale, is_pooled)
+
+    def scored(self, recorded: FloatArray, but: int | None = None) -> _Scored:
+        """Score touches, shape (m,), in units of the plays, by all replicates but one."""
+        plays = self.plays if but is None else np.delete(self.plays, but, axis=0)
+        if self.is_pooled:
+            pool = np.sort(plays.ravel())
+            chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
+            pool = pool[np.rint(chosen).astype(int)]
+            ensemble = np.broadcast_to(pool, (len(recorded), len(pool)))
+        else:
+            ensemble = plays.T
+        return _Scored(self.scale * _crps(recorded, ensemble), self.scale * _floor(ensemble))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -223,17 +277,14 @@ def _cells(
         known = known & ~np.isnan(values).all(axis=0)
     expected, scale = _expected(scene, observable)
     for path, rows in _cells_within(scene, known, spans):
-        scored = [
-            _pooled(
-                (recorded[rows] - expected[rows]) / scale[rows],
-                (values[:, rows] - expected[rows]) / scale[rows],
-                scale[rows],
-            )
-            if path == InputPath.PLC and observable in OBSERVABLES  # on the grid no phase is left
-            else _own(recorded[rows], values[:, rows].T)
+        # On the grid of the scans no phase is left.
+        is_pooled = path == InputPath.PLC and observable in OBSERVABLES
+        middle, unit = (expected[rows], scale[rows]) if is_pooled else (0.0, np.ones(len(rows)))
+        ensembles = [
+            _Ensemble.of((values[:, rows] - middle) / unit, unit, is_pooled=is_pooled)
             for values in played
         ]
-        yield _Cell(path, scored[0], scored[1], scored[2] if len(scored) == ALL_THREE else None)
+        yield _Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
 
 
 def _cells_within(
@@ -255,27 +306,6 @@ def _expected(scene: Scene, observable: Observable) -> tuple[FloatArray, FloatAr
         return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
     is_from_contact = observable.name == "latch_after_contact_us"
     return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
-
-
-def _own(recorded: FloatArray, plays: FloatArray) -> _Scored:
-    """Score touches, shape (m,), each against its own plays, shape (m, r), that were latched."""
-    ensemble = plays.copy()
-    for row in (ensemble[i] for i in np.flatnonzero(np.isnan(plays).any(axis=1))):
-        row[:] = np.resize(row[~np.isnan(row)], len(row))
-    return _Scored(_crps(recorded, ensemble), _floor(ensemble))
-
-
-def _pooled(recorded: FloatArray, plays: FloatArray, scale: FloatArray) -> _Scored:
-    """Score touches, shape (m,), against the plays of all touches of the cell, shape (r, m).
-
-    All touches of a campaign share the phase of one scan, and so do those of a replicate: its own
-    plays alone show a touch no more phases than there are replicates, and to all of them the same.
-    """
-    pool = np.sort(plays[~np.isnan(plays)])
-    chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
-    pool = pool[np.rint(chosen).astype(int)]
-    ensemble = np.broadcast_to(pool, (len(recorded), len(pool)))
-    return _Scored(scale * _crps(recorded, ensemble), scale * _floor(ensemble))
 
 
 def _crps(recorded: FloatArray, ensemble: FloatArray) -> FloatArray:
@@ -318,17 +348,34 @@ def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int
     def share_gone(after: FloatArray) -> Interval:
         return _share_gone(scores, after, seed, is_clear=bool(clear))
 
+    shrinks = share_gone(scores.after)
     return Gap(
         title=observable.title,
         unit=observable.unit,
         before=float(scores.before.sum()) / whole,
         after=float(scores.after.sum()) / whole,
         noise_floor=float(scores.floor.sum()) / whole,
-        shrink=share_gone(scores.after),
+        shrink=shrinks,
         is_clear=bool(clear),
+        grows=shrinks.high < 0.0 and _is_no_luck(clear, least),
         oracle=None if scores.truth is None else float(scores.truth.sum()) / whole,
         oracle_shrink=None if scores.truth is None else share_gone(scores.truth),
     )
+
+
+def _is_no_luck(cells: Sequence[_Cell], least: float) -> bool:
+    """Tell whether effects score worse than on most of their own plays, beside no effect.
+
+    What comes now and then may not have come, and a rounded value fall as it likes.
+    """
+    units = [max(float(cell.after.floor.mean()), least) for cell in cells]
+
+    def lost(of_cells: Iterable[FloatArray]) -> float:
+        return sum(float(v.sum()) / u for v, u in zip(of_cells, units, strict=True))
+
+    seen = lost(cell.after.scores - cell.before.scores for cell in cells)
+    replicates = min(len(cells[0].ensembles[1].plays), MOST_LUCKY)
+    return all(lost(cell.lost_by_luck(k) for cell in cells) < seen for k in range(replicates))
 
 
 def _share_gone(scores: _Scores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:

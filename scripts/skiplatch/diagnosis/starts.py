@@ -7,9 +7,10 @@ from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid import FIRST, MARGIN, folded, grid_period, kept_grid
+from skiplatch.diagnosis.grid import MARGIN, folded, grid_period, kept_grid, sharpened
 from skiplatch.diagnosis.laws import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.lines import FAR_APART
+from skiplatch.diagnosis.pitches import MANY_STEPS, odd_pitch, whole_pitches
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
 from skiplatch.diagnosis.surrogates import (
     BLURRED,
@@ -29,8 +30,8 @@ FEWEST_LATE = 3
 FEWEST_FEEDS = 2
 APART = (1.0 + MARGIN) / (1.0 - MARGIN)
 """Factor between guesses of a period that leave none out between them."""
-MANY_STEPS = 1.5
-"""Fine steps from which on a coarser one is a news."""
+OTHER_PERIODS = tuple(APART**k for k in (-3, -2, -1, 1, 2, 3))
+"""Of the scan, over the believed one, about which a grid is looked for."""
 SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
 """Shares of the believed acceleration."""
 JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
@@ -223,8 +224,8 @@ def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
 def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
     tick = scene.nominal.skip.tick_us
-    grids = _grids(scene.touches.latch_us[~scene.plc], tick)
-    on_grid = [[grid[0], 0.0, nearest] for grid in grids for nearest in (0.0, 1.0)]
+    pitches = whole_pitches(scene.touches.latch_us[~scene.plc], tick)
+    on_grid = [[pitch, 0.0, nearest] for pitch in pitches for nearest in (0.0, 1.0)]
     usual = on_grid + [
         [ratio * tick, origin * ratio * tick, 0.0]
         for ratio in (3.0, 10.0, 30.0)
@@ -267,7 +268,7 @@ def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose grids that deviations lie on, or coordinates: what is coarse shows its steps."""
     fine = scene.nominal.axis.resolution_um
     deviations = scene.touches.deviation_um
-    pitches = [grid[0] for grid in _grids(deviations, fine)] + _odd_pitch(deviations, fine)
+    pitches = [*whole_pitches(deviations, fine), *odd_pitch(deviations, fine)]
     grids = [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
     return [*grids, [BLURRED / 2.0 * fine, 1.0, 0.0]]
 
@@ -342,18 +343,11 @@ def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     # Where the scans bind the edges, the waits differ by far less than a period.
     width = max(float(np.ptp(np.quantile(waits, [0.01, 0.99]))), SHORTEST_PERIOD * believed)
     stamps = scene.touches.latch_us[stream.rows]
-    periods = [grid_period(stamps, guess) for guess in (width, believed)]
+    kept = (kept_grid(np.sort(stamps), ratio * believed, FEWEST_STAMPS) for ratio in OTHER_PERIODS)
+    far = [grid[0] for grid in kept if grid and grid[0] > SHORTEST_PERIOD * believed]
+    near = [grid_period(stamps, guess) for guess in (width, believed)]
+    periods = [sharpened(stamps, period) for period in (*near, *far)]
     return [*([period - believed] for period in periods), [width - believed], *coarse]
-
-
-def _grids(values: FloatArray, fine: float) -> Sequence[Sequence[float]]:
-    """Propose the coarsest grids on which nearly all values lie."""
-    steps = np.rint(values[~np.isnan(values)] / fine).astype(np.int64)
-    if not len(steps):
-        return [[2.0 * fine]]
-    most_off = 0.02 * len(steps)
-    on_grid = [k for k in range(2, 4097) if np.count_nonzero(steps % k) < most_off]
-    return [[k * fine] for k in (on_grid or [2])[-3:]]
 
 
 def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
@@ -387,16 +381,3 @@ def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
     in_order, guesses = np.sort(values), (guess / APART, guess, guess * APART)
     kept = [kept_grid(in_order, near, first=FEWEST_STAMPS) for near in guesses]
     return [(grid[0], grid[1] or 1.0) for grid in kept if grid]
-
-
-def _odd_pitch(values: FloatArray, fine: float) -> list[float]:
-    """Propose the grid, of no whole number of fine steps, that all values lie on; none for none."""
-    sizes = np.unique(np.abs(values[~np.isnan(values)]))
-    both_ways = np.unique([-sizes, sizes])  # a line of the grid is at 0
-    gaps = np.diff(sizes)
-    gaps = gaps[gaps > 0.5 * fine]
-    if len(both_ways) < FIRST or not len(gaps) or gaps.min() < MANY_STEPS * fine:
-        return []
-    pitch = grid_period(both_ways, float(gaps.min()))
-    off = np.abs(sizes - np.rint(sizes / pitch) * pitch)
-    return [pitch] if np.all(off < fine) else []

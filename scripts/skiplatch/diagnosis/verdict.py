@@ -14,6 +14,12 @@ CHANCE = 4.0
 """Standard errors from which on something is kept as evidence."""
 UNTOUCHED = 0.02
 """Share by which what is left may change by chance where a finding does nothing."""
+LIKELIER = 7.0
+"""Nats by which touches held out are likelier under a finding than without it from which on that is
+no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
+(2020) 16880, eq. 6)."""
+PART_OF_ALL = 0.1
+"""Share of the variance of an observable's gap that what is left of one kind has to be to count."""
 
 
 class Verdict(StrEnum):
@@ -42,6 +48,7 @@ class Evidence:
         at_limit: Parameters at an end of their range, as "effect.parameter".
         open: Parameters whose interval tells nothing, likewise.
         is_loose: The effects need all the slack there is.
+        nats: By how much likelier it makes touches that served neither fitting nor naming.
         is_confirmed: Plain simulation of them does better than the believed chain.
         false: Latches without a contact.
     """
@@ -56,6 +63,7 @@ class Evidence:
     at_limit: Sequence[str] = ()
     open: Sequence[str] = ()
     is_loose: bool = False
+    nats: float = 0.0
     is_confirmed: bool = True
     false: int = 0
 
@@ -97,16 +105,25 @@ def _shrinks(evidence: Evidence, threshold: float) -> str:
         for n, g in _clear(evidence).items()
         if g.shrink.low < threshold
     ]
+    if not _clear(evidence) and not _is_lost_no_more(evidence, threshold):
+        return "no gap is clear enough to tell that all of it is gone"
     return f"the gap shrinks for certain only: {', '.join(small)}" if small else ""
 
 
 def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
-    clear = _clear(evidence)
-    if any(gap.shrink.low > threshold for gap in clear.values()):
+    if _shrinks_for_certain(evidence, threshold) or evidence.nats > LIKELIER:
         return ""
-    if any(_share_gone(evidence, one) > threshold for one in evidence.before if one.is_share):
-        return ""
-    return "no gap shrinks for certain" if clear else "no gap is clear"
+    return "no gap shrinks for certain" if _clear(evidence) else "no gap is clear"
+
+
+def _shrinks_for_certain(evidence: Evidence, threshold: float) -> bool:
+    is_clear = any(gap.shrink.low > threshold for gap in _clear(evidence).values())
+    return is_clear or _is_lost_no_more(evidence, threshold)
+
+
+def _is_lost_no_more(evidence: Evidence, threshold: float) -> bool:
+    """Tell whether more than such a share of a gap in touches that were missed is gone."""
+    return any(_share_gone(evidence, one) > threshold for one in evidence.before if one.is_share)
 
 
 def _share_gone(evidence: Evidence, was: Left) -> float:
@@ -116,12 +133,8 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
     return 1.0 - now / was.relative
 
 
-def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
-    grown = [
-        name
-        for name, gap in _clear(evidence).items()
-        if gap.shrink.high < threshold and gap.after > (1.0 + UNTOUCHED) * gap.before
-    ]
+def _grows_nowhere(evidence: Evidence, _: float) -> str:
+    grown = [name for name, gap in _clear(evidence).items() if gap.grows]
     return f"the gap grows: {', '.join(grown)}" if grown else ""
 
 
@@ -162,25 +175,29 @@ def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
 
 def _takes_most(evidence: Evidence, threshold: float) -> str:
     for one in evidence.after:
-        left, was = _beside_before(evidence, one)
-        is_touched = abs(left - was) > UNTOUCHED * was
-        if one.z > CHANCE and is_touched and left**2 > threshold * was**2:
+        if one.z > CHANCE and _is_most(evidence, one, threshold):
             return (
                 f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
             )
     return ""
 
 
-def _beside_before(evidence: Evidence, left: Left) -> tuple[float, float]:
-    """Give the size of what is left, and of what was there: of its like, or else of any kind.
+def _is_most(evidence: Evidence, left: Left, threshold: float) -> bool:
+    """Tell whether what is left is much of what was there of its like, and something of it all.
 
-    Like is held against like in its own unit. What shows only once more than it is gone is held
-    against that, in terms of noise.
+    Like is held against like in its own unit: a wave that stays is not made small by a scatter that
+    was larger. What shows only once more than it is gone is held against that, in terms of noise.
     """
     there = [one for one in evidence.before if one.is_of(left)]
-    if like := [one.size for one in there if one.is_like(left)]:
-        return left.size, max(like)
-    return left.relative, max((one.relative for one in there), default=0.0)
+    like = [one.size for one in there if one.is_like(left)]
+    now, whole = (
+        (left.size, max(one.size for one in there))
+        if like
+        else (left.relative, max((one.relative for one in there), default=0.0))
+    )
+    was = max(like, default=whole)
+    is_touched = abs(now - was) > UNTOUCHED * was
+    return is_touched and now**2 > max(threshold * was**2, PART_OF_ALL * whole**2)
 
 
 EXPLAINS: Sequence[Rule] = (
@@ -217,7 +234,12 @@ NAMES: Sequence[Rule] = (
         "a level: of something that is named for certain; lower end of the interval",
         _shrinks_somewhere,
     ),
-    Rule("grows_nowhere", 0.0, "theory: a right name makes no gap larger", _grows_nowhere),
+    Rule(
+        "grows_nowhere",
+        0.0,
+        "theory: a right name makes no gap larger than its own plays do",
+        _grows_nowhere,
+    ),
     Rule(
         "chance_is_chance",
         CHANCE,
