@@ -20,10 +20,13 @@ def program_of(folder: Path, text: str) -> Path:
 
 
 def run(program: Path, folder: Path, *more: str, truth: Path = LOCATIONS) -> Result:
+    return evaluated(program, folder, "--truth", str(truth), *more)
+
+
+def evaluated(program: Path, folder: Path, *more: str) -> Result:
     files = {"--html": "log.html", "--memory": "store.bin", "--json": "out.json"}
     options = [text for flag, name in files.items() for text in (flag, str(folder / name))]
-    arguments = ["kinematics", "run", str(program), "--truth", str(truth), *options, *more]
-    return CliRunner().invoke(group, arguments)
+    return CliRunner().invoke(group, ["kinematics", "run", str(program), *options, *more])
 
 
 def axes_of(path: Path) -> tuple[RotaryAxis, ...]:

@@ -1,10 +1,14 @@
 """Three lobes of a map, wherever the artefact stood."""
 
+import re
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from skiplatch.cli import group
 from skiplatch.compensation.lobes import Lobes, three_lobes
 from skiplatch.compensation.probe_map import read_map
 
@@ -53,3 +57,21 @@ def test_an_artefact_off_centre_does_not_change_the_lobes(
     assert off.azimuth_deg == pytest.approx(CREST_DEG, abs=1.0)
     moved = np.subtract(off.off_centre_um, at_centre.off_centre_um)
     assert moved.tolist() == pytest.approx([4.0, -3.0, 2.0], abs=1e-4)
+
+
+@pytest.mark.parametrize("x_um", [0.0, 5.0])
+def test_radii_about_another_centre_are_warned_of(tmp_path: Path, x_um: float) -> None:
+    """A table of them would make up for where the artefact stood, on every other artefact too."""
+    found(tmp_path, (x_um, 0.0, 0.0), 20.0, EVEN_DEG)
+    made = [str(tmp_path / name) for name in ("radii.csv", "table.csv")]
+    arguments = ["compensate", made[0], "--v0", "100", "--tau", "12.68", "--out", made[1]]
+
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        result = CliRunner().invoke(group, arguments)
+
+    assert result.exit_code == 0, result.output
+    told = [re.search(r"off by X \+(\S+),.*the feeds make up", str(one.message)) for one in caught]
+    off_um = [float(one[1]) for one in told if one]
+    assert off_um == pytest.approx([x_um] if x_um else [], abs=0.1)
+    assert len(told) == len(off_um)

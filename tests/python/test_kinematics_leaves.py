@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from kinematics_programs import program_of, run
+from kinematics_programs import evaluated, program_of, run
 from kinematics_sweep import judge
 from measured_machines import ALL_KINDS, name_of
 from rotary_machines import Kind
@@ -71,3 +71,23 @@ def test_modes_2_and_3_never_leave_more_than_mode_1(kind: Kind) -> None:
 
     assert max(one.more_um for one in judged) == 0.0
     assert max(one.left_um for one in judged) < 5.0
+
+
+def test_a_tip_that_nobody_told_is_found_where_a_moved_datum_has_it(tmp_path: Path) -> None:
+    """Mode 3 turns the zero of C with A at 45°: the tip has to be found with C as it shows then."""
+    machine, truth = tmp_path / "machine.toml", tmp_path / "truth.toml"
+    machine.write_text(FORK_HEAD.replace("tool_mm = [0, 0, 0]\n", ""), encoding="utf-8")
+    truth.write_text(FORK_HEAD_TRUTH, encoding="utf-8")
+    points = ("--machine", str(machine), "--points", str(tmp_path / "points.csv"))
+    run(program_of(tmp_path, PROGRAM.format(mode=0, incidence=45)), tmp_path, *points, truth=truth)
+    recorded = ("--machine", str(machine), "--from-points", str(tmp_path / "points.csv"))
+    left_um = {}
+    for mode in (2, 3):
+        program = program_of(tmp_path, PROGRAM.format(mode=mode, incidence=45))
+        result = evaluated(program, tmp_path, *recorded)
+        assert result.exit_code == 0, result.output
+        axes = json.loads((tmp_path / "out.json").read_text())["runs"][0]["axes"]
+        left_um[mode] = [axes[letter]["scatter_after_um"] for letter in "AC"]
+
+    assert max(left_um[2]) < 1.5
+    assert left_um[3] == pytest.approx(left_um[2], abs=0.05)

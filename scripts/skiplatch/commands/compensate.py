@@ -34,7 +34,7 @@ from skiplatch.compensation.formats import (
     table_csv,
 )
 from skiplatch.compensation.from_campaign import Recorded, recorded
-from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures
+from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures, warn_off_centre
 from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
 from skiplatch.compensation.uncertainty import Inputs, Uncertainty, assess
@@ -270,10 +270,13 @@ def _result(radii: Path | None, given: Mapping[str, Any]) -> _Result:
         feed_error=(given["feed_error"] or 0.0) / PER_CENT,
     )
     after_map = _after(given)
+    figures, known = probe_figures(probe_map), assess(done, inputs, seed=given["seed"])
+    if radii is not None:
+        warn_off_centre(figures, known.vr_before_expanded_um, radii)
     return _Result(
         done=done,
-        figures=probe_figures(probe_map),
-        known=assess(done, inputs, seed=given["seed"]),
+        figures=figures,
+        known=known,
         after_map=after_map,
         after=None if after_map is None else probe_figures(after_map),
     )

@@ -4,7 +4,10 @@ They are ranges and a standard deviation of trigger radii about the best-fit cen
 The standard's own procedures, with its points, feeds and approach lengths, are not claimed.
 """
 
+import math
+import warnings
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +16,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.lobes import Lobes, three_lobes
 from skiplatch.compensation.probe_map import ProbeMap
+from skiplatch.errors import CampaignWarning
 
 BASE_UM = 1e4
 """Laid under the radii for the fit of a centre, where only their differences were given."""
@@ -75,6 +79,27 @@ def probe_figures(probe_map: ProbeMap) -> ProbeFigures:
         sphere=_form(probe_map, everything, None) if is_sphere else None,
         lobes=three_lobes(probe_map),
     )
+
+
+def warn_off_centre(figures: ProbeFigures, expanded_um: float, path: Path) -> None:
+    """Tell of radii about a centre beside the probe's axis: the feeds would make up for that too.
+
+    Along the axis a probe's own pretravel looks like a centre that is off, and nothing is said.
+
+    Args:
+        figures: Of the map that feeds were made of; of a single run nobody knows the scatter.
+        expanded_um: U of its range, k = 2, which the centre has to be off by.
+        path: Where the map came from.
+    """
+    if figures.lobes is None or figures.repeatability_um is None:
+        return
+    x_um, y_um, _ = figures.lobes.off_centre_um
+    if math.hypot(x_um, y_um) > expanded_um:
+        message = (
+            f"the best-fit centre is off by X {x_um:+.2f}, Y {y_um:+.2f} um: the feeds make up for "
+            "where the artefact stood as well; give radii about that centre"
+        )
+        warnings.warn(CampaignWarning(path, None, "radius_um", message), stacklevel=2)
 
 
 def _rings(probe_map: ProbeMap) -> list[NDArray[np.intp]]:

@@ -115,7 +115,8 @@ def _singles(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
     best = ranked[0] if ranked else None
     if not may_begin(best) and not (best and judge.scatters(best, 0)):
         return ranked
-    begun = [scored for scored in judge.passing(ranked) if not passes(scored)]
+    least = best.score + TIED if best else 0.0  # one that lasts will do as well
+    begun = [one for one in judge.passing(ranked) if one.score > least and not passes(one)]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)
 
 

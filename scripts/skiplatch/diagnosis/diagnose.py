@@ -301,12 +301,12 @@ def _conclusion(
     scene = work.scene
     rig = work.rig(finding.model.fit) if finding.model else believed
     known = work.rig(finding.small.fit) if finding.small else rig
-    after = before if known is believed else work.left(scene, known)
     named = _named(scene.with_nominal(rig.nominal), finding)
     true_rig = None if truth is None else replace(rig, effects=truth)
     odd = outliers(scene, known, seed=work.seed)
     # What is far off all that can be played says nothing of one rig or the other.
     usual = ~np.isin(scene.touches.touch, odd)
+    after = before if known is believed else work.left(scene.select(usual) if odd else scene, known)
 
     def gaps(rows: BoolArray, after: Rig | Folds) -> Mapping[str, Gap]:
         rows = rows & usual

@@ -14,7 +14,7 @@ FIRST = 6
 """Stamps that a first, coarse search looks at."""
 KEPT = 40
 """Times as many periods a search leaves to the next, finer one."""
-FEWEST = 3
+FEWEST = 2
 """Stamps that do where they are far apart; many periods are left then."""
 KEPT_OF_FEW = 180_000
 """So many over the square of the stamps."""
@@ -23,6 +23,9 @@ MOST_PERIODS = 1_000_000
 REFINEMENTS = 6
 ACCIDENT = 1e-3
 """Chance of stamps anywhere to keep a grid."""
+FITTED = 2
+"""Stamps that the period and the place of a grid are fitted to."""
+SMALLEST = 1e-9
 FINER = np.linspace(-1.0, 1.0, 9)
 NEAR = 6.0
 """Median deviations from the middle of a grid within which stamps are on it."""
@@ -99,8 +102,8 @@ def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:
 def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, float] | None:
     """Find the grid that stamps keep by no accident: its period, and where it lies, a share of it.
 
-    None where the best of so many periods may well agree with them so well by chance, by Rayleigh's
-    test of each.
+    None where the best of so many periods may well agree with them so well by chance: by Rayleigh's
+    test of each, or by how narrow a stretch of the period all of them lie in.
 
     Args:
         stamps: Shape (n,), n ≥ first, sorted.
@@ -110,7 +113,9 @@ def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, floa
     period = grid_period(stamps, guess, first)
     turn = mean_turn(stamps, period)
     tries = 1.0 + np.ptp(stamps) * 2.0 * MARGIN / guess
-    if len(stamps) * np.abs(turn) ** 2 < np.log(tries / ACCIDENT):
+    stretch = 2.0 * float(np.abs(off_grid(stamps, period)).max()) / period
+    all_in_it = -(len(stamps) - FITTED) * np.log(max(stretch, SMALLEST))
+    if max(len(stamps) * np.abs(turn) ** 2, all_in_it) < np.log(tries / ACCIDENT):
         return None
     return period, float(np.angle(turn)) / (2.0 * np.pi) % 1.0
 

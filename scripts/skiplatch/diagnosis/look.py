@@ -241,11 +241,6 @@ def normal_scores(recorded: FloatArray, played: FloatArray) -> FloatArray:
     return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
 
 
-def _scores_of_each(played: FloatArray) -> list[FloatArray]:
-    """Rank each play, of shape (r, n), among the others."""
-    return [normal_scores(play, np.delete(played, k, axis=0)) for k, play in enumerate(played)]
-
-
 class Look:
     """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m)."""
 
@@ -271,7 +266,8 @@ class Look:
         self._setting, self._name, self._path, self._rows = setting, name, path, rows
         self._step = setting.step(name)
         self._played = np.round(played[:, rows], DIGITS)
-        self._scores = normal_scores(np.round(recorded[rows], DIGITS), self._played)
+        self._recorded = np.round(recorded[rows], DIGITS)
+        self._scores = normal_scores(self._recorded, self._played)
         self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
         self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
         self._scale = np.maximum(self._noise, setting.repeats_to(name))
@@ -287,7 +283,10 @@ class Look:
 
     def everywhere(self) -> Iterator[Left]:
         """Compare middle and scatter of the scores with those of plays among the others."""
-        others = _scores_of_each(self._played)
+        others = [
+            normal_scores(play, np.delete(self._played, k, axis=0))
+            for k, play in enumerate(self._played)
+        ]
         for kind, power in (("shift", 1), ("scatter", 2)):
             usual = np.array([np.nanmean(scores**power) for scores in others])
             size = float(np.mean(self._scores**power) - usual.mean())
@@ -304,12 +303,15 @@ class Look:
 
         A wait that is bound to one point of the scan may scatter no more than any, about the same
         middle. Of noise the shape is not known so well. All touches of a play share the phase of
-        its scans, as those recorded do: where these fall is held against touches of many plays.
+        its scans, as those recorded do: where these fall is held against touches of any plays.
         """
-        rng = np.random.default_rng(self._setting.seed)
-        others = _scores_of_each(rng.permuted(self._played, axis=0))
-        usual = np.array([_from_normal(scores) for scores in others])
-        off = _from_normal(self._scores) - float(usual.mean())
+        middle = np.nanmean(self._played, axis=0)
+        plays = (self._played - middle) / self._noise
+        pool = np.sort(plays[~np.isnan(plays)])
+        some = np.random.default_rng(self._setting.seed).permuted(plays, axis=0)
+        usual = np.array([_from_normal(_among(pool, play)) for play in some])
+        recorded = (self._recorded - middle) / self._noise
+        off = _from_normal(_among(pool, recorded)) - float(usual.mean())
         error = max(float(usual.std(ddof=1)), SMALLEST)
         size, relative = (
             max(off, 0.0) * float(np.median(values))
@@ -427,6 +429,13 @@ def _wave(
     chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
     z = float(stats.norm.isf(np.clip(chance, 1e-300, 0.5)))
     return 1.0 / float(frequencies[best]), share, z
+
+
+def _among(pool: FloatArray, values: FloatArray) -> FloatArray:
+    """Rank values, shape (m,), among a sorted pool; NaN stays."""
+    below, upto = (np.searchsorted(pool, values, side) for side in ("left", "right"))
+    share = (0.5 * (below + upto) + 0.5) / (len(pool) + 1.0)
+    return np.where(np.isnan(values), np.nan, stats.norm.ppf(share))
 
 
 def _from_normal(scores: FloatArray) -> float:

@@ -149,6 +149,13 @@ def _shown_more_deg(before: Machine, after: Machine) -> FloatArray:
     return more_deg
 
 
+def _shown(measured: Measured, machine: Machine, more_deg: FloatArray) -> Measured:
+    """Give the positions as the axes show them after a change of datums."""
+    points, order = measured.points, [LETTERS.index(letter) for letter in machine.letters]
+    shown = replace(points, angles_deg=points.angles_deg + more_deg[order])
+    return replace(measured, points=shown)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
     """What a correction leaves at the stations.
@@ -305,9 +312,9 @@ def _see(
     measured: Measured,
     correction: Correction,
 ) -> _Seen:
-    corrected = _with_tip(correction.machine, measured)
-    shown_deg = stations.angle_deg + _shown_more_deg(machine, corrected)
-    corrected_stations = replace(stations, angle_deg=shown_deg)
+    more_deg = _shown_more_deg(machine, correction.machine)
+    corrected = _with_tip(correction.machine, _shown(measured, machine, more_deg))
+    corrected_stations = replace(stations, angle_deg=stations.angle_deg + more_deg)
     expected = Expectation(
         before_mm=_expected(machine, truth, stations),
         after_mm=_expected(corrected, truth, corrected_stations),
