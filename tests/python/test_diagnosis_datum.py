@@ -136,8 +136,9 @@ def test_a_datum_of_each_session_takes_up_what_changes_between_them() -> None:
     later_um = np.where(by_session.touches.session == 1, 7.0, 2.0)
 
     assert fitted(moved(by_session, later_um)) == {
-        "session before": pytest.approx(2.0, abs=0.1),
-        "session after": pytest.approx(7.0, abs=0.1),
+        f"{axis} session {when}": pytest.approx(um, abs=0.1)
+        for axis in "XYZ"
+        for when, um in (("before", 2.0), ("after", 7.0))
     }
 
 

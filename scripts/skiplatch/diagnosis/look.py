@@ -221,6 +221,17 @@ class Setting:
             wait = np.where(scene.has_stamps, 0.0, wait * scene.speed)
         return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
 
+    def before_wait(self, observable: str) -> tuple[FloatArray, FloatArray]:
+        """Give what an observable is expected to be where a scan begins at once; shape (n,).
+
+        And by how much a µs of wait adds to it, in its unit.
+        """
+        scene = self.scene
+        if observable == "position":
+            return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
+        is_from_contact = np.isnan(scene.touches.edge_us)
+        return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
+
     def step(self, observable: str) -> float:
         """Give what an observable is rounded to, in its unit."""
         chain = self.scene.nominal
@@ -305,12 +316,12 @@ class Look:
         middle. Of noise the shape is not known so well. All touches of a play share the phase of
         its scans, as those recorded do: where these fall is held against touches of any plays.
         """
-        middle = np.nanmean(self._played, axis=0)
-        plays = (self._played - middle) / self._noise
-        pool = np.sort(plays[~np.isnan(plays)])
-        some = np.random.default_rng(self._setting.seed).permuted(plays, axis=0)
-        usual = np.array([_from_normal(_among(pool, play)) for play in some])
-        recorded = (self._recorded - middle) / self._noise
+        before, unit = (v[self._rows] for v in self._setting.before_wait(self._name))
+        waits = (self._played - before) / unit
+        pool = np.sort(waits[~np.isnan(waits)])
+        some = np.random.default_rng(self._setting.seed).permuted(waits, axis=0)
+        usual = np.array([_from_normal(_among(pool, wait)) for wait in some])
+        recorded = (self._recorded - before) / unit
         off = _from_normal(_among(pool, recorded)) - float(usual.mean())
         error = max(float(usual.std(ddof=1)), SMALLEST)
         size, relative = (

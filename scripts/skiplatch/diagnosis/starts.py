@@ -7,7 +7,14 @@ from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid import MARGIN, folded, grid_period, kept_grid, sharpened
+from skiplatch.diagnosis.grid import (
+    MARGIN,
+    folded,
+    grid_period,
+    kept_grid,
+    mean_turn,
+    sharpened,
+)
 from skiplatch.diagnosis.laws import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.lines import FAR_APART
 from skiplatch.diagnosis.pitches import MANY_STEPS, odd_pitch, whole_pitches
@@ -30,6 +37,8 @@ FEWEST_LATE = 3
 FEWEST_FEEDS = 2
 APART = (1.0 + MARGIN) / (1.0 - MARGIN)
 """Factor between guesses of a period that leave none out between them."""
+WELL_KEPT = 0.95
+"""Length of the mean turn of stamps that keep a grid, from which on no other is looked for."""
 OTHER_PERIODS = tuple(APART**k for k in (-3, -2, -1, 1, 2, 3))
 """Of the scan, over the believed one, about which a grid is looked for."""
 SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
@@ -343,11 +352,16 @@ def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     # Where the scans bind the edges, the waits differ by far less than a period.
     width = max(float(np.ptp(np.quantile(waits, [0.01, 0.99]))), SHORTEST_PERIOD * believed)
     stamps = scene.touches.latch_us[stream.rows]
-    kept = (kept_grid(np.sort(stamps), ratio * believed, FEWEST_STAMPS) for ratio in OTHER_PERIODS)
-    far = [grid[0] for grid in kept if grid and grid[0] > SHORTEST_PERIOD * believed]
     near = [grid_period(stamps, guess) for guess in (width, believed)]
+    far = [] if np.abs(mean_turn(stamps, near[1])) > WELL_KEPT else _far_periods(stamps, believed)
     periods = [sharpened(stamps, period) for period in (*near, *far)]
     return [*([period - believed] for period in periods), [width - believed], *coarse]
+
+
+def _far_periods(stamps: FloatArray, believed: float) -> list[float]:
+    """Propose grids of periods far from the believed one."""
+    found = [grid_period(stamps, ratio * believed, FEWEST_STAMPS) for ratio in OTHER_PERIODS]
+    return [period for period in found if period > SHORTEST_PERIOD * believed]
 
 
 def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
