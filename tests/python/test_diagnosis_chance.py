@@ -8,6 +8,7 @@ from played_campaigns import MACHINE, played
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.diagnosis.chance import chance_of
+from skiplatch.diagnosis.leftover import Beside
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
@@ -19,9 +20,13 @@ BOUNCE = Effect("contact_bounce", {"probability": SHARE, "least_us": LATE_US})
 
 
 def told(campaign: Campaign, *effects: Effect) -> list[Left]:
-    found, believed = Rig(campaign.nominal, effects), Rig(campaign.nominal)
-    looks = chance_of(Scene.of(campaign), found, believed, seed=1)
-    return [one for one in looks if one.z > CHANCE]
+    return [one for one in looks(campaign, *effects) if one.z > CHANCE]
+
+
+def looks(campaign: Campaign, *effects: Effect) -> list[Left]:
+    scene = Scene.of(campaign)
+    rigs = (Rig(campaign.nominal, effects), Rig(campaign.nominal))
+    return chance_of(*(Beside.of(scene, rig, seed=1) for rig in rigs))
 
 
 def late(campaign: Campaign, rows: BoolArray) -> Campaign:
@@ -68,11 +73,7 @@ def test_what_leaves_nothing_more_to_chance_cannot_be_told_of() -> None:
     campaign = in_order()
     delay = Effect("trigger_delay", {"delay_us": 400.0})
 
-    looks = chance_of(
-        Scene.of(campaign), Rig(campaign.nominal, [delay]), Rig(campaign.nominal), seed=1
-    )
-
-    assert looks == []
+    assert looks(campaign, delay) == []
 
 
 def test_only_the_path_on_which_it_scatters_is_looked_at() -> None:

@@ -11,7 +11,7 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Status, Touches
-from skiplatch.diagnosis.leftover import MISSED, left_over, noticed
+from skiplatch.diagnosis.leftover import MISSED, Beside, left_over, noticed
 from skiplatch.diagnosis.look import EVERYWHERE, FEWEST, RESOLVED, Left, Memo, normal_scores
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.playing import Rig
@@ -22,7 +22,7 @@ Disturbed = Callable[[Touches], FloatArray]
 
 
 def looks(campaign: Campaign, memo: Memo | None = None, seed: int = 1) -> list[Left]:
-    return left_over(Scene.of(campaign), Rig(campaign.nominal), seed=seed, memo=memo)
+    return left_over(Beside.of(Scene.of(campaign), Rig(campaign.nominal), seed=seed), memo)
 
 
 def mattering(campaign: Campaign) -> list[Left]:
@@ -60,7 +60,7 @@ def test_touches_are_played_after_those_that_are_not_looked_at() -> None:
     campaign = played(BENCH, clock)
     some = Scene.of(campaign).select(np.random.default_rng(2).random(len(campaign.touches)) < 0.6)
 
-    found = left_over(some, Rig(campaign.nominal, [clock]), seed=1)
+    found = left_over(Beside.of(some, Rig(campaign.nominal, [clock]), seed=1))
 
     assert not [one for one in found if one.is_significant and one.is_material(DEFAULT)]
 

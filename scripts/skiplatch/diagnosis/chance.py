@@ -13,24 +13,18 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.judge import MORE_VARIANCE
 from skiplatch.diagnosis.leftover import Beside
 from skiplatch.diagnosis.look import FEWEST, Left
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
 
 SMALLEST = 1e-9
 
 
-def chance_of(scene: Scene, found: Rig, believed: Rig, *, seed: int, jobs: int = 1) -> list[Left]:
+def chance_of(found: Beside, believed: Beside) -> list[Left]:
     """Look for what tells how the chance of a finding fell; all of it, the most significant first.
 
     Args:
-        scene: The touches.
-        found: The rig with the effects.
-        believed: The rig without them.
-        seed: Of the plays and of the forests.
-        jobs: Threads to play on.
+        found: The touches beside plays of the rig with the effects.
+        believed: The same without them.
     """
-    beside, before = (Beside.of(scene, rig, seed=seed, jobs=jobs) for rig in (found, believed))
-    looks = [left for look in _looks(beside, before) for left in look]
+    looks = [left for look in _looks(found, believed) for left in look]
     return sorted(looks, key=lambda left: -left.z)
 
 

@@ -22,7 +22,13 @@ from skiplatch.diagnosis.directions import UNDIRECTED
 from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates, settled
 from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
-from skiplatch.diagnosis.leftover import NOTICED, left_over, noticed, streams_of
+from skiplatch.diagnosis.leftover import (
+    NOTICED,
+    Beside,
+    left_over,
+    noticed,
+    streams_of,
+)
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import DEFAULT, Materiality
@@ -167,6 +173,7 @@ class _Work:
         self.judge: Judge | None = None
         self._memo: Memo = {}
         self._rigs: dict[tuple[object, ...], Rig] = {}
+        self._besides: dict[int, tuple[Rig, Beside]] = {}
         self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
 
     def rig(self, fit: Fit | None) -> Rig:
@@ -199,7 +206,15 @@ class _Work:
 
     def left(self, scene: Scene, rig: Rig) -> list[Left]:
         """Look for what a rig leaves of touches."""
-        return left_over(scene, rig, seed=self.seed, jobs=self.jobs, memo=self._memo)
+        return left_over(self.beside(scene, rig), self._memo)
+
+    def beside(self, scene: Scene, rig: Rig) -> Beside:
+        """Play a rig beside touches; all of them are looked at more than once."""
+        if scene is not self.scene:
+            return Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        if id(rig) not in self._besides:
+            self._besides[id(rig)] = rig, Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        return self._besides[id(rig)][1]
 
     def noticed(self, model: Scored) -> frozenset[str]:
         """Name the streams in which a hypothesis leaves what is worth a search."""
@@ -315,7 +330,8 @@ def _conclusion(
     everywhere = np.full(len(scene), fill_value=True)
     gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
     hidden = could_hide(scene, known, seed=work.seed)
-    told = chance_of(scene, rig, believed, seed=work.seed, jobs=work.jobs) if finding.model else []
+    played = [work.beside(scene, one) for one in (rig, believed)] if finding.model else []
+    told = chance_of(*played) if played else []
     evidence = Evidence(
         gaps=gap,
         chance=_mattering(told, work.materiality),

@@ -43,19 +43,13 @@ USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
 
 
-def left_over(
-    scene: Scene, rig: Rig, *, seed: int, jobs: int = 1, memo: Memo | None = None
-) -> list[Left]:
-    """Look for all that a rig leaves of a scene; all that was tried, the most significant first.
+def left_over(beside: "Beside", memo: Memo | None = None) -> list[Left]:
+    """Look for all that is left of touches; all that was tried, the most significant first.
 
     Args:
-        scene: The touches.
-        rig: What to play.
-        seed: Of the plays and of the forests.
-        jobs: Threads to play on.
+        beside: The touches beside plays of them.
         memo: What was found of other rigs, to be looked up and added to.
     """
-    beside = Beside.of(scene, rig, seed=seed, jobs=jobs)
     memo = {} if memo is None else memo
     found: list[Left] = []
     for path, here in beside.paths.items():
@@ -64,7 +58,7 @@ def left_over(
             if seen.sum() >= FEWEST:
                 found += beside.look(name, path, seen).all(memo)
         found += _missing(beside.setting, path, here, beside.outcomes)
-        found += _steps(beside.setting, path, here, rig)
+        found += _steps(beside.setting, path, here, beside.resolution_um)
     return sorted(found, key=lambda left: -left.z)
 
 
@@ -77,16 +71,25 @@ class Beside:
         outcomes: The plays.
         recorded: Shape (n,), by observable.
         played: Shape (r, n), by observable.
+        resolution_um: What the rig played rounds positions to.
     """
 
     setting: Setting
     outcomes: Outcomes
     recorded: Mapping[str, FloatArray]
     played: Mapping[str, FloatArray]
+    resolution_um: float
 
     @classmethod
-    def of(cls, scene: Scene, rig: Rig, *, seed: int, jobs: int) -> Self:
-        """Play the touches of a scene; some of them, if there are many."""
+    def of(cls, scene: Scene, rig: Rig, *, seed: int, jobs: int = 1) -> Self:
+        """Play the touches of a scene; some of them, if there are many.
+
+        Args:
+            scene: The touches.
+            rig: What to play.
+            seed: Of the plays, and of the forests that look at them.
+            jobs: Threads to play on.
+        """
         if len(scene) > MOST_TOUCHES:
             some = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
             scene = scene.select(np.sort(some))
@@ -94,7 +97,7 @@ class Beside:
         sequence, rows = scene.in_sequence(MOST_PLAYED)
         outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
         apart = _without_rests(scene, *_dithered(scene, rig, outcomes, seed))
-        return cls(Setting(scene, seed), outcomes, *apart)
+        return cls(Setting(scene, seed), outcomes, *apart, rig.resolution_um)
 
     @property
     def paths(self) -> Mapping[str, BoolArray]:
@@ -183,9 +186,9 @@ def _without_rests(
     )
 
 
-def _steps(setting: Setting, path: str, here: BoolArray, rig: Rig) -> Iterator[Left]:
-    """Look whether positions are rounded to more than the rig's resolution: they show its lines."""
-    scene, fine_um = setting.scene, rig.resolution_um
+def _steps(setting: Setting, path: str, here: BoolArray, fine_um: float) -> Iterator[Left]:
+    """Look whether positions are rounded to more than a rig's resolution: they show its lines."""
+    scene = setting.scene
     deviation_um = np.where(here, scene.touches.deviation_um, np.nan)
     coordinate_um = np.where(here, scene.latched_mm * UM_PER_MM, np.nan)
     for values in (deviation_um, coordinate_um):
