@@ -29,7 +29,7 @@ C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
 PYTHON_FOLDERS := scripts $(wildcard tests hal)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
                   $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
-                             tests/gap/*.py tests/bench/*.py tests/boards/*.py hal/ports/*/tests/*.py)
+                             tests/withheld/*.py tests/bench/*.py tests/boards/*.py hal/ports/*/tests/*.py)
 SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh hal/ports/*/*.sh) .ci/run
 
 object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)
