@@ -45,32 +45,32 @@ TEXT = """\
 
 What the firmware takes, in bytes, written by `make size RECORD=yes`. `make lint` compares every
 change with it and refuses growth beyond {margin_bytes} bytes or {margin_percent} %, whichever is
-more: a change that is worth it is recorded in the same commit.
+more. A change that is worth it is recorded in the same commit.
 
 | board | what | flash | RAM | stack |
 |---|---|---|---|---|
 {rows}
 
-* **program** is the whole firmware of the board, linked: code, constants and initial values;
-  variables; the deepest path of the task and, on top of it, of the interrupts that can come
-  together. On an AVR that is one interrupt, beside such as let others in; on a Cortex-M all of
-  them, each with the nine words that the processor may push, and on a RISC-V all of them, too: a
-  bound, as some share a priority.
+* **program** is the whole firmware of the board, linked. Flash is code, constants and initial
+  values; RAM is variables. Stack is the deepest path of the task and, on top of it, of the
+  interrupts that can come together. On an AVR that is one interrupt, beside such as let others in.
+  On a Cortex-M it is all of them, each with the nine words that the processor may push. On a RISC-V
+  it is all of them, too. That is a bound, as some share a priority.
 * A **NAME program** is a second one, of `main_NAME.c`, for a chip that does nothing else.
 * **input**, **report**, **cycle**, **inject** are the folders of `firmware/`, all that is compiled,
   whether a board needs it or not. RAM is one of each structure that a caller owns
-  (`tests/boards/one_of_each.c`); stack is the deepest path inside the folder, 0 where the program
+  (`tests/boards/one_of_each.c`). Stack is the deepest path inside the folder, 0 where the program
   uses nothing of it.
 * **input + report** is what latching on both paths and reporting take in that program. Goal on an
   AVR: {goal_flash} of flash, {goal_ram} of RAM. Flash is without what only a receiver of records
-  uses (the decoder), which is not linked; RAM is `skip_input_t`, `plc_task_t` and `latch_report_t`.
+  uses (the decoder), which is not linked. RAM is `skip_input_t`, `plc_task_t` and `latch_report_t`.
 
 A board that has no folder in `hal/ports` is another one's port compiled for that core (OTHER_CORES
 in its `board.mk`), to keep it portable. With its floating-point unit on, a Cortex-M4F pushes up to
 18 words more at each interrupt.
 
-Stack comes from `-fstack-usage` and the call graph of the linked program (`scripts/call_graph.py`);
-a tail call is counted as a call, so it too is a bound.
+Stack comes from `-fstack-usage` and the call graph of the linked program (`scripts/call_graph.py`).
+A tail call is counted as a call, so it too is a bound.
 
 Compiled with:
 
