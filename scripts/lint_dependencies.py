@@ -24,9 +24,9 @@ FAMILIES = tuple(
 ROOMS: dict[str, set[str]] = {
     r"firmware/comp/": {"own"},
     r"firmware/inject/": {"own"},
-    r"firmware/report/": {"own", "hal/include/"},
+    r"firmware/report/": {"own", "firmware/input/", "hal/include/"},
     r"firmware/transmission/": {"own", "firmware/comp/", "hal/include/"},
-    r"firmware/input/": {"own", "firmware/report/", "hal/include/"},
+    r"firmware/input/": {"own", "hal/include/"},
     r"firmware/cycle/": {
         "own",
         "firmware/comp/",

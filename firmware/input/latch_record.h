@@ -1,6 +1,6 @@
 /* What is known of one latched touch: the record that travels from the input to the recorder. */
-#ifndef REPORT_LATCH_RECORD_H
-#define REPORT_LATCH_RECORD_H
+#ifndef INPUT_LATCH_RECORD_H
+#define INPUT_LATCH_RECORD_H
 
 #include <stdint.h>
 
