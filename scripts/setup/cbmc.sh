@@ -12,9 +12,9 @@ suite=trixie
 # The checker, and the libraries that ldd names of it.
 packages="cbmc libc6 libstdc++6 libgcc-s1 zlib1g minisat"
 
-scripts=$(cd "$(dirname "$0")" && pwd)
-# shellcheck source=scripts/apt_aside.sh
-. "$scripts/apt_aside.sh"
+scripts=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/setup/apt_aside.sh
+. "$scripts/setup/apt_aside.sh"
 target=$(dirname "$scripts")/build/cbmc
 launcher=$target/cbmc
 

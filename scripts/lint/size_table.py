@@ -69,8 +69,8 @@ A board that has no folder in `hal/ports` is another one's port compiled for tha
 in its `board.mk`), to keep it portable. With its floating-point unit on, a Cortex-M4F pushes up to
 18 words more at each interrupt.
 
-Stack comes from `-fstack-usage` and the call graph of the linked program (`scripts/call_graph.py`).
-A tail call is counted as a call, so it too is a bound.
+Stack comes from `-fstack-usage` and the call graph of the linked program
+(`scripts/lint/call_graph.py`). A tail call is counted as a call, so it too is a bound.
 
 Compiled with:
 

@@ -9,9 +9,9 @@ suite=trixie
 version=2.5.3+git40-g379a9a8-2
 sha256=166e45090937251892363d10860b5e7aa5353d5553fde2cbaba514760ba3785e
 
-scripts=$(cd "$(dirname "$0")" && pwd)
-# shellcheck source=scripts/apt_aside.sh
-. "$scripts/apt_aside.sh"
+scripts=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/setup/apt_aside.sh
+. "$scripts/setup/apt_aside.sh"
 
 say() { printf 'setup_cmock: %s\n' "$*"; }
 
@@ -25,7 +25,7 @@ has_candidate() {
 
 [ -f /usr/share/cmock/lib/cmock.rb ] && exit 0
 
-"$scripts/setup_system.sh" test
+"$scripts/setup/system.sh" test
 
 has_candidate || as_root apt-get -qq -o DPkg::Lock::Timeout=300 update
 if has_candidate; then

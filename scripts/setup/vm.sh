@@ -11,9 +11,9 @@ meta=linux-image-amd64
 # What tests/bench/vm_init.sh loads; gpio-sim pulls in what else the kernel makes a module.
 modules="virtio_pci 9pnet_virtio 9p vcan can-raw can-dev sch_tbf gpio-sim"
 
-scripts=$(cd "$(dirname "$0")" && pwd)
-# shellcheck source=scripts/apt_aside.sh
-. "$scripts/apt_aside.sh"
+scripts=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/setup/apt_aside.sh
+. "$scripts/setup/apt_aside.sh"
 vm=$(dirname "$scripts")/build/vm
 
 say() { printf 'setup_vm: %s\n' "$*"; }
@@ -24,7 +24,7 @@ skip() {
 }
 
 [ "$(uname -m)" = x86_64 ] || skip "the virtual machine of the bench needs an x86_64 host"
-"$scripts/setup_system.sh" vm rig || skip "no qemu-system-x86, or busybox-static to be had here"
+"$scripts/setup/system.sh" vm rig || skip "no qemu-system-x86, or busybox-static to be had here"
 wanted=$vm/wanted # with which modules it was made
 [ ! -f "$vm/version" ] || [ "$(cat "$wanted" 2>/dev/null)" != "$modules" ] || exit 0
 

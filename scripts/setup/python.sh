@@ -3,7 +3,7 @@
 # install. Keeps a .venv that was already made from the same lock file.
 set -eu
 
-root=$(cd "$(dirname "$0")/.." && pwd)
+root=$(cd "$(dirname "$0")/../.." && pwd)
 venv=$root/.venv
 python=${PYTHON:-python3}
 
@@ -31,7 +31,7 @@ key=$({
 
 if ! up_to_date packages "$key" || ! "$venv/bin/python" -c ''; then
     if ! "$python" -c 'import ensurepip, venv' 2>/dev/null; then
-        "$root/scripts/setup_system.sh" python
+        "$root/scripts/setup/system.sh" python
     fi
     say "making $venv"
     rm -rf "$venv"

@@ -8,9 +8,9 @@
 # Where neither can be had, it says so and succeeds: what needs the library is then left out.
 set -eu
 
-scripts=$(cd "$(dirname "$0")" && pwd)
-# shellcheck source=scripts/apt_aside.sh
-. "$scripts/apt_aside.sh"
+scripts=$(cd "$(dirname "$0")/.." && pwd)
+# shellcheck source=scripts/setup/apt_aside.sh
+. "$scripts/setup/apt_aside.sh"
 target=$scripts/../build/gpiod
 
 say() { printf 'setup_gpiod: %s\n' "$*"; }
@@ -37,7 +37,7 @@ candidate() { apt-cache policy libgpiod-dev 2>/dev/null | sed -n 's/^ *Candidate
     skip "package lists cannot be read"
 case $(candidate) in
 [2-9].*)
-    "$scripts/setup_system.sh" bench || skip "libgpiod-dev cannot be installed"
+    "$scripts/setup/system.sh" bench || skip "libgpiod-dev cannot be installed"
     is_version_2 /usr/include/gpiod.h || skip "libgpiod-dev is not version 2"
     exit 0
     ;;

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Installs the Debian packages of the named groups that are still missing:
 #
-#   scripts/setup_system.sh build test lint cross
+#   scripts/setup/system.sh build test lint cross
 #
 # Says what it installs; does nothing, not even refresh the package lists, when all are there.
 set -eu
@@ -39,7 +39,7 @@ packages_of() {
     # the real controller that the latch is held beside; see docs/LINUXCNC.md
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     arduino) echo arduino-builder arduino-core-avr ;;
-    # On distributions that have version 2; see setup_gpiod.sh.
+    # On distributions that have version 2; see setup/gpiod.sh.
     bench) echo libgpiod-dev ;;
     *)
         say "no such group: $1" >&2
