@@ -15,12 +15,12 @@
 #include "hal_edge_events.h"
 #include "hal_error.h"
 #include "input/latch.h"
+#include "input/latch_record.h"
 #include "input/plc_task.h"
 #include "input/skip_input.h"
 #include "input/ticks.h"
 #include "report/latch_crc.h"
 #include "report/latch_frame.h"
-#include "report/latch_record.h"
 #include "report/latch_report.h"
 #include "report/latch_stream.h"
 

@@ -89,6 +89,16 @@ typedef struct {
     int32_t effect;
 } sim_setting_t;
 
+/* A rig that is switched on: what it is, and which random numbers it has. */
+typedef struct {
+    const sim_chain_t      *chain;
+    const sim_controller_t *controller;
+    const sim_setting_t    *settings; /* effects, in the order of the table */
+    uint32_t                settings_count;
+    uint64_t                seed;
+    uint64_t                replicate; /* the first one where there are several; below 2^32 */
+} sim_rig_t;
+
 /* What came of one touch. What was not recorded is NaN. */
 typedef struct {
     double  edge_us;       /* the reference instrument's; bench only */

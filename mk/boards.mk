@@ -64,9 +64,9 @@ UNSUITED.avr.test_latch_restart := it goes through all sequence numbers, too lon
 TOOLS.avr    := $(and $(shell command -v avr-gcc),$(wildcard /usr/include/simavr/sim_avr.h))
 TOOLS.arm    := $(and $(shell command -v arm-none-eabi-gcc),$(shell command -v qemu-system-arm))
 TOOLS.riscv  := $(and $(shell command -v riscv64-unknown-elf-gcc),$(shell command -v qemu-system-riscv32))
-NO_TOOLS.avr := no avr-gcc or libsimavr here: scripts/setup_system.sh cross emulators
-NO_TOOLS.arm := no arm-none-eabi-gcc or qemu-system-arm here: scripts/setup_system.sh cross emulators
-NO_TOOLS.riscv := no riscv64-unknown-elf-gcc or qemu-system-riscv32 here: scripts/setup_system.sh riscv
+NO_TOOLS.avr := no avr-gcc or libsimavr here: scripts/setup/system.sh cross emulators
+NO_TOOLS.arm := no arm-none-eabi-gcc or qemu-system-arm here: scripts/setup/system.sh cross emulators
+NO_TOOLS.riscv := no riscv64-unknown-elf-gcc or qemu-system-riscv32 here: scripts/setup/system.sh riscv
 
 # ---- what follows --------------------------------------------------------------------------------
 

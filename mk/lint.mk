@@ -25,16 +25,16 @@ $(RESULTS)/lint/clang-format.check: FORCE
 $(RESULTS)/lint/clang-tidy.check: FORCE
 	$(check) $(MAKE) VARIANT=clang tidy
 $(RESULTS)/lint/cppcheck.check: FORCE
-	$(check) $(VENV_PYTHON) scripts/lint_cppcheck.py build/cppcheck \
+	$(check) $(VENV_PYTHON) scripts/lint/lint_cppcheck.py build/cppcheck \
 	    --portable $(HOST_PORTS:%=hal/ports/%) --hosted $(addprefix hal/ports/,$(call ports_of,linux))
 $(RESULTS)/lint/dependencies.check: FORCE
-	$(check) $(VENV_PYTHON) scripts/lint_dependencies.py
+	$(check) $(VENV_PYTHON) scripts/lint/lint_dependencies.py
 $(RESULTS)/lint/firmware.check: FORCE
-	$(check) $(VENV_PYTHON) scripts/lint_firmware.py
+	$(check) $(VENV_PYTHON) scripts/lint/lint_firmware.py
 
 $(RESULTS)/lint/isr-calls.check $(RESULTS)/lint/size.check: $(LINKED:%=linked-%) FORCE
 $(RESULTS)/lint/isr-calls.check:
-	$(check) $(if $(LINKED),$(VENV_PYTHON) scripts/lint_isr_calls.py $(WITH_FAMILY),$(NO_CROSS))
+	$(check) $(if $(LINKED),$(VENV_PYTHON) scripts/lint/lint_isr_calls.py $(WITH_FAMILY),$(NO_CROSS))
 $(RESULTS)/lint/size.check:
 	$(check) $(if $(LINKED),$(SIZE_TABLE) compare $(WITH_FAMILY),$(NO_CROSS))
 
@@ -49,7 +49,7 @@ $(RESULTS)/lint/shellcheck.check: FORCE
 	$(check) shellcheck $(SHELL_FILES)
 
 $(RESULTS)/lint/licences.check: FORCE
-	$(check) $(VENV_PYTHON) scripts/sbom.py build/sbom.json $(SETUP_LOCKS)
+	$(check) $(VENV_PYTHON) scripts/lint/sbom.py build/sbom.json $(SETUP_LOCKS)
 
 .PHONY: analyzed
 analyzed: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS) $(MAIN) $(LINUX))

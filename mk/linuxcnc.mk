@@ -2,8 +2,8 @@
 
 TOUCHES_PER_FEED ?= 20
 
-build/stamps/system-linuxcnc: scripts/setup_system.sh
-	@scripts/setup_system.sh linuxcnc || echo 'SKIPPED: no packages of the group linuxcnc to be had here'
+build/stamps/system-linuxcnc: scripts/setup/system.sh
+	@scripts/setup/system.sh linuxcnc || echo 'SKIPPED: no packages of the group linuxcnc to be had here'
 	@mkdir -p $(@D) && touch $@
 
 .PHONY: linuxcnc

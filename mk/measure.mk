@@ -32,9 +32,9 @@ TIES         ?= 0
 PLANTED      ?= 0
 .PHONY: gap-check
 gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and score that
-	@$(VENV_PYTHON) -m tests.gap.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
+	@$(VENV_PYTHON) -m tests.withheld.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
 	    --false-alarms $(FALSE_ALARMS) $(OPTIONS)
-	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.gap.ties --count $(TIES) \
+	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.withheld.ties --count $(TIES) \
 	    --seed $(SEED) --jobs $(shell nproc))
-	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.gap.planted --count $(PLANTED) \
+	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.withheld.planted --count $(PLANTED) \
 	    --seed $(SEED) --jobs $(shell nproc))

@@ -134,8 +134,8 @@ MEASURE_BY.touches = $(call skip,no RIG in its board.mk)
 # ---- sizes ---------------------------------------------------------------------------------------
 
 WITH_FAMILY := $(foreach board,$(LINKED),$(board):$(FAMILY.$(board)))
-NO_CROSS     = $(call skip,no cross compilers here: scripts/setup_system.sh cross)
-SIZE_TABLE  := $(VENV_PYTHON) scripts/size_table.py
+NO_CROSS     = $(call skip,no cross compilers here: scripts/setup/system.sh cross)
+SIZE_TABLE  := $(VENV_PYTHON) scripts/lint/size_table.py
 .PHONY: size
 size: setup-lint ## flash, RAM, worst stack of each board beside the record; RECORD=yes keeps them
 	@$(INNER_MAKE) $(LINKED:%=linked-%)

@@ -3,8 +3,8 @@
 PACKAGE_TOOLS := build/stamps/system-packages build/stamps/system-arduino
 
 setup-test: $(PACKAGE_TOOLS)
-$(PACKAGE_TOOLS): build/stamps/system-%: scripts/setup_system.sh
-	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
+$(PACKAGE_TOOLS): build/stamps/system-%: scripts/setup/system.sh
+	@scripts/setup/system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
 .PHONY: packages

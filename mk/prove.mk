@@ -2,7 +2,7 @@
 
 .PHONY: prove
 prove: setup ## prove the core by CBMC, and show that each proof fails on seeded mutants
-	@scripts/setup_cbmc.sh
+	@scripts/setup/cbmc.sh
 	@nice $(VENV_PYTHON) tests/proofs/prove.py $(PROOFS)
 
 # The same as a suite: an outcome for each proof and its mutants.
@@ -10,7 +10,7 @@ RESULTS.proofs := $(patsubst tests/proofs/%.c,$(RESULTS)/proofs/%.check,$(wildca
 
 .PHONY: proofs run-proofs
 proofs: setup ## run the proofs as a suite whose outcomes are counted
-	@scripts/setup_cbmc.sh || true
+	@scripts/setup/cbmc.sh || true
 	$(call run_suites,proofs)
 run-proofs: $(RESULTS.proofs)
 $(RESULTS.proofs): $(RESULTS)/proofs/%.check: FORCE

@@ -2,4 +2,4 @@
 
 .PHONY: sbom
 sbom: setup ## list the locked Python packages in build/sbom.json (CycloneDX), and check their licences
-	@$(VENV_PYTHON) scripts/sbom.py build/sbom.json $(SETUP_LOCKS)
+	@$(VENV_PYTHON) scripts/lint/sbom.py build/sbom.json $(SETUP_LOCKS)

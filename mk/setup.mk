@@ -5,21 +5,21 @@ VENV_PYTHON := .venv/bin/python
 VENV        := .venv/skiplatch.key
 SETUP_LOCKS := scripts/requirements.lock scripts/requirements-fleet.lock scripts/requirements-cluster.lock
 
-$(STAMPS)/system-%: scripts/setup_system.sh
-	@scripts/setup_system.sh $*
+$(STAMPS)/system-%: scripts/setup/system.sh
+	@scripts/setup/system.sh $*
 	@mkdir -p $(@D) && touch $@
 
-$(STAMPS)/cmock: scripts/setup_cmock.sh
-	@scripts/setup_cmock.sh
+$(STAMPS)/cmock: scripts/setup/cmock.sh
+	@scripts/setup/cmock.sh
 	@mkdir -p $(@D) && touch $@
 
-$(STAMPS)/gpiod: scripts/setup_gpiod.sh
-	@scripts/setup_gpiod.sh
+$(STAMPS)/gpiod: scripts/setup/gpiod.sh
+	@scripts/setup/gpiod.sh
 	@mkdir -p $(@D) && touch $@
 
 # What needs an absent cross compiler, emulator or tool of the rig is counted as skipped.
-$(addprefix $(STAMPS)/system-,cross emulators riscv rig fresh): $(STAMPS)/system-%: scripts/setup_system.sh
-	@scripts/setup_system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
+$(addprefix $(STAMPS)/system-,cross emulators riscv rig fresh): $(STAMPS)/system-%: scripts/setup/system.sh
+	@scripts/setup/system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
 # What a board wants beyond that.
@@ -27,8 +27,8 @@ $(STAMPS)/board-%: hal/ports/%/setup.sh | $(STAMPS)/system-emulators
 	@$< || echo 'SKIPPED: what the board $* needs is not to be had here'
 	@mkdir -p $(@D) && touch $@
 
-$(VENV): scripts/setup_python.sh $(SETUP_LOCKS) scripts/pyproject.toml | $(STAMPS)/system-build
-	@scripts/setup_python.sh
+$(VENV): scripts/setup/python.sh $(SETUP_LOCKS) scripts/pyproject.toml | $(STAMPS)/system-build
+	@scripts/setup/python.sh
 
 .PHONY: setup-build setup-test setup-lint
 setup-build: $(STAMPS)/system-build $(STAMPS)/gpiod $(VENV)

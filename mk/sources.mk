@@ -28,8 +28,8 @@ C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
                     $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] tests/*/*.[ch]))
 PYTHON_FOLDERS := scripts $(wildcard tests hal)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
-                  $(wildcard scripts/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
-                             tests/gap/*.py tests/bench/*.py tests/boards/*.py hal/ports/*/tests/*.py)
-SHELL_FILES    := $(wildcard scripts/*.sh tests/*/*.sh hal/ports/*/*.sh) .ci/run
+                  $(wildcard scripts/*.py scripts/lint/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \
+                             tests/withheld/*.py tests/bench/*.py tests/boards/*.py hal/ports/*/tests/*.py)
+SHELL_FILES    := $(wildcard scripts/*.sh scripts/setup/*.sh tests/*/*.sh hal/ports/*/*.sh) .ci/run
 
 object_of = $(patsubst %.c,$(OUT)/obj/%.o,$1)

@@ -84,7 +84,7 @@ bookworm | trixie) shift ;;
 esac
 [ "$#" -gt 0 ] || { echo "fresh: which targets of make?" >&2 && exit 2; }
 [ "$(id -u)" -eq 0 ] || skip "only root may make a system: sudo make fresh SUITE=$suite"
-command -v debootstrap >/dev/null || skip "no debootstrap here: scripts/setup_system.sh fresh"
+command -v debootstrap >/dev/null || skip "no debootstrap here: scripts/setup/system.sh fresh"
 [ -f "$keyring" ] || skip "no $keyring here"
 mirror=$(debian_mirror)
 [ -n "$mirror" ] || skip "no mirror of Debian is set up here"

@@ -2,7 +2,7 @@
 
 PAGES gets docs/ and the project's own pages, and reference pages of what the code says of itself:
 commands, effects, headers of the HAL. MAN gets a page for man for each command. Links to files that
-are no pages become plain text.
+are no pages become plain text, pictures of docs/ are copied.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 START = "README.md"
 OWN = (START, "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")
+PICTURE = re.compile(r"(!\[[^\]]*\])\(docs/([\w.]+\.svg)\)")
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
 ELSEWHERE = ("http:", "https:", "mailto:")
 STYLE = """.md-typeset table:not([class]) { display: block; overflow-x: auto; }
@@ -50,7 +51,7 @@ def relinked(text: str, folder: Path) -> str:
         name = "index.md" if str(known) == START else known.name
         return f"[{words}]({name}{anchor})" if is_page and known.suffix == ".md" else words
 
-    return LINK.sub(link, text)
+    return LINK.sub(link, PICTURE.sub(r"\1(\2)", text))
 
 
 def written_pages() -> Iterator[tuple[str, str]]:
@@ -141,6 +142,7 @@ def main() -> int:
         "effects.md": effects_page(),
         "hal.md": hal_page(),
         "site.css": STYLE,
+        **{path.name: path.read_text(encoding="utf-8") for path in Path("docs").glob("*.svg")},
     }
     try:
         write(pages, dict(written_pages()) | made)

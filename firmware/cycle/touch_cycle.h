@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 #include "input/latch.h"
-#include "report/latch_record.h"
+#include "input/latch_record.h"
 
 #ifdef __cplusplus
 extern "C" {

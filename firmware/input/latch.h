@@ -11,7 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "report/latch_record.h"
+#include "input/latch_record.h"
 
 #ifdef __cplusplus
 extern "C" {

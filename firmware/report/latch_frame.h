@@ -20,7 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "report/latch_record.h"
+#include "input/latch_record.h"
 
 #ifdef __cplusplus
 extern "C" {

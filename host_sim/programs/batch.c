@@ -27,20 +27,15 @@
 #define POLE_DEG        90.0
 
 typedef struct {
-    const sim_chain_t      *chain;
-    const sim_controller_t *controller;
-    const sim_setting_t    *settings;
-    const sim_touch_t      *touches;
-    sim_outcome_t          *outcomes;
-    uint64_t                n;
-    uint32_t                settings_count;
-    uint64_t                block; /* touches */
-    uint64_t                seed;
-    uint64_t                first_replicate;
-    uint64_t                blocks; /* of one replicate */
-    uint64_t                work;   /* blocks of all replicates */
-    atomic_uint_fast64_t    taken;
-    atomic_int              result;
+    const sim_rig_t     *rig;
+    const sim_touch_t   *touches;
+    sim_outcome_t       *outcomes;
+    uint64_t             n;
+    uint64_t             block;  /* touches */
+    uint64_t             blocks; /* of one replicate */
+    uint64_t             work;   /* blocks of all replicates */
+    atomic_uint_fast64_t taken;
+    atomic_int           result;
 } job_t;
 
 /* False for a NaN as well. */
@@ -149,13 +144,14 @@ static bool are_settings(const sim_setting_t *settings, uint32_t count)
 
 static int play_block(const job_t *job, rig_t *rig, uint64_t number)
 {
-    uint64_t       replicate = number / job->blocks;
-    uint64_t       begin = number % job->blocks * job->block;
-    uint64_t       end = begin + job->block < job->n ? begin + job->block : job->n;
-    sim_outcome_t *outcomes = job->outcomes + replicate * job->n;
+    uint64_t         replicate = number / job->blocks;
+    uint64_t         begin = number % job->blocks * job->block;
+    uint64_t         end = begin + job->block < job->n ? begin + job->block : job->n;
+    sim_outcome_t   *outcomes = job->outcomes + replicate * job->n;
+    const sim_rig_t *is = job->rig;
 
-    rig_boot(rig, job->chain, job->controller, job->settings, job->settings_count, job->seed,
-             job->first_replicate + replicate, sim_touch_start(&job->touches[begin]));
+    rig_boot(rig, is->chain, is->controller, is->settings, is->settings_count, is->seed,
+             is->replicate + replicate, sim_touch_start(&job->touches[begin]));
     for (uint64_t i = begin; i < end; ++i) {
         if (rig_play(rig, &job->touches[i], &outcomes[i]) != 0) {
             return SIM_PLAY_ERR_START;
@@ -201,44 +197,36 @@ static int play_on_threads(job_t *job, uint32_t threads)
     return atomic_load(&job->result);
 }
 
-int sim_play_check(const sim_chain_t *chain, const sim_controller_t *controller,
-                   const sim_setting_t *settings, uint32_t settings_count)
+int sim_play_check(const sim_rig_t *rig)
 {
-    if (!is_chain(chain)) {
+    if (!is_chain(rig->chain)) {
         return SIM_PLAY_ERR_CHAIN;
     }
-    if (!is_controller(controller)) {
+    if (!is_controller(rig->controller)) {
         return SIM_PLAY_ERR_CONTROL;
     }
-    return are_settings(settings, settings_count) ? SIM_PLAY_OK : SIM_PLAY_ERR_EFFECT;
+    return are_settings(rig->settings, rig->settings_count) ? SIM_PLAY_OK : SIM_PLAY_ERR_EFFECT;
 }
 
-int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
-             const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
-             uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
+int sim_play(const sim_rig_t *rig, const sim_touch_t *touches, uint64_t n, uint64_t replicates,
              uint32_t threads, sim_outcome_t *outcomes)
 {
-    int wrong = sim_play_check(chain, controller, settings, settings_count);
+    int wrong = sim_play_check(rig);
     if (wrong != SIM_PLAY_OK) {
         return wrong;
     }
-    if (!are_touches(chain, touches, n)) {
+    if (!are_touches(rig->chain, touches, n)) {
         return SIM_PLAY_ERR_TOUCH;
     }
     /* An effect or a seat may remember the touch before, so its replicates are not cut up. */
-    uint64_t block = settings_count == 0u && !sim_has_seat(chain) ? BLOCK_TOUCHES : n;
+    uint64_t block = rig->settings_count == 0u && !sim_has_seat(rig->chain) ? BLOCK_TOUCHES : n;
     uint64_t blocks = block == 0u ? 0u : (n + block - 1u) / block;
     job_t    job = {
-        .chain = chain,
-        .controller = controller,
+        .rig = rig,
         .touches = touches,
         .outcomes = outcomes,
-        .settings = settings,
-        .settings_count = settings_count,
         .block = block,
         .n = n,
-        .seed = seed,
-        .first_replicate = first_replicate,
         .blocks = blocks,
         .work = blocks * replicates,
     };

@@ -24,20 +24,16 @@ enum {
 };
 
 /*
- * Play `touches` (n) `replicates` times, with the effects of `settings` switched on (in the order
- * of the table), and write outcomes[replicate][touch]. Touches may come in any order, unless an
- * effect or a seat remembers the touch before: then in that of time. The result depends on the
- * arguments only, not on `threads` (≥ 1); replicates are numbered from `first_replicate`, below
- * 2^32. Returns SIM_PLAY_OK or a negative code; then nothing is to be read.
+ * Play `touches` (n) on `rig`, `replicates` times, and write outcomes[replicate][touch]. Touches
+ * may come in any order, unless an effect or a seat remembers the touch before: then in that of
+ * time. The result depends on the arguments only, not on `threads` (≥ 1). Returns SIM_PLAY_OK or a
+ * negative code; then nothing is to be read.
  */
-int sim_play(const sim_chain_t *chain, const sim_controller_t *controller,
-             const sim_setting_t *settings, uint32_t settings_count, const sim_touch_t *touches,
-             uint64_t n, uint64_t seed, uint64_t first_replicate, uint64_t replicates,
+int sim_play(const sim_rig_t *rig, const sim_touch_t *touches, uint64_t n, uint64_t replicates,
              uint32_t threads, sim_outcome_t *outcomes);
 
 /* The part of its check that is not of the touches: SIM_PLAY_OK, or what cannot be played. */
-int sim_play_check(const sim_chain_t *chain, const sim_controller_t *controller,
-                   const sim_setting_t *settings, uint32_t settings_count);
+int sim_play_check(const sim_rig_t *rig);
 
 /* Row `index` of the table of effects, or NULL past the end. */
 const sim_description_t *sim_effect_describe(uint32_t index);

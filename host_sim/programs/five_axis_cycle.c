@@ -297,15 +297,11 @@ static bool is_control(const sim_control_t *control)
            (control->path == SIM_PATH_SKIP || control->path == SIM_PATH_PLC);
 }
 
-int sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
-                 const sim_chain_t *chain, const sim_controller_t *controller,
-                 const sim_setting_t *settings, uint32_t settings_count,
-                 const sim_control_t *control, uint64_t seed, uint64_t replicate,
-                 sim_451_t **opened)
+int sim_451_open(const sim_rig_t *rig, const sim_machine_t *truth, const sim_machine_t *believed,
+                 const sim_control_t *control, sim_451_t **opened)
 {
-    int wrong = is_control(control)
-                    ? five_axis_check(truth, believed, chain, controller, settings, settings_count)
-                    : SIM_PLAY_ERR_CONTROL;
+    sim_rig_t setup = *rig;
+    int wrong = is_control(control) ? five_axis_check(truth, believed, rig) : SIM_PLAY_ERR_CONTROL;
     *opened = NULL;
     if (wrong != SIM_PLAY_OK) {
         return wrong;
@@ -315,12 +311,14 @@ int sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
         return SIM_PLAY_ERR_MEMORY;
     }
     play->truth = *truth;
-    play->chain = *chain;
+    play->chain = *rig->chain;
+    setup.chain = &play->chain;
     play->control = *control;
     five_axis_believe(&play->belief, believed);
     kinematics_settings_reset(&play->settings, KINEMATICS_MEASURE);
-    five_axis_boot(&play->rig, &play->truth, &play->chain, controller, settings, settings_count,
-                   control->path, control->touch_feed_mm_min, control->track != 0, seed, replicate);
+    five_axis_boot(
+        &play->rig, &play->truth, &setup,
+        (five_axis_touching_t){control->touch_feed_mm_min, control->path, control->track != 0});
     prepare(play);
     *opened = play;
     return SIM_PLAY_OK;

@@ -85,11 +85,8 @@ typedef struct {
  * are not looked at. Returns SIM_PLAY_OK, or the SIM_PLAY_ERR_… of what cannot be played and NULL
  * in `opened`. What it is given is copied.
  */
-int  sim_451_open(const sim_machine_t *truth, const sim_machine_t *believed,
-                  const sim_chain_t *chain, const sim_controller_t *controller,
-                  const sim_setting_t *settings, uint32_t settings_count,
-                  const sim_control_t *control, uint64_t seed, uint64_t replicate,
-                  sim_451_t **opened);
+int  sim_451_open(const sim_rig_t *rig, const sim_machine_t *truth, const sim_machine_t *believed,
+                  const sim_control_t *control, sim_451_t **opened);
 void sim_451_close(sim_451_t *play);
 
 /*

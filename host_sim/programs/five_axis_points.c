@@ -48,27 +48,22 @@ static bool is_probing(const sim_probing_t *probing)
            (probing->path == SIM_PATH_SKIP || probing->path == SIM_PATH_PLC);
 }
 
-static int check(const sim_machine_t *truth, const sim_machine_t *believed,
-                 const sim_probing_t *probing, const sim_chain_t *chain,
-                 const sim_controller_t *controller, const sim_setting_t *settings,
-                 uint32_t settings_count, const sim_sphere_t *spheres, uint32_t n)
+static int check(const sim_rig_t *rig, const sim_machine_t *truth, const sim_machine_t *believed,
+                 const sim_probing_t *probing, const sim_sphere_t *spheres, uint32_t n)
 {
     bool good = is_probing(probing);
     for (uint32_t i = 0; i < n; ++i) {
         const double *at = spheres[i].angle_deg;
         good = good && isfinite(at[0]) && isfinite(at[1]) && isfinite(at[2]);
     }
-    return good ? five_axis_check(truth, believed, chain, controller, settings, settings_count)
-                : SIM_PLAY_ERR_CONTROL;
+    return good ? five_axis_check(truth, believed, rig) : SIM_PLAY_ERR_CONTROL;
 }
 
-int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
-                             const sim_probing_t *probing, const sim_chain_t *chain,
-                             const sim_controller_t *controller, const sim_setting_t *settings,
-                             uint32_t settings_count, uint64_t seed, uint64_t replicate,
+int32_t sim_five_axis_points(const sim_rig_t *rig, const sim_machine_t *truth,
+                             const sim_machine_t *believed, const sim_probing_t *probing,
                              sim_sphere_t *spheres, uint32_t n)
 {
-    five_axis_rig_t       rig;
+    five_axis_rig_t       played;
     five_axis_belief_t    belief;
     sphere_probe_config_t config = {
         .contact_mm = truth->sphere_radius_mm + truth->tip_radius_mm,
@@ -76,18 +71,17 @@ int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *be
         .reference_deg = probing->reference_deg,
         .touches = (uint8_t)probing->touches,
     };
-    int wrong =
-        check(truth, believed, probing, chain, controller, settings, settings_count, spheres, n);
+    int wrong = check(rig, truth, believed, probing, spheres, n);
     if (wrong != SIM_PLAY_OK) {
         return wrong;
     }
     five_axis_believe(&belief, believed);
-    five_axis_boot(&rig, truth, chain, controller, settings, settings_count, probing->path,
-                   probing->feed_mm_min, false, seed, replicate);
+    five_axis_boot(&played, truth, rig,
+                   (five_axis_touching_t){probing->feed_mm_min, probing->path, false});
     for (uint32_t i = 0; i < n; ++i) {
-        turn_to(&rig, &belief, spheres[i].angle_deg);
+        turn_to(&played, &belief, spheres[i].angle_deg);
         if (i == 0u) { /* the operator has found it */
-            five_axis_concentric(truth, &rig.stance, config.centre_mm);
+            five_axis_concentric(truth, &played.stance, config.centre_mm);
         } else {
             double sphere_mm[3];
             five_axis_turn_back(&belief, spheres[i - 1u].angle_deg, spheres[i - 1u].centre_mm,
@@ -95,7 +89,8 @@ int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *be
             five_axis_expect(&belief, sphere_mm, spheres[i].angle_deg, config.centre_mm);
         }
         five_axis_tool_axis(&belief, spheres[i].angle_deg, config.tool_axis);
-        if (!probe_sphere(&rig, &config, probing->stand_off_mm + probing->search_mm, &spheres[i])) {
+        if (!probe_sphere(&played, &config, probing->stand_off_mm + probing->search_mm,
+                          &spheres[i])) {
             return (int32_t)i;
         }
     }

@@ -35,10 +35,8 @@ typedef struct {
  * many were measured: fewer than n when a touch failed; or the negative SIM_PLAY_ERR_… of what
  * cannot be played.
  */
-int32_t sim_five_axis_points(const sim_machine_t *truth, const sim_machine_t *believed,
-                             const sim_probing_t *probing, const sim_chain_t *chain,
-                             const sim_controller_t *controller, const sim_setting_t *settings,
-                             uint32_t settings_count, uint64_t seed, uint64_t replicate,
+int32_t sim_five_axis_points(const sim_rig_t *rig, const sim_machine_t *truth,
+                             const sim_machine_t *believed, const sim_probing_t *probing,
                              sim_sphere_t *spheres, uint32_t n);
 
 #pragma GCC visibility pop

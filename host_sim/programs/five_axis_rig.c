@@ -53,27 +53,28 @@ static void calibrate(five_axis_rig_t *rig)
 }
 
 int five_axis_check(const sim_machine_t *machine, const sim_machine_t *believed,
-                    const sim_chain_t *chain, const sim_controller_t *controller,
-                    const sim_setting_t *settings, uint32_t count)
+                    const sim_rig_t *setup)
 {
     if (!sim_machine_is_sound(machine) || !sim_machine_is_sound(believed)) {
         return SIM_PLAY_ERR_MACHINE;
     }
-    return sim_play_check(chain, controller, settings, count);
+    return sim_play_check(setup);
 }
 
-void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_chain_t *chain,
-                    const sim_controller_t *controller, const sim_setting_t *settings,
-                    uint32_t count, int32_t path, double feed_mm_min, bool is_tracking,
-                    uint64_t seed, uint64_t replicate)
+void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_rig_t *setup,
+                    five_axis_touching_t touching)
 {
     *rig = (five_axis_rig_t){
-        .machine = machine, .controller = *controller, .is_tracking = is_tracking};
-    rig->touch = (sim_touch_t){
-        .feed_mm_min = feed_mm_min, .sign = 1.0, .temp_c = 20.0, .path = path, .axis = SIM_AXIS_X};
+        .machine = machine, .controller = *setup->controller, .is_tracking = touching.is_tracking};
+    rig->touch = (sim_touch_t){.feed_mm_min = touching.feed_mm_min,
+                               .sign = 1.0,
+                               .temp_c = 20.0,
+                               .path = touching.path,
+                               .axis = SIM_AXIS_X};
     sim_machine_home(machine, &rig->stance);
-    sim_random_begin(&rig->random, seed, replicate, UINT64_MAX, LANE);
-    rig_boot(&rig->rig, chain, &rig->controller, settings, count, seed, replicate, 0);
+    sim_random_begin(&rig->random, setup->seed, setup->replicate, UINT64_MAX, LANE);
+    rig_boot(&rig->rig, setup->chain, &rig->controller, setup->settings, setup->settings_count,
+             setup->seed, setup->replicate, 0);
     calibrate(rig);
 }
 

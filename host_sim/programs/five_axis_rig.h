@@ -27,19 +27,23 @@ typedef struct {
     bool                 is_broken;     /* the firmware refused to start its input */
 } five_axis_rig_t;
 
+/* How a machine touches. */
+typedef struct {
+    double  feed_mm_min;
+    int32_t path; /* SIM_PATH_* */
+    bool    is_tracking;
+} five_axis_touching_t;
+
 /* SIM_PLAY_OK, or the code of what cannot be played: machine, believed machine, chain … */
 int five_axis_check(const sim_machine_t *machine, const sim_machine_t *believed,
-                    const sim_chain_t *chain, const sim_controller_t *controller,
-                    const sim_setting_t *settings, uint32_t count);
+                    const sim_rig_t *setup);
 
 /*
  * Switch on at the home position and calibrate the probe by touches of its own, all round.
- * `machine` and `chain` have to outlive it, and it has to stay in place.
+ * `machine` and the chain of `setup` have to outlive it, and it has to stay in place.
  */
-void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_chain_t *chain,
-                    const sim_controller_t *controller, const sim_setting_t *settings,
-                    uint32_t count, int32_t path, double feed_mm_min, bool is_tracking,
-                    uint64_t seed, uint64_t replicate);
+void five_axis_boot(five_axis_rig_t *rig, const sim_machine_t *machine, const sim_rig_t *setup,
+                    five_axis_touching_t touching);
 
 /* Turn one rotary axis, SIM_ROTARY_*; it takes its time. */
 void five_axis_turn(five_axis_rig_t *rig, int32_t axis, double command_deg);

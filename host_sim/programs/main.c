@@ -132,15 +132,16 @@ static void print_outcomes(const sim_outcome_t *outcomes, uint64_t n)
 static int run(const options_t *options)
 {
     const sim_controller_t controller = {.overtravel_mm = OVERTRAVEL_MM};
-    uint64_t               n = (uint64_t)options->touches;
-    sim_touch_t           *touches = calloc(n, sizeof *touches);
-    sim_outcome_t         *outcomes = calloc(n, sizeof *outcomes);
-    int                    result = SIM_PLAY_ERR_MEMORY;
+    const sim_rig_t        rig = {
+        .chain = &options->chain, .controller = &controller, .seed = (uint64_t)options->seed};
+    uint64_t       n = (uint64_t)options->touches;
+    sim_touch_t   *touches = calloc(n, sizeof *touches);
+    sim_outcome_t *outcomes = calloc(n, sizeof *outcomes);
+    int            result = SIM_PLAY_ERR_MEMORY;
 
     if (touches != NULL && outcomes != NULL) {
         fill_touches(options, touches, n);
-        result = sim_play(&options->chain, &controller, NULL, 0u, touches, n,
-                          (uint64_t)options->seed, 0u, 1u, 1u, outcomes);
+        result = sim_play(&rig, touches, n, 1u, 1u, outcomes);
     }
     if (result == SIM_PLAY_OK) {
         print_outcomes(outcomes, n);

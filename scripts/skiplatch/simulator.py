@@ -260,18 +260,40 @@ def _binding() -> _Binding:
     )
 
 
-def rig_arguments(
-    nominal: Nominal, controller: Controller, switched_on: Sequence[Effect] = ()
-) -> tuple[CData, CData, CData, int]:
-    """Give what all functions of the library that play a rig take: chain, controller, effects."""
+@dataclass(frozen=True, slots=True, eq=False)
+class FilledRig:
+    """A sim_rig_t, and what it points at: it is valid as long as these are kept."""
+
+    structure: CData
+    chain: CData
+    controller: CData
+    settings: CData
+
+
+def filled_rig(
+    nominal: Nominal,
+    controller: Controller,
+    switched_on: Sequence[Effect] = (),
+    *,
+    seed: int = 0,
+    replicate: int = 0,
+    seat: Seat | None = None,
+) -> FilledRig:
+    """Give what all functions of the library that play a rig take."""
     binding = _binding()
     effects_on = with_believed(nominal, switched_on)
-    return (
-        _chain(binding, nominal, None),
-        _controller(binding, controller),
-        _settings(binding, effects_on),
-        len(effects_on),
-    )
+    chain = _chain(binding, nominal, seat)
+    set_up = _controller(binding, controller)
+    settings = _settings(binding, effects_on)
+    values = {
+        "chain": chain,
+        "controller": set_up,
+        "settings": settings,
+        "settings_count": len(effects_on),
+        "seed": seed,
+        "replicate": replicate,
+    }
+    return FilledRig(binding.ffi.new("sim_rig_t *", values), chain, set_up, settings)
 
 
 def connection() -> tuple[CData, CData]:
@@ -459,18 +481,15 @@ def _play(
     binding = _binding()
     order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
     rows = _touches(binding, nominal, touches, pulse_us)[order]
-    effects_on = with_believed(nominal, switched_on)
+    rig = filled_rig(
+        nominal, controller, switched_on, seed=seed, replicate=first_replicate, seat=seat
+    )
     raw = np.empty((replicates, len(touches)), dtype=binding.outcome)
     ffi = binding.ffi
     code = binding.library.sim_play(
-        _chain(binding, nominal, seat),
-        _controller(binding, controller),
-        _settings(binding, effects_on),
-        len(effects_on),
+        rig.structure,
         ffi.from_buffer("sim_touch_t[]", rows),
         len(touches),
-        seed,
-        first_replicate,
         replicates,
         jobs,
         ffi.from_buffer("sim_outcome_t[]", raw, require_writable=True),

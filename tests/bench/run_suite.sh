@@ -24,7 +24,7 @@ skip() {
 
 run_in_vm() {
     status=0
-    scripts/setup_vm.sh || status=$?
+    scripts/setup/vm.sh || status=$?
     [ "$status" -eq 0 ] || exit "$status"
     tests/bench/run_vm.sh tests/bench/suite.sh "BENCH_TRIGGERS=${BENCH_TRIGGERS:-100000}" \
         "BENCH_PERIOD_US=${BENCH_PERIOD_US:-500}" "BENCH_ROUNDS=${BENCH_ROUNDS:-3}" >"$out/log" 2>&1
@@ -36,7 +36,7 @@ run_on_host() {
     # shellcheck source=tests/bench/devices.sh
     (. tests/bench/devices.sh) >"$out/log" 2>&1 ||
         skip "no vcan or gpio-sim in this kernel: modprobe vcan gpio-sim, or make bench-vm"
-    scripts/setup_system.sh rig
+    scripts/setup/system.sh rig
     sh -c '. tests/bench/devices.sh && . tests/bench/suite.sh' >"$out/log" 2>&1
 }
 

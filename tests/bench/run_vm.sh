@@ -18,7 +18,7 @@ shift
 project=$(cd "$(dirname "$0")/../.." && pwd)
 vm=$project/build/vm
 
-"$project/scripts/setup_vm.sh"
+"$project/scripts/setup/vm.sh"
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

@@ -63,7 +63,7 @@ def missing() -> str | None:
     """Say what is not here of what this needs."""
     for tool in ("linuxcnc", "halcompile", "unshare", "setpriv"):
         if shutil.which(tool) is None:
-            return f"no {tool}: scripts/setup_system.sh linuxcnc"
+            return f"no {tool}: scripts/setup/system.sh linuxcnc"
     if os.geteuid() != 0:
         return "no root, which gives LinuxCNC its own shared memory"
     return None

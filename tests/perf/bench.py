@@ -86,9 +86,8 @@ class Rows:
         self.binding = simulator._binding()
         self.ffi = self.binding.ffi
         self.n = len(touches)
-        self.chain = simulator._chain(self.binding, nominal, None)
         controller = simulator.Controller.for_campaign(nominal, touches)
-        self.controller = simulator._controller(self.binding, controller)
+        self.rig = simulator.filled_rig(nominal, controller, seed=SEED)
         self._touches = simulator._touches(self.binding, nominal, touches, 0.0)
         self._outcomes = np.zeros(self.n, dtype=self.binding.outcome)
         self.touches = self.ffi.from_buffer("sim_touch_t[]", self._touches)
@@ -97,21 +96,16 @@ class Rows:
     def play(self, n: int, jobs: int) -> None:
         library = self.binding.library
         library.sim_play(
-            self.chain,
-            self.controller,
-            self.ffi.NULL,
-            0,
+            self.rig.structure,
             self.touches,
             n,
-            SEED,
-            0,
             1,
             jobs,
             self.outcomes,
         )
 
     def floor(self, library: simulator.CData) -> None:
-        library.floor_play(self.chain, self.touches, self.n, SEED, self.outcomes)
+        library.floor_play(self.rig.chain, self.touches, self.n, SEED, self.outcomes)
 
 
 def floor_library() -> simulator.CData:

@@ -18,5 +18,5 @@ def tool(name: str, group: str) -> str:
     """Give the path of a tool, or skip the test, which then says how to install it."""
     path = shutil.which(name)
     if path is None:
-        pytest.skip(f"no {name} here: scripts/setup_system.sh {group}")
+        pytest.skip(f"no {name} here: scripts/setup/system.sh {group}")
     return path

@@ -30,7 +30,7 @@ def make(folder: Path, *arguments: str) -> None:
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The project with one board more, compiled and linked."""
     if not shutil.which("avr-gcc"):
-        pytest.skip("no avr-gcc here: scripts/setup_system.sh cross")
+        pytest.skip("no avr-gcc here: scripts/setup/system.sh cross")
     folder = tmp_path_factory.mktemp("project")
     for name in SHARED:
         (folder / name).symlink_to(ROOT / name)
@@ -63,7 +63,7 @@ def test_its_sizes_are_recorded(project: Path) -> None:
     record = project / "docs/SIZE.md"
     assert BOARD not in record.read_text()
 
-    done = call(project, ".venv/bin/python", "scripts/size_table.py", "record", f"{BOARD}:avr")
+    done = call(project, ".venv/bin/python", "scripts/lint/size_table.py", "record", f"{BOARD}:avr")
     assert done.returncode == 0, done.stderr
     row = re.search(rf"^\| {BOARD} \| program \| (\d+) \|", record.read_text(), re.MULTILINE)
     assert row is not None

@@ -25,7 +25,7 @@ SHOWN = re.compile(r"```sh\n((?:[^`]|`(?!``))*?)```\n+```(?:text)?\n(.*?)```", r
 SLOW = "diagnose"
 COMMAND = re.compile(r"^\s*(?:Example: )?(?:\.venv/bin/)?skiplatch (.+)$")
 NOT_YET = "stylus_bending"
-"""An effect that a reader of docs/GAP.md adds."""
+"""An effect that a reader of docs/WITHHELD.md adds."""
 ASSIGNMENT = re.compile(r"^(\w+)='([^']*)'$", re.MULTILINE)
 FEWEST = {"documents": 35, "help": 35, "printed": 3, "run": 15}
 QUICK = ("check", "columns", "import", "init", "repeat", "simulate", "effects")

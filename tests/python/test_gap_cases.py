@@ -17,17 +17,17 @@ from skiplatch.campaign import (
     read_nominal,
     read_touches,
 )
-from tests.gap.beliefs import OFF_BY, SAME, uncertain, wrong_noise
-from tests.gap.cases import Drawn, draw_campaign
-from tests.gap.chain import Setup, play
-from tests.gap.conditions import Recording, draw_setup
-from tests.gap.datum import draw_datum
-from tests.gap.effects import EFFECTS
-from tests.gap.forms import Draw, Form
-from tests.gap.generate import main
-from tests.gap.orders import MENUS, Case, Order, orders
-from tests.gap.sizes import spreads
-from tests.gap.variants import AT_ONE_PLACE, NO_ONSET, draw_onset, draw_outliers
+from tests.withheld.beliefs import OFF_BY, SAME, uncertain, wrong_noise
+from tests.withheld.cases import Drawn, draw_campaign
+from tests.withheld.chain import Setup, play
+from tests.withheld.conditions import Recording, draw_setup
+from tests.withheld.datum import draw_datum
+from tests.withheld.effects import EFFECTS
+from tests.withheld.forms import Draw, Form
+from tests.withheld.generate import main
+from tests.withheld.orders import MENUS, Case, Order, orders
+from tests.withheld.sizes import spreads
+from tests.withheld.variants import AT_ONE_PLACE, NO_ONSET, draw_onset, draw_outliers
 
 MACHINES = [Recording.STAMPED, Recording.POSITION]
 

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch import cli
-from tests.gap import check, goals, runs
-from tests.gap.scoring import FAILED, Scored
+from tests.withheld import check, goals, runs
+from tests.withheld.scoring import FAILED, Scored
 
 pytestmark = pytest.mark.long
 # One of each case and a second single one: what is easy to see, so that a sound diagnosis needs no

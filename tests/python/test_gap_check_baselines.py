@@ -8,13 +8,13 @@ import pytest
 
 from skiplatch.campaign import Campaign
 from skiplatch.simulator import Effect, effects
-from tests.gap import baseline_crps
-from tests.gap.baseline_crps import LowestCrps
-from tests.gap.baseline_regression import Regression
-from tests.gap.baseline_trees import Trees
-from tests.gap.conditions import Recording, draw_setup
-from tests.gap.covariates import features
-from tests.gap.simulated import as_recorded, draw_effect, play_once, recorded_residuals
+from tests.withheld import baseline_crps
+from tests.withheld.baseline_crps import LowestCrps
+from tests.withheld.baseline_regression import Regression
+from tests.withheld.baseline_trees import Trees
+from tests.withheld.conditions import Recording, draw_setup
+from tests.withheld.covariates import features
+from tests.withheld.simulated import as_recorded, draw_effect, play_once, recorded_residuals
 
 PLAIN = {
     "backlash": {"backlash_um": 8.0},

@@ -3,8 +3,8 @@
 import pytest
 
 from skiplatch.simulator import Effect, effects
-from tests.gap import planted
-from tests.gap.planted import Found, Planted, plant, try_one
+from tests.withheld import planted
+from tests.withheld.planted import Found, Planted, plant, try_one
 
 
 def found(truth: float, value: float, half: float, *, is_angle: bool = False) -> Found:

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
-from tests.gap import baselines, confusion, goals, runs, verdicts
-from tests.gap.heldout import read_predictions, shrink_to_oracle
-from tests.gap.nats import nats
-from tests.gap.scoring import FAILED, Found, Scored, calibration_error
-from tests.gap.sealed import HeldBack, Label
-from tests.gap.simulated import play_once
-from tests.gap.streams import Expected, Played, cells, residuals
+from tests.withheld import baselines, confusion, goals, runs, verdicts
+from tests.withheld.heldout import read_predictions, shrink_to_oracle
+from tests.withheld.nats import nats
+from tests.withheld.scoring import FAILED, Found, Scored, calibration_error
+from tests.withheld.sealed import HeldBack, Label
+from tests.withheld.simulated import play_once
+from tests.withheld.streams import Expected, Played, cells, residuals
 
 NAN = float("nan")
 RIG = Path(__file__).parents[2] / "scripts" / "samples" / "machine_no_gap" / "nominal.toml"

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import Touches
-from tests.gap import ties
-from tests.gap.cases import Drawn, draw_campaign
-from tests.gap.conditions import Recording
-from tests.gap.orders import Case, Order
-from tests.gap.resume import resume
-from tests.gap.ties import Fate, Tie
+from tests.withheld import ties
+from tests.withheld.cases import Drawn, draw_campaign
+from tests.withheld.conditions import Recording
+from tests.withheld.orders import Case, Order
+from tests.withheld.resume import resume
+from tests.withheld.ties import Fate, Tie
 
 TWO_GROUPS = (frozenset({"trigger_delay", "input_filter"}), frozenset({"following_error"}))
 

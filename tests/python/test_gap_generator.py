@@ -20,16 +20,16 @@ from skiplatch.campaign import (
     read_conditions,
     read_touches,
 )
-from tests.gap import conditions
-from tests.gap.cases import Drawn, draw_campaign
-from tests.gap.chain import Outcomes, Setup, State, play, travel_us
-from tests.gap.conditions import Recording
-from tests.gap.effects import EFFECTS
-from tests.gap.forms import Draw, Form
-from tests.gap.generate import main
-from tests.gap.orders import Case, Order, orders
-from tests.gap.parts import FAINTEST, recordings_for
-from tests.gap.strangers import DULL, STRANGERS
+from tests.withheld import conditions
+from tests.withheld.cases import Drawn, draw_campaign
+from tests.withheld.chain import Outcomes, Setup, State, play, travel_us
+from tests.withheld.conditions import Recording
+from tests.withheld.effects import EFFECTS
+from tests.withheld.forms import Draw, Form
+from tests.withheld.generate import main
+from tests.withheld.orders import Case, Order, orders
+from tests.withheld.parts import FAINTEST, recordings_for
+from tests.withheld.strangers import DULL, STRANGERS
 
 FORMS = [(effect, form) for effect, entry in EFFECTS.items() for form in entry.forms]
 MEASURED_OUTCOMES = ("latch_us", "report_us", "deviation_um")

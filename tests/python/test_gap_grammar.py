@@ -8,24 +8,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.gap.chain import Setup, play
-from tests.gap.conditions import Recording, draw_setup
-from tests.gap.effects import EFFECTS
-from tests.gap.forms import Draw
-from tests.gap.generate import main
-from tests.gap.grammar import Stranger, draw_stranger
-from tests.gap.grammar_apart import (
+from tests.withheld.chain import Setup, play
+from tests.withheld.conditions import Recording, draw_setup
+from tests.withheld.effects import EFFECTS
+from tests.withheld.forms import Draw
+from tests.withheld.generate import main
+from tests.withheld.grammar import Stranger, draw_stranger
+from tests.withheld.grammar_apart import (
     LEAST_SHARE,
     scatter_apart,
     share_apart,
     shift_apart,
     size_of_shift,
 )
-from tests.gap.grammar_causes import CAUSES, Family, Kind, rest_s, values_of
-from tests.gap.grammar_places import PLACES
-from tests.gap.grammar_rules import RULES, excluded
-from tests.gap.grammar_shapes import COURSES, Carrier, interaction
-from tests.gap.position import SCALE_ERROR, THERMAL_DRIFT
+from tests.withheld.grammar_causes import CAUSES, Family, Kind, rest_s, values_of
+from tests.withheld.grammar_places import PLACES
+from tests.withheld.grammar_rules import RULES, excluded
+from tests.withheld.grammar_shapes import COURSES, Carrier, interaction
+from tests.withheld.position import SCALE_ERROR, THERMAL_DRIFT
 
 DRAWN = 240
 

@@ -72,7 +72,7 @@ def test_candump_is_decoded_by_cantools(tmp_path: Path) -> None:
 
 def test_the_dbc_names_every_flag() -> None:
     """What bit of Flags means what stands in latch_record.h, and in the comment of the signal."""
-    header = Path("firmware/report/latch_record.h").read_text()
+    header = Path("firmware/input/latch_record.h").read_text()
     comment = re.search(r'CM_ SG_ 385 Flags "([^"]*)"', DBC.read_text())
 
     assert comment is not None

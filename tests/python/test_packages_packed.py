@@ -28,7 +28,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def uno(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build what touches the probe of a simulated Uno and shows what it prints."""
     if not Path("/usr/include/simavr/sim_avr.h").exists():
-        pytest.skip("no libsimavr here: scripts/setup_system.sh emulators")
+        pytest.skip("no libsimavr here: scripts/setup/system.sh emulators")
     program = tmp_path_factory.mktemp("uno") / "uno_run"
     run("gcc", "-O2", "-isystem", "/usr/include/simavr", "tests/packages/uno_run.c",
         "-lsimavr", "-lelf", "-o", program)  # fmt: skip
@@ -66,7 +66,7 @@ def build_for_uno(packed: Path, example: str, build: Path) -> Path:
     """Build a sketch by Arduino's own builder, from the core that Debian packs."""
     builder = tool("arduino-builder", "arduino")
     if not CORES.exists():
-        pytest.skip("no Arduino core here: scripts/setup_system.sh arduino")
+        pytest.skip("no Arduino core here: scripts/setup/system.sh arduino")
     build.mkdir()
     run(builder, "-compile", "-fqbn", "arduino:avr:uno", "-prefs", OLD_COMPILER,
         "-hardware", "/usr/share/arduino/hardware", "-hardware", "/usr/share/arduino-builder",

@@ -21,11 +21,17 @@ def in_project(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_links_point_at_pages_of_the_site() -> None:
-    text = "[a](docs/GAP.md#add-an-effect) [b](README.md) [c](Makefile) [d](#e) [f](https://g.h)"
+    text = (
+        "[a](docs/WITHHELD.md#add-an-effect) [b](README.md) [c](Makefile) [d](#e) [f](https://g.h)"
+    )
 
     said = site_pages.relinked(text, Path())
 
-    assert said == "[a](GAP.md#add-an-effect) [b](index.md) c [d](#e) [f](https://g.h)"
+    assert said == "[a](WITHHELD.md#add-an-effect) [b](index.md) c [d](#e) [f](https://g.h)"
+
+
+def test_pictures_stand_beside_the_pages() -> None:
+    assert site_pages.relinked("![a](docs/latch.svg)", Path()) == "![a](latch.svg)"
 
 
 def test_a_link_that_leads_nowhere_is_refused() -> None:

@@ -16,8 +16,8 @@ from skiplatch.simulator import (
     Effect,
     SimulationError,
     connection,
+    filled_rig,
     play,
-    rig_arguments,
 )
 from skiplatch.stand_ins import (
     PLAYED,
@@ -164,10 +164,8 @@ def test_pretravel_below_nothing_is_played_in_version_2(
 
 def simulator_takes(nominal: Nominal) -> bool:
     _, lib = connection()
-    return bool(
-        lib.sim_play_check(*rig_arguments(nominal, Controller(overtravel_mm=2.0)))
-        == lib.SIM_PLAY_OK
-    )
+    rig = filled_rig(nominal, Controller(overtravel_mm=2.0))
+    return bool(lib.sim_play_check(rig.structure) == lib.SIM_PLAY_OK)
 
 
 @pytest.mark.parametrize(("section", "name"), PLAYED)

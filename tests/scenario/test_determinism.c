@@ -42,8 +42,11 @@ static void fill(void)
 static void play_with(uint32_t threads, uint64_t first_replicate, uint64_t replicates,
                       const sim_touch_t *from, uint64_t n, sim_outcome_t *to)
 {
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&chain, &TWO_TOUCHES, NULL, 0u, from, n, PLAY_SEED,
-                                                first_replicate, replicates, threads, to));
+    const sim_rig_t rig = {.chain = &chain,
+                           .controller = &TWO_TOUCHES,
+                           .seed = PLAY_SEED,
+                           .replicate = first_replicate};
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&rig, from, n, replicates, threads, to));
 }
 
 void setUp(void)
@@ -89,8 +92,8 @@ void test_replicates_and_seeds_differ(void)
 {
     sim_outcome_t other;
     TEST_ASSERT_NOT_EQUAL(0, memcmp(&expected[0], &expected[TOUCHES], sizeof *expected));
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&chain, &TWO_TOUCHES, NULL, 0u, touches, 1u,
-                                                PLAY_SEED + 1u, 0u, 1u, 1u, &other));
+    const sim_rig_t rig = {.chain = &chain, .controller = &TWO_TOUCHES, .seed = PLAY_SEED + 1u};
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&rig, touches, 1u, 1u, 1u, &other));
     TEST_ASSERT_NOT_EQUAL(0, memcmp(&expected[0], &other, sizeof other));
 }
 

@@ -40,6 +40,14 @@ static void play_touches(int32_t path)
     play_check_ok(outcomes, N);
 }
 
+static int play_as(uint64_t seed, uint64_t replicate, uint64_t n, uint64_t replicates,
+                   sim_outcome_t *to)
+{
+    const sim_rig_t rig = {
+        .chain = &chain, .controller = &PLAY_ONE_TOUCH, .seed = seed, .replicate = replicate};
+    return sim_play(&rig, touches, n, replicates, 1u, to);
+}
+
 static double latch_share(const sim_outcome_t *o)
 {
     return (o->latch_us - o->true_edge_us - chain.skip_latency_us) / chain.skip_jitter_us;
@@ -117,8 +125,7 @@ void test_edges_at_random_instants_fall_anywhere_in_a_scan(void)
 void test_the_scans_of_different_campaigns_begin_anywhere(void)
 {
     touches[0] = play_touch(0u, SIM_PATH_PLC, 1.0);
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&chain, &PLAY_ONE_TOUCH, NULL, 0u, touches, 1u,
-                                                PLAY_SEED, 0u, N, 1u, outcomes));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, play_as(PLAY_SEED, 0u, 1u, N, outcomes));
 
     collect_in_range(scan_share, chain.scan_us, values);
     statistics_check_uniform(values, N);
@@ -128,8 +135,7 @@ void test_the_scans_of_different_seeds_begin_anywhere(void)
 {
     touches[0] = play_touch(0u, SIM_PATH_PLC, 1.0);
     for (unsigned i = 0u; i < N; ++i) {
-        TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&chain, &PLAY_ONE_TOUCH, NULL, 0u, touches, 1u,
-                                                    i, 0u, 1u, 1u, &outcomes[i]));
+        TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, play_as(i, 0u, 1u, 1u, &outcomes[i]));
     }
 
     collect_in_range(scan_share, chain.scan_us, values);
@@ -197,8 +203,7 @@ void test_neighbouring_touches_and_replicates_are_independent(void)
     play_touches(SIM_PATH_SKIP);
     collect(latch_share, values);
     statistics_check_independent(values, &values[1], N - 1u);
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&chain, &PLAY_ONE_TOUCH, NULL, 0u, touches, N,
-                                                PLAY_SEED, 1u, 1u, 1u, outcomes));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, play_as(PLAY_SEED, 1u, N, 1u, outcomes));
     collect(latch_share, others);
 
     statistics_check_independent(values, others, N);

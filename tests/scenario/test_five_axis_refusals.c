@@ -17,7 +17,7 @@ static sim_control_t    control;
 static sim_probing_t    probing;
 static sim_setting_t    setting;
 static sim_sphere_t     sphere;
-static uint32_t         settings_count;
+static sim_rig_t        rig;
 
 void setUp(void)
 {
@@ -38,7 +38,7 @@ void setUp(void)
     probing =
         (sim_probing_t){.feed_mm_min = 120.0, .stand_off_mm = 6.0, .search_mm = 6.0, .touches = 4};
     sphere = (sim_sphere_t){.angle_deg = {0.0, 0.0, 10.0}};
-    settings_count = 0u;
+    rig = (sim_rig_t){.chain = &chain, .controller = &controller, .settings = &setting, .seed = 1u};
 }
 
 void tearDown(void)
@@ -48,12 +48,10 @@ void tearDown(void)
 static void check_both(int expected)
 {
     sim_451_t *play = NULL;
-    TEST_ASSERT_EQUAL_INT(expected, sim_451_open(&truth, &believed, &chain, &controller, &setting,
-                                                 settings_count, &control, 1u, 0u, &play));
+    TEST_ASSERT_EQUAL_INT(expected, sim_451_open(&rig, &truth, &believed, &control, &play));
     TEST_ASSERT_EQUAL_INT(expected == SIM_PLAY_OK, play != NULL);
     sim_451_close(play);
-    int32_t measured = sim_five_axis_points(&truth, &believed, &probing, &chain, &controller,
-                                            &setting, settings_count, 1u, 0u, &sphere, 1u);
+    int32_t measured = sim_five_axis_points(&rig, &truth, &believed, &probing, &sphere, 1u);
     TEST_ASSERT_EQUAL_INT(expected == SIM_PLAY_OK ? 1 : expected, measured);
     setUp();
 }
@@ -75,13 +73,13 @@ void test_a_chain_that_cannot_be_played_is_refused(void)
 
 void test_an_effect_that_there_is_not_is_refused(void)
 {
-    settings_count = 1u;
+    rig.settings_count = 1u;
     setting = (sim_setting_t){.effect = 10000};
     check_both(SIM_PLAY_ERR_EFFECT);
-    settings_count = 1u;
+    rig.settings_count = 1u;
     setting = (sim_setting_t){.effect = 0, .parameters = {NAN}};
     check_both(SIM_PLAY_ERR_EFFECT);
-    settings_count = SIM_EFFECTS_MAX + 1u;
+    rig.settings_count = SIM_EFFECTS_MAX + 1u;
     check_both(SIM_PLAY_ERR_EFFECT);
 }
 
@@ -110,8 +108,7 @@ static void refuse_control(double *value, double bad)
     sim_451_t *play = NULL;
     *value = bad;
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CONTROL,
-                          sim_451_open(&truth, &believed, &chain, &controller, &setting, 0u,
-                                       &control, 1u, 0u, &play));
+                          sim_451_open(&rig, &truth, &believed, &control, &play));
     TEST_ASSERT_NULL(play);
     setUp();
 }
@@ -131,8 +128,7 @@ void test_a_set_up_that_is_none_is_refused(void)
 static void refuse_probing(void)
 {
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CONTROL,
-                          sim_five_axis_points(&truth, &believed, &probing, &chain, &controller,
-                                               &setting, 0u, 1u, 0u, &sphere, 1u));
+                          sim_five_axis_points(&rig, &truth, &believed, &probing, &sphere, 1u));
     setUp();
 }
 

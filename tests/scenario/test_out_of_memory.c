@@ -25,6 +25,9 @@ static sim_outcome_t expected[TOUCHES];
 static sim_outcome_t outcomes[TOUCHES];
 static uint64_t      played;
 
+static const sim_rig_t RIG = {
+    .chain = &PLAY_MACHINE, .controller = &PLAY_ONE_TOUCH, .seed = PLAY_SEED};
+
 void setUp(void)
 {
     failing_calls_reset();
@@ -41,8 +44,7 @@ void tearDown(void)
 
 static int play_them(uint32_t threads)
 {
-    return sim_play(&PLAY_MACHINE, &PLAY_ONE_TOUCH, NULL, 0u, touches, played, PLAY_SEED, 0u, 1u,
-                    threads, outcomes);
+    return sim_play(&RIG, touches, played, 1u, threads, outcomes);
 }
 
 static int play_touches(void)
@@ -75,8 +77,7 @@ static int switch_on_machine(void)
     static const sim_control_t control = {.touch_feed_mm_min = 120.0, .path = SIM_PATH_SKIP};
     sim_451_t                 *opened = NULL;
 
-    int code = sim_451_open(&machine, &machine, &PLAY_MACHINE, &PLAY_ONE_TOUCH, NULL, 0u, &control,
-                            1u, 0u, &opened);
+    int code = sim_451_open(&RIG, &machine, &machine, &control, &opened);
     TEST_ASSERT_EQUAL_INT(code == SIM_PLAY_OK, opened != NULL);
     sim_451_close(opened);
     return code;

@@ -65,6 +65,7 @@ static sim_chain_t      chain;
 static sim_controller_t controller;
 static sim_touch_t      touch;
 static sim_outcome_t    outcome;
+static const sim_rig_t  rig = {.chain = &chain, .controller = &controller, .seed = 1u};
 
 void setUp(void)
 {
@@ -80,7 +81,7 @@ void tearDown(void)
 
 static int attempt(uint64_t n)
 {
-    return sim_play(&chain, &controller, NULL, 0u, &touch, n, 1u, 0u, 1u, 1u, &outcome);
+    return sim_play(&rig, &touch, n, 1u, 1u, &outcome);
 }
 
 static void set(void *object, const range_t *range, double value)
@@ -192,8 +193,7 @@ void test_one_bad_touch_among_good_ones_is_found(void)
     sim_outcome_t outcomes[3];
     touches[2].feed_mm_min = 0.0;
 
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, sim_play(&chain, &controller, NULL, 0u, touches, 3u,
-                                                       1u, 0u, 1u, 1u, outcomes));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, sim_play(&rig, touches, 3u, 1u, 1u, outcomes));
 }
 
 void test_every_refusal_has_a_sentence_of_its_own(void)

@@ -15,6 +15,8 @@ static sim_chain_t   chain;
 static sim_touch_t   touches[TOUCHES];
 static sim_outcome_t outcomes[TOUCHES];
 
+static const sim_rig_t rig = {.chain = &chain, .controller = &PLAY_ONE_TOUCH, .seed = 1u};
+
 void setUp(void)
 {
     chain = PLAY_MACHINE;
@@ -87,8 +89,7 @@ void test_a_pull_is_refused(void)
 {
     touches[0].beta_deg = -0.001;
 
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, sim_play(&chain, &PLAY_ONE_TOUCH, NULL, 0u, touches,
-                                                       1u, 1u, 0u, 1u, 1u, outcomes));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, sim_play(&rig, touches, 1u, 1u, 1u, outcomes));
 }
 
 void test_a_seat_without_a_size_is_refused(void)
@@ -97,11 +98,9 @@ void test_a_seat_without_a_size_is_refused(void)
     for (size_t i = 0u; i < sizeof sizes / sizeof *sizes; ++i) {
         double kept = *sizes[i];
         *sizes[i] = 0.0;
-        TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CHAIN, sim_play(&chain, &PLAY_ONE_TOUCH, NULL, 0u,
-                                                           touches, 1u, 1u, 0u, 1u, 1u, outcomes));
+        TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CHAIN, sim_play(&rig, touches, 1u, 1u, 1u, outcomes));
         *sizes[i] = kept;
     }
     chain.seat.spring_n = (double)NAN;
-    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CHAIN, sim_play(&chain, &PLAY_ONE_TOUCH, NULL, 0u, touches,
-                                                       1u, 1u, 0u, 1u, 1u, outcomes));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CHAIN, sim_play(&rig, touches, 1u, 1u, 1u, outcomes));
 }

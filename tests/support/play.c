@@ -44,7 +44,8 @@ sim_touch_t play_touch(uint64_t touch, int32_t path, double time_s)
 void play(const sim_chain_t *chain, const sim_controller_t *controller, const sim_touch_t *touches,
           size_t n, sim_outcome_t *outcomes)
 {
-    int result = sim_play(chain, controller, NULL, 0u, touches, n, PLAY_SEED, 0u, 1u, 1u, outcomes);
+    const sim_rig_t rig = {.chain = chain, .controller = controller, .seed = PLAY_SEED};
+    int             result = sim_play(&rig, touches, n, 1u, 1u, outcomes);
     TEST_ASSERT_EQUAL_INT_MESSAGE(SIM_PLAY_OK, result, sim_play_error(result));
 }
 

@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-#include "report/latch_record.h"
+#include "input/latch_record.h"
 
 /* The n-th of an endless row of records that differ in all their bits; the same on every run. */
 latch_record_t record_number(uint32_t n);

@@ -1,7 +1,7 @@
 # A kernel with a GPIO character device and SocketCAN. It runs here, as programs of its own.
 FAMILY.$(board) := linux
 
-# libgpiod 2 of the system, or the one that setup_gpiod.sh has unpacked aside; without it there is no
+# libgpiod 2 of the system, or the one that setup/gpiod.sh has unpacked aside; without it there is no
 # Linux port.
 GPIOD_SYSTEM := $(shell grep -ls gpiod_chip_request_lines /usr/include/gpiod.h)
 GPIOD_ASIDE  := $(if $(GPIOD_SYSTEM),,$(wildcard build/gpiod/usr/include/gpiod.h))

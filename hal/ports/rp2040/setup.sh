@@ -21,7 +21,7 @@ here() { command -v node >/dev/null && command -v npm >/dev/null; }
 
 # Whatever is found of an earlier set-up is not taken for this one's.
 rm -f "$target/node"
-here || "$project/scripts/setup_system.sh" node || true
+here || "$project/scripts/setup/system.sh" node || true
 here || skip "no node or npm here, and no packages nodejs and npm to be had"
 node -e 'process.exit(parseInt(process.versions.node) >= 18 ? 0 : 1)' ||
     skip "node is version $(node --version) here, and rp2040js wants 18 or later"

@@ -9,8 +9,8 @@
 set -eu
 
 project=$(cd "$(dirname "$0")/../../.." && pwd)
-# shellcheck source=scripts/apt_aside.sh
-. "$project/scripts/apt_aside.sh"
+# shellcheck source=scripts/setup/apt_aside.sh
+. "$project/scripts/setup/apt_aside.sh"
 target=$project/build/qemu
 program=$target/qemu-system-arm
 

@@ -23,7 +23,7 @@ class Latch:
         ticks: Device clock, modulo 2³².
         position_counts: Where the axis was then.
         sequence: Number of the record, modulo 2¹⁵.
-        flags: LATCH_FLAG_* of firmware/report/latch_record.h.
+        flags: LATCH_FLAG_* of firmware/input/latch_record.h.
     """
 
     ticks: int

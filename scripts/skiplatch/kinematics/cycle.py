@@ -20,7 +20,7 @@ from skiplatch.kinematics.five_axis import (
     refuse,
 )
 from skiplatch.kinematics.machine import LETTERS, Machine
-from skiplatch.simulator import Effect, SimulationError, connection, rig_arguments
+from skiplatch.simulator import Effect, SimulationError, connection, filled_rig
 
 CData = Any
 WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}
@@ -301,13 +301,12 @@ def opened(
     ffi, lib = connection()
     structure = machine_structure(machine, truth)
     place = ffi.new("sim_451_t **")
+    switched = filled_rig(rig, CONTROLLER, switched_on, seed=seed, replicate=replicate)
     code = lib.sim_451_open(
+        switched.structure,
         structure,
         machine_structure(believed or machine, truth),
-        *rig_arguments(rig, CONTROLLER, switched_on),
         _control(control),
-        seed,
-        replicate,
         place,
     )
     refuse(code)

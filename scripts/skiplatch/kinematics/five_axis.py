@@ -26,7 +26,7 @@ from skiplatch.campaign import (
 )
 from skiplatch.kinematics.grid import Grid
 from skiplatch.kinematics.machine import LETTERS, Machine
-from skiplatch.simulator import Controller, Effect, SimulationError, connection, rig_arguments
+from skiplatch.simulator import Controller, Effect, SimulationError, connection, filled_rig
 
 CData = Any
 UM_PER_MM = 1000.0
@@ -204,13 +204,12 @@ def probe_points(
         setattr(filled, item.name, getattr(given, item.name))
     filled.path = path_code(given.path)
     structure = machine_structure(machine, truth)
+    switched = filled_rig(rig, CONTROLLER, switched_on, seed=seed, replicate=replicate)
     measured = lib.sim_five_axis_points(
+        switched.structure,
         structure,
         structure,
         filled,
-        *rig_arguments(rig, CONTROLLER, switched_on),
-        seed,
-        replicate,
         spheres,
         len(angles_deg),
     )

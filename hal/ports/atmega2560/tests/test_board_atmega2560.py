@@ -32,7 +32,7 @@ class Run:
 
 def play(path: str) -> Run:
     if not (PROGRAM.exists() and RUN.exists()):
-        pytest.skip("no ATmega2560 here: scripts/setup_system.sh cross emulators")
+        pytest.skip("no ATmega2560 here: scripts/setup/system.sh cross emulators")
     command = [str(RUN), str(PROGRAM), path, str(TOUCHES), "1"]
     lines = subprocess.run(command, check=True, capture_output=True, text=True).stdout.splitlines()
     rows = [line.split() for line in lines]
@@ -91,7 +91,7 @@ def test_the_position_is_that_of_the_edge_or_of_a_step_just_after_it(skip: Run) 
 
 
 def test_the_stack_stays_within_the_bound(skip: Run, plc: Run) -> None:
-    sys.path.insert(0, str(Path("scripts").resolve()))
+    sys.path.insert(0, str(Path("scripts/lint").resolve()))
     table = importlib.import_module("size_table")
     bound = table.measure("atmega2560", table.PROCESSORS["avr"])["atmega2560", "program"]
     most_bytes = max(skip.stack_bytes, plc.stack_bytes)

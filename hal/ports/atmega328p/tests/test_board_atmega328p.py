@@ -48,7 +48,7 @@ def program(build: str) -> Path:
     """Give a program, or skip where it could not be built."""
     path = FOLDER / f"firmware-{build}.elf"
     if not path.exists() or not simavr_rig.RIG.exists():
-        pytest.skip("no ATmega328P board here: scripts/setup_system.sh cross emulators")
+        pytest.skip("no ATmega328P board here: scripts/setup/system.sh cross emulators")
     return path
 
 

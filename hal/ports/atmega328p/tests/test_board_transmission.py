@@ -22,7 +22,7 @@ LINE_ARCSEC = 1_296_000.0 / (1024 * 40.7)
 @pytest.fixture(autouse=True)
 def _board() -> None:
     if not PROGRAM.exists() or not simavr_rig.RIG.exists():
-        pytest.skip("no ATmega328P board here: scripts/setup_system.sh cross emulators")
+        pytest.skip("no ATmega328P board here: scripts/setup/system.sh cross emulators")
 
 
 @cache

@@ -19,7 +19,7 @@ UM_US_PER_MM_MIN = 1.0 / 60_000.0
 def played() -> list[Touch]:
     """Record one run."""
     if not PROGRAM.exists() or not simavr_rig.RIG.exists():
-        pytest.skip("no ATmega328P board here: scripts/setup_system.sh cross emulators")
+        pytest.skip("no ATmega328P board here: scripts/setup/system.sh cross emulators")
     events, touches = play(PROGRAM, TOUCHES)
     assert all(pulses == steps for pulses, steps in events.checks)
     return touches

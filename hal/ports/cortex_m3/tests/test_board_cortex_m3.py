@@ -54,7 +54,7 @@ void reset(void) { (void)main(); }
 
 def test_a_library_with_tables_for_unwinding_brings_no_unwinder(tmp_path: Path) -> None:
     if not shutil.which("arm-none-eabi-gcc"):
-        pytest.skip("no arm-none-eabi-gcc here: scripts/setup_system.sh cross")
+        pytest.skip("no arm-none-eabi-gcc here: scripts/setup/system.sh cross")
     source, program = tmp_path / "unwindable.c", tmp_path / "unwindable.elf"
     source.write_text(UNWINDABLE)
     options = "-mcpu=cortex-m3 -mthumb -funwind-tables -Wl,--gc-sections --specs=nano.specs"

@@ -1,0 +1,128 @@
+"""Check that dependencies point one way; started in the project's folder.
+
+Every C file stands in a room, and each room may include only from certain others. Python reaches C
+through one module alone.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from pathlib import Path
+
+# What the boards of a family share stands in a folder of hal/ports that is no board itself.
+FAMILIES = tuple(
+    f"{folder.as_posix()}/"
+    for folder in Path("hal/ports").glob("*")
+    if folder.is_dir() and not (folder / "board.mk").exists()
+)
+
+# Which rooms the files of a room may include from; a file's room is the first pattern it matches.
+# "own" is the file's own folder, "above" the one that this is in. What is found in no room is a
+# header of the system.
+ROOMS: dict[str, set[str]] = {
+    r"firmware/comp/": {"own"},
+    r"firmware/inject/": {"own"},
+    r"firmware/report/": {"own", "firmware/input/", "hal/include/"},
+    r"firmware/transmission/": {"own", "firmware/comp/", "hal/include/"},
+    r"firmware/input/": {"own", "hal/include/"},
+    r"firmware/cycle/": {
+        "own",
+        "firmware/comp/",
+        "firmware/input/",
+        "firmware/report/",
+        "hal/include/",
+    },
+    r"hal/include/": {"own"},
+    r"hal/ports/\w+/main\w*\.c": {"own", "firmware/", "hal/include/", *FAMILIES},
+    # An injector is a program beside the port: it drives the line that the port watches.
+    r"hal/ports/\w+/injector\w*\.[ch]": {"own", "firmware/inject/"},
+    # A port's tests stand in its folder and may see all of it.
+    r"hal/ports/\w+/tests/": {"own", "above", "hal/include/", "firmware/", *FAMILIES},
+    r"hal/ports/": {"own", "hal/include/", *FAMILIES},
+    r"host_sim/programs/": {"own", "host_sim/", "firmware/", "hal/include/"},
+    r"host_sim/": {"host_sim/", "hal/include/"},
+}
+NOT_FROM_BELOW = "host_sim/programs/"  # the wiring is included by nobody but itself and tests
+INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim", *FAMILIES)
+INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
+
+PYTHON_PACKAGE = Path("scripts/skiplatch")
+PYTHON_BRIDGE = PYTHON_PACKAGE / "simulator.py"
+PYTHON_TO_C = {"cffi", "ctypes", "_cffi_backend"}
+
+
+def resolve(source: Path, name: str) -> Path | None:
+    """Return the project's file that `source` gets by including `name`, if it is the project's."""
+    for folder in (source.parent, *map(Path, INCLUDE_FOLDERS)):
+        if (folder / name).is_file():
+            return Path(*_normal_parts(folder / name))
+    return None
+
+
+def _normal_parts(path: Path) -> list[str]:
+    parts: list[str] = []
+    for part in path.parts:
+        if part == "..":
+            parts.pop()
+        else:
+            parts.append(part)
+    return parts
+
+
+def is_allowed(source: Path, target: Path) -> bool:
+    """Tell whether `source` may include `target`."""
+    if target.parent == source.parent:
+        return True
+    if target.as_posix().startswith(NOT_FROM_BELOW):
+        return False
+    for room, allowed in ROOMS.items():
+        if re.match(room, source.as_posix()):
+            if "above" in allowed and target.parent == source.parent.parent:
+                return True
+            return any(target.as_posix().startswith(f) for f in allowed - {"own", "above"})
+    return True
+
+
+def check_c() -> list[str]:
+    """Return the includes that point the wrong way."""
+    faults = []
+    for top in ("firmware", "hal", "host_sim"):
+        for source in sorted(Path(top).rglob("*.[ch]")):
+            for name in INCLUDE.findall(source.read_text(encoding="utf-8")):
+                target = resolve(source, name)
+                if target is not None and not is_allowed(source, target):
+                    faults.append(f"{source}: must not include {target}")
+    return faults
+
+
+def _imported(tree: ast.Module) -> set[str]:
+    names: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            names.add(node.module.split(".")[0])
+    return names
+
+
+def check_python() -> list[str]:
+    """Return the Python modules that reach C past the bridge."""
+    return [
+        f"{source}: only {PYTHON_BRIDGE} may import {', '.join(sorted(found))}"
+        for source in sorted(PYTHON_PACKAGE.rglob("*.py"))
+        if source != PYTHON_BRIDGE
+        and (found := _imported(ast.parse(source.read_text(encoding="utf-8"))) & PYTHON_TO_C)
+    ]
+
+
+def main() -> int:
+    """Print the faults; 1 if there are any."""
+    faults = check_c() + check_python()
+    print("\n".join(faults))
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,75 @@
+"""What the diagnosis must beat: three plainer ways to name an effect, on the same campaigns."""
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+from skiplatch.campaign import Campaign
+from skiplatch.tables import table
+from tests.withheld.baseline_crps import LowestCrps
+from tests.withheld.baseline_regression import Regression
+from tests.withheld.baseline_trees import Trees
+from tests.withheld.nats import PLAIN
+from tests.withheld.scoring import Scored
+
+DIAGNOSIS = "skiplatch diagnose"
+
+
+class Baseline(Protocol):
+    """A way to name the one effect of a campaign."""
+
+    @property
+    def title(self) -> str:
+        """What it is called."""
+
+    def name(self, campaign: Campaign) -> str | None:
+        """Name an effect, or None."""
+
+
+def all_baselines() -> list[Baseline]:
+    """Give them all; the classifier is trained now if it was not before."""
+    return [Trees.trained(), Regression(), LowestCrps()]
+
+
+def as_text(results: Sequence[Scored]) -> str:
+    """Show the diagnosis and the baselines side by side."""
+    titles = [DIAGNOSIS, *(results[0].guesses if results else ())]
+    columns = [
+        ("right name, > 30 nats", _of(results, "single", plain=True), _is_right),
+        ("right name, all single", _of(results, "single"), _is_right),
+        ("one of two", _of(results, "two"), _is_right),
+        ("named on none", _of(results, "none"), _names),
+        ("named on dull", _of(results, "dull"), _names),
+        ("named on strangers", _of(results, "stranger"), _names),
+        ("of the grammar", _of(results, "strangers"), _names),
+        ("named on datum", _of(results, "datum"), _names),
+    ]
+    lines = [(title, *(_count(here, title, hit) for _, here, hit in columns)) for title in titles]
+    return table(("", *(column[0] for column in columns)), lines)
+
+
+Hit = Callable[[Scored, str], bool]
+
+
+def _of(results: Sequence[Scored], case: str, *, plain: bool = False) -> list[Scored]:
+    return [r for r in results if r.label.case == case and (r.nats > PLAIN or not plain)]
+
+
+def _count(results: Sequence[Scored], title: str, hit: Hit) -> str:
+    return f"{sum(hit(r, title) for r in results)}/{len(results)}" if results else ""
+
+
+def _named(scored: Scored, title: str) -> set[str]:
+    if title == DIAGNOSIS:
+        return {name.id for name in scored.found.names}
+    guess = scored.guesses[title]
+    return {guess} if guess else set()
+
+
+def _is_right(scored: Scored, title: str) -> bool:
+    """Whether all that was named is in the campaign: a baseline names one effect at most."""
+    named = _named(scored, title)
+    return bool(named) and named <= scored.truth
+
+
+def _names(scored: Scored, title: str) -> bool:
+    return bool(_named(scored, title))
