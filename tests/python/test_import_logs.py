@@ -471,7 +471,7 @@ def test_iso_table_gives_positions_runs_and_senses(tmp_path: Path) -> None:
     assert touches.position_mm.tolist() == [0, 100, 200, 200, 100, 0, 0, 100, 200, 100, 0]
     assert touches.deviation_um.tolist()[:6] == [0.5, 1.5, 2.5, 0.5, 1.5, 2.5]
     assert touches.sign.tolist()[2:4] == [1, -1]
-    assert touches.session_names == ("run 1", "run 2", "run 3", "run 4")
+    assert touches.session_names == ("",)  # a session each would hide the reversal error
 
 
 def test_rotary_table_is_in_degrees(tmp_path: Path) -> None:

@@ -58,13 +58,13 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
         "deviation_arcsec" if turns else "deviation_um": beyond,
         "feed_mm_min": np.full(len(point), np.nan if feed is None else feed),
     }
-    found.columns = Touches.from_columns(**columns, session=[f"run {n + 1}" for n in run])
+    found.columns = Touches.from_columns(**columns)
     found.known.append(
         f"{len(positions)} positions, {int((signs > 0).sum())} runs in the positive sense, "
         f"{int((signs < 0).sum())} in the negative"
     )
     found.assumed += [
-        "runs one after the other, each along its sense; a session each",
+        "runs one after the other, each along its sense, with no homing or zeroing in between",
         "deviations are actual minus target, so in the negative sense they count the other way",
         f"deviations are in {'mm' if in_mm else 'µm'}; else give --unit",
     ]
