@@ -474,6 +474,19 @@ def test_iso_table_gives_positions_runs_and_senses(tmp_path: Path) -> None:
     assert touches.session_names == ("",)  # a session each would hide the reversal error
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("iso230", log("iso230_x.csv")),
+        ("csv", log("table.csv"), "--map", "deviation_um=Error (mm) [mm]"),
+    ],
+)
+def test_last_digit_of_a_table_is_its_resolution(words: tuple[str, ...], tmp_path: Path) -> None:
+    nominal = Run(tmp_path, *words, "--axis", "X").campaign.nominal
+
+    assert nominal.axis.resolution_um == pytest.approx(0.1)
+
+
 def test_rotary_table_is_in_degrees(tmp_path: Path) -> None:
     run = Run(tmp_path, "iso230", log("iso230_x.csv"), "--axis", "B")
 
