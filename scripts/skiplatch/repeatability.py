@@ -28,6 +28,7 @@ MOST_OUTLYING = 0.1  # of the touches, where more than half are the same
 FEWEST = 3
 FEWEST_AFTER_FIRST = 4
 TURNS = 5  # of leaving outliers out until they stay the same
+FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
 NOTHING = 1e-9  # µm or µs; less is what floating-point sums leave
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
@@ -101,7 +102,7 @@ def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:
         return "µm", touches.deviation_um
     if not np.isnan(touches.deviation_arcsec).all():
         return "arcsec", touches.deviation_arcsec
-    return "µs", touches.latch_us - touches.edge_us
+    return "µs", np.round(touches.latch_us - touches.edge_us, FINEST_WAIT)
 
 
 def _of(

@@ -74,6 +74,19 @@ def test_runs_of_an_iso_table_repeat_and_keep_their_reversal_error(tmp_path: Pat
     assert len(campaign.touches.session_names) == 1
 
 
+def test_rounding_of_stamps_is_no_step(bench_sample: Path) -> None:
+    edge_us = np.arange(20) * 1_000_000.1
+    waits_us = np.where(np.arange(20) % 2, 62.952, 63.052)
+    touches = Touches.from_columns(
+        touch=np.arange(20), edge_us=edge_us, latch_us=edge_us + waits_us
+    )
+
+    found = repeatability(replace(read_campaign(bench_sample), touches=touches))
+
+    assert len(set(touches.latch_us - edge_us)) > 2  # by what a number of 64 bits cannot hold
+    assert found.step is None
+
+
 def test_a_rotary_axis_repeats_in_arcsec(machine_sample: Path) -> None:
     n = 60
     feed_deg_min = np.where(np.arange(n) % 2, 600.0, 120.0)

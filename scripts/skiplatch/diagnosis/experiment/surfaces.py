@@ -72,7 +72,7 @@ def asked_for(plan: Touches, recorded: Touches) -> str:
 def _where(touches: Touches) -> FloatArray:
     columns = touches.columns()
     cells = np.column_stack([np.asarray(columns[name], dtype=float) for name in WHERE])
-    return np.nan_to_num(cells, nan=NOWHERE)
+    return np.asarray(np.nan_to_num(cells, nan=NOWHERE))
 
 
 def _senses(touches: Touches) -> set[tuple[float, float]]:
