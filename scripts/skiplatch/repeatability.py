@@ -1,6 +1,7 @@
 """How well touches of one surface repeat, with nothing believed of the rig.
 
-What repeats is the deviation in µm; on a bench without motion, the time from edge to latch in µs.
+What repeats is the deviation in µm, of rotary axes in arcsec; on a bench without motion, the time
+from edge to latch in µs.
 
 Deviations are held against the middle of their surface, and one straight line each in the number
 of the touch and in the feed is fitted to all of them together. First touches of a series and
@@ -18,7 +19,8 @@ from skiplatch.campaign.steps import common_step
 from skiplatch.errors import InputError
 from skiplatch.statistics import CONFIDENCE, Interval
 
-UM_PER_MS_PER_MM_MIN = 1.0 / 60.0  # a mm/min in µm/ms
+PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
+"""A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
 NORMAL_PER_MAD = 1.4826
 OUTLYING_SIGMAS = 5.0  # one in a million of a normal scatter
 OUTLYING_STEPS = 2.5
@@ -26,6 +28,7 @@ MOST_OUTLYING = 0.1  # of the touches, where more than half are the same
 FEWEST = 3
 FEWEST_AFTER_FIRST = 4
 TURNS = 5  # of leaving outliers out until they stay the same
+FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
 NOTHING = 1e-9  # µm or µs; less is what floating-point sums leave
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
@@ -36,7 +39,7 @@ class Repeatability:
 
     Attributes:
         touches: Serial numbers of the n touches, in their order.
-        unit: Of all figures, ``µm`` or ``µs``.
+        unit: Of all figures, ``µm``, ``arcsec`` or ``µs``.
         off: Each less the middle of its surface and feed; shape (n,).
         surfaces: How many surfaces were touched.
         mean: Of all touches.
@@ -94,10 +97,12 @@ def repeatability(campaign: Campaign) -> Repeatability:
 
 
 def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:
-    """Give the deviations, or else the times from edge to latch."""
-    if np.isnan(touches.deviation_um).all():
-        return "µs", touches.latch_us - touches.edge_us
-    return "µm", touches.deviation_um
+    """Give the deviations, or else those of rotary axes, or the times from edge to latch."""
+    if not np.isnan(touches.deviation_um).all():
+        return "µm", touches.deviation_um
+    if not np.isnan(touches.deviation_arcsec).all():
+        return "arcsec", touches.deviation_arcsec
+    return "µs", np.round(touches.latch_us - touches.edge_us, FINEST_WAIT)
 
 
 def _of(
@@ -106,7 +111,7 @@ def _of(
     is_first = _firsts(touches, surface)
     dummies = (surface[:, None] == np.arange(surface.max() + 1)).astype(float)
     order = np.arange(len(y), dtype=float)
-    speed = touches.feed_mm_min * UM_PER_MS_PER_MM_MIN
+    speed = touches.feed_mm_min * PER_MS[unit]
     lines = {"order": order}
     if _varies_within(speed, surface):
         lines["speed"] = speed
@@ -135,7 +140,7 @@ def _surfaces(touches: Touches) -> np.typing.NDArray[np.intp]:
     """Number the surfaces: what was touched alike but for the feed."""
     names = ("path", "axis", "sign", "alpha_deg", "beta_deg", "session")
     columns = [np.asarray(getattr(touches, name), dtype=float) for name in names]
-    columns.append(np.round(touches.position_mm, 2))
+    columns += [np.round(places, 2) for places in (touches.position_mm, touches.position_deg)]
     if not len(touches):
         return np.zeros(0, dtype=np.intp)
     table = np.nan_to_num(np.column_stack(columns), nan=1e300)

@@ -131,18 +131,16 @@ def playable(campaign: Campaign) -> Campaign:
     no_feed, no_way = np.isnan(touches.feed_mm_min), np.isnan(touches.approach_mm)
     no_time = np.isnan(touches.time_s)
     if campaign.nominal.kind is Kind.MACHINE and no_feed.any():
-        missing = f"not recorded in {no_feed.sum()} of {len(touches)} touches"
+        how_often = f"not recorded in {no_feed.sum()} of {len(touches)} touches"
         why = "without it nobody can tell a delay from a length; import has --feed"
-        raise InputError(campaign.path / TOUCHES_FILE, None, "feed_mm_min", f"{missing}; {why}")
-    for name, missing_rows in (
-        ("feed_mm_min", no_feed),
-        ("approach_mm", no_way),
-        ("time_s", no_time),
-    ):
-        _warn(campaign.path, name, missing_rows)
-    if (no_feed | no_way | no_time).any():
+        raise InputError(campaign.path / TOUCHES_FILE, None, "feed_mm_min", f"{how_often}; {why}")
+    missing = {"feed_mm_min": no_feed, "approach_mm": no_way, "time_s": no_time}
+    for name, rows in missing.items():
+        _warn(campaign.path, name, rows)
+    stood_in = frozenset(name for name, rows in missing.items() if rows.any())
+    if stood_in:
         touches = _stood_in(campaign, touches)
-    return replace(campaign, touches=touches)
+    return replace(campaign, touches=touches, stood_in=stood_in)
 
 
 def _stood_in(campaign: Campaign, touches: Touches) -> Touches:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from skiplatch.campaign import Campaign, Touches, read_campaign, write_campaign
+from skiplatch.campaign import Axis, Campaign, Touches, read_campaign, write_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
@@ -196,3 +196,18 @@ def test_figure_that_cannot_be_simulated_is_odd(tmp_path: Path) -> None:
 
     assert "nominal.toml: plc.scan_us: expected 100 to 20000" in said
     assert "got 2" in said
+
+
+def test_a_rotary_axis_misses_no_column_of_a_linear_one(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    turned = Touches.from_columns(
+        touch=np.arange(30),
+        axis=np.full(30, Axis.C),
+        position_deg=np.linspace(0.0, 90.0, 30),
+        deviation_arcsec=np.zeros(30),
+    )
+
+    missing = missing_columns(replace(campaign, touches=turned))
+
+    assert not {"position_mm", "deviation_um"} & set(missing)
+    assert "feed_mm_min" in missing

@@ -34,6 +34,15 @@ def scene(**columns: object) -> Scene:
     return Scene(read_campaign(MACHINE).nominal, touches)
 
 
+def test_a_named_thermometer_is_a_condition_by_its_column() -> None:
+    bed_c = np.array([20.0, 40.0, 60.0, NAN, 60.0])
+
+    known = conditions(scene(thermometers={"heater_bed": bed_c}))
+
+    np.testing.assert_array_equal(known["temp_heater_bed_c"], bed_c)
+    assert "temp_heater_bed_c" not in conditions(scene())
+
+
 def made(name: str) -> FloatArray:
     return sequence(scene())[name]
 

@@ -8,24 +8,28 @@ from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from browser import Browser, browser, chromium
 from skiplatch import cli
-from skiplatch.campaign import Campaign, Touches, read_campaign
+from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.commands import examining as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
+from skiplatch.diagnosis.axes import idle
 from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import Gap, shrink
+from skiplatch.diagnosis.text import as_text
 from skiplatch.errors import InputError
 from skiplatch.report.conditions import conditions, most_telling
 from skiplatch.report.evidence import gather
 from skiplatch.report.page import as_html
+from skiplatch.report.words import found
 from skiplatch.simulator import Effect, effects
 from skiplatch.statistics import Interval
 
@@ -431,3 +435,32 @@ def test_screen_reader_finds_a_name_for_every_picture(
     ]
     assert len(names) >= len(Elements(pages["explained"]).all("svg"))
     assert all(names)
+
+
+@pytest.mark.parametrize(
+    ("axes", "expected"),
+    [
+        ([Axis.Z], {"y_more", "z_more"}),
+        ([Axis.X, Axis.Z], {"y_more"}),
+        ([Axis.X, Axis.Y, Axis.Z], set()),
+    ],
+)
+def test_parameters_of_axes_that_do_not_touch_are_not_told(
+    axes: list[Axis], expected: set[str]
+) -> None:
+    campaign, diagnosis = explained()
+    touches = replace(campaign.touches, axis=np.resize(axes, len(campaign.touches)))
+    lag = effect("following_error", lag_us=50.0, y_more=0.0, z_more=0.0)
+    intervals = {name: (value, value) for name, value in lag.parameters.items()}
+    named = Named(lag, "position", intervals, (), 0.9, idle=idle(touches, lag))
+
+    told = found(named).parameters.rows
+    text = as_text(replace(diagnosis, effects=[named]))
+
+    assert named.idle == expected
+    assert {row[0] for row in told} == {"lag_us", "y_more", "z_more"} - expected
+    assert "lag_us = 50" in text
+    assert all((f"  {name} = " in text) == (name not in expected) for name in ("y_more", "z_more"))
+    assert idle(touches, replace(lag, parameters={**lag.parameters, "z_more": 0.1})) == (
+        expected - {"z_more"}
+    )

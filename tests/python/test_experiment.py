@@ -12,7 +12,7 @@ import pytest
 from scipy import integrate, stats
 
 from effects_rig import CONTROLLER, MACHINE, SCAN_US, mixed_touches
-from skiplatch.campaign import Campaign, Status, Touches
+from skiplatch.campaign import Axis, Campaign, Status, Touches
 from skiplatch.diagnosis import Diagnosis, Verdict
 from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import (
@@ -23,8 +23,9 @@ from skiplatch.diagnosis.experiment import (
     settle,
 )
 from skiplatch.diagnosis.experiment.choice import choose
-from skiplatch.diagnosis.experiment.conditions import spread_out
+from skiplatch.diagnosis.experiment.conditions import elsewhere, spread_out
 from skiplatch.diagnosis.experiment.evidence import exponents, log_likelihoods
+from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
 from skiplatch.motion import expected_contact
 from skiplatch.simulator import Effect, Outcomes, play
@@ -260,16 +261,103 @@ def test_touches_stay_where_the_rig_has_been() -> None:
     assert (np.diff(drawn.time_s) > (drawn.approach_mm / drawn.feed_mm_min * 60.0)[:-1]).all()
 
 
-def test_a_campaign_of_one_kind_of_touch_is_widened() -> None:
+ANYWHERE = (-np.inf, np.inf)
+
+
+def test_a_campaign_of_one_kind_of_touch_is_touched_otherwise_where_it_was() -> None:
     same = mixed_touches(1, seed=1)
 
     drawn = spread_out(same, 100, np.random.default_rng(1)).touches
 
     assert drawn.feed_mm_min.min() < same.feed_mm_min[0] / 4.0
+    assert drawn.approach_mm.min() < same.approach_mm[0] / 3.0
+    for name in ("path", "axis", "sign", "alpha_deg", "beta_deg", "position_mm", "rotary_deg"):
+        assert set(getattr(drawn, name)) == set(getattr(same, name))
+
+
+def test_surfaces_that_a_campaign_does_not_have_are_drawn_apart() -> None:
+    same = mixed_touches(1, seed=1)
+
+    drawn = elsewhere(same, 100, np.random.default_rng(1), ANYWHERE).touches
+
     assert set(drawn.sign) == {-1.0, 1.0}
     assert np.ptp(drawn.position_mm) > 90.0
     assert len(np.unique(drawn.rotary_deg)) == 4
-    assert (drawn.path == same.path[0]).all()
+    assert asked_for(drawn, same) == ", ".join(
+        (
+            f"in the sense {Axis(same.axis[0]).name}{'−' if same.sign[0] > 0.0 else '+'}",
+            f"at places from {drawn.position_mm.min():g} to {drawn.position_mm.max():g} mm",
+            f"with the table at {_others(drawn.rotary_deg, same.rotary_deg)}",
+        )
+    )
+
+
+def _others(angles: np.ndarray, known: np.ndarray) -> str:
+    return ", ".join(f"{angle:g}°" for angle in np.unique(angles) if angle not in known)
+
+
+def surfaces_of_a_router() -> Touches:
+    """Forty touches of Z from above, and ten of one wall along X by a short approach."""
+    z, x = np.repeat(True, 40), np.repeat(False, 10)
+    is_z = np.concatenate([z, x])
+    return Touches.from_columns(
+        touch=np.arange(50),
+        time_s=np.arange(50) * 10.0,
+        axis=np.where(is_z, Axis.Z, Axis.X),
+        sign=np.where(is_z, -1.0, 1.0),
+        feed_mm_min=np.where(np.arange(50) % 2, 50.0, 200.0),
+        approach_mm=np.where(is_z, 10.0, 2.0),
+        position_mm=np.where(is_z, -12.0, 80.0),
+        deviation_um=np.zeros(50),
+    )
+
+
+def test_only_surfaces_that_were_touched_are_asked_for_all_as_often() -> None:
+    touches = surfaces_of_a_router()
+
+    drawn = spread_out(touches, 100, np.random.default_rng(1)).touches
+
+    places = zip(drawn.axis, drawn.sign, drawn.position_mm, strict=True)
+    assert set(places) == {(Axis.Z, -1.0, -12.0), (Axis.X, 1.0, 80.0)}
+    assert (drawn.axis == Axis.X).sum() == 50
+    assert drawn.approach_mm[drawn.axis == Axis.X].max() <= 2.0
+    assert not are_varied(touches)
+
+
+def test_surfaces_out_of_reach_are_not_asked_for_unless_the_reach_is_wrong() -> None:
+    touches = surfaces_of_a_router()
+    rng = np.random.default_rng(1)
+
+    inside = spread_out(touches, 100, rng, (-50.0, 10.0)).touches
+    wrong = spread_out(touches, 100, rng, (500.0, 600.0)).touches
+
+    assert set(inside.axis) == {Axis.Z}
+    assert set(wrong.axis) == {Axis.Z, Axis.X}
+    assert (wrong.approach_mm > 0.0).all()
+
+
+def test_what_only_the_other_sense_can_tell_is_said_and_not_asked_for() -> None:
+    one_sense = recorded(LAG, STAMPED)
+    x = one_sense.touches.select((one_sense.touches.axis == Axis.X) & one_sense.touches.on_skip)
+    x = replace(x, sign=np.ones(len(x)), position_mm=np.full(len(x), 25.0))
+    screw = (Effect("backlash", {"backlash_um": 0.0, "positive_um": 8.0}),)
+    scale = (Effect("scale_error", {"scale_ppm": 320.0}),)  # as much at 25 mm
+
+    experiment = settle(replace(one_sense, touches=x), [screw, scale], seed=1, jobs=1)
+
+    assert set(experiment.touches.sign) == {1.0}
+    assert set(experiment.touches.position_mm) == {25.0}
+    assert not experiment.resolves
+    assert "in the sense X−" in experiment.words
+
+
+def test_no_column_is_asked_for_that_the_rig_does_not_have() -> None:
+    experiment = settle(
+        recorded(DELAY, POSITION_ONLY), [DELAY, LAG], seed=1, jobs=1, as_recorded=True
+    )
+
+    assert experiment.record is None
+    assert "Record" not in experiment.words
 
 
 def normal_samples(shift: float, touches: int, replicates: int, seed: int) -> np.ndarray:

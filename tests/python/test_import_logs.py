@@ -342,6 +342,41 @@ def test_capture_that_is_none_is_refused(
     assert not out.exists()
 
 
+BOTH_PATHS = """Time [s],probe,skip,plc
+0,0,0,0
+1,1,0,0
+1.00002,1,1,0
+1.0032,1,1,1
+2,0,0,0
+3,1,0,0
+3.00003,1,1,0
+4,0,0,0
+"""
+
+
+def test_latches_of_a_plc_task_are_touches_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "both.csv").write_text(BOTH_PATHS)
+    words = ("--plc-latch", "plc", "--scan-us", "4000")
+
+    run = Run(tmp_path, "edges", str(tmp_path / "both.csv"), "--latch", "skip", *words)
+
+    touches = run.campaign.touches
+    assert touches.on_plc.tolist() == [False, True, False, True]
+    assert touches.missed.tolist() == [False, False, False, True]
+    waits_us = touches.latch_us - touches.edge_us
+    np.testing.assert_allclose(waits_us, [20.0, 3200.0, 30.0, np.nan], atol=1e-3)
+    assert run.campaign.nominal.plc.scan_us == 4000.0
+    assert "channels: probe probe, latch skip, latch of the PLC task plc" in run.said["known"]
+
+
+def test_a_capture_may_have_latches_of_a_plc_task_only(tmp_path: Path) -> None:
+    (tmp_path / "both.csv").write_text(BOTH_PATHS)
+
+    run = Run(tmp_path, "edges", str(tmp_path / "both.csv"), "--plc-latch", "plc")
+
+    assert run.campaign.touches.on_plc.tolist() == [True, True]
+
+
 def test_bounces_are_one_edge(tmp_path: Path) -> None:
     run = Run(tmp_path, "edges", log("saleae.csv"))
 
@@ -436,7 +471,20 @@ def test_iso_table_gives_positions_runs_and_senses(tmp_path: Path) -> None:
     assert touches.position_mm.tolist() == [0, 100, 200, 200, 100, 0, 0, 100, 200, 100, 0]
     assert touches.deviation_um.tolist()[:6] == [0.5, 1.5, 2.5, 0.5, 1.5, 2.5]
     assert touches.sign.tolist()[2:4] == [1, -1]
-    assert touches.session_names == ("run 1", "run 2", "run 3", "run 4")
+    assert touches.session_names == ("",)  # a session each would hide the reversal error
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("iso230", log("iso230_x.csv")),
+        ("csv", log("table.csv"), "--map", "deviation_um=Error (mm) [mm]"),
+    ],
+)
+def test_last_digit_of_a_table_is_its_resolution(words: tuple[str, ...], tmp_path: Path) -> None:
+    nominal = Run(tmp_path, *words, "--axis", "X").campaign.nominal
+
+    assert nominal.axis.resolution_um == pytest.approx(0.1)
 
 
 def test_rotary_table_is_in_degrees(tmp_path: Path) -> None:

@@ -11,9 +11,9 @@ import pytest
 from click.testing import CliRunner
 
 from refusals import Program
-from skiplatch.campaign import Campaign, Touches, read_campaign
+from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.cli import group
-from skiplatch.commands.repeat import sentence
+from skiplatch.commands.repeat import as_json, sentence
 from skiplatch.repeatability import Repeatability, repeatability
 from skiplatch.statistics import Interval
 
@@ -46,6 +46,68 @@ def test_plain_scatter_is_found_and_nothing_else(machine_sample: Path) -> None:
     assert found.slope is None
     assert found.outliers == ()
     assert sentence(found).count(";") == 0
+
+
+def test_runs_of_an_iso_table_repeat_and_keep_their_reversal_error(tmp_path: Path) -> None:
+    noise_um = np.random.default_rng(1).normal(0.0, 0.2, (4, 10))
+    heads = ";".join(f"{run} {sense}" for run in range(1, 6) for sense in "↑↓")
+    rows = [
+        ";".join([str(100 * place), *(f"{off + 4.0 * (i % 2):.2f}" for i, off in enumerate(row))])
+        for place, row in enumerate(noise_um)
+    ]
+    (tmp_path / "x.csv").write_text("\n".join([f"mm;{heads}", *rows]) + "\n")
+    made = tmp_path / "made"
+
+    words = ["import", "iso230", str(tmp_path / "x.csv"), "--feed", "600", "-o", str(made)]
+    result = CliRunner().invoke(group, words, catch_exceptions=False)
+    campaign = read_campaign(made)
+    found = repeatability(campaign)
+
+    assert result.exit_code == 0
+    assert found.surfaces == 8
+    assert holds(found.sigma, 0.2)
+    up = campaign.touches.sign > 0.0
+    reversal_um = (
+        -campaign.touches.deviation_um[~up].mean() - campaign.touches.deviation_um[up].mean()
+    )
+    assert reversal_um == pytest.approx(4.0, abs=0.2)
+    assert len(campaign.touches.session_names) == 1
+
+
+def test_rounding_of_stamps_is_no_step(bench_sample: Path) -> None:
+    edge_us = np.arange(20) * 1_000_000.1
+    waits_us = np.where(np.arange(20) % 2, 62.952, 63.052)
+    touches = Touches.from_columns(
+        touch=np.arange(20), edge_us=edge_us, latch_us=edge_us + waits_us
+    )
+
+    found = repeatability(replace(read_campaign(bench_sample), touches=touches))
+
+    assert len(set(touches.latch_us - edge_us)) > 2  # by what a number of 64 bits cannot hold
+    assert found.step is None
+
+
+def test_a_rotary_axis_repeats_in_arcsec(machine_sample: Path) -> None:
+    n = 60
+    feed_deg_min = np.where(np.arange(n) % 2, 600.0, 120.0)
+    late_arcsec = 3.0 * feed_deg_min * 3600.0 / 60_000.0  # by 3 ms
+    touches = Touches.from_columns(
+        touch=np.arange(n),
+        axis=np.full(n, Axis.B),
+        position_deg=np.full(n, 45.0),
+        feed_mm_min=feed_deg_min,
+        deviation_arcsec=late_arcsec + noise(n),
+    )
+
+    found = repeatability(replace(read_campaign(machine_sample), touches=touches))
+    document = as_json(found)
+
+    assert found.unit == "arcsec"
+    assert holds(found.sigma, SIGMA_UM)
+    assert holds(found.slope, 3.0)
+    assert "σ = " in sentence(found)
+    assert "arcsec" in sentence(found)
+    assert document["sigma_arcsec"] == found.sigma.value
 
 
 def test_delay_drift_and_first_touch_are_told_apart(machine_sample: Path) -> None:

@@ -8,9 +8,10 @@ import pytest
 
 from refusals import refusal
 from skiplatch.campaign import Axis, BelievedEffect, Campaign, Nominal, Touches, read_campaign
-from skiplatch.comparison import compare
+from skiplatch.comparison import as_json, as_text, compare
 from skiplatch.errors import CampaignWarning
 from skiplatch.motion import expected_contact
+from skiplatch.report.conditions import conditions
 from skiplatch.simulator import (
     Controller,
     Effect,
@@ -44,6 +45,24 @@ def test_what_was_all_recorded_stays_as_it_is(bench_sample: Path) -> None:
     campaign = read_campaign(bench_sample)
 
     assert playable(campaign).touches is campaign.touches
+
+
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
+def test_what_stands_in_is_neither_drawn_nor_told_as_recorded(bench_sample: Path) -> None:
+    campaign = playable(without(read_campaign(bench_sample), "time_s", "feed_mm_min"))
+
+    titles = [one.title for one in conditions(campaign.touches, campaign.stood_in)]
+    compared = compare(campaign, seed=1)
+    cells = as_json(compared)["cells"]
+
+    assert campaign.stood_in == {"time_s", "feed_mm_min"}
+    assert not {"feed", "time", "rest since the touch before"} & set(titles)
+    assert "position" in titles
+    assert {cell["feed_mm_min"] for cell in cells} == {None}
+    assert {gap.feed_words for gap in compared.gaps} == {"feed not recorded"}
+    assert "60" not in {
+        line.split()[1] for line in as_text(compared).splitlines() if "skip " in line
+    }
 
 
 def test_bench_without_motion_keeps_edges_and_latches(bench_sample: Path) -> None:

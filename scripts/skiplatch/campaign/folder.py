@@ -32,11 +32,13 @@ class Campaign:
         nominal: What the engineer believes of the rig.
         touches: The recorded touches.
         path: The folder, as it was named.
+        stood_in: Columns with values that nobody recorded, so that the touches can be played.
     """
 
     nominal: Nominal
     touches: Touches
     path: Path
+    stood_in: frozenset[str] = frozenset()
 
 
 def read_campaign(path: str | os.PathLike[str]) -> Campaign:

@@ -12,7 +12,8 @@ from skiplatch.campaign.touches import Touches
 # What a column or a key is for; where there is none of that, nobody misses it.
 _OF_A_BENCH = {"edge_us"}
 _OF_A_MACHINE = {"alpha_deg", "beta_deg", "sign"}
-_ROTARY = {"position_deg", "deviation_arcsec"}
+_ROTARY = {"position_mm": "position_deg", "deviation_um": "deviation_arcsec"}
+"""What stands in place of a column of a linear axis."""
 _RARE = {"rotary_deg", "session", "status"}
 _FEW_TOUCHES = 20
 
@@ -20,12 +21,18 @@ _FEW_TOUCHES = 20
 def missing_columns(campaign: Campaign) -> dict[str, str]:
     """Give what is lost by each column in which nothing stands, for this kind of campaign."""
     other_kind = _OF_A_MACHINE if campaign.nominal.kind is Kind.BENCH else _OF_A_BENCH
-    unmissed = {"touch", "path"} | other_kind | _ROTARY | _RARE
+    unmissed = {"touch", "path"} | other_kind | set(_ROTARY.values()) | _RARE
     columns = campaign.touches.columns()
+
+    def is_recorded(name: str) -> bool:
+        return bool(COLUMNS[name].recorded(columns[name]).any())
+
     return {
         name: column.lost
         for name, column in COLUMNS.items()
-        if name not in unmissed and not column.recorded(columns[name]).any()
+        if name not in unmissed
+        and not is_recorded(name)
+        and not (name in _ROTARY and is_recorded(_ROTARY[name]))
     }
 
 

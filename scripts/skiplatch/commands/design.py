@@ -60,28 +60,45 @@ Example:
     help="Also write the touches as a program for this controller, beside --out; its log is what "
     "'skiplatch import' reads.",
 )
+@click.option(
+    "--as-recorded",
+    is_flag=True,
+    help="Recommend no column that the campaign does not have; --gcode implies it, as no log of "
+    "a controller has more.",
+)
 @seed_option
 @jobs_option
 @json_option
 def command(
+    *,
     campaign: Path,
     out: Path,
     touches: int,
     diagnosis_path: Path | None,
     gcode: str | None,
+    as_recorded: bool,
     seed: int,
     jobs: int,
     json_path: Path | None,
 ) -> None:
     """Say which touches, or which column, would settle the diagnosis of a CAMPAIGN, and write them.
 
-    The candidates that are left after the diagnosis play touches drawn about the conditions of
-    the campaign, within the reach of the axis (min_mm, max_mm of nominal.toml); those are written
-    that are expected to tell most.
+    The candidates that are left after the diagnosis play touches of the surfaces of the campaign,
+    within the reach of the axis (min_mm, max_mm of nominal.toml), at its feeds and slower ones;
+    those are written that are expected to tell most. Where another surface would tell more, it
+    says which.
     """
     recorded = read_playable(campaign)
     models, verdict = _left(recorded, diagnosis_path, seed, jobs)
-    experiment = experiment_for(recorded, models, verdict, seed=seed, jobs=jobs, touches=touches)
+    experiment = experiment_for(
+        recorded,
+        models,
+        verdict,
+        seed=seed,
+        jobs=jobs,
+        touches=touches,
+        as_recorded=as_recorded or gcode is not None,
+    )
     texts = {out: format_touches(experiment.touches, CONDITIONS)}
     if gcode is not None:
         made = _program(gcode, campaign, recorded, experiment, out)

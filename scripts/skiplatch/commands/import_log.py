@@ -198,6 +198,16 @@ EDGE_OPTIONS = (
     click.option("--probe", metavar="CHANNEL", help="Channel of the injected edge."),
     click.option("--latch", metavar="CHANNEL", help="Channel that changes at the latch."),
     click.option("--report", metavar="CHANNEL", help="Channel that changes at the report."),
+    click.option(
+        "--plc-latch",
+        metavar="CHANNEL",
+        help="Channel that changes at the latch of a PLC task that polls the same edges.",
+    ),
+    click.option(
+        "--scan-us",
+        type=click.FloatRange(0.0, min_open=True),
+        help="Scan period that the PLC task is believed to have; 1000 where it is not given.",
+    ),
     click.option("--falling", is_flag=True, help="Falling edges count rather than rising ones."),
     click.option(
         "--holdoff-us",
@@ -236,17 +246,19 @@ def mdf(*, capture: Path, out: Path, json_path: Path | None, **channels: Any) ->
 def _touches_of(
     path: Path,
     capture: "Capture",
-    probe: str | None,
-    latch: str | None,
-    report: str | None,
     *,
     falling: bool,
     holdoff_us: float,
+    scan_us: float | None,
+    **channels: str | None,
 ) -> Imported:
-    from skiplatch.importing.edges import read_edges  # noqa: PLC0415
+    from skiplatch.importing.edges import Channels, read_edges  # noqa: PLC0415
 
-    holdoff_s = holdoff_us / 1e6
-    return read_edges(path, capture, probe, latch, report, falling=falling, holdoff_s=holdoff_s)
+    holdoff_s, named = holdoff_us / 1e6, Channels(**channels)
+    found = read_edges(path, capture, named, falling=falling, holdoff_s=holdoff_s)
+    if scan_us is not None:
+        found.figure("plc", "scan_us", scan_us, "given by --scan-us")
+    return found
 
 
 @command.command(epilog="Example: skiplatch import can bus.log --out build/bench")

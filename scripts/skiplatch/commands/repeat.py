@@ -132,7 +132,7 @@ def _shows(figure: Interval | None) -> bool:
 
 def _rows(found: Repeatability) -> list[tuple[str, ...]]:
     unit = found.unit
-    mean = "mean deviation" if unit == "µm" else "mean from edge to latch"
+    mean = "mean from edge to latch" if unit == "µs" else "mean deviation"
     figures: list[tuple[str, Interval | None]] = [
         (f"{mean}, {unit}", found.mean),
         (f"σ, {unit}", found.sigma),
@@ -149,8 +149,8 @@ def _rows(found: Repeatability) -> list[tuple[str, ...]]:
 
 
 def as_json(found: Repeatability) -> dict[str, Any]:
-    """Give it for programs; names end with the unit, ``um``, or ``us`` on a bench."""
-    unit = "um" if found.unit == "µm" else "us"
+    """Give it for programs; names end with the unit: um, arcsec of rotary axes, us on a bench."""
+    unit = found.unit.replace("µ", "u")
     figures = {
         f"mean_{unit}": found.mean,
         f"sigma_{unit}": found.sigma,

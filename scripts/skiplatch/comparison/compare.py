@@ -1,6 +1,7 @@
 """Replay a recorded campaign in the nominal simulation and measure the gap."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,7 +76,9 @@ def compare(
     touches = campaign.touches.in_order_of_time()
     contact = expected_contact(campaign.nominal, touches)
     replay = _Replay(campaign.nominal, touches, seed, jobs)
-    cells = _cells(touches, replay.play(0, _reference_size(len(touches))), contact)
+    reference = replay.play(0, _reference_size(len(touches)))
+    is_feed_known = "feed_mm_min" not in campaign.stood_in
+    cells = _cells(touches, reference, contact, is_feed_known=is_feed_known)
     replicates = int(np.clip(SIMULATED_TOUCHES // len(touches), FEWEST_REPLICATES, MOST_REPLICATES))
     gaps = _gaps(cells, _replicate_distances(cells, replay, replicates, contact)) if cells else []
     return Comparison(
@@ -91,14 +94,17 @@ def _reference_size(touches: int) -> int:
     return int(np.clip(2 * BATCH_TOUCHES // touches, 20, REFERENCE_REPLICATES))
 
 
-def _cells(touches: Touches, simulated: Outcomes, contact: Contact) -> list[Cell]:
+def _cells(
+    touches: Touches, simulated: Outcomes, contact: Contact, *, is_feed_known: bool
+) -> list[Cell]:
     cells = []
     for observable in OBSERVABLES:
         recorded = observable.values(touches, contact)
         reference = observable.values(simulated, contact)
         known = ~np.isnan(recorded) & ~np.isnan(reference).any(axis=0)
         for path, feed, rows in cells_of(touches, known, FEWEST_TOUCHES):
-            cells.append(_cell(observable, path, feed, rows, recorded, reference))
+            cell = _cell(observable, path, feed, rows, recorded, reference)
+            cells.append(replace(cell, is_feed_known=is_feed_known))
     return cells
 
 
@@ -158,6 +164,7 @@ def _gaps(cells: Sequence[Cell], floors: FloatArray) -> list[CellGap]:
             observable=cell.observable,
             path=cell.path,
             feed_mm_min=cell.feed_mm_min,
+            is_feed_known=cell.is_feed_known,
             touches=len(cell.rows),
             recorded_mean=float((cell.recorded + cell.expected).mean()),
             simulated_mean=float(cell.expected.mean()),

@@ -14,6 +14,11 @@ from skiplatch.statistics import Interval
 DEFAULT_ALPHA = 0.01
 
 
+def feed_words(feed_mm_min: float, *, is_known: bool) -> str:
+    """Name a feed, or say that nobody recorded it."""
+    return f"{feed_mm_min:g} mm/min" if is_known else "feed not recorded"
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Cell:
     """The touches of one path and feed in which an observable was recorded."""
@@ -29,6 +34,8 @@ class Cell:
     """Residuals of the simulation, shape (r, n)."""
     expected: FloatArray
     """Mean of the simulated values of each touch, shape (n,)."""
+    is_feed_known: bool = True
+    """Whether the feed was recorded, or merely stands in."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +45,7 @@ class CellGap:
     observable: Observable
     path: InputPath
     feed_mm_min: float
+    is_feed_known: bool
     touches: int
     recorded_mean: float
     simulated_mean: float
@@ -52,6 +60,11 @@ class CellGap:
     """The same for replicates of the simulation: one in twenty lies beyond."""
     p_value: float
     """Corrected for the number of cells."""
+
+    @property
+    def feed_words(self) -> str:
+        """Name the feed, or say that nobody recorded it."""
+        return feed_words(self.feed_mm_min, is_known=self.is_feed_known)
 
 
 @dataclass(frozen=True, slots=True)

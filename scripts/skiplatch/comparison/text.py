@@ -8,7 +8,7 @@ import numpy as np
 from skiplatch.comparison.model import CellGap, Comparison, Missed
 from skiplatch.comparison.observables import OBSERVABLES, Observable
 from skiplatch.statistics import Interval
-from skiplatch.tables import beside, number, table
+from skiplatch.tables import NOTHING, beside, number, table
 
 MM_MIN_TO_UM_US = 1e3 / 60e6
 
@@ -62,12 +62,12 @@ def row(gap: CellGap, alpha: float) -> tuple[str, ...]:
     """Give the row of a cell; it differs if chance gives as much less often than `alpha`."""
     return (
         gap.path.name.lower(),
-        f"{gap.feed_mm_min:g}",
+        f"{gap.feed_mm_min:g}" if gap.is_feed_known else NOTHING,
         str(gap.touches),
         _with_spread(gap.recorded_mean, gap.recorded_spread),
         _with_spread(gap.simulated_mean, gap.simulated_spread),
         _interval(gap.mean_difference),
-        _interval(_in_other_unit(gap)).split(" ")[0],
+        _interval(_in_other_unit(gap)).split(" ")[0] if gap.is_feed_known else NOTHING,
         _interval(gap.spread_difference),
         _number(gap.distance),
         _number(gap.noise_floor),
@@ -128,7 +128,7 @@ def verdict(comparison: Comparison) -> str:
     return (
         f"Distributions differ in {len(differing)} of {tested}; {rate}.\n"
         f"Farthest beyond the noise: {worst.observable.title}, {worst.path.name.lower()} path, "
-        f"{worst.feed_mm_min:g} mm/min: distance {number(worst.distance, 3)} "
+        f"{worst.feed_words}: distance {number(worst.distance, 3)} "
         f"{worst.observable.unit}, noise floor {number(worst.noise_floor, 3)} "
         f"{worst.observable.unit}."
     )
@@ -153,7 +153,10 @@ def _cell_json(gap: CellGap, alpha: float) -> dict[str, Any]:
         "path": gap.path.name.lower(),
         "differs": gap.p_value <= alpha,
     }
-    values["mean_difference_at_feed"] = _in_other_unit(gap).value
+    del values["is_feed_known"]
+    known = gap.is_feed_known
+    values["feed_mm_min"] = gap.feed_mm_min if known else None
+    values["mean_difference_at_feed"] = _in_other_unit(gap).value if known else None
     values["mean_difference_at_feed_unit"] = _other_unit(gap.observable)
     return values
 

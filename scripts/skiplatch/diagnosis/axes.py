@@ -9,11 +9,12 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import LINEAR_AXES
+from skiplatch.campaign import LINEAR_AXES, Axis, Touches
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts, robust_fit
+from skiplatch.simulator import Effect
 
 FEWEST_ON_AXIS = 16
 """Touches of an axis that show an error of its own."""
@@ -21,6 +22,27 @@ A_NEWS = 4.0
 """Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
 MOST_OVER = 20.0
 """Times another axis' error may be that of X, as in the table of effects."""
+
+OF_AN_AXIS = {
+    "y_more": Axis.Y,
+    "y_ahead_deg": Axis.Y,
+    "z_more": Axis.Z,
+    "z_ahead_deg": Axis.Z,
+}
+"""Parameters that say what an axis has more than X."""
+
+
+def idle(touches: Touches, effect: Effect) -> frozenset[str]:
+    """Name the parameters by which no touch differs: of an axis that is not there, or the only one.
+
+    What is not 0 counts: it is played.
+    """
+    moved = set(touches.axis.tolist())
+    return frozenset(
+        name
+        for name, axis in OF_AN_AXIS.items()
+        if effect.parameters.get(name, 1.0) == 0.0 and (axis not in moved or len(moved) == 1)
+    )
 
 
 def each_axis(

@@ -46,6 +46,7 @@ def conditions(scene: Scene) -> Mapping[str, FloatArray]:
         "rotary angle (sine)": np.sin(rotary),
         "temperature": touches.temp_c,
         "time": touches.time_s,
+        **{f"temp_{place}_c": values for place, values in touches.thermometers.items()},
     }
     return {name: np.asarray(values, dtype=float) for name, values in found.items()}
 

@@ -12,6 +12,7 @@ from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.as_effects import as_effects
+from skiplatch.diagnosis.axes import idle
 from skiplatch.diagnosis.beliefs import Belief, fit_beliefs, uncertain, value_of
 from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.chance import chance_of
@@ -73,6 +74,8 @@ class Named:
     """Parameters at an end of their range."""
     when: str = ""
     """Since or until which touch it acts, in words; empty for one that always does."""
+    idle: frozenset[str] = frozenset()
+    """Parameters by which no touch of the campaign differs."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -412,6 +415,7 @@ def _named(scene: Scene, finding: Finding) -> list[Named]:
             confidence=finding.confidences[i],
             at_limit=_at_limit(estimate.effect),
             when=_when(scene, estimate.effect.span),
+            idle=idle(scene.touches, estimate.effect),
         )
         for i, estimate in enumerate(estimates(scene, fit, as_effects(fit)))
     ]

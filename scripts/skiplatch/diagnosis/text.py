@@ -67,6 +67,8 @@ def _effect_text(named: Named) -> str:
     described = effects()[named.effect.id]
     lines = [f"{named.effect.id} ({named.stage} stage, {described.paths}): {described.physics}"]
     for parameter in described.parameters:
+        if parameter.name in named.idle:
+            continue
         value = named.effect.parameters[parameter.name]
         low, high = named.intervals[parameter.name]
         limit = ", at the limit of its range" if parameter.name in named.at_limit else ""

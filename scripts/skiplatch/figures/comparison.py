@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from skiplatch.campaign import InputPath
-from skiplatch.comparison.model import Cell, CellGap, Comparison
+from skiplatch.comparison.model import Cell, CellGap, Comparison, feed_words
 from skiplatch.comparison.observables import OBSERVABLES, Observable
 from skiplatch.figures import theme
 from skiplatch.figures.ecdf import draw_ecdf, label_shares
@@ -70,7 +70,8 @@ def _draw(
 def _draw_cell(axes: Axes, cell: Cell, *, differs: bool) -> None:
     _draw_curves(axes, cell)
     axes.set_visible(True)
-    axes.set_title(f"{cell.feed_mm_min:g} mm/min{', differs' if differs else ''}", fontsize=9)
+    feed = feed_words(cell.feed_mm_min, is_known=cell.is_feed_known)
+    axes.set_title(f"{feed}{', differs' if differs else ''}", fontsize=9)
     axes.locator_params(nbins=FEWEST_TICKS, axis="x")
     axes.tick_params(labelsize=8)
     axes.grid(visible=False)
@@ -84,7 +85,7 @@ def cell_panel(name: str, cell: Cell, gap: CellGap) -> Drawing:
         axes.locator_params(nbins=4, axis="x")
         axes.set_xlabel(f"{cell.observable.title}, {cell.observable.unit}")
         axes.set_ylabel("share up to there")
-    caption = f"{TITLES[gap.path]}, {gap.feed_mm_min:g} mm/min"
+    caption = f"{TITLES[gap.path]}, {gap.feed_words}"
     return drawing(figure, name, caption, f"{cell.observable.title}. {_sentence(gap)}")
 
 
@@ -109,7 +110,7 @@ def _words(observable: Observable, gaps: Sequence[CellGap], alpha: float) -> the
 def _sentence(gap: CellGap) -> str:
     unit = gap.observable.unit
     return (
-        f"{TITLES[gap.path]} at {gap.feed_mm_min:g} mm/min: recorded mean "
+        f"{TITLES[gap.path]}, {gap.feed_words}: recorded mean "
         f"{number(gap.recorded_mean)} {unit}, simulated {number(gap.simulated_mean)} {unit}, "
         f"distance {number(gap.distance)} {unit}, noise floor {number(gap.noise_floor)} {unit}."
     )

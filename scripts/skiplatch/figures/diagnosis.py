@@ -8,6 +8,7 @@ from matplotlib.ticker import PercentFormatter
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
+from skiplatch.comparison.model import feed_words
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.figures import theme
 from skiplatch.figures.ecdf import draw_ecdf, label_shares
@@ -61,7 +62,8 @@ def draw_distribution(
         axes.set_ylabel("share up to there")
         _plain_axes(axes)
         label_shares(axes)
-    where = f"{TITLES[path]}, {feed_mm_min:g} mm/min"
+    is_known = "feed_mm_min" not in evidence.stood_in
+    where = f"{TITLES[path]}, {feed_words(feed_mm_min, is_known=is_known)}"
     figures = "; ".join(f"{title} {_middle(sample)}" for title, sample in samples.items())
     description = (
         f"Cumulative distribution of {seen.title} in {seen.unit}, {where}, "

@@ -67,10 +67,10 @@ def _is_candump(path: Path) -> bool:
 def _capture(path: Path) -> Imported:
     # The libraries for such files take time to load, which the other logs do not need.
     from skiplatch.importing.captures import read_capture  # noqa: PLC0415
-    from skiplatch.importing.edges import read_edges  # noqa: PLC0415
+    from skiplatch.importing.edges import Channels, read_edges  # noqa: PLC0415
 
     capture = read_capture(path)
-    return read_edges(path, capture, None, None, None, falling=False, holdoff_s=HOLDOFF_S)
+    return read_edges(path, capture, Channels(), falling=False, holdoff_s=HOLDOFF_S)
 
 
 def _can(path: Path) -> Imported:

@@ -1,11 +1,15 @@
 """Edges and latches of a bench in a capture: which channel is the probe, which the latch."""
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.campaign import Kind, Touches
+from skiplatch.campaign import InputPath, Kind, Status, Touches
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.captures import Capture
 from skiplatch.importing.model import Imported
@@ -14,24 +18,29 @@ US_PER_S = 1e6
 LONGEST_WAIT_S = 1.0  # from an edge to its latch
 
 
+@dataclass(frozen=True, slots=True)
+class Channels:
+    """Channels by name or number; those of None are guessed, but for the last two."""
+
+    probe: str | None = None
+    """The injected edge."""
+    latch: str | None = None
+    """Changes at the latch of the skip input."""
+    report: str | None = None
+    """Changes at the report."""
+    plc_latch: str | None = None
+    """Changes at the latch of the PLC task."""
+
+
 def read_edges(
-    path: Path,
-    capture: Capture,
-    probe: str | None,
-    latch: str | None,
-    report: str | None,
-    *,
-    falling: bool,
-    holdoff_s: float,
+    path: Path, capture: Capture, wanted: Channels, *, falling: bool, holdoff_s: float
 ) -> Imported:
     """Find the touches in a capture.
 
     Args:
         path: The file, for messages.
         capture: What is in it.
-        probe: Channel of the injected edge; the first where none is named.
-        latch: Channel that changes at the latch; the second.
-        report: Channel that changes at the report, if any.
+        wanted: Its channels.
         falling: Whether the falling edges count rather than the rising ones.
         holdoff_s: Edges of the probe within this time of one before are bounces, unless they
             have a latch of their own.
@@ -39,42 +48,66 @@ def read_edges(
     Raises:
         InputError: A channel is not in it, or has no edge.
     """
-    probe, latch = _channels(path, capture, probe, latch)
-    edges = capture.edges(_named(path, capture, probe), falling=falling)
-    latches = capture.edges(_named(path, capture, latch), falling=falling)
-    first = _begins_touch(edges, latches, holdoff_s)
+    names = _channels(path, capture, wanted)
+
+    latches = {p: capture.edges(name, falling=falling) for p, name in names.latches.items()}
+    edges = capture.edges(names.probe, falling=falling)
+    first = _begins_touch(edges, np.sort(np.concatenate(list(latches.values()))), holdoff_s)
     bounces, edges = int((~first).sum()), edges[first]
     if not len(edges):
         sense = "falling" if falling else "rising"
-        raise InputError(path, None, None, f"no {sense} edge on channel {quoted(probe)}")
-    zero = edges[0]
-    latched = _following(edges, latches)
-    columns = {
-        "touch": np.arange(len(edges)),
-        "edge_us": (edges - zero) * US_PER_S,
-        "latch_us": (latched - zero) * US_PER_S,
-        "status": np.where(np.isnan(latched), 1, 0),
-    }
-    if report:
-        seen = _following(edges, capture.edges(_named(path, capture, report), falling=falling))
-        columns["report_us"] = np.where(np.isnan(latched), np.nan, (seen - zero) * US_PER_S)
+        raise InputError(path, None, None, f"no {sense} edge on channel {quoted(names.probe)}")
+    reports = capture.edges(names.report, falling=falling) if names.report else None
+    columns = _together([_columns(p, edges, latches[p], reports) for p in latches])
     found = Imported(kind=Kind.BENCH, preset="bench", columns=Touches.from_columns(**columns))
-    _say(found, capture, (probe, latch, report), bounces, latched)
+    missed = int((columns["status"] == Status.MISSED).sum())
+    _say(found, capture, names, bounces, missed)
     return found
 
 
-def _say(
-    found: Imported,
-    capture: Capture,
-    names: tuple[str, str, str | None],
-    bounces: int,
-    latched: FloatArray,
-) -> None:
-    probe, latch, report = names
-    reports = f", report {report}" if report else ""
-    found.known.append(f"channels: probe {probe}, latch {latch}{reports}")
+def _columns(
+    input_path: InputPath, edges: FloatArray, latches: FloatArray, reports: FloatArray | None
+) -> dict[str, NDArray[Any]]:
+    """Give the touches of one path: of each edge its latch, if there is one."""
+    latched, zero = _following(edges, latches), edges[0]
+    missed = np.isnan(latched)
+    columns: dict[str, NDArray[Any]] = {
+        "edge_us": (edges - zero) * US_PER_S,
+        "path": np.full(len(edges), input_path),
+        "latch_us": (latched - zero) * US_PER_S,
+        "status": np.where(missed, Status.MISSED, Status.OK),
+    }
+    if reports is not None:
+        seen_us = (_following(edges, reports) - zero) * US_PER_S
+        columns["report_us"] = np.where(missed, np.nan, seen_us)
+    return columns
+
+
+def _together(parts: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
+    """Put the touches of the paths one behind the other, in order of their edges."""
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    order = np.argsort(columns["edge_us"], kind="stable")
+    ordered = {name: values[order] for name, values in columns.items()}
+    return {"touch": np.arange(len(order)), **ordered}
+
+
+@dataclass(frozen=True, slots=True)
+class _Named:
+    """The channels that were found."""
+
+    probe: str
+    latches: Mapping[InputPath, str]
+    report: str | None
+
+
+def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed: int) -> None:
+    reports = f", report {names.report}" if names.report else ""
+    latches = ", ".join(
+        f"latch {name}" if p is InputPath.SKIP else f"latch of the PLC task {name}"
+        for p, name in names.latches.items()
+    )
+    found.known.append(f"channels: probe {names.probe}, {latches}{reports}")
     found.known.append("edges and latches by one clock: no drift between two can be told")
-    missed = int(np.isnan(latched).sum())
     if missed:
         found.known.append(f"{missed} edges without a latch within {LONGEST_WAIT_S:g} s")
     if bounces:
@@ -85,22 +118,34 @@ def _say(
         noise_us = step_us / np.sqrt(12.0)
         found.figure("bench", "reference_jitter_us", noise_us, "a sample's width over √12")
     found.assumed.append("the latch output changes at the latch itself, not some time later")
+    if InputPath.PLC not in names.latches:
+        found.assumed.append(
+            "the latches are those of the skip input; --plc-latch names those of a PLC task"
+        )
 
 
-def _channels(
-    path: Path, capture: Capture, probe: str | None, latch: str | None
-) -> tuple[str, str]:
+def _channels(path: Path, capture: Capture, wanted: Channels) -> _Named:
     """Take the channels that are named, else those whose names say so, else the first two."""
-    active = [name for name, (times, _) in capture.changes.items() if len(times) > 1]
-    probe = (
-        probe or _like(active, ("probe", "edge", "trig", "touch", "in")) or next(iter(active), "")
-    )
-    others = [name for name in active if name != probe]
-    latch = latch or _like(others, ("latch", "skip", "out", "ack")) or next(iter(others), "")
-    if not probe or not latch:
+    given = {
+        field: _named(path, capture, name)
+        for field in ("probe", "latch", "report", "plc_latch")
+        if (name := getattr(wanted, field)) is not None
+    }
+    probe, latch, plc = given.get("probe"), given.get("latch"), given.get("plc_latch")
+    free = [
+        name
+        for name, (times, _) in capture.changes.items()
+        if len(times) > 1 and name not in given.values()
+    ]
+    probe = probe or _like(free, ("probe", "edge", "trig", "touch", "in")) or next(iter(free), "")
+    if not latch and not plc:
+        others = [name for name in free if name != probe]
+        latch = _like(others, ("latch", "skip", "out", "ack")) or next(iter(others), "")
+    if not probe or not (latch or plc):
         names = ", ".join(capture.changes)
         raise InputError(path, None, None, f"expected two channels that change; there are: {names}")
-    return probe, latch
+    latches = {InputPath.SKIP: latch, InputPath.PLC: plc}
+    return _Named(probe, {p: n for p, n in latches.items() if n}, given.get("report"))
 
 
 def _like(names: list[str], words: tuple[str, ...]) -> str | None:

@@ -13,11 +13,12 @@ import numpy as np
 from skiplatch.campaign import Axis, Touches
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.model import Imported
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_encoding
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, say_encoding
 
 _NEGATIVE = re.compile(r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback", re.IGNORECASE)
 _MM_HEAD = re.compile(r"\bmm\b", re.IGNORECASE)
 UM_PER_MM = 1e3
+ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 
 
 def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Imported:
@@ -47,9 +48,11 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     known = ~np.isnan(deviations[point, run])
     point, run = point[known], run[known]
     turns = axis in "ABC"
+    cells = (cell for _, row in rows[1:] for cell in row[1:])
     place, beyond = positions[point], deviations[point, run] * unit * signs[run]
     found = Imported(preset="plc-4ms")
     say_encoding(found, encoding)
+    say_digit(found, cells, unit / ARCSEC_PER_MILLIDEGREE if turns else unit)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
         "axis": np.full(len(point), Axis[axis]),
@@ -58,13 +61,13 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
         "deviation_arcsec" if turns else "deviation_um": beyond,
         "feed_mm_min": np.full(len(point), np.nan if feed is None else feed),
     }
-    found.columns = Touches.from_columns(**columns, session=[f"run {n + 1}" for n in run])
+    found.columns = Touches.from_columns(**columns)
     found.known.append(
         f"{len(positions)} positions, {int((signs > 0).sum())} runs in the positive sense, "
         f"{int((signs < 0).sum())} in the negative"
     )
     found.assumed += [
-        "runs one after the other, each along its sense; a session each",
+        "runs one after the other, each along its sense, with no homing or zeroing in between",
         "deviations are actual minus target, so in the negative sense they count the other way",
         f"deviations are in {'mm' if in_mm else 'µm'}; else give --unit",
     ]

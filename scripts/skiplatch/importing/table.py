@@ -14,7 +14,7 @@ from skiplatch.campaign.columns import TIME, is_thermometer, place_of
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.model import Imported, Touch
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_encoding
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, say_encoding
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
 _UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<aside>[^)]*)\))$")
@@ -33,6 +33,8 @@ UNITS: Mapping[str, Mapping[str, float]] = {
 }
 _DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)")
 """07.10.2025 08:15:00: with points the day comes first."""
+_LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
+"""Columns that tell the resolution, and their unit in µm."""
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
 _GREEK_MU = "\u03bc"  # looks like the µ of UNITS
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
@@ -121,6 +123,11 @@ def read_table(
         columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
     found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
     say_encoding(found, encoding)
+    for m in mapped:
+        if m.column in _LENGTHS_UM:
+            position, units = heads.index(m.head), UNITS[_unit_of(m.column)]
+            cells = (row[position] for _, row in body if position < len(row))
+            say_digit(found, cells, _LENGTHS_UM[m.column] * units.get(m.unit, 1.0))
     found.known += [f"{m.column} from {quoted(m.head)}{_in(m)}" for m in mapped]
     bare = [m.column for m in mapped if not m.unit and UNITS.get(_unit_of(m.column))]
     if bare:

@@ -1,6 +1,7 @@
 """The conditions of a touch, and on which of them a residual depends most."""
 
 from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -34,8 +35,12 @@ class Condition:
         return f"{self.title}, {self.unit}" if self.unit else self.title
 
 
-def conditions(touches: Touches) -> list[Condition]:
-    """Give those that were recorded and that varied; touches in order of time."""
+def conditions(touches: Touches, stood_in: AbstractSet[str] = frozenset()) -> list[Condition]:
+    """Give those that were recorded and that varied; touches in order of time.
+
+    What stands in for columns that were not recorded was not.
+    """
+    touches = replace(touches, **{name: np.full(len(touches), np.nan) for name in stood_in})
     rest_s = np.diff(touches.time_s, prepend=np.nan)
     every = (
         Condition("feed", "mm/min", touches.feed_mm_min),
@@ -44,6 +49,10 @@ def conditions(touches: Touches) -> list[Condition]:
         Condition("position", "mm", touches.position_mm),
         Condition("rotary angle", "deg", touches.rotary_deg),
         Condition("temperature", "°C", touches.temp_c),
+        *(
+            Condition(f"temp_{place}_c", "°C", values)
+            for place, values in touches.thermometers.items()
+        ),
         Condition("time", "s", touches.time_s),
         Condition("rest since the touch before", "s", rest_s),
         Condition("approach", "mm", touches.approach_mm),

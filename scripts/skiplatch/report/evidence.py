@@ -79,6 +79,8 @@ class Evidence:
     """The path on which the effect found acts."""
     missed: Sequence[Missed]
     conditions: Sequence[Condition]
+    stood_in: frozenset[str] = frozenset()
+    """Columns whose values nobody recorded."""
 
     @property
     def paths(self) -> list[InputPath]:
@@ -94,13 +96,15 @@ def gather(campaign: Campaign, diagnosis: Diagnosis, *, seed: int, jobs: int) ->
     before = _play(diagnosis.believed, shown, seed, jobs)
     after = _play(diagnosis.rig, shown, seed, jobs) if diagnosis.effects else None
     seen = _seen(shown, expected_contact(campaign.nominal, shown), before, after)
+    found = conditions(touches, campaign.stood_in)
     return Evidence(
         touches=shown,
         seen=seen,
         telling=_telling(diagnosis, seen),
         path=_path(diagnosis, shown),
         missed=_missed(shown, before, after),
-        conditions=[condition.select(rows) for condition in conditions(touches)],
+        conditions=[condition.select(rows) for condition in found],
+        stood_in=campaign.stood_in,
     )
 
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
+from skiplatch.diagnosis.axes import OF_AN_AXIS
 from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
 from skiplatch.diagnosis.shrink import Gap
@@ -129,6 +130,8 @@ def found(named: Named) -> Found:
     described = effects()[named.effect.id]
     rows = []
     for parameter in described.parameters:
+        if parameter.name in named.idle:
+            continue
         value = named.effect.parameters.get(parameter.name, 0.0)
         low, high = named.intervals.get(parameter.name, (value, value))
         figures = with_interval(Interval(value, low, high))
@@ -238,7 +241,11 @@ def _rank(model: Ranked, best: float, rivals: set[str], finding: set[str]) -> Ra
         said = "cannot be told from it" if name in rivals else ""
     behind = best - model.score_nats
     parameters = "; ".join(
-        ", ".join(f"{key} {compact(value, DIGITS)}" for key, value in effect.parameters.items())
+        ", ".join(
+            f"{key} {compact(value, DIGITS)}"
+            for key, value in effect.parameters.items()
+            if value or key not in OF_AN_AXIS
+        )
         for effect in model.effects
     )
     return Rank(

@@ -9,14 +9,19 @@ from scipy.stats import qmc
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
+from skiplatch.diagnosis.experiment.surfaces import (
+    LEAST_APPROACH_MM,
+    NARROW_POSITIONS_MM,
+    longest_approach_mm,
+    room_before_mm,
+    touched,
+)
 
-FEATURES = 8  # path, feed, direction, sense, position, rotary angle, approach, rest
+FEATURES = ("path", "feed", "surface", "sense", "position", "rotary", "approach", "rest")
 FEEDS = 4
 NARROW_FEEDS = 4.0  # greatest over least; below, slower feeds are tried too
 NARROW_APPROACHES = 2.0
-NARROW_POSITIONS_MM = 1.0
 LONGEST_TRAVEL_S = 1.0
-LEAST_APPROACH_MM = 0.01
 NEAREST_MM = 0.5
 SWEEP_MM = 50.0  # to either side, where the campaign kept to one position
 QUARTER_TURNS_DEG = np.array([0.0, 90.0, 180.0, 270.0])
@@ -78,34 +83,68 @@ def spread_out(
     rng: np.random.Generator,
     reach_mm: tuple[float, float] = (-np.inf, np.inf),
 ) -> Conditions:
-    """Draw touches over all conditions of a campaign, every feature independent of the others.
+    """Draw touches of the surfaces of a campaign, every feature independent of the others.
 
     Nothing leaves the range of what was recorded to where a rig might not follow, but for what
-    any rig can do: a slower feed, a shorter approach, the opposite sense. A feature of which
-    nothing was recorded stays so. Surfaces and starts of approaches lie within `reach_mm`.
+    any rig can do: a slower feed, a shorter approach. A feature of which nothing was recorded
+    stays so. Starts of approaches lie within `reach_mm`, surfaces where any was touched there.
     """
-    # A Latin hypercube: each feature alone is spread evenly.
-    shares = qmc.LatinHypercube(FEATURES, rng=rng).random(count).T
-    path, feed, direction, sense, position, rotary, approach, rest = shares
-    rows = _picked(np.arange(len(recorded)), direction)
-    flipped = (sense < 0.5) & (recorded.axis[rows] != Axis.Z)  # nothing is probed from below
-    sign = np.where(flipped, -1.0, 1.0) * recorded.sign[rows]
-    position_mm = _positions(recorded, position, reach_mm)
+    shares = _shares(count, rng)
+    rows = _picked(touched(recorded, reach_mm), shares["surface"])
+    return _made(recorded, shares, recorded.select(rows), reach_mm)
+
+
+def elsewhere(
+    recorded: Touches, count: int, rng: np.random.Generator, reach_mm: tuple[float, float]
+) -> Conditions:
+    """Draw the same of surfaces that there may be, too: of the opposite sense, at other places."""
+    shares = _shares(count, rng)
+    surfaces = recorded.select(_picked(np.arange(len(recorded)), shares["surface"]))
+    flipped = (shares["sense"] < 0.5) & (surfaces.axis != Axis.Z)  # nothing is probed from below
+    surfaces = replace(
+        surfaces,
+        sign=np.where(flipped, -1.0, 1.0) * surfaces.sign,
+        alpha_deg=(surfaces.alpha_deg + np.where(flipped, 180.0, 0.0)) % 360.0,
+        position_mm=_positions(recorded, shares["position"], reach_mm),
+        rotary_deg=_picked(_angles(recorded), shares["rotary"]),
+    )
+    return _made(recorded, shares, surfaces, reach_mm)
+
+
+def _shares(count: int, rng: np.random.Generator) -> dict[str, FloatArray]:
+    """Give a share from 0 to 1 for each feature of each touch, by a Latin hypercube.
+
+    Each feature alone is spread evenly.
+    """
+    drawn = qmc.LatinHypercube(len(FEATURES), rng=rng).random(count).T
+    return dict(zip(FEATURES, drawn, strict=True))
+
+
+def _made(
+    recorded: Touches,
+    shares: dict[str, FloatArray],
+    surfaces: Touches,
+    reach_mm: tuple[float, float],
+) -> Conditions:
+    """Give touches of n surfaces; how they are made is drawn by the shares."""
+    count = len(surfaces)
+    longest_mm = longest_approach_mm(recorded, surfaces)
+    approach_mm = np.minimum(_approaches(recorded, shares["approach"]), longest_mm)
     touches = Touches.from_columns(
         touch=np.arange(count),
         time_s=np.zeros(count),
-        path=_picked(np.unique(recorded.path), path),
-        axis=recorded.axis[rows],
-        sign=sign,
-        alpha_deg=(recorded.alpha_deg[rows] + np.where(flipped, 180.0, 0.0)) % 360.0,
-        beta_deg=recorded.beta_deg[rows],
-        feed_mm_min=_picked(_feeds(recorded), feed),
-        approach_mm=_within(_approaches(recorded, approach), position_mm, sign, reach_mm),
-        position_mm=position_mm,
-        rotary_deg=_picked(_angles(recorded), rotary),
+        path=_picked(np.unique(recorded.path), shares["path"]),
+        axis=surfaces.axis,
+        sign=surfaces.sign,
+        alpha_deg=surfaces.alpha_deg,
+        beta_deg=surfaces.beta_deg,
+        feed_mm_min=_picked(_feeds(recorded), shares["feed"]),
+        approach_mm=_within(approach_mm, surfaces.position_mm, surfaces.sign, reach_mm),
+        position_mm=surfaces.position_mm,
+        rotary_deg=surfaces.rotary_deg,
         temp_c=np.full(count, _median(recorded.temp_c)),
     )
-    return timed(touches, _rests(recorded, rest))
+    return timed(touches, _rests(recorded, shares["rest"]))
 
 
 def _picked(levels: NDArray[Any], shares: FloatArray) -> NDArray[Any]:
@@ -134,10 +173,9 @@ def _within(
     sign: FloatArray,
     reach_mm: tuple[float, float],
 ) -> FloatArray:
-    """Shorten approaches that would begin out of reach."""
-    room_mm = np.where(sign < 0.0, reach_mm[1] - position_mm, position_mm - reach_mm[0])
-    shortened_mm = np.minimum(approach_mm, np.round(room_mm, 3))
-    return np.where(np.isnan(room_mm), approach_mm, shortened_mm)
+    """Shorten approaches that would begin out of reach; `touched` says when reach is no limit."""
+    room_mm = np.round(room_before_mm(position_mm, sign, reach_mm), 3)
+    return np.where(room_mm >= LEAST_APPROACH_MM, np.minimum(approach_mm, room_mm), approach_mm)
 
 
 def _positions(recorded: Touches, shares: FloatArray, reach_mm: tuple[float, float]) -> FloatArray:

@@ -1,7 +1,7 @@
 """The experiment that would settle a diagnosis best, by what the simulation lets expect."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,10 +12,16 @@ from skiplatch.campaign import Campaign, Touches
 from skiplatch.diagnosis.experiment import words
 from skiplatch.diagnosis.experiment.channels import channels, recordable, recorded
 from skiplatch.diagnosis.experiment.choice import choose
-from skiplatch.diagnosis.experiment.conditions import Conditions, spread_out, travel_s
+from skiplatch.diagnosis.experiment.conditions import (
+    Conditions,
+    elsewhere,
+    spread_out,
+    travel_s,
+)
 from skiplatch.diagnosis.experiment.evidence import Samples, exponents, log_likelihoods
 from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model, rivals
+from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
 from skiplatch.simulator import US_PER_S, Controller, Outcomes, effects, play
 
@@ -106,10 +112,16 @@ def experiment_for(
     seed: int,
     jobs: int = 1,
     touches: int = TOUCHES,
+    as_recorded: bool = False,
 ) -> Experiment:
-    """Do the same for what a diagnosis has left: its models and its verdict."""
+    """Do the same for what a diagnosis has left: its models and its verdict.
+
+    With `as_recorded`, no column is recommended that the campaign does not have.
+    """
     if len(models) > 1:
-        return settle(campaign, models, seed=seed, jobs=jobs, touches=touches)
+        return settle(
+            campaign, models, seed=seed, jobs=jobs, touches=touches, as_recorded=as_recorded
+        )
     rng = np.random.default_rng(seed)
     plan = spread_out(campaign.touches, touches, rng, _reach_mm(campaign)).touches
     why = words.without_rivals(verdict, words.name(models[0]) if models else "")
@@ -117,20 +129,42 @@ def experiment_for(
 
 
 def settle(
-    campaign: Campaign, models: Sequence[Model], *, seed: int, jobs: int, touches: int = TOUCHES
+    campaign: Campaign,
+    models: Sequence[Model],
+    *,
+    seed: int,
+    jobs: int,
+    touches: int = TOUCHES,
+    as_recorded: bool = False,
 ) -> Experiment:
-    """Find the experiment that tells two or more models apart best; see `next_experiment`."""
+    """Find the experiment that tells two or more models apart best; see `experiment_for`."""
     rng = np.random.default_rng(seed)
-    drawn = spread_out(campaign.touches, max(DRAWN, touches), rng, _reach_mm(campaign)).brief()
+    count, reach_mm = max(DRAWN, touches), _reach_mm(campaign)
+    drawn = spread_out(campaign.touches, count, rng, reach_mm).brief()
     stage = _Stage(campaign, models, Rehearsal.of(campaign, models), seed, jobs)
     kept = recorded(campaign.nominal, campaign.touches)
-    missing = (name for name in recordable(campaign.nominal) if name not in kept)
-    settings = [words.AS_RECORDED, *map(words.Setting, missing)]
+    settings = [words.AS_RECORDED]
+    if not as_recorded:
+        missing = (name for name in recordable(campaign.nominal) if name not in kept)
+        settings += map(words.Setting, missing)
     options = stage.options(settings, drawn, kept, touches)
     if _best(options).trial.count < len(models) and not np.isnan(drawn.touches.temp_c).any():
         warm = [words.Setting(warmer_k=WARMER_K)]
         options += stage.options(warm, drawn, kept, touches)
-    return _recommended(options, models)
+    found = _recommended(options, models)
+    if found.resolves or are_varied(campaign.touches):
+        return found
+    others = elsewhere(campaign.touches, count, rng, reach_mm).brief()
+    beyond = stage.options([words.AS_RECORDED], others, kept, touches)[0]
+    return replace(found, words=f"{found.words} {_of_other_surfaces(beyond, found, campaign)}")
+
+
+def _of_other_surfaces(beyond: _Option, found: Experiment, campaign: Campaign) -> str:
+    """Say whether surfaces that the campaign does not have would tell more."""
+    told = beyond.trial.count > len(found.separates)
+    telling = beyond.conditions.touches.select(slice(beyond.trial.touches_needed))
+    asked = asked_for(telling, campaign.touches) if told else ""
+    return words.other_surfaces(asked)
 
 
 def _reach_mm(campaign: Campaign) -> tuple[float, float]:

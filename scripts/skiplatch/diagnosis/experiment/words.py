@@ -29,8 +29,8 @@ def name(model: Sequence[Effect]) -> str:
 def without_rivals(verdict: str, finding: str) -> str:
     """Say why the touches are spread over everything."""
     spread = (
-        "The touches vary path, feed, direction, sense, position, rotary angle, approach and rest "
-        "independently, so that whatever the error depends on shows by itself."
+        "The touches vary path, feed, surface, approach and rest independently, over the surfaces "
+        "that the campaign has, so that whatever the error depends on shows by itself."
     )
     if verdict == "no_gap":
         return f"There is no gap to settle. To look for one once more: {_lowered(spread)}"
@@ -60,6 +60,16 @@ def with_rivals(
     elif any(setting.column for setting in tried):
         says.append("Recording another column would save few touches or none.")
     return " ".join(says)
+
+
+def other_surfaces(asked: str) -> str:
+    """Say what surfaces tell more than those that were touched; `asked` is empty for none."""
+    if not asked:
+        return "Other surfaces are not expected to tell more."
+    return (
+        f"Another surface would tell more, which the campaign shows none of: {asked}. "
+        "Touch it as well, and diagnose all touches anew."
+    )
 
 
 def _lead(setting: Setting) -> str:
