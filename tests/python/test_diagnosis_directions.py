@@ -8,7 +8,9 @@ from played_campaigns import MACHINE, played, played_again
 from skiplatch.campaign import Axis, Campaign, read_campaign
 from skiplatch.campaign.datum import DatumFreedom
 from skiplatch.diagnosis import diagnose
+from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.directions import UNDIRECTED, with_directions
+from skiplatch.diagnosis.look import Setting
 from skiplatch.diagnosis.verdict import Verdict
 
 
@@ -64,3 +66,23 @@ def test_a_sound_probe_with_lobes_shows_no_gap_without_directions() -> None:
 
     assert found.verdict is Verdict.NO_GAP
     assert UNDIRECTED in found.notes
+
+
+def test_what_goes_with_a_direction_that_was_not_recorded_is_not_told() -> None:
+    """An axis that is touched along the lobes alone scatters by them, and others do not."""
+    campaign = with_lobes(without_directions(played(MACHINE)), 4.0)
+    scene = scene_of(campaign)
+
+    known = Setting(scene, seed=1).known
+
+    assert not any(name.startswith(("azimuth", "axis", "sense", "elevation")) for name in known)
+    assert {"feed", "position", "time"} <= known.keys()
+
+
+def test_what_merely_stands_in_is_no_condition() -> None:
+    scene = scene_of(replace(played(MACHINE), stood_in=frozenset({"time_s", "feed_mm_min"})))
+    setting = Setting(scene, seed=1)
+
+    assert not {"time", "rest before", "feed"} & setting.known.keys()
+    assert {"approach", "serial number", "position"} <= setting.known.keys()
+    assert "time" not in {place.name for place in setting.places}

@@ -34,7 +34,11 @@ BELIEVED = BelievedEffects()
 def scene_of(campaign: Campaign) -> Scene:
     """Take a campaign's touches in order of time, with the effects believed in."""
     known = with_directions(campaign)
-    return replace(Scene.of(known, BELIEVED), is_directed=known.nominal == campaign.nominal)
+    return replace(
+        Scene.of(known, BELIEVED),
+        stood_in=campaign.stood_in,
+        is_directed=known.nominal == campaign.nominal,
+    )
 
 
 def _change(scene: Scene, effect: BelievedEffect) -> Change:

@@ -20,6 +20,12 @@ WINDOWS = (2, 5, 15)
 WITHIN = "what is left within"
 DIRECTIONS = ("axis", "sense", "azimuth", "elevation", "direction", "turn since")
 """Begin of the names of covariates that say where a probe points."""
+MADE_OF: Mapping[str, tuple[str, ...]] = {
+    "time_s": ("time", "rest ", "touches in the "),
+    "feed_mm_min": ("feed",),
+    "approach_mm": ("approach",),
+}
+"""The same of those that a column makes."""
 RECENT_S = (10.0, 60.0)
 """Times over which touches are counted that were made just before."""
 
@@ -85,9 +91,14 @@ def sequence(scene: Scene) -> Mapping[str, FloatArray]:
     return {name: np.asarray(values, dtype=float) for name, values in found.items()}
 
 
-def without_directions(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-    """Leave out what says in which direction a touch was made: unknown lobes go with all of it."""
-    return {name: v for name, v in columns.items() if not name.startswith(DIRECTIONS)}
+def recorded_only(scene: Scene, columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Leave out what was not recorded, but stands in for it or was filled in.
+
+    Lobes in unknown directions go with all that says in which direction a touch was made.
+    """
+    unknown = [name for column in scene.stood_in for name in MADE_OF.get(column, ())]
+    prefixes = (*unknown, *(() if scene.is_directed else DIRECTIONS))
+    return {name: values for name, values in columns.items() if not name.startswith(prefixes)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -21,9 +21,9 @@ from skiplatch.diagnosis.covariates import (
     conditions,
     is_when,
     neighbours,
+    recorded_only,
     sequence,
     varying,
-    without_directions,
 )
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import UNITS
@@ -186,18 +186,17 @@ class Setting:
         """What each could depend on; shape (n,)."""
         whole, rows = self.scene.in_sequence(LONGEST)
         made = {name: values[rows] for name, values in sequence(whole).items()}
-        known = {**conditions(self.scene), **made}
-        return known if self.scene.is_directed else without_directions(known)
+        return recorded_only(self.scene, {**conditions(self.scene), **made})
 
     @cached_property
     def places(self) -> Sequence[Place]:
         """Where waves are looked for."""
         touches, sign = self.scene.touches, self.scene.sign
         along = np.ones(len(self.scene))
-        found = [
-            Place("time", "s", touches.time_s, along),
-            Place("serial number", "touches", self.order.serial.astype(float), along, 2.0),
-        ]
+        serial = self.order.serial.astype(float)
+        found = [Place("serial number", "touches", serial, along, 2.0)]
+        if "time_s" not in self.scene.stood_in:
+            found.append(Place("time", "s", touches.time_s, along))
         shortest_mm = self.scene.shortest_wave_mm
         if np.isfinite(shortest_mm):
             position = touches.position_mm

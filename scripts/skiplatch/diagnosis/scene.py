@@ -121,6 +121,8 @@ class Scene:
     """Number of a touch from which on the datum may be another one."""
     physics: BelievedPhysics | None = None
     """Of the effects in the nominal chain, if there are any."""
+    stood_in: frozenset[str] = frozenset()
+    """Columns with values that nobody recorded."""
     is_directed: bool = True
     """It was recorded in which direction of the probe touches were made, where that matters."""
 
