@@ -45,6 +45,7 @@ that are not quite normal, one or two."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
 SMALLEST = 1e-4
+TINY = 1e-300
 RESOLVED = 0.5
 """Steps that a difference has to exceed where hardly more than rounding scatters: so much may each
 value be off, and all of them alike."""
@@ -309,7 +310,7 @@ class Look:
             yield self._shape()
 
     def _shape(self) -> Left:
-        """Compare where in the scan touches fall with where plays do, by the way between them.
+        """Compare where in the scan touches fall with where plays do (Cramér and von Mises' test).
 
         A wait that is bound to one point of the scan may scatter no more than any, about the same
         middle. Of noise the shape is not known so well. All touches of a play share the phase of
@@ -317,17 +318,15 @@ class Look:
         """
         before, unit = (v[self._rows] for v in self._setting.before_wait(self._name))
         waits = (self._played - before) / unit
-        pool = np.sort(waits[~np.isnan(waits)])
-        some = np.random.default_rng(self._setting.seed).permuted(waits, axis=0)
-        usual = np.array([_from_normal(_among(pool, wait)) for wait in some])
-        recorded = (self._recorded - before) / unit
-        off = _from_normal(_among(pool, recorded)) - float(usual.mean())
-        error = max(float(usual.std(ddof=1)), SMALLEST)
-        size, relative = (
-            max(off, 0.0) * float(np.median(values))
-            for values in (self._noise, self._noise / self._scale)
+        shares = _among(np.sort(waits[~np.isnan(waits)]), (self._recorded - before) / unit)
+        z = float(
+            stats.norm.isf(np.clip(stats.cramervonmises(shares, "uniform").pvalue, TINY, 0.5))
         )
-        return self._of("shape", (EVERYWHERE,), size, relative, off / error)
+        off = _from_normal(stats.norm.ppf(shares))
+        size, relative = (
+            off * float(np.median(values)) for values in (self._noise, self._noise / self._scale)
+        )
+        return self._of("shape", (EVERYWHERE,), size, relative, z)
 
     def straight(self) -> Iterator[Left]:
         """Rank the scores by every condition, one by one: few touches tell no more."""
@@ -340,7 +339,7 @@ class Look:
                     p_value = float(stats.spearmanr(values[seen], target[seen]).pvalue)
                     best = min(best or (p_value, name), (p_value, name))
             if best is not None:
-                chance = np.clip(best[0] * len(columns), 1e-300, 0.5)
+                chance = np.clip(best[0] * len(columns), TINY, 0.5)
                 values = columns[best[1]]
                 high = values > np.nanmedian(values)
                 high = high if high.any() else values >= np.nanmedian(values)
@@ -437,15 +436,15 @@ def _wave(
     share = min(float(shares[best]), 1.0 - SMALLEST)
     tried = max(span * fastest, 1.0)
     chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
-    z = float(stats.norm.isf(np.clip(chance, 1e-300, 0.5)))
+    z = float(stats.norm.isf(np.clip(chance, TINY, 0.5)))
     return 1.0 / float(frequencies[best]), share, z
 
 
 def _among(pool: FloatArray, values: FloatArray) -> FloatArray:
-    """Rank values, shape (m,), among a sorted pool; NaN stays."""
-    below, upto = (np.searchsorted(pool, values, side) for side in ("left", "right"))
-    share = (0.5 * (below + upto) + 0.5) / (len(pool) + 1.0)
-    return np.where(np.isnan(values), np.nan, stats.norm.ppf(share))
+    """Give the shares of a sorted pool that lie below values, within 0 and 1; NaN is left out."""
+    known = values[~np.isnan(values)]
+    below, upto = (np.searchsorted(pool, known, side) for side in ("left", "right"))
+    return np.asarray((0.5 * (below + upto) + 0.5) / (len(pool) + 1.0))
 
 
 def _from_normal(scores: FloatArray) -> float:
