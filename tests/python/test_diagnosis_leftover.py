@@ -122,6 +122,18 @@ def test_a_fast_wave_in_time_is_found_with_its_period() -> None:
     assert [float(period) for period in waves] == pytest.approx([180.0] * len(waves), rel=0.02)
 
 
+def test_a_wave_in_the_temperature_is_found() -> None:
+    campaign = played(MACHINE)
+    period_k = 0.31 * float(np.ptp(campaign.touches.temp_c))
+
+    def wave_um(touches: Touches) -> FloatArray:
+        return np.asarray(1.5 * np.sin(2.0 * np.pi * touches.temp_c / period_k))
+
+    found = mattering(disturbed(campaign, wave_um))
+
+    assert "temperature" in told_by(found, "wave")
+
+
 def test_scatter_that_goes_with_the_rest_before_is_found() -> None:
     noise_um = np.random.default_rng(3).normal(0.0, 6.0, 400)
 

@@ -38,6 +38,7 @@ def _looks(beside: Beside, before: Beside) -> Iterator[Iterator[Left]]:
                 look = beside.look(name, path, rows)
                 yield look.straight()
                 yield look.predicted()
+                yield look.waves()
 
 
 def _adds_scatter(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:

@@ -28,7 +28,7 @@ from skiplatch.diagnosis.covariates import (
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import UNITS
 from skiplatch.diagnosis.periodogram import explained_by_sines
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scene import Scene, spacing
 
 LONGEST = 100_000
 """Touches of which a sequence may have as many as it likes."""
@@ -57,6 +57,8 @@ MOSTLY_WAIT = 0.8
 """Scatter of the wait for a scan over that of plays from which on it is nearly all of it."""
 LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
+ALONG = {"temperature": "K", "approach": "mm", "rest before": "s", "touches in the 60 s before": ""}
+"""Further conditions along which a wave may lie, and their units."""
 EVERYWHERE = "everywhere"
 
 
@@ -202,6 +204,11 @@ class Setting:
         if np.isfinite(shortest_mm):
             position = touches.position_mm
             found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
+        for name, unit in ALONG.items():
+            values = self.known.get(name, np.full(len(self.scene), np.nan))
+            shortest = 2.0 * spacing(values)
+            if np.isfinite(shortest):
+                found.append(Place(name, unit, values, along, shortest))
         return found
 
     def repeats_to(self, observable: str) -> float:
@@ -381,7 +388,7 @@ class Look:
             period, share, z = wave
             size = float(np.sqrt(share)) * scatter(self._off)
             relative = float(np.sqrt(share)) * scatter(self._off / self._scale)
-            words = (f"{place.name}, in waves of {period:.3g} {place.unit}",)
+            words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
             yield self._of("wave", words, size, relative, z)
 
     def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:

@@ -27,7 +27,7 @@ UM_US_PER_MM_S = 1e-3
 UM_PER_MM = 1e3
 FEWEST_POSITIONS = 8
 """Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
-DISTINCT_DIGITS = 2  # of a mm
+DISTINCT_DIGITS = 2
 OF_TOUCHES = frozenset(
     {
         *("is_machine", "plc", "sign", "latched_mm", "false", "has_stamps", "shortest_wave_mm"),
@@ -288,7 +288,7 @@ class Scene:
     @cached_property
     def shortest_wave_mm(self) -> float:
         """Shortest period that the positions can show; infinite for too few of them."""
-        return 2.0 * spacing_mm(self.touches.position_mm)
+        return 2.0 * spacing(self.touches.position_mm)
 
     @cached_property
     def datum_groups(self) -> CodeArray | None:
@@ -457,12 +457,12 @@ class Scene:
         return self._stream("report", "µs", ("report",), residuals, law, everywhere)
 
 
-def spacing_mm(positions: FloatArray) -> float:
-    """Give how far apart distinct positions lie, where they are close; infinite for too few.
+def spacing(values: FloatArray) -> float:
+    """Give how far apart distinct values lie, where they are close; infinite for too few.
 
     No wave of less than twice that can be told from a longer one.
     """
-    distinct = np.unique(np.round(positions[~np.isnan(positions)], DISTINCT_DIGITS))
+    distinct = np.unique(np.round(values[~np.isnan(values)], DISTINCT_DIGITS))
     if len(distinct) < FEWEST_POSITIONS:
         return np.inf
     return float(np.quantile(np.diff(distinct), CLOSE))
