@@ -74,10 +74,10 @@ def test_another_period_is_among_what_cannot_be_told_apart() -> None:
 
 
 @pytest.mark.long
-def test_two_late_contacts_in_a_hundred_are_seen_and_not_named() -> None:
-    """So few among the touches held out show no gap; late scans would do the same."""
+def test_two_late_contacts_in_a_hundred_are_named_with_what_would_do_the_same() -> None:
+    """Late scans and retries would; a score that forgives what is rare hardly shrinks."""
     diagnosis = diagnosed("bounced")
-    first = {effect.id for model in diagnosis.ranking[:3] for effect in model.effects}
+    (named,) = diagnosis.effects
 
-    assert diagnosis.verdict is Verdict.UNKNOWN
-    assert {"contact_bounce", "scan_overrun"} <= first
+    assert diagnosis.verdict is Verdict.PARTLY_EXPLAINED
+    assert "contact_bounce" in {named.effect.id, *named.alternatives}

@@ -40,6 +40,8 @@ CLIMBS = 3
 """At most, each from where the sampling has seen something higher."""
 EVALUATIONS = 25  # of a climb, a parameter
 DEGREES_OF_FREEDOM = 5  # of the sampled distribution, whose tails reach beyond those sought
+ACROSS = 2e-9
+"""Share of the largest variance by which every parameter varies at least, whatever others do."""
 ROUNDS = (60, 60, 60, 240)
 MORE_ROUNDS = 4
 """Of the size of the last one, at most, until enough samples count."""
@@ -345,7 +347,7 @@ def _sampled(
         if i >= len(ROUNDS) and _counting(weights) >= ENOUGH:
             break
         size = more * count
-        proposal = stats.multivariate_t(middle, spread, DEGREES_OF_FREEDOM, seed=rng)
+        proposal = stats.multivariate_t(middle, _firm(spread), DEGREES_OF_FREEDOM, seed=rng)
         drawn = _drawn(proposal.rvs, size, are_within)
         if not len(drawn):
             break
@@ -376,6 +378,14 @@ def _drawn(
     while sum(map(len, kept)) < size and (points := next(tried, None)) is not None:
         kept.append(points[are_within(points)])
     return np.vstack(kept)[:size]
+
+
+def _firm(spread: FloatArray) -> FloatArray:
+    """Leave some variance across a ridge along which parameters make up for each other.
+
+    A range may be a hundred thousand times as long as a parameter is known to beside the others.
+    """
+    return spread + ACROSS * float(np.diag(spread).max()) * np.eye(len(spread))
 
 
 def _spread(points: FloatArray, weights: FloatArray) -> FloatArray:
