@@ -7,6 +7,7 @@ from typing import Self
 import scipy  # its parts load when they are first used, which takes most of a second
 
 CONFIDENCE = 0.95
+SMALLEST_CHANCE = 1e-300
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +27,12 @@ def proportion(successes: int, trials: int, confidence: float = CONFIDENCE) -> I
     """Estimate a probability, with the interval of Clopper and Pearson."""
     interval = scipy.stats.binomtest(successes, trials).proportion_ci(confidence)
     return Interval(successes / trials, interval.low, interval.high)
+
+
+def errors_of(chance: float) -> float:
+    """Give how many standard errors what comes so often by chance is from nothing; at least 0."""
+    likely = min(max(chance, SMALLEST_CHANCE), 0.5)
+    return float(scipy.stats.norm.isf(likely))
 
 
 def rate_bound(trials: int, confidence: float = CONFIDENCE) -> float:

@@ -333,8 +333,9 @@ def _conclusion(
     everywhere = np.full(len(scene), fill_value=True)
     gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
     hidden = could_hide(scene, known, seed=work.seed)
-    played = [work.beside(scene, one) for one in (rig, believed)] if finding.model else []
-    told = chance_of(*played) if played else []
+    told: Sequence[Left] = ()
+    if finding.model:
+        told = chance_of(work.beside(scene, rig), work.beside(scene, believed))
     evidence = Evidence(
         gaps=gap,
         chance=_mattering(told, work.materiality),

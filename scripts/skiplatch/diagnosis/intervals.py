@@ -41,7 +41,8 @@ CLIMBS = 3
 EVALUATIONS = 25  # of a climb, a parameter
 DEGREES_OF_FREEDOM = 5  # of the sampled distribution, whose tails reach beyond those sought
 ACROSS = 2e-9
-"""Share of the largest variance by which every parameter varies at least, whatever others do."""
+"""Share of the largest variance by which every parameter varies at least, whatever others do: some
+ten times what scipy takes for 0, by the largest eigenvalue."""
 ROUNDS = (60, 60, 60, 240)
 MORE_ROUNDS = 4
 """Of the size of the last one, at most, until enough samples count."""

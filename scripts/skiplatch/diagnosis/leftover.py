@@ -30,6 +30,7 @@ from skiplatch.diagnosis.pitches import kept_pitch
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene
 from skiplatch.simulator import Outcomes
+from skiplatch.statistics import errors_of
 
 PLAYS = 60
 """Of each touch: ranks to a sixtieth."""
@@ -189,27 +190,17 @@ def _without_rests(
 def _steps(setting: Setting, path: str, here: BoolArray, fine_um: float) -> Iterator[Left]:
     """Look whether positions are rounded to more than a rig's resolution: they show its lines."""
     scene = setting.scene
-    deviation_um = np.where(here, scene.touches.deviation_um, np.nan)
-    coordinate_um = np.where(here, scene.latched_mm * UM_PER_MM, np.nan)
-    for values in (deviation_um, coordinate_um):
+    for values in (scene.touches.deviation_um[here], scene.latched_mm[here] * UM_PER_MM):
         if kept := kept_pitch(values, fine_um):
-            pitch_um, z = kept
-            size_um = float(np.sqrt((pitch_um**2 - fine_um**2) / 12.0))
-            noise_um = max(setting.repeats_to("position"), fine_um / np.sqrt(12.0))
-            relative = size_um / noise_um
-            yield Left(
-                "position",
-                path,
-                "steps",
-                (EVERYWHERE,),
-                size_um,
-                "µm",
-                relative,
-                noise_um,
-                fine_um,
-                z,
-            )
+            yield _step(setting, path, fine_um, *kept)
             return
+
+
+def _step(setting: Setting, path: str, fine_um: float, pitch_um: float, z: float) -> Left:
+    size_um = float(np.sqrt((pitch_um**2 - fine_um**2) / 12.0))
+    noise_um = max(setting.repeats_to("position"), fine_um / np.sqrt(12.0))
+    relative, where = size_um / noise_um, (EVERYWHERE,)
+    return Left("position", path, "steps", where, size_um, "µm", relative, noise_um, fine_um, z)
 
 
 def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -> Iterator[Left]:
@@ -257,4 +248,4 @@ def _errors_of_count(count: int, n: int, rate: float) -> float:
     """Give how many standard errors a count of n is from its rate: one alone is an accident."""
     law = stats.binom(n, rate)
     chance = float(law.sf(count - 1) if count > n * rate else law.cdf(count))
-    return float(stats.norm.isf(np.clip(chance, 1e-300, 0.5)))
+    return errors_of(chance)

@@ -38,9 +38,10 @@ def _in_ticks(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     if line_us and coarse_us < FAR_APART * tick_us:
         return np.zeros(len(scene))
     fine_us = KNOWN_TO * tick_us if line_us else tick_us
-    weights = _by_lines(scene.touches.latch_us, line_us, coarse_us, fine_us, stream.rows)
     # A clock has one grid: stamps that mostly keep none were not rounded to it.
-    return weights if np.any(weights) or coarse_us <= fine_us else stream.rows * np.log(OFF_GRID)
+    return _by_lines(
+        scene.touches.latch_us, line_us, coarse_us, fine_us, stream.rows, gridless=np.log(OFF_GRID)
+    )
 
 
 def _in_slots(scene: Scene, stream: Stream, change: Change) -> FloatArray:
@@ -71,7 +72,12 @@ def _share_anywhere(share_off: float, period: float, width: float) -> float:
 
 
 def _by_lines(
-    values: FloatArray, line: Number, coarse: float, fine: float, rows: BoolArray
+    values: FloatArray,
+    line: Number,
+    coarse: float,
+    fine: float,
+    rows: BoolArray,
+    gridless: float = 0.0,
 ) -> FloatArray:
     """Weigh values by whether they lie on lines `coarse` apart, shape (n,); 0 of what is unknown.
 
@@ -84,6 +90,7 @@ def _by_lines(
         coarse: Distance of the lines.
         fine: What the values are rounded to, to the nearest or down.
         rows: Which of them count; shape (n,).
+        gridless: What speaks against each if they say that they keep no lines.
     """
     if coarse <= fine:
         return np.zeros(len(values))
@@ -95,5 +102,7 @@ def _by_lines(
     if np.any(line):
         share_off = float(np.mean(~is_on[known])) if known.any() else 1.0
         anywhere = _share_anywhere(share_off, coarse, fine)
+    if anywhere == 1.0:
+        return np.where(known, gridless, 0.0)
     on_a_line = anywhere + (1.0 - anywhere) * coarse / fine
     return np.where(known, np.log(np.where(is_on, on_a_line, anywhere)), 0.0)

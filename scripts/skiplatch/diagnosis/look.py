@@ -26,9 +26,10 @@ from skiplatch.diagnosis.covariates import (
     varying,
 )
 from skiplatch.diagnosis.material import Materiality
-from skiplatch.diagnosis.observed import UNITS
+from skiplatch.diagnosis.observed import UNITS, before_wait
 from skiplatch.diagnosis.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene import Scene, spacing
+from skiplatch.statistics import errors_of
 
 LONGEST = 100_000
 """Touches of which a sequence may have as many as it likes."""
@@ -45,7 +46,6 @@ that are not quite normal, one or two."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
 SMALLEST = 1e-4
-TINY = 1e-300
 RESOLVED = 0.5
 """Steps that a difference has to exceed where hardly more than rounding scatters: so much may each
 value be off, and all of them alike."""
@@ -54,7 +54,8 @@ CALM = (0.02, 0.98)
 NAMED = 3
 """Covariates that are named at most."""
 MOSTLY_WAIT = 0.8
-"""Scatter of the wait for a scan over that of plays from which on it is nearly all of it."""
+"""Scatter of the wait for a scan over that of plays from which on it is nearly all of it. Touches
+bound to the scan share the phases of all sixty plays, which tell it to some 6 % alone."""
 LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
 ALONG = {"temperature": "K", "approach": "mm", "rest before": "s", "touches in the 60 s before": ""}
@@ -198,16 +199,15 @@ class Setting:
         along = np.ones(len(self.scene))
         serial = self.order.serial.astype(float)
         found = [Place("serial number", "touches", serial, along, 2.0)]
-        if "time_s" not in self.scene.stood_in:
+        if "time" in self.known:
             found.append(Place("time", "s", touches.time_s, along))
         shortest_mm = self.scene.shortest_wave_mm
         if np.isfinite(shortest_mm):
             position = touches.position_mm
             found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
         for name, unit in ALONG.items():
-            values = self.known.get(name, np.full(len(self.scene), np.nan))
-            shortest = 2.0 * spacing(values)
-            if np.isfinite(shortest):
+            values = self.known.get(name)
+            if values is not None and np.isfinite(shortest := 2.0 * spacing(values)):
                 found.append(Place(name, unit, values, along, shortest))
         return found
 
@@ -227,17 +227,6 @@ class Setting:
         if observable == "position":
             wait = np.where(scene.has_stamps, 0.0, wait * scene.speed)
         return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
-
-    def before_wait(self, observable: str) -> tuple[FloatArray, FloatArray]:
-        """Give what an observable is expected to be where a scan begins at once; shape (n,).
-
-        And by how much a µs of wait adds to it, in its unit.
-        """
-        scene = self.scene
-        if observable == "position":
-            return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
-        is_from_contact = np.isnan(scene.touches.edge_us)
-        return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
 
     def step(self, observable: str) -> float:
         """Give what an observable is rounded to, in its unit."""
@@ -323,12 +312,13 @@ class Look:
         middle. Of noise the shape is not known so well. All touches of a play share the phase of
         its scans, as those recorded do: where these fall is held against touches of any plays.
         """
-        before, unit = (v[self._rows] for v in self._setting.before_wait(self._name))
+        scene = self._setting.scene
+        is_from_contact = np.isnan(scene.touches.edge_us)
+        expected = before_wait(scene, UNITS[self._name], is_from_contact=is_from_contact)
+        before, unit = (values[self._rows] for values in expected)
         waits = (self._played - before) / unit
         shares = _among(np.sort(waits[~np.isnan(waits)]), (self._recorded - before) / unit)
-        z = float(
-            stats.norm.isf(np.clip(stats.cramervonmises(shares, "uniform").pvalue, TINY, 0.5))
-        )
+        z = errors_of(float(stats.cramervonmises(shares, "uniform").pvalue))
         off = _from_normal(stats.norm.ppf(shares))
         size, relative = (
             off * float(np.median(values)) for values in (self._noise, self._noise / self._scale)
@@ -346,11 +336,10 @@ class Look:
                     p_value = float(stats.spearmanr(values[seen], target[seen]).pvalue)
                     best = min(best or (p_value, name), (p_value, name))
             if best is not None:
-                chance = np.clip(best[0] * len(columns), TINY, 0.5)
                 values = columns[best[1]]
                 high = values > np.nanmedian(values)
                 high = high if high.any() else values >= np.nanmedian(values)
-                yield self._left(kind, (best[1],), high, float(stats.norm.isf(chance)))
+                yield self._left(kind, (best[1],), high, errors_of(best[0] * len(columns)))
 
     def predicted(self) -> Iterator[Left]:
         """Let a forest predict the scores, and how far they are off, both by the same trees."""
@@ -443,8 +432,7 @@ def _wave(
     share = min(float(shares[best]), 1.0 - SMALLEST)
     tried = max(span * fastest, 1.0)
     chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
-    z = float(stats.norm.isf(np.clip(chance, TINY, 0.5)))
-    return 1.0 / float(frequencies[best]), share, z
+    return 1.0 / float(frequencies[best]), share, errors_of(float(chance))
 
 
 def _among(pool: FloatArray, values: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.comparison.observables import Recorded
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.scene import Scene
@@ -35,6 +35,21 @@ def observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
         "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
         "report": recorded.report_us - recorded.latch_us,
     }
+
+
+def before_wait(
+    scene: Scene, unit: str, *, is_from_contact: BoolArray | bool
+) -> tuple[FloatArray, FloatArray]:
+    """Give what is expected of each touch that is latched at once, and what a µs of wait adds.
+
+    Args:
+        scene: The touches.
+        unit: Of the observable.
+        is_from_contact: A time is counted from the expected contact, and from no recorded edge.
+    """
+    if unit == "µm":
+        return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
+    return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
 
 
 def step(scene: Scene, name: str) -> float:

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import stats
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.grid import FIRST, grid_period
+from skiplatch.statistics import errors_of
 
 MANY_STEPS = 1.5
 """Fine steps from which on a coarser one is a news."""
@@ -14,6 +14,8 @@ MOST_STEPS = 4096
 """Fine steps of the coarsest grid that is looked for."""
 MOST_OFF = 0.02
 """Share of the numbers that may lie off."""
+FEW = 32
+"""Numbers, beyond those that may lie off, that a pitch is first tried on."""
 NEAREST = 0.501
 """Fine steps within which a number lies on a line."""
 
@@ -27,7 +29,11 @@ def whole_pitches(values: FloatArray, fine: float) -> Sequence[float]:
     if not len(steps):
         return [2.0 * fine]
     most_off = MOST_OFF * len(steps)
-    kept = [k for k in range(2, MOST_STEPS + 1) if np.count_nonzero(steps % k) < most_off]
+    # A few numbers rule out nearly all pitches: more of them lie off than may of all.
+    few = steps[: int(most_off) + FEW, None]
+    ways = np.arange(2, MOST_STEPS + 1)
+    ways = ways[np.count_nonzero(few % ways, axis=0) < most_off]
+    kept = [k for k in ways.tolist() if np.count_nonzero(steps % k) < most_off]
     return [k * fine for k in (kept or [2])[-3:]]
 
 
@@ -63,4 +69,4 @@ def kept_pitch(values: FloatArray, fine: float) -> tuple[float, float] | None:
     if on_grid < 1.0 - MOST_OFF or pitch <= MANY_STEPS * fine:
         return None
     log_chance = np.log(MOST_STEPS) - len(different) * np.log(pitch / fine)
-    return pitch, float(stats.norm.isf(np.exp(np.clip(log_chance, -690.0, np.log(0.5)))))
+    return pitch, errors_of(float(np.exp(min(log_chance, 0.0))))

@@ -25,7 +25,7 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.grid import off_grid
-from skiplatch.diagnosis.observed import observed
+from skiplatch.diagnosis.observed import before_wait, observed
 from skiplatch.diagnosis.playing import Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
@@ -100,6 +100,10 @@ class _Cell:
         before, after, *truth = (ensemble.scored(recorded) for ensemble in ensembles)
         return cls(path, before, after, truth[0] if truth else None, ensembles)
 
+    def unit(self, least: float) -> float:
+        """Give what scores count in: the noise floor, which is at least `least`."""
+        return max(float(self.after.floor.mean()), least)
+
     def lost_by_luck(self, k: int) -> FloatArray:
         """Give by how much the effects score worse than none on a play of theirs; shape (m,)."""
         before, after = self.ensembles[:2]
@@ -159,7 +163,7 @@ class _Scores:
     def of(cls, cells: Sequence[_Cell], least: float) -> Self:
         """Put cells together; `least` is the noise floor of what is known but for its rounding."""
         floors = [cell.after.floor for cell in cells]
-        units = np.concatenate([np.full(len(f), max(float(f.mean()), least)) for f in floors])
+        units = np.concatenate([np.full(len(cell.after.floor), cell.unit(least)) for cell in cells])
 
         def together(scores: Iterable[FloatArray]) -> FloatArray:
             return np.asarray(np.concatenate(list(scores)) / units)
@@ -275,7 +279,8 @@ def _cells(
     known = held_out & ~np.isnan(recorded)
     for values in played:
         known = known & ~np.isnan(values).all(axis=0)
-    expected, scale = _expected(scene, observable)
+    is_from_contact = observable.name == "latch_after_contact_us"
+    expected, scale = before_wait(scene, observable.unit, is_from_contact=is_from_contact)
     for path, rows in _cells_within(scene, known, spans):
         # On the grid of the scans no phase is left.
         is_pooled = path == InputPath.PLC and observable in OBSERVABLES
@@ -298,14 +303,6 @@ def _cells_within(
     for part in parts:
         for path, _, rows in cells_of(scene.touches, part, FEWEST_TOUCHES):
             yield path, rows
-
-
-def _expected(scene: Scene, observable: Observable) -> tuple[FloatArray, FloatArray]:
-    """Give what the nominal chain lets expect of each touch, and a scale for its scatter."""
-    if observable.unit == "µm":
-        return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
-    is_from_contact = observable.name == "latch_after_contact_us"
-    return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
 
 
 def _crps(recorded: FloatArray, ensemble: FloatArray) -> FloatArray:
@@ -368,10 +365,10 @@ def _is_no_luck(cells: Sequence[_Cell], least: float) -> bool:
 
     What comes now and then may not have come, and a rounded value fall as it likes.
     """
-    units = [max(float(cell.after.floor.mean()), least) for cell in cells]
 
     def lost(of_cells: Iterable[FloatArray]) -> float:
-        return sum(float(v.sum()) / u for v, u in zip(of_cells, units, strict=True))
+        both = zip(of_cells, cells, strict=True)
+        return sum(float(scores.sum()) / cell.unit(least) for scores, cell in both)
 
     seen = lost(cell.after.scores - cell.before.scores for cell in cells)
     replicates = min(len(cells[0].ensembles[1].plays), MOST_LUCKY)

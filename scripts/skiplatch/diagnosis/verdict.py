@@ -19,7 +19,8 @@ LIKELIER = 7.0
 no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
 (2020) 16880, eq. 6)."""
 PART_OF_ALL = 0.1
-"""Share of the variance of an observable's gap that what is left of one kind has to be to count."""
+"""Share of the variance of an observable's gap that what is left of one kind has to be to count:
+no real effect has just the form that is fitted, and what its form leaves may be of another kind."""
 
 
 class Verdict(StrEnum):
