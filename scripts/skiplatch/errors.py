@@ -6,6 +6,9 @@ from difflib import get_close_matches
 from typing import Self
 
 SHOWN_CHARACTERS = 40
+"""Of a piece of the input that a message quotes."""
+MOST_CHARACTERS = 1000
+"""Of a message: libraries quote in theirs what they could not read, however long it is."""
 
 
 class _Located:
@@ -41,7 +44,7 @@ class _Located:
             place += f": {self.column}"
         elif self.column is not None:
             place += f":{self.column}"
-        return one_line(f"{place}: {self.message}")
+        return one_line(f"{place}: {_shortened(self.message, MOST_CHARACTERS)}")
 
 
 class InputError(_Located, Exception):
@@ -59,9 +62,12 @@ def one_line(text: str) -> str:
 
 def quoted(text: str) -> str:
     """Quote a piece of the input for a message, shortened when it is long."""
-    if len(text) > SHOWN_CHARACTERS:
-        text = text[: SHOWN_CHARACTERS - 1] + "…"
-    return f'"{text}"'
+    return f'"{_shortened(text, SHOWN_CHARACTERS)}"'
+
+
+def _shortened(text: str, most: int) -> str:
+    """Give at most so many characters, with an ellipsis for what is left out."""
+    return text if len(text) <= most else text[: most - 1] + "…"
 
 
 def hint(name: str, known: Iterable[str]) -> str:

@@ -156,3 +156,10 @@ def test_counts_may_have_powers_of_ten(text: str, count: int) -> None:
 def test_counts_that_are_none_are_refused(text: str) -> None:
     with pytest.raises(click.BadParameter):
         CountType(100, 10**9).convert(text, None, None)
+
+
+def test_what_a_library_quotes_of_a_long_input_is_cut() -> None:
+    message = str(InputError(Path("log.csv"), 3, None, "no number: " + "9" * 5000))
+    assert message.startswith("log.csv:3: no number: 999")
+    assert message.endswith("…")
+    assert len(message) < 1100
