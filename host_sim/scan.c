@@ -1,18 +1,34 @@
 #include "scan.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define LATE_SCANS 100 /* how far back a late scan is felt */
 
+static sim_ns_t due_at(const sim_scan_t *scan, int64_t number)
+{
+    return scan->phase + (sim_ns_t)rint((double)number * scan->period_ns);
+}
+
 /* Number of the first scan at or after `time`. */
 static int64_t number_at(const sim_scan_t *scan, sim_ns_t time)
 {
-    return time <= scan->phase ? 0 : (time - scan->phase + scan->period - 1) / scan->period;
+    if (time <= scan->phase) {
+        return 0;
+    }
+    int64_t number = (int64_t)((double)(time - scan->phase) / scan->period_ns);
+    while (number > 0 && due_at(scan, number - 1) >= time) {
+        --number;
+    }
+    while (due_at(scan, number) < time) {
+        ++number;
+    }
+    return number;
 }
 
-void sim_scan_init(sim_scan_t *scan, sim_ns_t phase, sim_ns_t period, sim_ns_t now)
+void sim_scan_init(sim_scan_t *scan, sim_ns_t phase, double period_ns, sim_ns_t now)
 {
-    *scan = (sim_scan_t){.phase = phase, .period = period};
+    *scan = (sim_scan_t){.phase = phase, .period_ns = period_ns};
     sim_scan_restart(scan, now);
 }
 
@@ -29,7 +45,7 @@ static void await_late(sim_scan_t *scan, sim_ns_t time)
     sim_ns_t begin = 0;
     for (int64_t number = newest > LATE_SCANS ? newest - LATE_SCANS : 0; number <= newest;
          ++number) {
-        sim_ns_t due = scan->phase + number * scan->period + scan->late(scan->context, number);
+        sim_ns_t due = due_at(scan, number) + scan->late(scan->context, number);
         begin = due > begin ? due : begin;
         if (number > scan->last && begin >= time) {
             scan->next = number;
@@ -52,7 +68,7 @@ void sim_scan_await(sim_scan_t *scan, sim_ns_t time)
     }
     int64_t number = number_at(scan, time);
     scan->next = number > scan->last ? number : scan->last + 1;
-    scan->next_at = scan->phase + scan->next * scan->period;
+    scan->next_at = due_at(scan, scan->next);
     if (scan->late != NULL) {
         await_late(scan, time);
     }

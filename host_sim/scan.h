@@ -11,17 +11,17 @@
 typedef sim_ns_t sim_scan_late_t(void *context, int64_t number);
 
 typedef struct {
-    sim_ns_t         phase; /* of scan 0, 0 … period − 1 */
-    sim_ns_t         period;
-    int64_t          last;    /* number of the last scan that was executed */
-    int64_t          next;    /* number of the next one to execute */
-    sim_ns_t         next_at; /* when, or SIM_NEVER */
-    sim_scan_late_t *late;    /* NULL: never late */
+    sim_ns_t         phase;     /* of scan 0, within a period */
+    double           period_ns; /* of no whole number: over an hour a nanosecond's rest adds up */
+    int64_t          last;      /* number of the last scan that was executed */
+    int64_t          next;      /* number of the next one to execute */
+    sim_ns_t         next_at;   /* when, or SIM_NEVER */
+    sim_scan_late_t *late;      /* NULL: never late */
     void            *context;
 } sim_scan_t;
 
-/* Scans run at `phase` + k·`period`, and none is wanted yet. */
-void sim_scan_init(sim_scan_t *scan, sim_ns_t phase, sim_ns_t period, sim_ns_t now);
+/* Scans run at `phase` + k·`period_ns`, rounded, and none is wanted yet. */
+void sim_scan_init(sim_scan_t *scan, sim_ns_t phase, double period_ns, sim_ns_t now);
 
 /* The task stops, and when it runs again, the scans before `now` are past, executed or not. */
 void sim_scan_restart(sim_scan_t *scan, sim_ns_t now);

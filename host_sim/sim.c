@@ -29,10 +29,10 @@ static sim_ns_t scan_lateness(void *context, int64_t number)
 static void boot_scan(sim_t *sim)
 {
     double   period_us = sim_change(sim, SIM_SCAN_PERIOD, sim->chain->scan_us);
-    sim_ns_t period = sim_ns_from_us(fmax(period_us, 1.0));
-    sim_ns_t phase = (sim_ns_t)sim_random_uniform(&sim->random, (double)period);
+    double   period_ns = fmax(period_us, 1.0) * SIM_NS_PER_US;
+    sim_ns_t phase = (sim_ns_t)sim_random_uniform(&sim->random, period_ns);
 
-    sim_scan_init(&sim->scan, phase, period, sim->now);
+    sim_scan_init(&sim->scan, phase, period_ns, sim->now);
     if (sim_effects_reach(&sim->effects, SIM_SCAN_START)) {
         sim->scan.late = scan_lateness;
         sim->scan.context = sim;
@@ -225,7 +225,7 @@ static void change_contact(sim_t *sim)
 /* Let the pin change at another point of the scan. */
 static void shift_scans(sim_t *sim)
 {
-    double period = (double)sim->scan.period;
+    double period = sim->scan.period_ns;
     double phase = fmod((double)(sim->now - sim->scan.phase), period) / period;
     double wanted = sim_change(sim, SIM_SCAN_PHASE, phase);
     sim_scan_shift(&sim->scan, (sim_ns_t)((phase - wanted) * period));

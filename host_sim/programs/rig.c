@@ -181,7 +181,7 @@ static void run_scan(rig_t *rig)
     uint32_t now_ticks = hal_clock_now_ticks();
     int64_t  left_out = sim_scan_execute(&rig->sim.scan);
     if (left_out > 0) {
-        sim_ns_t last = rig->sim.now - rig->sim.scan.period;
+        sim_ns_t last = rig->sim.now - (sim_ns_t)rig->sim.scan.period_ns;
         plc_task_skip_idle(&rig->plc, (uint32_t)left_out,
                            (uint32_t)sim_clock_ticks(&rig->sim, last));
     }

@@ -143,6 +143,18 @@ def test_a_period_is_found_whose_peak_is_far_sharper_than_its_uncertainty() -> N
     assert found == pytest.approx(right_us, abs=2e-3)
 
 
+def test_stamps_that_a_drifting_clock_reads_tell_the_period_without_the_drift() -> None:
+    campaign = believed(read_campaign(BENCH), plc__scan_us=0.4)
+    scene = Scene.of(as_played(campaign, {}))
+    drift = Change(stamp_us=-9e-5 * scene.touches.latch_us)
+    stamps = scene.touches.latch_us + drift.stamp_us
+    drifted = Scene.of(replace(campaign, touches=replace(scene.touches, latch_us=stamps)))
+
+    found = fit_beliefs(drifted, drift, [belief_of(uncertain(scene.nominal), SCAN)])
+
+    assert found.nominal.plc.scan_us == pytest.approx(campaign.nominal.plc.scan_us, abs=2e-3)
+
+
 def test_an_acceleration_is_found_as_closely_as_the_edges_tell_it() -> None:
     campaign = believed(read_campaign(BENCH), axis__accel_mm_s2=60.0)
     right = campaign.nominal.axis.accel_mm_s2

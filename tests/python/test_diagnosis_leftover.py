@@ -14,7 +14,9 @@ from skiplatch.campaign import Campaign, Status, Touches
 from skiplatch.diagnosis.leftover import MISSED, Beside, left_over, noticed
 from skiplatch.diagnosis.look import EVERYWHERE, FEWEST, RESOLVED, Left, Memo, normal_scores
 from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.diagnosis.observed import observed
 from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.replay import as_recorded
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect
 
@@ -168,6 +170,37 @@ def test_touches_that_all_meet_one_point_of_the_scan_are_found_by_the_edges_reco
     found = mattering(locked)
 
     assert ("latch", "shape") in {(one.observable, one.kind) for one in found}
+
+
+def test_a_few_scans_off_the_grid_are_found_by_how_far_and_leave_the_others_on_it() -> None:
+    campaign = played(BENCH)
+    touches = campaign.touches
+    few = np.flatnonzero(touches.on_plc)[::40]
+    stamps = touches.latch_us.copy()
+    stamps[few] += 1300.0
+    late = replace(campaign, touches=replace(touches, latch_us=stamps))
+    scene = Scene.of(late)
+
+    on_grid = np.delete(observed(scene, touches)["grid"], few)
+    found = next(one for one in looks(late) if one.observable == "grid")
+
+    assert np.nanmax(np.abs(on_grid)) < 3.0 * campaign.nominal.skip.tick_us
+    assert found.kind == "scatter"
+    assert found.is_significant
+
+
+def test_stamps_beside_a_period_that_was_fitted_stay_on_its_grid() -> None:
+    """An hour of scans, each off by less than a nanosecond: by millions of them it adds up."""
+    campaign = played(BENCH)
+    nominal, touches = campaign.nominal, campaign.touches
+    fitted = replace(nominal, plc=replace(nominal.plc, scan_us=nominal.plc.scan_us + 0.000_43))
+    hour = replace(touches, time_s=np.linspace(0.0, 3600.0, len(touches)))
+    recorded = as_recorded(hour, Rig(fitted).play(hour, seed=2, replicates=1), 0)
+
+    beside = Beside.of(Scene.of(replace(campaign, touches=recorded)), Rig(fitted), seed=1)
+
+    for seen in (beside.recorded["grid"], beside.played["grid"]):
+        assert np.nanmax(np.abs(seen)) < 3.0 * nominal.skip.tick_us
 
 
 def test_positions_on_a_coarser_grid_than_believed_are_found() -> None:

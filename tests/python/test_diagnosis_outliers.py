@@ -13,6 +13,7 @@ from skiplatch.diagnosis.hidden import could_hide
 from skiplatch.diagnosis.outliers import outliers
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.verdict import Verdict
 from skiplatch.simulator import Effect
 
 FAR_UM = 1000.0
@@ -46,11 +47,14 @@ def test_a_rig_throws_none_of_its_own_touches_out(folder: Path) -> None:
         assert listed(played(folder, seed=seed)) == []
 
 
-def test_three_touches_in_ten_are_no_outliers() -> None:
+@pytest.mark.parametrize(("share", "is_told"), [(0.3, True), (0.6, False)])
+def test_of_most_touches_none_is_far_off_the_others(share: float, is_told: bool) -> None:
     campaign = played(MACHINE)
-    rows = np.flatnonzero(np.random.default_rng(1).random(len(campaign.touches)) < 0.3)
+    rows = np.flatnonzero(np.random.default_rng(1).random(len(campaign.touches)) < share)
 
-    assert listed(thrown(campaign, rows)) == []
+    far = listed(thrown(campaign, rows))
+
+    assert far == (campaign.touches.touch[rows].tolist() if is_told else [])
 
 
 def test_a_report_far_off_is_an_outlier_as_well() -> None:
@@ -59,6 +63,29 @@ def test_a_report_far_off_is_an_outlier_as_well() -> None:
     touches = replace(campaign.touches, report_us=campaign.touches.report_us + late_us)
 
     assert listed(replace(campaign, touches=touches)) == [int(campaign.touches.touch[33])]
+
+
+def test_what_one_touch_in_a_hundred_meets_is_no_outlier() -> None:
+    """Some plays show it at each touch, so that those that met it are not far off all."""
+    late = Effect("scan_overrun", {"probability": 0.01, "overrun_us": 9000.0, "span_us": 10.0})
+    campaign = played(BENCH, late)
+
+    assert listed(campaign), "without the effect they are"
+    assert outliers(Scene.of(campaign), Rig(campaign.nominal, [late]), seed=1) == []
+
+
+def test_stamps_off_for_one_cause_are_not_explained_by_another() -> None:
+    """Stamps that alone are early look like scans a whole period later, less that."""
+    campaign = played(BENCH)
+    touches = campaign.touches
+    is_early = np.random.default_rng(5).random(len(touches)) < 0.06
+    stamps = touches.latch_us - np.where(is_early, 700.0, 0.0)
+    stranger = replace(campaign, touches=replace(touches, latch_us=stamps))
+
+    diagnosis = diagnose(stranger, seed=1)
+
+    assert diagnosis.verdict == Verdict.UNKNOWN
+    assert not diagnosis.effects
 
 
 @pytest.mark.long

@@ -79,6 +79,15 @@ def leaving_of_four(relative: float) -> Evidence:
     return Evidence(before=[left(20.0, relative=4.0)], after=[left(20.0, relative=relative)])
 
 
+TOUCHES = 200
+
+
+def most_accidents(rule: Rule) -> int:
+    """So many of the touches are far off by chance, but for one campaign in a hundred."""
+    counts = np.random.default_rng(1).binomial(TOUCHES, rule.threshold, 200_000)
+    return int(np.quantile(counts, 0.99))
+
+
 SIDES: Mapping[str, tuple[Change, Change]] = {
     "shrinks": (
         lambda rule: shrinking_by(rule.threshold),
@@ -87,6 +96,14 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "leaves_nothing": (
         lambda rule: leaving(rule.threshold),
         lambda rule: leaving(rule.threshold + A_BIT),
+    ),
+    "few_outliers": (
+        lambda rule: Evidence(outlying=most_accidents(rule), touches=TOUCHES),
+        lambda rule: Evidence(outlying=most_accidents(rule) + 1, touches=TOUCHES),
+    ),
+    "believed_few_outliers": (
+        lambda rule: Evidence(outlying=most_accidents(rule), touches=TOUCHES),
+        lambda rule: Evidence(outlying=most_accidents(rule) + 1, touches=TOUCHES),
     ),
     "held_out": (
         lambda _: Evidence(is_held_out=True),

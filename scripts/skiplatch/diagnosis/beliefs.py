@@ -217,7 +217,7 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
             def cost(x: float, only: BoolArray = only, names: frozenset[str] = names) -> float:
                 return 0.5 * x**2 - at(np.where(only, x, places), names).total
 
-            best = _least(cost, _guesses(scene, beliefs[i]))
+            best = _least(cost, _guesses(scene, change, beliefs[i]))
             places[i] = best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0
         if not places.any():
             break
@@ -225,11 +225,11 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
     return Fitted(nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats)
 
 
-def _guesses(scene: Scene, belief: Belief) -> list[float]:
+def _guesses(scene: Scene, change: Change, belief: Belief) -> list[float]:
     """Propose, in standard uncertainties, what a search would not come upon: a peak too sharp."""
     if belief.key != SCAN_PERIOD:
         return []
-    off_us = [start[0] for start in scan_periods(scene, Change())]
+    off_us = [start[0] for start in scan_periods(scene, change)]
     guesses = [(scene.nominal.plc.scan_us + off - belief.value) / belief.u for off in off_us]
     return [guess for guess in guesses if abs(guess) < FARTHEST]
 

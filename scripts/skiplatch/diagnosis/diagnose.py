@@ -47,6 +47,7 @@ from skiplatch.diagnosis.verdict import (
     Failure,
     Verdict,
     decide,
+    may_be_accidents,
     shows_too_little,
     told_of_chance,
 )
@@ -167,9 +168,11 @@ class _Work:
         seed: int,
         jobs: int,
         materiality: Materiality,
+        outliers: Sequence[int] = (),
     ) -> None:
         self.scene, self.pool, self.seed, self.jobs = scene, pool, seed, jobs
         self.materiality = materiality
+        self.outliers = outliers
         self.parts: Split = split(len(scene), seed)
         self.naming = scene.select(self.parts.naming)
         self.beliefs = uncertain(scene.nominal)
@@ -178,6 +181,11 @@ class _Work:
         self._rigs: dict[tuple[object, ...], Rig] = {}
         self._besides: dict[int, tuple[Rig, Beside]] = {}
         self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
+
+    def without(self, outliers: Sequence[int]) -> "_Work":
+        """Give the same campaign without touches, by serial number, that nothing can play."""
+        scene = self.scene.select(~np.isin(self.scene.touches.touch, outliers))
+        return _Work(scene, self.pool, self.seed, self.jobs, self.materiality, outliers)
 
     def rig(self, fit: Fit | None) -> Rig:
         """Give the rig that a hypothesis says it is, by all touches that serve the naming.
@@ -297,32 +305,45 @@ class _Conclusion:
 
 
 def _concluded(work: _Work, truth: Sequence[Effect] | None) -> Diagnosis:
-    believed, before = work.rig(None), work.before
+    found = _found(work, truth)
+    if found.finding.model and found.outliers:
+        # They may be what it was found by: it has to be found without them.
+        rest = work.without(found.outliers)
+        again = _found(rest, truth)
+        if again.finding.model:
+            return _diagnosis(rest, again)
+        found = _conclusion(work, Finding(None), None, truth)
+    return _diagnosis(work, found)
+
+
+def _found(work: _Work, truth: Sequence[Effect] | None) -> "_Conclusion":
+    """Search, and take out what only imitates."""
     finding, confirmed = work.search()
-    found = _conclusion(work, believed, before, finding, confirmed, truth)
+    found = _conclusion(work, finding, confirmed, truth)
     if told := told_of_chance(found.evidence):
         kept = work.without_mimics(finding, told)
         if kept is not None:
             finding, confirmed = work.confirmed(kept)
-            found = _conclusion(work, believed, before, finding, confirmed, truth)
-    return _diagnosis(work, believed, before, found)
+            found = _conclusion(work, finding, confirmed, truth)
+    return found
 
 
 def _conclusion(
     work: _Work,
-    believed: Rig,
-    before: Sequence[Left],
     finding: Finding,
     confirmed: Confirmation | None,
     truth: Sequence[Effect] | None,
 ) -> _Conclusion:
-    scene = work.scene
+    scene, believed, before = work.scene, work.rig(None), work.before
     rig = work.rig(finding.model.fit) if finding.model else believed
     known = work.rig(finding.small.fit) if finding.small else rig
     named = _named(scene.with_nominal(rig.nominal), finding)
     true_rig = None if truth is None else replace(rig, effects=truth)
-    odd = outliers(scene, known, seed=work.seed)
-    # What is far off all that can be played says nothing of one rig or the other.
+    odd = outliers(scene, known, work.materiality, seed=work.seed)
+    all_odd = [*work.outliers, *odd]
+    if finding.model is None and not may_be_accidents(len(odd), len(scene)):
+        odd = []  # so many are what is left of the believed chain
+    # What is far off all plays says nothing of one rig or the other, nor for a finding.
     usual = ~np.isin(scene.touches.touch, odd)
     after = before if known is believed else work.left(scene.select(usual) if odd else scene, known)
 
@@ -349,11 +370,13 @@ def _conclusion(
         nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding),
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
+        outlying=len(all_odd),
+        touches=len(work.outliers) + len(scene),
     )
     if finding.model and shows_too_little(evidence):
         gap = gaps(everywhere, work.folds(finding.model.fit))
         evidence = replace(evidence, gaps=gap, is_held_out=False)
-    return _Conclusion(finding, rig, known, named, gap, hidden, odd, evidence)
+    return _Conclusion(finding, rig, known, named, gap, hidden, all_odd, evidence)
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: Finding) -> float:
@@ -366,8 +389,9 @@ def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: F
     return with_it - likelihood(part.with_nominal(believed.nominal), Change()).total
 
 
-def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Conclusion) -> Diagnosis:
+def _diagnosis(work: _Work, found: _Conclusion) -> Diagnosis:
     scene, evidence, finding = work.scene, found.evidence, found.finding
+    believed, before = work.rig(None), work.before
     verdict, failures = decide(evidence)
     is_named = verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
     kept = finding if is_named else replace(finding, model=None)
@@ -393,7 +417,7 @@ def _diagnosis(work: _Work, believed: Rig, before: Sequence[Left], found: _Concl
         rig=rig,
         materiality=work.materiality,
         beliefs=_values(work, rig),
-        outliers=found.outliers,
+        outliers=found.outliers if may_be_accidents(len(found.outliers), evidence.touches) else [],
         failures=failures,
     )
 

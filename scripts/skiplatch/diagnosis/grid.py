@@ -37,9 +37,15 @@ def folded(values: FloatArray, period: float) -> FloatArray:
 
 
 def off_grid(stamps: FloatArray, period: float) -> FloatArray:
-    """Give stamps, shape (…, n), off the middle of the grid that each row keeps best; NaN stays."""
-    middle = np.angle(mean_turn(stamps, period)) / (2.0 * np.pi) * period
-    return folded(stamps - middle[..., None], period)
+    """Give stamps, shape (…, n), off the middle of the grid that each row keeps best; NaN stays.
+
+    The middle is the median, about the mean turn: a few stamps that are off leave the others on it.
+    """
+    turn = np.angle(mean_turn(stamps, period)) / (2.0 * np.pi) * period
+    off = folded(stamps - turn[..., None], period)
+    is_known = ~np.isnan(stamps).all(axis=-1, keepdims=True)
+    middle = np.nanmedian(np.where(is_known, off, 0.0), axis=-1)
+    return folded(off - middle[..., None], period)
 
 
 def mean_turn(stamps: FloatArray, period: float) -> NDArray[np.complex128]:

@@ -61,6 +61,12 @@ LEAST_TURNS = 1.0
 ALONG = {"temperature": "K", "approach": "mm", "rest before": "s", "touches in the 60 s before": ""}
 """Further conditions along which a wave may lie, and their units."""
 EVERYWHERE = "everywhere"
+FAR = 6.0
+"""Standard deviations beyond all plays from which on a touch is far off."""
+SELDOM = 1e-3
+"""Share of touches that a rig that is right may have far off."""
+NEVER_ERRS = "grid"
+"""Observable without gross errors: a scan whose stamp is off the grid of the others was off it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,6 +244,13 @@ class Setting:
         return chain.axis.resolution_um + way_um
 
 
+def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArray:
+    """Tell which touches, so far off the middle of their plays, are beyond all those reach."""
+    known = off[~np.isnan(off)]
+    usual = FAR * max(scatter(known), step) if len(known) else 0.0
+    return np.abs(off) > 2.0 * reach + usual
+
+
 def normal_scores(recorded: FloatArray, played: FloatArray) -> FloatArray:
     """Rank touches, shape (n,), among their plays, shape (r, n); NaN where there is none."""
     known = ~np.isnan(played)
@@ -299,11 +312,19 @@ class Look:
             size = float(np.mean(self._scores**power) - usual.mean())
             error = max(float(usual.std(ddof=1)), SMALLEST)
             # A rig that scatters less than believed has no gap: nothing is left of it.
-            off = abs(size) if kind == "shift" else max(size, 0.0)
+            z = (abs(size) if kind == "shift" else max(size, 0.0)) / error
+            if kind == "scatter" and self._name == NEVER_ERRS:
+                z = max(z, self._errors_of_far())
             everything = np.full(len(self._off), fill_value=True)
-            yield self._left(kind, (EVERYWHERE,), everything, off / error)
+            yield self._left(kind, (EVERYWHERE,), everything, z)
         if self._setting.is_mostly_wait(self._name, self._path, self._noise, self._rows):
             yield self._shape()
+
+    def _errors_of_far(self) -> float:
+        """Count touches that are far off the plays of all, for ranks do not tell how far off."""
+        reach = np.nanmax(np.abs(self._played - np.nanmedian(self._played, axis=0)))
+        far = far_off(self._off, float(reach), self._step)
+        return errors_of(float(stats.binom.sf(far.sum() - 1, len(far), SELDOM)))
 
     def _shape(self) -> Left:
         """Compare where in the scan touches fall with where plays do (Cramér and von Mises' test).

@@ -18,11 +18,18 @@ UNITS: Mapping[str, str] = {
 }
 
 
-def observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
+def observed(
+    scene: Scene, recorded: Recorded, *, scan_us: float | None = None
+) -> Mapping[str, FloatArray]:
     """Take outcomes apart, as far as was recorded; each of shape (…, n), NaN where it was not.
 
     The edge after the expected contact, the latch after its begin, the stamp of a scan off the grid
     of the others, the position beyond the way since the begin, and the report after the latch.
+
+    Args:
+        scene: The touches.
+        recorded: Their outcomes, recorded or played.
+        scan_us: Period of that grid, if it is not the believed one.
     """
     edges = scene.touches.edge_us
     begin = np.where(np.isnan(edges), scene.contact.time_us, recorded.edge_us)
@@ -31,7 +38,9 @@ def observed(scene: Scene, recorded: Recorded) -> Mapping[str, FloatArray]:
     return {
         "edge": recorded.edge_us - scene.contact.time_us,
         "latch": later,
-        "grid": off_grid(np.where(scene.plc, recorded.latch_us, np.nan), scene.nominal.plc.scan_us),
+        "grid": off_grid(
+            np.where(scene.plc, recorded.latch_us, np.nan), scan_us or scene.nominal.plc.scan_us
+        ),
         "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
         "report": recorded.report_us - recorded.latch_us,
     }

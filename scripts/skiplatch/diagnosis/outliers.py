@@ -1,38 +1,44 @@
-"""Touches far off all that their rig plays: listed by number; no gap is measured by them."""
+"""Touches far off all that their rig plays: they measure no gap, and no finding rests on them."""
 
 import numpy as np
 
-from skiplatch.diagnosis.look import FEWEST, scatter
-from skiplatch.diagnosis.observed import observed, step
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.look import FEWEST, far_off
+from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.diagnosis.observed import UNITS, observed, step
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 
-PLAYS = 60
+PLAYS = 500
+"""So many that some play shows what happens to one touch in a hundred, at nearly every touch."""
 OUTLYING = frozenset({"edge", "latch", "position", "report"})
-FAR = 6.0
-"""Standard deviations beyond all plays that make a touch an outlier."""
-MOST_OUTLIERS = 0.05
-"""Share of touches up to which those far off are outliers; more are something else."""
 
 
-def outliers(scene: Scene, rig: Rig, *, seed: int) -> list[int]:
-    """List the touches, by serial number, that are far off what a rig plays, if they are few."""
+def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> list[int]:
+    """List the touches, by serial number, that are far off all that a rig plays, and material.
+
+    Where more than half of them are it is the rig that is off, and none is told from the others.
+    """
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
     far = np.full(len(scene), fill_value=False)
     for name in OUTLYING & recorded.keys():
-        rows = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
-        if rows.sum() < FEWEST:
-            continue
-        plays = played[name][:, rows]
-        middle, off = np.nanmedian(plays, axis=0), np.zeros(len(scene))
-        off[rows] = recorded[name][rows] - middle
-        reach = np.zeros(len(scene))
-        reach[rows] = np.nanmax(np.abs(plays - middle), axis=0)
+        known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
         for path in (scene.plc, ~scene.plc):
-            here = rows & path
-            if here.any():
-                usual = FAR * max(scatter(off[here]), step(scene, name))
-                far |= here & (np.abs(off) > 2.0 * reach + usual)
-    found = scene.touches.touch[far]
-    return found.tolist() if len(found) <= MOST_OUTLIERS * len(scene) else []
+            here = known & path
+            if known.sum() >= FEWEST and here.any():
+                values = recorded[name][here], played[name][:, here]
+                far[here] |= _are_far(*values, step(scene, name), materiality, UNITS[name])
+    return [] if far.mean() > 0.5 else scene.touches.touch[far].tolist()
+
+
+def _are_far(
+    recorded: FloatArray, plays: FloatArray, step: float, materiality: Materiality, unit: str
+) -> BoolArray:
+    """Tell which touches, shape (n,), are far off their plays, shape (r, n), by what matters."""
+    middle = np.nanmedian(plays, axis=0)
+    off, reach = recorded - middle, np.nanmax(np.abs(plays - middle), axis=0)
+    least = materiality.absolute(unit)
+    if least is None:
+        least = materiality.fraction * np.nanstd(plays, axis=0)
+    return (np.abs(off) > least) & far_off(off, reach, step)

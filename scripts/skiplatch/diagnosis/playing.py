@@ -80,6 +80,11 @@ class Rig:
         return max([self.nominal.axis.resolution_um, *coarse])
 
     @property
+    def scan_us(self) -> float:
+        """Period of its scans, believed or fitted as a belief."""
+        return self.nominal.plc.scan_us
+
+    @property
     def keeps_scan_grid(self) -> bool:
         """Its scans come evenly. Where touches are bound to the scan, plays move it to them."""
         return all(effect.id != SCAN_LOCK for effect in self.effects)
@@ -130,6 +135,11 @@ class Folds:
     def spans(self) -> list[Span]:
         """Give those of effects that begin or end."""
         return self.rigs[0].spans
+
+    @property
+    def scan_us(self) -> float:
+        """Period of their scans."""
+        return self.rigs[0].scan_us
 
     @property
     def keeps_scan_grid(self) -> bool:

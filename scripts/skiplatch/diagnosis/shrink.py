@@ -252,7 +252,7 @@ def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
 
     def late(recorded: Recorded, _: Contact) -> FloatArray:
         stamps = np.where(scene.plc, recorded.latch_us, np.nan)
-        return np.asarray(np.round(off_grid(stamps, scene.nominal.plc.scan_us), NS))
+        return np.asarray(np.round(off_grid(stamps, after.scan_us), NS))
 
     if "lattice" in scene.streams and after.keeps_scan_grid:
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)

@@ -340,7 +340,7 @@ def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     return [[share, 0.0] for share in shares if share < 1.0]
 
 
-def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose periods by their waits, and by the grid that the stamps keep."""
     believed = scene.nominal.plc.scan_us
     coarse = [[share * believed] for share in (-0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0)]
@@ -351,7 +351,7 @@ def scan_periods(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     waits = stream.residuals[sharp if sharp.sum() >= FEWEST_STAMPS else stream.rows]
     # Where the scans bind the edges, the waits differ by far less than a period.
     width = max(float(np.ptp(np.quantile(waits, [0.01, 0.99]))), SHORTEST_PERIOD * believed)
-    stamps = scene.touches.latch_us[stream.rows]
+    stamps = np.sort((scene.touches.latch_us - given.stamp_us)[stream.rows])
     near = [grid_period(stamps, guess) for guess in (width, believed)]
     far = [] if np.abs(mean_turn(stamps, near[1])) > WELL_KEPT else _far_periods(stamps, believed)
     periods = [sharpened(stamps, period) for period in (*near, *far)]

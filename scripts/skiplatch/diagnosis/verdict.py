@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from scipy import stats
+
 from skiplatch.diagnosis.look import SIGNIFICANT, Left
 from skiplatch.diagnosis.shrink import Gap
 
@@ -21,6 +23,11 @@ no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Bala
 PART_OF_ALL = 0.1
 """Share of the variance of an observable's gap that what is left of one kind has to be to count:
 no real effect has just the form that is fitted, and what its form leaves may be of another kind."""
+
+MOST_OUTLIERS = 0.05
+"""Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
+RARELY = 0.01
+"""Chance of more of them than that makes no accident."""
 
 
 class Verdict(StrEnum):
@@ -52,6 +59,8 @@ class Evidence:
         nats: By how much likelier it makes touches that served neither fitting nor naming.
         is_confirmed: Plain simulation of them does better than the believed chain.
         false: Latches without a contact.
+        outlying: Touches far off all that the finding plays, or the believed chain.
+        touches: All of them.
     """
 
     gaps: Mapping[str, Gap] = field(default_factory=dict)
@@ -67,6 +76,8 @@ class Evidence:
     nats: float = 0.0
     is_confirmed: bool = True
     false: int = 0
+    outlying: int = 0
+    touches: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +105,18 @@ def _seen_enough(evidence: Evidence, threshold: float) -> str:
 
 def _few_false(evidence: Evidence, threshold: float) -> str:
     return f"{evidence.false} latches without a contact" if evidence.false > threshold else ""
+
+
+def _few_outliers(evidence: Evidence, threshold: float) -> str:
+    far, touches = evidence.outlying, evidence.touches
+    if may_be_accidents(far, touches, threshold):
+        return ""
+    return f"{far} of {touches} touches are far off all plays: that is no accident"
+
+
+def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS) -> bool:
+    """Tell whether so many touches may be far off where such a share of all is, in the mean."""
+    return bool(far <= stats.binom.ppf(1.0 - RARELY, touches, share))
 
 
 def _clear(evidence: Evidence) -> Mapping[str, Gap]:
@@ -214,6 +237,12 @@ EXPLAINS: Sequence[Rule] = (
         "a level: one in a million for each of some hundred looks, which are not quite normal",
         _leaves_nothing,
     ),
+    Rule(
+        "few_outliers",
+        MOST_OUTLIERS,
+        "a level: what any campaign may have of gross errors; one in a hundred has more by chance",
+        _few_outliers,
+    ),
     Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
     Rule(
@@ -262,6 +291,7 @@ SEES: Sequence[Rule] = (
 HAS_GAP: Sequence[Rule] = (
     Rule("few_false", 1.0, "theory: two latches without a contact are no accident", _few_false),
     Rule("believed_leaves_nothing", SIGNIFICANT, "a level, as above", _leaves_nothing),
+    Rule("believed_few_outliers", MOST_OUTLIERS, "a level, as above", _few_outliers),
 )
 """What holds of touches without a gap, in which nothing was found."""
 
