@@ -44,6 +44,7 @@ HEADERS = (
     ROOT / "host_sim" / "programs" / "kinematics_fit.h",
     ROOT / "host_sim" / "five_axis.h",
     ROOT / "host_sim" / "programs" / "five_axis_points.h",
+    ROOT / "host_sim" / "programs" / "sim_station.h",
     ROOT / "host_sim" / "programs" / "five_axis_cycle.h",
     ROOT / "host_sim" / "programs" / "kinematics_results.h",
     ROOT / "host_sim" / "programs" / "kinematics_memory.h",
