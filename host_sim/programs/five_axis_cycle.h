@@ -11,6 +11,7 @@
 
 #include "chain.h"
 #include "five_axis.h"
+#include "programs/sim_station.h"
 
 #pragma GCC visibility push(default)
 
@@ -42,18 +43,6 @@ typedef struct {
     int32_t track;      /* TRACK of the probe table: the spindle turns the probe to each touch */
     int32_t path;       /* SIM_PATH_* of every touch */
 } sim_control_t;
-
-/* One measurement of the sphere. */
-typedef struct {
-    double  angle_deg[3];
-    double  centre_mm[3];
-    double  radius_mm;
-    int32_t axis;   /* SIM_ROTARY_* being measured */
-    int32_t serves; /* bit 1 << axis of all axes whose measurement this is */
-    int32_t approach;
-    int32_t is_reference;
-    int32_t is_second; /* of two approaches to one position */
-} sim_station_t;
 
 /* Why sim_451_run() came back. */
 enum {

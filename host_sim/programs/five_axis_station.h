@@ -3,7 +3,7 @@
 #define PROGRAMS_FIVE_AXIS_STATION_H
 
 #include "cycle/kinematics_plan.h"
-#include "programs/five_axis_cycle.h"
+#include "programs/sim_station.h"
 
 kinematics_station_t five_axis_station(const sim_station_t *from);
 

@@ -1,7 +1,7 @@
 """Check that dependencies point one way; started in the project's folder.
 
-Every C file stands in a room, and each room may include only from certain others. Python reaches C
-through one module alone.
+Every C file stands in a room, and each room may include only from certain others. No two modules
+include one another, directly or by way of others. Python reaches C through one module alone.
 """
 
 from __future__ import annotations
@@ -10,6 +10,10 @@ import ast
 import re
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
 
 # What the boards of a family share stands in a folder of hal/ports that is no board itself.
 FAMILIES = tuple(
@@ -45,6 +49,7 @@ ROOMS: dict[str, set[str]] = {
     r"host_sim/": {"host_sim/", "hal/include/"},
 }
 NOT_FROM_BELOW = "host_sim/programs/"  # the wiring is included by nobody but itself and tests
+TOPS = ("firmware", "hal", "host_sim")
 INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim", *FAMILIES)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
 
@@ -88,13 +93,85 @@ def is_allowed(source: Path, target: Path) -> bool:
 def check_c() -> list[str]:
     """Return the includes that point the wrong way."""
     faults = []
-    for top in ("firmware", "hal", "host_sim"):
+    for top in TOPS:
         for source in sorted(Path(top).rglob("*.[ch]")):
             for name in INCLUDE.findall(source.read_text(encoding="utf-8")):
                 target = resolve(source, name)
                 if target is not None and not is_allowed(source, target):
                     faults.append(f"{source}: must not include {target}")
     return faults
+
+
+def module_of(path: Path) -> str:
+    """Give the module of a file: a header and the source of the same name are one."""
+    return path.with_suffix("").as_posix()
+
+
+def module_graph(files: str) -> dict[str, set[str]]:
+    """Give which modules each module includes in files of these names, other than itself."""
+    graph: dict[str, set[str]] = {}
+    for top in TOPS:
+        for source in Path(top).rglob(files):
+            found = (resolve(source, name) for name in INCLUDE.findall(source.read_text("utf-8")))
+            targets = {module_of(target) for target in found if target is not None}
+            graph.setdefault(module_of(source), set()).update(targets - {module_of(source)})
+    return graph
+
+
+def circles(graph: Mapping[str, set[str]]) -> list[list[str]]:
+    """Give the groups of modules of which each one comes, by its includes, to all others."""
+    reached = {module: _reached(graph, module) for module in graph}
+    groups = {
+        tuple(sorted(other for other in reach if module in reached.get(other, ())))
+        for module, reach in reached.items()
+        if module in reach
+    }
+    return [list(group) for group in sorted(groups)]
+
+
+def _reached(graph: Mapping[str, set[str]], module: str) -> set[str]:
+    reached: set[str] = set()
+    waiting = [module]
+    while waiting:
+        new = graph.get(waiting.pop(), set()) - reached
+        reached |= new
+        waiting += new
+    return reached
+
+
+def with_parts_joined(
+    graph: Mapping[str, set[str]], headers: Mapping[str, set[str]]
+) -> dict[str, set[str]]:
+    """Give the graph of what is left once every part is joined to the module that it is part of.
+
+    Args:
+        graph: What modules include.
+        headers: What their headers include; those without a header are left out.
+    """
+    joined = {module: set(targets) for module, targets in graph.items()}
+    while parts := [
+        (part, owner) for part in sorted(joined) if (owner := _owner(joined, headers, part))
+    ]:
+        part, owner = parts[0]
+        joined = {m: {owner if t == part else t for t in targets} for m, targets in joined.items()}
+        joined[owner] = (joined[owner] | joined.pop(part)) - {owner}
+    return joined
+
+
+def _owner(graph: Mapping[str, set[str]], headers: Mapping[str, set[str]], module: str) -> str:
+    """Give the module of which another one is a part; nothing if it is a part of none.
+
+    A part takes the structures of its owner's header, and of its folder only the owner uses it.
+    """
+    folder = Path(module).parent
+    users = [m for m in headers if m in graph and module in graph[m] and Path(m).parent == folder]
+    return users[0] if len(users) == 1 and users[0] in headers.get(module, ()) else ""
+
+
+def check_circles() -> list[str]:
+    """Return the circles of modules."""
+    found = circles(with_parts_joined(module_graph("*.[ch]"), module_graph("*.h")))
+    return [f"include one another: {', '.join(group)}" for group in found]
 
 
 def _imported(tree: ast.Module) -> set[str]:
@@ -119,7 +196,7 @@ def check_python() -> list[str]:
 
 def main() -> int:
     """Print the faults; 1 if there are any."""
-    faults = check_c() + check_python()
+    faults = check_c() + check_circles() + check_python()
     print("\n".join(faults))
     return 1 if faults else 0
 

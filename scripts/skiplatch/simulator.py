@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Status, Touches
 from skiplatch.campaign.nominal import KEYS
+from skiplatch.former_names import PRESENT, present_names
 from skiplatch.places import ROOT
 from skiplatch.span import ALWAYS, Span
 
@@ -43,6 +44,7 @@ HEADERS = (
     ROOT / "host_sim" / "programs" / "kinematics_fit.h",
     ROOT / "host_sim" / "five_axis.h",
     ROOT / "host_sim" / "programs" / "five_axis_points.h",
+    ROOT / "host_sim" / "programs" / "sim_station.h",
     ROOT / "host_sim" / "programs" / "five_axis_cycle.h",
     ROOT / "host_sim" / "programs" / "kinematics_results.h",
     ROOT / "host_sim" / "programs" / "kinematics_memory.h",
@@ -195,11 +197,18 @@ class EffectDescription:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """An effect switched on; parameters that are not given are as `Parameter.when_unset` says."""
+    """An effect switched on; parameters that are not given are as `Parameter.when_unset` says.
+
+    Former names of parameters become the present ones.
+    """
 
     id: str
     parameters: Mapping[str, float]
     span: Span = ALWAYS
+
+    def __post_init__(self) -> None:
+        if self.parameters.keys() & PRESENT.keys():
+            object.__setattr__(self, "parameters", present_names(self.parameters))
 
 
 @dataclass(frozen=True, slots=True)

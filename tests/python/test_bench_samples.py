@@ -76,5 +76,5 @@ def test_flood_is_best_explained_by_late_reports() -> None:
 
     assert "report_delay" in found
     assert found["report_delay"]["queue_us"] > 256.0  # which is how long one frame takes
-    assert found["report_delay"]["direct"] < 0.5
+    assert found["report_delay"]["unqueued_share"] < 0.5
     assert diagnosis.verdict is not Verdict.EXPLAINED

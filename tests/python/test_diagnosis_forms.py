@@ -35,8 +35,11 @@ def simulated(*switched_on: Effect) -> Campaign:
 @pytest.mark.parametrize(
     ("effect_id", "parameters"),
     [
-        ("backlash", {"backlash_um": 2.5, "positive_um": 2.5, "y_more": 0.5}),
-        ("rotary_pivot", {"x_um": 5.0, "y_um": -3.0, "unset": 1.0, "mirrored": 1.0}),
+        ("backlash", {"backlash_um": 2.5, "positive_um": 2.5, "y_excess_ratio": 0.5}),
+        (
+            "rotary_pivot",
+            {"x_um": 5.0, "y_um": -3.0, "set_on_believed_centre": 1.0, "mirrored": 1.0},
+        ),
         ("encoder_quantisation", {"resolution_um": 7.3, "is_coordinate": 1.0}),
         ("servo_hold", {"period_us": 400.0, "phase_deg": 100.0}),
         ("isr_latency", {"latency_us": 20.0, "tail_us": 15.0}),
@@ -44,7 +47,7 @@ def simulated(*switched_on: Effect) -> Campaign:
         ("feed_error", {"limit_mm_min": 1900.0}),
         (
             "transmission_error",
-            {"amplitude_um": 4.0, "period_mm": 10.0, "y_more": 0.5, "y_ahead_deg": 120.0},
+            {"amplitude_um": 4.0, "period_mm": 10.0, "y_excess_ratio": 0.5, "y_ahead_deg": 120.0},
         ),
     ],
 )
@@ -67,7 +70,7 @@ def test_axes_that_err_to_opposite_sides_are_found(
     effect_id: str, parameters: Mapping[str, float]
 ) -> None:
     """What all axes have in common is nothing then, and no search begins from there."""
-    scene = Scene.of(played(BENCH, Effect(effect_id, {**parameters, "y_more": -2.0})))
+    scene = Scene.of(played(BENCH, Effect(effect_id, {**parameters, "y_excess_ratio": -2.0})))
     effect = candidate(effect_id)
 
     found = fit(scene, [effect], effect.starts(scene, Change()))
@@ -75,12 +78,12 @@ def test_axes_that_err_to_opposite_sides_are_found(
     fitted = dict(zip(effect.names, found.parameters[0], strict=True))
     size = effect.names[0]
     assert fitted[size] == pytest.approx(parameters[size], rel=0.05)
-    assert fitted["y_more"] == pytest.approx(-2.0, abs=0.1)
+    assert fitted["y_excess_ratio"] == pytest.approx(-2.0, abs=0.1)
 
 
 def test_axes_that_hardly_differ_are_told_apart_without_slack() -> None:
     backlash = candidate("backlash")
-    more = Effect("backlash", {"backlash_um": 40.0, "y_more": -0.01})
+    more = Effect("backlash", {"backlash_um": 40.0, "y_excess_ratio": -0.01})
     scene = Scene.of(played(BENCH, more))
 
     found = polish(scene, fit(scene, [backlash], backlash.starts(scene, Change())))

@@ -440,8 +440,8 @@ def test_screen_reader_finds_a_name_for_every_picture(
 @pytest.mark.parametrize(
     ("axes", "expected"),
     [
-        ([Axis.Z], {"y_more", "z_more"}),
-        ([Axis.X, Axis.Z], {"y_more"}),
+        ([Axis.Z], {"y_excess_ratio", "z_excess_ratio"}),
+        ([Axis.X, Axis.Z], {"y_excess_ratio"}),
         ([Axis.X, Axis.Y, Axis.Z], set()),
     ],
 )
@@ -450,7 +450,7 @@ def test_parameters_of_axes_that_do_not_touch_are_not_told(
 ) -> None:
     campaign, diagnosis = explained()
     touches = replace(campaign.touches, axis=np.resize(axes, len(campaign.touches)))
-    lag = effect("following_error", lag_us=50.0, y_more=0.0, z_more=0.0)
+    lag = effect("following_error", lag_us=50.0, y_excess_ratio=0.0, z_excess_ratio=0.0)
     intervals = {name: (value, value) for name, value in lag.parameters.items()}
     named = Named(lag, "position", intervals, (), 0.9, idle=idle(touches, lag))
 
@@ -458,9 +458,12 @@ def test_parameters_of_axes_that_do_not_touch_are_not_told(
     text = as_text(replace(diagnosis, effects=[named]))
 
     assert named.idle == expected
-    assert {row[0] for row in told} == {"lag_us", "y_more", "z_more"} - expected
+    assert {row[0] for row in told} == {"lag_us", "y_excess_ratio", "z_excess_ratio"} - expected
     assert "lag_us = 50" in text
-    assert all((f"  {name} = " in text) == (name not in expected) for name in ("y_more", "z_more"))
-    assert idle(touches, replace(lag, parameters={**lag.parameters, "z_more": 0.1})) == (
-        expected - {"z_more"}
+    assert all(
+        (f"  {name} = " in text) == (name not in expected)
+        for name in ("y_excess_ratio", "z_excess_ratio")
+    )
+    assert idle(touches, replace(lag, parameters={**lag.parameters, "z_excess_ratio": 0.1})) == (
+        expected - {"z_excess_ratio"}
     )

@@ -85,7 +85,7 @@ def test_overruns_are_found_wherever_they_reach(late_us: float, span_us: float) 
 
 def test_overruns_are_proposed_beside_scans_that_are_a_little_late() -> None:
     rarely = Effect("scan_overrun", {"probability": 0.12, "overrun_us": 404.0})
-    often = Effect("scan_jitter", {"jitter_us": 12.0, "punctual": 0.5})
+    often = Effect("scan_jitter", {"jitter_us": 12.0, "on_time_share": 0.5})
 
     starts = overruns(Scene.of(played(BENCH, rarely, often)), Change())
 
@@ -215,7 +215,7 @@ def test_a_scan_late_by_a_whole_period_is_not_early() -> None:
 def test_a_queue_behind_a_longer_way_that_some_reports_pass_is_found_whole(
     seed: int,
 ) -> None:
-    truth = Effect("report_delay", {"delay_us": 80.0, "queue_us": 200.0, "direct": 0.3})
+    truth = Effect("report_delay", {"delay_us": 80.0, "queue_us": 200.0, "unqueued_share": 0.3})
 
     found = np.abs(searched(truth, seed))
 

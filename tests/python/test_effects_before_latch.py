@@ -237,7 +237,9 @@ def test_contact_bounce_may_have_a_least_and_a_uniform_part() -> None:
 
 def test_a_link_that_failed_once_may_fail_more_often_again() -> None:
     probability, again, n = 0.1, 0.5, 20_000
-    played = trace(SKIP, "link_retry", n=n, probability=probability, period_us=700.0, again=again)
+    played = trace(
+        SKIP, "link_retry", n=n, probability=probability, period_us=700.0, retry_excess=again
+    )
     retries = np.rint(played.edge_shift_us / 700.0)
 
     assert_share(retries > 0, probability)

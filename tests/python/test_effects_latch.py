@@ -156,7 +156,7 @@ def test_scan_jitter_begins_scans_late_but_in_their_order(jitter_us: float) -> N
 
 
 def test_scan_jitter_may_leave_some_scans_on_time() -> None:
-    played = trace(PLC, "scan_jitter", n=10_000, jitter_us=300.0, punctual=0.6)
+    played = trace(PLC, "scan_jitter", n=10_000, jitter_us=300.0, on_time_share=0.6)
     rng = np.random.default_rng(5)
     is_late = rng.random((40_000, 50)) >= 0.6
     model_us = waits_of_late_scans(is_late * rng.uniform(0.0, 300.0, (40_000, 50)), seed=6)

@@ -100,7 +100,12 @@ def test_transmission_error_is_periodic_in_the_coordinate_with_harmonics() -> No
 
 
 def test_each_axis_may_have_a_transmission_error_of_its_own() -> None:
-    own = {"y_more": 0.5, "z_more": -0.25, "y_ahead_deg": 40.0, "z_ahead_deg": 190.0}
+    own = {
+        "y_excess_ratio": 0.5,
+        "z_excess_ratio": -0.25,
+        "y_ahead_deg": 40.0,
+        "z_ahead_deg": 190.0,
+    }
     effect = Effect("transmission_error", {"amplitude_um": 4.0, "period_mm": 5.0, **own})
     touches = mixed_touches(300, seed=11, path=SKIP)
     touches = replace(touches, axis=(np.arange(300) % 3).astype(np.int8))

@@ -21,7 +21,7 @@ from skiplatch.simulator import Controller, Effect, play
 
 DELAY = (Effect("trigger_delay", {"delay_us": 150.0, "jitter_us": 0.0}),)
 FILTER = (Effect("input_filter", {"delay_us": 150.0, "jitter_us": 0.0}),)
-LAG = (Effect("following_error", {"lag_us": 150.0, "y_more": 0.0, "z_more": 0.0}),)
+LAG = (Effect("following_error", {"lag_us": 150.0, "y_excess_ratio": 0.0, "z_excess_ratio": 0.0}),)
 
 
 def made(model: tuple[Effect, ...], columns: tuple[str, ...], n: int, seed: int) -> Campaign:

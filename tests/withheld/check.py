@@ -17,7 +17,7 @@ import numpy as np
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.files import atomic_write_text
 from skiplatch.progress import shown
-from tests.withheld import baselines, confusion, goals, reliability, verdicts
+from tests.withheld import baselines, confusion, goals, page, reliability, verdicts
 from tests.withheld.baselines import Baseline
 from tests.withheld.heldout import read_predictions, shrink_to_oracle
 from tests.withheld.nats import nats
@@ -166,6 +166,9 @@ def _parser() -> argparse.ArgumentParser:
         "--reliability", type=Path, help="write how often names were right, for the diagnosis"
     )
     parser.add_argument(
+        "--figures", type=Path, help="write the figures of docs/DIAGNOSIS.md (docs/withheld.json)"
+    )
+    parser.add_argument(
         "--keep", type=Path, help="folder of campaigns, seals and answers; what it has is kept"
     )
     parser.add_argument("--dry", action="store_true", help="draw and seal in --keep, and no more")
@@ -219,6 +222,8 @@ def _write(options: argparse.Namespace, results: Sequence[Scored], order: Order)
         atomic_write_text(options.json, document + "\n")
     if options.reliability:
         atomic_write_text(options.reliability, reliability.as_json(results, order.seed))
+    if options.figures:
+        atomic_write_text(options.figures, page.figures(results, order.seed))
     if options.verdicts:
         atomic_write_text(options.verdicts, verdicts.as_lines(results))
 

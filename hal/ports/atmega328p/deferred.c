@@ -3,6 +3,7 @@
 #include <avr/interrupt.h>
 #include <stdbool.h>
 
+#include "board.h"
 #include "edge_line.h"
 #include "scan.h"
 
@@ -14,11 +15,6 @@ void deferred_start(void)
     DDRD |= BOARD_DEFER_BIT;
     PCMSK2 = BOARD_DEFER_BIT;
     PCICR |= _BV(PCIE2);
-}
-
-ISR(PCINT2_vect)
-{
-    deferred_run();
 }
 
 /* Interrupts are off at every look: what falls due later finds that nothing of its kind is running.
@@ -45,7 +41,8 @@ static void run_scans(void)
     is_scanning = false;
 }
 
-void deferred_run(void)
+/* Do what is due and not going on already. */
+static void run_due(void)
 {
     if (is_delivering) {
         return;
@@ -54,4 +51,14 @@ void deferred_run(void)
     if (!is_scanning) {
         run_scans();
     }
+}
+
+ISR(PCINT2_vect)
+{
+    run_due();
+}
+
+void scan_on_due(void)
+{
+    run_due();
 }

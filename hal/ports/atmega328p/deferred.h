@@ -5,25 +5,14 @@
  * but no scan begins in the midst of a delivery.
  *
  * It runs at the end of the interrupt that asks for it, or of the one that was interrupted by it.
- * An interrupt that should stay short asks by way of a software interrupt, a pin change on PD4,
- * which is driven and left open. Nothing is switched off meanwhile: simavr 1.6 forgets an interrupt
- * that falls due while it is.
+ * An interrupt that should stay short asks by way of a software interrupt, a pin change on PD4
+ * (edge_line.h), which is driven and left open. Nothing is switched off meanwhile: simavr 1.6
+ * forgets an interrupt that falls due while it is.
  */
 #ifndef ATMEGA328P_DEFERRED_H
 #define ATMEGA328P_DEFERRED_H
 
-#include "board.h"
-
 /* The pin and its interrupt. Task, once, interrupts masked. */
 void deferred_start(void);
-
-/* Have deferred_run() called as soon as interrupts are on. ISR. */
-static inline void deferred_ask(void)
-{
-    PIND = BOARD_DEFER_BIT; /* turns the pin over */
-}
-
-/* Do what is due and not going on already. Last in an ISR. */
-void deferred_run(void);
 
 #endif

@@ -13,8 +13,8 @@
 #include <stdint.h>
 
 #include "axis.h"
+#include "board.h"
 #include "clock.h"
-#include "deferred.h"
 #include "hal_edge.h"
 
 typedef struct {
@@ -64,6 +64,12 @@ static inline uint8_t edge_line_after(uint8_t place)
     return (uint8_t)(place + sizeof(edge_note_t));
 }
 
+/* Have the edges delivered as soon as interrupts are on, by deferred.c. ISR. */
+static inline void edge_line_ask(void)
+{
+    PIND = BOARD_DEFER_BIT; /* turns the pin over */
+}
+
 /*
  * An edge at this reading of Timer1. Inline, and without a call in it, for then the compiler saves
  * few registers. The interrupt of the line.
@@ -82,7 +88,7 @@ static inline void edge_line_note(uint16_t timer_ticks)
     note->overflows = overflows;
     note->position_counts = axis_position_masked();
     edge_line_noted = next;
-    deferred_ask();
+    edge_line_ask();
 }
 
 #endif

@@ -4,7 +4,6 @@
 #include <stddef.h>
 
 #include "board.h"
-#include "deferred.h"
 #include "hal_error.h"
 
 #define PERIOD_MIN_US 100u
@@ -28,7 +27,7 @@ static volatile bool is_due;
 ISR(TIMER2_COMPA_vect)
 {
     is_due = true;
-    deferred_run();
+    scan_on_due();
 }
 
 bool scan_is_due(void)

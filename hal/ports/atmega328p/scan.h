@@ -18,6 +18,9 @@ int scan_start(uint16_t period_us);
 bool scan_is_due(void);
 void scan_run(void);
 
+/* deferred.c: a scan has fallen due. Last in the interrupt of the timer. */
+void scan_on_due(void);
+
 /*
  * main.c: one scan. Interrupt, but with interrupts on, so that a scan delays no edge. A scan that
  * is still running when the next falls due makes that one late; of several only one comes.

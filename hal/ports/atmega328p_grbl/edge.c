@@ -56,7 +56,8 @@ static void deliver(const stepper_moment_t *moment)
     stepper_release_position();
 }
 
-void edge_deliver(void)
+/* Deliver what is noted, one edge at a time, with interrupts on. */
+void stepper_on_tick_served(void)
 {
     if (is_delivering || delivered == noted) {
         return;

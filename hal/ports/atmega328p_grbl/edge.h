@@ -10,7 +10,4 @@
 /* Edges lost for want of room since the start; wraps. A rig reads it. */
 extern volatile uint16_t edge_line_lost;
 
-/* Deliver what is noted, one edge at a time, with interrupts on. Last in the step interrupt. */
-void edge_deliver(void);
-
 #endif

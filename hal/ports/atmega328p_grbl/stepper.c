@@ -3,7 +3,6 @@
 #include <avr/interrupt.h>
 
 #include "board.h"
-#include "edge.h"
 #include "hal_axis.h"
 #include "hal_clock.h"
 #include "hal_critical.h"
@@ -70,7 +69,7 @@ ISR(TIMER1_COMPA_vect)
     if (is_ordered) {
         obey_order();
     }
-    edge_deliver();
+    stepper_on_tick_served();
 }
 
 /* simavr 1.6 never starts a timer whose compare value is 0. */

@@ -76,6 +76,10 @@ static inline void stepper_now(stepper_moment_t *moment)
     stepper_moment(moment, timer_ticks, (TIFR1 & _BV(OCF1A)) != 0u);
 }
 
+/* edge.c: a tick has been served. Last in the step interrupt; it may switch interrupts on and off.
+ */
+void stepper_on_tick_served(void);
+
 /* hal_axis_position_counts() tells this from now on, until it is released. Delivery of an edge. */
 void stepper_hold_position(int32_t position_counts);
 void stepper_release_position(void);

@@ -11,7 +11,7 @@ from skiplatch.diagnosis import Diagnosis as Found
 from skiplatch.diagnosis import Verdict, as_json, effects_from_json
 from skiplatch.diagnosis.experiment import models_json, rivals
 from skiplatch.errors import InputError
-from skiplatch.files import read_json
+from skiplatch.former_names import read_diagnosis_json
 from skiplatch.simulator import Effect, effects
 
 
@@ -136,7 +136,7 @@ def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
     """
     file = Path(path)
     try:
-        return Diagnosis.of_document(read_json(file))
+        return Diagnosis.of_document(read_diagnosis_json(file))
     except ValueError as error:
         raise InputError(file, None, None, f"expected a diagnosis: {error}") from error
 

@@ -21,6 +21,7 @@ from skiplatch.campaign.nominal_text import fits
 from skiplatch.campaign.toml_positions import KeyPath, Position, key_positions
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, hint, quoted
+from skiplatch.former_names import present_names
 
 DATUM = "datum"
 EFFECT = "effect"
@@ -126,7 +127,7 @@ class _Document:
             raise self._wrong((EFFECT,), 'a table with id = "…"')
         numbers = {
             name: self._measured((EFFECT, name), value, _PARAMETER)
-            for name, value in table.items()
+            for name, value in self._named(table).items()
             if name != "id"
         }
         return BelievedEffect(
@@ -134,6 +135,12 @@ class _Document:
             {name: value for name, (value, _) in numbers.items()},
             {name: u for name, (_, u) in numbers.items() if u is not None},
         )
+
+    def _named(self, table: dict[str, object]) -> dict[str, object]:
+        try:
+            return present_names(table)
+        except ValueError as error:
+            raise self._error(self._place((EFFECT,)), None, str(error)) from error
 
     def _choice(self, key: KeyPath, choices: Mapping[str, object], default: str) -> str:
         value = self.entries.get(key, default)

@@ -13,7 +13,8 @@ from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis.adoption import adopted, with_effects
 from skiplatch.errors import InputError
-from skiplatch.files import atomic_write_text, read_json
+from skiplatch.files import atomic_write_text
+from skiplatch.former_names import read_diagnosis_json
 from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
@@ -41,7 +42,7 @@ def command(campaign: Path, diagnosis: Path, out: Path, json_path: Path | None) 
     path = campaign / NOMINAL_FILE
     nominal = read_nominal(path)
     refuse_unplayable(path, nominal)
-    document = read_json(diagnosis)
+    document = read_diagnosis_json(diagnosis)
     try:
         found = adopted(document)
     except ValueError as error:

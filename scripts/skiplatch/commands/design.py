@@ -20,7 +20,8 @@ from skiplatch.diagnosis.experiment import (
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.errors import InputError
-from skiplatch.files import atomic_write_text, read_json
+from skiplatch.files import atomic_write_text
+from skiplatch.former_names import read_diagnosis_json
 from skiplatch.probing_program import KINDS, program
 from skiplatch.simulator import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
@@ -117,7 +118,7 @@ def _left(
     if path is None:
         diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
         return rivals(diagnosis), str(diagnosis.verdict)
-    document = read_json(path)
+    document = read_diagnosis_json(path)
     try:
         models, verdict = models_from_json(document), str(Verdict(document["verdict"]))
     except (ValueError, KeyError, TypeError) as error:

@@ -16,6 +16,7 @@ from skiplatch.campaign.kind import NOT_ON_A_BENCH
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
+from skiplatch.former_names import present_names
 from skiplatch.simulator import Effect, effects
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
@@ -87,7 +88,8 @@ class EffectType(click.ParamType[Effect]):
             self.fail(f"{quoted(effect_id)} is no effect{hint(effect_id, effects())}", param, ctx)
         pairs = [pair.partition("=") for pair in rest.split(",") if pair]
         try:
-            return Effect(effect_id, dict(_parameter(effect_id, n, text) for n, _, text in pairs))
+            named = present_names({name: text for name, _, text in pairs})
+            return Effect(effect_id, dict(_parameter(effect_id, *pair) for pair in named.items()))
         except ValueError as error:
             self.fail(str(error), param, ctx)
 

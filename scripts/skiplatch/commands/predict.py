@@ -11,7 +11,8 @@ from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.errors import InputError
-from skiplatch.files import atomic_write_text, read_json
+from skiplatch.files import atomic_write_text
+from skiplatch.former_names import read_diagnosis_json
 from skiplatch.stand_ins import refuse_unplayable, refuse_unplayable_touches
 
 EPILOG = """\b
@@ -27,7 +28,7 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
     """Give the rig that a diagnosis says it is, or the believed one."""
     if path is None:
         return Rig(nominal)
-    document = read_json(path)
+    document = read_diagnosis_json(path)
     try:
         rig = rig_from_json(document, nominal)
     except ValueError as error:

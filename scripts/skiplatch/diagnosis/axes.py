@@ -24,9 +24,9 @@ MOST_OVER = 20.0
 """Times another axis' error may be that of X, as in the table of effects."""
 
 OF_AN_AXIS = {
-    "y_more": Axis.Y,
+    "y_excess_ratio": Axis.Y,
     "y_ahead_deg": Axis.Y,
-    "z_more": Axis.Z,
+    "z_excess_ratio": Axis.Z,
     "z_ahead_deg": Axis.Z,
 }
 """Parameters that say what an axis has more than X."""
@@ -50,7 +50,7 @@ def each_axis(
     shapes: Sequence[Sequence[float]],
     sizes: Sequence[float],
     linear: int,
-    y_more: int,
+    y_excess_ratio: int,
 ) -> Starts:
     """Propose an error of the position at some sizes, of either sign, and by each axis' touches.
 
@@ -59,7 +59,7 @@ def each_axis(
         shapes: Parameters of an error of size 1 that all axes have in common.
         sizes: That are proposed anyway.
         linear: So many parameters, the first ones, multiply the error.
-        y_more: Number of the parameter y_more, which z_more follows.
+        y_excess_ratio: Number of the parameter y_excess_ratio, which z_excess_ratio follows.
     """
 
     def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
@@ -75,7 +75,7 @@ def each_axis(
             if fitted is not None:
                 first, *over = fitted
                 own = [*(first * value for value in shape[:linear]), *shape[linear:]]
-                own[y_more : y_more + 2] = over
+                own[y_excess_ratio : y_excess_ratio + 2] = over
                 usual.append(own)
         return usual
 

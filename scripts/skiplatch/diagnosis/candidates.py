@@ -117,7 +117,7 @@ def _shows_lobes(scene: Scene) -> bool:
 
 
 def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
-    """Refine by axes of their own; `first` is the number of y_more."""
+    """Refine by axes of their own; `first` is the number of y_excess_ratio."""
     return ({first: 0.1}, {first: -0.5}, {first + 1: -0.9}, {first: 0.1, first + 1: -0.9})
 
 
@@ -164,7 +164,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "link_retry",
-            ("probability", "period_us", "scatter_us", "again"),
+            ("probability", "period_us", "scatter_us", "retry_excess"),
             surrogates.retry,
             starts.fixed(
                 *(
@@ -233,7 +233,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scan_jitter",
-            ("jitter_us", "tail_us", "punctual"),
+            ("jitter_us", "tail_us", "on_time_share"),
             surrogates.jitter,
             starts.fixed(
                 [20.0, 5.0, 0.0], [200.0, 100.0, 0.0], [100.0, 500.0, 0.0], [10.0, 0.0, 0.5]
@@ -273,21 +273,23 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "following_error",
-            ("lag_us", "y_more", "z_more"),
+            ("lag_us", "y_excess_ratio", "z_excess_ratio"),
             surrogates.lagging,
-            each_axis(surrogates.lagging, [[1.0, 0.0, 0.0]], (10.0, 500.0), linear=1, y_more=1),
+            each_axis(
+                surrogates.lagging, [[1.0, 0.0, 0.0]], (10.0, 500.0), linear=1, y_excess_ratio=1
+            ),
             refinements=_per_axis(1),
         ),
         Candidate(
             "backlash",
-            ("backlash_um", "positive_um", "y_more", "z_more"),
+            ("backlash_um", "positive_um", "y_excess_ratio", "z_excess_ratio"),
             surrogates.lost_motion,
             each_axis(
                 surrogates.lost_motion,
                 [[*senses, 0.0, 0.0] for senses in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))],
                 (2.0,),
                 linear=2,
-                y_more=2,
+                y_excess_ratio=2,
             ),
             applies=_varies("sign"),
             refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
@@ -303,8 +305,8 @@ CANDIDATES: Mapping[str, Candidate] = {
                 "phase2_deg",
                 "amplitude3_um",
                 "phase3_deg",
-                "y_more",
-                "z_more",
+                "y_excess_ratio",
+                "z_excess_ratio",
                 "y_ahead_deg",
                 "z_ahead_deg",
                 "at_surface",
@@ -319,9 +321,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scale_error",
-            ("scale_ppm", "y_more", "z_more"),
+            ("scale_ppm", "y_excess_ratio", "z_excess_ratio"),
             surrogates.scaled,
-            each_axis(surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_more=1),
+            each_axis(
+                surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
+            ),
             refinements=_per_axis(1),
             applies=_varies("position_mm"),
         ),
@@ -333,7 +337,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "thermal_drift",
-            ("drift_um_k", "lag_s", "cold", "y_more", "z_more"),
+            ("drift_um_k", "lag_s", "starts_at_calibration", "y_excess_ratio", "z_excess_ratio"),
             surrogates.warmed,
             each_axis(
                 surrogates.warmed,
@@ -343,14 +347,14 @@ CANDIDATES: Mapping[str, Candidate] = {
                 ],
                 (2.0,),
                 linear=1,
-                y_more=3,
+                y_excess_ratio=3,
             ),
             applies=_varies("temp_c"),
             refinements=_per_axis(3),
         ),
         Candidate(
             "rotary_pivot",
-            ("x_um", "y_um", "unset", "mirrored"),
+            ("x_um", "y_um", "set_on_believed_centre", "mirrored"),
             surrogates.pivot,
             starts.fixed(
                 *(
@@ -363,7 +367,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "report_delay",
-            ("delay_us", "queue_us", "direct", "stepping_us_min_m"),
+            ("delay_us", "queue_us", "unqueued_share", "stepping_us_min_m"),
             surrogates.later_reports,
             starts.reports,
             refinements=({3: 10.0},),

@@ -254,9 +254,9 @@ class Scene:
         """Latched with no contact: nothing of it is an outcome of the chain; shape (n,)."""
         return np.asarray(self.touches.status == Status.FALSE)
 
-    def over_x(self, y_more: float, z_more: float) -> FloatArray:
+    def over_x(self, y_excess_ratio: float, z_excess_ratio: float) -> FloatArray:
         """Give what an error that differs from axis to axis is over that of X; shape (n,)."""
-        return 1.0 + self.beyond_x(y_more, z_more)
+        return 1.0 + self.beyond_x(y_excess_ratio, z_excess_ratio)
 
     def beyond_x(self, y: float, z: float) -> FloatArray:
         """Give what the touches of Y and Z have more than those of X; shape (n,)."""

@@ -6,7 +6,7 @@ from typing import Any
 
 from skiplatch.diagnosis.text import FORMATS
 from skiplatch.errors import InputError
-from skiplatch.files import read_json
+from skiplatch.former_names import read_diagnosis_json
 
 DIAGNOSIS_FILE = "diagnosis.json"
 UM = "µm"
@@ -43,7 +43,7 @@ def diagnosed(folder: Path) -> Diagnosed:
     path = folder / DIAGNOSIS_FILE
     if not path.exists():
         return Diagnosed()
-    document = read_json(path)
+    document = read_diagnosis_json(path)
     if not isinstance(document, dict) or document.get("format") not in FORMATS:
         message = f"expected a diagnosis of the format {' or '.join(FORMATS)}"
         raise InputError(path, None, "format", message)

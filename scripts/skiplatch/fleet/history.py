@@ -2,8 +2,10 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Any
 
 from skiplatch.fleet.reading import Reader
+from skiplatch.former_names import present_name
 
 ENTRIES = """
 SELECT rig, campaign, recorded_at AS time, folder, kind, touches, verdict, stage, gap_um, gaps,
@@ -90,9 +92,12 @@ def read_history(reader: Reader) -> History:
             )
             for gap in gaps or ()
         }
-        parameters = [
-            Parameter(e["effect"], e["stage"], e["parameter"], e["value"], e["low"], e["high"])
-            for e in effects or ()
-        ]
+        parameters = [_parameter(effect) for effect in effects or ()]
         found.setdefault(rig, []).append(Entry(**row, gaps=known, parameters=parameters))
     return found
+
+
+def _parameter(row: dict[str, Any]) -> Parameter:
+    """Read a row that an older version may have stored."""
+    name = present_name(row["parameter"])
+    return Parameter(row["effect"], row["stage"], name, row["value"], row["low"], row["high"])
