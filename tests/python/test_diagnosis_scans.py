@@ -13,7 +13,7 @@ from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
-from skiplatch.diagnosis.starts import overruns, scan_periods
+from skiplatch.diagnosis.starts import _coarsest, overruns, scan_periods
 from skiplatch.simulator import Effect
 
 PLC = ("latch_plc", "lattice")
@@ -110,6 +110,16 @@ def test_scans_may_wait_for_some_moves_and_keep_their_grid_for_the_others() -> N
     assert gains[0] > gains[1] + 30.0
     assert found[0].parameters[0][0] == pytest.approx(0.6, abs=0.05)
     assert abs(found[0].parameters[0][2]) == pytest.approx(0.7, abs=0.15)
+
+
+@pytest.mark.parametrize("times", [1, 2, 3])
+def test_a_grid_is_as_coarse_as_what_keeps_it_lets_it_be(times: int) -> None:
+    period, turn = 37.25, 0.3
+    stamps = (turn + times * np.array([4, 9, 11, 30, 31]) + 1) * period
+
+    coarsest = _coarsest(stamps, period, turn)
+
+    assert coarsest == pytest.approx((times * period, (1 % times + turn) / times))
 
 
 @pytest.mark.parametrize("ratio", [0.6, 1.32, 2.1])

@@ -247,7 +247,7 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     seen = [[width, mean + 0.5 * width, 0.0]]
     if width > FAR_APART * tick:
         stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
-        for pitch, turn in _grids_kept(stamps, width):
+        for pitch, turn in (_coarsest(stamps, *grid) for grid in _grids_kept(stamps, width)):
             line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
             whole = np.rint((mean + 0.5 * pitch - line) / pitch)
             seen.append([pitch, line + whole * pitch, 0.0])
@@ -383,6 +383,13 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
 def _box_of(sigma: float, known: float = 0.0) -> float:
     """Give the width of a box with so much scatter beside a known box."""
     return float(np.hypot(np.sqrt(12.0) * sigma, known))
+
+
+def _coarsest(values: FloatArray, period: float, turn: float) -> tuple[float, float]:
+    """Give the coarsest grid that holds the lines that values keep: what keeps it keeps finer."""
+    lines = np.rint(values / period - turn).astype(np.int64)
+    step = int(np.gcd.reduce(lines - lines[0])) or 1
+    return step * period, (int(lines[0]) % step + turn) / step
 
 
 def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
