@@ -11,6 +11,8 @@ from skiplatch.diagnosis.scene import Scene
 
 PLAYS = 500
 """So many that some play shows what happens to one touch in a hundred, at nearly every touch."""
+MOST = 0.5
+"""Share of touches from which on those far off are what is usual."""
 OUTLYING = frozenset({"edge", "latch", "position", "report"})
 
 
@@ -29,7 +31,7 @@ def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed
             if known.sum() >= FEWEST and here.any():
                 values = recorded[name][here], played[name][:, here]
                 far[here] |= _are_far(*values, step(scene, name), materiality, UNITS[name])
-    return [] if far.mean() > 0.5 else scene.touches.touch[far].tolist()
+    return [] if far.mean() > MOST else scene.touches.touch[far].tolist()
 
 
 def _are_far(
