@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
@@ -93,3 +94,25 @@ def test_shell_completes_commands() -> None:
     )
 
     assert done.stdout.split() == ["plain,diagnose"]
+
+
+def leaves(
+    command: click.Command = group, words: tuple[str, ...] = ()
+) -> Iterator[tuple[str, ...]]:
+    """Give the words of every command that does something."""
+    if not isinstance(command, click.Group):
+        yield words
+        return
+    context = click.Context(command)
+    for name in command.list_commands(context):
+        found = command.get_command(context, name)
+        assert found is not None
+        yield from leaves(found, (*words, name))
+
+
+@pytest.mark.parametrize("words", list(leaves()), ids=" ".join)
+def test_every_command_has_json_and_an_example_of_itself(words: tuple[str, ...]) -> None:
+    command = leaf(words)
+
+    assert "--json" in {name for option in command.params for name in option.opts}
+    assert f"skiplatch {' '.join(words)}" in f"{command.help}{command.epilog}"
