@@ -1,11 +1,14 @@
 """The command line: ``skiplatch COMMAND``."""
 
 import os
+import signal
 import sys
 import warnings
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib import import_module
-from typing import NoReturn, TextIO
+from pathlib import Path
+from typing import Any, NoReturn, TextIO
 
 import click
 
@@ -14,6 +17,8 @@ from skiplatch.simulator import SimulationError
 from skiplatch.undo import INTERRUPTED, taken_back_on_failure
 
 BAD_INPUT = 2
+NO_READER = 128 + signal.SIGPIPE
+"""Exit status of a tool whose output nobody reads any longer, as a shell gives it."""
 
 # Name of each command and what it does; its module is imported only when it is called.
 COMMANDS = {
@@ -44,8 +49,21 @@ COMMANDS = {
 MODULES = {"import": "import_log"}  # a keyword is no name of a module
 
 
+@contextmanager
+def _ended_by_closed_pipe() -> Iterator[None]:
+    """Exit as other tools do; click would exit with 1, which says that there is a gap."""
+    try:
+        yield
+    except BrokenPipeError:
+        sys.exit(NO_READER)
+
+
 class _LazyGroup(click.Group):
     """A group whose commands live in ``skiplatch.commands``, one module each."""
+
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:  # noqa: ANN401
+        with _ended_by_closed_pipe():  # --help writes here
+            return super().make_context(*args, **kwargs)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         return list(COMMANDS)
@@ -59,7 +77,7 @@ class _LazyGroup(click.Group):
 
     def invoke(self, ctx: click.Context) -> object:
         try:
-            with taken_back_on_failure():
+            with _ended_by_closed_pipe(), taken_back_on_failure():
                 result = super().invoke(ctx)
                 sys.stdout.flush()
         except KeyboardInterrupt:
@@ -109,27 +127,43 @@ def _show_warning(
 
 def main() -> None:
     """Run the command line; bad input is one line on stderr and exit status 2."""
+    _open_what_was_closed()
     warnings.showwarning = _show_warning
     try:
         try:
             group(prog_name="skiplatch")
         finally:
             sys.stdout.flush()
+    except BrokenPipeError:
+        _drop_output()
+        sys.exit(NO_READER)
     except (InputError, SimulationError) as error:
         _refuse(str(error))
     except (OSError, MemoryError, RecursionError) as error:
         _refuse(one_line(f"{type(error).__name__}: {error}"))
 
 
+def _open_what_was_closed() -> None:
+    """Give a process that was started without stdout or stderr one that goes nowhere."""
+    sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115
+    sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
+
+
 def _refuse(message: str) -> NoReturn:
     """Say it, if there is somewhere left to say it; what stdout still holds goes nowhere."""
     with suppress(OSError):
         click.echo(f"skiplatch: {message}", err=True)
-    try:
-        sys.stdout.flush()
-    except OSError:  # Python would try once more at its end, and say so
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    _drop_output()
     sys.exit(BAD_INPUT)
+
+
+def _drop_output() -> None:
+    """Let go of what cannot be written: Python would try once more at its end, and say so."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 if __name__ == "__main__":

@@ -117,7 +117,8 @@ def keep_outputs() -> None:
 def taken_back_on_failure() -> Iterator[None]:
     """Take back at the end of the block what was written in it, if an exception ends it.
 
-    An exit that a command asks for is no failure.
+    An exit that a command asks for is no failure, nor is a reader of stdout that leaves (`| head`):
+    what it was told to be written stands.
     """
     steps: list[_Step | _MadeFolder] = []
     token = _STEPS.set(steps)
@@ -125,7 +126,7 @@ def taken_back_on_failure() -> Iterator[None]:
         with _terminated_in_order():
             yield
         keep_outputs()
-    except click.exceptions.Exit:
+    except (click.exceptions.Exit, BrokenPipeError):
         keep_outputs()
         raise
     except BaseException:

@@ -13,11 +13,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from skiplatch.campaign import Campaign, InputPath, Status, Touches, read_campaign
+from skiplatch.campaign import Axis, Campaign, InputPath, Status, Touches, read_campaign
 from skiplatch.comparison import Comparison, as_json, as_text, compare
 from skiplatch.comparison.gap import adjusted_p_values, distance_to, quantiles_of
 from skiplatch.report.comparison import as_html
 from skiplatch.simulator import Controller, play
+from skiplatch.stand_ins import playable
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"
@@ -192,3 +193,71 @@ def test_comparison_becomes_a_page_that_needs_nothing_else() -> None:
     assert "<script" not in page
     ids = re.findall(r' id="([^"]+)"', page)
     assert len(ids) == len(set(ids))
+
+
+ARCSEC_PER_MDEG = 3.6
+
+
+def turned(campaign: Campaign, rows: np.ndarray) -> Campaign:
+    """The same touches by a rotary axis: a degree for each millimetre."""
+    old = campaign.touches
+    return with_touches(
+        campaign,
+        axis=np.where(rows, Axis.C, old.axis),
+        position_deg=np.where(rows, old.position_mm, np.nan),
+        deviation_arcsec=np.where(rows, old.deviation_um * ARCSEC_PER_MDEG, np.nan),
+        position_mm=np.where(rows, np.nan, old.position_mm),
+        deviation_um=np.where(rows, np.nan, old.deviation_um),
+    )
+
+
+@pytest.fixture(scope="module")
+def few() -> Campaign:
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    return replace(campaign, touches=campaign.touches.select(np.arange(60)))
+
+
+@pytest.fixture(scope="module")
+def all_turned(few: Campaign) -> tuple[Campaign, Comparison]:
+    rotary = playable(turned(few, np.full(len(few.touches), fill_value=True)))
+    return rotary, compare(rotary, seed=1)
+
+
+def test_rotary_axes_are_compared_in_arcsec(
+    few: Campaign, all_turned: tuple[Campaign, Comparison]
+) -> None:
+    rotary, comparison = all_turned
+
+    linear = compare(few, seed=1)
+    assert len(comparison.gaps) == len(linear.gaps) > 0
+    for of_c, of_x in zip(comparison.gaps, linear.gaps, strict=True):
+        scale = ARCSEC_PER_MDEG if of_x.observable.unit == "µm" else 1.0
+        assert of_c.recorded_mean == pytest.approx(scale * of_x.recorded_mean)
+    for said in (as_text(comparison), as_html(rotary, comparison, name="c"), as_json(comparison)):
+        assert "arcsec" in str(said)
+        assert "deg/min" in str(said)
+        assert "µm" not in str(said)
+        assert "mm/min" not in str(said)
+
+
+def test_time_at_a_rotary_axis_is_an_angle_at_its_feed(
+    all_turned: tuple[Campaign, Comparison],
+) -> None:
+    cells = [c for c in as_json(all_turned[1])["cells"] if c["unit"] == "arcsec"]
+
+    assert cells
+    for cell in cells:
+        arcsec_per_us = cell["feed_mm_min"] * 3600.0 / 60e6  # deg/min
+        expected_us = cell["mean_difference"]["value"] / arcsec_per_us
+        assert cell["mean_difference_at_feed"] == pytest.approx(expected_us)
+        assert cell["mean_difference_at_feed_unit"] == "µs"
+
+
+def test_touches_by_linear_and_rotary_axes_are_apart(few: Campaign) -> None:
+    rows = np.arange(len(few.touches)) % 4 < 2
+
+    comparison = compare(playable(turned(few, rows)), seed=1)
+
+    assert {"µm", "arcsec"} <= {gap.observable.unit for gap in comparison.gaps}
+    for cell in comparison.cells:
+        assert (rows[cell.rows] == cell.observable.is_rotary).all()

@@ -1,5 +1,6 @@
 """``skiplatch init``: a nominal.toml to begin with."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -51,3 +52,32 @@ def test_file_that_is_there_is_kept(tmp_path: Path, refused: Program) -> None:
 
     assert said.endswith("nominal.toml: exists already\n")
     assert (tmp_path / "nominal.toml").read_text() == "mine"
+
+
+def test_json_says_what_was_written(tmp_path: Path) -> None:
+    out = tmp_path / "nominal.toml"
+    run("--preset", "grbl-avr", "--out", out, "--json", tmp_path / "said.json")
+
+    said = json.loads((tmp_path / "said.json").read_text())
+    assert (said["out"], said["preset"], said["kind"]) == (str(out), "grbl-avr", "machine")
+    nominal = read_nominal(out)
+    assert said["figures"].keys() == {".".join(key) for key in KEYS.keys() - nominal.unknown}
+    assert all(nominal.number(*k.split(".")) == f["value"] for k, f in said["figures"].items())
+    assert said["figures"]["skip.jitter_us"]["u"] == 10.0
+    assert all(figure["source"] for figure in said["figures"].values())
+
+
+def test_json_lists_the_presets(tmp_path: Path) -> None:
+    run("--json", tmp_path / "presets.json")
+
+    listed = json.loads((tmp_path / "presets.json").read_text())["presets"]
+    assert [one["preset"] for one in listed] == list(PRESETS)
+
+
+def test_nothing_is_written_beside_a_file_that_is_kept(tmp_path: Path, refused: Program) -> None:
+    out = tmp_path / "nominal.toml"
+    out.write_text("mine")
+
+    refused("init", "--preset", "bench", "--out", out, "--json", tmp_path / "said.json")
+
+    assert not (tmp_path / "said.json").exists()

@@ -1,8 +1,12 @@
 """Where commands write: refused before the work, to stdout where asked, pages of every kind."""
 
+import fcntl
 import json
+import os
+import signal
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import click
@@ -10,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from hostile import Place, places
+from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
 from skiplatch.errors import InputError
 
@@ -93,3 +98,71 @@ def test_shell_completes_commands() -> None:
     )
 
     assert done.stdout.split() == ["plain,diagnose"]
+
+
+def leaves(
+    command: click.Command = group, words: tuple[str, ...] = ()
+) -> Iterator[tuple[str, ...]]:
+    """Give the words of every command that does something."""
+    if not isinstance(command, click.Group):
+        yield words
+        return
+    context = click.Context(command)
+    for name in command.list_commands(context):
+        found = command.get_command(context, name)
+        assert found is not None
+        yield from leaves(found, (*words, name))
+
+
+@pytest.mark.parametrize("words", list(leaves()), ids=" ".join)
+def test_every_command_has_json_and_an_example_of_itself(words: tuple[str, ...]) -> None:
+    command = leaf(words)
+
+    assert "--json" in {name for option in command.params for name in option.opts}
+    assert f"skiplatch {' '.join(words)}" in f"{command.help}{command.epilog}"
+
+
+SMALL_PIPE = 4096  # bytes: every page of HTML is longer, and waits for its reader
+
+
+def without_reader(*words: str, read: int = 0) -> tuple[int, str]:
+    """Run with a real pipe behind stdout, whose reader leaves: at once, or after some bytes."""
+    command = [sys.executable, "-m", "skiplatch", *words]
+    ours, theirs = os.pipe()
+    fcntl.fcntl(theirs, fcntl.F_SETPIPE_SZ, SMALL_PIPE)
+    with subprocess.Popen(command, stdout=theirs, stderr=subprocess.PIPE, text=True) as process:
+        os.close(theirs)
+        if read:
+            os.read(ours, read)
+        os.close(ours)
+        _, noise = process.communicate()
+    return process.returncode, noise
+
+
+@pytest.mark.parametrize("words", ["--help", "--version", "diagnose --help", "columns"])
+def test_a_reader_that_leaves_ends_a_command_quietly(words: str) -> None:
+    assert without_reader(*words.split()) == (128 + signal.SIGPIPE, "")
+
+
+def test_a_reader_that_leaves_amid_a_long_document_ends_it_quietly() -> None:
+    status, noise = without_reader("repeat", str(LOG), "--html", "-", read=1)
+
+    assert status == 128 + signal.SIGPIPE
+    assert "touches of one surface scatter" in noise
+    assert "Error" not in noise
+
+
+def test_what_was_said_to_be_written_stands_when_the_reader_leaves(tmp_path: Path) -> None:
+    out = tmp_path / "campaign"
+
+    status, noise = without_reader("import", "klipper", str(LOG), "--out", str(out))
+
+    assert (status, noise) == (128 + signal.SIGPIPE, "")
+    assert read_campaign(out).touches
+
+
+def test_no_output_is_missed_where_stdout_and_stderr_are_closed(tmp_path: Path) -> None:
+    closed = f"exec {sys.executable} -m skiplatch effects --json {tmp_path}/e.json >&- 2>&-"
+
+    assert subprocess.run(["/bin/sh", "-c", closed], check=False).returncode == 0
+    assert json.loads((tmp_path / "e.json").read_text())

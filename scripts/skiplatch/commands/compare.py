@@ -52,8 +52,8 @@ def command(
     """Replay a recorded CAMPAIGN in the nominal simulation and show by how much they differ.
 
     Per path, feed and observable: both distributions, the difference of their means and spreads in
-    µs and µm with 95 % intervals, the distance between them, and the noise floor, which is the
-    distance that one replicate of the simulation in twenty exceeds.
+    µs and µm (of rotary axes arcsec) with 95 % intervals, the distance between them, and the noise
+    floor, which is the distance that one replicate of the simulation in twenty exceeds.
     """
     recorded = read_playable(campaign)
     comparison = compare(recorded, seed=seed, jobs=jobs, alpha=alpha)

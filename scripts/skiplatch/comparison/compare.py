@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
+from skiplatch.campaign import Axis, Campaign, InputPath, Nominal, Touches
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import (
     adjusted_p_values,
@@ -17,7 +17,7 @@ from skiplatch.comparison.gap import (
     spread_interval,
 )
 from skiplatch.comparison.model import DEFAULT_ALPHA, Cell, CellGap, Comparison, Missed
-from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
+from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable, Recorded
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.progress import shown
 from skiplatch.simulator import Controller, Outcomes, play
@@ -98,10 +98,14 @@ def _cells(
     touches: Touches, simulated: Outcomes, contact: Contact, *, is_feed_known: bool
 ) -> list[Cell]:
     cells = []
-    for observable in OBSERVABLES:
+    turns = touches.axis >= Axis.A
+    for observable in ALL_OBSERVABLES:
+        mine = turns == observable.is_rotary
+        if not mine.any():
+            continue
         recorded = observable.values(touches, contact)
         reference = observable.values(simulated, contact)
-        known = ~np.isnan(recorded) & ~np.isnan(reference).any(axis=0)
+        known = mine & ~np.isnan(recorded) & ~np.isnan(reference).any(axis=0)
         for path, feed, rows in cells_of(touches, known, FEWEST_TOUCHES):
             cell = _cell(observable, path, feed, rows, recorded, reference)
             cells.append(replace(cell, is_feed_known=is_feed_known))

@@ -14,9 +14,9 @@ from skiplatch.statistics import Interval
 DEFAULT_ALPHA = 0.01
 
 
-def feed_words(feed_mm_min: float, *, is_known: bool) -> str:
+def feed_words(feed_mm_min: float, *, is_known: bool, unit: str = "mm/min") -> str:
     """Name a feed, or say that nobody recorded it."""
-    return f"{feed_mm_min:g} mm/min" if is_known else "feed not recorded"
+    return f"{feed_mm_min:g} {unit}" if is_known else "feed not recorded"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +45,7 @@ class CellGap:
     observable: Observable
     path: InputPath
     feed_mm_min: float
+    """Of a rotary axis deg/min, as in touches.csv."""
     is_feed_known: bool
     touches: int
     recorded_mean: float
@@ -64,7 +65,9 @@ class CellGap:
     @property
     def feed_words(self) -> str:
         """Name the feed, or say that nobody recorded it."""
-        return feed_words(self.feed_mm_min, is_known=self.is_feed_known)
+        return feed_words(
+            self.feed_mm_min, is_known=self.is_feed_known, unit=self.observable.feed_unit
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,13 +1,15 @@
 """What of a touch is compared: the stages of the chain as far as they were recorded."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.motion import Contact
+
+ARCSEC_PER_DEG, UM_PER_MM, US_PER_MIN = 3600.0, 1e3, 60e6
 
 
 class Recorded(Protocol):
@@ -38,6 +40,7 @@ class Observable:
         name: Its name in JSON and in file names.
         title: Its name for people.
         unit: Its unit.
+        is_rotary: Whether it is of touches by a rotary axis, whose degrees stand for millimetres.
         values: Computes it, shape (…, n), from what was recorded and the expected contact; NaN
             where something for it was not recorded.
     """
@@ -46,6 +49,27 @@ class Observable:
     title: str
     unit: str
     values: Callable[[Recorded, Contact], FloatArray]
+    is_rotary: bool = False
+
+    @property
+    def way_unit(self) -> str:
+        """Unit of what the axis moves."""
+        return "arcsec" if self.is_rotary else "µm"
+
+    @property
+    def feed_unit(self) -> str:
+        """Unit of its feed."""
+        return "deg/min" if self.is_rotary else "mm/min"
+
+    @property
+    def other_unit(self) -> str:
+        """Unit of a time in terms of the way, or the other way round."""
+        return self.way_unit if self.unit == "µs" else "µs"
+
+    @property
+    def units_per_us(self) -> float:
+        """What an axis moves in a µs at a feed of 1."""
+        return (ARCSEC_PER_DEG if self.is_rotary else UM_PER_MM) / US_PER_MIN
 
 
 def _latch_after_contact(recorded: Recorded, contact: Contact) -> FloatArray:
@@ -61,3 +85,19 @@ OBSERVABLES = (
         "report_after_latch_us", "report − latch", "µs", lambda r, _: r.report_us - r.latch_us
     ),
 )
+
+_ANGLE = Observable(
+    "deviation_arcsec",
+    "deviation of rotary axes",
+    "arcsec",
+    lambda r, _: r.deviation_um * (ARCSEC_PER_DEG / UM_PER_MM),
+    is_rotary=True,
+)
+ROTARY_OBSERVABLES = (
+    _ANGLE,
+    *(
+        replace(o, name=f"rotary_{o.name}", title=f"{o.title} of rotary axes", is_rotary=True)
+        for o in OBSERVABLES[1:]
+    ),
+)
+ALL_OBSERVABLES = (*OBSERVABLES, *ROTARY_OBSERVABLES)

@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 
 from skiplatch.comparison.model import CellGap, Comparison, Missed
-from skiplatch.comparison.observables import OBSERVABLES, Observable
+from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable
 from skiplatch.statistics import Interval
 from skiplatch.tables import NOTHING, beside, number, table
-
-MM_MIN_TO_UM_US = 1e3 / 60e6
 
 DIGITS = 3
 LEGEND = """\
@@ -25,7 +23,7 @@ def as_text(comparison: Comparison) -> str:
     """Everything, for the terminal."""
     if not comparison.gaps:
         return "No path and feed with enough recorded outcomes: nothing to compare."
-    parts = [_table(comparison, observable) for observable in OBSERVABLES]
+    parts = [_table(comparison, observable) for observable in ALL_OBSERVABLES]
     parts.append(LEGEND)
     parts.append("\n".join(missed_line(missed) for missed in comparison.missed))
     parts.append(verdict(comparison))
@@ -36,12 +34,12 @@ def header(observable: Observable) -> tuple[str, ...]:
     """Give the head of the table of an observable."""
     return (
         "path",
-        "mm/min",
+        observable.feed_unit,
         "n",
         "recorded",
         "simulated",
         f"mean, {observable.unit}",
-        f"mean, {_other_unit(observable)}",
+        f"mean, {observable.other_unit}",
         f"spread, {observable.unit}",
         "distance",
         "floor",
@@ -94,16 +92,10 @@ def _interval(interval: Interval) -> str:
     return text if is_zero else ("−" if interval.value < 0.0 else "+") + text
 
 
-def _other_unit(observable: Observable) -> str:
-    return "µs" if observable.unit == "µm" else "µm"
-
-
 def _in_other_unit(gap: CellGap) -> Interval:
     """Give the difference of the means as a time, where it is a length, and the other way round."""
-    speed_um_us = gap.feed_mm_min * MM_MIN_TO_UM_US
-    return gap.mean_difference.scaled(
-        1.0 / speed_um_us if gap.observable.unit == "µm" else speed_um_us
-    )
+    speed = gap.feed_mm_min * gap.observable.units_per_us
+    return gap.mean_difference.scaled(speed if gap.observable.unit == "µs" else 1.0 / speed)
 
 
 def missed_line(missed: Missed) -> str:
@@ -155,9 +147,10 @@ def _cell_json(gap: CellGap, alpha: float) -> dict[str, Any]:
     }
     del values["is_feed_known"]
     known = gap.is_feed_known
+    values["feed_unit"] = gap.observable.feed_unit
     values["feed_mm_min"] = gap.feed_mm_min if known else None
     values["mean_difference_at_feed"] = _in_other_unit(gap).value if known else None
-    values["mean_difference_at_feed_unit"] = _other_unit(gap.observable)
+    values["mean_difference_at_feed_unit"] = gap.observable.other_unit
     return values
 
 

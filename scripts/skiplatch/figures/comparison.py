@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.model import Cell, CellGap, Comparison, feed_words
-from skiplatch.comparison.observables import OBSERVABLES, Observable
+from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable
 from skiplatch.figures import theme
 from skiplatch.figures.ecdf import draw_ecdf, label_shares
 from skiplatch.figures.inline import Drawing, drawing, panel
@@ -26,7 +26,7 @@ PANEL_IN = 2.1
 def draw_comparison(comparison: Comparison, folder: Path) -> list[Path]:
     """Draw every observable that was recorded; gives the pictures written."""
     paths = []
-    for observable in OBSERVABLES:
+    for observable in ALL_OBSERVABLES:
         pairs = [
             (cell, gap)
             for cell, gap in zip(comparison.cells, comparison.gaps, strict=True)
@@ -70,7 +70,7 @@ def _draw(
 def _draw_cell(axes: Axes, cell: Cell, *, differs: bool) -> None:
     _draw_curves(axes, cell)
     axes.set_visible(True)
-    feed = feed_words(cell.feed_mm_min, is_known=cell.is_feed_known)
+    feed = feed_words(cell.feed_mm_min, is_known=cell.is_feed_known, unit=cell.observable.feed_unit)
     axes.set_title(f"{feed}{', differs' if differs else ''}", fontsize=9)
     axes.locator_params(nbins=FEWEST_TICKS, axis="x")
     axes.tick_params(labelsize=8)
