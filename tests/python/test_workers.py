@@ -15,10 +15,11 @@ from typing import Any
 
 import pytest
 
-from skiplatch import workers
+from skiplatch import executors, workers
 from skiplatch.errors import InputError
+from skiplatch.executors import ForeignWorkerError
 from skiplatch.simulator import SimulationError
-from skiplatch.workers import Failed, ForeignWorkerError, Workers, finished, in_order, opened
+from skiplatch.workers import Failed, Workers, finished, in_order, opened
 
 LIMIT_S = 0.5
 
@@ -135,9 +136,9 @@ def test_a_worker_with_other_software_ends_it() -> None:
 
 
 def test_a_worker_tells_other_software_from_its_own() -> None:
-    assert workers._on_worker(workers.software(), 60.0, double, (21,), {}) == 42
+    assert executors._on_worker(executors.software(), 60.0, double, (21,), {}) == 42
     with pytest.raises(ForeignWorkerError, match=r"it wants skiplatch 0\.0\.9"):
-        workers._on_worker("skiplatch 0.0.9", 60.0, double, (21,), {})
+        executors._on_worker("skiplatch 0.0.9", 60.0, double, (21,), {})
 
 
 def test_no_more_are_under_way_than_a_scheduler_can_hold(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -188,7 +189,7 @@ class Gone:
 
 
 def test_a_scheduler_that_does_not_come_back_is_one_line() -> None:
-    executor = workers._Cluster(Gone(), "tcp://head:8786", LIMIT_S)
+    executor = executors.Cluster(Gone(), "tcp://head:8786", LIMIT_S)
 
     with pytest.raises(InputError, match="tcp://head:8786: the scheduler was lost, and did not"):
         outcomes(executor, double)
@@ -196,7 +197,7 @@ def test_a_scheduler_that_does_not_come_back_is_one_line() -> None:
 
 def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "ANSWER_S", 0.2)
+    monkeypatch.setattr(executors, "ANSWER_S", 0.2)
 
     with (
         pytest.raises(InputError, match="no Dask scheduler answers there within 0"),

@@ -10,8 +10,9 @@ from skiplatch.campaign import Campaign
 from skiplatch.commands.examining import Asked, Examined, examine
 from skiplatch.commands.kept import Kept, key_of
 from skiplatch.errors import InputError
+from skiplatch.executors import software
 from skiplatch.progress import shown
-from skiplatch.workers import Failed, Workers, finished, opened, software
+from skiplatch.workers import Failed, Workers, finished, opened
 
 
 @dataclass(frozen=True, slots=True)
