@@ -45,6 +45,11 @@ jobs_option: Decorator = click.option(
 )
 
 
+ATOMIC = 1024
+"""Characters, at most 4096 bytes, that a pipe takes as a whole or refuses: of what it took in part
+before its reader left, Python says nothing."""
+
+
 def text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Path | None:
     """Send what is meant for people to stderr if a document goes to stdout."""
     if path == STDOUT:
@@ -169,6 +174,8 @@ def write_json(path: Path | None, result: Mapping[str, Any] | Sequence[Any]) -> 
 def write_document(path: Path, text: str) -> None:
     """Write what `json_option` or `html_option` asked for to its file, or to stdout."""
     if path == STDOUT:
-        click.echo(text, file=click.get_current_context().meta[__name__], nl=False)
+        stdout = click.get_current_context().meta[__name__]
+        for begin in range(0, len(text), ATOMIC):
+            click.echo(text[begin : begin + ATOMIC], file=stdout, nl=False)
     else:
         atomic_write_text(path, text)
