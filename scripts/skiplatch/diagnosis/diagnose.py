@@ -307,12 +307,10 @@ class _Conclusion:
 def _concluded(work: _Work, truth: Sequence[Effect] | None) -> Diagnosis:
     found = _found(work, truth)
     if found.finding.model and found.outliers:
-        # They may be what it was found by: it has to be found without them.
-        rest = work.without(found.outliers)
-        again = _found(rest, truth)
-        if again.finding.model:
-            return _diagnosis(rest, again)
-        found = _conclusion(work, Finding(None), None, truth)
+        # They may be what it was found by: something has to be found without them as well.
+        again, _ = work.without(found.outliers).search()
+        if again.model is None:
+            found = _conclusion(work, Finding(None), None, truth)
     return _diagnosis(work, found)
 
 
