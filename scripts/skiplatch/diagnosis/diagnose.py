@@ -168,11 +168,9 @@ class _Work:
         seed: int,
         jobs: int,
         materiality: Materiality,
-        outliers: Sequence[int] = (),
     ) -> None:
         self.scene, self.pool, self.seed, self.jobs = scene, pool, seed, jobs
         self.materiality = materiality
-        self.outliers = outliers
         self.parts: Split = split(len(scene), seed)
         self.naming = scene.select(self.parts.naming)
         self.beliefs = uncertain(scene.nominal)
@@ -185,7 +183,7 @@ class _Work:
     def without(self, outliers: Sequence[int]) -> "_Work":
         """Give the same campaign without touches, by serial number, that nothing can play."""
         scene = self.scene.select(~np.isin(self.scene.touches.touch, outliers))
-        return _Work(scene, self.pool, self.seed, self.jobs, self.materiality, outliers)
+        return _Work(scene, self.pool, self.seed, self.jobs, self.materiality)
 
     def rig(self, fit: Fit | None) -> Rig:
         """Give the rig that a hypothesis says it is, by all touches that serve the naming.
@@ -338,12 +336,12 @@ def _conclusion(
     named = _named(scene.with_nominal(rig.nominal), finding)
     true_rig = None if truth is None else replace(rig, effects=truth)
     odd = outliers(scene, known, work.materiality, seed=work.seed)
-    all_odd = [*work.outliers, *odd]
-    if finding.model is None and not may_be_accidents(len(odd), len(scene)):
-        odd = []  # so many are what is left of the believed chain
-    # What is far off all plays says nothing of one rig or the other, nor for a finding.
-    usual = ~np.isin(scene.touches.touch, odd)
-    after = before if known is believed else work.left(scene.select(usual) if odd else scene, known)
+    # What is far off all plays says nothing of one rig or the other, nor for a finding. Too many to
+    # be accidents are what is left of the believed chain.
+    is_left = finding.model is None and not may_be_accidents(len(odd), len(scene))
+    usual = ~np.isin(scene.touches.touch, [] if is_left else odd)
+    seen = scene if usual.all() else scene.select(usual)
+    after = before if known is believed else work.left(seen, known)
 
     def gaps(rows: BoolArray, after: Rig | Folds) -> Mapping[str, Gap]:
         rows = rows & usual
@@ -368,13 +366,13 @@ def _conclusion(
         nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding),
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
-        outlying=len(all_odd),
-        touches=len(work.outliers) + len(scene),
+        outlying=len(odd),
+        touches=len(scene),
     )
     if finding.model and shows_too_little(evidence):
         gap = gaps(everywhere, work.folds(finding.model.fit))
         evidence = replace(evidence, gaps=gap, is_held_out=False)
-    return _Conclusion(finding, rig, known, named, gap, hidden, all_odd, evidence)
+    return _Conclusion(finding, rig, known, named, gap, hidden, odd, evidence)
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: Finding) -> float:
