@@ -256,6 +256,7 @@ def test_linuxcnc_subroutine_gives_each_touch_its_feed_and_sense(tmp_path: Path)
         ("o3 sub\nG38.2 Z-1\no3 return\nG38.2 Z-2\no3 endsub\nF7\no3 call\no3 call", [7, 7]),
         ("o4 sub\nF5\nG38.2 Z-1\no4 call\no4 endsub\no4 call", [5] * 20),
         ("F3\nG38.2 Z-1\no5 call\no6 endwhile\no7 endsub\nG38.2 Z-1", [3, 3]),
+        (f"F{'9' * 400}.\no8 repeat [{'9' * 400}.]\no8 endrepeat\nG38.2 Z-1", [None]),
     ],
 )
 def test_flow_of_a_program_is_carried_out(program: str, feeds: list[float | None]) -> None:

@@ -5,6 +5,7 @@ parameter has no target.
 """
 
 import ast
+import functools
 import math
 import operator
 import re
@@ -37,6 +38,8 @@ _OPERATORS: Mapping[type[ast.AST], Callable[..., float]] = {
     ast.NotEq: operator.ne,
 }
 _WORDS = {"LT": "<", "LE": "<=", "GT": ">", "GE": ">=", "EQ": "==", "NE": "!=", "MOD": "%"}
+_OPERATOR_WORD = re.compile(rf"\b(?:{'|'.join(_WORDS)})\b")
+_NUMBER = re.compile(r"[-+]? *(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +114,9 @@ class Machine:
 
     def value(self, text: str) -> float | None:
         """Work out an expression; None where something in it is not known."""
-        python = text.upper()
-        for word, sign in _WORDS.items():
-            python = re.sub(rf"\b{word}\b", sign, python)
+        if _NUMBER.fullmatch(text):
+            return _finite(float(text.replace(" ", "")))
+        python = _OPERATOR_WORD.sub(lambda match: _WORDS[match[0]], text.upper())
         known = True
 
         def parameter(match: re.Match[str]) -> str:
@@ -126,7 +129,7 @@ class Machine:
         if not known:
             return None
         try:
-            return _evaluated(ast.parse(python.strip().replace(" ", ""), mode="eval").body)
+            return _finite(_evaluated(_parsed(python.strip().replace(" ", ""))))
         except (SyntaxError, ValueError, ArithmeticError, RecursionError):
             return None
 
@@ -216,6 +219,16 @@ def _closing(text: str, start: int) -> int:
         if depth == 0:
             return at
     return len(text)
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+@functools.lru_cache(maxsize=1024)  # a loop works out the same texts again and again
+def _parsed(python: str) -> ast.expr:
+    """Give the tree of an expression; SyntaxError or ValueError where it is none."""
+    return ast.parse(python, mode="eval").body
 
 
 def _evaluated(node: ast.AST) -> float:
