@@ -107,6 +107,18 @@ def test_replies_of_grbl_get_the_digits_of_their_steps(tmp_path: Path) -> None:
     assert run.coordinates() == [-5.1225, -5.125, -5.1275]
 
 
+def test_commands_sent_ahead_follow_the_touch_that_they_were_sent_after(tmp_path: Path) -> None:
+    sent = "G38.2 Z-9 F60\nG0 Z3\nG38.2 Z-9 F240\nG0 Z2\n"
+    answers = "[PRB:0.000,0.000,-5.000:1]\nok\nok\n[PRB:0.000,0.000,-5.000:1]\nok\nok\n"
+    later = "G38.2 Z-9 F60\n[PRB:0.000,0.000,-5.000:1]\nok\n"
+    (tmp_path / "s.log").write_text(f"G21 G91\n{sent}{answers}{later}")
+
+    touches = Run(tmp_path, "grbl", str(tmp_path / "s.log")).campaign.touches
+
+    assert touches.feed_mm_min.tolist() == [60.0, 240.0, 60.0]
+    assert touches.approach_mm[1:].tolist() == [3.0, 2.0]
+
+
 def test_reply_beyond_any_machine_is_left_as_it_is(tmp_path: Path) -> None:
     far = "9" * 400
     (tmp_path / "s.log").write_text(f"$102=400.000\n[PRB:0.000,0.000,{far}:1]\n")

@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -66,6 +67,7 @@ class _Reader:
         self._program: dict[str, float] = {}  # where its absolute moves went, as it counts
         self._inch = inch
         self._moves: list[ProbeMove] = []
+        self._ahead: deque[tuple[str, Line]] = deque()  # sent before the touch they follow
         self._feed = feed
         self._settings: dict[int, float] = {}
         self._last: tuple[float, ...] | None = None
@@ -98,6 +100,7 @@ class _Reader:
             self._reply(reply, line)
         elif _NOT_BEGUN.search(line.text):
             self._moves = self._moves[1:]
+            self._catch_up()
 
     def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
         """Tell the last touch in the list of parameters that $# asks for."""
@@ -120,7 +123,19 @@ class _Reader:
         return True
 
     def _command(self, text: str, line: Line) -> None:
-        text = text.replace("*", "")
+        """Carry out a command, or keep it until the touch before it was answered.
+
+        Senders that stream are some commands ahead of the controller.
+        """
+        self._ahead.append((text.replace("*", ""), line))
+        self._catch_up()
+
+    def _catch_up(self) -> None:
+        """Carry out what was sent ahead, up to the next probing move."""
+        while self._ahead and not self._moves:
+            self._execute(*self._ahead.popleft())
+
+    def _execute(self, text: str, line: Line) -> None:
         before = dict(self._machine.position)
         move = self._machine.execute(text, line.number)
         places = {n: v for n, v in self._machine.words(text) if n in AXES and v is not None}
@@ -183,6 +198,7 @@ class _Reader:
         # The reply is in machine coordinates; the program goes on from there in its own, which
         # are the same only where no offset is set. Relative moves need no more than this.
         self._machine.position = dict(zip(AXES, position, strict=False))
+        self._catch_up()
 
     def _guess(self, position: Sequence[float]) -> str:
         """Take the axis that moved since the touch before, or Z."""
