@@ -41,6 +41,8 @@ NOT_HERE = (
     "kinematics sphere",
 )
 """Their examples need a bus, a board, or what a user has measured."""
+DIAGNOSED_ELSEWHERE = "pretravel"
+"""Its example diagnoses what it recorded: test_pretravel_experiment.py does, and holds the name."""
 LOGS = {
     "klippy.log": "klippy.log",
     "probe.txt": "linuxcnc_probe.txt",
@@ -111,7 +113,8 @@ def runnable() -> list[Any]:
     for where, words in shown_by_help():
         name = where.removeprefix("skiplatch").removesuffix("--help").strip()
         theirs = "mill" in words or words[:2] == ["import", "can"]
-        if not name.startswith(NOT_HERE) and not theirs:
+        again = name == DIAGNOSED_ELSEWHERE and words[0] == "diagnose"
+        if not name.startswith(NOT_HERE) and not theirs and not again:
             examples.setdefault(name, []).append(words)
     return [
         pytest.param(commands, id=name, marks=[pytest.mark.long] * (not name.startswith(QUICK)))

@@ -18,7 +18,7 @@ from skiplatch.commands.examining import Asked
 from skiplatch.commands.kept import Kept, key_of
 
 QUIET = Path(__file__).parent / "data" / "bench_no_gap"
-MANY = 16
+MANY = 8
 KILLED_EVERY_S = 4.0
 LATCH = ["latch", "--touches", "200000", "--path", "skip"]
 
