@@ -285,7 +285,7 @@ NAMES: Sequence[Rule] = (
 )
 """What holds of a finding whose effects are named at all."""
 SEES: Sequence[Rule] = (
-    Rule("seen_enough", 1.0, "a level: the noise itself is the size that matters", _seen_enough),
+    Rule("seen_enough", 3.5, "a level: what stands out of the noise by more is seen", _seen_enough),
 )
 """What holds of touches that tell whether there is a gap."""
 HAS_GAP: Sequence[Rule] = (
