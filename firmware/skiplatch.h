@@ -24,6 +24,6 @@
 #include "report/latch_report.h"
 #include "report/latch_stream.h"
 
-#define SKIPLATCH_VERSION "0.1.0"
+#define SKIPLATCH_VERSION "0.2.0"
 
 #endif

@@ -9,5 +9,6 @@ $(PACKAGE_TOOLS): build/stamps/system-%: scripts/setup/system.sh
 
 .PHONY: packages
 packages: setup setup-test ## build every package of the firmware and use it, into build/packages
+	@$(INNER_MAKE) $(OUT)/inject-codec
 	@$(VENV_PYTHON) scripts/pack_firmware.py build/packages
 	@$(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) -rs tests/python/test_packages_*.py

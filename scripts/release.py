@@ -24,6 +24,14 @@ STATED = {
 }
 HOME = "firmware/skiplatch.h"
 """Where the version is at home."""
+EXAMPLES = (
+    "Containerfile",
+    "docs/FLEET.md",
+    "docs/PACKAGES.md",
+    "firmware/examples/desk/CMakeLists.txt",
+)
+"""Files whose examples name the version, whole or without its last step."""
+NAMED = re.compile(r"skiplatch[-: ](\d+\.\d+(?:\.\d+)?)\b")
 SEMANTIC = re.compile(r"(\d+)\.(\d+)\.(\d+)")
 UNRELEASED = re.compile(r"^## Unreleased\n(.*?)(?=^## |\Z)", re.MULTILINE | re.DOTALL)
 
@@ -48,14 +56,18 @@ def version_faults(root: Path, version: str) -> Iterator[str]:
     for name in STATED:
         if stated(root, name) != version:
             yield f"{name}: states {stated(root, name) or 'no version'}, {HOME} {version}"
+    for name in EXAMPLES:
+        named = set(NAMED.findall((root / name).read_text(encoding="utf-8")))
+        for other in sorted(named - {version, version.rpartition(".")[0]}):
+            yield f"{name}: an example names {other}, {HOME} states {version}"
 
 
 def changelog_faults(root: Path, version: str) -> Iterator[str]:
     """Give what the change log lacks."""
     text = (root / "CHANGELOG.md").read_text(encoding="utf-8")
-    heading = rf"^## \[{re.escape(version)}\] - \d{{4}}-\d\d-\d\d\n+(?!## |\Z)\S"
+    heading = rf"^## {re.escape(version)} - \d{{4}}-\d\d-\d\d\n+(?!## |\Z)\S"
     if not re.search(heading, text, re.MULTILINE):
-        yield f"CHANGELOG.md: expected a section '## [{version}] - YYYY-MM-DD' with what changed"
+        yield f"CHANGELOG.md: expected a section '## {version} - YYYY-MM-DD' with what changed"
     waiting = UNRELEASED.search(text)
     if waiting and waiting[1].strip():
         yield "CHANGELOG.md: lines under Unreleased, which belong to the release"

@@ -7,7 +7,7 @@ import pytest
 
 import release
 
-LOG = "# Changelog\n\n## Unreleased\n\n## [1.2.3] - 2026-01-02\n\n- A thing.\n"
+LOG = "# Changelog\n\n## Unreleased\n\n## 1.2.3 - 2026-01-02\n\n- A thing.\n"
 
 
 @pytest.fixture
@@ -18,8 +18,12 @@ def root(tmp_path: Path) -> Path:
         "scripts/pyproject.toml": '[project]\nversion = "1.2.3"\n',
         "CITATION.cff": "cff-version: 1.2.0\nversion: 1.2.3\n",
         "CHANGELOG.md": LOG,
+        "Containerfile": "# podman build --tag skiplatch:1.2.3 .\n",
+        "docs/FLEET.md": "image: skiplatch:1.2.3\n",
+        "docs/PACKAGES.md": "pip install skiplatch-1.2.3-py3-none-any.whl\n",
+        "firmware/examples/desk/CMakeLists.txt": "find_package(skiplatch 1.2 REQUIRED)\n",
     }.items():
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     release.git(tmp_path, "init", "--quiet")
     release.git(tmp_path, "config", "user.name", "a")
@@ -51,7 +55,10 @@ def test_tag_is_made_only_when_asked(root: Path, monkeypatch: pytest.MonkeyPatch
         ("CITATION.cff", "1.2.3", "1.2.2", "CITATION.cff: states 1.2.2"),
         ("scripts/pyproject.toml", "version", "versions", "states no version"),
         ("firmware/skiplatch.h", "1.2.3", "1.2", "expected a version such as 1.2.3"),
-        ("CHANGELOG.md", "## [1.2.3] - 2026-01-02", "## [1.2.3]", "expected a section"),
+        ("docs/FLEET.md", "1.2.3", "1.2.2", "an example names 1.2.2"),
+        ("docs/PACKAGES.md", "1.2.3", "1.20.3", "an example names 1.20.3"),
+        ("firmware/examples/desk/CMakeLists.txt", "1.2", "1.1", "an example names 1.1"),
+        ("CHANGELOG.md", "## 1.2.3 - 2026-01-02", "## 1.2.3", "expected a section"),
         ("CHANGELOG.md", "- A thing.\n", "", "expected a section"),
         ("CHANGELOG.md", "Unreleased\n", "Unreleased\n\n- More.\n", "lines under Unreleased"),
     ],
