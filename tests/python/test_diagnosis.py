@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import played
-from skiplatch.campaign import read_campaign
+from played_campaigns import MACHINE, played
+from skiplatch.campaign import Axis, read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
+from skiplatch.diagnosis.notes import notes
 from skiplatch.diagnosis.reliability import reliability
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -154,3 +156,13 @@ def test_what_a_campaign_cannot_tell_is_said(touches: int, verdict: Verdict) -> 
     text = as_text(diagnosis)
     for words in ("could have hidden", "No touches on the plc path", "No time stamps"):
         assert words in text
+
+
+def test_units_of_rotary_axes_are_said() -> None:
+    """Degrees stand for millimetres in the simulation, and so in what is found by it."""
+    linear = Scene.of(played(MACHINE)).select(np.arange(40))
+    rotary = Scene(linear.nominal, replace(linear.touches, axis=np.full(40, Axis.C)))
+
+    said = [notes(scene, Verdict.NO_GAP, [], []) for scene in (rotary, linear)]
+
+    assert ["3.6″" in " ".join(lines) for lines in said] == [True, False]

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skiplatch.campaign import InputPath
+from skiplatch.campaign import Axis, InputPath
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import Failure, Verdict
@@ -34,6 +34,11 @@ def notes(
             found.append(f"No touches on the {name} path: nothing can be said of it.")
     if not scene.has_stamps.any():
         found.append("No time stamps: what shifts time and what shifts length look alike.")
+    if (scene.touches.axis >= Axis.A).any():
+        found.append(
+            "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
+            "1 mm/min is 1 deg/min."
+        )
     found += _untold(scene)
     return found
 
