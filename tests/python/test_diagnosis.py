@@ -144,7 +144,7 @@ def test_effects_come_back_from_json() -> None:
             effects_from_json(wrong)
 
 
-@pytest.mark.parametrize(("touches", "verdict"), [(40, Verdict.NO_GAP), (20, Verdict.UNDECIDED)])
+@pytest.mark.parametrize(("touches", "verdict"), [(20, Verdict.NO_GAP), (15, Verdict.UNDECIDED)])
 def test_what_a_campaign_cannot_tell_is_said(touches: int, verdict: Verdict) -> None:
     campaign = read_campaign(SAMPLES / "machine_no_gap")
     skip = np.flatnonzero(campaign.touches.on_skip)[:touches]

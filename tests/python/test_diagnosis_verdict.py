@@ -322,18 +322,18 @@ def test_a_gap_in_which_nothing_was_found_is_unknown(other: Evidence, rule: str)
 
 
 def test_touches_in_which_the_noise_itself_could_have_hidden_are_undecided() -> None:
-    verdict, failed = decide(replace(NOTHING, hidden=4.0))
+    verdict, failed = decide(replace(NOTHING, hidden=6.5))
 
     assert verdict == Verdict.UNDECIDED
     assert [failure.rule for failure in failed] == ["seen_enough"]
 
 
 def test_few_touches_that_show_a_gap_all_the_same_are_not_undecided() -> None:
-    assert decide(replace(NOTHING, hidden=4.0, after=[left(9.0)]))[0] == Verdict.UNKNOWN
+    assert decide(replace(NOTHING, hidden=6.5, after=[left(9.0)]))[0] == Verdict.UNKNOWN
 
 
 def test_an_effect_that_was_found_needs_no_number_of_touches() -> None:
-    assert decide(replace(FOUND, hidden=4.0))[0] == Verdict.EXPLAINED
+    assert decide(replace(FOUND, hidden=6.5))[0] == Verdict.EXPLAINED
 
 
 def missing(z: float) -> Left:

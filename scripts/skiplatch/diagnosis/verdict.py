@@ -285,7 +285,9 @@ NAMES: Sequence[Rule] = (
 )
 """What holds of a finding whose effects are named at all."""
 SEES: Sequence[Rule] = (
-    Rule("seen_enough", 3.5, "a level: what stands out of the noise by more is seen", _seen_enough),
+    Rule(
+        "seen_enough", 6.0, "a level: what stands out of the noise by more is plain", _seen_enough
+    ),
 )
 """What holds of touches that tell whether there is a gap."""
 HAS_GAP: Sequence[Rule] = (
