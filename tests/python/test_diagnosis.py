@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from played_campaigns import MACHINE, played
-from skiplatch.campaign import Axis, read_campaign
+from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
-from skiplatch.diagnosis.notes import notes
+from skiplatch.diagnosis.notes import first_touch, notes
 from skiplatch.diagnosis.reliability import reliability
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect
@@ -166,3 +166,19 @@ def test_units_of_rotary_axes_are_said() -> None:
     said = [notes(scene, Verdict.NO_GAP, [], []) for scene in (rotary, linear)]
 
     assert ["3.6″" in " ".join(lines) for lines in said] == [True, False]
+
+
+@pytest.mark.parametrize(("off_um", "series_said"), [(25.0, 200), (0.0, 0)])
+def test_a_first_touch_that_is_off_is_said(off_um: float, series_said: int) -> None:
+    rng, campaign = np.random.default_rng(1), played(MACHINE)
+
+    def series() -> Campaign:
+        deviation_um = rng.normal(0.0, 2.0, 20)
+        deviation_um[0] += off_um
+        touches = Touches.from_columns(touch=np.arange(20), deviation_um=deviation_um)
+        return replace(campaign, touches=touches)
+
+    said = [first_touch(series()) for _ in range(200)]
+
+    assert sum(map(bool, said)) == pytest.approx(series_said, abs=4)
+    assert all("µm" in line for lines in said for line in lines)

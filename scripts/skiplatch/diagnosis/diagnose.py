@@ -33,7 +33,7 @@ from skiplatch.diagnosis.leftover import (
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.diagnosis.notes import notes
+from skiplatch.diagnosis.notes import first_touch, notes
 from skiplatch.diagnosis.outliers import outliers
 from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.reliability import reliability
@@ -147,6 +147,7 @@ def diagnose(
     odd = [oddity.line for oddity in oddities(campaign)]
     if not whole.is_directed:
         odd.append(UNDIRECTED)
+    odd += first_touch(campaign)
     return replace(found, touches=len(whole), notes=[*odd, *found.notes])
 
 

@@ -4,10 +4,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skiplatch.campaign import Axis, InputPath
+from skiplatch.campaign import Axis, Campaign, InputPath
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import Failure, Verdict
+from skiplatch.errors import InputError
+from skiplatch.repeatability import OUTLYING_STEPS, repeatability
+from skiplatch.tables import number
+
+FIRST_OFF = 3.0
+"""Halves of its 95 % interval from which on a first touch is off: some six standard errors."""
+LONGEST_SERIES = 2_000
+"""Touches of a campaign up to which series are looked at: a line for each surface takes room."""
 
 
 def notes(
@@ -57,3 +65,22 @@ def _untold(scene: Scene) -> list[str]:
             found.append("One sense of motion on an axis: no backlash can be seen there.")
             break
     return found
+
+
+def first_touch(campaign: Campaign) -> list[str]:
+    """Say by how much the first touch of a series is off those that follow it, if it clearly is."""
+    if len(campaign.touches) > LONGEST_SERIES:
+        return []
+    try:
+        found = repeatability(campaign)
+    except InputError:
+        return []  # no surface was touched so often
+    first, step = found.first, found.step or 0.0
+    if first is None:
+        return []
+    half = (first.high - first.low) / 2.0
+    if abs(first.value) <= max(FIRST_OFF * half, OUTLYING_STEPS * step):
+        return []
+    value, low, high = (number(v) for v in (first.value, first.low, first.high))
+    size = f"{value} {found.unit} ({low} … {high})"
+    return [f"The first touch of a series is off those that follow: {size}."]
