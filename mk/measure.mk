@@ -30,11 +30,13 @@ SEED         ?= 1
 FALSE_ALARMS ?= 0
 TIES         ?= 0
 PLANTED      ?= 0
+CLUSTER      ?=
+ON_CLUSTER    = $(if $(CLUSTER),--cluster $(CLUSTER))
 .PHONY: gap-check
 gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and score that
 	@$(VENV_PYTHON) -m tests.withheld.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
-	    --false-alarms $(FALSE_ALARMS) $(OPTIONS)
+	    --false-alarms $(FALSE_ALARMS) $(ON_CLUSTER) $(OPTIONS)
 	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.withheld.ties --count $(TIES) \
 	    --seed $(SEED) --jobs $(shell nproc))
 	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.withheld.planted --count $(PLANTED) \
-	    --seed $(SEED) --jobs $(shell nproc))
+	    --seed $(SEED) --jobs $(shell nproc) $(ON_CLUSTER))

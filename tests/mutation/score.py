@@ -14,6 +14,7 @@ import shlex
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -117,12 +118,25 @@ def score(source: Path, count: int | None, seed: int, jobs: int) -> tuple[int, i
         mutants = random.Random(seed).sample(mutants, count)
     with ThreadPoolExecutor(jobs) as pool:
         outcomes = list(pool.map(lambda mutant: outcome_of(build, mutant), mutants))
+    return told(source, [mutant.describe(build.text) for mutant in mutants], outcomes)
+
+
+def told(source: Path, changes: Sequence[str], outcomes: Sequence[str]) -> tuple[int, int]:
+    """Print a line for a source and each change that lives; give killed, and all."""
     killed, lives = outcomes.count(KILLED), outcomes.count(SURVIVED)
     print(f"{source}: {killed} of {killed + lives} mutants killed", flush=True)
-    for mutant, outcome in zip(mutants, outcomes, strict=True):
+    for change, outcome in zip(changes, outcomes, strict=True):
         if outcome == SURVIVED:
-            print(f"    {source}:{mutant.describe(build.text)}", flush=True)
+            print(f"    {source}:{change}", flush=True)
     return killed, killed + lives
+
+
+def status_of(scores: Sequence[tuple[int, int]], least: float) -> int:
+    """Print what all sources come to; 1 if too few mutants are killed."""
+    killed, mutants = map(sum, zip(*scores, strict=True))
+    share = killed / mutants if mutants else 0.0
+    print(f"{killed} of {mutants} mutants killed, {share:.1%}; {least:.0%} are asked for")
+    return 0 if share >= least else 1
 
 
 def main() -> int:
@@ -140,10 +154,7 @@ def main() -> int:
         for source in (sorted(place.glob("*.c")) if place.is_dir() else [place])
     ]
     scores = [score(source, options.count, options.seed, options.jobs) for source in sources]
-    killed, mutants = map(sum, zip(*scores, strict=True))
-    share = killed / mutants if mutants else 0.0
-    print(f"{killed} of {mutants} mutants killed, {share:.1%}; {options.least:.0%} are asked for")
-    return 0 if share >= options.least else 1
+    return status_of(scores, options.least)
 
 
 if __name__ == "__main__":

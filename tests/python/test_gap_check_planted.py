@@ -55,7 +55,7 @@ def test_a_planted_effect_is_found_with_its_parameters() -> None:
     number = list(effects()).index("lost_trigger")
     _, effect, campaign = plant(3, number)
 
-    tried = try_one((3, number))
+    tried = try_one(3, number)
 
     (share,) = tried.parameters
     assert tried.effect == effect

@@ -2,7 +2,9 @@
 
 import json
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
+from skiplatch.workers import Workers
 from tests.withheld import baselines, confusion, goals, runs, verdicts
 from tests.withheld.heldout import read_predictions, shrink_to_oracle
 from tests.withheld.nats import nats
@@ -571,6 +574,26 @@ def test_answers_of_another_name_are_made_anew(kept: Path) -> None:
 
     assert (kept.parent / "counted").read_text().split() == ["diagnose", "predict"] * 4
     assert (kept / "found" / "g0000" / "answered.json").exists()
+
+
+def test_a_cluster_diagnoses_what_threads_would(
+    kept: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+
+    @contextmanager
+    def opened(workers: Workers) -> Iterator[Executor]:
+        asked.append(workers.cluster)
+        with ThreadPoolExecutor(1) as executor:
+            yield executor
+
+    monkeypatch.setattr(runs, "opened", opened)
+    there = runs.diagnose_all(kept, 1, jobs=1, title="", answers="there", cluster="local:2")
+    here = runs.diagnose_all(kept, 1, jobs=1, title="")
+
+    assert asked == ["local:2"]
+    assert [answer.diagnosis for answer in there] == [answer.diagnosis for answer in here]
+    assert len(list(kept.glob("there/*/answered.json"))) == 2
 
 
 def test_a_generator_that_fails_ends_the_check(tmp_path: Path) -> None:

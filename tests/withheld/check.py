@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.progress import shown
 from tests.withheld import baselines, confusion, goals, page, reliability, verdicts
@@ -69,10 +70,11 @@ def check(
     jobs: int,
     title: str = "diagnoses",
     answers: str = ANSWERS,
+    cluster: str | None = None,
 ) -> list[Scored]:
     """Generate, diagnose, and only then open the seals."""
     generate(folder, order)
-    return check_kept(folder, order.seed, compared, jobs, title, answers)
+    return check_kept(folder, order.seed, compared, jobs, title, answers, cluster)
 
 
 def check_kept(
@@ -82,9 +84,10 @@ def check_kept(
     jobs: int,
     title: str = "diagnoses",
     answers: str = ANSWERS,
+    cluster: str | None = None,
 ) -> list[Scored]:
     """Diagnose what was drawn, and only then open the seals."""
-    answered = diagnose_all(folder, seed, jobs, title, answers)
+    answered = diagnose_all(folder, seed, jobs, title, answers, cluster)
     campaigns = names(folder)
     guessed = _guess([folder / "campaigns" / name for name in campaigns], compared, jobs)
     each = zip(campaigns, answered, guessed, strict=True)
@@ -157,6 +160,9 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--kinds", help="some of bench,stamped,position")
     parser.add_argument("--jobs", type=int, default=1, help="diagnoses at the same time")
     parser.add_argument(
+        "--cluster", help="diagnose on local:N, or the Dask scheduler there; all see --keep"
+    )
+    parser.add_argument(
         "--false-alarms", type=int, default=0, help="further small campaigns without an effect"
     )
     parser.add_argument("--no-baselines", action="store_true", help="leave the comparison out")
@@ -189,14 +195,11 @@ def run(options: argparse.Namespace, folder: Path) -> tuple[list[Scored], Order]
     compared = [] if options.no_baselines else baselines.all_baselines()
     if not options.kept:
         generate(folder / "check", order)
-    results = check_kept(
-        folder / "check", order.seed, compared, options.jobs, answers=options.answers
-    )
+    how: dict[str, Any] = {"answers": options.answers, "cluster": options.cluster}
+    results = check_kept(folder / "check", order.seed, compared, options.jobs, **how)
     if options.false_alarms:
         none = Order(order.seed, options.false_alarms, "none", options.kinds, FEW_TOUCHES)
-        results += check(
-            folder / "none", none, [], options.jobs, "false alarms", answers=options.answers
-        )
+        results += check(folder / "none", none, [], options.jobs, "false alarms", **how)
     return results, order
 
 
@@ -211,7 +214,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
         generate(options.keep / "check", _order(options))
         return
     with tempfile.TemporaryDirectory() as temporary:
-        results, order = run(options, options.keep or Path(temporary))
+        try:
+            results, order = run(options, options.keep or Path(temporary))
+        except InputError as error:
+            raise SystemExit(f"gap-check: {error}") from error
     print(show(results))
     _write(options, results, order)
 

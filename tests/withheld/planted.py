@@ -9,22 +9,23 @@ are draws whose numbers nobody could find, because others do just the same.
 import argparse
 import json
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
+from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
+from skiplatch.progress import shown
 from skiplatch.simulator import Effect, effects
 from skiplatch.statistics import proportion
 from skiplatch.tables import compact, table
+from skiplatch.workers import Workers, in_order, opened
 from tests.withheld.chain import Setup
 from tests.withheld.conditions import Recording, draw_setup
 from tests.withheld.parts import recordings_for
@@ -164,10 +165,10 @@ def _as_simulated(effect: Effect) -> Effect:
     return Effect(effect.id, switched)
 
 
-def try_one(task: tuple[int, int]) -> Planted:
+def try_one(seed: int, number: int) -> Planted:
     """Plant an effect, by seed and number, and diagnose the campaign."""
-    kind, effect, campaign = plant(*task)
-    diagnosis = diagnose(campaign, seed=task[0])
+    kind, effect, campaign = plant(seed, number)
+    diagnosis = diagnose(campaign, seed=seed)
     groups = [(named.effect.id, *named.alternatives) for named in diagnosis.effects]
     only = diagnosis.effects[0] if len(groups) == 1 else None
     is_it = only is not None and only.effect.id == effect.id
@@ -232,14 +233,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=27, help="number of campaigns")
     parser.add_argument("--jobs", type=int, default=1, help="campaigns at the same time")
+    parser.add_argument("--cluster", help="local:N, or the address of a Dask scheduler")
     parser.add_argument("--json", type=Path, help="write every campaign as JSON")
     options = parser.parse_args(arguments)
     tasks = [(options.seed, number) for number in range(options.count)]
-    with ProcessPoolExecutor(options.jobs) as pool:
-        shown = tqdm(
-            pool.map(try_one, tasks), total=len(tasks), desc="planted", leave=False, disable=None
-        )
-        tried = list(shown)
+    try:
+        with opened(Workers(jobs=options.jobs, cluster=options.cluster)) as executor:
+            coming = in_order(executor, try_one, tasks, "planted campaign")
+            tried = list(shown(coming, len(tasks), "planted"))
+    except InputError as error:
+        raise SystemExit(f"gap-check: {error}") from error
     print(as_text(tried))
     if options.json:
         document = json.dumps([one.as_json() for one in tried], indent=1)

@@ -20,6 +20,7 @@ from typing import Any
 
 from skiplatch.files import atomic_write_text
 from skiplatch.progress import shown
+from skiplatch.workers import Workers, in_order, opened
 from tests.withheld.scoring import FAILED
 
 ROOT = Path(__file__).parents[2]
@@ -89,16 +90,23 @@ def kept_order(out: Path) -> Order:
 
 
 def diagnose_all(
-    folder: Path, seed: int, jobs: int, title: str, answers: str = ANSWERS
+    folder: Path,
+    seed: int,
+    jobs: int,
+    title: str,
+    answers: str = ANSWERS,
+    cluster: str | None = None,
 ) -> list[Answer]:
-    """Diagnose the campaigns of a set, but those that were; in the order of their names."""
-    campaigns = names(folder)
+    """Diagnose the campaigns of a set, but those that were; in the order of their names.
 
-    def one(name: str) -> Answer:
-        return diagnose(folder / "campaigns" / name, seed, folder / answers / name)
-
-    with ThreadPoolExecutor(jobs) as pool:
-        return list(shown(pool.map(one, campaigns), len(campaigns), title))
+    Threads wait for the processes of the diagnoses; workers of a cluster find the folder by its
+    name.
+    """
+    there = folder.resolve()
+    tasks = [(there / "campaigns" / name, seed, there / answers / name) for name in names(folder)]
+    place = opened(Workers(cluster=cluster)) if cluster else ThreadPoolExecutor(jobs)
+    with place as executor:
+        return list(shown(in_order(executor, diagnose, tasks, "campaign"), len(tasks), title))
 
 
 def names(folder: Path) -> Sequence[str]:

@@ -1,0 +1,86 @@
+"""What a rule of a verdict says where it does not hold: which size, of what, in which unit."""
+
+from dataclasses import replace
+
+import pytest
+
+from skiplatch.diagnosis.verdict import EXPLAINS, HAS_GAP, NAMES, SEES, Evidence, failures
+from verdict_evidence import GROWING, gap, gaps, left
+
+RULES = {rule.name: rule for rule in (*EXPLAINS, *NAMES, *SEES, *HAS_GAP)}
+TOLD_FIRST = left(9.0, "feed")
+TOLD_NEXT = replace(left(30.0, "time"), observable="missed", path="plc")
+PARAMETERS = ["backlash.backlash_um", "drift.rate_um_per_h"]
+FAR_OFF = Evidence(outlying=40, touches=200)
+LEAVING = Evidence(after=[left(4.4, "rest"), TOLD_FIRST, TOLD_NEXT])
+IS_LEFT = "left: position on skip, goes with feed"
+ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
+
+
+@pytest.mark.parametrize(
+    ("name", "evidence", "words"),
+    [
+        (
+            "shrinks",
+            Evidence(gaps=gaps(gap(0.501), gap(0.9), gap(0.1))),
+            "the gap shrinks for certain only: observable_0 by 50%, observable_2 by 10%",
+        ),
+        (
+            "shrinks",
+            Evidence(gaps=gaps(gap(0.9, is_clear=False))),
+            "no gap is clear enough to tell that all of it is gone",
+        ),
+        ("leaves_nothing", LEAVING, IS_LEFT),
+        ("few_outliers", FAR_OFF, ARE_FAR_OFF),
+        ("has_form", Evidence(is_loose=True), "its form is as far off as can be"),
+        (
+            "held_out",
+            Evidence(is_held_out=False),
+            "too few touches were held out to show that it shrinks",
+        ),
+        (
+            "within_limits",
+            Evidence(at_limit=PARAMETERS),
+            "at a limit of its range: backlash.backlash_um, drift.rate_um_per_h",
+        ),
+        (
+            "known",
+            Evidence(open=PARAMETERS),
+            "may be anything in its range: backlash.backlash_um, drift.rate_um_per_h",
+        ),
+        (
+            "is_confirmed",
+            Evidence(is_confirmed=False),
+            "plain simulation does no better with it",
+        ),
+        ("shrinks_somewhere", Evidence(gaps=gaps(gap(0.1))), "no gap shrinks for certain"),
+        ("shrinks_somewhere", Evidence(), "no gap is clear"),
+        (
+            "grows_nowhere",
+            Evidence(gaps=gaps(GROWING, gap(0.9), GROWING)),
+            "the gap grows: observable_0, observable_2",
+        ),
+        (
+            "chance_is_chance",
+            Evidence(chance=[left(3.9, "rest"), TOLD_FIRST, TOLD_NEXT]),
+            "what it leaves to chance in position goes with feed",
+        ),
+        (
+            "takes_most",
+            Evidence(after=[left(9.0, relative=3.4567)]),
+            "it leaves 3.46 µm of position, much of what was there",
+        ),
+        (
+            "seen_enough",
+            Evidence(hidden=6.54),
+            "a gap of 6.5 times the noise could have hidden",
+        ),
+        ("few_false", Evidence(false=3), "3 latches without a contact"),
+        ("believed_leaves_nothing", LEAVING, IS_LEFT),
+        ("believed_few_outliers", FAR_OFF, ARE_FAR_OFF),
+    ],
+)
+def test_a_rule_says_what_it_misses(name: str, evidence: Evidence, words: str) -> None:
+    (failure,) = failures([RULES[name]], evidence)
+
+    assert failure.words == words
