@@ -1,5 +1,6 @@
 """Pages of comparisons, touches, drive chains and rotary axes, as browsers show them."""
 
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -17,6 +18,7 @@ from skiplatch.cli import group
 from skiplatch.comparison import compare
 from skiplatch.report.comparison import as_html
 from skiplatch.transmission.pulses import write_binary
+from test_diagnosis_report import prose
 from test_transmission_command import OPTIONS, planted
 
 WIDTHS_PX = (400, 1280)
@@ -74,22 +76,26 @@ def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     shutil.rmtree(profile, ignore_errors=True)
 
 
-@pytest.mark.parametrize("make", MAKERS, ids=lambda make: make.__name__)
+@pytest.fixture(scope="module", params=MAKERS, ids=lambda make: make.__name__)
+def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    make: Callable[[Path], Path] = request.param
+    return make(tmp_path_factory.mktemp("page"))
+
+
+@pytest.mark.parametrize("width_px", WIDTHS_PX)
+@pytest.mark.parametrize("scheme", SCHEMES)
 def test_nothing_is_cut_off_hidden_or_too_pale(
-    window: Browser, tmp_path: Path, make: Callable[[Path], Path]
+    window: Browser, page: Path, scheme: str, width_px: int
 ) -> None:
-    page = make(tmp_path)
-    for scheme in SCHEMES:
-        for width_px in WIDTHS_PX:
-            window.open(page, scheme, width_px)
+    window.open(page, scheme, width_px)
 
-            assert window.evaluate("document.documentElement.scrollWidth") <= width_px
-            assert window.evaluate(ASIDE) == []
-            assert window.evaluate(CUT) == []
-            assert window.evaluate(SCALE) >= LEAST_SCALE
-            assert window.evaluate(CONTRAST) >= LEAST_CONTRAST
-            assert window.events_of("Log.entryAdded") == []
+    assert window.evaluate("document.documentElement.scrollWidth") <= width_px
+    assert window.evaluate(ASIDE) == []
+    assert window.evaluate(CUT) == []
+    assert window.evaluate(SCALE) >= LEAST_SCALE
+    assert window.evaluate(CONTRAST) >= LEAST_CONTRAST
+    assert window.events_of("Log.entryAdded") == []
 
 
-def test_errors_that_round_to_nothing_have_no_minus(tmp_path: Path) -> None:
-    assert "-0.0000<" not in kinematics(tmp_path).read_text(encoding="utf-8")
+def test_what_rounds_to_nothing_has_no_minus(page: Path) -> None:
+    assert re.findall(r"-0\.0+(?!\d)", prose(page.read_text(encoding="utf-8"))) == []

@@ -13,7 +13,7 @@ from skiplatch.transmission.values import Values
 
 HEIGHT_IN = 2.6
 NAMED_ORDERS = 5
-APART = 1.9
+APART = 4.0
 """Smallest factor between two orders that both have their number beside them."""
 ROOM = 3.0
 """Above the highest order, for its name; a factor on the logarithmic axis."""

@@ -268,9 +268,8 @@ def _seen(axis: RotaryAxis, logged: Logged) -> str:
 
 def vector_text(values: Sequence[float]) -> str:
     """Write a vector in mm, axis by axis."""
-    return (
-        ", ".join(f"{name} {value:+z.4f}" for name, value in zip("XYZ", values, strict=True)) + " mm"
-    )
+    parts = (f"{name} {value:+z.4f}" for name, value in zip("XYZ", values, strict=True))
+    return f"{', '.join(parts)} mm"
 
 
 def _positions(axis: AxisResult) -> Rows:
