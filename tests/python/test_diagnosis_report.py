@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from browser import Browser, browser, chromium
+from page_faults import ASIDE, CUT
 from skiplatch import cli
 from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.commands import examining as command
@@ -409,6 +410,8 @@ def test_browser_shows_the_page_without_a_complaint(
     patch = "getComputedStyle(document.querySelector('svg #PATCH path')).fill"
     first = window.evaluate("document.querySelector('svg [id$=patch_1]').id")
     assert window.evaluate(patch.replace("PATCH", first)) == ground
+    assert window.evaluate(CUT) == []
+    assert window.evaluate(ASIDE) == []
     assert window.evaluate("document.documentElement.scrollWidth") <= width_px
     hidden = "[...document.querySelectorAll('.scroll')].filter(e => e.scrollWidth > e.clientWidth)"
     assert window.evaluate(f"{hidden}.length") == 0

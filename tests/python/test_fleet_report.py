@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from browser import Browser, browser, chromium
 from conftest import SAMPLES
+from page_faults import ASIDE, CONTRAST, LEAST_CONTRAST
 from simulated_fleet import LATCH, Fault, Fleet
 from skiplatch.cli import group
 from skiplatch.fleet.findings import find
@@ -22,8 +23,6 @@ from test_diagnosis_report import Elements, prose
 
 MOST_BYTES = 5_000_000
 MOST_S = 2.0
-LEAST_CONTRAST = 4.5
-"""Of text, by WCAG 2.2, level AA."""
 ODD = '<b>mill "7" & Söhne</b>'
 WIDTHS_PX = (400, 1280)
 
@@ -207,31 +206,6 @@ def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     shutil.rmtree(profile, ignore_errors=True)
 
 
-CONTRAST = """
-(() => {
-  const light = c => {
-    const [r, g, b] = c.match(/[\\d.]+/g).slice(0, 3).map(v => v / 255)
-      .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
-    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-  };
-  const ground = e => {
-    for (; e; e = e.parentElement) {
-      const c = getComputedStyle(e).backgroundColor;
-      if (c !== 'rgba(0, 0, 0, 0)') return c;
-    }
-  };
-  const of = e => {
-    const a = light(getComputedStyle(e).color), b = light(ground(e));
-    return (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-  };
-  const texts = [...document.querySelectorAll('body *')].filter(
-    e => [...e.childNodes].some(n => n.nodeType === 3 && n.data.trim()));
-  return Math.min(...texts.map(of));
-})()
-"""
-"""The least contrast of any text with its ground."""
-
-
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_browser_shows_the_page_on_small_and_large_screens(
     window: Browser, page: str, tmp_path: Path, scheme: str
@@ -242,6 +216,7 @@ def test_browser_shows_the_page_on_small_and_large_screens(
         window.open(path, scheme, width_px)
 
         assert window.evaluate("document.documentElement.scrollWidth") <= width_px
+        assert window.evaluate(ASIDE) == []
         assert window.evaluate(CONTRAST) >= LEAST_CONTRAST
         icon = "getComputedStyle(document.querySelector('.weeks i'), '::before').content"
         assert any(one in window.evaluate(icon) for one in ICONS.values())
@@ -250,12 +225,13 @@ def test_browser_shows_the_page_on_small_and_large_screens(
         assert {url for url in urls if not url.startswith("data:")} == {path.as_uri()}
 
 
+@pytest.mark.parametrize("width_px", WIDTHS_PX)
 def test_screen_reader_finds_tables_with_names_and_headers(
-    window: Browser, page: str, tmp_path: Path
+    window: Browser, page: str, tmp_path: Path, width_px: int
 ) -> None:
     path = tmp_path / "page.html"
     path.write_text(page)
-    window.open(path, "light", WIDTHS_PX[1])
+    window.open(path, "light", width_px)
 
     nodes = [
         (node["role"]["value"], node.get("name", {}).get("value", ""))

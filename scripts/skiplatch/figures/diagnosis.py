@@ -117,7 +117,7 @@ def draw_shrink(name: str, gaps: Sequence[Gap]) -> Drawing:
         axes.set_yticks(range(len(gaps)), [gap.title for gap in gaps])
         axes.grid(visible=False, axis="y")
         axes.xaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
-        axes.set_xlabel("share of the gap that is gone, 95 % interval")
+        axes.set_xlabel("share gone, 95 % interval")
     described = "; ".join(
         f"{gap.title} {gap.shrink.value:.0%} ({gap.shrink.low:.0%} to {gap.shrink.high:.0%})"
         for gap in gaps

@@ -11,9 +11,9 @@ from skiplatch.tables import compact, number
 from skiplatch.transmission.spectrum import Order
 from skiplatch.transmission.values import Values
 
-HEIGHT_IN, WIDTH_IN = 2.6, 7.4
+HEIGHT_IN = 2.6
 NAMED_ORDERS = 5
-APART = 1.9
+APART = 4.0
 """Smallest factor between two orders that both have their number beside them."""
 ROOM = 3.0
 """Above the highest order, for its name; a factor on the logarithmic axis."""
@@ -24,7 +24,7 @@ def draw_turn(values: Values) -> Drawing:
     curve = values.curve
     degrees = DEG_PER_TURN * curve.turn
     middle = 0.5 * (curve.low_arcsec.min() + curve.high_arcsec.max())
-    with panel(HEIGHT_IN, WIDTH_IN) as figure:
+    with panel(HEIGHT_IN) as figure:
         axes = figure.subplots()
         axes.fill_between(
             degrees,
@@ -43,7 +43,7 @@ def draw_turn(values: Values) -> Drawing:
         axes.set_xlabel("angle of the output, deg")
         axes.set_ylabel("transmission error, arcsec")
         axes.set_xlim(0.0, DEG_PER_TURN)
-        axes.set_xticks(np.arange(0.0, DEG_PER_TURN + 1.0, 45.0))
+        axes.set_xticks(np.arange(0.0, DEG_PER_TURN + 1.0, 90.0))
         return drawing(
             figure,
             "turn",
@@ -56,7 +56,7 @@ def draw_turn(values: Values) -> Drawing:
 def draw_orders(values: Values) -> Drawing:
     """Draw the orders that were found as stems, over the noise."""
     orders = values.orders
-    with panel(HEIGHT_IN, WIDTH_IN) as figure:
+    with panel(HEIGHT_IN) as figure:
         axes = figure.subplots()
         places = [order.order for order in orders]
         sizes = [order.amplitude_arcsec for order in orders]

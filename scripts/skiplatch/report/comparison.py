@@ -63,7 +63,10 @@ def _part(comparison: Comparison, observable: Observable) -> _Part:
         for i, (cell, gap) in enumerate(pairs)
         if cell.feed_mm_min in feeds
     ]
-    rows = [row(gap, comparison.alpha) for _, gap in pairs]
+    rows = [
+        tuple(cell.replace("± ", "±\N{NO-BREAK SPACE}") for cell in row(gap, comparison.alpha))
+        for _, gap in pairs
+    ]
     return _Part(
         id=observable.name,
         title=observable.title,

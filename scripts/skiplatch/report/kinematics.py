@@ -222,7 +222,7 @@ def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
         ("radius of the measuring circle", f"{axis.radius_mm:.4f} mm"),
     ]
     positioning = (
-        f"{axis.positioning_arcsec:+.2f}″, standard deviation "
+        f"{axis.positioning_arcsec:+z.2f}″, standard deviation "
         f"{axis.positioning_scatter_arcsec:.2f}″"
     )
     if logged.parameters.get(432, 0.0) != 0.0:
@@ -245,12 +245,12 @@ def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
 def _backlash(axis: AxisResult) -> str:
     if axis.backlash_arcsec is None:
         return "not computed: Hirth axis, M function, or a circle of less than 1 mm"
-    return f"{axis.backlash_arcsec:.2f}″ = {axis.backlash_arcsec / 3600.0:.5f}°"
+    return f"{axis.backlash_arcsec:z.2f}″ = {axis.backlash_arcsec / 3600.0:z.5f}°"
 
 
 def _tilts(evaluation: Evaluation, letter: str) -> str:
     found = [
-        f"{name} {e.value:+.2f}″ ± {e.uncertainty:.2f}″"
+        f"{name} {e.value:+z.2f}″ ± {e.uncertainty:.2f}″"
         for name, e in evaluation.fit.parameters.items()
         if e.unit == "arcsec" and name[2:3] == letter
     ]
@@ -268,9 +268,8 @@ def _seen(axis: RotaryAxis, logged: Logged) -> str:
 
 def vector_text(values: Sequence[float]) -> str:
     """Write a vector in mm, axis by axis."""
-    return (
-        ", ".join(f"{name} {value:+.4f}" for name, value in zip("XYZ", values, strict=True)) + " mm"
-    )
+    parts = (f"{name} {value:+z.4f}" for name, value in zip("XYZ", values, strict=True))
+    return f"{', '.join(parts)} mm"
 
 
 def _positions(axis: AxisResult) -> Rows:
@@ -280,7 +279,7 @@ def _positions(axis: AxisResult) -> Rows:
         *(f"E{c}{axis.letter} after, mm" for c in "XYZ"),
     )
     rows = [
-        (f"{angle:g}", *(f"{v:+.4f}" for v in (*before, *after)))
+        (f"{angle:g}", *(f"{v:+z.4f}" for v in (*before, *after)))
         for angle, before, after in zip(axis.angle_deg, axis.before_mm, axis.after_mm, strict=True)
     ]
     return Rows(header, rows)
@@ -294,7 +293,7 @@ def _results(evaluation: Evaluation) -> Rows:
         **{147 + i: f"{offset} in {x}" for i, x in enumerate("XYZ")},
     }
     rows = [
-        (f"Q{q}", "−1" if value == -1.0 else f"{value:.4f}", meanings[q])
+        (f"Q{q}", "−1" if value == -1.0 else f"{value:z.4f}", meanings[q])
         for q, value in evaluation.q_parameters().items()
     ]
     return Rows(("parameter", "mm", "meaning"), rows)
@@ -308,7 +307,7 @@ def _estimates(evaluation: Evaluation) -> list[tuple[str, Estimate]]:
 
 def _location_errors(evaluation: Evaluation) -> Rows:
     rows = [
-        (name, f"{e.value:+.2f}", f"{e.uncertainty:.2f}", e.unit)
+        (name, f"{e.value:+z.2f}", f"{e.uncertainty:.2f}", e.unit)
         for name, e in _estimates(evaluation)
     ]
     return Rows(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)

@@ -89,7 +89,7 @@ def _positions(evaluation: GridEvaluation) -> Rows:
     rows = [
         (
             *(f"{angles[LETTERS.index(letter)]:g}" for letter in letters),
-            *(f"{mm:+.4f}" for mm in off),
+            *(f"{mm:+z.4f}" for mm in off),
             f"{distance:.4f}",
         )
         for angles, off, distance in zip(
