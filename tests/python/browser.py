@@ -17,6 +17,7 @@ from typing import Any, Self
 
 PATIENCE_S = 60.0
 OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe")
+TWO_FRAMES = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 Json = Any
 
 
@@ -72,6 +73,8 @@ class Browser:
         self.call("Page.navigate", url=path.as_uri())
         while not any(e.get("method") == "Page.loadEventFired" for e in self.events):
             self.events.append(self._next())
+        # What lies below the screen has no roles before a frame was drawn.
+        self.call("Runtime.evaluate", expression=TWO_FRAMES, awaitPromise=True)
 
     def evaluate(self, expression: str) -> Json:
         """Give the value of an expression in the page."""
