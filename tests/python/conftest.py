@@ -1,11 +1,14 @@
 """What all Python tests share."""
 
+import shutil
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from browser import Browser, browser, chromium
 from refusals import Program
 from skiplatch import cli
 
@@ -44,3 +47,15 @@ def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
         return said
 
     return call
+
+
+@pytest.fixture(scope="module")
+def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """A headless browser; without one what needs it is skipped."""
+    program = chromium()
+    if program is None:
+        pytest.skip("no Chromium that sees temporary files: no page is opened in a browser")
+    profile = tmp_path_factory.mktemp("chromium")
+    with browser(program, profile) as opened:
+        yield opened
+    shutil.rmtree(profile, ignore_errors=True)

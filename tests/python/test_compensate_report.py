@@ -1,15 +1,13 @@
 """The page of a compensation: what it says, that it needs nothing else, that browsers show it."""
 
 import re
-import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from browser import Browser, browser, chromium
+from browser import Browser
 from seat_probe import OMP40, radii, write_radii, write_speeds
 from skiplatch import cli
 from test_diagnosis_report import NARROW_PX, SCHEMES, WIDE_PX, Elements, prose
@@ -125,17 +123,6 @@ def test_same_input_is_the_same_page(pages: dict[str, Path], tmp_path: Path) -> 
     CliRunner().invoke(cli.group, [*base, "--out", str(tmp_path / "t.csv"), "--html", str(path)])
 
     assert path.read_text() == pages["single"].read_text()
-
-
-@pytest.fixture(scope="module")
-def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    program = chromium()
-    if program is None:
-        pytest.skip("no Chromium that sees temporary files: the page is not opened in a browser")
-    profile = tmp_path_factory.mktemp("chromium")
-    with browser(program, profile) as opened:
-        yield opened
-    shutil.rmtree(profile, ignore_errors=True)
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES))

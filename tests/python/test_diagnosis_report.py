@@ -1,8 +1,6 @@
 """The page of a diagnosis: what it says, that it needs nothing else, and that browsers show it."""
 
 import re
-import shutil
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
@@ -12,7 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from browser import Browser, browser, chromium
+from browser import Browser
 from page_faults import ASIDE, CUT
 from skiplatch import cli
 from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
@@ -381,17 +379,6 @@ def test_page_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
         CliRunner().invoke(
             cli.group, ["diagnose", str(BENCH), "--html", str(path)], catch_exceptions=False
         )
-
-
-@pytest.fixture(scope="module")
-def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    program = chromium()
-    if program is None:
-        pytest.skip("no Chromium that sees temporary files: the page is not opened in a browser")
-    profile = tmp_path_factory.mktemp("chromium")
-    with browser(program, profile) as opened:
-        yield opened
-    shutil.rmtree(profile, ignore_errors=True)
 
 
 @pytest.mark.parametrize("scheme", list(SCHEMES))

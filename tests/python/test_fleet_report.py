@@ -1,16 +1,14 @@
 """The page of a fleet: what it says, and that browsers and screen readers show it."""
 
 import re
-import shutil
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
 
-from browser import Browser, browser, chromium
+from browser import Browser
 from conftest import SAMPLES
 from page_faults import ASIDE, CONTRAST, LEAST_CONTRAST
 from simulated_fleet import LATCH, Fault, Fleet
@@ -193,17 +191,6 @@ def test_command_writes_the_page_of_a_store(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "1 rigs, 0 changed" in result.output
     assert "1 campaigns are not diagnosed" in prose(out.read_text())
-
-
-@pytest.fixture(scope="module")
-def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    program = chromium()
-    if program is None:
-        pytest.skip("no Chromium that sees temporary files: the page is not opened in a browser")
-    profile = tmp_path_factory.mktemp("chromium")
-    with browser(program, profile) as opened:
-        yield opened
-    shutil.rmtree(profile, ignore_errors=True)
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -1,8 +1,7 @@
 """Pages of comparisons, touches, drive chains and rotary axes, as browsers show them."""
 
 import re
-import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 import kinematics_programs
-from browser import Browser, browser, chromium
+from browser import Browser
 from conftest import SAMPLES
 from page_faults import ASIDE, CONTRAST, CUT, LEAST_CONTRAST, LEAST_SCALE, SCALE
 from skiplatch.campaign import read_campaign
@@ -63,17 +62,6 @@ MAKERS: tuple[Callable[[Path], Path], ...] = (
     repeatability,
     transmission,
 )
-
-
-@pytest.fixture(scope="module")
-def window(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    program = chromium()
-    if program is None:
-        pytest.skip("no Chromium that sees temporary files: no page is opened in a browser")
-    profile = tmp_path_factory.mktemp("chromium")
-    with browser(program, profile) as opened:
-        yield opened
-    shutil.rmtree(profile, ignore_errors=True)
 
 
 @pytest.fixture(scope="module", params=MAKERS, ids=lambda make: make.__name__)
