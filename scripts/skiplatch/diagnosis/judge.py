@@ -4,6 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +31,8 @@ from skiplatch.diagnosis.search import (
     refine,
 )
 from skiplatch.diagnosis.simulated import catalogue
+
+Task = TypeVar("Task")
 
 ENOUGH_FIT = 5.0
 """Nats that an effect has to gain, beyond what its parameters are worth."""
@@ -162,9 +165,16 @@ class Judge:
         self.materiality = materiality
         self.parts = parts
         self._believed = scene
-        self._map: Callable[..., Iterable[Fit]] = executor.map if executor else map
+        self._executor = executor
         self._noticed = None if noticed is None else frozenset(noticed)
         self._look_at(scene)
+
+    def _each(self, task: Callable[[Task], Fit], models: Sequence[Task]) -> list[Fit]:
+        """Fit models side by side, all of them before going on: none may change on its way there.
+
+        A scene keeps what was asked of it once, and a process pool packs it while others work.
+        """
+        return list((self._executor.map if self._executor else map)(task, models))
 
     def _look_at(self, scene: Scene) -> None:
         self.scene = scene
@@ -219,12 +229,12 @@ class Judge:
         """
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in ends_of(self._fitting):
-            there = self._map(_fit, [(part, c, NOTHING) for c in self._candidates()])
+            there = self._each(_fit, [(part, c, NOTHING) for c in self._candidates()])
             gained = [(_gain_in(part, one), i, one) for i, one in enumerate(there)]
             best = sorted(gained, reverse=True)[:ALSO_PASSING]
             fits += [one for gain, _, one in best if gain > WORTH_A_REFINEMENT]
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
-        found = map(self.score, self._map(_passing, tasks))
+        found = map(self.score, self._each(_passing, tasks))
         return self._with_twins(one for one in found if self._is_no_datum(one))
 
     def _is_no_datum(self, scored: Scored) -> bool:
@@ -236,13 +246,13 @@ class Judge:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
         if not candidates:
             return []
-        fits = list(self._map(_fit, [(self._fitting, c, given) for c in candidates]))
+        fits = self._each(_fit, [(self._fitting, c, given) for c in candidates])
         gains = [self._gain(found, given) for found in fits]
         least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
         order = sorted(range(len(gains)), key=lambda i: -gains[i])
         near = [i for i in order[:MOST_POLISHED] if gains[i] >= least]
         for i, found in zip(
-            near, self._map(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
+            near, self._each(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
         ):
             fits[i] = found
         return fits
@@ -276,11 +286,11 @@ class Judge:
             pairs: Each two effects, and the second one alone, with the form that it has there.
         """
         models = [(self._fitting, pair.fit.candidates[0], second.fit) for pair, second in pairs]
-        return self._with_twins(map(self.score, self._map(_turned, models)))
+        return self._with_twins(map(self.score, self._each(_turned, models)))
 
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""
-        refined = self._map(_refine, [(self._fitting, model.fit) for model in models])
+        refined = self._each(_refine, [(self._fitting, model.fit) for model in models])
         return [
             max(model, self.score(joint), key=lambda scored: scored.score)
             for model, joint in zip(models, refined, strict=True)

@@ -6,11 +6,11 @@ from functools import reduce
 from itertools import accumulate, pairwise
 
 import numpy as np
-from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.climb import WORST, climb
 from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.laws import AFTER_LATCH, LATCHES, law_under
 from skiplatch.diagnosis.likelihood import affected, likelihood, with_shared_datum
@@ -27,18 +27,13 @@ WORTH_A_REFINEMENT = 2.0
 """Nats that one more parameter has to gain; it is also what it gains by chance."""
 WORTH_OF_AN_END = 3
 """Parameters that the touch counts for at which an effect begins or ends."""
-WORST = 1e300
 NOTHING = Change()
 KEPT_STARTS = 2
 SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
 MOST_LEFT = 0.7
 """Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
-STEPS = (0.3, 0.01, 0.001)
-"""First steps of climbs that follow each other, as shares of the parameters."""
-EVALUATIONS = 60  # a parameter
-COARSE_EVALUATIONS = 25
-CLOSE, COARSELY_CLOSE = 0.01, 0.1
-"""Of its first step, by which a climb's last points may differ, if they are as likely."""
+SHORT_STEPS = (0.01, 0.001)
+"""First steps of climbs that follow one with long steps, as shares of the parameters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -150,10 +145,17 @@ class _Target:
             if name in self._names - {"lattice"} and stream.rows.any()
         )
 
+    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
+        """Give the log-likelihood of each touch; shape (n,)."""
+        return self._by_touch(self.fit(values).change(self._scene, self._given), widening)
+
     def _of(self, change: Change, widening: float) -> float:
-        sizes = {name: widening * size for name, size in self._sizes.items()} if widening else {}
-        total = likelihood(self._scene, change, self._names, sizes).total
+        total = float(self._by_touch(change, widening).sum())
         return -total if np.isfinite(total) else WORST
+
+    def _by_touch(self, change: Change, widening: float) -> FloatArray:
+        sizes = {name: widening * size for name, size in self._sizes.items()} if widening else {}
+        return likelihood(self._scene, change, self._names, sizes).per_touch
 
 
 def _is_shown(stream: Stream, before: Law, after: Law) -> bool:
@@ -164,35 +166,6 @@ def _is_shown(stream: Stream, before: Law, after: Law) -> bool:
     if not large.any():
         return False
     return bool(np.median(np.abs(off - shift)[large]) < MOST_LEFT * np.median(np.abs(off)[large]))
-
-
-def _climb(
-    target: _Target, start: FloatArray, widening: float, step: float = STEPS[0]
-) -> FloatArray:
-    """Climb from a start, in shares of its parameters; what is 0 in it stays so."""
-    free = np.flatnonzero(start)
-    ones = np.ones(len(free))
-
-    def whole(shares: FloatArray) -> FloatArray:
-        point = start.copy()
-        point[free] *= shares
-        return point
-
-    def minus(shares: FloatArray) -> float:
-        return target(whole(shares), widening)
-
-    found = optimize.minimize(
-        minus,
-        ones,
-        method="Nelder-Mead",
-        options={
-            "initial_simplex": np.vstack([ones, ones + step * np.eye(len(free))]),
-            "maxfev": (EVALUATIONS if widening == 0.0 else COARSE_EVALUATIONS) * len(free),
-            "xatol": step * (CLOSE if widening == 0.0 else COARSELY_CLOSE),
-            "fatol": 0.02 if widening == 0.0 else 0.2,
-        },
-    )
-    return whole(found.x)
 
 
 def fit(
@@ -227,11 +200,11 @@ def _fit_form(
             target.without(widening) - HOPELESS
         ):
             break
-        points = [_climb(target, point, widening) for point in points]
+        points = [climb(target, point, widening) for point in points]
     # A start may sit on a peak too sharp to be found from afar.
     near = min(begun, key=lambda point: target(point, 0.0))
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
-        points = [*points, near, _climb(target, near, 0.0)]
+        points = [*points, near, climb(target, near, 0.0)]
     return min(points, key=lambda point: target(point, 0.0))
 
 
@@ -255,8 +228,8 @@ def _sharpened(target: _Target, best: FloatArray) -> FloatArray:
     Two effects that make up for each other share a ridge, along which a climb with long steps ends
     too soon.
     """
-    for step in STEPS[1:]:
-        further = _climb(target, best, 0.0, step)
+    for step in SHORT_STEPS:
+        further = climb(target, best, 0.0, step)
         gained = target(best, 0.0) - target(further, 0.0)
         best = further if gained > 0.0 else best
         if gained < WORTH_A_REFINEMENT:
@@ -282,7 +255,7 @@ def _loosened(target: _Target, best: FloatArray) -> FloatArray:
     for target.slack in SLACKS:
         values.append(target(best, 0.0))
     target.slack = SLACKS[int(np.argmin(values))]
-    found = _climb(target, best, 0.0)
+    found = climb(target, best, 0.0)
     if target(found, 0.0) < plain - WORTH_A_REFINEMENT and target.takes_away(found):
         return found
     target.slack = 0.0

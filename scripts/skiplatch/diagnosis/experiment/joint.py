@@ -8,10 +8,11 @@ from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.climb import WORST
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import SLACKS, WORST, WORTH_A_REFINEMENT, Fit
+from skiplatch.diagnosis.search import SLACKS, WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.simulated import catalogue
 from skiplatch.simulator import effects
 

@@ -1,0 +1,109 @@
+"""Climbs to the likeliest parameters, and tasks that travel while others work."""
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis import judge as judging
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.climb import climb
+from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.likelihood import Likelihood, likelihood
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
+
+SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+TRUE = np.array([3.0, 0.7])
+
+
+class Normal:
+    """Touches of a straight line with a normal scatter of 1; counts how often it is asked."""
+
+    def __init__(self) -> None:
+        """Draw 200 touches."""
+        rng = np.random.default_rng(1)
+        self._x = rng.uniform(0.0, 10.0, 200)
+        self._y = TRUE[0] + TRUE[1] * self._x + rng.normal(size=200)
+        self.asked = 0
+
+    @property
+    def best(self) -> FloatArray:
+        """The least squares."""
+        return np.polynomial.polynomial.polyfit(self._x, self._y, 1)
+
+    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
+        """Give the log-likelihood of each touch."""
+        self.asked += 1
+        return np.asarray(-((self._y - values[0] - values[1] * self._x) ** 2) / 2.0 - widening)
+
+    def __call__(self, values: FloatArray, widening: float) -> float:
+        """Give minus their sum."""
+        return float(-self.by_touch(values, widening).sum())
+
+
+class Steps(Normal):
+    """The same with parameters that count in fiftieths: no slope tells anything."""
+
+    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
+        """Give the log-likelihood of each touch."""
+        return super().by_touch(np.rint(50.0 * values) / 50.0, widening)
+
+
+@pytest.mark.parametrize("target", [Normal(), Steps()])
+def test_a_climb_reaches_the_top(target: Normal) -> None:
+    found = climb(target, np.array([2.0, 1.02]), 0.0)
+
+    assert target(found, 0.0) < target(target.best, 0.0) + 1.0
+    assert target(found, 0.0) < target(np.array([2.0, 1.02]), 0.0) - 20.0
+
+
+def test_at_the_top_no_climb_is_made() -> None:
+    target = Normal()
+
+    found = climb(target, target.best, 0.0)
+
+    assert found == pytest.approx(target.best, abs=0.0)
+    assert target.asked == 3
+
+
+def test_what_is_zero_stays_so() -> None:
+    assert climb(Normal(), np.array([2.0, 0.0]), 0.0)[1] == 0.0
+
+
+class Late(Executor):
+    """Packs a task only when its result is asked for, as late as a process pool may."""
+
+    def __init__(self) -> None:
+        """Begin with nothing under way."""
+        self.is_under_way = False
+
+    def map(self, fn: Callable, *iterables: Iterable, **_: object) -> Iterator:  # type: ignore[override, type-arg]
+        """Run tasks one by one."""
+        self.is_under_way = True
+        yield from map(fn, *iterables)
+        self.is_under_way = False
+
+
+def test_a_scene_is_not_worked_on_while_tasks_with_it_are_under_way(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A pool that packs a scene while what is asked of it is kept there ends in a traceback."""
+    scene, pool, seen = Scene.of(read_campaign(SAMPLES / "machine_no_gap")), Late(), []
+
+    def watched(part: Scene, change: Change, **rest: object) -> Likelihood:
+        seen.append(pool.is_under_way)
+        return likelihood(part, change, **rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(judging, "likelihood", watched)
+    judge = Judge(scene, split(len(scene), 1), executor=pool)
+    late = Fit((CANDIDATES["isr_latency"],), (np.array([1.0, 0.0, 0.0]),), frozenset())
+    judge.jointly([judge.score(late)] * 3)
+
+    assert len(seen) > 5
+    assert not any(seen)
