@@ -83,7 +83,7 @@ class Late(Executor):
         """Begin with nothing under way."""
         self.is_under_way = False
 
-    def map(self, fn: Callable, *iterables: Iterable, **_: object) -> Iterator:  # type: ignore[override, type-arg]
+    def map(self, fn: Callable, *iterables: Iterable, **_: object) -> Iterator:  # type: ignore[type-arg]
         """Run tasks one by one."""
         self.is_under_way = True
         yield from map(fn, *iterables)
