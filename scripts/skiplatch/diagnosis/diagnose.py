@@ -18,8 +18,9 @@ from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.chance import chance_of
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
-from skiplatch.diagnosis.decide import Finding, find, reduced
+from skiplatch.diagnosis.decide import Finding, find
 from skiplatch.diagnosis.directions import UNDIRECTED
+from skiplatch.diagnosis.guilty import without_guilty
 from skiplatch.diagnosis.hidden import Hidden, could_hide
 from skiplatch.diagnosis.intervals import estimates, settled
 from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
@@ -28,7 +29,6 @@ from skiplatch.diagnosis.leftover import (
     Beside,
     left_over,
     noticed,
-    streams_of,
 )
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.look import Left, Memo
@@ -49,7 +49,6 @@ from skiplatch.diagnosis.verdict import (
     decide,
     may_be_accidents,
     shows_too_little,
-    told_of_chance,
 )
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.simulator import Effect, Parameter, effects
@@ -274,19 +273,6 @@ class _Work:
             executor=self.pool,
         )
 
-    def without_mimics(self, finding: Finding, told: Sequence[Left]) -> Finding | None:
-        """Take the effects out whose chance can be told; None if nothing else would be left."""
-        model, judge = finding.model, self.judge
-        if model is None or judge is None:
-            return None
-        streams = frozenset(name for one in told for name in streams_of(one))
-        mimics = [i for i in range(len(model.ids)) if judge.scatters(model, i) & streams]
-        if not mimics or len(mimics) == len(model.ids):
-            return None
-        for i in reversed(mimics):
-            model = judge.again_without(model, i)
-        return reduced(judge, model)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Conclusion:
@@ -314,14 +300,12 @@ def _concluded(work: _Work, truth: Sequence[Effect] | None) -> Diagnosis:
 
 
 def _found(work: _Work, truth: Sequence[Effect] | None) -> "_Conclusion":
-    """Search, and take out what only imitates."""
+    """Search, and take out what keeps others from being named."""
     finding, confirmed = work.search()
     found = _conclusion(work, finding, confirmed, truth)
-    if told := told_of_chance(found.evidence):
-        kept = work.without_mimics(finding, told)
-        if kept is not None:
-            finding, confirmed = work.confirmed(kept)
-            found = _conclusion(work, finding, confirmed, truth)
+    while kept := work.judge and without_guilty(work.judge, found.finding, found.evidence):
+        finding, confirmed = work.confirmed(kept)
+        found = _conclusion(work, finding, confirmed, truth)
     return found
 
 

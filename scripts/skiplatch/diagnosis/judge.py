@@ -416,6 +416,11 @@ class Judge:
         *others, last = (c.acting(self._fitting, parameters) for c, parameters in effects)
         return _goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
 
+    def reaches(self, model: Scored, position: int) -> frozenset[str]:
+        """Name the streams in which one effect of a model changes anything."""
+        candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]
+        return affected(self._fitting, candidate.acting(self._fitting, parameters))
+
     def scatters(self, model: Scored, position: int) -> frozenset[str]:
         """Name the streams in which one effect of a model leaves more to chance."""
         candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]

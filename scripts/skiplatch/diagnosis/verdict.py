@@ -20,6 +20,8 @@ LIKELIER = 7.0
 """Nats by which touches held out are likelier under a finding than without it from which on that is
 no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
 (2020) 16880, eq. 6)."""
+MOST = 0.5
+"""Share of the variance of a gap from which on what is left is most of it."""
 PART_OF_ALL = 0.1
 """Share of the variance of an observable's gap that what is left of one kind has to be to count:
 no real effect has just the form that is fitted, and what its form leaves may be of another kind."""
@@ -197,12 +199,14 @@ def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
     return f"what it leaves to chance in {told[0].observable} {told[0].looks_like}" if told else ""
 
 
+def mostly_left(evidence: Evidence, threshold: float = MOST) -> list[Left]:
+    """Give what a finding leaves that is much of what was there: it is not its cause, then."""
+    return [one for one in evidence.after if one.z > CHANCE and _is_most(evidence, one, threshold)]
+
+
 def _takes_most(evidence: Evidence, threshold: float) -> str:
-    for one in evidence.after:
-        if one.z > CHANCE and _is_most(evidence, one, threshold):
-            return (
-                f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
-            )
+    for one in mostly_left(evidence, threshold):
+        return f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
     return ""
 
 
@@ -278,7 +282,7 @@ NAMES: Sequence[Rule] = (
     ),
     Rule(
         "takes_most",
-        0.5,
+        MOST,
         "a level: what leaves more than half of the variance of a gap is not its cause",
         _takes_most,
     ),

@@ -1,0 +1,69 @@
+"""What one of several effects leaves speaks against that one alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, played
+from skiplatch.diagnosis.candidates import CANDIDATES
+from skiplatch.diagnosis.decide import Finding
+from skiplatch.diagnosis.guilty import without_guilty
+from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.verdict import Evidence
+from skiplatch.simulator import Effect
+from verdict_evidence import left
+
+LATE = Effect("isr_latency", {"latency_us": 6.0, "jitter_us": 5.0})
+REPORT = Effect("report_delay", {"delay_us": 300.0})
+OF_LATCH = replace(left(20.0, relative=3.0), observable="latch")
+OF_REPORT = replace(left(20.0, relative=3.0), observable="report")
+
+
+@pytest.fixture(scope="module")
+def judged() -> tuple[Judge, Finding]:
+    """Two effects that are found, where each acts in a stream of its own."""
+    scene = Scene.of(played(BENCH, LATE, REPORT, seed=3))
+    judge = Judge(scene, split(len(scene), 1), noticed={"latch_skip", "report"})
+    late, report = (CANDIDATES[effect.id] for effect in (LATE, REPORT))
+    sizes = (_sizes(late.names, LATE), _sizes(report.names, REPORT))
+    return judge, Finding(judge.score(Fit((late, report), sizes, frozenset({"latch_skip"}))))
+
+
+def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
+    return np.array([effect.parameters.get(name, 0.0) for name in names])
+
+
+@pytest.mark.parametrize(
+    ("evidence", "kept"),
+    [
+        (Evidence(after=[OF_REPORT]), "isr_latency"),
+        (Evidence(chance=[OF_LATCH]), "report_delay"),
+        (Evidence(chance=[OF_LATCH], after=[OF_REPORT]), "report_delay"),
+    ],
+)
+def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, kept: str) -> None:
+    found = without_guilty(*judged, evidence)
+
+    assert found is not None
+    assert found.model is not None
+    assert found.model.ids == (kept,)
+
+
+@pytest.mark.parametrize(
+    "evidence",
+    [
+        Evidence(),
+        Evidence(after=[OF_LATCH, OF_REPORT]),  # both are guilty
+        Evidence(before=[OF_LATCH], after=[replace(OF_LATCH, size=1.0, relative=1.0)]),
+        Evidence(chance=[OF_REPORT]),  # a delay that is always the same leaves nothing to chance
+    ],
+)
+def test_nothing_is_taken_out(judged: tuple[Judge, Finding], evidence: Evidence) -> None:
+    assert without_guilty(*judged, evidence) is None
+
+
+def test_nothing_found_has_no_guilty_part(judged: tuple[Judge, Finding]) -> None:
+    assert without_guilty(judged[0], Finding(None), Evidence(after=[OF_LATCH])) is None
