@@ -247,7 +247,6 @@ EXPLAINS: Sequence[Rule] = (
         "a level: what any campaign may have of gross errors; one in a hundred has more by chance",
         _few_outliers,
     ),
-    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
     Rule(
         "within_limits",
@@ -256,9 +255,6 @@ EXPLAINS: Sequence[Rule] = (
         _within_limits,
     ),
     Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
-    Rule(
-        "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
-    ),
 )
 """What holds of a finding that explains the gap."""
 NAMES: Sequence[Rule] = (
@@ -285,6 +281,10 @@ NAMES: Sequence[Rule] = (
         MOST,
         "a level: what leaves more than half of the variance of a gap is not its cause",
         _takes_most,
+    ),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
+    Rule(
+        "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
     ),
 )
 """What holds of a finding whose effects are named at all."""
