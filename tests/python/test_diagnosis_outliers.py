@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played, thinned
+from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.hidden import could_hide
@@ -76,6 +76,7 @@ def test_what_one_touch_in_a_hundred_meets_is_no_outlier() -> None:
     assert outliers(Scene.of(campaign), Rig(campaign.nominal, [late]), seed=1) == []
 
 
+@pytest.mark.long
 def test_stamps_off_for_one_cause_are_not_explained_by_another() -> None:
     """Stamps that alone are early look like scans a whole period later, less that."""
     campaign = played(BENCH)
@@ -84,7 +85,7 @@ def test_stamps_off_for_one_cause_are_not_explained_by_another() -> None:
     stamps = touches.latch_us - np.where(is_early, 700.0, 0.0)
     stranger = replace(campaign, touches=replace(touches, latch_us=stamps))
 
-    diagnosis = diagnose(thinned(stranger), seed=1)
+    diagnosis = diagnose(stranger, seed=1)
 
     assert diagnosis.verdict == Verdict.UNKNOWN
     assert not diagnosis.effects
