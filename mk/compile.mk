@@ -5,7 +5,7 @@ library: $(OUT)/libskiplatch_sim.so
 	@:
 program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(LINUX_PROGRAMS)
 	@:
-OTHERS   := $(SIM) $(PROGRAMS) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
+OTHERS   := $(SIM) $(DENSITY) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
 objects: $(call object_of,$(FIRMWARE) $(if $(TARGET),$(PORT_SOURCES),$(OTHERS))) \
          $(patsubst %,$(OUT)/headers/%.ok,$(if $(TARGET),$(call headers_of,$(notdir $(PORT_FOLDERS))),$(C_HEADERS)))
 
@@ -30,11 +30,11 @@ $(OUT)/headers/%.ok: % $(OUT)/flags/$$(call room_of,$$*)
 	@echo '#include "$<"' >$@.c && echo 'typedef int not_empty_t;' >>$@.c
 	$(Q)$(CC) $(filter-out -fstack-usage,$(call cflags_of,$<)) -I. -fsyntax-only -MMD -MP -MT $@ -MF $@.d $@.c && touch $@
 
-$(OUT)/libskiplatch_sim.so: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS))
+$(OUT)/libskiplatch_sim.so: $(call object_of,$(IN_LIBRARY))
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) $(LTO) -shared -Wl,-z,defs $^ -lm -o $@.new && mv $@.new $@
 
-$(OUT)/libskiplatch_sim.a: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS))
+$(OUT)/libskiplatch_sim.a: $(call object_of,$(IN_LIBRARY))
 	@rm -f $@
 	@ar rcs $@ $^
 
@@ -60,7 +60,7 @@ $(HOST_PORTS:%=$(OUT)/ports/%): $(OUT)/ports/%: \
 
 json_text  = $(subst ",\",$(subst \,\\,$1))
 command_of = { "directory": "$(CURDIR)", "file": "$1", "command": "$(call json_text,$(CC) $(call cflags_of,$1)) -c $1" }
-COMMANDED := $(if $(TARGET),$(PORT_SOURCES),$(FIRMWARE) $(SIM) $(PROGRAMS) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS))
+COMMANDED := $(if $(TARGET),$(PORT_SOURCES),$(IN_LIBRARY) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS))
 .PHONY: commands
 commands:
 	@printf ',%s\n' $(foreach source,$(COMMANDED),$(call quoted,$(call command_of,$(source))))

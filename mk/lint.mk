@@ -52,7 +52,7 @@ $(RESULTS)/lint/licences.check: FORCE
 	$(check) $(VENV_PYTHON) scripts/lint/sbom.py build/sbom.json $(SETUP_LOCKS)
 
 .PHONY: analyzed
-analyzed: $(call object_of,$(FIRMWARE) $(SIM) $(PROGRAMS) $(MAIN) $(LINUX))
+analyzed: $(call object_of,$(IN_LIBRARY) $(MAIN) $(LINUX))
 
 .PHONY: tidy
 tidy: $(C_SOURCES:%=$(OUT)/tidy/%.ok)

@@ -9,7 +9,7 @@ coverage: setup setup-test ## run all tests and report what they reach, in build
 	@$(INNER_MAKE) VARIANT=coverage library
 	-@$(MAKE) VARIANT=coverage c-tests
 	@.venv/bin/gcovr --root . --object-directory build/coverage \
-	    --filter firmware/ --filter host_sim/ --print-summary \
+	    --filter firmware/ --filter host_sim/ --filter scripts/ --print-summary \
 	    --txt build/coverage/report/c.txt --html-details build/coverage/report/c/index.html
 	-@$(COVERAGE) run $(COVERAGE_OPTIONS) -m pytest $(PYTEST_OPTIONS) --quiet tests/python
 	@$(COVERAGE) report $(COVERAGE_OPTIONS) | tee build/coverage/report/python.txt

@@ -1,9 +1,12 @@
 # What there is to compile and to check.
 
 FIRMWARE := $(wildcard firmware/*/*.c)
-SIM      := $(wildcard host_sim/*.c host_sim/effects/*.c)
-MAIN     := $(wildcard host_sim/programs/main.c)
-PROGRAMS := $(filter-out $(MAIN),$(wildcard host_sim/programs/*.c))
+MAIN     := $(wildcard host_sim/main.c)
+SIM      := $(filter-out $(MAIN),$(wildcard host_sim/*.c host_sim/effects/*.c host_sim/api/*.c))
+# What the diagnosis computes in C.
+DENSITY  := $(wildcard scripts/skiplatch/diagnosis/*.c)
+# The shared library: what Python calls.
+IN_LIBRARY := $(FIRMWARE) $(SIM) $(DENSITY)
 TEMPLATE := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))
 
 # What gcc's analyzer doubts, without those of the store that take long.
@@ -21,8 +24,9 @@ RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
 
 # A board's headers are checked where its own are compiled.
 headers_of = $(wildcard $(1:%=hal/ports/%/*.h))
-C_SOURCES := $(FIRMWARE) $(SIM) $(MAIN) $(PROGRAMS) $(TEMPLATE) $(LINUX)
-C_HEADERS := $(wildcard firmware/*.h firmware/*/*.h hal/include/*.h host_sim/*.h host_sim/*/*.h) \
+C_SOURCES := $(IN_LIBRARY) $(MAIN) $(TEMPLATE) $(LINUX)
+C_HEADERS := $(wildcard firmware/*.h firmware/*/*.h hal/include/*.h host_sim/*.h host_sim/*/*.h \
+                        $(DENSITY:.c=.h)) \
              $(call headers_of,$(HOST_PORTS)) $(if $(LINUX),$(call headers_of,$(call ports_of,linux)))
 C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
                     $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] tests/*/*.[ch]))

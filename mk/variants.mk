@@ -62,7 +62,7 @@ endif
 CMOCK := /usr/share/cmock
 UNITY := $(CMOCK)/vendor/unity
 
-INCLUDES        := -Ifirmware -Ihal/include -Ihost_sim
+INCLUDES        := -Ifirmware -Ihal/include -Ihost_sim -Iscripts/skiplatch
 CFLAGS.firmware := -std=c99 $(WARNINGS) $(EVERYTHING) $(WARNINGS.$(FAMILY)) -Wdouble-promotion $(INCLUDES)
 CFLAGS.hal      := $(CFLAGS.firmware) $(if $(TARGET),$(PORT_FOLDERS:%=-I%))
 # On a host double costs nothing.
@@ -78,6 +78,8 @@ CFLAGS.firmware += -flto -ffat-lto-objects
 CFLAGS.host_sim += -flto -ffat-lto-objects
 LTO             := -flto=auto
 endif
+# The C of the diagnosis is compiled as the simulation is.
+CFLAGS.scripts  := $(CFLAGS.host_sim)
 # What CMock and Unity wrote is not ours to mend.
 CFLAGS.foreign  := -std=c11 -w $(INCLUDES) -Itests/support -Ibuild/mocks \
                    -DUNITY_INCLUDE_DOUBLE -I$(UNITY)/src -I$(CMOCK)/src

@@ -11,5 +11,5 @@ $(WHEEL)/venv.key: scripts/requirements-wheel.lock | $(VENV)
 .PHONY: wheel
 wheel: setup-build $(WHEEL)/venv.key ## build the Python package as a wheel and an sdist, into build/wheel
 	@$(WHEEL_PYTHON) scripts/pack_python.py $(WHEEL) --flags=$(call quoted,$(filter-out -g,$(FLAGS))) \
-	    --sources $(FIRMWARE) $(SIM) $(PROGRAMS) --shown $(filter $(SHOWN),$(FIRMWARE)) \
+	    --sources $(IN_LIBRARY) --shown $(filter $(SHOWN),$(FIRMWARE)) \
 	    --includes $(INCLUDES:-I%=%)

@@ -18,8 +18,18 @@ PACKAGE = Path("scripts/skiplatch")
 WHEEL = Path("scripts/wheel")
 READ = ("docs/injection.dbc", "scripts/samples")
 """What the package reads besides sources and headers, by its place in the project."""
-HEADERS = ("firmware/*.h", "firmware/*/*.h", "hal/include/*.h", "host_sim/*.h", "host_sim/*/*.h")
-LEFT_BY_RUNS = shutil.ignore_patterns("__pycache__", "TCHPRAUTO*", "kinematics.bin")
+HEADERS = (
+    "firmware/*.h",
+    "firmware/*/*.h",
+    "hal/include/*.h",
+    "host_sim/*.h",
+    "host_sim/*/*.h",
+    "scripts/skiplatch/*/*.h",
+)
+RUNS_LEAVE = ("__pycache__", "TCHPRAUTO*", "kinematics.bin")
+LEFT_BY_RUNS = shutil.ignore_patterns(*RUNS_LEAVE)
+C_OF_PACKAGE = shutil.ignore_patterns(*RUNS_LEAVE, "*.[ch]")
+"""C of the package goes with all other C, at its place in the project."""
 RANDOM = Path("/usr/include/Random123")
 RANDOM_LICENCE = Path("/usr/share/doc/librandom123-dev/copyright")
 BACKEND = "import scikit_build_core.build as b, sys; b.build_sdist(sys.argv[1])"
@@ -43,7 +53,7 @@ def _copy(path: Path, tree: Path) -> None:
 def lay_out(tree: Path, options: argparse.Namespace) -> None:
     """Write the source tree of the sdist."""
     shutil.rmtree(tree, ignore_errors=True)
-    shutil.copytree(PACKAGE, tree / "skiplatch", ignore=LEFT_BY_RUNS)
+    shutil.copytree(PACKAGE, tree / "skiplatch", ignore=C_OF_PACKAGE)
     inside = tree / "skiplatch" / "tree"
     headers = [path for pattern in HEADERS for path in Path().glob(pattern)]
     for path in (*map(Path, (*READ, *options.sources)), *headers):

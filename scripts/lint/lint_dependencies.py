@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+PYTHON_PACKAGE = Path("scripts/skiplatch")
 # What the boards of a family share stands in a folder of hal/ports that is no board itself.
 FAMILIES = tuple(
     f"{folder.as_posix()}/"
@@ -45,15 +46,17 @@ ROOMS: dict[str, set[str]] = {
     # A port's tests stand in its folder and may see all of it.
     r"hal/ports/\w+/tests/": {"own", "above", "hal/include/", "firmware/", *FAMILIES},
     r"hal/ports/": {"own", "hal/include/", *FAMILIES},
-    r"host_sim/programs/": {"own", "host_sim/", "firmware/", "hal/include/"},
+    r"host_sim/api/": {"own", "host_sim/", "firmware/", "hal/include/"},
+    r"host_sim/main\.c": {"host_sim/"},
     r"host_sim/": {"host_sim/", "hal/include/"},
+    r"scripts/skiplatch/diagnosis/": {"own", "host_sim/angle.h"},
 }
-NOT_FROM_BELOW = "host_sim/programs/"  # the wiring is included by nobody but itself and tests
-TOPS = ("firmware", "hal", "host_sim")
-INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim", *FAMILIES)
+WIRING = "host_sim/api/"  # includes the rest, and is included by itself, the program and tests
+PROGRAM = "host_sim/main.c"
+TOPS = ("firmware", "hal", "host_sim", PYTHON_PACKAGE.as_posix())
+INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim", PYTHON_PACKAGE.as_posix(), *FAMILIES)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
 
-PYTHON_PACKAGE = Path("scripts/skiplatch")
 PYTHON_BRIDGE = PYTHON_PACKAGE / "simulator.py"
 PYTHON_TO_C = {"cffi", "ctypes", "_cffi_backend"}
 
@@ -80,8 +83,8 @@ def is_allowed(source: Path, target: Path) -> bool:
     """Tell whether `source` may include `target`."""
     if target.parent == source.parent:
         return True
-    if target.as_posix().startswith(NOT_FROM_BELOW):
-        return False
+    if target.as_posix().startswith(WIRING):
+        return source.as_posix() == PROGRAM
     for room, allowed in ROOMS.items():
         if re.match(room, source.as_posix()):
             if "above" in allowed and target.parent == source.parent.parent:

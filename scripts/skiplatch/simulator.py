@@ -31,8 +31,8 @@ HEADERS = (
     ROOT / "host_sim" / "chain.h",
     ROOT / "host_sim" / "effects" / "description.h",
     ROOT / "host_sim" / "gear_train.h",
-    ROOT / "host_sim" / "law.h",
-    ROOT / "host_sim" / "programs" / "batch.h",
+    ROOT / "scripts" / "skiplatch" / "diagnosis" / "law.h",
+    ROOT / "host_sim" / "api" / "batch.h",
     ROOT / "firmware" / "cycle" / "overtravel.h",
     ROOT / "firmware" / "comp" / "pretravel.h",
     ROOT / "firmware" / "comp" / "pretravel_fit.h",
@@ -41,14 +41,14 @@ HEADERS = (
     ROOT / "firmware" / "comp" / "pretravel_grid.h",
     ROOT / "firmware" / "comp" / "kinematics.h",
     ROOT / "firmware" / "comp" / "kinematics_circle.h",
-    ROOT / "host_sim" / "programs" / "kinematics_fit.h",
+    ROOT / "host_sim" / "api" / "kinematics_fit.h",
     ROOT / "host_sim" / "five_axis.h",
-    ROOT / "host_sim" / "programs" / "five_axis_points.h",
-    ROOT / "host_sim" / "programs" / "sim_station.h",
-    ROOT / "host_sim" / "programs" / "five_axis_cycle.h",
-    ROOT / "host_sim" / "programs" / "kinematics_results.h",
-    ROOT / "host_sim" / "programs" / "kinematics_memory.h",
-    ROOT / "host_sim" / "programs" / "trains.h",
+    ROOT / "host_sim" / "api" / "five_axis_points.h",
+    ROOT / "host_sim" / "api" / "sim_station.h",
+    ROOT / "host_sim" / "api" / "five_axis_cycle.h",
+    ROOT / "host_sim" / "api" / "kinematics_results.h",
+    ROOT / "host_sim" / "api" / "kinematics_memory.h",
+    ROOT / "host_sim" / "api" / "trains.h",
 )
 
 CData = Any
@@ -511,7 +511,7 @@ def _play(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Residuals:
-    """Residuals laid out for C with the law of each; see ``host_sim/law.h``.
+    """Residuals laid out for C with the law of each; see ``diagnosis/law.h``.
 
     Attributes:
         values: Shape (n,).
@@ -661,7 +661,7 @@ class TrainsSetup:
 
 
 class Trains:
-    """The firmware's transmission error, fed with blocks of pulses; ``programs/trains.h``."""
+    """The firmware's transmission error, fed with blocks of pulses; ``api/trains.h``."""
 
     def __init__(self, setup: TrainsSetup) -> None:
         """Begin a run.

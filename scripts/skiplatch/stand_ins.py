@@ -51,7 +51,7 @@ PLAYED = {
     ("report", "jitter_us"): DURATION_US,
     ("bench", "reference_jitter_us"): DURATION_US,
 }
-"""What the simulator takes of nominal.toml: is_chain() of host_sim/programs/batch.c."""
+"""What the simulator takes of nominal.toml: is_chain() of host_sim/api/batch.c."""
 MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
 PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
 """And of a touch: is_touch() there."""

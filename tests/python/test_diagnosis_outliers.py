@@ -76,6 +76,7 @@ def test_what_one_touch_in_a_hundred_meets_is_no_outlier() -> None:
     assert outliers(Scene.of(campaign), Rig(campaign.nominal, [late]), seed=1) == []
 
 
+@pytest.mark.long
 def test_stamps_off_for_one_cause_are_not_explained_by_another() -> None:
     """Stamps that alone are early look like scans a whole period later, less that."""
     campaign = played(BENCH)

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+from skiplatch.simulator import effects
+
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 MEAN = {
@@ -35,6 +37,12 @@ def test_delays_are_those_of_the_pages_that_measured_them() -> None:
         for who, (page, pattern) in MEAN.items()
     }
     assert {who: [mean] for who, mean in rows} == measured
+
+
+def test_there_are_as_many_effects_as_it_says() -> None:
+    (said,) = re.findall(r"any of (\d+) \[effects\]", README)
+
+    assert int(said) == len(effects())
 
 
 def test_what_polling_costs_is_period_times_feed() -> None:

@@ -2,10 +2,10 @@
 /* LINK: tests/support/play.c tests/support/dice.c $(OUT)/libskiplatch_sim.a */
 #include <math.h>
 
+#include "api/rig.h"
 #include "cycle/overtravel.h"
 #include "dice.h"
 #include "play.h"
-#include "programs/rig.h"
 #include "unity.h"
 
 #define UM_PER_MM 1000.0

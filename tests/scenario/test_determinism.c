@@ -3,9 +3,9 @@
 /* LINK: tests/support/play.c tests/support/dice.c $(OUT)/libskiplatch_sim.a */
 #include <string.h>
 
+#include "api/rig.h"
 #include "dice.h"
 #include "play.h"
-#include "programs/rig.h"
 #include "unity.h"
 
 #define TOUCHES    10000u /* more than two blocks of the library */

@@ -3,8 +3,8 @@
  * one of an older image; skip input: at the same distance, wherever in the scan the edge falls.
  */
 /* LINK: tests/support/play.c $(OUT)/libskiplatch_sim.a */
+#include "api/rig.h"
 #include "play.h"
-#include "programs/rig.h"
 #include "unity.h"
 
 #define TOUCHES_MAX 4000u

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <stddef.h>
 
+#include "api/five_axis_cycle.h"
+#include "api/five_axis_points.h"
 #include "effects/active.h"
 #include "play.h"
-#include "programs/five_axis_cycle.h"
-#include "programs/five_axis_points.h"
 #include "unity.h"
 
 static sim_machine_t    truth;

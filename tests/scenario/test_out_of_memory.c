@@ -7,11 +7,11 @@
 /* LDFLAGS: -Wl,--wrap=calloc,--wrap=free,--wrap=pthread_create */
 #include <stddef.h>
 
+#include "api/five_axis_cycle.h"
+#include "api/kinematics_memory.h"
+#include "diagnosis/law.h"
 #include "failing_calls.h"
-#include "law.h"
 #include "play.h"
-#include "programs/five_axis_cycle.h"
-#include "programs/kinematics_memory.h"
 #include "unity.h"
 
 #define BLOCK_TOUCHES 4096u  /* what one thread plays */

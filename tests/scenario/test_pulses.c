@@ -5,9 +5,9 @@
 /* LINK: tests/support/play.c tests/support/dice.c $(OUT)/libskiplatch_sim.a */
 #include <math.h>
 
+#include "api/rig.h"
 #include "dice.h"
 #include "play.h"
-#include "programs/rig.h"
 #include "unity.h"
 
 #define SCAN_US     4000.0

@@ -11,8 +11,8 @@
 #include <string.h>
 #include <time.h>
 
+#include "api/rig.h"
 #include "dice.h"
-#include "programs/rig.h"
 #include "store_cuts.h"
 
 #define BOTH    LATCH_FRAMES_PER_RECORD

@@ -5,8 +5,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "api/batch.h"
 #include "chain.h"
-#include "programs/batch.h"
 
 #define PLAY_SEED 20241u
 

@@ -1,4 +1,4 @@
-#include "programs/batch.h"
+#include "api/batch.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -6,10 +6,10 @@
 #include <stdbool.h>
 #include <stdlib.h>
 
+#include "api/rig.h"
 #include "cycle/touch_cycle.h"
 #include "effects/table.h"
 #include "input/plc_task.h"
-#include "programs/rig.h"
 #include "seat.h"
 
 /* A controller is switched on anew for every block, so that blocks can be played on any thread. */

@@ -1,12 +1,12 @@
-#include "programs/five_axis_points.h"
+#include "api/five_axis_points.h"
 
 #include <math.h>
 #include <stdbool.h>
 
+#include "api/batch.h"
+#include "api/five_axis_belief.h"
+#include "api/five_axis_rig.h"
 #include "cycle/sphere_probe.h"
-#include "programs/batch.h"
-#include "programs/five_axis_belief.h"
-#include "programs/five_axis_rig.h"
 
 /* All touches of one sphere; false when one failed, or no sphere fits. */
 static bool probe_sphere(five_axis_rig_t *rig, const sphere_probe_config_t *config,

@@ -2,8 +2,8 @@
  * The simulation as a shared library: plays whole campaigns through the firmware, on several
  * threads. Python reads this header too: no more of the preprocessor than what can be left out.
  */
-#ifndef PROGRAMS_BATCH_H
-#define PROGRAMS_BATCH_H
+#ifndef API_BATCH_H
+#define API_BATCH_H
 
 #include <stdint.h>
 

@@ -2,8 +2,8 @@
  * The firmware's transmission error for blocks of pulses, as in files: time in 64-bit nanoseconds.
  * Python reads this header too: no more of the preprocessor than what can be left out.
  */
-#ifndef PROGRAMS_TRAINS_H
-#define PROGRAMS_TRAINS_H
+#ifndef API_TRAINS_H
+#define API_TRAINS_H
 
 #include <stdint.h>
 

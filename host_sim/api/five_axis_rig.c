@@ -1,9 +1,9 @@
-#include "programs/five_axis_rig.h"
+#include "api/five_axis_rig.h"
 
 #include <math.h>
 
 #include "angle.h"
-#include "programs/batch.h"
+#include "api/batch.h"
 
 #define UM_PER_MM           1000.0
 #define LANE                9u

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "programs/batch.h"
+#include "api/batch.h"
 #include "random.h"
 
 #define EXIT_USAGE    2

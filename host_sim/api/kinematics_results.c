@@ -1,9 +1,9 @@
-#include "programs/kinematics_results.h"
+#include "api/kinematics_results.h"
 
 #include <string.h>
 
+#include "api/five_axis_station.h"
 #include "cycle/kinematics_report.h"
-#include "programs/five_axis_station.h"
 
 static sim_axis_result_t result_of(const kinematics_axis_report_t *axis)
 {

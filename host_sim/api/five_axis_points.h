@@ -2,8 +2,8 @@
  * Sphere centres at any positions of a five-axis machine's rotary axes, each by real touches of the
  * firmware. Python reads this header too: no more of the preprocessor than what can be left out.
  */
-#ifndef PROGRAMS_FIVE_AXIS_POINTS_H
-#define PROGRAMS_FIVE_AXIS_POINTS_H
+#ifndef API_FIVE_AXIS_POINTS_H
+#define API_FIVE_AXIS_POINTS_H
 
 #include <stdint.h>
 

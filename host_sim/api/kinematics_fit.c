@@ -1,4 +1,4 @@
-#include "kinematics_fit.h"
+#include "api/kinematics_fit.h"
 
 int sim_kinematics_fit(const kinematics_machine_t *machine, const kinematics_point_t *points,
                        int32_t n, kinematics_result_t *result)

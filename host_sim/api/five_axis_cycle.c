@@ -1,13 +1,13 @@
-#include "programs/five_axis_cycle.h"
+#include "api/five_axis_cycle.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+#include "api/batch.h"
+#include "api/five_axis_belief.h"
+#include "api/five_axis_rig.h"
+#include "api/five_axis_station.h"
 #include "cycle/kinematics_cycle.h"
-#include "programs/batch.h"
-#include "programs/five_axis_belief.h"
-#include "programs/five_axis_rig.h"
-#include "programs/five_axis_station.h"
 
 #define S_PER_MIN 60.0
 #define MOVE_S    1.0 /* of the virtual clock, for a motion of the linear axes */

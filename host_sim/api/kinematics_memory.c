@@ -1,4 +1,4 @@
-#include "programs/kinematics_memory.h"
+#include "api/kinematics_memory.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,14 +4,14 @@
  * acknowledge, apply, clear. Python reads this header too: no more of the preprocessor than what
  * can be left out.
  */
-#ifndef PROGRAMS_FIVE_AXIS_CYCLE_H
-#define PROGRAMS_FIVE_AXIS_CYCLE_H
+#ifndef API_FIVE_AXIS_CYCLE_H
+#define API_FIVE_AXIS_CYCLE_H
 
 #include <stdint.h>
 
+#include "api/sim_station.h"
 #include "chain.h"
 #include "five_axis.h"
-#include "programs/sim_station.h"
 
 #pragma GCC visibility push(default)
 

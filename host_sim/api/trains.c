@@ -1,4 +1,4 @@
-#include "programs/trains.h"
+#include "api/trains.h"
 
 #include <stdbool.h>
 

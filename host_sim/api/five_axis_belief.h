@@ -1,6 +1,6 @@
 /* What the controller believes of a five-axis machine, and what it expects by that. */
-#ifndef PROGRAMS_FIVE_AXIS_BELIEF_H
-#define PROGRAMS_FIVE_AXIS_BELIEF_H
+#ifndef API_FIVE_AXIS_BELIEF_H
+#define API_FIVE_AXIS_BELIEF_H
 
 #include "comp/kinematics.h"
 #include "comp/kinematics_grid.h"

@@ -1,4 +1,4 @@
-#include "programs/rig.h"
+#include "api/rig.h"
 
 #include <math.h>
 

@@ -2,8 +2,8 @@
  * firmware/comp/kinematics for users of the shared library; the contract is that of kinematics.h.
  * Python reads this header too: no more of the preprocessor than what can be left out.
  */
-#ifndef PROGRAMS_KINEMATICS_FIT_H
-#define PROGRAMS_KINEMATICS_FIT_H
+#ifndef API_KINEMATICS_FIT_H
+#define API_KINEMATICS_FIT_H
 
 #include <stdint.h>
 

@@ -1,4 +1,4 @@
-#include "law.h"
+#include "diagnosis/law.h"
 
 #include <math.h>
 #include <stdbool.h>

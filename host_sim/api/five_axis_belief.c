@@ -1,4 +1,4 @@
-#include "programs/five_axis_belief.h"
+#include "api/five_axis_belief.h"
 
 #include "comp/kinematics_chain.h"
 

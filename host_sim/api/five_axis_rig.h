@@ -3,14 +3,14 @@
  * through the skip or the PLC path, on the surface that the machine's true geometry puts in the
  * way.
  */
-#ifndef PROGRAMS_FIVE_AXIS_RIG_H
-#define PROGRAMS_FIVE_AXIS_RIG_H
+#ifndef API_FIVE_AXIS_RIG_H
+#define API_FIVE_AXIS_RIG_H
 
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "api/rig.h"
 #include "five_axis.h"
-#include "programs/rig.h"
 #include "random.h"
 
 typedef struct {

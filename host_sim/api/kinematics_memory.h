@@ -3,8 +3,8 @@
  * memory: they carry out each write, in its order, before they ask for the next. Python reads this
  * header too: no more of the preprocessor than what can be left out.
  */
-#ifndef PROGRAMS_KINEMATICS_MEMORY_H
-#define PROGRAMS_KINEMATICS_MEMORY_H
+#ifndef API_KINEMATICS_MEMORY_H
+#define API_KINEMATICS_MEMORY_H
 
 #include <stdint.h>
 

@@ -2,12 +2,12 @@
  * firmware/cycle/kinematics_report for users of the shared library. Python reads this header too:
  * no more of the preprocessor than what can be left out.
  */
-#ifndef PROGRAMS_KINEMATICS_RESULTS_H
-#define PROGRAMS_KINEMATICS_RESULTS_H
+#ifndef API_KINEMATICS_RESULTS_H
+#define API_KINEMATICS_RESULTS_H
 
 #include <stdint.h>
 
-#include "programs/five_axis_cycle.h"
+#include "api/five_axis_cycle.h"
 
 #pragma GCC visibility push(default)
 

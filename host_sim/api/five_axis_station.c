@@ -1,4 +1,4 @@
-#include "programs/five_axis_station.h"
+#include "api/five_axis_station.h"
 
 #include <string.h>
 

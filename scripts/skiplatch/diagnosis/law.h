@@ -3,8 +3,8 @@
  * and what a share of the touches gets on top. Python reads this header too: no more of the
  * preprocessor than what can be left out.
  */
-#ifndef SIM_LAW_H
-#define SIM_LAW_H
+#ifndef DIAGNOSIS_LAW_H
+#define DIAGNOSIS_LAW_H
 
 #include <stdint.h>
 

@@ -1,6 +1,6 @@
 /* A station of the sphere, for the users of the shared library. Python reads this header too. */
-#ifndef PROGRAMS_SIM_STATION_H
-#define PROGRAMS_SIM_STATION_H
+#ifndef API_SIM_STATION_H
+#define API_SIM_STATION_H
 
 #include <stdint.h>
 

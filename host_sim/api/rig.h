@@ -2,8 +2,8 @@
  * A simulated rig with the real firmware in it: the controller's wiring (what a port's main.c is
  * elsewhere), and the recorder at the other end of the bus.
  */
-#ifndef PROGRAMS_RIG_H
-#define PROGRAMS_RIG_H
+#ifndef API_RIG_H
+#define API_RIG_H
 
 #include "chain.h"
 #include "cycle/touch_cycle.h"
