@@ -81,8 +81,8 @@ class Left:
         size: Of the difference: by condition, half of that between touches that are predicted high
             and low.
         unit: Of the size.
-        relative: The same in units of what the plays scatter by, but of no less than what a touch
-            repeats to: a machine measures no finer.
+        relative: The same in units of what the believed rig scatters by, but of no less than what a
+            touch repeats to: a machine measures no finer.
         noise: What the plays of a touch scatter by, in the middle.
         step: What the observable is rounded to.
         z: How many standard errors it is from nothing.
@@ -272,6 +272,7 @@ class Look:
         rows: BoolArray,
         recorded: FloatArray,
         played: FloatArray,
+        noise: FloatArray | None = None,
     ) -> None:
         """Rank the touches among their plays.
 
@@ -282,6 +283,7 @@ class Look:
             rows: Which touches these are; shape (n,).
             recorded: Shape (n,).
             played: Shape (r, n).
+            noise: Scatter that what is left is measured by, in place of the plays'; shape (m,).
         """
         self._setting, self._name, self._path, self._rows = setting, name, path, rows
         self._step = setting.step(name)
@@ -290,7 +292,8 @@ class Look:
         self._scores = normal_scores(self._recorded, self._played)
         self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
         self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
-        self._scale = np.maximum(self._noise, setting.repeats_to(name))
+        scale = self._noise if noise is None else np.fmax(noise, self._step / np.sqrt(12.0))
+        self._scale = np.maximum(scale, setting.repeats_to(name))
 
     def all(self, memo: Memo) -> list[Left]:
         """Give everything that may be left of it."""
