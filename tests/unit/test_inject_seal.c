@@ -325,7 +325,7 @@ void test_a_seal_is_of_one_delay_one_validity_and_one_counter(void)
 
 void test_a_seal_is_of_one_shot(void)
 {
-    for (uint8_t i = 0u; i < sizeof SHOT; ++i) {
+    for (size_t i = 0u; i < sizeof SHOT; ++i) {
         uint8_t other[sizeof SHOT];
         setUp();
         prepare();

@@ -8,8 +8,8 @@
 
 #include "say.h"
 
-#define DIGITS    (2u * INJECT_KEY_BYTES)
-#define ENDING    2u /* a line may end behind them, as on Unix or on Windows */
+#define DIGITS    32u /* two to a byte */
+#define ENDING    2u  /* a line may end behind them, as on Unix or on Windows */
 #define OTHERS    (S_IRWXG | S_IRWXO)
 #define NO_DIGIT  0xFFu
 #define LETTER_10 10
@@ -39,7 +39,7 @@ static bool parse(const char *text, size_t length, uint8_t *key)
     if (length < DIGITS || !is_ending(&text[DIGITS], length - DIGITS)) {
         return false;
     }
-    for (uint8_t i = 0u; i < INJECT_KEY_BYTES; ++i) {
+    for (size_t i = 0u; i < INJECT_KEY_BYTES; ++i) {
         uint8_t high = digit_of(text[2u * i]);
         uint8_t low = digit_of(text[2u * i + 1u]);
         if (high == NO_DIGIT || low == NO_DIGIT) {
