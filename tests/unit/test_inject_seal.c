@@ -219,6 +219,32 @@ void test_seed_and_entropy_make_the_challenge(void)
     TEST_ASSERT_TRUE(memcmp(other_seed, other_entropy, sizeof first) != 0);
 }
 
+/* Of start, entropy and count, four bytes each. */
+void test_the_count_makes_the_challenge_as_well(void)
+{
+    for (uint8_t drawn = 0u; drawn < 3u; ++drawn) {
+        uint8_t challenge[INJECT_SEAL_BYTES];
+        uint8_t sum[INJECT_SEAL_BYTES];
+        uint8_t bytes[12] = {[8] = drawn};
+        for (uint8_t i = 0u; i < 4u; ++i) {
+            bytes[i] = (uint8_t)(0x11223344u >> (8u * i));
+            bytes[4u + i] = (uint8_t)(0x55667788u >> (8u * i));
+        }
+        if (drawn == 0u) {
+            begin(0x11223344u);
+        } else {
+            TEST_ASSERT_EQUAL(INJECT_OBEYED, send_sealed_arm());
+        }
+        guard.random = 0x55667788u;
+        ask_challenge(challenge);
+        uint64_t expected = inject_siphash_sum(KEY, bytes, sizeof bytes);
+        for (uint8_t i = 0u; i < INJECT_SEAL_BYTES; ++i) {
+            sum[i] = (uint8_t)(expected >> (8u * i));
+        }
+        TEST_ASSERT_EQUAL_HEX8_ARRAY(sum, challenge, INJECT_SEAL_BYTES);
+    }
+}
+
 /* Starts that are counted: whatever was drawn since, the two never give the same challenge. */
 void test_the_start_shows_when_the_generators_have_met(void)
 {
@@ -343,6 +369,7 @@ void test_a_seal_serves_once(void)
     assert_forged(send(trigger()), 1u);
     ask_challenge(session);
     assert_forged(send((inject_command_t){.kind = INJECT_ARM, .valid_ms = VALID_MS}), 2u);
+    TEST_ASSERT_EQUAL_UINT8(0u, guard.wrong_tokens); /* as no seal was there, none was guessed */
 }
 
 /* At its own counter, a whole turn of counters later, with a token that has come again. */
