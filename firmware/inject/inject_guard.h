@@ -83,7 +83,8 @@ void inject_guard_begin(inject_guard_t *guard, uint32_t seed, uint8_t lines);
 /*
  * From now on ask for seals under this key, which is copied. Directly after inject_guard_begin(),
  * whose seed then has to differ from start to start, lest a recorded session opens again: a board
- * without a generator of random numbers counts its starts in EEPROM. Task.
+ * without a generator of random numbers counts its starts in EEPROM, from 1 on (0 is taken for 1).
+ * Task.
  */
 void inject_guard_set_key(inject_guard_t *guard, const uint8_t key[INJECT_KEY_BYTES]);
 
