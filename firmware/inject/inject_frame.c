@@ -66,6 +66,9 @@ void inject_frame_put_command(const inject_command_t *command, uint8_t frame[INJ
     case INJECT_ASK:
         frame[1] = command->page;
         break;
+    case INJECT_SEAL:
+        memcpy(&frame[1], command->seal, INJECT_SEAL_BYTES);
+        break;
     default: /* DISARM carries nothing */
         break;
     }
@@ -94,6 +97,9 @@ static inject_command_t read_command(const uint8_t *frame)
         break;
     case INJECT_ASK:
         command.page = frame[1];
+        break;
+    case INJECT_SEAL:
+        memcpy(command.seal, &frame[1], INJECT_SEAL_BYTES);
         break;
     default:
         break;
@@ -128,6 +134,14 @@ void inject_frame_put_counts(uint8_t page, uint16_t first, uint16_t second, uint
     put(&frame[1], first, 2u);
     put(&frame[3], second, 2u);
     frame[5] = 0u;
+    close_frame(INJECT_ID_STATUS, counter, frame);
+}
+
+void inject_frame_put_challenge(const uint8_t challenge[INJECT_SEAL_BYTES], uint8_t counter,
+                                uint8_t frame[INJECT_FRAME_BYTES])
+{
+    frame[0] = INJECT_PAGE_CHALLENGE;
+    memcpy(&frame[1], challenge, INJECT_SEAL_BYTES);
     close_frame(INJECT_ID_STATUS, counter, frame);
 }
 

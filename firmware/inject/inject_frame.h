@@ -8,8 +8,10 @@
  *   TRAIN     4          count       period_us         counter   crc
  *   TRIGGER   5          token       delay_us          counter   crc
  *   ASK       6          page  0     0     0     0     counter   crc
+ *   SEAL      7          seal                          counter   crc
  *   answer    0          state verdict answered token  counter   crc
- *   counts    page 1-6   first       second      0     counter   crc
+ *   counts    page 1-7   first       second      0     counter   crc
+ *   challenge 8          challenge                     counter   crc
  *   edge 1    window, level, 0   number   time_ns, low    counter   crc
  *   edge 2    window, level, 1   time_ns, high            counter   crc of both
  *
@@ -40,6 +42,9 @@ extern "C" {
 #define INJECT_PERIOD_MAX_US   10000000u
 #define INJECT_DELAY_MAX_US    10000000u
 #define INJECT_PAGES           6u /* of counts, numbered from 1; page 0 is the answer */
+#define INJECT_PAGES_KEYED     8u /* with a key */
+#define INJECT_PAGE_CHALLENGE  8u
+#define INJECT_SEAL_BYTES      5u
 #define INJECT_WINDOW_BITS_MAX 63u
 
 typedef enum {
@@ -48,14 +53,15 @@ typedef enum {
     INJECT_PULSE = 3,   /* set line, level and width */
     INJECT_TRAIN = 4,   /* set count and period */
     INJECT_TRIGGER = 5, /* play what is set; spends the token */
-    INJECT_ASK = 6      /* change nothing, answer with a page */
+    INJECT_ASK = 6,     /* change nothing, answer with a page */
+    INJECT_SEAL = 7     /* with a key: the seal of the ARM or TRIGGER that follows */
 } inject_kind_t;
 
 /* One command; fields that its kind does not have are 0. */
 typedef struct {
     uint8_t  kind;      /* inject_kind_t */
     uint8_t  counter;   /* steps by one from command to command, modulo 256 */
-    uint8_t  page;      /* ASK: 0 … INJECT_PAGES */
+    uint8_t  page;      /* ASK: 0 … INJECT_PAGES, with a key INJECT_PAGES_KEYED */
     uint8_t  line;      /* PULSE: 0 … INJECT_LINES - 1 */
     uint8_t  level;     /* PULSE: 0 or 1, the level during the pulse */
     uint16_t valid_ms;  /* ARM: 1 … INJECT_VALID_MAX_MS */
@@ -64,7 +70,18 @@ typedef struct {
     uint32_t width_us;  /* PULSE: 1 … INJECT_WIDTH_MAX_US */
     uint32_t period_us; /* TRAIN: from pulse to pulse; 0 … INJECT_PERIOD_MAX_US */
     uint32_t delay_us;  /* TRIGGER: from its arrival; 0 … INJECT_DELAY_MAX_US */
+    uint8_t  seal[INJECT_SEAL_BYTES];
 } inject_command_t;
+
+/* What a TRIGGER asks for. */
+typedef struct {
+    uint8_t  line;
+    uint8_t  level;
+    uint16_t count;
+    uint32_t delay_us;
+    uint32_t width_us;
+    uint32_t period_us;
+} inject_shot_t;
 
 /* What is said to a command. */
 typedef struct {
@@ -98,6 +115,10 @@ void inject_frame_put_answer(const inject_answer_t *answer, uint8_t counter,
 /* Write page `page` of the counts as status frame number `counter`. Any context. */
 void inject_frame_put_counts(uint8_t page, uint16_t first, uint16_t second, uint8_t counter,
                              uint8_t frame[INJECT_FRAME_BYTES]);
+
+/* Write page INJECT_PAGE_CHALLENGE as status frame number `counter`. Any context. */
+void inject_frame_put_challenge(const uint8_t challenge[INJECT_SEAL_BYTES], uint8_t counter,
+                                uint8_t frame[INJECT_FRAME_BYTES]);
 
 /* Write an edge report; its frames are numbered `counter` and `counter` + 1. Any context. */
 void inject_frame_put_edge(const inject_edge_t *edge, uint8_t counter,

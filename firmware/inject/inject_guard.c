@@ -1,5 +1,8 @@
 #include "inject/inject_guard.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #define STEP_MAX 127u /* half the counter's range lies ahead, half behind */
 
 /* Xorshift: no secret unless it is stirred, but no two tokens in a row are alike by chance. */
@@ -50,6 +53,11 @@ void inject_guard_stir(inject_guard_t *guard, uint32_t entropy)
     }
 }
 
+void inject_guard_set_key(inject_guard_t *guard, const uint8_t key[INJECT_KEY_BYTES])
+{
+    inject_seal_begin(&guard->seal, key, guard->random);
+}
+
 inject_state_t inject_guard_state(inject_guard_t *guard, uint64_t now_ms)
 {
     expire(guard, now_ms);
@@ -57,6 +65,11 @@ inject_state_t inject_guard_state(inject_guard_t *guard, uint64_t now_ms)
         return INJECT_RUNNING;
     }
     return guard->token != 0u ? INJECT_ARMED : INJECT_IDLE;
+}
+
+static uint8_t last_page(const inject_guard_t *guard)
+{
+    return guard->seal.has_key ? INJECT_PAGES_KEYED : INJECT_PAGES;
 }
 
 static bool is_in_range(const inject_guard_t *guard, const inject_command_t *command)
@@ -74,7 +87,9 @@ static bool is_in_range(const inject_guard_t *guard, const inject_command_t *com
     case INJECT_TRIGGER:
         return command->delay_us <= INJECT_DELAY_MAX_US;
     case INJECT_ASK:
-        return command->page <= INJECT_PAGES;
+        return command->page <= last_page(guard);
+    case INJECT_SEAL:
+        return guard->seal.has_key;
     default:
         return false;
     }
@@ -93,15 +108,48 @@ static inject_verdict_t check_order(inject_guard_t *guard, uint8_t counter)
     if (step > 1u) {
         inject_guard_count(&guard->lost_commands, (uint16_t)(step - 1u));
         forget_shot(guard);
+        guard->seal.has_given = false;
     }
     guard->last_counter = counter;
     return INJECT_OBEYED;
+}
+
+/* Who tries tokens or seals one after the other is stopped for a while, whoever arms. */
+static inject_verdict_t refuse_guess(inject_guard_t *guard, inject_verdict_t verdict,
+                                     uint64_t now_ms)
+{
+    guard->wrong_tokens++;
+    guard->wrong_ms = now_ms;
+    if (guard->wrong_tokens >= INJECT_WRONG_TOKENS_MAX) {
+        guard->token = 0u;
+        forget_shot(guard);
+    }
+    return verdict;
+}
+
+/* The last check of an ARM (`shot` is NULL) or a TRIGGER. Where no seal came, none was guessed. */
+static inject_verdict_t check_seal(inject_guard_t *guard, const inject_command_t *command,
+                                   const inject_shot_t *shot, uint64_t now_ms)
+{
+    inject_seal_t *seal = &guard->seal;
+    if (!seal->has_key) {
+        return INJECT_OBEYED;
+    }
+    if (!seal->has_given || (shot == NULL && !seal->has_challenge)) {
+        return INJECT_FORGED;
+    }
+    return inject_seal_take(seal, command, shot) ? INJECT_OBEYED
+                                                 : refuse_guess(guard, INJECT_FORGED, now_ms);
 }
 
 static inject_verdict_t arm(inject_guard_t *guard, const inject_command_t *command, uint64_t now_ms)
 {
     if (guard->wrong_tokens >= INJECT_WRONG_TOKENS_MAX) {
         return INJECT_WRONG_TOKEN;
+    }
+    inject_verdict_t verdict = check_seal(guard, command, NULL, now_ms);
+    if (verdict != INJECT_OBEYED) {
+        return verdict;
     }
     guard->token = next_token(guard);
     guard->armed_ms = now_ms;
@@ -115,6 +163,13 @@ static inject_verdict_t disarm(inject_guard_t *guard, inject_order_t *order)
     guard->token = 0u;
     forget_shot(guard);
     order->has_stop = true;
+    return INJECT_OBEYED;
+}
+
+static inject_verdict_t keep_seal(inject_guard_t *guard, const inject_command_t *command)
+{
+    memcpy(guard->seal.given, command->seal, INJECT_SEAL_BYTES);
+    guard->seal.has_given = true;
     return INJECT_OBEYED;
 }
 
@@ -141,23 +196,11 @@ static bool overlaps(const inject_shot_t *shot)
     return shot->count > 1u && shot->period_us <= shot->width_us;
 }
 
-/* Who tries tokens one after the other is stopped for a while, whoever arms. */
-static inject_verdict_t refuse_token(inject_guard_t *guard, uint64_t now_ms)
-{
-    guard->wrong_tokens++;
-    guard->wrong_ms = now_ms;
-    if (guard->wrong_tokens >= INJECT_WRONG_TOKENS_MAX) {
-        guard->token = 0u;
-        forget_shot(guard);
-    }
-    return INJECT_WRONG_TOKEN;
-}
-
 static inject_verdict_t trigger(inject_guard_t *guard, const inject_command_t *command,
                                 uint64_t now_ms, inject_order_t *order)
 {
     if (command->token != guard->token) {
-        return refuse_token(guard, now_ms);
+        return refuse_guess(guard, INJECT_WRONG_TOKEN, now_ms);
     }
     if (!guard->has_pulse || !guard->has_train) {
         return INJECT_INCOMPLETE;
@@ -167,6 +210,10 @@ static inject_verdict_t trigger(inject_guard_t *guard, const inject_command_t *c
     }
     if (overlaps(&guard->shot)) {
         return INJECT_OUT_OF_RANGE;
+    }
+    inject_verdict_t verdict = check_seal(guard, command, &guard->shot, now_ms);
+    if (verdict != INJECT_OBEYED) {
+        return verdict;
     }
     guard->token = next_token(guard); /* so that this frame never triggers again */
     order->shot = guard->shot;
@@ -183,6 +230,9 @@ static inject_verdict_t obey(inject_guard_t *guard, const inject_command_t *comm
     }
     if (command->kind == INJECT_DISARM) {
         return disarm(guard, order);
+    }
+    if (command->kind == INJECT_SEAL) {
+        return keep_seal(guard, command);
     }
     if (guard->token == 0u) {
         return INJECT_UNARMED;
@@ -226,35 +276,4 @@ inject_order_t inject_guard_take(inject_guard_t *guard, const uint8_t *frame, ui
     order.verdict = judge(guard, frame, length, now_ms, &order);
     inject_guard_count(&guard->verdicts[order.verdict], 1u);
     return order;
-}
-
-/* Two figures to a page; docs/INJECTION.md has the same table. */
-static void report_counts(const inject_guard_t *guard, uint8_t page, uint8_t counter,
-                          uint8_t *frame)
-{
-    const uint16_t figures[INJECT_PAGES][2] = {
-        {guard->verdicts[INJECT_OBEYED], guard->edges},
-        {guard->verdicts[INJECT_DAMAGED], guard->verdicts[INJECT_REPEATED]},
-        {guard->verdicts[INJECT_STALE], guard->verdicts[INJECT_OUT_OF_RANGE]},
-        {guard->verdicts[INJECT_UNARMED], guard->verdicts[INJECT_WRONG_TOKEN]},
-        {guard->verdicts[INJECT_INCOMPLETE], guard->verdicts[INJECT_BUSY]},
-        {guard->lost_commands, guard->dropped_frames},
-    };
-    inject_frame_put_counts(page, figures[page - 1u][0], figures[page - 1u][1], counter, frame);
-}
-
-void inject_guard_report(inject_guard_t *guard, uint8_t page, inject_verdict_t verdict,
-                         uint8_t counter, uint64_t now_ms, uint8_t frame[INJECT_FRAME_BYTES])
-{
-    if (page >= 1u && page <= INJECT_PAGES) {
-        report_counts(guard, page, counter, frame);
-        return;
-    }
-    inject_answer_t answer = {
-        .state = (uint8_t)inject_guard_state(guard, now_ms),
-        .verdict = (uint8_t)verdict,
-        .answered = guard->last_counter,
-        .token = guard->token,
-    };
-    inject_frame_put_answer(&answer, counter, frame);
 }

@@ -6,6 +6,9 @@
  * frames were lost: then PULSE and TRAIN have to be given again, since one of the lost may have
  * changed them. ASK stands outside: it is always answered, from which a host that starts learns
  * the counter.
+ *
+ * With a key, ARM and TRIGGER have to follow a SEAL that fits (inject_seal.h). DISARM needs none:
+ * whoever wants to stop, may.
  */
 #ifndef INJECT_GUARD_H
 #define INJECT_GUARD_H
@@ -14,6 +17,7 @@
 #include <stdint.h>
 
 #include "inject/inject_frame.h"
+#include "inject/inject_seal.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -29,24 +33,16 @@ typedef enum {
     INJECT_WRONG_TOKEN,  /* another one than the last given, or a spent one; ARM after too many */
     INJECT_INCOMPLETE,   /* TRIGGER without PULSE and TRAIN since arming or since a loss */
     INJECT_BUSY,         /* TRIGGER while a train plays */
+    INJECT_FORGED,       /* with a key: ARM or TRIGGER without the seal that fits */
     INJECT_VERDICTS
 } inject_verdict_t;
 
 typedef enum { INJECT_IDLE = 0, INJECT_ARMED = 1, INJECT_RUNNING = 2 } inject_state_t;
 
-/* After so many wrong tokens the token is dropped, and none is given for so long. */
+/* After so many wrong tokens and wrong seals the token is dropped, and none is given for so long.
+ */
 #define INJECT_WRONG_TOKENS_MAX 3u
 #define INJECT_LOCKED_MS        10000u
-
-/* What a TRIGGER asks for. */
-typedef struct {
-    uint8_t  line;
-    uint8_t  level;
-    uint16_t count;
-    uint32_t delay_us;
-    uint32_t width_us;
-    uint32_t period_us;
-} inject_shot_t;
 
 /* Begin with inject_guard_begin(). Counters stop at their maximum. */
 typedef struct {
@@ -57,7 +53,7 @@ typedef struct {
     uint16_t      token;          /* 0: none */
     uint32_t      random;         /* where tokens come from; never 0 */
     uint64_t      armed_ms;       /* when the token was given */
-    uint64_t      wrong_ms;       /* when the last wrong token came */
+    uint64_t      wrong_ms;       /* when the last wrong token or seal came */
     inject_shot_t shot;           /* as PULSE and TRAIN have set it */
     uint16_t      valid_ms;
     uint8_t       last_counter; /* of the last command in order */
@@ -66,6 +62,7 @@ typedef struct {
     bool          has_pulse;
     bool          has_train;
     bool          is_running; /* a train plays: the port says so */
+    inject_seal_t seal;
 } inject_guard_t;
 
 /* What came of a frame. */
@@ -82,6 +79,14 @@ typedef struct {
  * below is a clock that never wraps, so that no token lives again.
  */
 void inject_guard_begin(inject_guard_t *guard, uint32_t seed, uint8_t lines);
+
+/*
+ * From now on ask for seals under this key, which is copied. Directly after inject_guard_begin(),
+ * whose seed then has to differ from start to start, lest a recorded session opens again: a board
+ * without a generator of random numbers counts its starts in EEPROM, from 1 on (0 is taken for 1).
+ * Task.
+ */
+void inject_guard_set_key(inject_guard_t *guard, const uint8_t key[INJECT_KEY_BYTES]);
 
 /*
  * Make the next token as hard to guess as `entropy`: a port with a generator of random numbers

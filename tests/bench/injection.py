@@ -9,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from siphash24 import siphash24
 
 from tests.bench.bus import Bus
 from tests.bench.latches import FRAME_TYPE
 
 COMMAND_ID, STATUS_ID, EDGE_ID = 0x300, 0x301, 0x302
-ARM, DISARM, PULSE, TRAIN, TRIGGER, ASK = range(1, 7)
+ARM, DISARM, PULSE, TRAIN, TRIGGER, ASK, SEAL = range(1, 8)
 IDLE, ARMED, RUNNING = range(3)
 (
     OBEYED,
@@ -26,7 +27,8 @@ IDLE, ARMED, RUNNING = range(3)
     WRONG_TOKEN,
     INCOMPLETE,
     BUSY,
-) = range(9)
+    FORGED,
+) = range(10)
 COUNTS = {
     1: ("obeyed", "edges"),
     2: ("damaged", "repeated"),
@@ -35,13 +37,14 @@ COUNTS = {
     5: ("incomplete", "busy"),
     6: ("lost_commands", "dropped_frames"),
 }
-CRC_POLYNOMIAL = 0x1D
+CRC_POLYNOMIAL = 0x2F
+CHALLENGE_PAGE = 8
 ANSWER_S = 5.0
 START_US = 50_000
 
 
 def crc8(data: bytes) -> int:
-    """CRC-8/SAE-J1850."""
+    """CRC-8/AUTOSAR."""
     crc = 0xFF
     for byte in data:
         crc ^= byte
@@ -77,10 +80,17 @@ class Answer:
 
 
 class Host:
-    """Speaks to the injector over `bus`, which has to hear the status frames."""
+    """Speaks to the injector over `bus`, which has to hear the status frames.
 
-    def __init__(self, bus: Bus) -> None:
+    With a key it seals what has to be.
+    """
+
+    def __init__(self, bus: Bus, key: bytes | None = None) -> None:
         self.bus = bus
+        self.key = key
+        self.challenge = bytes(5)
+        self.number = 0  # of the next sealed command in the session
+        self.figures = {PULSE: bytes(5), TRAIN: bytes(5)}
         self.counter = (self.ask().answered + 1) & 0xFF
         self.token = 0
 
@@ -114,6 +124,28 @@ class Host:
 
     def command(self, kind: int, figures: bytes = b"") -> Answer:
         """Send the next command in order, and take the answer."""
+        self.figures[kind] = figures
+        if self.key is not None and kind in (ARM, TRIGGER):
+            self.seal(self.key, kind, figures)
+        answer = self.send(kind, figures)
+        self.number += answer.verdict == OBEYED and kind in (ARM, TRIGGER)
+        return answer
+
+    def seal(self, key: bytes, kind: int, figures: bytes) -> None:
+        """Send the seal of a command; of an ARM, over a challenge that is asked for."""
+        shot = bytes(10)
+        if kind == ARM:
+            self.bus.send(COMMAND_ID, frame(ASK, bytes([CHALLENGE_PAGE]), 0))
+            self.challenge, self.number = self.status(CHALLENGE_PAGE)[1:6], 0
+        else:
+            pulse, train = self.figures[PULSE], self.figures[TRAIN]
+            shot = pulse[:2] + train[:2] + pulse[2:] + train[2:]
+        sealed = self.challenge + self.number.to_bytes(4, "little")
+        sealed += frame(kind, figures, self.counter + 1)[:7] + shot
+        self.send(SEAL, siphash24(sealed, key=key).digest()[:5])
+
+    def send(self, kind: int, figures: bytes) -> Answer:
+        """Send a command as it is, and take the answer."""
         self.bus.send(COMMAND_ID, frame(kind, figures, self.counter))
         self.counter = (self.counter + 1) & 0xFF
         answer = self.answer()

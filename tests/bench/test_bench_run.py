@@ -71,6 +71,20 @@ def check_refused(status: int, complaint: str, folder: Path, *words: str) -> Non
     assert not (folder / "out").exists()
 
 
+def test_a_plan_is_played_under_a_key(rig: Rig, line: Line, tmp_path: Path) -> None:
+    path = tmp_path / "bench.key"
+    path.touch(mode=0o600)
+    path.write_text("00112233445566778899aabbccddeeff\n", encoding="ascii")
+    status, complaint = outcome(bench_run(rig, line, tmp_path, 5, key=str(path)))
+
+    assert status == 0, complaint
+    report = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))
+    assert report["complete"] is True
+    assert report["campaigns"][0]["touches"] == 5
+    assert report["campaigns"][0]["without_edge"] == 0
+    check_nothing_runs_on()
+
+
 def test_ctrl_c_leaves_a_valid_campaign(rig: Rig, line: Line, tmp_path: Path) -> None:
     command = bench_run(rig, line, tmp_path, 2000)
     with subprocess.Popen(

@@ -2,6 +2,7 @@
 
 import random
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -65,6 +66,27 @@ def test_a_forged_token_makes_no_edge(driver: Program, bus: Bus) -> None:
 
     assert host.trigger().verdict == injection.WRONG_TOKEN
     assert edges_in(bus.drain()) == 0
+
+
+def test_with_a_key_only_who_has_it_triggers(
+    rig: Rig, line: Line, bus: Bus, tmp_path: Path
+) -> None:
+    key = bytes(range(16))
+    path = tmp_path / "bench.key"
+    path.touch(mode=0o600)
+    path.write_text(key.hex())
+    with injector(rig, line, "--key", str(path)) as program:
+        assert Host(bus).command(injection.ARM, injection.u16(1000)).verdict == injection.FORGED
+        stranger = Host(bus, bytes(16))
+        answer = stranger.command(injection.ARM, injection.u16(1000))
+        assert answer.verdict == injection.FORGED
+        assert edges_in(bus.drain()) == 0
+
+        Host(bus, key).shoot()
+        assert edges_in(bus.drain()) == 1
+        counters = program.stop()
+
+    assert (counters["edges"], counters["forged"]) == (1, 2)
 
 
 @pytest.mark.parametrize("byte", range(8))

@@ -99,9 +99,7 @@ class FakeBench(threading.Thread):
         while not self._ending.is_set():
             message = self._bus.recv(POLL_S)
             if message is not None and message.arbitration_id == COMMAND_ID:
-                signals = get_frame(COMMAND_ID, bytes(message.data))
-                if signals is not None and not self._faults.is_silent:
-                    self._obey(signals)
+                self._take(bytes(message.data))
 
     def send(self, frame_id: int, frame: bytes) -> None:
         """Put a frame on the bus."""
@@ -116,6 +114,11 @@ class FakeBench(threading.Thread):
         position = int(at_ns * self._counts_per_ns) % 2**32
         self._encode(LATCH_ID, f"latch {at_ns // TICK_NS % 2**32} {position} {self._sequence} 0 8")
         self._sequence += 1
+
+    def _take(self, frame: bytes) -> None:
+        signals = get_frame(COMMAND_ID, frame)
+        if signals is not None and not self._faults.is_silent:
+            self._obey(signals)
 
     def _obey(self, signals: dict[str, int]) -> None:
         kind = Kind(signals["Kind"])
@@ -174,3 +177,52 @@ class FakeBench(threading.Thread):
             frame = bytearray.fromhex(self._codec.stdout.readline())
             frame[5] ^= damage
             self.send(frame_id, bytes(frame))
+
+
+class GuardedBench(FakeBench):
+    """The same with the firmware's own guard, with a key or without one.
+
+    Attributes:
+        verdicts: What the guard made of each command.
+        heard: All commands as they came.
+        drops: Numbers of commands that never reach the guard, counted from 1.
+        mutes: Numbers of those whose answer gets lost.
+    """
+
+    def __init__(self, channel: str, key: bytes = b"") -> None:
+        super().__init__(channel)
+        self.verdicts: list[Verdict] = []
+        self.heard: list[bytes] = []
+        self.drops: set[int] = set()
+        self.mutes: set[int] = set()
+        self._guard = subprocess.Popen(
+            [CODEC], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        self._tell(f"guard {key.hex()}")
+
+    def __exit__(self, *exception: object) -> None:
+        super().__exit__(*exception)
+        self._guard.communicate()
+
+    def _tell(self, line: str) -> None:
+        assert self._guard.stdin is not None
+        self._guard.stdin.write(line + "\n")
+        self._guard.stdin.flush()
+
+    def _take(self, frame: bytes) -> None:
+        assert self._guard.stdout is not None
+        self.heard.append(frame)
+        number = len(self.heard)
+        if number in self.drops:
+            return
+        self._tell(f"take {frame.hex()}")
+        status = bytes.fromhex(self._guard.stdout.readline())
+        if number not in self.mutes:
+            self.send(STATUS_ID, status)
+        answer = get_frame(STATUS_ID, status)
+        command = get_frame(COMMAND_ID, frame)
+        assert answer is not None
+        assert command is not None
+        self.verdicts.append(Verdict(answer.get("Verdict", 0)))
+        if command["Kind"] == Kind.TRIGGER and self.verdicts[-1] is Verdict.OBEYED:
+            self._play(command["DelayUs"])

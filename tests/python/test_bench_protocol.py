@@ -32,7 +32,8 @@ COMMANDS = [
     (Kind.PULSE, {"Line": 7, "Level": 1, "WidthUs": 10_000_000}, "7 10000000 1"),
     (Kind.TRAIN, {"Count": 65_535, "PeriodUs": 1_234_567}, "65535 1234567 0"),
     (Kind.TRIGGER, {"Token": 0xABCD, "DelayUs": 7_654_321}, "0xABCD 7654321 0"),
-    (Kind.ASK, {"WantedPage": 6}, "6 0 0"),
+    (Kind.ASK, {"WantedPage": 8}, "8 0 0"),
+    (Kind.SEAL, {"Seal": 0x0102030405}, "0x0102030405 0 0"),
 ]
 PAGES = {
     1: ("Obeyed", "Edges"),
@@ -42,6 +43,7 @@ PAGES = {
     5: ("Incomplete", "Busy"),
     6: ("LostCommands", "DroppedFrames"),
 }
+KEY = bytes(range(16))
 
 
 def test_check_values_of_both_sums_are_the_published_ones() -> None:
@@ -99,6 +101,19 @@ def test_page_of_counts_is_the_same_in_cantools_and_in_c(page: int) -> None:
 
     assert put_frame(STATUS_ID, {**signals, "Counter": 9}) == frame
     assert get_frame(STATUS_ID, frame) == {**signals, "Counter": 9, "Crc": frame[-1]}
+
+
+def test_challenge_and_forged_frames_have_their_pages() -> None:
+    asked = [put_command(Kind.ASK, 0, WantedPage=page).hex() for page in (7, 8)]
+    bad = put_command(Kind.SEAL, 1, Seal=1).hex(), put_command(Kind.ARM, 2, ValidMs=1).hex()
+    lines = [f"guard {KEY.hex()}", *(f"take {frame}" for frame in (*bad, *asked))]
+    _, refused, forged, challenge = c_frames(*lines)
+
+    assert (get_frame(STATUS_ID, refused) or {})["Verdict"] == Verdict.FORGED
+    assert put_frame(STATUS_ID, {"Page": 7, "Forged": 1, "Counter": 0}) == forged
+    number = int.from_bytes(challenge[1:6], "little")
+    assert put_frame(STATUS_ID, {"Page": 8, "Challenge": number, "Counter": 0}) == challenge
+    assert number != 0
 
 
 def test_edge_report_of_c_is_put_together() -> None:

@@ -3,6 +3,7 @@
  * kind of frame and its fields, and the frame is printed in hexadecimal; or it says what to make of
  * bytes that it gives in hexadecimal.
  */
+#include <inttypes.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -11,6 +12,8 @@
 
 #include "inject/inject_crc.h"
 #include "inject/inject_frame.h"
+#include "inject/inject_guard.h"
+#include "inject/inject_siphash.h"
 #include "report/latch_crc.h"
 #include "report/latch_frame.h"
 
@@ -40,6 +43,9 @@ static void put_command(const uint64_t *field)
     command.delay_us = (uint32_t)field[3];
     command.width_us = (uint32_t)field[3];
     command.level = (uint8_t)field[4];
+    for (unsigned i = 0u; i < INJECT_SEAL_BYTES; ++i) {
+        command.seal[i] = (uint8_t)(field[2] >> (8u * i));
+    }
     inject_frame_put_command(&command, frame);
     print_frame(frame);
 }
@@ -147,6 +153,38 @@ static void parse_command(const char *hex)
            command.delay_us);
 }
 
+/* The sum of what follows the key. */
+static void print_siphash(const char *hex)
+{
+    uint8_t bytes[FRAMES_MAX * LATCH_FRAME_BYTES];
+    size_t  count = read_bytes(hex, bytes, sizeof bytes) - INJECT_KEY_BYTES;
+    printf("%016" PRIx64 "\n", inject_siphash_sum(bytes, &bytes[INJECT_KEY_BYTES], (uint8_t)count));
+}
+
+/* ---- a guard, whose clock stands still ---- */
+
+static inject_guard_t guard;
+
+static void begin_guard(const char *hex)
+{
+    uint8_t key[INJECT_KEY_BYTES];
+    inject_guard_begin(&guard, 1u, 1u);
+    if (read_bytes(hex, key, sizeof key) == sizeof key) {
+        inject_guard_set_key(&guard, key);
+    }
+}
+
+/* The status frame that answers a command. */
+static void guard_take(const char *hex)
+{
+    uint8_t        frame[INJECT_FRAME_BYTES];
+    uint8_t        status[INJECT_FRAME_BYTES];
+    size_t         length = read_bytes(hex, frame, sizeof frame);
+    inject_order_t order = inject_guard_take(&guard, frame, (uint8_t)length, 0u);
+    inject_guard_report(&guard, order.page, order.verdict, 0u, 0u, status);
+    print_frame(status);
+}
+
 static bool judge(const char *what, const char *hex)
 {
     if (strcmp(what, "decode") == 0) {
@@ -155,6 +193,12 @@ static bool judge(const char *what, const char *hex)
         print_sums(hex);
     } else if (strcmp(what, "parse") == 0) {
         parse_command(hex);
+    } else if (strcmp(what, "siphash") == 0) {
+        print_siphash(hex);
+    } else if (strcmp(what, "guard") == 0) {
+        begin_guard(hex);
+    } else if (strcmp(what, "take") == 0) {
+        guard_take(hex);
     } else {
         return false;
     }

@@ -19,6 +19,7 @@ static const inject_command_t COMMANDS[] = {
     {.kind = INJECT_TRAIN, .counter = 3u, .count = 65535u, .period_us = 0x123456u},
     {.kind = INJECT_TRIGGER, .counter = 4u, .token = 0xABCDu, .delay_us = 0x654321u},
     {.kind = INJECT_ASK, .counter = 5u, .page = 6u},
+    {.kind = INJECT_SEAL, .counter = 6u, .seal = {0x12u, 0x34u, 0x56u, 0x78u, 0x9Au}},
 };
 #define COMMAND_COUNT (sizeof COMMANDS / sizeof COMMANDS[0])
 
@@ -48,6 +49,7 @@ static void assert_same(const inject_command_t *sent, const inject_command_t *go
     TEST_ASSERT_EQUAL_UINT32(sent->width_us, got->width_us);
     TEST_ASSERT_EQUAL_UINT32(sent->period_us, got->period_us);
     TEST_ASSERT_EQUAL_UINT32(sent->delay_us, got->delay_us);
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(sent->seal, got->seal, INJECT_SEAL_BYTES);
 }
 
 void test_the_check_value_of_the_crc_is_the_published_one(void)
@@ -73,6 +75,14 @@ void test_bytes_of_a_trigger_stand_where_the_document_says(void)
 {
     const uint8_t expected[] = {5u, 0xCDu, 0xABu, 0x21u, 0x43u, 0x65u, 4u};
     inject_frame_put_command(&COMMANDS[4], made);
+
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, made, sizeof expected);
+}
+
+void test_bytes_of_a_seal_stand_where_the_document_says(void)
+{
+    const uint8_t expected[] = {7u, 0x12u, 0x34u, 0x56u, 0x78u, 0x9Au, 6u};
+    inject_frame_put_command(&COMMANDS[6], made);
 
     TEST_ASSERT_EQUAL_HEX8_ARRAY(expected, made, sizeof expected);
 }

@@ -1,7 +1,8 @@
 /* The guard: what is in order and armed is obeyed, everything else is counted and changes nothing.
  */
-/* LINK: firmware/inject/inject_guard.c firmware/inject/inject_frame.c firmware/inject/inject_crc.c
- */
+/* LINK: firmware/inject/inject_guard.c firmware/inject/inject_guard_report.c */
+/* LINK: firmware/inject/inject_frame.c firmware/inject/inject_crc.c */
+/* LINK: firmware/inject/inject_seal.c firmware/inject/inject_siphash.c */
 #include <string.h>
 
 #include "inject/inject_guard.h"

@@ -1,6 +1,7 @@
 /* The guard at the least that it takes, and what it forgets by itself. */
-/* LINK: firmware/inject/inject_guard.c firmware/inject/inject_frame.c firmware/inject/inject_crc.c
- */
+/* LINK: firmware/inject/inject_guard.c firmware/inject/inject_guard_report.c */
+/* LINK: firmware/inject/inject_frame.c firmware/inject/inject_crc.c */
+/* LINK: firmware/inject/inject_seal.c firmware/inject/inject_siphash.c */
 #include "inject/inject_guard.h"
 #include "unity.h"
 

@@ -145,7 +145,7 @@ static void stop_train(injector_t *injector)
 /* ---- the loop ---- */
 
 /* The kernel's generator gives so few bytes at once, and waits only while the computer starts. */
-static uint32_t entropy(void)
+uint32_t injector_entropy(void)
 {
     uint32_t number = 0u;
     while (getrandom(&number, sizeof number, 0u) != (ssize_t)sizeof number) {
@@ -155,7 +155,7 @@ static uint32_t entropy(void)
 
 static void obey(injector_t *injector, const uint8_t *frame, uint8_t length)
 {
-    inject_guard_stir(&injector->guard, entropy());
+    inject_guard_stir(&injector->guard, injector_entropy());
     inject_order_t order = inject_guard_take(&injector->guard, frame, length, now_ms());
     if (order.has_stop) {
         stop_train(injector);

@@ -34,6 +34,9 @@ typedef struct {
     int               can_fd;
 } injector_t;
 
+/* A number that nobody can foretell, from the kernel. */
+uint32_t injector_entropy(void);
+
 /*
  * Serve until `is_ending` is set by a signal, or the bus is gone (then false, after a line that
  * says so). `sleeping` is the signal mask while nothing is to be done. The line is left at rest.

@@ -6,11 +6,10 @@
 
 #include "can_socket.h"
 #include "injector.h"
+#include "injector_key.h"
 #include "injector_options.h"
 #include "realtime.h"
 #include "say.h"
-
-#define SEED 1u /* every token is stirred by the kernel's generator */
 
 static volatile sig_atomic_t is_ending;
 
@@ -60,7 +59,7 @@ static void print_counters(const injector_t *injector)
 {
     static const char *const NAMES[INJECT_VERDICTS] = {
         "obeyed",  "damaged",     "repeated",   "stale", "out_of_range",
-        "unarmed", "wrong_token", "incomplete", "busy",
+        "unarmed", "wrong_token", "incomplete", "busy",  "forged",
     };
     printf("{\"edges\": %u, \"failed_edges\": %u, \"dropped_frames\": %u, \"lost_commands\": %u",
            injector->edges, injector->failed_edges, injector->guard.dropped_frames,
@@ -85,15 +84,31 @@ static int open_can(const char *interface)
     return error == 0 ? fd : -1;
 }
 
+static bool begin_guard(inject_guard_t *guard, const injector_options_t *options)
+{
+    uint8_t key[INJECT_KEY_BYTES];
+    inject_guard_begin(guard, injector_entropy(), options->line_count);
+    if (options->key_path == NULL) {
+        return true;
+    }
+    if (!injector_key_read(options->key_path, key)) {
+        return false;
+    }
+    inject_guard_set_key(guard, key);
+    return true;
+}
+
 static int serve(injector_t *injector, const injector_options_t *options)
 {
+    if (!begin_guard(&injector->guard, options)) {
+        return INJECTOR_EXIT_USAGE;
+    }
     injector->can_fd = open_can(options->interface);
     if (injector->can_fd < 0 || !open_lines(injector, options) || !set_priority(options)) {
         return INJECTOR_EXIT_USAGE;
     }
     sigset_t sleeping;
     catch_signals(&sleeping);
-    inject_guard_begin(&injector->guard, SEED, options->line_count);
     puts("ready");
     (void)fflush(stdout);
     bool is_served = injector_serve(injector, &is_ending, &sleeping);

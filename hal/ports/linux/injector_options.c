@@ -20,6 +20,7 @@ void injector_options_print_help(void)
         "  --line CHIP:OFFSET  drive this output line; up to 8 lines, numbered as given from 0\n"
         "  --sim-pull FILE     or pull this line of gpio-sim:\n"
         "                      /sys/devices/platform/gpio-sim.N/gpiochipM/sim_gpioK/pull\n"
+        "  --key FILE          obey ARM and TRIGGER only under this key: 32 hexadecimal digits\n"
         "  --rest 0|1          level before the first pulse (0)\n"
         "  --cpu N             run on processor N only\n"
         "  --fifo PRIORITY     SCHED_FIFO at this priority, 1 to 99\n"
@@ -56,6 +57,9 @@ static bool apply_option(injector_options_t *options, int name, const char *text
         return add_line(options, text, false);
     case 's':
         return add_line(options, text, true);
+    case 'k':
+        options->key_path = text;
+        return true;
     case 'r':
         options->rest = strcmp(text, "1") == 0;
         return options->rest || strcmp(text, "0") == 0;
@@ -88,10 +92,15 @@ static bool is_complete(const injector_options_t *options)
 bool injector_options_parse(injector_options_t *options, int argc, char **argv)
 {
     static const struct option names[] = {
-        {"can", required_argument, NULL, 'c'},      {"line", required_argument, NULL, 'l'},
-        {"sim-pull", required_argument, NULL, 's'}, {"rest", required_argument, NULL, 'r'},
-        {"cpu", required_argument, NULL, 'p'},      {"fifo", required_argument, NULL, 'f'},
-        {"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0},
+        {"can", required_argument, NULL, 'c'},
+        {"line", required_argument, NULL, 'l'},
+        {"sim-pull", required_argument, NULL, 's'},
+        {"rest", required_argument, NULL, 'r'},
+        {"cpu", required_argument, NULL, 'p'},
+        {"fifo", required_argument, NULL, 'f'},
+        {"key", required_argument, NULL, 'k'},
+        {"help", no_argument, NULL, 'h'},
+        {NULL, 0, NULL, 0},
     };
     *options = (injector_options_t){.cpu = -1};
     int name;

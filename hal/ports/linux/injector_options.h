@@ -16,6 +16,7 @@ typedef struct {
 
 typedef struct {
     const char          *interface;
+    const char          *key_path;            /* NULL: commands need no seal */
     injector_line_name_t lines[INJECT_LINES]; /* line 0 of the protocol is the first given */
     uint8_t              line_count;
     bool                 rest;     /* level before the first pulse */

@@ -35,6 +35,7 @@ class Kind(IntEnum):
     TRAIN = 4
     TRIGGER = 5
     ASK = 6
+    SEAL = 7
 
 
 class Verdict(IntEnum):
@@ -49,6 +50,7 @@ class Verdict(IntEnum):
     WRONG_TOKEN = 6
     INCOMPLETE = 7
     BUSY = 8
+    FORGED = 9
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 
@@ -34,6 +35,7 @@ class Rig:
         cpu: Processor of the controller and of the load on it; None for any.
         priority: SCHED_FIFO priority of the controller; 0 for usual scheduling.
         injector_priority: The same of the injector.
+        key_path: File with the key of the injector; None for none.
     """
 
     interface: str
@@ -45,6 +47,7 @@ class Rig:
     cpu: int | None = None
     priority: int = 0
     injector_priority: int = 0
+    key_path: Path | None = None
 
 
 @dataclass
@@ -74,7 +77,8 @@ def injector(rig: Rig) -> AbstractContextManager[object]:
         return ExitStack()
     rest = ("--rest", "1") if rig.active_low else ()
     priority = ("--fifo", str(rig.injector_priority)) if rig.injector_priority else ()
-    options = ("--can", rig.interface, *rig.inject_line, *rest, *priority)
+    key = ("--key", str(rig.key_path)) if rig.key_path else ()
+    options = ("--can", rig.interface, *rig.inject_line, *rest, *priority, *key)
     return compiled("skiplatch-injector", *options)
 
 

@@ -24,6 +24,7 @@ from skiplatch.bench.protocol import (
     get_frame,
     put_command,
 )
+from skiplatch.bench.seal import NO_SHOT, Sealer, shot_bytes
 from skiplatch.errors import InputError
 
 ANSWER_S = 1.0
@@ -32,6 +33,7 @@ REST_S = 2.0  # beyond the width of the pulse that plays
 RUNNING = 2  # state of the injector
 VALID_MS = 60_000
 PAGES = 6
+FORGED_PAGE, CHALLENGE_PAGE = 7, 8  # where the injector has a key
 US_PER_S = 1e6
 
 
@@ -73,7 +75,13 @@ class Station:
         damaged_status: Status frames with a wrong checksum.
     """
 
-    def __init__(self, bus: can.BusABC, interface: str, latch_id: int = LATCH_ID) -> None:
+    def __init__(
+        self,
+        bus: can.BusABC,
+        interface: str,
+        latch_id: int = LATCH_ID,
+        key: bytes | None = None,
+    ) -> None:
         self.edges: deque[Edge] = deque()
         self.latches: deque[Arrival] = deque()
         self.edge_reports = EdgeReports()
@@ -88,6 +96,8 @@ class Station:
         self._token = 0
         self._is_running = False
         self._pulse: Pulse | None = None
+        self._sealer = Sealer(key) if key is not None else None
+        self._challenges: deque[int] = deque()
 
     # ---- hearing ----
 
@@ -136,6 +146,8 @@ class Station:
             self._answers.append(Answer(verdict, signals["Answered"], signals["NextToken"]))
             self._token = signals["NextToken"]
             self._is_running = signals["State"] == RUNNING
+        elif signals["Page"] == CHALLENGE_PAGE:
+            self._challenges.append(signals["Challenge"])
         else:
             about = ("Page", "Counter", "Crc")
             self._counts |= {name: n for name, n in signals.items() if name not in about}
@@ -162,25 +174,24 @@ class Station:
         """Play one pulse after a delay; arms and sets what is needed first.
 
         Raises:
-            InputError: The injector refuses again and again.
+            InputError: The injector refuses again and again, or has no key where the host has.
         """
         verdict: Verdict | None = None
         for _ in range(ATTEMPTS):
             self._await_rest(pulse)
             is_ready = self._pulse == pulse and self._token
             verdict = Verdict.OBEYED if is_ready else self._prepare(pulse)
-            if verdict is Verdict.OBEYED:
-                verdict = self._command(Kind.TRIGGER, Token=self._token, DelayUs=delay_us)
+            is_set = verdict is Verdict.OBEYED
+            if is_set:
+                verdict = self._play(pulse, delay_us)
             if verdict is Verdict.OBEYED:
                 return
             self._pulse = None
             sent = self._counter
             self.connect()
-            if verdict is None and self._counter == sent:
+            if is_set and verdict is None and self._counter == sent:
                 return  # it was taken, only its answer was lost: never trigger twice
-        words = "no answer" if verdict is None else verdict.name.lower().replace("_", " ")
-        message = f"the injector refuses to trigger: {words}"
-        raise InputError(self._interface, None, None, message)
+        raise InputError(self._interface, None, None, self._refused(verdict))
 
     def disarm(self) -> None:
         """Make sure that nothing more is injected; whether anybody hears it or not."""
@@ -192,7 +203,7 @@ class Station:
     def counts(self) -> dict[str, int]:
         """Ask the injector for its counters by their names in the DBC; empty if it is silent."""
         self._counts = {}
-        for page in range(1, PAGES + 1):
+        for page in range(1, (FORGED_PAGE if self._sealer else PAGES) + 1):
             known = len(self._counts)
             self._send(Kind.ASK, 0, WantedPage=page)
             if not self.listen(ANSWER_S, partial(self._has_more_counts_than, known)):
@@ -215,12 +226,61 @@ class Station:
             (Kind.PULSE, {"Line": pulse.line, "Level": pulse.level, "WidthUs": pulse.width_us}),
             (Kind.TRAIN, {"Count": 1, "PeriodUs": 0}),
         ]
+        if self._sealer is not None and not self._begin_session(self._sealer):
+            return None
         for kind, signals in steps:
-            verdict = self._command(kind, **signals)
+            is_sealed = kind is Kind.ARM
+            verdict = (
+                self._sealed(kind, NO_SHOT, **signals)
+                if is_sealed
+                else self._command(kind, **signals)
+            )
             if verdict is not Verdict.OBEYED:
                 return verdict
         self._pulse = pulse
         return Verdict.OBEYED
+
+    def _begin_session(self, sealer: Sealer) -> bool:
+        """Ask for the challenge to seal over; false if no answer came.
+
+        Raises:
+            InputError: The injector knows of no challenge.
+        """
+        self._challenges.clear()
+        self._answers.clear()
+        self._send(Kind.ASK, 0, WantedPage=CHALLENGE_PAGE)
+        self.listen(ANSWER_S, lambda: self._challenges or self._answers)
+        if self._challenges:
+            sealer.begin(self._challenges.popleft())
+            return True
+        if any(answer.verdict is not Verdict.OBEYED for answer in self._answers):
+            message = "the injector has no key; start it with --key FILE"
+            raise InputError(self._interface, None, None, message)
+        return False
+
+    def _play(self, pulse: Pulse, delay_us: int) -> Verdict | None:
+        shot = shot_bytes(pulse.line, pulse.level, 1, pulse.width_us, 0)
+        return self._sealed(Kind.TRIGGER, shot, Token=self._token, DelayUs=delay_us)
+
+    def _sealed(self, kind: Kind, shot: bytes, **signals: int) -> Verdict | None:
+        """Send the next command and, where there is a key, its seal before it."""
+        if self._sealer is None:
+            return self._command(kind, **signals)
+        frame = put_command(kind, (self._counter + 2) % COUNTERS, **signals)
+        verdict = self._command(Kind.SEAL, Seal=self._sealer.seal(frame, shot))
+        if verdict is not None and verdict is not Verdict.OBEYED:
+            return verdict
+        verdict = self._command(kind, **signals)  # also where the answer to the seal was lost
+        if verdict is Verdict.OBEYED:
+            self._sealer.go_on()
+        return verdict
+
+    def _refused(self, verdict: Verdict | None) -> str:
+        words = "no answer" if verdict is None else verdict.name.lower().replace("_", " ")
+        remedy = ""
+        if verdict is Verdict.FORGED:
+            remedy = "; it has another key" if self._sealer else "; it has a key: give --key FILE"
+        return f"the injector refuses to trigger: {words}{remedy}"
 
     def _command(self, kind: Kind, **signals: int) -> Verdict | None:
         """Send the next command and give the verdict on it, or None if none came."""

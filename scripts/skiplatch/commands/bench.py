@@ -16,6 +16,7 @@ from skiplatch.bench.plan import Plan, read_plan
 from skiplatch.bench.protocol import LATCH_ID
 from skiplatch.bench.recording import as_touches
 from skiplatch.bench.run import Player, Recording, Rig, summary
+from skiplatch.bench.seal import read_key
 from skiplatch.bench.station import Station
 from skiplatch.campaign import format_nominal, read_campaign, write_campaign
 from skiplatch.commands.options import json_option, seed_option, write_json
@@ -82,6 +83,12 @@ latch_id_option = click.option(
     show_default=f"{LATCH_ID:#x}",
     help="CAN id of latch records.",
 )
+key_option = click.option(
+    "--key",
+    "key_path",
+    type=FILE,
+    help="File with the injector's key, 32 hexadecimal digits: for a bus that others share.",
+)
 
 
 @click.group()
@@ -112,6 +119,7 @@ def _rig_options(function: Callable[..., Any]) -> Callable[..., Any]:
             "--injector-fifo", type=click.IntRange(1, 99), help="Priority of the injector."
         ),
         latch_id_option,
+        key_option,
     ]
 
     @wraps(function)
@@ -127,7 +135,7 @@ def _rig_options(function: Callable[..., Any]) -> Callable[..., Any]:
 
 RIG_VALUES = (
     *("interface", "chip", "line", "active_low", "inject_line", "sim_pull", "attached"),
-    *("cpu", "fifo", "injector_fifo", "latch_id"),
+    *("cpu", "fifo", "injector_fifo", "latch_id", "key_path"),
 )
 
 
@@ -144,6 +152,7 @@ def _rig(
     fifo: int | None,
     injector_fifo: int | None,
     latch_id: int,
+    key_path: Path | None,
 ) -> Rig:
     """Check that the options name a whole bench."""
     if not attached and (chip is None or line is None):
@@ -161,6 +170,7 @@ def _rig(
         cpu=cpu,
         priority=fifo or 0,
         injector_priority=injector_fifo or 0,
+        key_path=key_path,
     )
 
 
@@ -199,12 +209,14 @@ def run(
     then is written.
     """
     plan = read_plan(plan_path, nominal_path)
+    key = read_key(rig.key_path) if rig.key_path else None
     failure: InputError | None = None
     is_interrupted = False
     before = signal.signal(signal.SIGTERM, _interrupt)
     try:
         with open_bus(rig.interface, can_backend, rig.latch_id) as bus:
-            player = Player(plan, rig, Station(bus, rig.interface, rig.latch_id), seed)
+            station = Station(bus, rig.interface, rig.latch_id, key)
+            player = Player(plan, rig, station, seed)
             try:
                 player.play()
             except KeyboardInterrupt:
@@ -269,6 +281,7 @@ def _as_json(written: dict[Path, Recording], seed: int, *, is_complete: bool) ->
     "--quiet-injector", is_flag=True, help="Send nothing: leave out the injector's counters."
 )
 @latch_id_option
+@key_option
 @can_backend_option
 @json_option
 def monitor(
@@ -278,6 +291,7 @@ def monitor(
     latches: int | None,
     quiet_injector: bool,
     latch_id: int,
+    key_path: Path | None,
     can_backend: str,
     json_path: Path | None,
 ) -> None:
@@ -285,8 +299,9 @@ def monitor(
 
     Edge to latch is shown where an injector reports its edges.
     """
+    key = read_key(key_path) if key_path else None
     with open_bus(interface, can_backend, latch_id) as bus:
-        station = Station(bus, interface, latch_id)
+        station = Station(bus, interface, latch_id, key)
         watching = Monitor(station, click.echo)
         try:
             watching.watch(seconds, latches)
