@@ -185,6 +185,14 @@ def _has_form(evidence: Evidence, _: float) -> str:
     return "its form is as far off as can be" if evidence.is_loose else ""
 
 
+def _slack_is_chance(evidence: Evidence, threshold: float) -> str:
+    told = [one for one in evidence.after if one.is_predicted and one.z > threshold]
+    if not (evidence.is_loose and told):
+        return ""
+    where = f"{told[0].observable} {told[0].looks_like}"
+    return f"its form is as far off as can be, and what is left of {where}"
+
+
 def _is_confirmed(evidence: Evidence, _: float) -> str:
     return "" if evidence.is_confirmed else "plain simulation does no better with it"
 
@@ -247,6 +255,7 @@ EXPLAINS: Sequence[Rule] = (
         "a level: what any campaign may have of gross errors; one in a hundred has more by chance",
         _few_outliers,
     ),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
     Rule(
         "within_limits",
@@ -282,7 +291,12 @@ NAMES: Sequence[Rule] = (
         "a level: what leaves more than half of the variance of a gap is not its cause",
         _takes_most,
     ),
-    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
+    Rule(
+        "slack_is_chance",
+        CHANCE,
+        "theory: slack stands for what nothing tells; a level, as above",
+        _slack_is_chance,
+    ),
     Rule(
         "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
     ),
