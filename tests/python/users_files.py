@@ -126,7 +126,6 @@ STAND_INS: dict[str, Callable[[Path], None]] = {
     "build/touches.csv": partial(_sphere, runs=1),
     "quiet": partial(_copy, SAMPLES / "rig_nominal"),
     "FOLDER": partial(_copy, SAMPLES / "bench_isr_latency"),
-    "mill": partial(_touched, columns=("deviation_um",), n=150, seed=3),
     "tied": partial(_touched, columns=("deviation_um",), n=150, seed=3),
     "made": partial(_touched, columns=("latch_us", "deviation_um"), n=40, seed=4),
 }
