@@ -12,11 +12,13 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import cantools
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from bench_rig import FakeBench, Faults
+from documents import ROOT, examples
 from skiplatch import cli
 from skiplatch.bench import processes, run, station
 from skiplatch.bench.protocol import Kind, Verdict
@@ -109,6 +111,26 @@ def test_plan_becomes_a_campaign(plan: Callable[..., Path], channel: str) -> Non
     assert document["complete"] is True
     assert document["campaigns"][0]["touches"] == 12
     assert fake.commands[-1]["Kind"] == Kind.DISARM
+
+
+def test_session_of_the_page_hears_its_edge_and_its_latch(
+    channel: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On a virtual bus in place of the kernel's."""
+    session, encoding = [
+        one.text for one in examples(ROOT / "docs/INJECTION.md") if one.language == "python"
+    ]
+    virtual = session.replace("socketcan", "virtual").replace("vcan0", channel)
+    assert virtual != session
+
+    with FakeBench(channel) as fake:
+        exec(compile(virtual, "INJECTION.md", "exec"), {})  # noqa: S102 - the page's own
+
+    assert "Edge(" in capsys.readouterr().out
+    assert fake.triggers == 1
+    known = {"cantools": cantools}
+    exec(compile(encoding, "INJECTION.md", "exec"), known)  # noqa: S102 - the page's own
+    assert known["database"]
 
 
 def test_restart_of_the_controller_loses_no_touch_and_is_told(

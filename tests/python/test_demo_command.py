@@ -8,11 +8,13 @@ from typing import Any
 import pytest
 from click.testing import CliRunner, Result
 
+from documents import ROOT, examples
 from skiplatch import cli
 from skiplatch.campaign import Campaign
 from skiplatch.commands import demo, demo_fleet
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.diagnosis.text import FORMATS
+from skiplatch.latch.effort import Effort
 
 PICTURES = (
     "latch_errors",
@@ -94,6 +96,18 @@ def test_demo_can_be_shown_again_in_the_same_folder(shown: tuple[Path, Result]) 
 
     assert again.exit_code == 0, again.output
     assert again.output == first.output
+
+
+@pytest.mark.long
+def test_readme_shows_lines_of_a_million_touches(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (shown,) = [one for one in examples(ROOT / "README.md") if "make demo" in one.text]
+
+    demo._Demo(tmp_path, Effort(demo.TOUCHES, seed=1, jobs=2)).latch()
+
+    said = capsys.readouterr().out.splitlines()
+    assert [line for line in shown.output.splitlines() if line not in said] == []
 
 
 def test_folder_is_required() -> None:

@@ -252,8 +252,20 @@ def test_ranking_shows_differences_and_no_powers_of_ten() -> None:
     page = as_html(campaign, replace(diagnosis, ranking=close), name="a", seed=1)
 
     assert re.findall(r'style="width: ([\d.]+)%"', page) == ["0.0", "50.0", "100.0"]
+    assert page.count('<i class="cut" style="width: 100.0%">') == page.count('class="cut"') == 1
+    assert "is cut at 30 nats" in prose(page)
     assert "tail_us 0;" in prose(page) or "tail_us 0 " in prose(page)
     assert "e-08" not in prose(page)
+
+
+def test_no_bar_is_called_cut_that_ends_within_the_scale() -> None:
+    campaign, diagnosis = explained()
+    close = [Ranked((LATE,), 1658.0), Ranked((FILTER,), 1628.0)]
+
+    page = as_html(campaign, replace(diagnosis, ranking=close), name="a", seed=1)
+
+    assert 'class="cut"' not in page
+    assert "is cut at" not in page
 
 
 def test_words_of_the_page_are_explained(pages: dict[str, str]) -> None:

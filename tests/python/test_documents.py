@@ -1,14 +1,14 @@
-"""Commands in README, docs and --help: each is one that the command line takes.
+"""Commands in README, docs and --help: each is run, and prints what stands below it.
 
-Every command is parsed as it stands, effects and choices with it, and the project's own files that
-it names are there. The examples of --help are run, where nothing has to be measured first. What
-stands below a command is what it prints, in whole paragraphs; of the tutorial test_tutorial.py
-compares all of it.
+Every command of skiplatch is parsed as it stands, effects and choices with it, and the project's
+own files that it names are there. The blocks of a page are run in their order, in a folder of
+their own; users_files.py has what stands for the files of a user. What stands below a command is
+what it prints, in whole paragraphs, and on the pages of WHOLE all of it. What is not run here is
+listed below: ELSEWHERE by the test that runs it, NOWHERE by the reason.
 """
 
 import re
-import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,109 +16,132 @@ import click
 import pytest
 from click.testing import CliRunner
 
+from documents import PAGES, ROOT, Example, examples, leaves, shown_by_help, words_of
 from skiplatch.cli import group
+from users_files import put
 
-ROOT = Path(__file__).parents[2]
-DOCUMENTS = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-BLOCK = re.compile(r"```(?:sh)?\n(.*?)```", re.DOTALL)
-SHOWN = re.compile(r"```sh\n((?:[^`]|`(?!``))*?)```\n+```(?:text)?\n(.*?)```", re.DOTALL)
-SLOW = "diagnose"
-COMMAND = re.compile(r"^\s*(?:Example: )?(?:\.venv/bin/)?skiplatch (.+)$")
+WHOLE = "TUTORIAL.md"
 NOT_YET = "stylus_bending"
 """An effect that a reader of docs/WITHHELD.md adds."""
-ASSIGNMENT = re.compile(r"^(\w+)='([^']*)'$", re.MULTILINE)
-FEWEST = {"documents": 35, "help": 35, "printed": 3, "run": 15}
-QUICK = ("check", "columns", "import", "init", "repeat", "simulate", "effects")
-NOT_HERE = (
-    "bench",
-    "fleet watch",
-    "import mdf",
-    "settle",
-    "transmission",
-    "compensate",
-    "kinematics fit",
-    "kinematics probing",
-    "kinematics sphere",
-)
-"""Their examples need a bus, a board, or what a user has measured."""
-DIAGNOSED_ELSEWHERE = "pretravel"
-"""Its example diagnoses what it recorded: test_pretravel_experiment.py does, and holds the name."""
-LOGS = {
-    "klippy.log": "klippy.log",
-    "probe.txt": "linuxcnc_probe.txt",
-    "probe.ngc": "linuxcnc_probe.ngc",
-    "serial.log": "grbl_serial.log",
-    "x_axis.csv": "iso230_x.csv",
-    "m48.log": "marlin_m48.log",
+FEWEST = {"blocks": 45, "commands": 55, "help": 65, "outputs": 9, "run": 45}
+LONG = ("adopt", "bench believe", "demo", "design", "diagnose", "kinematics run", "latch", "plan")
+LONG += ("predict", "pretravel", "settle", "compare scripts/samples/bench_isr_latency --pictures")
+"""Beginnings of what takes more than a few seconds: run by `make long`."""
+MAKE = "make "
+EXPERIMENT = "tests/python/test_pretravel_experiment.py"
+ELSEWHERE = {
+    ".venv/bin/python -m hal.ports.atmega328p": "hal/ports/atmega328p/tests/transmission_rig.py",
+    ".venv/bin/python -m hal.ports.cortex_m3": "hal/ports/cortex_m3/tests/qemu_rig.py",
+    "build/host/skiplatch-recorder": "tests/bench/test_pulses.py",
+    "candump vcan0 |": "tests/python/test_packages_can.py",
+    "cc -DSKIPLATCH_IMPLEMENTATION": "tests/python/test_packages_packed.py",
+    "cc main.c": "tests/python/test_packages_cmake.py",
+    "cmake -S firmware": "tests/python/test_packages_cmake.py",
+    "design build/tied": "tests/python/test_design_command.py",
+    "design mill": "tests/python/test_design_command.py",
+    "diagnose /srv/touches": "tests/python/test_spread_commands.py",
+    "diagnose build/bench/nominal": "tests/python/test_bench_samples.py",
+    "diagnose build/closed/after": EXPERIMENT,
+    "diagnose build/cpu_load": "tests/python/test_bench_samples.py",
+    "diagnose mill": "tests/python/test_ten_minutes.py",
+    "eval ": "tests/python/test_outputs.py",
+    "fleet watch": "tests/python/test_fleet_watch.py",
+    "bench monitor": "tests/python/test_bench_command.py",
+    "bench run": "tests/bench/test_bench_run.py",
+    "pip install skiplatch": "tests/python/test_wheel.py",
+    "python3 firmware/examples/can/read_log.py": "tests/python/test_packages_can.py",
+    "python3 scripts/pack_firmware.py": "tests/python/test_packages_packed.py",
 }
-"""The user's logs in examples, and those that stand for them."""
+"""Beginnings of what another test runs, with other figures; what needs a bus or an emulator."""
+NOWHERE = {
+    "/srv/skiplatch/bin/pip": "installs on a node of a cluster, over the network",
+    "BENCH_OUT=": "records the samples in a virtual machine for twenty minutes",
+    "candump -L": "needs a CAN bus of the kernel",
+    "cd build/packages/linuxcnc": "installs into LinuxCNC as root; make linuxcnc compiles it",
+    "diagnose build/boards/": "make boards records it in an emulator, for minutes",
+    "diagnose build/haas/before": "takes minutes; of fewer runs it is diagnosed in " + EXPERIMENT,
+    "import linuxcnc next.txt": "what a machine logs of its touches is missing",
+    "modprobe vcan": "needs root and a module of the kernel",
+    "python3.11 -m venv /srv": "installs on a node of a cluster",
+    "settle mill made": "what a machine logs of its touches is missing",
+    "sudo apt-get": "needs root",
+    "sudo ip link": "needs root and a CAN controller",
+}
+"""Beginnings of what no test runs, and why."""
+PYTHON_ELSEWHERE = {
+    "API.md": "tests/python/test_api.py",
+    "INJECTION.md": "tests/python/test_bench_command.py",
+}
+"""Pages with Python, and what runs it."""
+PYTHON_NOWHERE = {"FLEET.md": "needs the scheduler of a cluster, Slurm"}
+OUTPUT_ELSEWHERE = {
+    "README.md: make demo": "tests/python/test_demo_command.py",
+    "FLEET.md: skiplatch fleet check": "tests/python/test_fleet_check.py",
+}
+"""Beginnings of examples whose output another test compares."""
+OUTPUT_NOWHERE = {
+    "COMPENSATION.md: skiplatch pretravel --rig haas --seed 1 --record": "is that of a diagnosis "
+    "of minutes"
+}
+EXAMPLES = [example for path in PAGES for example in examples(path) if NOT_YET not in example.text]
+BLOCKS = [example for example in EXAMPLES if example.language == "sh"]
 
 
-def commands_in(text: str) -> Iterator[list[str]]:
-    """Give the words of each command; lines that end with a backslash go on."""
-    for name, value in ASSIGNMENT.findall(text):
-        text = text.replace(f"${name}", value)
-    for line in text.replace("\\\n", " ").splitlines():
-        if command := COMMAND.match(line):
-            yield shlex.split(command[1], comments=True)
+def begins(text: str, beginnings: Sequence[str]) -> bool:
+    return text.startswith(tuple(beginnings))
 
 
-def leaves(command: click.Command, name: str) -> Iterator[tuple[str, click.Command]]:
-    yield name, command
-    if isinstance(command, click.Group):
-        context = click.Context(command)
-        for inner in command.list_commands(context):
-            found = command.get_command(context, inner)
-            assert found is not None
-            yield from leaves(found, f"{name} {inner}")
+def named(line: str) -> str:
+    """Give a command as the tables above name it: without `skiplatch`."""
+    return " ".join(words_of(line)) or line
+
+
+def is_run(line: str) -> bool:
+    """Whether it is one of skiplatch that can be run here."""
+    return bool(words_of(line)) and not begins(named(line), [*ELSEWHERE, *NOWHERE])
+
+
+def is_long(block: Example) -> bool:
+    return any(is_run(line) and begins(named(line), LONG) for line in block.lines)
 
 
 def documented() -> list[tuple[str, list[str]]]:
     return [
-        (path.name, words)
-        for path in DOCUMENTS
-        for block in BLOCK.findall(path.read_text())
-        for words in commands_in(block)
-        if NOT_YET not in " ".join(words)
+        (block.page, words) for block in BLOCKS for line in block.lines if (words := words_of(line))
     ]
 
 
-def printed() -> list[Any]:
-    """Give each block of commands with what stands below it."""
-    return [
-        pytest.param(
-            list(commands_in(block)),
-            expected,
-            id=f"{path.name}: {block.splitlines()[-1]}",
-            marks=[pytest.mark.long] * (SLOW in block),
-        )
-        for path in DOCUMENTS
-        if path.name != "TUTORIAL.md"
-        for block, expected in SHOWN.findall(path.read_text())
-        if list(commands_in(block))
-    ]
+def runnable_pages() -> list[Any]:
+    """Give the blocks of each page that are run: the quick ones, and if there are others, all."""
+    pages: dict[str, list[Example]] = {}
+    for block in BLOCKS:
+        if any(map(is_run, block.lines)):
+            pages.setdefault(block.page, []).append(block)
+    cases = []
+    for page, blocks in pages.items():
+        quick = [block for block in blocks if not is_long(block)]
+        if quick:
+            cases.append(pytest.param(quick, id=page))
+        if len(quick) < len(blocks):
+            cases.append(pytest.param(blocks, id=f"{page}, all", marks=pytest.mark.long))
+    return cases
 
 
-def shown_by_help() -> list[tuple[str, list[str]]]:
-    return [
-        (f"{name} --help", words)
-        for name, command in leaves(group, "skiplatch")
-        for words in commands_in(f"{command.epilog or ''}\n{command.help or ''}")
-    ]
-
-
-def runnable() -> list[Any]:
-    """Give the examples of each --help that need nothing but the checkout and a log."""
+def runnable_help() -> list[Any]:
+    """Give the examples of each --help that run here and on no page."""
+    on_pages = [words for _, words in documented()]
     examples: dict[str, list[list[str]]] = {}
     for where, words in shown_by_help():
-        name = where.removeprefix("skiplatch").removesuffix("--help").strip()
-        theirs = "mill" in words or words[:2] == ["import", "can"]
-        again = name == DIAGNOSED_ELSEWHERE and words[0] == "diagnose"
-        if not name.startswith(NOT_HERE) and not theirs and not again:
-            examples.setdefault(name, []).append(words)
+        if not begins(" ".join(words), [*ELSEWHERE, *NOWHERE]):
+            examples.setdefault(where, []).append(words)
     return [
-        pytest.param(commands, id=name, marks=[pytest.mark.long] * (not name.startswith(QUICK)))
-        for name, commands in examples.items()
+        pytest.param(
+            commands,
+            id=where,
+            marks=[pytest.mark.long] * any(begins(" ".join(words), LONG) for words in commands),
+        )
+        for where, commands in examples.items()
+        if not all(words in on_pages for words in commands)
     ]
 
 
@@ -133,6 +156,14 @@ def parse(words: list[str]) -> None:
         assert context.params
 
 
+def run(words: list[str]) -> str:
+    """Run a command of skiplatch; give what it prints."""
+    put(words)
+    result = CliRunner().invoke(group, words, catch_exceptions=False)
+    assert result.exit_code == 0, f"{' '.join(words)}\n{result.output}"
+    return "".join(f"{line.rstrip()}\n" for line in result.output.splitlines())
+
+
 @pytest.fixture(autouse=True)
 def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A folder that has the project's files, and an empty build/."""
@@ -144,52 +175,96 @@ def checkout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(("where", "words"), [*documented(), *shown_by_help()], ids=str)
 def test_command_is_one(where: str, words: list[str]) -> None:
-    if words == ["COMMAND"]:
+    if words in (["COMMAND"], ["--help"]):
         return
     parse(words)
     own = [word for word in words if word.startswith(("scripts/", "tests/", "docs/"))]
     assert [word for word in own if not Path(word).exists()] == []
 
 
-@pytest.mark.parametrize(("commands", "expected"), printed())
-def test_command_prints_what_stands_below_it(commands: list[list[str]], expected: str) -> None:
-    said = ""
-    for words in commands:
-        result = CliRunner().invoke(group, words, catch_exceptions=False)
-        assert result.exit_code == 0, result.output
-        said += "\n".join(line.rstrip() for line in result.output.splitlines()) + "\n"
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
+@pytest.mark.parametrize("blocks", runnable_pages())
+def test_commands_of_a_page_print_what_stands_below_them(blocks: list[Example]) -> None:
+    for block in blocks:
+        said = "".join(run(words_of(line)) for line in block.lines if is_run(line))
 
-    for paragraph in expected.strip().split("\n\n"):
-        assert paragraph in said
+        if block.output and not begins(str(block), [*OUTPUT_ELSEWHERE, *OUTPUT_NOWHERE]):
+            compare(block, said)
+
+
+def compare(block: Example, said: str) -> None:
+    if block.page == WHOLE:
+        assert said == block.output, block
+    for paragraph in block.output.strip().split("\n\n"):
+        assert paragraph in said, block
 
 
 @pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
-@pytest.mark.parametrize("commands", runnable())
+@pytest.mark.parametrize("commands", runnable_help())
 def test_examples_of_help_run(commands: list[list[str]]) -> None:
-    for name, log in LOGS.items():
-        Path(name).symlink_to(ROOT / "tests/python/data/logs" / log)
-    capture = (ROOT / "tests/python/data/logs/capture.vcd").read_text()
-    Path("capture.vcd").write_text(capture.replace(" probe ", " D0 ").replace(" latch ", " D1 "))
-    Path("t.csv").write_text("Error,Remark\n0.002,a\n-0.001,\n0.001,\n")
-
     for words in commands:
-        result = CliRunner().invoke(group, words, catch_exceptions=False)
+        run(words)
 
-        assert result.exit_code == 0, f"{' '.join(words)}\n{result.output}"
+
+def others() -> Iterator[str]:
+    """Give what the pages and --help show and is not run here."""
+    for block in BLOCKS:
+        yield from (named(line) for line in block.lines if not is_run(line))
+    for _, words in shown_by_help():
+        if begins(" ".join(words), [*ELSEWHERE, *NOWHERE]):
+            yield " ".join(words)
+
+
+def test_what_is_not_run_here_is_listed() -> None:
+    unlisted = [line for line in others() if not begins(line, [*ELSEWHERE, *NOWHERE, MAKE])]
+
+    assert unlisted == []
+
+
+@pytest.mark.parametrize("beginning", [*ELSEWHERE, *NOWHERE])
+def test_what_is_listed_stands_on_a_page_or_in_help(beginning: str) -> None:
+    assert any(line.startswith(beginning) for line in others())
+
+
+@pytest.mark.parametrize(
+    ("what", "why"), [*NOWHERE.items(), *PYTHON_NOWHERE.items(), *OUTPUT_NOWHERE.items()]
+)
+def test_what_no_test_runs(what: str, why: str) -> None:
+    pytest.skip(f"{what} …: {why}")
+
+
+@pytest.mark.parametrize(
+    "path", sorted({*ELSEWHERE.values(), *PYTHON_ELSEWHERE.values(), *OUTPUT_ELSEWHERE.values()})
+)
+def test_what_runs_it_elsewhere_is_there(path: str) -> None:
+    assert (ROOT / path).is_file()
+
+
+def test_python_and_outputs_are_tested_somewhere() -> None:
+    with_python = {example.page for example in EXAMPLES if example.language == "python"}
+    outputs = [str(block) for block in BLOCKS if block.output and not any(map(is_run, block.lines))]
+
+    assert with_python == {*PYTHON_ELSEWHERE, *PYTHON_NOWHERE}
+    assert [one for one in outputs if not begins(one, list(OUTPUT_ELSEWHERE))] == []
+
+
+def test_targets_of_make_are_there() -> None:
+    rules = "\n".join(path.read_text() for path in [ROOT / "Makefile", *ROOT.glob("mk/*.mk")])
+    lines = [line for block in BLOCKS for line in block.lines if line.startswith(MAKE)]
+
+    for target in (line.split()[1] for line in lines):
+        assert re.search(rf"^[\w -]*\b{target}\b[\w -]*:.* ##", rules, re.MULTILINE), target
 
 
 def test_commands_are_found() -> None:
-    assert len(runnable()) >= FEWEST["run"]
-    assert len(documented()) >= FEWEST["documents"]
-    assert len(printed()) >= FEWEST["printed"]
+    assert len(BLOCKS) >= FEWEST["blocks"]
+    assert len(documented()) >= FEWEST["commands"]
+    assert sum(bool(block.output) for block in BLOCKS) >= FEWEST["outputs"]
     assert len(shown_by_help()) >= FEWEST["help"]
+    assert len(runnable_help()) + len(runnable_pages()) >= FEWEST["run"]
 
 
 def test_every_command_shows_an_example() -> None:
-    lacking = [
-        name
-        for name, command in leaves(group, "skiplatch")
-        if not list(commands_in(f"{command.epilog or ''}\n{command.help or ''}"))
-    ]
+    shown = {where for where, _ in shown_by_help()}
 
-    assert lacking == []
+    assert [name for name, _ in leaves(group, "skiplatch") if f"{name} --help" not in shown] == []

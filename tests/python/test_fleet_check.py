@@ -14,16 +14,18 @@ from click.testing import CliRunner, Result
 from prometheus_client import Metric
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 
+from documents import ROOT, examples
 from simulated_fleet import DEVIATION, START, WEEK, Fault, Fleet
 from skiplatch.cli import group
 from skiplatch.commands import fleet_check
 from skiplatch.fleet.budget import MONTH, levels
 from skiplatch.fleet.changes import Change, find_changes
 from skiplatch.fleet.chart import shifts
-from skiplatch.fleet.findings import find
+from skiplatch.fleet.findings import change_text, find
+from skiplatch.fleet.growth import Growth
 from skiplatch.fleet.history import History
 from skiplatch.fleet.machine_texts import open_metrics
-from skiplatch.statistics import proportion
+from skiplatch.statistics import Interval, proportion
 
 WITHIN = 3
 """Campaigns within which a change is to be found."""
@@ -274,6 +276,18 @@ def test_command_says_each_change_in_a_line(
     families = {one.name: one for one in parsed(out[2].read_text())}
     assert families["skiplatch_fleet_changed_rigs"].samples[0].value == 3.0
     assert len(families["skiplatch_fleet_rig_gap_um"].samples) == 20
+
+
+def test_line_of_the_page_is_that_of_such_a_change() -> None:
+    (page,) = [one for one in examples(ROOT / "docs/FLEET.md") if "fleet check" in one.text]
+    latency = Growth(
+        "isr_latency", "latch", "latency_us", Interval(0.0, 0.0, 0.0), Interval(4.9, 4.7, 5.1)
+    )
+    days = [datetime(2026, 3, day) for day in (2, 9, 16)]  # noqa: DTZ001 - as a store has it
+
+    change = Change("mill-7", "latch error", "µs", 0.6, 4.1, *days, 2, "latch", latency)
+
+    assert change_text(change) == page.output.rstrip()
 
 
 def test_command_ends_well_if_nothing_changed_lately(checked: Callable[..., Result]) -> None:

@@ -38,6 +38,7 @@ def as_html(
         next_experiment: What to record or to touch next; None for nothing.
     """
     evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
+    ranking = words.ranking(diagnosis)
     steps = chain.steps(diagnosis, campaign.nominal.kind)
     return render(
         TEMPLATE,
@@ -55,7 +56,8 @@ def as_html(
         shrink=_shrink(diagnosis),
         gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
         missed=words.missed_table(evidence.missed),
-        ranking=words.ranking(diagnosis),
+        ranking=ranking,
+        cut_bars=words.cut_bars(ranking),
         no_gain=words.no_gain(diagnosis),
         where=words.where_table(diagnosis),
         left=words.left_table(diagnosis),

@@ -19,7 +19,7 @@ LEAST = 1e-3  # µm or µs
 MOST_RANKED = 10
 MOST_LEFT = 8
 HOPELESS_NATS = 30.0
-"""Bars of what falls short by more are no longer."""
+"""Bars of what falls short by more are cut, and drawn broken."""
 PER_CENT = 100.0
 PATHS = {"both": "both paths", "skip": "the skip path", "plc": "the PLC path"}
 
@@ -53,6 +53,7 @@ class Rank:
         score: Nats gained over no effect.
         behind: By how many nats it falls short of the best.
         percent: Length of the bar of that, 0 to 100.
+        is_cut: Whether the bar would be longer.
         said: What the diagnosis makes of it.
     """
 
@@ -61,6 +62,7 @@ class Rank:
     score: str
     behind: str
     percent: str
+    is_cut: bool
     said: str
 
 
@@ -155,6 +157,13 @@ def ranking(diagnosis: Diagnosis) -> list[Rank]:
     rivals = {_name(model.effects) for model in diagnosis.rivals}
     finding = {named.effect.id for named in diagnosis.effects}
     return [_rank(model, best, rivals, finding) for model in models]
+
+
+def cut_bars(ranks: Iterable[Rank]) -> str:
+    """Say where bars are cut; nothing if none is."""
+    if not any(rank.is_cut for rank in ranks):
+        return ""
+    return f"A bar with a broken end is cut at {HOPELESS_NATS:g} nats: its number goes on."
 
 
 def no_gain(diagnosis: Diagnosis) -> str:
@@ -254,6 +263,7 @@ def _rank(model: Ranked, best: float, rivals: set[str], finding: set[str]) -> Ra
         _nats(model.score_nats),
         _nats(behind),
         f"{PER_CENT * min(behind / HOPELESS_NATS, 1.0):.1f}",
+        behind > HOPELESS_NATS,
         said,
     )
 
