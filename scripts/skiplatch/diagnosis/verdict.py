@@ -293,8 +293,8 @@ NAMES: Sequence[Rule] = (
     ),
     Rule(
         "slack_is_chance",
-        CHANCE,
-        "theory: slack stands for what nothing tells; a level, as above",
+        SIGNIFICANT,
+        "theory: slack stands for what nothing tells; a level, as of what is left",
         _slack_is_chance,
     ),
     Rule(
