@@ -37,6 +37,6 @@ gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and sc
 	@$(VENV_PYTHON) -m tests.withheld.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
 	    --false-alarms $(FALSE_ALARMS) $(ON_CLUSTER) $(OPTIONS)
 	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.withheld.ties --count $(TIES) \
-	    --seed $(SEED) --jobs $(shell nproc))
+	    --seed $(SEED) --jobs $(shell nproc) $(ON_CLUSTER))
 	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.withheld.planted --count $(PLANTED) \
 	    --seed $(SEED) --jobs $(shell nproc) $(ON_CLUSTER))
