@@ -25,6 +25,10 @@ bench: setup $(STAMPS)/bench $(STAMPS)/system-rig ## measure speed
 	@$(VENV_PYTHON) tests/perf/bench.py
 	@$(VENV_PYTHON) -m tests.bench.latency
 
+.PHONY: bench-spread
+bench-spread: setup ## measure what spreading over workers costs, alone
+	@$(VENV_PYTHON) tests/perf/spread_bench.py $(OPTIONS)
+
 COUNT        ?= 20
 SEED         ?= 1
 FALSE_ALARMS ?= 0
