@@ -18,6 +18,7 @@ import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
@@ -36,6 +37,8 @@ EMPTY = (1_000, 10_000)
 CAMPAIGNS, CAMPAIGN_TOUCHES, ROUNDS = 4, 400, 3
 KILLED, KILLED_TOUCHES, KILL_EVERY_S = 40, 60, 4.0
 WORKERS = (1, 2)
+FEWEST = 2
+"""Campaigns, for an answer of one is no list."""
 PLAIN_LOOP = Path(__file__).with_name("plain_loop.py")
 
 
@@ -76,7 +79,7 @@ def spread(campaigns: Sequence[Path], place: Sequence[str], out: Path) -> Run:
 
 def start(campaigns: Sequence[Path], place: Sequence[str], out: Path) -> "subprocess.Popen[bytes]":
     """Start a command that spreads."""
-    words = [SKIPLATCH, "diagnose", *campaigns, *place, "--json", out]
+    words: list[str | Path] = [SKIPLATCH, "diagnose", *campaigns, *place, "--json", out]
     return subprocess.Popen(words, stdout=subprocess.DEVNULL)
 
 
@@ -106,8 +109,8 @@ def bench_campaigns(folder: Path, workers: int, count: int) -> list[Campaigns]:
     plain_s: list[float] = []
     seconds: dict[str, list[float]] = {}
     with places(workers) as found:
-        for place in found.values():  # workers that have loaded everything, as after a minute
-            spread(campaigns[:workers], place, out)
+        if "cluster" in found:  # let its workers load everything, as they have after a minute
+            spread(campaigns, found["cluster"], out)
         for _ in range(ROUNDS):
             plain = plain_loops(campaigns, workers, out)
             plain_s.append(plain.seconds)
@@ -142,8 +145,7 @@ def bench_killed(folder: Path, count: int, every_s: float) -> Killed:
 
 def kill_workers(process: "subprocess.Popen[bytes]", every_s: float, since: Path) -> int:
     """Kill a worker of a command so often, from when a folder is there; gives how many were."""
-    import psutil  # noqa: PLC0415 - comes with the extra cluster
-
+    psutil: Any = import_module("psutil")  # comes with the extra cluster
     kills = 0
     due_s = time.perf_counter() + every_s
     while process.poll() is None:
@@ -204,6 +206,8 @@ def main() -> None:
     parser.add_argument("--kill-every-s", type=float, default=KILL_EVERY_S)
     parser.add_argument("--figures", type=Path, help="write what docs/FLEET.md shows")
     given = parser.parse_args()
+    if min(given.campaigns, given.killed) < FEWEST or given.kill_every_s <= 0.0:
+        parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
     figures = measure(given.campaigns, given.killed, given.kill_every_s)
     print(figures.as_text())
     if given.figures:
