@@ -1,5 +1,6 @@
-"""How fast a fleet is kept: a rig's history out of ten million touches."""
+"""How fast a fleet is kept: a million touches added, a rig's history out of ten million."""
 
+import os
 import subprocess
 import tempfile
 import time
@@ -17,6 +18,8 @@ from skiplatch.simulator import Effect
 
 RIGS, WEEKS, TOUCHES = 200, 52, 1_000
 HISTORY_AIM_S = 1.0
+ADDED, ADDED_AIM_S = 1_000, 60.0
+"""Campaigns that are added: the first and the last tenth by a command of their own."""
 EFFECT = Effect("trigger_delay", {"delay_us": 60.0})
 INDEX = """
 COPY (
@@ -95,6 +98,31 @@ def bench_history(folder: Path) -> None:
     print(f"  {seconds:9.2f} s, the whole command {whole:.2f} s   aim: at most {HISTORY_AIM_S:g} s")
 
 
+def bench_adding(folder: Path) -> None:
+    """Time a million touches on their way into a store, and what memory the first and last take."""
+    campaigns = [folder / f"added_{number}" for number in range(ADDED)]
+    for seed, campaign in enumerate(campaigns):
+        record(campaign, TOUCHES, seed)
+    tenth = ADDED // 10
+    parts = campaigns[:tenth], campaigns[tenth:-tenth], campaigns[-tenth:]
+    took = [add(part, folder / "added") for part in parts]
+    (_, first_mb), _, (_, last_mb) = took
+    print(f"{ADDED * TOUCHES:,} touches added to a store")
+    print(f"  {sum(s for s, _ in took):9.1f} s   aim: at most {ADDED_AIM_S:g} s")
+    print(f"  memory, last tenth over first {last_mb / first_mb:.2f} ({last_mb:.0f} MB)   aim: 1")
+
+
+def add(campaigns: Sequence[Path], store: Path) -> tuple[float, float]:
+    """Add campaigns by a command; gives its seconds, and its largest memory in MB."""
+    words = [SKIPLATCH, "fleet", "add", *campaigns, "--rig", "bench", "--store", store]
+    begin = time.perf_counter()
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    if status:
+        raise SystemExit("fleet_bench: fleet add failed")
+    return time.perf_counter() - begin, used.ru_maxrss / 1e3
+
+
 def timed(words: Sequence[str]) -> float:
     """Time a command."""
     begin = time.perf_counter()
@@ -105,6 +133,7 @@ def timed(words: Sequence[str]) -> float:
 def bench_fleet() -> None:
     """Run it in a folder that goes afterwards."""
     with tempfile.TemporaryDirectory() as temporary:
+        bench_adding(Path(temporary))
         bench_history(Path(temporary))
 
 
