@@ -34,7 +34,7 @@ from skiplatch.files import atomic_write_text
 from skiplatch.workers import Workers, finished, opened
 
 EMPTY = (1_000, 10_000)
-CAMPAIGNS, CAMPAIGN_TOUCHES, ROUNDS = 4, 400, 3
+CAMPAIGNS, TOUCHES, ROUNDS = 4, 400, 3
 KILLED, KILLED_TOUCHES, KILL_EVERY_S = 40, 60, 4.0
 WORKERS = (1, 2)
 FEWEST = 2
@@ -102,9 +102,9 @@ def recorded(folder: Path, count: int, touches: int) -> list[Path]:
     return campaigns
 
 
-def bench_campaigns(folder: Path, workers: int, count: int) -> list[Campaigns]:
+def bench_campaigns(folder: Path, workers: int, count: int, touches: int) -> list[Campaigns]:
     """Time so many campaigns a worker, in turn with plain loops; medians of the rounds."""
-    campaigns = recorded(folder, count * workers, CAMPAIGN_TOUCHES)
+    campaigns = recorded(folder, count * workers, touches)
     out = folder / "out.json"
     plain_s: list[float] = []
     seconds: dict[str, list[float]] = {}
@@ -119,7 +119,7 @@ def bench_campaigns(folder: Path, workers: int, count: int) -> list[Campaigns]:
                 seconds.setdefault(name, []).append(run.seconds)
                 if run.text != plain.text:
                     raise SystemExit(f"spread_bench: {name} wrote other bytes than plain loops")
-    sizes = workers, len(campaigns), CAMPAIGN_TOUCHES, median(plain_s)
+    sizes = workers, len(campaigns), touches, median(plain_s)
     return [Campaigns(name, *sizes, *_held(s, plain_s)) for name, s in seconds.items()]
 
 
@@ -182,18 +182,22 @@ def bench_empty() -> list[Empty]:
     return found
 
 
-def measure(campaigns: int, killed: int, kill_every_s: float) -> Figures:
+def measure(campaigns: int, touches: int, killed: int, kill_every_s: float) -> Figures:
     """Measure everything."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
-        beside = [row for workers in WORKERS for row in bench_campaigns(folder, workers, campaigns)]
+        beside = [
+            row
+            for workers in WORKERS
+            for row in bench_campaigns(folder, workers, campaigns, touches)
+        ]
         lost = bench_killed(folder, killed, kill_every_s) if find_spec("distributed") else None
     return Figures(beside, lost, bench_empty())
 
 
 def bench_spread() -> None:
     """Run everything in the size of `make bench`."""
-    print(measure(CAMPAIGNS, KILLED, KILL_EVERY_S).as_text())
+    print(measure(CAMPAIGNS, TOUCHES, KILLED, KILL_EVERY_S).as_text())
 
 
 def main() -> None:
@@ -202,13 +206,14 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="for each worker")
+    parser.add_argument("--touches", type=int, default=TOUCHES, help="of such a campaign")
     parser.add_argument("--killed", type=int, default=KILLED, help="campaigns while workers die")
     parser.add_argument("--kill-every-s", type=float, default=KILL_EVERY_S)
     parser.add_argument("--figures", type=Path, help="write what docs/FLEET.md shows")
     given = parser.parse_args()
     if min(given.campaigns, given.killed) < FEWEST or given.kill_every_s <= 0.0:
         parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
-    figures = measure(given.campaigns, given.killed, given.kill_every_s)
+    figures = measure(given.campaigns, given.touches, given.killed, given.kill_every_s)
     print(figures.as_text())
     if given.figures:
         atomic_write_text(given.figures, figures.as_json())
