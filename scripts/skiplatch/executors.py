@@ -33,7 +33,7 @@ REACHABLE = ("running", "connecting")
 OUT_OF_TIME = 124
 """Exit status of a worker whose task took too long, as of the command `timeout`."""
 LOGGERS = ("distributed", "distributed.client")
-"""Of Dask, as far as its own configuration names levels of what is at work here."""
+"""Loggers of Dask to which its own configuration gives a level: one does not silence the other."""
 LOCAL = re.compile(r"local:([1-9][0-9]{0,3})")
 MISSING = "not installed; pip install 'skiplatch[cluster]' brings it"
 

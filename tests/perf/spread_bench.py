@@ -2,11 +2,11 @@
 
 Campaigns on one and on two workers are timed in turn with as many plain loops, in one run. Then
 workers of a cluster are killed while it diagnoses, and the answers are held beside the plain ones,
-byte for byte. `make bench` does a size that takes minutes. What the goals ask for is
+byte for byte. `make bench` does a size that takes minutes. What the goal asks for takes long:
 
   python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30
 
-and takes an hour. ``--figures docs/spread.json`` writes what docs/FLEET.md shows.
+``--figures docs/spread.json`` writes what docs/FLEET.md shows.
 """
 
 import argparse
