@@ -114,7 +114,16 @@ def bench_adding(folder: Path) -> None:
 
 def add(campaigns: Sequence[Path], store: Path) -> tuple[float, float]:
     """Add campaigns by a command; gives its seconds, and its largest memory in MB."""
-    words = [SKIPLATCH, "fleet", "add", *campaigns, "--rig", "bench", "--store", store]
+    words: list[str | Path] = [
+        SKIPLATCH,
+        "fleet",
+        "add",
+        *campaigns,
+        "--rig",
+        "bench",
+        "--store",
+        store,
+    ]
     begin = time.perf_counter()
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)
