@@ -25,6 +25,10 @@ bench: setup $(STAMPS)/bench $(STAMPS)/system-rig ## measure speed
 	@$(VENV_PYTHON) tests/perf/bench.py
 	@$(VENV_PYTHON) -m tests.bench.latency
 
+.PHONY: bench-spread
+bench-spread: setup ## measure what spreading over workers costs, alone
+	@$(VENV_PYTHON) tests/perf/spread_bench.py $(OPTIONS)
+
 COUNT        ?= 20
 SEED         ?= 1
 FALSE_ALARMS ?= 0
@@ -37,6 +41,6 @@ gap-check: setup ## diagnose COUNT=20 campaigns whose effects are sealed, and sc
 	@$(VENV_PYTHON) -m tests.withheld.check --count $(COUNT) --seed $(SEED) --jobs $(shell nproc) \
 	    --false-alarms $(FALSE_ALARMS) $(ON_CLUSTER) $(OPTIONS)
 	$(if $(filter-out 0,$(TIES)),@$(VENV_PYTHON) -m tests.withheld.ties --count $(TIES) \
-	    --seed $(SEED) --jobs $(shell nproc))
+	    --seed $(SEED) --jobs $(shell nproc) $(ON_CLUSTER))
 	$(if $(filter-out 0,$(PLANTED)),@$(VENV_PYTHON) -m tests.withheld.planted --count $(PLANTED) \
 	    --seed $(SEED) --jobs $(shell nproc) $(ON_CLUSTER))

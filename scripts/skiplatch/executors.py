@@ -32,6 +32,8 @@ REACHABLE = ("running", "connecting")
 """States of a client of Dask in which it still sends tasks, now or once it is connected again."""
 OUT_OF_TIME = 124
 """Exit status of a worker whose task took too long, as of the command `timeout`."""
+LOGGERS = ("distributed", "distributed.client")
+"""Loggers of Dask to which its own configuration gives a level: one does not silence the other."""
 LOCAL = re.compile(r"local:([1-9][0-9]{0,3})")
 MISSING = "not installed; pip install 'skiplatch[cluster]' brings it"
 
@@ -148,7 +150,7 @@ def _distributed() -> Any:  # noqa: ANN401 - an optional extra
     try:
         import dask  # noqa: PLC0415 - an optional extra
 
-        dask.config.set({"logging": {"distributed": "critical"}})
+        dask.config.set({"logging": dict.fromkeys(LOGGERS, "critical")})
         import distributed  # noqa: PLC0415 - reads its configuration then
     except ImportError as error:
         raise InputError("distributed", None, None, MISSING) from error

@@ -1,9 +1,11 @@
 """Workers that tasks are spread over, wherever they run: `executors` has the places.
 
-A task that its worker dies of, or that takes too long, costs nothing but itself.
+A task that its worker dies of, or that takes too long, costs nothing but itself. Dask blames such a
+death on all tasks that the worker had. So tasks that it gives up are tried again one at a time.
 """
 
 import queue
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError, Executor, Future
 from contextlib import contextmanager
@@ -124,27 +126,45 @@ class _Round(Generic[Result]):
         self._executor, self._task, self._arguments = executor, task, arguments
         self._done: queue.SimpleQueue[tuple[int, Future[Result]]] = queue.SimpleQueue()
         self._tries = [0] * len(arguments)
+        self._fresh = iter(range(len(arguments)))
+        self._suspects: deque[int] = deque()
+        self._under_way = 0
 
     def finished(self) -> Iterator[tuple[int, Result | Failed]]:
-        numbers = iter(range(len(self._arguments)))
-        for number in islice(numbers, MOST_UNDER_WAY):
-            self._submit(number)
-        left = len(self._arguments)
-        while left:
+        self._submit_fresh(MOST_UNDER_WAY)
+        while self._under_way:
             number, future = self._done.get()
+            self._under_way -= 1
             why = _lost(future)
             if why and self._tries[number] < TRIES:
-                self._submit(number)
+                self._try_again(number, future)
                 continue
-            for following in islice(numbers, 1):
-                self._submit(following)
-            left -= 1
+            self._submit_fresh(1)
+            self._submit_suspect()
             if why:
                 yield number, Failed(f"{why}, {TRIES} times")
             else:
                 yield number, self._outcome(future)
 
+    def _submit_fresh(self, count: int) -> None:
+        for number in islice(self._fresh, count):
+            self._submit(number)
+
+    def _try_again(self, number: int, future: "Future[Result]") -> None:
+        """Try a task again: later and alone, if it was perhaps lost with another's worker."""
+        if not _is_suspect(future):
+            self._submit(number)
+            return
+        self._suspects.append(number)
+        self._submit_fresh(1)
+        self._submit_suspect()
+
+    def _submit_suspect(self) -> None:
+        if self._suspects and not self._under_way:
+            self._submit(self._suspects.popleft())
+
     def _submit(self, number: int) -> None:
+        self._under_way += 1
         self._tries[number] += 1
         future = self._executor.submit(self._task, *self._arguments[number])
         future.add_done_callback(lambda done: self._done.put((number, done)))
@@ -171,6 +191,11 @@ def _lost(future: "Future[Any]") -> str:
         return "it took too long"
     if isinstance(error, MemoryError):
         return "it ran out of memory"
-    if isinstance(error, ProcessExpired) or type(error).__name__ == "KilledWorker":
+    if isinstance(error, ProcessExpired) or _is_suspect(future):
         return "its worker died, as out of memory or time"
     return ""
+
+
+def _is_suspect(future: "Future[Any]") -> bool:
+    """Whether workers of Dask died that had this task, perhaps beside the one they died of."""
+    return type(future.exception()).__name__ == "KilledWorker"

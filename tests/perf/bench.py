@@ -1,8 +1,9 @@
 """``make bench``: how fast the simulation is, beside a bare loop and beside SimPy, in one run.
 
 Then how fast a probe is compensated, see ``compensation_bench``, and how fast the diagnosis is,
-beside pyABC, see ``diagnosis_bench``. Then how fast a fleet is kept and spread over workers, see
-``fleet_bench``, and how fast the firmware measures transmission error, see ``transmission_bench``.
+beside pyABC, see ``diagnosis_bench``. Then how fast a fleet is kept, see ``fleet_bench``, and
+spread over workers, see ``spread_bench``, and how fast the firmware measures transmission error,
+see ``transmission_bench``.
 
 Absolute times depend on the machine and on its mood. What counts are the ratios of things timed in
 turn, and their medians.
@@ -18,6 +19,7 @@ import diagnosis_bench
 import fleet_bench
 import numpy as np
 import simpy_chain
+import spread_bench
 import transmission_bench
 
 from skiplatch import simulator
@@ -152,6 +154,7 @@ def main() -> None:
     compensation_bench.bench_compensation()
     diagnosis_bench.bench_diagnosis()
     fleet_bench.bench_fleet()
+    spread_bench.bench_spread()
     transmission_bench.bench_transmission()
 
 

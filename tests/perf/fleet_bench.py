@@ -1,10 +1,10 @@
-"""How fast a fleet is kept and spread: a rig's history, empty tasks, campaigns on workers."""
+"""How fast a fleet is kept: a million touches added, a rig's history out of ten million."""
 
+import os
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable, Sequence
-from importlib.util import find_spec
+from collections.abc import Sequence
 from pathlib import Path
 
 import duckdb
@@ -15,14 +15,11 @@ from skiplatch.fleet import layout
 from skiplatch.fleet.reading import opened as opened_store
 from skiplatch.fleet.store import opened_for_writing
 from skiplatch.simulator import Effect
-from skiplatch.workers import Workers, finished, opened
 
 RIGS, WEEKS, TOUCHES = 200, 52, 1_000
 HISTORY_AIM_S = 1.0
-EMPTY = (1_000, 10_000)
-CAMPAIGNS, CAMPAIGN_TOUCHES = 12, 400
-SHARE_AIM, OVERHEAD_AIM_MS = 0.95, 50
-PROCESSES = 2
+ADDED, ADDED_AIM_S = 1_000, 60.0
+"""Campaigns that are added: the first and the last tenth by a command of their own."""
 EFFECT = Effect("trigger_delay", {"delay_us": 60.0})
 INDEX = """
 COPY (
@@ -101,59 +98,38 @@ def bench_history(folder: Path) -> None:
     print(f"  {seconds:9.2f} s, the whole command {whole:.2f} s   aim: at most {HISTORY_AIM_S:g} s")
 
 
-def bench_empty() -> None:
-    """Time tasks that do nothing: what spreading costs each."""
-    print("empty tasks, cost of each")
-    for name, workers in places().items():
-        with opened(workers) as executor:
-            list(finished(executor, abs, [(0,)]))
-            for count in EMPTY:
-                tasks = [(number,) for number in range(count)]
-                begin = time.perf_counter()
-                list(finished(executor, abs, tasks))
-                each_ms = 1e3 * (time.perf_counter() - begin) / count
-                print(
-                    f"  {name:18} {count:7,} tasks {each_ms:7.2f} ms each   aim: the same at both"
-                )
+def bench_adding(folder: Path) -> None:
+    """Time a million touches on their way into a store, and what memory the first and last take."""
+    campaigns = [folder / f"added_{number}" for number in range(ADDED)]
+    for seed, campaign in enumerate(campaigns):
+        record(campaign, TOUCHES, seed)
+    tenth = ADDED // 10
+    parts = campaigns[:tenth], campaigns[tenth:-tenth], campaigns[-tenth:]
+    took = [add(part, folder / "added") for part in parts]
+    (_, first_mb), _, (_, last_mb) = took
+    print(f"{ADDED * TOUCHES:,} touches added to a store")
+    print(f"  {sum(s for s, _ in took):9.1f} s   aim: at most {ADDED_AIM_S:g} s")
+    print(f"  memory, last tenth over first {last_mb / first_mb:.2f} ({last_mb:.0f} MB)   aim: 1")
 
 
-def places() -> dict[str, Workers]:
-    """Name where tasks can run here."""
-    found = {f"--jobs {PROCESSES}": Workers(jobs=PROCESSES)}
-    if find_spec("distributed"):
-        found[f"--cluster local:{PROCESSES}"] = Workers(cluster=f"local:{PROCESSES}")
-    return found
-
-
-def bench_campaigns(folder: Path) -> None:
-    """Time many campaigns beside as many plain processes, two at a time."""
-    campaigns = [folder / f"campaign_{number}" for number in range(CAMPAIGNS)]
-    for number, campaign in enumerate(campaigns):
-        record(campaign, CAMPAIGN_TOUCHES, number)
-    plain_s = together([diagnose(campaigns[at::PROCESSES]) for at in range(PROCESSES)])
-    print(f"{CAMPAIGNS} campaigns of {CAMPAIGN_TOUCHES} touches, {PROCESSES} at a time")
-    print(f"  plain loops        {60.0 * CAMPAIGNS / plain_s:9.1f} campaigns/min")
-    for name in places():
-        seconds = timed([str(SKIPLATCH), "diagnose", *map(str, campaigns), *name.split()])
-        over_ms = 1e3 * (seconds - plain_s) * PROCESSES / CAMPAIGNS
-        share = plain_s / seconds
-        print(f"  {name:18} {60.0 * CAMPAIGNS / seconds:9.1f} campaigns/min")
-        print(f"    of plain loops {share:13.2f}   aim: at least {SHARE_AIM}")
-        print(f"    more a campaign {over_ms:+12.0f} ms   aim: at most {OVERHEAD_AIM_MS} ms")
-
-
-def diagnose(campaigns: Sequence[Path]) -> Callable[[], subprocess.Popen[bytes]]:
-    """Give what starts one process that diagnoses these one after the other."""
-    words = [str(SKIPLATCH), "diagnose", *map(str, campaigns), "--jobs", "1"]
-    return lambda: subprocess.Popen(words, stdout=subprocess.DEVNULL)
-
-
-def together(starts: Sequence[Callable[[], subprocess.Popen[bytes]]]) -> float:
-    """Time processes side by side."""
+def add(campaigns: Sequence[Path], store: Path) -> tuple[float, float]:
+    """Add campaigns by a command; gives its seconds, and its largest memory in MB."""
+    words: list[str | Path] = [
+        SKIPLATCH,
+        "fleet",
+        "add",
+        *campaigns,
+        "--rig",
+        "bench",
+        "--store",
+        store,
+    ]
     begin = time.perf_counter()
-    for process in [start() for start in starts]:
-        process.wait()
-    return time.perf_counter() - begin
+    process = subprocess.Popen(words, stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    if status:
+        raise SystemExit("fleet_bench: fleet add failed")
+    return time.perf_counter() - begin, used.ru_maxrss / 1e3
 
 
 def timed(words: Sequence[str]) -> float:
@@ -164,11 +140,10 @@ def timed(words: Sequence[str]) -> float:
 
 
 def bench_fleet() -> None:
-    """Run everything."""
+    """Run it in a folder that goes afterwards."""
     with tempfile.TemporaryDirectory() as temporary:
+        bench_adding(Path(temporary))
         bench_history(Path(temporary))
-        bench_campaigns(Path(temporary))
-    bench_empty()
 
 
 if __name__ == "__main__":

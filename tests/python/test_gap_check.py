@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from one_thread import one_thread
 from skiplatch import cli
 from tests.withheld import check, goals, runs
 from tests.withheld.scoring import FAILED, Scored
@@ -31,6 +32,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> list[Scored]:
     """Run the check once, with the diagnoses one after the other."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(runs, "run_skiplatch", run_here)
+        patch.setattr(runs, "opened", one_thread)
         return check.check(tmp_path_factory.mktemp("gap") / "set", ORDER, [], jobs=1)
 
 

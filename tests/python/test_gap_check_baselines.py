@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skiplatch.campaign import Campaign
+from skiplatch.campaign import Campaign, write_campaign
 from skiplatch.simulator import Effect, effects
+from skiplatch.workers import Workers
 from tests.withheld import baseline_crps
 from tests.withheld.baseline_crps import LowestCrps
 from tests.withheld.baseline_regression import Regression
 from tests.withheld.baseline_trees import Trees
+from tests.withheld.baselines import guess_all
 from tests.withheld.conditions import Recording, draw_setup
 from tests.withheld.covariates import features
 from tests.withheld.simulated import as_recorded, draw_effect, play_once, recorded_residuals
@@ -29,6 +31,15 @@ def campaign(*switched_on: Effect, seed: int = 4) -> Campaign:
     setup = draw_setup(np.random.default_rng(seed), Recording.STAMPED, (300, 300))
     played = play_once(setup.nominal, setup.touches, list(switched_on), seed)
     return Campaign(setup.nominal, as_recorded(setup.touches, played), Path("simulated"))
+
+
+class Kind:
+    """A baseline that names the kind of campaign."""
+
+    title = "kind"
+
+    def name(self, campaign: Campaign) -> str | None:
+        return str(campaign.nominal.kind)
 
 
 def without_stamps(recorded: Campaign) -> Campaign:
@@ -97,6 +108,23 @@ def test_features_of_what_was_not_recorded_are_empty() -> None:
     assert whole.shape == positions.shape
     assert np.isnan(positions).mean() > np.isnan(whole).mean() + 0.3
     assert not np.isinf(whole).any()
+
+
+def test_a_cluster_guesses_what_processes_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.chdir(tmp_path)
+    folders = [Path(effect_id) for effect_id in PLAIN]
+    for folder in folders:
+        recorded = campaign(Effect(folder.name, PLAIN[folder.name]))
+        write_campaign(folder, recorded.nominal, recorded.touches)
+
+    here = guess_all(folders, [Regression(), Kind()], Workers(jobs=2))
+    there = guess_all(folders, [Regression(), Kind()], Workers(cluster="local:2"))
+
+    assert here == [{"regression": folder.name, "kind": "machine"} for folder in folders]
+    assert there == here
 
 
 @pytest.mark.long

@@ -2,15 +2,14 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from one_thread import one_thread
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
 from skiplatch.workers import Workers
 from tests.withheld import baselines, confusion, goals, runs, verdicts
@@ -551,6 +550,7 @@ def kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         campaign.mkdir(parents=True)
         (campaign / "touches.csv").write_text("")
     monkeypatch.setattr(runs, "run_skiplatch", counting(tmp_path / "counted"))
+    monkeypatch.setattr(runs, "opened", one_thread)
     return tmp_path / "set"
 
 
@@ -560,8 +560,8 @@ def test_diagnoses_go_on_where_they_were_broken_off(kept: Path) -> None:
     half.mkdir()
     (half / "diagnosis.json").write_text("half a")
 
-    first = runs.diagnose_all(kept, 1, jobs=1, title="")
-    again = runs.diagnose_all(kept, 1, jobs=1, title="")
+    first = runs.diagnose_all(kept, 1, Workers(), title="")
+    again = runs.diagnose_all(kept, 1, Workers(), title="")
 
     assert [answer.diagnosis["verdict"] for answer in first] == ["no_gap", "no_gap"]
     assert first == again
@@ -569,31 +569,23 @@ def test_diagnoses_go_on_where_they_were_broken_off(kept: Path) -> None:
 
 
 def test_answers_of_another_name_are_made_anew(kept: Path) -> None:
-    runs.diagnose_all(kept, 1, jobs=1, title="")
-    runs.diagnose_all(kept, 1, jobs=1, title="", answers="after")
+    runs.diagnose_all(kept, 1, Workers(), title="")
+    runs.diagnose_all(kept, 1, Workers(), title="", answers="after")
 
     assert (kept.parent / "counted").read_text().split() == ["diagnose", "predict"] * 4
     assert (kept / "found" / "g0000" / "answered.json").exists()
 
 
-def test_a_cluster_diagnoses_what_threads_would(
+def test_workers_go_on_where_threads_were_broken_off(
     kept: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    asked = []
+    here = runs.diagnose_all(kept, 1, Workers(), title="")
 
-    @contextmanager
-    def opened(workers: Workers) -> Iterator[Executor]:
-        asked.append(workers.cluster)
-        with ThreadPoolExecutor(1) as executor:
-            yield executor
+    monkeypatch.undo()
+    monkeypatch.chdir(kept.parent)
+    there = runs.diagnose_all(Path(kept.name), 1, Workers(jobs=2), title="")
 
-    monkeypatch.setattr(runs, "opened", opened)
-    there = runs.diagnose_all(kept, 1, jobs=1, title="", answers="there", cluster="local:2")
-    here = runs.diagnose_all(kept, 1, jobs=1, title="")
-
-    assert asked == ["local:2"]
-    assert [answer.diagnosis for answer in there] == [answer.diagnosis for answer in here]
-    assert len(list(kept.glob("there/*/answered.json"))) == 2
+    assert there == here
 
 
 def test_a_generator_that_fails_ends_the_check(tmp_path: Path) -> None:

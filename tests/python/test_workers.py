@@ -13,6 +13,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from skiplatch import executors, workers
@@ -39,6 +40,39 @@ class Scripted(Executor):
         else:
             future.set_result(outcome)
         return future
+
+
+class Noted(Future[Any]):
+    """Knows whether anybody has asked what came of it."""
+
+    is_taken = False
+
+    def exception(self, timeout: float | None = None) -> BaseException | None:
+        self.is_taken = True
+        return super().exception(timeout)
+
+
+class Watched(Scripted):
+    """Notes what is sent, and what is sent while nothing else is under way."""
+
+    def __init__(self, script: dict[int, list[object]]) -> None:
+        super().__init__(script)
+        self.given: list[Noted] = []
+        self.sent: list[int] = []
+        self.sent_alone: list[int] = []
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **_: Any) -> "Future[Any]":  # noqa: ANN401
+        self.sent.append(args[0])
+        if self.given and all(future.is_taken for future in self.given):
+            self.sent_alone.append(args[0])
+        self.given.append(Noted())
+        ended = super().submit(fn, *args)
+        error = ended.exception()
+        if error is None:
+            self.given[-1].set_result(ended.result())
+        else:
+            self.given[-1].set_exception(error)
+        return self.given[-1]
 
 
 class KilledWorker(Exception):  # noqa: N818 - as Dask calls it
@@ -72,6 +106,14 @@ def wait_for(number: int, go: Path) -> int:
 def hang_at_two(number: int) -> int:
     if number == 2:
         time.sleep(60.0)
+    return double(number)
+
+
+def outgrow_at_three(number: int, size_b: int, held_s: float) -> int:
+    if number == 3:
+        held = np.ones(size_b, dtype=np.uint8)
+        time.sleep(held_s)
+        return int(held[0])
     return double(number)
 
 
@@ -110,6 +152,23 @@ def test_what_is_lost_is_tried_thrice(lost: BaseException, why: str) -> None:
         6,
         8,
     ]
+
+
+def test_what_may_be_lost_by_another_is_tried_again_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(workers, "MOST_UNDER_WAY", 2)
+    killed, cancelled = KilledWorker(), CancelledError()
+    cluster = Watched({0: [killed, killed, killed], 1: [killed], 3: [cancelled]})
+
+    found = dict(finished(cluster, double, [(number,) for number in range(6)]))
+
+    assert cluster.sent == [0, 1, 2, 3, 4, 3, 5, 0, 1, 0]
+    assert cluster.sent_alone == [0, 1, 0]
+    assert found == {
+        0: Failed("its worker died, as out of memory or time, 3 times"),
+        **{number: 2 * number for number in range(1, 6)},
+    }
 
 
 def test_what_fails_by_itself_is_told_and_not_tried_again() -> None:
@@ -182,6 +241,12 @@ def test_a_task_that_hangs_is_ended(two: Executor) -> None:
     assert outcomes(two, hang_at_two) == [0, 2, Failed("it took too long, 3 times"), 6, 8]
 
 
+def test_a_task_that_runs_out_of_memory_is_named(two: Executor) -> None:
+    found = outcomes(two, outgrow_at_three, 1 << 60, 0.0)
+
+    assert found == [0, 2, 4, Failed("it ran out of memory, 3 times"), 8]
+
+
 class Gone:
     """A client of Dask whose scheduler did not come back."""
 
@@ -232,12 +297,12 @@ def started(*words: str) -> "subprocess.Popen[bytes]":
 
 
 @contextmanager
-def cluster(port: int) -> Iterator[str]:
-    """Run a scheduler and a worker, and kill both as a power cut does."""
+def cluster(port: int, *options: str) -> Iterator[str]:
+    """Run a scheduler and a worker with these options, and kill both as a power cut does."""
     address = f"tcp://127.0.0.1:{port}"
     parts = [
         started("scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"),
-        started("worker", address, "--nthreads", "1", "--no-dashboard", "--no-nanny"),
+        started("worker", address, "--nthreads", "1", "--no-dashboard", *options),
     ]
     try:
         yield address
@@ -253,14 +318,31 @@ def test_what_a_scheduler_forgot_is_done_once_it_is_back(tmp_path: Path) -> None
     port = free_port()
     found: dict[int, int | Failed] = {}
     with ExitStack() as parts:
-        with cluster(port) as address:
+        with cluster(port, "--no-nanny") as address:
             executor = parts.enter_context(opened(Workers(cluster=address)))
             coming = finished(executor, wait_for, [(n, tmp_path / "go") for n in range(4)])
             waiting = threading.Thread(target=lambda: found.update(coming))
             waiting.start()
             time.sleep(1.0)
         (tmp_path / "go").touch()
-        parts.enter_context(cluster(port))
+        parts.enter_context(cluster(port, "--no-nanny"))
         waiting.join()
 
     assert found == {0: 0, 1: 2, 2: 4, 3: 6}
+
+
+@pytest.mark.long
+def test_a_task_that_a_cluster_has_no_memory_or_time_for_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
+    lost = Failed("its worker died, as out of memory or time, 3 times")
+    with cluster(free_port(), "--nanny", "--memory-limit", "400MB") as address:
+        with opened(Workers(cluster=address)) as executor:
+            large = outcomes(executor, outgrow_at_three, 600_000_000, 30.0)
+        with opened(Workers(cluster=address, limit_s=LIMIT_S)) as executor:
+            slow = outcomes(executor, hang_at_two)
+
+    assert large == [0, 2, 4, lost, 8]
+    assert slow == [0, 2, lost, 6, 8]

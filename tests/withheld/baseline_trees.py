@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 import joblib  # type: ignore[import-untyped]
@@ -30,25 +31,37 @@ UNSEEN = {
 
 @dataclass(frozen=True, eq=False)
 class Trees:
-    """A classifier of campaigns with at most one effect."""
+    """A classifier of campaigns with at most one effect.
 
-    classifier: ExtraTreesClassifier
+    It is large, so what travels to a worker is where it lies.
+    """
+
+    kept_in: Path
     title: str = "extra trees"
 
     @classmethod
-    def trained(cls, campaigns: int = CAMPAIGNS, cache: Path = CACHE) -> "Trees":
+    def trained(cls, campaigns: int = CAMPAIGNS, folder: Path = CACHE) -> "Trees":
         """Train, or take what was trained with the same simulator and the same figures."""
-        path = cache / f"trees-{_key(campaigns)}.joblib"
-        if path.exists():
-            return cls(joblib.load(path))
-        classifier = _fit(campaigns)
-        cache.mkdir(parents=True, exist_ok=True)
-        joblib.dump(classifier, path)
-        return cls(classifier)
+        path = folder / f"trees-{_key(campaigns)}.joblib"
+        if not path.exists():
+            classifier = _fit(campaigns)
+            folder.mkdir(parents=True, exist_ok=True)
+            joblib.dump(classifier, path)
+        return cls(path)
+
+    @property
+    def classifier(self) -> ExtraTreesClassifier:
+        """The classifier, read once in each process."""
+        return _read(self.kept_in)
 
     def name(self, campaign: Campaign) -> str | None:
         """Name the effect, or None."""
         return str(self.classifier.predict(features(campaign)[None, :])[0]) or None
+
+
+@cache
+def _read(path: Path) -> ExtraTreesClassifier:
+    return joblib.load(path)
 
 
 def _key(campaigns: int) -> str:

@@ -1,10 +1,14 @@
 """What the diagnosis must beat: three plainer ways to name an effect, on the same campaigns."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import Protocol
 
-from skiplatch.campaign import Campaign
+from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.progress import shown
 from skiplatch.tables import table
+from skiplatch.workers import Workers, in_order, opened
 from tests.withheld.baseline_crps import LowestCrps
 from tests.withheld.baseline_regression import Regression
 from tests.withheld.baseline_trees import Trees
@@ -28,6 +32,26 @@ class Baseline(Protocol):
 def all_baselines() -> list[Baseline]:
     """Give them all; the classifier is trained now if it was not before."""
     return [Trees.trained(), Regression(), LowestCrps()]
+
+
+def guess_all(
+    campaigns: Sequence[Path], compared: Sequence[Baseline], workers: Workers
+) -> list[dict[str, str | None]]:
+    """Let the baselines name an effect of each campaign; workers find folders by their names."""
+    if not compared:
+        return [{} for _ in campaigns]
+    tasks = [(baseline, path.resolve()) for path in campaigns for baseline in compared]
+    with opened(replace(workers, loads=__name__)) as executor:
+        coming = in_order(executor, guess, tasks, "baseline of a campaign")
+        named = list(shown(coming, len(tasks), "baselines"))
+    titles = [baseline.title for baseline in compared]
+    rows = [named[i : i + len(titles)] for i in range(0, len(named), len(titles))]
+    return [dict(zip(titles, row, strict=True)) for row in rows]
+
+
+def guess(baseline: Baseline, campaign: Path) -> str | None:
+    """Let a baseline name an effect: what a worker does."""
+    return baseline.name(read_campaign(campaign))
 
 
 def as_text(results: Sequence[Scored]) -> str:

@@ -8,18 +8,16 @@ import argparse
 import json
 import tempfile
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
-from skiplatch.progress import shown
+from skiplatch.workers import Workers
 from tests.withheld import baselines, confusion, goals, page, reliability, verdicts
-from tests.withheld.baselines import Baseline
+from tests.withheld.baselines import Baseline, guess_all
 from tests.withheld.heldout import read_predictions, shrink_to_oracle
 from tests.withheld.nats import nats
 from tests.withheld.orders import Case
@@ -87,31 +85,12 @@ def check_kept(
     cluster: str | None = None,
 ) -> list[Scored]:
     """Diagnose what was drawn, and only then open the seals."""
-    answered = diagnose_all(folder, seed, jobs, title, answers, cluster)
+    workers = Workers(jobs=jobs, cluster=cluster)
+    answered = diagnose_all(folder, seed, workers, title, answers)
     campaigns = names(folder)
-    guessed = _guess([folder / "campaigns" / name for name in campaigns], compared, jobs)
+    guessed = guess_all([folder / "campaigns" / name for name in campaigns], compared, workers)
     each = zip(campaigns, answered, guessed, strict=True)
     return [open_seal(folder, name, seed, answer, guess) for name, answer, guess in each]
-
-
-def _guess(
-    campaigns: Sequence[Path], compared: Sequence[Baseline], jobs: int
-) -> list[dict[str, str | None]]:
-    """Let the baselines name an effect of each campaign."""
-    if not compared:
-        return [{} for _ in campaigns]
-    tasks = [(baseline, path) for path in campaigns for baseline in compared]
-    with ProcessPoolExecutor(jobs) as pool:
-        named = list(shown(pool.map(_name, tasks), len(tasks), "baselines"))
-    titles = [baseline.title for baseline in compared]
-    rows = [named[i : i + len(titles)] for i in range(0, len(named), len(titles))]
-    return [dict(zip(titles, row, strict=True)) for row in rows]
-
-
-def _name(task: tuple[Baseline, Path]) -> str | None:
-    baseline, path = task
-    campaign: Campaign = read_campaign(path)
-    return baseline.name(campaign)
 
 
 def show(results: Sequence[Scored]) -> str:

@@ -13,8 +13,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -92,20 +91,17 @@ def kept_order(out: Path) -> Order:
 def diagnose_all(
     folder: Path,
     seed: int,
-    jobs: int,
+    workers: Workers,
     title: str,
     answers: str = ANSWERS,
-    cluster: str | None = None,
 ) -> list[Answer]:
     """Diagnose the campaigns of a set, but those that were; in the order of their names.
 
-    Threads wait for the processes of the diagnoses; workers of a cluster find the folder by its
-    name.
+    Workers wait for the processes of the diagnoses, and find the folder by its name.
     """
     there = folder.resolve()
     tasks = [(there / "campaigns" / name, seed, there / answers / name) for name in names(folder)]
-    place = opened(Workers(cluster=cluster)) if cluster else ThreadPoolExecutor(jobs)
-    with place as executor:
+    with opened(replace(workers, loads=__name__)) as executor:
         return list(shown(in_order(executor, diagnose, tasks, "campaign"), len(tasks), title))
 
 

@@ -10,7 +10,6 @@ import argparse
 import json
 import tempfile
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -19,9 +18,12 @@ from typing import Any
 import numpy as np
 
 from skiplatch.campaign import format_nominal, format_touches, read_conditions
+from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder, atomic_write_text
+from skiplatch.progress import shown
 from skiplatch.statistics import proportion
 from skiplatch.tables import table
+from skiplatch.workers import Workers, in_order, opened
 from tests.withheld.cases import Drawn, draw_campaign
 from tests.withheld.conditions import Recording
 from tests.withheld.orders import Case, Order
@@ -165,7 +167,7 @@ def _command(user: Path, seed: int, *arguments: str) -> Any:  # noqa: ANN401
     """Run a command in the user's folder, and give its JSON."""
     options = ("--seed", str(seed), "--jobs", "1", "--json", "said.json")
     if said := run_skiplatch(str(user), *arguments, *options):
-        raise SystemExit(f"gap-check: skiplatch {arguments[0]} failed: {said}")
+        raise InputError(f"skiplatch {arguments[0]}", None, None, f"failed: {said}")
     return json.loads((user / "said.json").read_text(encoding="utf-8"))
 
 
@@ -203,10 +205,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=20, help="number of campaigns")
     parser.add_argument("--jobs", type=int, default=1, help="campaigns at the same time")
+    parser.add_argument("--cluster", help="local:N, or the address of a Dask scheduler")
     parser.add_argument("--json", type=Path, help="write every tie as JSON")
     options = parser.parse_args(arguments)
-    with ThreadPoolExecutor(options.jobs) as pool:
-        tried = list(pool.map(lambda i: try_one(options.seed, i), range(options.count)))
+    tasks = [(options.seed, number) for number in range(options.count)]
+    try:
+        with opened(Workers(jobs=options.jobs, cluster=options.cluster)) as executor:
+            coming = in_order(executor, try_one, tasks, "campaign for ties")
+            tried = list(shown(coming, len(tasks), "ties"))
+    except InputError as error:
+        raise SystemExit(f"gap-check: {error}") from error
     ties = [tie for tie in tried if tie is not None]
     print(as_text(ties, options.count))
     if options.json:

@@ -1,0 +1,223 @@
+"""What spreading work over workers costs: campaigns, workers that are killed, empty tasks.
+
+Campaigns on one and on two workers are timed in turn with as many plain loops, in one run. Then
+workers of a cluster are killed while it diagnoses, and the answers are held beside the plain ones,
+byte for byte. `make bench` does a size that takes minutes. What the goal asks for takes long:
+
+  python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30
+
+``--figures docs/spread.json`` writes what docs/FLEET.md shows.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
+from dataclasses import dataclass
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from diagnosis_bench import SKIPLATCH
+from fleet_bench import record
+from spread_figures import Campaigns, Empty, Figures, Killed
+
+from skiplatch.commands.options import json_text
+from skiplatch.executors import client_of
+from skiplatch.files import atomic_write_text
+from skiplatch.workers import Workers, finished, opened
+
+EMPTY = (1_000, 10_000)
+CAMPAIGNS, TOUCHES, ROUNDS = 4, 400, 3
+KILLED, KILLED_TOUCHES, KILL_EVERY_S = 24, 60, 4.0
+WORKERS = (1, 2)
+FEWEST = 2
+"""Campaigns, for an answer of one is no list."""
+PLAIN_LOOP = Path(__file__).with_name("plain_loop.py")
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """How long it took, and what was written."""
+
+    seconds: float
+    text: str
+
+
+def plain_loops(campaigns: Sequence[Path], processes: int, out: Path) -> Run:
+    """Diagnose in so many processes side by side, each with every so-manieth campaign."""
+    parts = [out.with_suffix(f".{at}") for at in range(processes)]
+    begin = time.perf_counter()
+    started = [
+        subprocess.Popen([sys.executable, PLAIN_LOOP, part, *campaigns[at::processes]])
+        for at, part in enumerate(parts)
+    ]
+    for process in started:
+        if process.wait():
+            raise SystemExit("spread_bench: a plain loop failed")
+    seconds = time.perf_counter() - begin
+    documents: list[Any] = [None] * len(campaigns)
+    for at, part in enumerate(parts):
+        documents[at::processes] = json.loads(part.read_text(encoding="utf-8"))
+    return Run(seconds, json_text(documents))
+
+
+def spread(campaigns: Sequence[Path], place: Sequence[str], out: Path) -> Run:
+    """Diagnose by one command that spreads."""
+    begin = time.perf_counter()
+    process = start(campaigns, place, out)
+    if process.wait():
+        raise SystemExit(f"spread_bench: diagnose {' '.join(place)} failed")
+    return Run(time.perf_counter() - begin, out.read_text(encoding="utf-8"))
+
+
+def start(campaigns: Sequence[Path], place: Sequence[str], out: Path) -> "subprocess.Popen[bytes]":
+    """Start a command that spreads."""
+    words: list[str | Path] = [SKIPLATCH, "diagnose", *campaigns, *place, "--json", out]
+    return subprocess.Popen(words, stdout=subprocess.DEVNULL)
+
+
+@contextmanager
+def places(workers: int) -> Iterator[dict[str, list[str]]]:
+    """Name where tasks can run here, on so many workers; those of the cluster run already."""
+    found = {"processes": ["--jobs", str(workers)]}
+    has_cluster = find_spec("distributed") is not None
+    with client_of(f"local:{workers}") if has_cluster else nullcontext() as client:
+        if client is not None:
+            found["cluster"] = ["--cluster", client.scheduler.address]
+        yield found
+
+
+def recorded(folder: Path, count: int, touches: int) -> list[Path]:
+    """Write campaigns, each of its own seed."""
+    campaigns = [folder / f"{touches}_touches_{number}" for number in range(count)]
+    for number, campaign in enumerate(campaigns):
+        record(campaign, touches, number)
+    return campaigns
+
+
+def bench_campaigns(folder: Path, workers: int, count: int, touches: int) -> list[Campaigns]:
+    """Time so many campaigns a worker, in turn with plain loops; medians of the rounds."""
+    campaigns = recorded(folder, count * workers, touches)
+    out = folder / "out.json"
+    plain_s: list[float] = []
+    seconds: dict[str, list[float]] = {}
+    with places(workers) as found:
+        if "cluster" in found:  # let its workers load everything, as they have after a minute
+            spread(campaigns, found["cluster"], out)
+        for _ in range(ROUNDS):
+            plain = plain_loops(campaigns, workers, out)
+            plain_s.append(plain.seconds)
+            for name, place in found.items():
+                run = spread(campaigns, place, out)
+                seconds.setdefault(name, []).append(run.seconds)
+                if run.text != plain.text:
+                    raise SystemExit(f"spread_bench: {name} wrote other bytes than plain loops")
+    sizes = workers, len(campaigns), touches, median(plain_s)
+    return [Campaigns(name, *sizes, *_held(s, plain_s)) for name, s in seconds.items()]
+
+
+def _held(seconds: Sequence[float], plain_s: Sequence[float]) -> tuple[float, float]:
+    """Give medians over the rounds: the share of plain loops, and the seconds more."""
+    pairs = list(zip(seconds, plain_s, strict=True))
+    return median(plain / s for s, plain in pairs), median(s - plain for s, plain in pairs)
+
+
+def bench_killed(folder: Path, count: int, every_s: float) -> Killed:
+    """Kill a worker of a cluster every so often while it diagnoses."""
+    campaigns = recorded(folder, count, KILLED_TOUCHES)
+    plain = plain_loops(campaigns, max(WORKERS), folder / "plain.json")
+    out = folder / "killed.json"
+    begin = time.perf_counter()
+    process = start(campaigns, ["--cluster", f"local:{max(WORKERS)}"], out)
+    kills = kill_workers(process, every_s, out.with_name(out.name + ".part"))
+    status = process.wait()
+    seconds = time.perf_counter() - begin
+    is_same = status == 0 and out.read_text(encoding="utf-8") == plain.text
+    return Killed(count, KILLED_TOUCHES, every_s, kills, seconds / plain.seconds, is_same)
+
+
+def kill_workers(process: "subprocess.Popen[bytes]", every_s: float, since: Path) -> int:
+    """Kill a worker of a command so often, from when a folder is there; gives how many were."""
+    psutil: Any = import_module("psutil")  # comes with the extra cluster
+    kills = 0
+    due_s = time.perf_counter() + every_s
+    while process.poll() is None:
+        time.sleep(0.1)
+        if not since.exists() or time.perf_counter() < due_s:
+            continue
+        due_s = time.perf_counter() + every_s
+        with suppress(psutil.NoSuchProcess):  # one has just ended by itself
+            children = psutil.Process(process.pid).children(recursive=True)
+            found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+            for child in found[kills % 2 : kills % 2 + 1]:
+                child.kill()
+                kills += 1
+    return kills
+
+
+def bench_empty() -> list[Empty]:
+    """Time tasks that do nothing; of the cluster, client and scheduler are of this process."""
+    found = []
+    workers = max(WORKERS)
+    kinds = {"processes": Workers(jobs=workers), "cluster": Workers(cluster=f"local:{workers}")}
+    if find_spec("distributed") is None:
+        del kinds["cluster"]
+    for name, place in kinds.items():
+        with opened(place) as executor:
+            list(finished(executor, abs, [(0,)]))
+            for count in EMPTY:
+                tasks = [(number,) for number in range(count)]
+                begin, begin_cpu = time.perf_counter(), time.process_time()
+                list(finished(executor, abs, tasks))
+                wall_ms = 1e3 * (time.perf_counter() - begin) / count
+                cpu_ms = 1e3 * (time.process_time() - begin_cpu) / count
+                found.append(Empty(name, count, wall_ms, cpu_ms))
+    return found
+
+
+def measure(campaigns: int, touches: int, killed: int, kill_every_s: float) -> Figures:
+    """Measure everything."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        beside = [
+            row
+            for workers in WORKERS
+            for row in bench_campaigns(folder, workers, campaigns, touches)
+        ]
+        lost = bench_killed(folder, killed, kill_every_s) if find_spec("distributed") else None
+    return Figures(beside, lost, bench_empty())
+
+
+def bench_spread() -> None:
+    """Run everything in the size of `make bench`."""
+    print(measure(CAMPAIGNS, TOUCHES, KILLED, KILL_EVERY_S).as_text())
+
+
+def main() -> None:
+    """Read the command line, and run everything."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="for each worker")
+    parser.add_argument("--touches", type=int, default=TOUCHES, help="of such a campaign")
+    parser.add_argument("--killed", type=int, default=KILLED, help="campaigns while workers die")
+    parser.add_argument("--kill-every-s", type=float, default=KILL_EVERY_S)
+    parser.add_argument("--figures", type=Path, help="write what docs/FLEET.md shows")
+    given = parser.parse_args()
+    if min(given.campaigns, given.killed) < FEWEST or given.kill_every_s <= 0.0:
+        parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
+    figures = measure(given.campaigns, given.touches, given.killed, given.kill_every_s)
+    print(figures.as_text())
+    if given.figures:
+        atomic_write_text(given.figures, figures.as_json())
+
+
+if __name__ == "__main__":
+    main()
