@@ -128,7 +128,7 @@ def test_session_of_the_page_hears_its_edge_and_its_latch(
 
     assert "Edge(" in capsys.readouterr().out
     assert fake.triggers == 1
-    known = {"cantools": cantools}
+    known: dict[str, object] = {"cantools": cantools}
     exec(compile(encoding, "INJECTION.md", "exec"), known)  # noqa: S102 - the page's own
     assert known["database"]
 

@@ -283,9 +283,9 @@ def test_line_of_the_page_is_that_of_such_a_change() -> None:
     latency = Growth(
         "isr_latency", "latch", "latency_us", Interval(0.0, 0.0, 0.0), Interval(4.9, 4.7, 5.1)
     )
-    days = [datetime(2026, 3, day) for day in (2, 9, 16)]  # noqa: DTZ001 - as a store has it
+    last, began, seen = (datetime(2026, 3, day) for day in (2, 9, 16))  # noqa: DTZ001 - of a store
 
-    change = Change("mill-7", "latch error", "µs", 0.6, 4.1, *days, 2, "latch", latency)
+    change = Change("mill-7", "latch error", "µs", 0.6, 4.1, last, began, seen, 2, "latch", latency)
 
     assert change_text(change) == page.output.rstrip()
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from bench_rig import c_frames
+from effects_rig import MACHINE
 from rotary_machines import TABLE_TABLE, centres, plant, positions, write_machine, write_points
 from seat_probe import OMP40, radii, write_radii, write_speeds
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
@@ -17,7 +18,7 @@ from skiplatch.compensation import campaigns
 from skiplatch.transmission.pulses import write_csv
 from test_kinematics_probing import sphere
 from test_pretravel_experiment import quick_result
-from test_settle_command import LAG, MACHINE, made
+from test_settle_command import LAG, made
 from test_transmission_command import planted
 
 ROOT = Path(__file__).parents[2]
