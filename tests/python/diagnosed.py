@@ -2,20 +2,20 @@
 
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.decide import Finding, find
-from skiplatch.diagnosis.diagnose import _mattering, _Work
 from skiplatch.diagnosis.judge import Judge, Scored
 from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.material import DEFAULT
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.work import Work, mattering
 
 
 class Search:
     """The search in one campaign, with the callbacks that the diagnosis gives it."""
 
     def __init__(self, campaign: Campaign) -> None:
-        self._work = _Work(Scene.of(campaign), None, 1, 1, DEFAULT)
+        self._work = Work(Scene.of(campaign), None, 1, 1, DEFAULT)
         self.judge = Judge(self._work.scene, self._work.parts)
 
     def rig(self, fit: Fit | None) -> Rig:
@@ -29,7 +29,7 @@ class Search:
     def left(self, model: Scored) -> list[Left]:
         """What a model leaves that is significant and matters."""
         looks = self._work.left(self._work.scene, self.rig(model.fit))
-        return [one for one in _mattering(looks, DEFAULT) if one.is_significant]
+        return [one for one in mattering(looks, DEFAULT) if one.is_significant]
 
 
 def found(campaign: Campaign) -> Finding:

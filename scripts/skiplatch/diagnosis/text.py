@@ -7,8 +7,9 @@ from typing import Any
 from skiplatch.campaign import Nominal
 from skiplatch.campaign.nominal import KEYS
 from skiplatch.diagnosis.beliefs import believing
-from skiplatch.diagnosis.diagnose import Diagnosis, Named
+from skiplatch.diagnosis.diagnose import Diagnosis
 from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.named import Named
 from skiplatch.diagnosis.playing import FittedDatum, Rig
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.diagnosis.verdict import EXPLAINS, HAS_GAP, NAMES, SEES, Verdict

@@ -1,0 +1,147 @@
+"""A campaign under diagnosis: its rigs, their plays, the search."""
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from functools import cached_property
+
+import numpy as np
+
+from skiplatch.diagnosis.as_effects import as_effects
+from skiplatch.diagnosis.beliefs import fit_beliefs, uncertain
+from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.confirm import Confirmation, settle
+from skiplatch.diagnosis.decide import Finding, find
+from skiplatch.diagnosis.intervals import settled
+from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
+from skiplatch.diagnosis.leftover import NOTICED, Beside, left_over, noticed
+from skiplatch.diagnosis.look import Left, Memo
+from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.surplus import without_surplus
+from skiplatch.diagnosis.verdict import CHANCE
+
+
+class Work:
+    """A campaign under diagnosis: hypotheses are fitted to one part, and seen by all touches."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        pool: Executor | None,
+        seed: int,
+        jobs: int,
+        materiality: Materiality,
+    ) -> None:
+        self.scene, self.pool, self.seed, self.jobs = scene, pool, seed, jobs
+        self.materiality = materiality
+        self.parts: Split = split(len(scene), seed)
+        self.naming = scene.select(self.parts.naming)
+        self.beliefs = uncertain(scene.nominal)
+        self.judge: Judge | None = None
+        self._memo: Memo = {}
+        self._rigs: dict[tuple[object, ...], Rig] = {}
+        self._besides: dict[tuple[int, int], tuple[Scene, Rig, Beside]] = {}
+        self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
+
+    def without(self, outliers: Sequence[int]) -> "Work":
+        """Give the same campaign without touches, by serial number, that nothing can play."""
+        scene = self.scene.select(~np.isin(self.scene.touches.touch, outliers))
+        return Work(scene, self.pool, self.seed, self.jobs, self.materiality)
+
+    def rig(self, fit: Fit | None) -> Rig:
+        """Give the rig that a hypothesis says it is, by all touches that serve the naming.
+
+        The beliefs are fitted last: they are to make up for no parameter.
+        """
+        key = fit.key if fit else ()
+        if key not in self._rigs:
+            self._rigs[key] = self._fitted_rig(fit, self.naming)
+        return self._rigs[key]
+
+    def folds(self, fit: Fit) -> Folds:
+        """Give rigs that a hypothesis says it is, each by all touches but those that it plays."""
+        fold = folds(len(self.scene), self.seed)
+        others = [self.scene.select(fold != i) for i in range(FOLDS)]
+        return Folds([self._fitted_rig(fit, part) for part in others], fold)
+
+    def _fitted_rig(self, fit: Fit | None, scene: Scene) -> Rig:
+        change = fit.change(scene) if fit else Change()
+        nominal = fit_beliefs(scene, change, self.beliefs).nominal
+        if fit:
+            # Parameters would make up for beliefs that are off, and these then for parameters.
+            moved = scene.with_nominal(nominal)
+            fit = settled(moved, fit)
+            change = fit.change(moved)
+            nominal = fit_beliefs(scene, change, self.beliefs).nominal
+        datum = FittedDatum.of(scene.with_nominal(nominal), change)
+        return Rig(nominal, as_effects(fit) if fit else (), datum)
+
+    def left(self, scene: Scene, rig: Rig) -> list[Left]:
+        """Look for what a rig leaves of touches."""
+        believed = self.beside(scene, self.rig(None))
+        return left_over(self.beside(scene, rig), self._memo, believed)
+
+    def beside(self, scene: Scene, rig: Rig) -> Beside:
+        """Play a rig beside touches; all of them and the believed rig are looked at again."""
+        key = id(scene), id(rig)
+        if key in self._besides:
+            return self._besides[key][-1]
+        beside = Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        if scene is self.scene or rig is self.rig(None):
+            self._besides[key] = scene, rig, beside
+        return beside
+
+    def noticed(self, model: Scored) -> frozenset[str]:
+        """Name the streams in which a hypothesis leaves what is worth a search."""
+        key = model.fit.key
+        if key not in self._noticed:
+            left = self.left(self.naming, self.rig(model.fit))
+            self._noticed[key] = noticed(left, self.materiality)
+        return self._noticed[key]
+
+    def may_begin(self, model: Scored | None) -> bool:
+        """Tell whether what a hypothesis leaves may have begun or ended: it is no condition's."""
+        left = self._left_to_name(model)
+        return any(one.goes_with_time or not one.is_predicted for one in left)
+
+    def passes(self, model: Scored | None) -> bool:
+        """Tell whether what a hypothesis leaves comes and goes, by no accident."""
+        return any(one.goes_with_time and one.z > CHANCE for one in self._left_to_name(model))
+
+    def _left_to_name(self, model: Scored | None) -> list[Left]:
+        left = self.left(self.naming, self.rig(model.fit)) if model else self.before
+        return [one for one in left if one.z > NOTICED and one.is_material(self.materiality)]
+
+    @cached_property
+    def before(self) -> Sequence[Left]:
+        """What the believed chain leaves of all touches."""
+        return self.left(self.scene, self.rig(None))
+
+    def search(self) -> tuple[Finding, Confirmation | None]:
+        """Find effects where something is noticed, and let plain simulation choose."""
+        streams = noticed(self.before, self.materiality)
+        if not streams:
+            return Finding(None), None
+        self.judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
+        finding = find(self.judge, self.noticed, self.may_begin, self.passes)
+        finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
+        return self.confirmed(finding)
+
+    def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
+        """Let plain simulation choose among a finding and what is near it."""
+        return settle(
+            self.scene,
+            self.parts,
+            finding,
+            self.rig,
+            seed=self.seed,
+            jobs=self.jobs,
+            executor=self.pool,
+        )
+
+
+def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:
+    """Keep what is hardly an accident and large enough to matter."""
+    return [one for one in looks if one.z > CHANCE and one.is_material(materiality)]
