@@ -3,7 +3,7 @@
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.decide import Finding, find
 from skiplatch.diagnosis.judge import Judge, Scored
-from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.material import DEFAULT
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene

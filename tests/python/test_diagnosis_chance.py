@@ -8,8 +8,8 @@ from played_campaigns import MACHINE, played
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.diagnosis.chance import chance_of
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.leftover import Beside
-from skiplatch.diagnosis.look import Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import CHANCE

@@ -10,7 +10,7 @@ from skiplatch.campaign.datum import DatumFreedom
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.directions import UNDIRECTED, with_directions
-from skiplatch.diagnosis.look import Setting
+from skiplatch.diagnosis.setting import Setting
 from skiplatch.diagnosis.verdict import Verdict
 
 

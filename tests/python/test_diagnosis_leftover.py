@@ -11,8 +11,9 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Status, Touches
+from skiplatch.diagnosis.left import EVERYWHERE, RESOLVED, Left, Memo
 from skiplatch.diagnosis.leftover import MISSED, Beside, left_over, noticed
-from skiplatch.diagnosis.look import EVERYWHERE, FEWEST, RESOLVED, Left, Memo, normal_scores
+from skiplatch.diagnosis.look import FEWEST, normal_scores
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.observed import observed
 from skiplatch.diagnosis.playing import Rig

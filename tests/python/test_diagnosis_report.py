@@ -19,7 +19,7 @@ from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
 from skiplatch.diagnosis.axes import idle
 from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import Experiment
-from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import Gap, shrink

@@ -8,7 +8,7 @@ from math import comb
 import numpy as np
 import pytest
 
-from skiplatch.diagnosis.look import EVERYWHERE, SIGNIFICANT, Left
+from skiplatch.diagnosis.left import EVERYWHERE, SIGNIFICANT, Left
 from skiplatch.diagnosis.verdict import (
     EXPLAINS,
     HAS_GAP,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.verdict import NAMES, Evidence, failures
 from verdict_evidence import left
 

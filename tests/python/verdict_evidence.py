@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from skiplatch.diagnosis.look import EVERYWHERE, Left
+from skiplatch.diagnosis.left import EVERYWHERE, Left
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.statistics import Interval
 

@@ -11,8 +11,9 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.judge import MORE_VARIANCE
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.leftover import Beside
-from skiplatch.diagnosis.look import FEWEST, Left
+from skiplatch.diagnosis.look import FEWEST
 
 SMALLEST = 1e-9
 

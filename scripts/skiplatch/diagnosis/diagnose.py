@@ -15,7 +15,7 @@ from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.conclude import Conclusion, concluded
 from skiplatch.diagnosis.directions import UNDIRECTED
 from skiplatch.diagnosis.judge import Scored
-from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.named import Named, sure
 from skiplatch.diagnosis.notes import first_touch, notes

@@ -9,9 +9,10 @@ from scipy import stats
 from skiplatch.arrays import FloatArray
 from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis.covariates import varying
-from skiplatch.diagnosis.look import SIGNIFICANT, Setting
+from skiplatch.diagnosis.left import SIGNIFICANT
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.setting import Setting
 
 POWER = 0.95
 """Chance with which a larger one would have been seen."""

@@ -14,21 +14,14 @@ from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.covariates import varying
-from skiplatch.diagnosis.look import (
-    EVERYWHERE,
-    FEWEST,
-    SMALLEST,
-    Left,
-    Look,
-    Memo,
-    Setting,
-    told_by_forest,
-)
+from skiplatch.diagnosis.left import EVERYWHERE, Left, Memo
+from skiplatch.diagnosis.look import FEWEST, SMALLEST, Look, told_by_forest
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import observed
 from skiplatch.diagnosis.pitches import kept_pitch
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import UM_PER_MM, Scene
+from skiplatch.diagnosis.setting import Setting
 from skiplatch.simulator import Outcomes
 from skiplatch.statistics import errors_of
 

@@ -7,9 +7,7 @@ forest that predicts each touch by trees that have not seen it (Breiman, Machine
 5, on out-of-bag estimates).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from scipy import stats
@@ -17,22 +15,15 @@ from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untype
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.covariates import (
-    Order,
-    conditions,
-    is_when,
     neighbours,
-    recorded_only,
-    sequence,
     varying,
 )
-from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.left import EVERYWHERE, Left, Memo
 from skiplatch.diagnosis.observed import UNITS, before_wait
 from skiplatch.diagnosis.periodogram import explained_by_sines
-from skiplatch.diagnosis.scene import Scene, spacing
+from skiplatch.diagnosis.setting import Setting
 from skiplatch.statistics import errors_of
 
-LONGEST = 100_000
-"""Touches of which a sequence may have as many as it likes."""
 TREES = 60
 LEAF = 5
 """Touches in a leaf, at least."""
@@ -40,208 +31,21 @@ FEWEST = 8
 """Touches from which on anything can be seen."""
 FEWEST_FOR_FOREST = 25
 """The same of what only a forest sees."""
-SIGNIFICANT = 4.5
-"""Standard errors from which on a look is no accident: in a thousand campaigns of some sixty looks
-that are not quite normal, one or two."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
 SMALLEST = 1e-4
-RESOLVED = 0.5
-"""Steps that a difference has to exceed where hardly more than rounding scatters: so much may each
-value be off, and all of them alike."""
 CALM = (0.02, 0.98)
 """Quantiles beyond which values count no further for a spread."""
 NAMED = 3
 """Covariates that are named at most."""
-MOSTLY_WAIT = 0.8
-"""Scatter of the wait for a scan over that of plays from which on it is nearly all of it. Touches
-bound to the scan share the phases of all sixty plays, which tell it to some 6 % alone."""
 LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
-ALONG = {"temperature": "K", "approach": "mm", "rest before": "s", "touches in the 60 s before": ""}
-"""Further conditions along which a wave may lie, and their units."""
-EVERYWHERE = "everywhere"
 FAR = 6.0
 """Standard deviations beyond all plays from which on a touch is far off."""
 SELDOM = 1e-3
 """Share of touches that a rig that is right may have far off."""
 NEVER_ERRS = "grid"
 """Observable without gross errors: a scan whose stamp is off the grid of the others was off it."""
-
-
-@dataclass(frozen=True, slots=True)
-class Left:
-    """Something that a hypothesis may leave.
-
-    Attributes:
-        observable: In which it shows.
-        path: "skip" or "plc".
-        kind: "shift", "scatter", "shape", "wave", "steps" or "share".
-        conditions: What it goes with, the most telling first; or that it is everywhere.
-        size: Of the difference: by condition, half of that between touches that are predicted high
-            and low.
-        unit: Of the size.
-        relative: The same in units of what the believed rig scatters by, but of no less than what a
-            touch repeats to: a machine measures no finer.
-        noise: What the plays of a touch scatter by, in the middle.
-        step: What the observable is rounded to.
-        z: How many standard errors it is from nothing.
-    """
-
-    observable: str
-    path: str
-    kind: str
-    conditions: tuple[str, ...]
-    size: float
-    unit: str
-    relative: float
-    noise: float
-    step: float
-    z: float
-
-    def is_material(self, materiality: Materiality) -> bool:
-        """It is large enough to matter, and to be told from rounding, which need not be random.
-
-        What is lost always matters.
-        """
-        if self.is_share:
-            return True
-        if self.size <= RESOLVED * self.step and self.noise < self.step:
-            return False
-        least = materiality.absolute(self.unit)
-        return self.relative > materiality.fraction if least is None else self.size > least
-
-    @property
-    def p_value(self) -> float:
-        """Chance of as much where nothing is left."""
-        return float(stats.norm.sf(self.z))
-
-    @property
-    def is_share(self) -> bool:
-        """It is a share of touches, as of those that were missed, and no length or time."""
-        return self.kind == "share"
-
-    @property
-    def is_predicted(self) -> bool:
-        """It goes with something known; otherwise it is everywhere."""
-        return self.conditions != (EVERYWHERE,)
-
-    @property
-    def goes_with_time(self) -> bool:
-        """It comes and goes, which what acts all the time does not."""
-        return any(map(is_when, self.conditions))
-
-    def is_of(self, other: "Left") -> bool:
-        """It shows in the same observable on the same path."""
-        return (self.observable, self.path) == (other.observable, other.path)
-
-    def is_like(self, other: "Left") -> bool:
-        """It shows in the same way, of what shows in the same observable."""
-        ways = [(left.kind in ("shift", "wave"), left.is_predicted) for left in (self, other)]
-        return ways[0] == ways[1]
-
-    @property
-    def is_significant(self) -> bool:
-        """It is no accident of the touches, nor of the many looks."""
-        return self.z > SIGNIFICANT
-
-    @property
-    def looks_like(self) -> str:
-        """Give it in words."""
-        what = "" if self.kind in ("shift", "wave") else f"{self.kind} "
-        return (
-            f"{what}goes with {' and '.join(self.conditions)}"
-            if self.is_predicted
-            else f"{self.kind} everywhere"
-        )
-
-
-Memo = dict[bytes, list[Left]]
-"""What was left of an observable, by its record and its plays: many hypotheses leave it alone."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Place:
-    """A line along which a wave may lie; arrays of shape (n,).
-
-    Attributes:
-        name: For reports.
-        unit: Of `where`.
-        where: Each touch lies on it.
-        sense: What multiplies a score, 1 or -1.
-        shortest: Wave that can be told; 0 for what the number of touches lets tell.
-    """
-
-    name: str
-    unit: str
-    where: FloatArray
-    sense: FloatArray
-    shortest: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Setting:
-    """What is known of all touches of a scene, whatever they are held against."""
-
-    scene: Scene
-    seed: int
-
-    @cached_property
-    def order(self) -> Order:
-        """The sequence of the touches."""
-        return Order.of(self.scene)
-
-    @cached_property
-    def known(self) -> Mapping[str, FloatArray]:
-        """What each could depend on; shape (n,)."""
-        whole, rows = self.scene.in_sequence(LONGEST)
-        made = {name: values[rows] for name, values in sequence(whole).items()}
-        return recorded_only(self.scene, {**conditions(self.scene), **made})
-
-    @cached_property
-    def places(self) -> Sequence[Place]:
-        """Where waves are looked for."""
-        touches, sign = self.scene.touches, self.scene.sign
-        along = np.ones(len(self.scene))
-        serial = self.order.serial.astype(float)
-        found = [Place("serial number", "touches", serial, along, 2.0)]
-        if "time" in self.known:
-            found.append(Place("time", "s", touches.time_s, along))
-        shortest_mm = self.scene.shortest_wave_mm
-        if np.isfinite(shortest_mm):
-            position = touches.position_mm
-            found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
-        for name, unit in ALONG.items():
-            values = self.known.get(name)
-            if values is not None and np.isfinite(shortest := 2.0 * spacing(values)):
-                found.append(Place(name, unit, values, along, shortest))
-        return found
-
-    def repeats_to(self, observable: str) -> float:
-        """Give what a touch repeats to in an observable, in its unit; 0 of times."""
-        is_probe = UNITS[observable] == "µm" and self.scene.is_machine
-        return self.scene.nominal.probe.repeatability_um if is_probe else 0.0
-
-    def is_mostly_wait(
-        self, observable: str, path: str, noise: FloatArray, rows: BoolArray
-    ) -> bool:
-        """Tell whether plays of a path, which scatter so much, do so for the phase of the scan."""
-        scene = self.scene
-        if path != "plc" or observable not in ("latch", "position"):
-            return False
-        wait = np.full(len(scene), scene.nominal.plc.scan_us / np.sqrt(12.0))
-        if observable == "position":
-            wait = np.where(scene.has_stamps, 0.0, wait * scene.speed)
-        return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
-
-    def step(self, observable: str) -> float:
-        """Give what an observable is rounded to, in its unit."""
-        chain = self.scene.nominal
-        if UNITS[observable] == "µs":
-            return chain.skip.tick_us
-        stamped = self.scene.has_stamps.any()
-        way_um = chain.skip.tick_us * float(np.median(self.scene.speed)) if stamped else 0.0
-        return chain.axis.resolution_um + way_um
 
 
 def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArray:

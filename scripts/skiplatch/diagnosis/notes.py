@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from skiplatch.campaign import Axis, Campaign, InputPath
-from skiplatch.diagnosis.look import Left
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import Failure, Verdict
 from skiplatch.errors import InputError

@@ -9,7 +9,7 @@ from enum import StrEnum
 
 from scipy import stats
 
-from skiplatch.diagnosis.look import SIGNIFICANT, Left
+from skiplatch.diagnosis.left import SIGNIFICANT, Left
 from skiplatch.diagnosis.shrink import Gap
 
 CHANCE = 4.0

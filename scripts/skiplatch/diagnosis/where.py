@@ -7,9 +7,9 @@ import numpy as np
 
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.decide import Finding
+from skiplatch.diagnosis.left import EVERYWHERE, Left
 from skiplatch.diagnosis.leftover import MISSED
 from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.look import EVERYWHERE, Left
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import effects
 

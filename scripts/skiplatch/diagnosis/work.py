@@ -13,8 +13,8 @@ from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find
 from skiplatch.diagnosis.intervals import settled
 from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
+from skiplatch.diagnosis.left import Left, Memo
 from skiplatch.diagnosis.leftover import NOTICED, Beside, left_over, noticed
-from skiplatch.diagnosis.look import Left, Memo
 from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.scene import Scene
