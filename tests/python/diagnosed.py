@@ -2,11 +2,12 @@
 
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.decide import Finding, find
-from skiplatch.diagnosis.judge import Judge, Scored
+from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.material import DEFAULT
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.work import Work, mattering
 

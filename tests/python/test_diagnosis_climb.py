@@ -13,8 +13,9 @@ from skiplatch.diagnosis import judge as judging
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.climb import climb
-from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.likelihood import Likelihood, likelihood
+from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 

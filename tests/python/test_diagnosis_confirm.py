@@ -22,10 +22,11 @@ from skiplatch.diagnosis.confirm import (
     settle,
 )
 from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.judge import Scored, Split, split
 from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.parts import Split, split
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit
 from skiplatch.simulator import Effect
 

@@ -9,7 +9,8 @@ from played_campaigns import BENCH, played
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.decide import Finding
 from skiplatch.diagnosis.guilty import without_guilty
-from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.judge import Judge
+from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.verdict import Evidence

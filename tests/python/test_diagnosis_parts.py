@@ -13,11 +13,14 @@ from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
-from skiplatch.diagnosis.judge import IMPOSSIBLE, Judge, _goes_its_own_way, split, worth
+from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import likelihood
+from skiplatch.diagnosis.own_way import goes_its_own_way
+from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import IMPOSSIBLE, worth
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import holds, resolutions, slots
 from skiplatch.diagnosis.surrogates import BLURRED
@@ -41,15 +44,15 @@ def test_streams_of_a_campaign_without_a_gap_are_as_wide_as_believed(folder: Pat
         assert scores.std() < 1.0 + 5.0 * error, stream.name
 
 
-def test_a_shift_goes_its_own_way_with_a_condition_that_another_does_not_go_with() -> None:
+def test_a_shiftgoes_its_own_way_with_a_condition_that_another_does_not_go_with() -> None:
     scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
     with_feed = Change(position_um=3.0 * scene.speed)
     with_sense = Change(position_um=2.0 * scene.sign)
 
-    assert _goes_its_own_way(scene, with_feed, with_sense)
-    assert _goes_its_own_way(scene, with_sense, with_feed)
-    assert not _goes_its_own_way(scene, with_feed, Change(position_um=scene.speed))
-    assert not _goes_its_own_way(scene, Change(position_um=3.0), with_sense)
+    assert goes_its_own_way(scene, with_feed, with_sense)
+    assert goes_its_own_way(scene, with_sense, with_feed)
+    assert not goes_its_own_way(scene, with_feed, Change(position_um=scene.speed))
+    assert not goes_its_own_way(scene, Change(position_um=3.0), with_sense)
 
 
 def test_the_likelihood_prefers_the_truth() -> None:

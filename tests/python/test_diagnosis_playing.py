@@ -20,7 +20,7 @@ from skiplatch.diagnosis import (
     rig_from_json,
 )
 from skiplatch.diagnosis.beliefs import believing, uncertain
-from skiplatch.diagnosis.judge import FOLDS, folds
+from skiplatch.diagnosis.parts import FOLDS, folds
 from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.simulator import Effect, Outcomes, effects

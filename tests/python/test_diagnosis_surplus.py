@@ -6,7 +6,8 @@ from played_campaigns import BENCH, played
 from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.confirm import AsRig
 from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.judge import Judge, split
+from skiplatch.diagnosis.judge import Judge
+from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit

@@ -14,12 +14,13 @@ from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.diagnosis.decide import TEMPER, TIED, Finding
-from skiplatch.diagnosis.judge import Scored, Split
 from skiplatch.diagnosis.likelihood import NEVER_LOST, likelihood
 from skiplatch.diagnosis.observed import observed, step
+from skiplatch.diagnosis.parts import Split
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.replay import as_recorded, replayed
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit, fit
 from skiplatch.simulator import Outcomes
 from skiplatch.statistics import Interval

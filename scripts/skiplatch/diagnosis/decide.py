@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.diagnosis.judge import Judge, Scored, without_twins
+from skiplatch.diagnosis.judge import Judge
+from skiplatch.diagnosis.scored import Scored, without_twins
 
 MOST_EFFECTS = 4
 BETTER = 2.0

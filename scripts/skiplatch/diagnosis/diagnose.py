@@ -14,13 +14,13 @@ from skiplatch.diagnosis.beliefs import Belief, value_of
 from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.conclude import Conclusion, concluded
 from skiplatch.diagnosis.directions import UNDIRECTED
-from skiplatch.diagnosis.judge import Scored
 from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.named import Named, sure
 from skiplatch.diagnosis.notes import first_touch, notes
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.diagnosis.verdict import (
     Failure,

@@ -2,42 +2,48 @@
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, reduce
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.beliefs import Belief, Fitted, fit_beliefs, uncertain
 from skiplatch.diagnosis.candidates import Candidate
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.covariates import conditions, varying
-from skiplatch.diagnosis.law import SMALLEST
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
-from skiplatch.diagnosis.onset import ends_of, outlives_datum, passing, proposed
+from skiplatch.diagnosis.onset import ends_of, outlives_datum, proposed
+from skiplatch.diagnosis.own_way import goes_its_own_way
+from skiplatch.diagnosis.parts import Split
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import (
+    PLAIN,
+    Scored,
+    is_no_accident,
+    without_twins,
+    worth,
+)
 from skiplatch.diagnosis.search import (
     NOTHING,
     SLACKS,
     WORTH_A_REFINEMENT,
     Fit,
     anew,
-    fit,
-    polish,
-    refine,
 )
 from skiplatch.diagnosis.simulated import catalogue
+from skiplatch.diagnosis.tasks import (
+    both,
+    fit_in_forms,
+    fit_jointly,
+    fit_passing,
+    fit_plainly,
+    fit_turned,
+)
 
 Task = TypeVar("Task")
 
-ENOUGH_FIT = 5.0
-"""Nats that an effect has to gain, beyond what its parameters are worth."""
-ENOUGH_CHECK = 1.0
-"""Nats of gain on touches that it was not fitted to."""
 CONTENDS = 0.4
 """Share of the best gain from which on other forms of an effect are tried."""
 MOST_POLISHED = 6
@@ -49,80 +55,10 @@ NEARLY = 30.0
 """Nats behind the best pair up to which a pair is refined jointly."""
 NEARLY_AS_MUCH = 0.5
 """Share of the best second effect's gain from which on it is as well."""
-MISSING = 0.2
-"""Share of the gain that rare events may cost where the check happens to have none."""
-PLAIN = 15.0
-"""Nats of gain that need no check to be believed, only that it does not speak against."""
-IMPOSSIBLE = 10.0
-"""Nats against an effect that cannot be, unless the believed chain is wrong there as well."""
-GOES_WITH, GOES_WITHOUT = 0.9, 0.3
-"""Correlations of a shift with a condition that it goes with, and with one that it does not."""
-FOLDS = 4
-"""Parts of the touches, each of which judges what the others were fitted to."""
 MORE_VARIANCE = 1.2
 """Variance over the believed one from which on an effect leaves more to chance."""
 SCATTERED = 3.0
 """Times the believed spread from which on an effect explains by scatter."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Split:
-    """Which touches serve what; masks of shape (n,) that do not overlap."""
-
-    fitting: BoolArray
-    checking: BoolArray
-    shrinking: BoolArray
-
-    @property
-    def naming(self) -> BoolArray:
-        """Fitting and checking together."""
-        return self.fitting | self.checking
-
-
-def split(touches: int, seed: int) -> Split:
-    """Draw half of the touches for fitting, a fifth for checking, the rest for the shrink."""
-    lot = np.random.default_rng(seed).permutation(touches) / touches
-    return Split(lot < 0.5, (lot >= 0.5) & (lot < 0.7), lot >= 0.7)
-
-
-def folds(touches: int, seed: int) -> NDArray[np.intp]:
-    """Draw which of a few folds each touch belongs to; shape (n,)."""
-    return np.random.default_rng(seed).permutation(touches) % FOLDS
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Scored:
-    """A model with what it gains over the unchanged simulation, in nats."""
-
-    fit: Fit
-    fitted: float
-    checked: float
-    impossible: int = 0
-    """Effects that no chain can have, as something would come before its cause."""
-
-    @property
-    def score(self) -> float:
-        """Gain in all, less what so many parameters gain by chance, and what speaks against it."""
-        chance = worth(self.fit.size) + IMPOSSIBLE * self.impossible
-        return self.fitted + self.checked - chance
-
-    @property
-    def ids(self) -> tuple[str, ...]:
-        """Of its effects."""
-        return tuple(candidate.id for candidate in self.fit.candidates)
-
-
-def worth(parameters: int) -> float:
-    """Nats that fitting so many parameters, of the best of all candidates, gains by chance."""
-    return 2.0 * parameters
-
-
-def _is_no_accident(fitted: float, checked: float, parameters: int) -> bool:
-    """Tell whether gains of so many parameters are more than chance."""
-    gained = fitted + checked - worth(parameters)
-    is_checked = fitted - worth(parameters) > ENOUGH_FIT and checked > ENOUGH_CHECK
-    is_plain = gained > PLAIN and checked > -MISSING * fitted
-    return is_checked or is_plain
 
 
 def _in_view(part: Scene, names: Collection[str]) -> set[str]:
@@ -229,12 +165,12 @@ class Judge:
         """
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in ends_of(self._fitting):
-            there = self._each(_fit, [(part, c, NOTHING) for c in self._candidates()])
+            there = self._each(fit_plainly, [(part, c, NOTHING) for c in self._candidates()])
             gained = [(_gain_in(part, one), i, one) for i, one in enumerate(there)]
             best = sorted(gained, reverse=True)[:ALSO_PASSING]
             fits += [one for gain, _, one in best if gain > WORTH_A_REFINEMENT]
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
-        found = map(self.score, self._each(_passing, tasks))
+        found = map(self.score, self._each(fit_passing, tasks))
         return self._with_twins(one for one in found if self._is_no_datum(one))
 
     def _is_no_datum(self, scored: Scored) -> bool:
@@ -246,14 +182,13 @@ class Judge:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
         if not candidates:
             return []
-        fits = self._each(_fit, [(self._fitting, c, given) for c in candidates])
+        fits = self._each(fit_plainly, [(self._fitting, c, given) for c in candidates])
         gains = [self._gain(found, given) for found in fits]
         least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
         order = sorted(range(len(gains)), key=lambda i: -gains[i])
         near = [i for i in order[:MOST_POLISHED] if gains[i] >= least]
-        for i, found in zip(
-            near, self._each(_polish, [(self._fitting, fits[i], given) for i in near]), strict=True
-        ):
+        forms = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
+        for i, found in zip(near, forms, strict=True):
             fits[i] = found
         return fits
 
@@ -286,11 +221,11 @@ class Judge:
             pairs: Each two effects, and the second one alone, with the form that it has there.
         """
         models = [(self._fitting, pair.fit.candidates[0], second.fit) for pair, second in pairs]
-        return self._with_twins(map(self.score, self._each(_turned, models)))
+        return self._with_twins(map(self.score, self._each(fit_turned, models)))
 
     def jointly(self, models: Sequence[Scored]) -> list[Scored]:
         """Fit the effects of each model together, from where they are."""
-        refined = self._each(_refine, [(self._fitting, model.fit) for model in models])
+        refined = self._each(fit_jointly, [(self._fitting, model.fit) for model in models])
         return [
             max(model, self.score(joint), key=lambda scored: scored.score)
             for model, joint in zip(models, refined, strict=True)
@@ -304,7 +239,7 @@ class Judge:
             there = {twin.ids[i] for i in range(len(first.ids)) for twin in self.twins(first, i)}
             others = [c for c in self._candidates() if c.id not in {*first.ids, *there}]
             others = self._acting_in(others, streams)
-            on_top = [_both(first.fit, second) for second in self._contest(others, given)]
+            on_top = [both(first.fit, second) for second in self._contest(others, given)]
             self._on_top[key] = self._with_twins(map(self.score, on_top))
         return self._on_top[key]
 
@@ -389,7 +324,7 @@ class Judge:
 
     def is_significant(self, scored: Scored, before: Scored | None = None) -> bool:
         """Tell whether a model does better than a smaller one, or than none, by no accident."""
-        return _is_no_accident(
+        return is_no_accident(
             scored.fitted - (before.fitted if before else 0.0),
             scored.checked - (before.checked if before else 0.0),
             scored.fit.size - (before.fit.size if before else 0),
@@ -405,7 +340,7 @@ class Judge:
             for part in (self._fitting, self._checking)
             for change in [first.fit.change(part)]
         )
-        return _is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
+        return is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
 
     def goes_its_own_way(self, model: Scored) -> bool:
         """Tell whether the last effect goes with a condition that the others do not go with.
@@ -414,7 +349,7 @@ class Judge:
         """
         effects = zip(model.fit.candidates, model.fit.parameters, strict=True)
         *others, last = (c.acting(self._fitting, parameters) for c, parameters in effects)
-        return _goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
+        return goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
 
     def reaches(self, model: Scored, position: int) -> frozenset[str]:
         """Name the streams in which one effect of a model changes anything."""
@@ -466,71 +401,3 @@ class Judge:
         touches = int(self.parts.naming.sum())
         is_seen = gained / touches > self.materiality.nats_a_touch
         return is_seen and is_material(self._fitting, change, self.materiality)
-
-
-def _goes_its_own_way(scene: Scene, change: Change, other: Change) -> bool:
-    """Tell whether a change shifts some stream with a condition that the other does not go with."""
-    for stream in scene.streams.values():
-        rows = stream.rows
-        own, others = (
-            (law_under(scene, stream, c).mean - stream.law.mean)[rows] for c in (change, other)
-        )
-        for values in varying(conditions(scene), rows).values():
-            goes, other_goes = (_correlation(shift, values) for shift in (own, others))
-            if goes > GOES_WITH and other_goes < GOES_WITHOUT:
-                return True
-    return False
-
-
-def _correlation(shift: FloatArray, values: FloatArray) -> float:
-    """Size of the correlation of two arrays, where the values are known; 0 if one is constant."""
-    known = ~np.isnan(values)
-    if min(np.ptp(shift[known]), np.ptp(values[known])) < SMALLEST:
-        return 0.0
-    return abs(float(np.corrcoef(shift[known], values[known])[0, 1]))
-
-
-def without_twins(ranked: Iterable[Scored]) -> list[Scored]:
-    """Leave out models whose last effect does just what that of one before them does."""
-    kept: dict[object, Scored] = {}
-    for scored in ranked:
-        kept.setdefault(scored.fit.candidates[-1].change, scored)
-    return list(kept.values())
-
-
-def _both(first: Fit, second: Fit) -> Fit:
-    return Fit(
-        first.candidates + second.candidates,
-        first.parameters + second.parameters,
-        first.reached | second.reached,
-        max(first.slack, second.slack),
-    )
-
-
-def _passing(model: tuple[Scene, Fit]) -> Fit:
-    return passing(*model)
-
-
-def _turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
-    scene, candidate, second = model
-    given = second.change(scene)
-    first = polish(scene, _fit((scene, candidate, given)), given)
-    found = refine(scene, _both(second, first))
-    return replace(found, candidates=found.candidates[::-1], parameters=found.parameters[::-1])
-
-
-def _refine(model: tuple[Scene, Fit]) -> Fit:
-    return refine(*model)
-
-
-def _polish(model: tuple[Scene, Fit, Change]) -> Fit:
-    return polish(*model)
-
-
-def _fit(model: tuple[Scene, Candidate, Change]) -> Fit:
-    scene, candidate, given = model
-    taken = list(candidate.taken_up(scene))
-    starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
-    for start in starts:
-        start[taken] = 0.0
-    return fit(scene, [candidate], [start.tolist() for start in starts if start.any()], given)

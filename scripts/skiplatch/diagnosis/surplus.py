@@ -11,10 +11,11 @@ import numpy as np
 
 from skiplatch.diagnosis.confirm import AsRig
 from skiplatch.diagnosis.decide import Finding, reduced
-from skiplatch.diagnosis.judge import ENOUGH_FIT, PLAIN, Judge, Scored, worth
+from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.replay import replayed
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import ENOUGH_FIT, PLAIN, Scored, worth
 from skiplatch.diagnosis.search import Fit, anew
 
 PLAINLY_NEEDED = 100.0

@@ -12,12 +12,14 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
 from skiplatch.diagnosis.decide import Finding, find
 from skiplatch.diagnosis.intervals import settled
-from skiplatch.diagnosis.judge import FOLDS, Judge, Scored, Split, folds, split
+from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.left import Left, Memo
 from skiplatch.diagnosis.leftover import NOTICED, Beside, left_over, noticed
 from skiplatch.diagnosis.material import Materiality
+from skiplatch.diagnosis.parts import FOLDS, Split, folds, split
 from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.surplus import without_surplus
 from skiplatch.diagnosis.verdict import CHANCE
