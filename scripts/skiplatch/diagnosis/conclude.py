@@ -45,11 +45,10 @@ class Conclusion:
 def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     """Search a campaign for effects and judge what is found, beside the true ones if known."""
     found = _found(work, truth)
-    if found.finding.model and found.outliers:
-        # They may be what it was found by: something has to be found without them as well.
-        again, _ = work.without(found.outliers).search()
-        if again.model is None:
-            found = _conclusion(work, Finding(None), None, truth)
+    odd = found.outliers if found.finding.model else []
+    if len(odd) and not work.without(odd).finds_any():
+        # They alone are what it was found by.
+        return _conclusion(work, Finding(None), None, truth)
     return found
 
 

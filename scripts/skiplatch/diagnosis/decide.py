@@ -77,8 +77,7 @@ def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> F
         may_begin: Whether what it leaves may have begun or ended.
         passes: Whether what it leaves comes and goes.
     """
-    judge.believe_beside(None)
-    ranked = _singles(judge, may_begin, passes)
+    ranked = _first(judge, may_begin, passes)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -102,6 +101,18 @@ def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> F
         judge.believe_beside(further[0].fit)
         model, tried = judge.scored_anew(further[0]), [judge.scored_anew(one) for one in further]
     return several(judge, model, tried)
+
+
+def finds_any(judge: Judge, may_begin: Passes, passes: Passes) -> bool:
+    """Tell whether there is an effect to begin a search with, alone, that matters."""
+    ranked = _first(judge, may_begin, passes)
+    return bool(ranked) and judge.is_enough(ranked[0])
+
+
+def _first(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
+    """Give every effect alone, beside beliefs that fit without any; by falling score."""
+    judge.believe_beside(None)
+    return _singles(judge, may_begin, passes)
 
 
 def _singles(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:

@@ -10,7 +10,7 @@ from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.beliefs import fit_beliefs, uncertain
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.confirm import Confirmation, settle
-from skiplatch.diagnosis.decide import Finding, find
+from skiplatch.diagnosis.decide import Finding, find, finds_any
 from skiplatch.diagnosis.intervals import settled
 from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.left import Left, Memo
@@ -123,13 +123,24 @@ class Work:
 
     def search(self) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""
-        streams = noticed(self.before, self.materiality)
-        if not streams:
+        self.judge = self._judge_of_noticed()
+        if self.judge is None:
             return Finding(None), None
-        self.judge = Judge(self.scene, self.parts, self.pool, self.materiality, streams)
         finding = find(self.judge, self.noticed, self.may_begin, self.passes)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
+
+    def finds_any(self) -> bool:
+        """Tell whether a search would begin with any effect."""
+        judge = self._judge_of_noticed()
+        return judge is not None and finds_any(judge, self.may_begin, self.passes)
+
+    def _judge_of_noticed(self) -> Judge | None:
+        """Prepare to judge effects that act where something is noticed; None where nothing is."""
+        streams = noticed(self.before, self.materiality)
+        if not streams:
+            return None
+        return Judge(self.scene, self.parts, self.pool, self.materiality, streams)
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""
