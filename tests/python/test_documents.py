@@ -66,6 +66,7 @@ ELSEWHERE = {
 }
 """Beginnings of what another test runs, with other figures; what needs a bus or an emulator."""
 NOWHERE = {
+    "(umask 077; od": "draws a key at random; test_bench_seal.py has keys that are told",
     "/srv/skiplatch/bin/pip": "installs on a node of a cluster, over the network",
     "BENCH_OUT=": "records the samples in a virtual machine for twenty minutes",
     "candump -L": "needs a CAN bus of the kernel",
