@@ -106,8 +106,9 @@ def test_readme_shows_lines_of_a_million_touches(
 
     demo._Demo(tmp_path, Effort(demo.TOUCHES, seed=1, jobs=2)).latch()
 
-    said = capsys.readouterr().out.splitlines()
-    assert [line for line in shown.output.splitlines() if line not in said] == []
+    # Two tables of other widths stand in one there.
+    said = {tuple(line.split()) for line in capsys.readouterr().out.splitlines()}
+    assert [line for line in shown.output.splitlines() if tuple(line.split()) not in said] == []
 
 
 def test_folder_is_required() -> None:

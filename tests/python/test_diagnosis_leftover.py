@@ -72,28 +72,6 @@ def feed_um(touches: Touches) -> FloatArray:
     return np.asarray(3.0 * (touches.feed_mm_min > np.median(touches.feed_mm_min)))
 
 
-def test_scatter_that_a_rig_has_of_its_own_makes_nothing_left_small() -> None:
-    """An effect that scatters by 8 µm leaves 3 µm that go with the feed: those are not little."""
-    campaign = disturbed(played(MACHINE), feed_um)
-    scene = Scene.of(campaign)
-    bounces = [Effect("contact_bounce", {"probability": 0.4, "mean_us": 500.0})]
-    believed, bouncing = (
-        Beside.of(scene, Rig(campaign.nominal, effects), seed=1) for effects in ([], bounces)
-    )
-
-    alone, beside = (
-        next(
-            one
-            for one in left_over(bouncing, believed=other)
-            if (one.path, one.kind, one.conditions) == ("skip", "shift", ("feed",))
-        )
-        for other in (None, believed)
-    )
-
-    assert alone.size == beside.size > 1.0
-    assert beside.relative > 4.0 * alone.relative
-
-
 def interacting_um(touches: Touches) -> FloatArray:
     """With the sense at high feeds, and against it at low ones: on average with neither."""
     fast = np.where(touches.feed_mm_min > np.median(touches.feed_mm_min), 1.0, -1.0)

@@ -45,7 +45,6 @@ LEVELS = {
     "few_outliers": 0.05,
     "shrinks_somewhere": 0.2,
     "chance_is_chance": 4.0,
-    "slack_is_chance": 4.5,
     "takes_most": 0.5,
     "seen_enough": 6.0,
     "few_false": 1.0,
@@ -110,10 +109,6 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     ),
     "known": (lambda _: Evidence(open=[]), lambda _: Evidence(open=["backlash.backlash_um"])),
     "has_form": (lambda _: Evidence(is_loose=False), lambda _: Evidence(is_loose=True)),
-    "slack_is_chance": (
-        lambda level: Evidence(is_loose=True, after=[left(level, "feed")]),
-        lambda level: Evidence(is_loose=True, after=[left(level + A_BIT, "feed")]),
-    ),
     "is_confirmed": (lambda _: Evidence(is_confirmed=True), lambda _: Evidence(is_confirmed=False)),
     "shrinks_somewhere": (
         lambda level: shrinking_by(level + A_BIT),
@@ -254,7 +249,7 @@ def test_an_explained_gap_is_explained() -> None:
         (replace(FOUND, at_limit=["backlash.backlash_um"]), "within_limits"),
         (replace(FOUND, open=["backlash.backlash_um"]), "known"),
         (replace(FOUND, is_loose=True), "has_form"),
-        (replace(FOUND, is_loose=True, after=[left(4.4)]), "has_form"),  # everywhere is no form
+        (replace(FOUND, is_confirmed=False), "is_confirmed"),
     ],
 )
 def test_what_falls_short_in_one_respect_explains_in_part(worse: Evidence, rule: str) -> None:
@@ -269,8 +264,6 @@ def test_what_falls_short_in_one_respect_explains_in_part(worse: Evidence, rule:
     [
         (replace(FOUND, gaps=gaps(gap(0.1))), "shrinks_somewhere"),
         (replace(FOUND, gaps=gaps(gap(0.95), GROWING)), "grows_nowhere"),
-        (replace(FOUND, is_confirmed=False), "is_confirmed"),
-        (replace(FOUND, is_loose=True, after=[left(4.500001, "feed")]), "slack_is_chance"),
         (replace(FOUND, after=[left(20.0, "time", relative=3.0)]), "takes_most"),
         (replace(FOUND, chance=[left(20.0, "time")]), "chance_is_chance"),
     ],

@@ -34,11 +34,6 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
         ("few_outliers", FAR_OFF, ARE_FAR_OFF),
         ("has_form", Evidence(is_loose=True), "its form is as far off as can be"),
         (
-            "slack_is_chance",
-            Evidence(is_loose=True, after=[left(20.0), left(9.0, "feed")]),
-            "its form is as far off as can be, and what is left of position goes with feed",
-        ),
-        (
             "held_out",
             Evidence(is_held_out=False),
             "too few touches were held out to show that it shrinks",

@@ -19,7 +19,9 @@ from skiplatch.diagnosis.playing import Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.verdict import (
+    NAMES,
     Evidence,
+    failures,
     may_be_accidents,
     shows_too_little,
 )
@@ -53,13 +55,13 @@ def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
-    """Search, and take out what keeps others from being named."""
+    """Search, and take out what keeps others from being named, if these then are."""
     finding, confirmed = work.search()
-    found = _conclusion(work, finding, confirmed, truth)
+    whole = found = _conclusion(work, finding, confirmed, truth)
     while kept := work.judge and without_guilty(work.judge, found.finding, found.evidence):
         finding, confirmed = work.confirmed(kept)
         found = _conclusion(work, finding, confirmed, truth)
-    return found
+    return whole if failures(NAMES, found.evidence) else found
 
 
 def _conclusion(

@@ -30,8 +30,8 @@ class Left:
         size: Of the difference: by condition, half of that between touches that are predicted high
             and low.
         unit: Of the size.
-        relative: The same in units of what the believed rig scatters by, but of no less than what a
-            touch repeats to: a machine measures no finer.
+        relative: The same in units of what the plays scatter by, but of no less than what a touch
+            repeats to: a machine measures no finer.
         noise: What the plays of a touch scatter by, in the middle.
         step: What the observable is rounded to.
         z: How many standard errors it is from nothing.
@@ -71,6 +71,11 @@ class Left:
         return self.kind == "share"
 
     @property
+    def is_shift(self) -> bool:
+        """It is off in the middle, and not in what it scatters by."""
+        return self.kind in ("shift", "wave")
+
+    @property
     def is_predicted(self) -> bool:
         """It goes with something known; otherwise it is everywhere."""
         return self.conditions != (EVERYWHERE,)
@@ -86,7 +91,7 @@ class Left:
 
     def is_like(self, other: "Left") -> bool:
         """It shows in the same way, of what shows in the same observable."""
-        ways = [(left.kind in ("shift", "wave"), left.is_predicted) for left in (self, other)]
+        ways = [(left.is_shift, left.is_predicted) for left in (self, other)]
         return ways[0] == ways[1]
 
     @property
@@ -97,7 +102,7 @@ class Left:
     @property
     def looks_like(self) -> str:
         """Give it in words."""
-        what = "" if self.kind in ("shift", "wave") else f"{self.kind} "
+        what = "" if self.is_shift else f"{self.kind} "
         return (
             f"{what}goes with {' and '.join(self.conditions)}"
             if self.is_predicted

@@ -37,18 +37,12 @@ USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
 
 
-def left_over(
-    beside: "Beside", memo: Memo | None = None, believed: "Beside | None" = None
-) -> list[Left]:
+def left_over(beside: "Beside", memo: Memo | None = None) -> list[Left]:
     """Look for all that is left of touches; all that was tried, the most significant first.
-
-    What is left is as large as it is beside what the believed rig scatters by: a hypothesis that
-    scatters more would else make little of what it leaves.
 
     Args:
         beside: The touches beside plays of them.
         memo: What was found of other rigs, to be looked up and added to.
-        believed: The same touches beside plays of the believed rig, if that is another.
     """
     memo = {} if memo is None else memo
     found: list[Left] = []
@@ -56,8 +50,7 @@ def left_over(
         for name in beside.recorded:
             seen = here & beside.known(name)
             if seen.sum() >= FEWEST:
-                noise = believed.noise(name)[seen] if believed else None
-                found += beside.look(name, path, seen, noise).all(memo)
+                found += beside.look(name, path, seen).all(memo)
         found += _missing(beside.setting, path, here, beside.outcomes)
         found += _steps(beside.setting, path, here, beside.resolution_um)
     return sorted(found, key=lambda left: -left.z)
@@ -110,17 +103,9 @@ class Beside:
         """Tell which touches show an observable, recorded and played; shape (n,)."""
         return ~np.isnan(self.recorded[name]) & ~np.isnan(self.played[name]).all(axis=0)
 
-    def noise(self, name: str) -> FloatArray:
-        """Give what the plays of each touch scatter by, NaN where none shows it; shape (n,)."""
-        played = self.played[name]
-        shown = np.asarray(~np.isnan(played).all(axis=0))
-        noise = np.full(played.shape[1], np.nan)
-        noise[shown] = np.nanstd(played[:, shown], axis=0)
-        return noise
-
-    def look(self, name: str, path: str, rows: BoolArray, noise: FloatArray | None = None) -> Look:
-        """Hold some touches of a path against their plays; see `Look` for the noise."""
-        return Look(self.setting, name, path, rows, self.recorded[name], self.played[name], noise)
+    def look(self, name: str, path: str, rows: BoolArray) -> Look:
+        """Hold some touches of a path against their plays."""
+        return Look(self.setting, name, path, rows, self.recorded[name], self.played[name])
 
 
 STREAMS = {

@@ -76,7 +76,6 @@ class Look:
         rows: BoolArray,
         recorded: FloatArray,
         played: FloatArray,
-        noise: FloatArray | None = None,
     ) -> None:
         """Rank the touches among their plays.
 
@@ -87,7 +86,6 @@ class Look:
             rows: Which touches these are; shape (n,).
             recorded: Shape (n,).
             played: Shape (r, n).
-            noise: Scatter that what is left is measured by, in place of the plays'; shape (m,).
         """
         self._setting, self._name, self._path, self._rows = setting, name, path, rows
         self._step = setting.step(name)
@@ -96,8 +94,7 @@ class Look:
         self._scores = normal_scores(self._recorded, self._played)
         self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
         self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
-        scale = self._noise if noise is None else np.fmax(noise, self._step / np.sqrt(12.0))
-        self._scale = np.maximum(scale, setting.repeats_to(name))
+        self._scale = np.maximum(self._noise, setting.repeats_to(name))
 
     def all(self, memo: Memo) -> list[Left]:
         """Give everything that may be left of it."""

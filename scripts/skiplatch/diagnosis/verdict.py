@@ -185,14 +185,6 @@ def _has_form(evidence: Evidence, _: float) -> str:
     return "its form is as far off as can be" if evidence.is_loose else ""
 
 
-def _slack_is_chance(evidence: Evidence, threshold: float) -> str:
-    told = [one for one in evidence.after if one.is_predicted and one.z > threshold]
-    if not (evidence.is_loose and told):
-        return ""
-    where = f"{told[0].observable} {told[0].looks_like}"
-    return f"its form is as far off as can be, and what is left of {where}"
-
-
 def _is_confirmed(evidence: Evidence, _: float) -> str:
     return "" if evidence.is_confirmed else "plain simulation does no better with it"
 
@@ -264,6 +256,9 @@ EXPLAINS: Sequence[Rule] = (
         _within_limits,
     ),
     Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
+    Rule(
+        "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
+    ),
 )
 """What holds of a finding that explains the gap."""
 NAMES: Sequence[Rule] = (
@@ -290,15 +285,6 @@ NAMES: Sequence[Rule] = (
         MOST,
         "a level: what leaves more than half of the variance of a gap is not its cause",
         _takes_most,
-    ),
-    Rule(
-        "slack_is_chance",
-        SIGNIFICANT,
-        "theory: slack stands for what nothing tells; a level, as of what is left",
-        _slack_is_chance,
-    ),
-    Rule(
-        "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
     ),
 )
 """What holds of a finding whose effects are named at all."""

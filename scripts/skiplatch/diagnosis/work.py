@@ -44,7 +44,7 @@ class Work:
         self.judge: Judge | None = None
         self._memo: Memo = {}
         self._rigs: dict[tuple[object, ...], Rig] = {}
-        self._besides: dict[tuple[int, int], tuple[Scene, Rig, Beside]] = {}
+        self._besides: dict[int, tuple[Rig, Beside]] = {}
         self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
 
     def without(self, outliers: Sequence[int]) -> "Work":
@@ -82,18 +82,15 @@ class Work:
 
     def left(self, scene: Scene, rig: Rig) -> list[Left]:
         """Look for what a rig leaves of touches."""
-        believed = self.beside(scene, self.rig(None))
-        return left_over(self.beside(scene, rig), self._memo, believed)
+        return left_over(self.beside(scene, rig), self._memo)
 
     def beside(self, scene: Scene, rig: Rig) -> Beside:
-        """Play a rig beside touches; all of them and the believed rig are looked at again."""
-        key = id(scene), id(rig)
-        if key in self._besides:
-            return self._besides[key][-1]
-        beside = Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
-        if scene is self.scene or rig is self.rig(None):
-            self._besides[key] = scene, rig, beside
-        return beside
+        """Play a rig beside touches; all of them are looked at more than once."""
+        if scene is not self.scene:
+            return Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        if id(rig) not in self._besides:
+            self._besides[id(rig)] = rig, Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        return self._besides[id(rig)][1]
 
     def noticed(self, model: Scored) -> frozenset[str]:
         """Name the streams in which a hypothesis leaves what is worth a search."""
