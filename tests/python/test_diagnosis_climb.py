@@ -24,53 +24,30 @@ TRUE = np.array([3.0, 0.7])
 
 
 class Normal:
-    """Touches of a straight line with a normal scatter of 1; counts how often it is asked."""
+    """Touches of a straight line with a normal scatter of 1."""
 
     def __init__(self) -> None:
         """Draw 200 touches."""
         rng = np.random.default_rng(1)
         self._x = rng.uniform(0.0, 10.0, 200)
         self._y = TRUE[0] + TRUE[1] * self._x + rng.normal(size=200)
-        self.asked = 0
 
     @property
     def best(self) -> FloatArray:
         """The least squares."""
         return np.polynomial.polynomial.polyfit(self._x, self._y, 1)
 
-    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
-        """Give the log-likelihood of each touch."""
-        self.asked += 1
-        return np.asarray(-((self._y - values[0] - values[1] * self._x) ** 2) / 2.0 - widening)
-
     def __call__(self, values: FloatArray, widening: float) -> float:
-        """Give minus their sum."""
-        return float(-self.by_touch(values, widening).sum())
+        """Give minus the log-likelihood, without what is the same for all parameters."""
+        return float(np.sum((self._y - values[0] - values[1] * self._x) ** 2) / 2.0 + widening)
 
 
-class Steps(Normal):
-    """The same with parameters that count in fiftieths: no slope tells anything."""
-
-    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
-        """Give the log-likelihood of each touch."""
-        return super().by_touch(np.rint(50.0 * values) / 50.0, widening)
-
-
-@pytest.mark.parametrize("target", [Normal(), Steps()])
-def test_a_climb_reaches_the_top(target: Normal) -> None:
-    found = climb(target, np.array([2.0, 1.02]), 0.0)
-
-    assert target(found, 0.0) < target(target.best, 0.0) + 1.0
-    assert target(found, 0.0) < target(np.array([2.0, 1.02]), 0.0) - 20.0
-
-
-def test_at_the_top_no_climb_is_made() -> None:
+def test_a_climb_reaches_the_top() -> None:
     target = Normal()
 
-    found = climb(target, target.best, 0.0)
+    found = climb(target, np.array([2.0, 1.02]), 0.0)
 
-    assert found == pytest.approx(target.best, abs=0.0)
-    assert target.asked == 3
+    assert target(found, 0.0) < target(target.best, 0.0) + 0.1
 
 
 def test_what_is_zero_stays_so() -> None:

@@ -1,4 +1,4 @@
-"""Climbing to the most likely parameters from a start, where that promises anything."""
+"""Climbing to the most likely parameters from a start."""
 
 from typing import Protocol
 
@@ -16,18 +16,13 @@ CLOSE, COARSELY_CLOSE = 0.01, 0.1
 """Of its first step, by which a climb's last points may differ, if they are as likely."""
 NATS, COARSE_NATS = 0.02, 0.2
 """By which the likelihoods of a climb's last points may differ."""
-SLOPE_OVER = 0.003
-"""Share of a parameter over which its slope is taken."""
 
 
 class Target(Protocol):
     """What is climbed."""
 
-    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
-        """Give the log-likelihood of each of n touches, in nats, shape (n,)."""
-
     def __call__(self, values: FloatArray, widening: float) -> float:
-        """Give minus their sum."""
+        """Give minus the log-likelihood of parameters, in nats."""
 
 
 def climb(target: Target, start: FloatArray, widening: float, step: float = STEP) -> FloatArray:
@@ -39,8 +34,6 @@ def climb(target: Target, start: FloatArray, widening: float, step: float = STEP
         widening: Of the target.
         step: The first one, as a share of the parameters.
     """
-    if _promise(target, start, widening) < NATS:
-        return start
     free, is_fine = np.flatnonzero(start), widening == 0.0
     ones = np.ones(len(free))
 
@@ -64,21 +57,3 @@ def climb(target: Target, start: FloatArray, widening: float, step: float = STEP
         },
     )
     return whole(found.x)
-
-
-def _promise(target: Target, start: FloatArray, widening: float) -> float:
-    """Give the nats that a climb gains, as far as the touches' slopes at its start can tell.
-
-    It is half of the score statistic (Rao), with the curvature that the slopes of single touches
-    tell (Berndt, Hall, Hall and Hausman, Annals of Economic and Social Measurement 3 (1974) 653).
-    Parameters that change nothing there tell nothing; where none does, any gain is open.
-    """
-    here = target.by_touch(start, widening)
-    steps = SLOPE_OVER * np.diag(start)[np.flatnonzero(start)]
-    there = np.array([target.by_touch(start + step, widening) for step in steps])
-    slopes = np.nan_to_num((there - here).T / SLOPE_OVER)
-    slopes = slopes[:, slopes.any(axis=0)]
-    if not slopes.size:
-        return np.inf
-    slope = slopes.sum(axis=0)
-    return float(slope @ np.linalg.pinv(slopes.T @ slopes) @ slope) / 2.0

@@ -145,17 +145,10 @@ class _Target:
             if name in self._names - {"lattice"} and stream.rows.any()
         )
 
-    def by_touch(self, values: FloatArray, widening: float) -> FloatArray:
-        """Give the log-likelihood of each touch; shape (n,)."""
-        return self._by_touch(self.fit(values).change(self._scene, self._given), widening)
-
     def _of(self, change: Change, widening: float) -> float:
-        total = float(self._by_touch(change, widening).sum())
-        return -total if np.isfinite(total) else WORST
-
-    def _by_touch(self, change: Change, widening: float) -> FloatArray:
         sizes = {name: widening * size for name, size in self._sizes.items()} if widening else {}
-        return likelihood(self._scene, change, self._names, sizes).per_touch
+        total = likelihood(self._scene, change, self._names, sizes).total
+        return -total if np.isfinite(total) else WORST
 
 
 def _is_shown(stream: Stream, before: Law, after: Law) -> bool:
