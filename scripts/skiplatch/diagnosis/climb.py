@@ -1,12 +1,14 @@
 """Climbing to the most likely parameters from a start."""
 
-from typing import Protocol
+from collections.abc import Callable
 
 import numpy as np
 from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 
+Target = Callable[[FloatArray, float], float]
+"""Gives minus the log-likelihood of parameters, in nats, with a widening of the laws."""
 WORST = 1e300
 STEP = 0.3
 """First step, as a share of the parameters, where it is not said."""
@@ -16,13 +18,6 @@ CLOSE, COARSELY_CLOSE = 0.01, 0.1
 """Of its first step, by which a climb's last points may differ, if they are as likely."""
 NATS, COARSE_NATS = 0.02, 0.2
 """By which the likelihoods of a climb's last points may differ."""
-
-
-class Target(Protocol):
-    """What is climbed."""
-
-    def __call__(self, values: FloatArray, widening: float) -> float:
-        """Give minus the log-likelihood of parameters, in nats."""
 
 
 def climb(target: Target, start: FloatArray, widening: float, step: float = STEP) -> FloatArray:

@@ -351,15 +351,18 @@ class Judge:
         *others, last = (c.acting(self._fitting, parameters) for c, parameters in effects)
         return goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
 
+    def _acting(self, model: Scored, position: int) -> Change:
+        """Give what one effect of a model changes, on the touches that serve fitting."""
+        candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]
+        return candidate.acting(self._fitting, parameters)
+
     def reaches(self, model: Scored, position: int) -> frozenset[str]:
         """Name the streams in which one effect of a model changes anything."""
-        candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]
-        return affected(self._fitting, candidate.acting(self._fitting, parameters))
+        return affected(self._fitting, self._acting(model, position))
 
     def scatters(self, model: Scored, position: int) -> frozenset[str]:
         """Name the streams in which one effect of a model leaves more to chance."""
-        candidate, parameters = model.fit.candidates[position], model.fit.parameters[position]
-        change, scene = candidate.acting(self._fitting, parameters), self._fitting
+        change, scene = self._acting(model, position), self._fitting
         found = set()
         for name in affected(scene, change) & scene.streams.keys():
             stream = scene.streams[name]
@@ -396,8 +399,7 @@ class Judge:
         if before:
             gained -= before.fitted + before.checked
         position = len(before.ids) if before else 0
-        candidate, parameters = scored.fit.candidates[position], scored.fit.parameters[position]
-        change = candidate.acting(self._fitting, parameters)
+        change = self._acting(scored, position)
         touches = int(self.parts.naming.sum())
         is_seen = gained / touches > self.materiality.nats_a_touch
         return is_seen and is_material(self._fitting, change, self.materiality)
