@@ -57,7 +57,7 @@ TOPS = ("firmware", "hal", "host_sim", PYTHON_PACKAGE.as_posix())
 INCLUDE_FOLDERS = ("firmware", "hal/include", "host_sim", PYTHON_PACKAGE.as_posix(), *FAMILIES)
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*["<]([^">]+)[">]', re.MULTILINE)
 
-PYTHON_BRIDGE = PYTHON_PACKAGE / "simulator.py"
+PYTHON_BRIDGE = PYTHON_PACKAGE / "simulator" / "library.py"
 PYTHON_TO_C = {"cffi", "ctypes", "_cffi_backend"}
 
 

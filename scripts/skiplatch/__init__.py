@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     )
     from skiplatch.diagnosis.experiment import Experiment
     from skiplatch.errors import CampaignWarning, InputError
-    from skiplatch.simulator import Effect, SimulationError
+    from skiplatch.simulator.effects import Effect
+    from skiplatch.simulator.library import SimulationError
 
     __version__: str
 
@@ -41,7 +42,8 @@ _MODULES = {
     ),
     "diagnosis.experiment": ("Experiment",),
     "errors": ("CampaignWarning", "InputError"),
-    "simulator": ("Effect", "SimulationError"),
+    "simulator.effects": ("Effect",),
+    "simulator.library": ("SimulationError",),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

@@ -13,7 +13,7 @@ from typing import Any, NoReturn, TextIO
 import click
 
 from skiplatch.errors import CampaignWarning, InputError, hint, one_line, quoted
-from skiplatch.simulator import SimulationError
+from skiplatch.simulator.library import SimulationError
 from skiplatch.undo import INTERRUPTED, taken_back_on_failure
 
 BAD_INPUT = 2

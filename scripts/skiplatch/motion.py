@@ -6,10 +6,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
-
-S_PER_MIN = 60.0
-US_PER_S = 1e6
-DEG_PER_TURN = 360.0
+from skiplatch.units import S_PER_MIN, US_PER_S
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from skiplatch.campaign import Axis, Touches
-from skiplatch.motion import S_PER_MIN
+from skiplatch.units import S_PER_MIN
 
 SAME_SURFACE_MM = 0.5
 BEYOND_MM = 2.0

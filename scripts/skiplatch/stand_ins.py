@@ -25,8 +25,10 @@ from skiplatch.campaign import (
     read_campaign,
 )
 from skiplatch.errors import CampaignWarning, InputError, quoted
-from skiplatch.motion import S_PER_MIN, US_PER_S, expected_contact
-from skiplatch.simulator import Effect, effects, with_believed
+from skiplatch.motion import expected_contact
+from skiplatch.simulator.effects import Effect, effects
+from skiplatch.simulator.rig import with_believed
+from skiplatch.units import S_PER_MIN, US_PER_S
 
 ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
@@ -72,7 +74,7 @@ def refuse_unplayable(path: Path, nominal: Nominal, besides: Sequence[Effect] = 
         message = f"expected at most {MOST_EFFECTS}, got {len(switched_on)}"
         raise InputError(path, None, "effect", message)
     for effect in switched_on:
-        _refuse_unknown(path, effect)
+        refuse_unknown(path, effect)
 
 
 def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
@@ -93,7 +95,7 @@ def _refuse_beyond(path: Path, where: str, value: float, limits: tuple[float, fl
         raise InputError(path, None, where, f"{expected}, got {value:g}")
 
 
-def _refuse_unknown(path: Path, effect: Effect) -> None:
+def refuse_unknown(path: Path, effect: Effect) -> None:
     """Raise InputError for an effect, a parameter or a value that the simulator does not have."""
     if effect.id not in effects():
         raise InputError(path, None, "effect.id", f"no effect is called {quoted(effect.id)}")

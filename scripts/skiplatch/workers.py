@@ -17,7 +17,7 @@ from pebble import ProcessExpired
 
 from skiplatch.errors import InputError, one_line
 from skiplatch.executors import Cluster, ForeignWorkerError, Processes, client_of, software
-from skiplatch.simulator import SimulationError
+from skiplatch.simulator.library import SimulationError
 
 Result = TypeVar("Result")
 

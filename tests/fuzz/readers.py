@@ -34,7 +34,7 @@ from skiplatch.kinematics.probing_test import read_test
 from skiplatch.kinematics.program import read_program
 from skiplatch.kinematics.sphere import read_sphere_points
 from skiplatch.kinematics.truth import read_truth
-from skiplatch.simulator import connection
+from skiplatch.simulator.library import connection
 from skiplatch.transmission.pulses import read_pulses
 from skiplatch.transmission.source import read_axis_train
 

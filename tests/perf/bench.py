@@ -22,8 +22,10 @@ import simpy_chain
 import spread_bench
 import transmission_bench
 
-from skiplatch import simulator
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
+from skiplatch.simulator.library import CData, connection, declarations, layout
+from skiplatch.simulator.playing import touch_rows
+from skiplatch.simulator.rig import Controller, filled_rig
 
 ROOT = Path(__file__).parents[2]
 FLOOR_LIBRARY = ROOT / "build" / "perf" / "libfloor.so"
@@ -85,19 +87,17 @@ class Rows:
     """The touches as the C side wants them, so that no Python is in what is timed."""
 
     def __init__(self, nominal: Nominal, touches: Touches) -> None:
-        self.binding = simulator._binding()
-        self.ffi = self.binding.ffi
+        self.ffi, self.library = connection()
         self.n = len(touches)
-        controller = simulator.Controller.for_campaign(nominal, touches)
-        self.rig = simulator.filled_rig(nominal, controller, seed=SEED)
-        self._touches = simulator._touches(self.binding, nominal, touches, 0.0)
-        self._outcomes = np.zeros(self.n, dtype=self.binding.outcome)
+        controller = Controller.for_campaign(nominal, touches)
+        self.rig = filled_rig(nominal, controller, seed=SEED)
+        self._touches = touch_rows(nominal, touches, 0.0)
+        self._outcomes = np.zeros(self.n, dtype=layout("sim_outcome_t"))
         self.touches = self.ffi.from_buffer("sim_touch_t[]", self._touches)
         self.outcomes = self.ffi.from_buffer("sim_outcome_t[]", self._outcomes)
 
     def play(self, n: int, jobs: int) -> None:
-        library = self.binding.library
-        library.sim_play(
+        self.library.sim_play(
             self.rig.structure,
             self.touches,
             n,
@@ -106,18 +106,18 @@ class Rows:
             self.outcomes,
         )
 
-    def floor(self, library: simulator.CData) -> None:
+    def floor(self, library: CData) -> None:
         library.floor_play(self.rig.chain, self.touches, self.n, SEED, self.outcomes)
 
 
-def floor_library() -> simulator.CData:
+def floor_library() -> CData:
     """Open the bare loop with the same structures."""
-    ffi = simulator._binding().ffi
-    ffi.cdef(simulator._declarations(FLOOR_HEADER))
+    ffi = connection()[0]
+    ffi.cdef(declarations(FLOOR_HEADER))
     return ffi.dlopen(str(FLOOR_LIBRARY))
 
 
-def bench_path(path: InputPath, nominal: Nominal, floor: simulator.CData) -> None:
+def bench_path(path: InputPath, nominal: Nominal, floor: CData) -> None:
     """Time everything for one input path, in turn."""
     rows = Rows(nominal, conditions(TOUCHES, path))
     few = conditions(SIMPY_TOUCHES, path)

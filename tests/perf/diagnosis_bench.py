@@ -32,7 +32,9 @@ from skiplatch.campaign import (
     write_campaign,
 )
 from skiplatch.diagnosis import diagnose
-from skiplatch.simulator import Controller, Effect, effects, play
+from skiplatch.simulator.effects import Effect, effects
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 
 pyabc: Any
 try:

@@ -14,7 +14,7 @@ from skiplatch.campaign import read_nominal, write_campaign
 from skiplatch.fleet import layout
 from skiplatch.fleet.reading import opened as opened_store
 from skiplatch.fleet.store import opened_for_writing
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 RIGS, WEEKS, TOUCHES = 200, 52, 1_000
 HISTORY_AIM_S = 1.0

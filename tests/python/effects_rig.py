@@ -21,7 +21,9 @@ from skiplatch.campaign.nominal import (
     ReportNominal,
     SkipNominal,
 )
-from skiplatch.simulator import Controller, Effect, Outcomes, effects, play
+from skiplatch.simulator.effects import Effect, effects
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
 
 RARE = 1e-4
 """False-alarm rate of each statistical check; seeds are fixed."""

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from skiplatch.campaign import Campaign, Kind, Status, read_campaign
-from skiplatch.simulator import Controller, Effect, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 MACHINE = SAMPLES / "machine_no_gap"

@@ -17,7 +17,8 @@ from skiplatch.campaign import Axis, Campaign, InputPath, Status, Touches, read_
 from skiplatch.comparison import Comparison, as_json, as_text, compare
 from skiplatch.comparison.gap import adjusted_p_values, distance_to, quantiles_of
 from skiplatch.report.comparison import as_html
-from skiplatch.simulator import Controller, play
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 from skiplatch.stand_ins import playable
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"

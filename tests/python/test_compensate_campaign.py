@@ -25,7 +25,8 @@ from skiplatch.campaign import (
     Touches,
     write_campaign,
 )
-from skiplatch.simulator import Controller, play
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 
 DELAY_US, FILTER_US, LATENCY_US, JITTER_US = 12_000.0, 600.0, 70.0, 20.0
 TAU_MS = (DELAY_US + FILTER_US + LATENCY_US + JITTER_US / 2.0) / 1000.0

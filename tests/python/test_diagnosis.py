@@ -12,7 +12,7 @@ from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, 
 from skiplatch.diagnosis.notes import first_touch, notes
 from skiplatch.diagnosis.reliability import reliability
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"

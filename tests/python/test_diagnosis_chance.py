@@ -13,7 +13,7 @@ from skiplatch.diagnosis.leftover import Beside
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import CHANCE
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 SHARE, LATE_US = 0.3, 3000.0
 BOUNCE = Effect("contact_bounce", {"probability": SHARE, "least_us": LATE_US})

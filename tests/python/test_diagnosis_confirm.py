@@ -28,7 +28,7 @@ from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 BACKLASH = Effect("backlash", {"backlash_um": 2.0})
 DRIFT = Effect("timer_drift", {"drift_ppm": 3.0})

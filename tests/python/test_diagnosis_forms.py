@@ -14,7 +14,9 @@ from skiplatch.diagnosis.candidates import candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit, polish
-from skiplatch.simulator import Controller, Effect, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 MACHINE = read_campaign(SAMPLES / "machine_no_gap")

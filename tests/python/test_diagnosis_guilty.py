@@ -14,7 +14,7 @@ from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.verdict import Evidence
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from verdict_evidence import left
 
 LATE = Effect("isr_latency", {"latency_us": 6.0, "jitter_us": 5.0})

@@ -14,7 +14,7 @@ from skiplatch.diagnosis.intervals import CONFIDENCE, Estimate, estimates, settl
 from skiplatch.diagnosis.likelihood import affected
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 RARE = 2e-3
 """False-alarm rate of the coverage test; its seeds are fixed."""

@@ -19,7 +19,7 @@ from skiplatch.diagnosis.observed import observed
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.replay import as_recorded
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 Disturbed = Callable[[Touches], FloatArray]
 

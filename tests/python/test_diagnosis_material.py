@@ -11,7 +11,7 @@ from skiplatch.diagnosis import Verdict, as_json, as_text, diagnose
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.material import Materiality, is_material
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 JOBS = 2
 

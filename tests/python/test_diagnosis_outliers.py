@@ -16,7 +16,7 @@ from skiplatch.diagnosis.outliers import outliers
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import Verdict
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 FAR_UM = 1000.0
 

@@ -11,7 +11,7 @@ from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machi
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis.decide import Finding
 from skiplatch.diagnosis.judge import Judge
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 pytestmark = pytest.mark.long
 

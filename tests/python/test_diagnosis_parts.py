@@ -24,7 +24,7 @@ from skiplatch.diagnosis.scored import IMPOSSIBLE, worth
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.starts import holds, resolutions, slots
 from skiplatch.diagnosis.surrogates import BLURRED
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 DATA = Path(__file__).parent / "data"

@@ -9,7 +9,9 @@ from played_campaigns import BENCH, played
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
 
 REPLICATES = 4
 FAR_US = 50_000.0

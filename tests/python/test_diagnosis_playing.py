@@ -23,7 +23,8 @@ from skiplatch.diagnosis.beliefs import believing, uncertain
 from skiplatch.diagnosis.parts import FOLDS, folds
 from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.simulator import Effect, Outcomes, effects
+from skiplatch.simulator.effects import Effect, effects
+from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span
 
 NOTHING = {p.name: 0.0 for p in effects()["backlash"].parameters}

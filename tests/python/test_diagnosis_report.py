@@ -29,7 +29,7 @@ from skiplatch.report.conditions import conditions, most_telling
 from skiplatch.report.evidence import gather
 from skiplatch.report.page import as_html
 from skiplatch.report.words import found
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 from skiplatch.statistics import Interval
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"

@@ -14,7 +14,7 @@ from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
 from skiplatch.diagnosis.starts import _coarsest, overruns, scan_periods
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 PLC = ("latch_plc", "lattice")
 

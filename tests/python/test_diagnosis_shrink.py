@@ -25,7 +25,7 @@ from skiplatch.diagnosis.shrink import (
     _share_gone,
     shrink,
 )
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 LATE = Effect("isr_latency", {"latency_us": 41.7})
 DELAY = Effect("trigger_delay", {"delay_us": 150.0})

@@ -16,7 +16,7 @@ from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import fit
 from skiplatch.diagnosis.simulated import admitted_values, catalogue, simulated
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 CASES = {
     "feed_error": [3.0, 0.0, 0.0],

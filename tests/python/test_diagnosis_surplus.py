@@ -12,7 +12,7 @@ from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.surplus import without_surplus
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 JITTER = Effect("scan_jitter", {"jitter_us": 250.0, "tail_us": 500.0})
 LATE = Effect("isr_latency", {"latency_us": 4.0, "jitter_us": 0.0})

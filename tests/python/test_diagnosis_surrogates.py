@@ -14,7 +14,7 @@ from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.likelihood import affected, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 RARE = 1e-3
 """False-alarm rate of each case, of which all are fixed by their seeds."""

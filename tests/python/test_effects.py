@@ -18,14 +18,9 @@ from effects_rig import (
     run,
 )
 from skiplatch.campaign import InputPath, Nominal
-from skiplatch.simulator import (
-    Effect,
-    EffectDescription,
-    Outcomes,
-    SimulationError,
-    effects,
-    play,
-)
+from skiplatch.simulator.effects import Effect, EffectDescription, effects
+from skiplatch.simulator.library import SimulationError
+from skiplatch.simulator.playing import Outcomes, play
 
 TABLE = list(effects().values())
 PATHS = {"both": set(InputPath), "skip": {InputPath.SKIP}, "plc": {InputPath.PLC}}

@@ -18,7 +18,7 @@ from effects_rig import (
 )
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 SKIP, PLC = InputPath.SKIP, InputPath.PLC
 

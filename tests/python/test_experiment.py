@@ -28,7 +28,8 @@ from skiplatch.diagnosis.experiment.evidence import exponents, log_likelihoods
 from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
 from skiplatch.motion import expected_contact
-from skiplatch.simulator import Effect, Outcomes, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes, play
 
 Model = tuple[Effect, ...]
 

@@ -16,7 +16,7 @@ from skiplatch.cli import group
 from skiplatch.fleet.findings import find
 from skiplatch.fleet.history import History
 from skiplatch.report.fleet import ICONS, NEXT, NEXT_BETTER, NEXT_UNKNOWN, as_html
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 from test_diagnosis_report import Elements, prose
 
 MOST_BYTES = 5_000_000

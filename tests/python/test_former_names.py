@@ -13,7 +13,7 @@ from skiplatch.commands.options import EffectType
 from skiplatch.errors import InputError
 from skiplatch.former_names import PRESENT, read_diagnosis_json
 from skiplatch.places import ROOT
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 SAMPLE = ROOT / "scripts" / "samples" / "bench_isr_latency"
 FOUND: dict[str, Any] = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from skiplatch.campaign import Campaign, write_campaign
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 from skiplatch.workers import Workers
 from tests.withheld import baseline_crps
 from tests.withheld.baseline_crps import LowestCrps

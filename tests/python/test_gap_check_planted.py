@@ -2,7 +2,7 @@
 
 import pytest
 
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 from tests.withheld import planted
 from tests.withheld.planted import Found, Planted, plant, try_one
 

@@ -6,7 +6,7 @@ import pytest
 from effects_rig import assert_close, trace
 from skiplatch.campaign import InputPath
 from skiplatch.kinematics.five_axis import RotaryTruth, Truth, probe_points
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from test_kinematics_five_axis import PLAIN_BC, quiet_rig
 
 UM_PER_MM = 1000.0

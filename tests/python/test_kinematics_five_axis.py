@@ -17,7 +17,8 @@ from skiplatch.kinematics.five_axis import (
     probe_points,
 )
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
-from skiplatch.simulator import Effect, SimulationError
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.library import SimulationError
 
 ARCSEC_PER_DEG = 3600.0
 UM_PER_MM = 1000.0

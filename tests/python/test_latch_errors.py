@@ -26,7 +26,8 @@ from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import latch_errors
 from skiplatch.latch.probing import CHUNK_TOUCHES, DEFAULT_RIG, Probing, on_bench, one_touch
 from skiplatch.latch.reaction import Reaction, reaction_of
-from skiplatch.simulator import Controller, SimulationError
+from skiplatch.simulator.library import SimulationError
+from skiplatch.simulator.rig import Controller
 
 FEED = 3000.0
 FALSE_ALARM = 1e-6

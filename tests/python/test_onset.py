@@ -19,7 +19,8 @@ from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit, fit
 from skiplatch.diagnosis.verdict import Verdict
-from skiplatch.simulator import Effect, Outcomes
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import ALWAYS, Span
 
 LATE = Effect("isr_latency", {"latency_us": 40.0})

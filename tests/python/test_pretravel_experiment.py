@@ -14,7 +14,7 @@ from skiplatch.compensation.firmware import Side
 from skiplatch.compensation.rigs import RIGS, Rig, grid
 from skiplatch.compensation.touching import Directions, Station, Target
 from skiplatch.diagnosis import Verdict, diagnose
-from skiplatch.simulator import SimulationError
+from skiplatch.simulator.library import SimulationError
 
 SEEDS = range(1, 7)
 TAU_GOAL = 0.02

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -17,7 +17,9 @@ from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import outcome, rivals
 from skiplatch.errors import InputError
-from skiplatch.simulator import Controller, Effect, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 
 DELAY = (Effect("trigger_delay", {"delay_us": 150.0, "jitter_us": 0.0}),)
 FILTER = (Effect("input_filter", {"delay_us": 150.0, "jitter_us": 0.0}),)

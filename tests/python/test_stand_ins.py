@@ -12,14 +12,10 @@ from skiplatch.comparison import as_json, as_text, compare
 from skiplatch.errors import CampaignWarning
 from skiplatch.motion import expected_contact
 from skiplatch.report.conditions import conditions
-from skiplatch.simulator import (
-    Controller,
-    Effect,
-    SimulationError,
-    connection,
-    filled_rig,
-    play,
-)
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.library import SimulationError, connection
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller, filled_rig
 from skiplatch.stand_ins import (
     PLAYED,
     PLAYED_TOUCHES,

@@ -12,7 +12,9 @@ from effects_rig import MACHINE, mixed_touches
 from skiplatch import cli
 from skiplatch.campaign import Campaign, Status, write_campaign
 from skiplatch.errors import InputError
-from skiplatch.simulator import Controller, Effect, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller
 from skiplatch.transmission.source import periodic_sources, read_axis_train
 
 BELT_AND_SCREW = """

@@ -19,7 +19,7 @@ import pytest
 from skiplatch import executors, workers
 from skiplatch.errors import InputError
 from skiplatch.executors import ForeignWorkerError
-from skiplatch.simulator import SimulationError
+from skiplatch.simulator.library import SimulationError
 from skiplatch.workers import Failed, Workers, finished, in_order, opened
 
 LIMIT_S = 0.5

@@ -7,7 +7,7 @@ import numpy as np
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from skiplatch.campaign import Campaign, Touches
-from skiplatch.simulator import Effect, Parameter, effects
+from skiplatch.simulator.effects import Effect, Parameter, effects
 from tests.withheld.chain import FloatArray
 from tests.withheld.heldout import pooled
 from tests.withheld.simulated import play_once

@@ -10,7 +10,8 @@ import numpy as np
 from sklearn.ensemble import ExtraTreesClassifier  # type: ignore[import-untyped]
 
 from skiplatch.campaign import Campaign, Touches
-from skiplatch.simulator import LIBRARY, effects
+from skiplatch.simulator.effects import effects
+from skiplatch.simulator.library import LIBRARY
 from tests.withheld.conditions import Recording, draw_setup
 from tests.withheld.covariates import features
 from tests.withheld.simulated import as_recorded, draw_effect, play_once

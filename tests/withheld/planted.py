@@ -22,7 +22,7 @@ from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.progress import shown
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 from skiplatch.statistics import proportion
 from skiplatch.tables import compact, table
 from skiplatch.workers import Workers, in_order, opened

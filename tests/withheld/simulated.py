@@ -9,7 +9,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from skiplatch.campaign import Nominal, Status, Touches
-from skiplatch.simulator import Controller, Effect, Outcomes, Parameter, effects, play
+from skiplatch.simulator.effects import Effect, Parameter, effects
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
 from tests.withheld.chain import FloatArray
 from tests.withheld.streams import Expected, begin_us, residuals
 

@@ -12,7 +12,7 @@ from skiplatch.diagnosis import Verdict, as_json, effects_from_json
 from skiplatch.diagnosis.experiment import models_json, rivals
 from skiplatch.errors import InputError
 from skiplatch.former_names import read_diagnosis_json
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from skiplatch.campaign.touches import SerialArray
 from skiplatch.dataframes import DataFrame, Library, dataframe
 from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 
 OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
 

@@ -15,7 +15,9 @@ from skiplatch.diagnosis.experiment import Experiment, experiment_for, models_fr
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.diagnosis.material import DEFAULT, Materiality
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.simulator import Controller, Effect, Outcomes, play
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
 from skiplatch.stand_ins import ARCSEC_PER_MILLIDEGREE, playable, refuse_unplayable
 
 SIMULATED = Path("simulated")

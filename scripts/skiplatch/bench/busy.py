@@ -8,7 +8,7 @@ import os
 import sys
 import time
 
-US_PER_S = 1e6
+from skiplatch.units import US_PER_S
 
 
 def main() -> int:

@@ -12,10 +12,9 @@ from skiplatch.campaign import InputPath, Kind, Nominal, read_nominal
 from skiplatch.campaign.toml_positions import KeyPath, Position, key_positions
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, hint, quoted
-from skiplatch.motion import S_PER_MIN
+from skiplatch.units import S_PER_MIN, US_PER_S
 
 FORMAT = "skiplatch-bench-plan/1"
-US_PER_S = 1e6
 PATHS = {path.name.lower(): path for path in InputPath}
 
 

@@ -26,6 +26,7 @@ from skiplatch.bench.protocol import (
 )
 from skiplatch.bench.seal import NO_SHOT, Sealer, shot_bytes
 from skiplatch.errors import InputError
+from skiplatch.units import US_PER_S
 
 ANSWER_S = 1.0
 ATTEMPTS = 3
@@ -34,7 +35,6 @@ RUNNING = 2  # state of the injector
 VALID_MS = 60_000
 PAGES = 6
 FORGED_PAGE, CHALLENGE_PAGE = 7, 8  # where the injector has a key
-US_PER_S = 1e6
 
 
 @dataclass(frozen=True, slots=True)

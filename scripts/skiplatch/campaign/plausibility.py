@@ -13,10 +13,8 @@ from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.touches import SerialArray, Touches
+from skiplatch.units import S_PER_MIN, US_PER_S
 
-US_PER_S = 1e6
-S_PER_MIN = 60.0
-UM_PER_MM = 1e3
 FACTORS = {
     1e3: "1000",
     1e-3: "1/1000",

@@ -23,7 +23,7 @@ from skiplatch.commands.options import (
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
-from skiplatch.compensation.delay import S_PER_MIN, Delay, estimate_delay
+from skiplatch.compensation.delay import Delay, estimate_delay
 from skiplatch.compensation.firmware import Target as Rule
 from skiplatch.compensation.formats import (
     Header,
@@ -40,6 +40,7 @@ from skiplatch.compensation.speeds import read_speeds
 from skiplatch.compensation.uncertainty import Inputs, Uncertainty, assess
 from skiplatch.errors import quoted
 from skiplatch.stand_ins import read_playable
+from skiplatch.units import S_PER_MIN
 
 EPILOG = """\b
 Example:

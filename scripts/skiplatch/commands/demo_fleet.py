@@ -25,7 +25,7 @@ from skiplatch.fleet.findings import as_json, change_text, find
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.reading import opened
 from skiplatch.fleet.store import opened_for_writing
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.workers import Workers
 
 RIGS, WEEKS = ("mill-1", "mill-2", "mill-3"), 7

@@ -23,7 +23,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.former_names import read_diagnosis_json
 from skiplatch.probing_program import KINDS, program
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
 
 EPILOG = """\b

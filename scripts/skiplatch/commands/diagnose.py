@@ -21,7 +21,7 @@ from skiplatch.commands.options import (
 )
 from skiplatch.commands.worker_options import cluster_option, limit_option
 from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable
 from skiplatch.transmission.source import read_axis_train
 from skiplatch.workers import Workers

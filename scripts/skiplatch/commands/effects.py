@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from skiplatch.commands.options import json_option, write_json
-from skiplatch.simulator import EffectDescription, Parameter, effects
+from skiplatch.simulator.effects import EffectDescription, Parameter, effects
 from skiplatch.tables import listing
 
 EPILOG = """\b

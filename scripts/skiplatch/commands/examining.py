@@ -15,7 +15,7 @@ from skiplatch.diagnosis.experiment import (
     rivals,
 )
 from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.transmission.source import periodic_sources
 from skiplatch.transmission.train import GearTrain
 

@@ -23,7 +23,7 @@ from skiplatch.fleet.arrivals import Arrivals, noticed
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE
 from skiplatch.fleet.lock import BusyError
 from skiplatch.fleet.store import opened_for_writing, refuse_unusable
-from skiplatch.simulator import SimulationError
+from skiplatch.simulator.library import SimulationError
 from skiplatch.stand_ins import read_playable
 
 UNNOTICED_S = 60.0

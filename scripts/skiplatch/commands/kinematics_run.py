@@ -43,14 +43,14 @@ from skiplatch.kinematics.truth import draw_truth, read_truth
 from skiplatch.places import ROOT
 from skiplatch.report.kinematics import Log, Logged, lay_out, vector_text
 from skiplatch.report.kinematics_grid import LoggedGrid, lead
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.tables import table
+from skiplatch.units import UM_PER_MM
 
 LOG_NAME = "TCHPRAUTO.html"
 MEMORY_NAME = "kinematics.bin"
 DEFAULT_MACHINE = ROOT / "scripts" / "samples" / "kinematics" / "machine_bc.toml"
 FILE = click.Path(path_type=Path, dir_okay=False)
-UM_PER_MM = 1000.0
 SECONDS_PER_MINUTE = 60.0
 
 EPILOG = """\b

@@ -17,7 +17,7 @@ from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
 from skiplatch.former_names import present_names
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 

@@ -15,7 +15,7 @@ from skiplatch.commands.options import (
     write_json,
 )
 from skiplatch.commands.outputs import OutputFolder
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import refuse_unplayable, refuse_unplayable_touches
 
 EPILOG = """\b

@@ -20,7 +20,8 @@ from skiplatch.comparison.model import DEFAULT_ALPHA, Cell, CellGap, Comparison,
 from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable, Recorded
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.progress import shown
-from skiplatch.simulator import Controller, Outcomes, play
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
 from skiplatch.statistics import proportion
 
 REFERENCE_REPLICATES = 100

@@ -7,7 +7,6 @@ from skiplatch.compensation import firmware
 from skiplatch.compensation.speeds import Speeds
 from skiplatch.errors import CampaignWarning, InputError
 
-S_PER_MIN = 60.0
 CLEAR = 3.0
 """Standard uncertainties from which on a delay is more than scatter."""
 

@@ -14,7 +14,9 @@ from skiplatch.campaign import InputPath, Nominal
 from skiplatch.compensation import firmware
 from skiplatch.compensation.rigs import US_PER_MS, Rig
 from skiplatch.compensation.touching import Recording, Station, Target
-from skiplatch.simulator import UM_PER_MM, Seat, SimulationError
+from skiplatch.simulator.library import SimulationError
+from skiplatch.simulator.rig import Seat
+from skiplatch.units import UM_PER_MM
 
 FEED_MAX_MM_MIN = 1000.0
 """What a probe may touch with; no rig here comes near it."""

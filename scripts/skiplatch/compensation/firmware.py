@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.simulator import CData, connection, layout
+from skiplatch.simulator.library import CData, connection, layout
 
 
 class Side(IntEnum):
@@ -235,7 +235,7 @@ class Map:
         """
         ffi, library = connection()
         alpha, beta, radius = _together(alpha_deg, beta_deg, radius_um)
-        cells = np.zeros(len(alpha), dtype=layout(ffi, "pretravel_cell_t"))
+        cells = np.zeros(len(alpha), dtype=layout("pretravel_cell_t"))
         count = ffi.new("uint32_t *")
         code = library.pretravel_map_build(
             _doubles(alpha),

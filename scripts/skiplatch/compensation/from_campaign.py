@@ -21,7 +21,7 @@ from skiplatch.compensation.probe_map import ProbeMap, Readings, map_of
 from skiplatch.compensation.speeds import Speeds
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.motion import expected_contact
-from skiplatch.simulator import S_PER_MIN
+from skiplatch.units import S_PER_MIN
 
 IndexArray = NDArray[np.intp]
 

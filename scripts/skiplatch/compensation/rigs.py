@@ -22,7 +22,7 @@ from skiplatch.campaign import (
 )
 from skiplatch.compensation.firmware import Side
 from skiplatch.compensation.touching import Directions, Target
-from skiplatch.simulator import Seat
+from skiplatch.simulator.rig import Seat
 
 US_PER_MS = 1000.0
 M_PER_MM = 1e-3

@@ -11,14 +11,10 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal, Status, Touches
 from skiplatch.compensation.firmware import Side
-from skiplatch.simulator import (
-    S_PER_MIN,
-    UM_PER_MM,
-    Controller,
-    Seat,
-    SimulationError,
-    play,
-)
+from skiplatch.simulator.library import SimulationError
+from skiplatch.simulator.playing import play
+from skiplatch.simulator.rig import Controller, Seat
+from skiplatch.units import S_PER_MIN, UM_PER_MM
 
 PAUSE_S = 5.0
 """Between two touches, for the way to the next one; and up to so much again at random."""

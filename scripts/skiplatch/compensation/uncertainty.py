@@ -15,10 +15,11 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.compensate import Compensation, Limits, Target, plan_of
-from skiplatch.compensation.delay import S_PER_MIN, Delay
+from skiplatch.compensation.delay import Delay
 from skiplatch.compensation.probe_map import ProbeMap
 from skiplatch.errors import InputError
 from skiplatch.statistics import CONFIDENCE, Interval
+from skiplatch.units import S_PER_MIN
 
 DRAWS = 2000
 MOST_FAILED = 0.1

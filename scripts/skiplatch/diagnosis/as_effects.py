@@ -5,7 +5,7 @@ import numpy as np
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 
 DIGITS = 10
 """A tick of 1.5 µs that is a hair longer keeps no grid over hours."""

@@ -14,7 +14,7 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts, robust_fit
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 FEWEST_ON_AXIS = 16
 """Touches of an axis that show an error of its own."""

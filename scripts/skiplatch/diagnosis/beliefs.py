@@ -16,7 +16,7 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import Likelihood, likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import scan_periods
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 
 Key = tuple[str, str]
 

@@ -12,7 +12,7 @@ from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.laws import law_of
 from skiplatch.diagnosis.scene import Scene, Stream
 from skiplatch.diagnosis.simulated import catalogue
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 
 
 class BelievedEffects:

@@ -17,7 +17,7 @@ from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.starts import Starts
 from skiplatch.diagnosis.surrogates import Parameters
 from skiplatch.diagnosis.waves import transmissions
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 from skiplatch.span import ALWAYS, Span
 
 FEWEST_AZIMUTHS = 7

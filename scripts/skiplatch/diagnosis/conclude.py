@@ -26,7 +26,7 @@ from skiplatch.diagnosis.verdict import (
     shows_too_little,
 )
 from skiplatch.diagnosis.work import Work, mattering
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 
 @dataclass(frozen=True, slots=True, eq=False)

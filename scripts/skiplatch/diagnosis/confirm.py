@@ -22,7 +22,7 @@ from skiplatch.diagnosis.replay import as_recorded, replayed
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit, fit
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 from skiplatch.statistics import Interval
 
 REACH = 15.0

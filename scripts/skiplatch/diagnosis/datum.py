@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray, median
-from skiplatch.simulator import Residuals
+from skiplatch.diagnosis.residuals import Residuals
 
 CodeArray = NDArray[np.intp]
 

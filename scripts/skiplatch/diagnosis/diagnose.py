@@ -30,7 +30,7 @@ from skiplatch.diagnosis.verdict import (
 )
 from skiplatch.diagnosis.where import Place, places
 from skiplatch.diagnosis.work import Work
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 MOST_TOUCHES = 4_000
 """Touches that the search looks at; a larger campaign is drawn from."""

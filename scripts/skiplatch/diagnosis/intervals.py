@@ -23,7 +23,7 @@ from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.diagnosis.surrogates import SWITCHES, highest
-from skiplatch.simulator import Effect, Parameter, effects
+from skiplatch.simulator.effects import Effect, Parameter, effects
 
 IndexArray = NDArray[np.intp]
 

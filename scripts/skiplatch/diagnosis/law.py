@@ -12,8 +12,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch import simulator
 from skiplatch.arrays import BoolArray, FloatArray, median
+from skiplatch.diagnosis.residuals import Residuals
 
 SMALLEST = 1e-4
 """Scatter in µs or µm below which nothing is resolved, so that no density becomes infinite."""
@@ -116,9 +116,9 @@ class Law:
         """
         return self.laid_out(residuals, reach).log_densities()
 
-    def laid_out(self, residuals: FloatArray, reach: float) -> simulator.Residuals:
+    def laid_out(self, residuals: FloatArray, reach: float) -> Residuals:
         """Lay residuals out with this law, for more than their density."""
-        return simulator.Residuals.of(residuals, self, self.extras, reach, SMALLEST)
+        return Residuals.of(residuals, self, self.extras, reach, SMALLEST)
 
 
 def spliced(parts: Sequence[tuple[BoolArray, Law]]) -> Law:

@@ -20,10 +20,11 @@ from skiplatch.diagnosis.material import Materiality
 from skiplatch.diagnosis.observed import observed
 from skiplatch.diagnosis.pitches import kept_pitch
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import UM_PER_MM, Scene
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.setting import Setting
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 from skiplatch.statistics import errors_of
+from skiplatch.units import UM_PER_MM
 
 PLAYS = 60
 """Of each touch: ranks to a sixtieth."""

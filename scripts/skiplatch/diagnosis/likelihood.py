@@ -16,9 +16,9 @@ from skiplatch.diagnosis.datum import FAMILIES, SHIFTED
 from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.laws import CALM, TINY, law_of
 from skiplatch.diagnosis.lines import line_bonus
+from skiplatch.diagnosis.residuals import Residuals
 from skiplatch.diagnosis.scan_grid import grid_values
 from skiplatch.diagnosis.scene import Scene, Stream
-from skiplatch.simulator import Residuals
 
 MISSED = "missed"
 """Name of the stream of touches that were not latched."""

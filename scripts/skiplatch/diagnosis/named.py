@@ -12,7 +12,7 @@ from skiplatch.diagnosis.intervals import estimates
 from skiplatch.diagnosis.reliability import reliability
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import Verdict
-from skiplatch.simulator import Effect, Parameter, effects
+from skiplatch.simulator.effects import Effect, Parameter, effects
 from skiplatch.span import Span
 
 MOST_OF_RANGE = 0.9

@@ -12,8 +12,9 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches
 from skiplatch.diagnosis.grid import mean_turn
 from skiplatch.diagnosis.playing import Rig
-from skiplatch.motion import DEG_PER_TURN, US_PER_S
-from skiplatch.simulator import Effect, Outcomes
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes
+from skiplatch.units import DEG_PER_TURN, US_PER_S
 
 NOISE_EXPLAINS = 1.5
 """Times the noise of the reference instrument, root mean square, that edges may lie off by."""

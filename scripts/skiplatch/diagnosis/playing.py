@@ -11,9 +11,12 @@ from skiplatch.campaign import Nominal, Touches
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood import fitted_datum_um
-from skiplatch.diagnosis.scene import UM_PER_MM, Scene, datum_names
-from skiplatch.simulator import Controller, Effect, Outcomes, play, spliced
+from skiplatch.diagnosis.scene import Scene, datum_names
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes, play, spliced
+from skiplatch.simulator.rig import Controller
 from skiplatch.span import ALWAYS, Span
+from skiplatch.units import UM_PER_MM
 
 ENCODER, SCAN_LOCK = "encoder_quantisation", "scan_phase_lock"
 SHORTEST_MM = 1e-3

@@ -10,7 +10,7 @@ from skiplatch.campaign import Status, Touches
 from skiplatch.campaign.column_kinds import NOT_RECORDED
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 
 CAMPAIGNS = 4
 OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")

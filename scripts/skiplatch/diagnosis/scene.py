@@ -19,12 +19,12 @@ from skiplatch.diagnosis.datum import SHIFTED
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.law import Law
 from skiplatch.motion import Contact, expected_contact
+from skiplatch.units import UM_PER_MM
 
 CodeArray = NDArray[np.intp]
 
 LOBES = 3.0
 UM_US_PER_MM_S = 1e-3
-UM_PER_MM = 1e3
 FEWEST_POSITIONS = 8
 """Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
 DISTINCT_DIGITS = 2

@@ -29,7 +29,7 @@ from skiplatch.diagnosis.observed import before_wait, observed
 from skiplatch.diagnosis.playing import Folds, Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.motion import Contact
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span
 from skiplatch.statistics import CONFIDENCE, Interval
 

@@ -21,15 +21,9 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.surrogates import Parameters
-from skiplatch.simulator import (
-    Controller,
-    Effect,
-    EffectDescription,
-    Outcomes,
-    Parameter,
-    effects,
-    play,
-)
+from skiplatch.simulator.effects import Effect, EffectDescription, Parameter, effects
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
 from skiplatch.span import ALWAYS, Span
 
 IndexArray = NDArray[np.intp]

@@ -18,17 +18,9 @@ from skiplatch.diagnosis.grid import (
 from skiplatch.diagnosis.laws import SHORTEST_PERIOD, law_under
 from skiplatch.diagnosis.lines import FAR_APART
 from skiplatch.diagnosis.pitches import MANY_STEPS, odd_pitch, whole_pitches
-from skiplatch.diagnosis.scene import UM_PER_MM, Scene, Stream
-from skiplatch.diagnosis.surrogates import (
-    BLURRED,
-    FEW_TICKS,
-    LOOSEST,
-    MM_PER_M,
-    US_PER_H,
-    Parameters,
-    warmth_k_s,
-)
-from skiplatch.motion import DEG_PER_TURN, S_PER_MIN, US_PER_S
+from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.surrogates import BLURRED, FEW_TICKS, LOOSEST, Parameters, warmth_k_s
+from skiplatch.units import DEG_PER_TURN, MM_PER_M, S_PER_MIN, UM_PER_MM, US_PER_H, US_PER_S
 
 Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
 

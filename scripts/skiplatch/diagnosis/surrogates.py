@@ -10,9 +10,10 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra
-from skiplatch.diagnosis.scene import LOBES, UM_PER_MM, Scene
-from skiplatch.motion import DEG_PER_TURN, S_PER_MIN, contact_at
-from skiplatch.simulator import Parameter
+from skiplatch.diagnosis.scene import LOBES, Scene
+from skiplatch.motion import contact_at
+from skiplatch.simulator.effects import Parameter
+from skiplatch.units import DEG_PER_TURN, MM_PER_M, S_PER_MIN, UM_PER_MM, US_PER_H
 
 Parameters = FloatArray
 
@@ -39,8 +40,6 @@ MOST_LAG = 3.0
 """Behind the temperature, over the time that a campaign takes."""
 SLOWEST_RATIO = 0.05
 LEAST_ACCEL = 0.02
-US_PER_H = 3.6e9
-MM_PER_M = 1000.0
 SPAN_PARTS = 5
 """Boxes that stand for late scans of lengths that differ by more than a period."""
 FEW_TICKS = 4.0

@@ -13,7 +13,7 @@ from skiplatch.diagnosis.named import Named
 from skiplatch.diagnosis.playing import FittedDatum, Rig
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.diagnosis.verdict import EXPLAINS, HAS_GAP, NAMES, SEES, Verdict
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 from skiplatch.span import Span
 from skiplatch.statistics import Interval
 from skiplatch.tables import number, table

@@ -11,7 +11,7 @@ from skiplatch.diagnosis.left import EVERYWHERE, Left
 from skiplatch.diagnosis.leftover import MISSED
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 
 LEAST_NATS = 5.0
 LEAST_SHARE = 0.01

@@ -12,7 +12,7 @@ from skiplatch.latch.effort import Effort
 from skiplatch.latch.errors import latch_errors
 from skiplatch.latch.probing import one_touch
 from skiplatch.latch.seed_document.model import IDEAL, direct_input, range_um
-from skiplatch.simulator import S_PER_MIN
+from skiplatch.units import S_PER_MIN
 
 FEEDS_MM_MIN = np.array([10.0, 30.0, 100.0, 300.0, 1000.0, 3000.0, 10_000.0])
 DOCUMENT = ((3000.0, 200.0), (30.0, 2.0), (3000.0, 10.0), (3000.0, 0.2))

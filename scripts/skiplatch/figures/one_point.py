@@ -14,7 +14,7 @@ from skiplatch.latch.seed_document.cycles import FITTED_BACK_OFF_MM
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, SLOW_MM_MIN
 from skiplatch.planner.document import DOCUMENT_LIMITS
 from skiplatch.planner.model import Leg, Strategy, legs
-from skiplatch.simulator import S_PER_MIN
+from skiplatch.units import S_PER_MIN
 
 LIMITS = replace(DOCUMENT_LIMITS, path=InputPath.SKIP)
 """Motions alone: no step waits for a scan."""

@@ -11,7 +11,7 @@ from skiplatch.figures import theme
 from skiplatch.latch.probing import one_touch
 from skiplatch.latch.seed_document.example import FIRST_WAIT_US, SECOND_WAIT_US, wait_from_zero_us
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL
-from skiplatch.simulator import US_PER_S
+from skiplatch.units import US_PER_S
 
 SCANS = 3
 TOUCHES_PER_SCAN = 40

@@ -6,10 +6,10 @@ import numpy as np
 
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
-from skiplatch.motion import DEG_PER_TURN
 from skiplatch.tables import compact, number
 from skiplatch.transmission.spectrum import Order
 from skiplatch.transmission.values import Values
+from skiplatch.units import DEG_PER_TURN
 
 HEIGHT_IN = 2.6
 NAMED_ORDERS = 5

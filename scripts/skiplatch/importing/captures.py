@@ -16,10 +16,10 @@ from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
 from skiplatch.importing.log_lines import read_text
+from skiplatch.units import NS_PER_S
 
 MOST_BYTES = 2 * 2**30
 MOST_TICKS = 2**63
-NS_PER_S = 1e9
 _RATE = re.compile(r"(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE)
 _SAMPLED = re.compile(r"^;.*?Samplerate:\s*(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE | re.MULTILINE)
 _CHANNELS = re.compile(r"^;\s*Channels[^:]*:\s*(.+)$", re.IGNORECASE | re.MULTILINE)

@@ -13,8 +13,8 @@ from skiplatch.campaign import InputPath, Kind, Status, Touches
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.captures import Capture
 from skiplatch.importing.model import Imported
+from skiplatch.units import US_PER_S
 
-US_PER_S = 1e6
 LONGEST_WAIT_S = 1.0  # from an edge to its latch
 
 

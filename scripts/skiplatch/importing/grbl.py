@@ -12,6 +12,7 @@ from skiplatch.importing.gcode import AXES, Machine, ProbeMove
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
 from skiplatch.importing.model import MM_PER_INCH, NO_TIMES, Imported, Touch
 from skiplatch.importing.presets import PRESETS, Preset
+from skiplatch.units import UM_PER_MM
 
 _PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
 _SETTING = re.compile(r"\$(\d{1,3})\s*=\s*(-?\d+\.?\d*)")
@@ -32,7 +33,6 @@ _ASKS = re.compile(r"\[?\s*\$#")
 _RANGE = re.compile(r"\bAxis ([XYZABC]) \((-?\d+\.?\d*),\s*(-?\d+\.?\d*)\)", re.ASCII)
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
 _STEPS, _ACCEL, _INCHES = 100, 120, 13
-UM_PER_MM = 1e3
 DIGIT_MM = 1e-3  # the last that is printed
 HALF_A_DIGIT_MM = 0.51 * DIGIT_MM
 FARTHEST_MM = 1e6  # that any machine goes

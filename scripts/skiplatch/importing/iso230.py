@@ -14,10 +14,10 @@ from skiplatch.campaign import Axis, Touches
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.model import Imported
 from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, say_encoding
+from skiplatch.units import UM_PER_MM
 
 _NEGATIVE = re.compile(r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback", re.IGNORECASE)
 _MM_HEAD = re.compile(r"\bmm\b", re.IGNORECASE)
-UM_PER_MM = 1e3
 ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 
 

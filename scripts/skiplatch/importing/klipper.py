@@ -6,7 +6,8 @@ from pathlib import Path
 from skiplatch.errors import InputError
 from skiplatch.importing.console import Console
 from skiplatch.importing.log_lines import TYPED, Line, read_lines
-from skiplatch.importing.model import S_PER_MIN, Imported
+from skiplatch.importing.model import Imported
+from skiplatch.units import S_PER_MIN, UM_PER_MM
 
 _PROBE = re.compile(
     r"probe(?:: at| at) (-?\d+\.?\d*),\s*(-?\d+\.?\d*) (?:is|bed will contact at) z=(-?\d+\.?\d*)",
@@ -26,7 +27,6 @@ _SPEED_WORD = re.compile(rf"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*({TYPE
 _HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
 _PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
-UM_PER_MM = 1e3
 
 
 def read_klipper(path: Path, feed: float | None) -> Imported:

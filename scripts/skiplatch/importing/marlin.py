@@ -7,6 +7,7 @@ from skiplatch.errors import InputError
 from skiplatch.importing.console import Console
 from skiplatch.importing.log_lines import TYPED, Line, read_lines
 from skiplatch.importing.model import Imported
+from skiplatch.units import UM_PER_MM
 
 _SAMPLE = re.compile(
     r"(?<!\d)(\d{1,6}) of (\d{1,6}):?\s*z:\s*(-?\d+\.?\d*)(?:.*?[Mm]ean:\s*(-?\d+\.?\d*))?"
@@ -18,7 +19,6 @@ _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({TYPED})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({TYPED})")
 _HOMED = re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE)
-UM_PER_MM = 1e3
 
 
 def read_marlin(path: Path, feed: float | None) -> Imported:

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from skiplatch.campaign import Kind, Touches
 
 MM_PER_INCH = 25.4
-S_PER_MIN = 60.0
 KeyPath = tuple[str, str]
 NO_TIMES = "no times in the log: the order of the lines is that of the touches"
 

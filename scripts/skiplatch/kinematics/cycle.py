@@ -20,7 +20,9 @@ from skiplatch.kinematics.five_axis import (
     refuse,
 )
 from skiplatch.kinematics.machine import LETTERS, Machine
-from skiplatch.simulator import Effect, SimulationError, connection, filled_rig
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.library import SimulationError, connection
+from skiplatch.simulator.rig import filled_rig
 
 CData = Any
 WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}

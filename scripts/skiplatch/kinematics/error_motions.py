@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from skiplatch.arrays import FloatArray
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis
 from skiplatch.kinematics.points import Points
+from skiplatch.units import UM_PER_MM
 
 SAME_DEG = 0.01
 LEAST_RADIUS_MM = 1e-3  # a circle of 1 µm is noise
 FEWEST = 5
 """Angles: a mean circle and a mean plane take three from each coordinate's four or more."""
-UM_PER_MM = 1000.0
 ARCSEC_PER_RAD = 206264.80624709636
 
 

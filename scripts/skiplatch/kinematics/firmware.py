@@ -12,13 +12,13 @@ from skiplatch.arrays import FloatArray
 from skiplatch.kinematics.five_axis import compensation_mm
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
-from skiplatch.simulator import connection
+from skiplatch.simulator.library import connection
+from skiplatch.units import UM_PER_MM
 
 CData = Any
 """What cffi hands out has no static type."""
 
 AXES_MAX = 3
-UM_PER_MM = 1000.0
 SHARE_MIN = 1e-9
 
 

@@ -26,10 +26,12 @@ from skiplatch.campaign import (
 )
 from skiplatch.kinematics.grid import Grid
 from skiplatch.kinematics.machine import LETTERS, Machine
-from skiplatch.simulator import Controller, Effect, SimulationError, connection, filled_rig
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.library import SimulationError, connection
+from skiplatch.simulator.rig import Controller, filled_rig
+from skiplatch.units import UM_PER_MM
 
 CData = Any
-UM_PER_MM = 1000.0
 ARCSEC_PER_DEG = 3600.0
 
 DEFAULT_RIG = Nominal(

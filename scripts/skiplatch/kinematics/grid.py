@@ -7,13 +7,14 @@ from math import prod
 from sys import float_info
 from typing import Any
 
+from skiplatch.units import UM_PER_MM
+
 AXES = ("A", "B", "C")
 OFFSETS = "offset_um"
 MOST_NODES, MOST_POSITIONS = 25, 75
 """As ``firmware/comp/kinematics_grid.h`` has them."""
 TURN_DEG = 360.0
 FARTHEST_UM = 1e5
-UM_PER_MM = 1000.0
 
 Row = tuple[float, float, float]
 

@@ -16,7 +16,7 @@ from skiplatch.files import atomic_write_bytes, failures_named, refuse_special_o
 from skiplatch.kinematics.grid import format_grid
 from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector, is_possible
 from skiplatch.kinematics.program import Cycle, Program, Value
-from skiplatch.simulator import SimulationError, connection
+from skiplatch.simulator.library import SimulationError, connection
 from skiplatch.undo import keep_outputs
 
 CData = Any

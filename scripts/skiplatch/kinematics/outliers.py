@@ -13,13 +13,13 @@ from skiplatch.kinematics.firmware import Fit, NoFitError, fit
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.kinematics.points import Points
+from skiplatch.units import UM_PER_MM
 
 FALSE_ALARM = 1e-4
 """Rate at which scatter alone makes a fit name an outlier."""
 MOST_SHARE = 0.2
 """Of the positions: more are no outliers but another machine."""
 COORDINATES = 3
-UM_PER_MM = 1000.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,13 +16,13 @@ from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.kinematics.points import POSITION_COLUMNS, read_columns
 from skiplatch.kinematics.sphere import least_squares_sphere
+from skiplatch.units import UM_PER_MM
 
 POINTS, RUNS = 25, 3
 RINGS = ((0.0, 1, 0.0), (22.5, 4, 0.0), (45.0, 8, 22.5), (67.5, 4, 45.0), (90.0, 8, 67.5))
 """Angle from the pole, number of points, azimuth of the first; degrees."""
 TURNS_DEG = np.arange(0.0, 90.0, 2.5)
 """The pattern repeats after 90°; its azimuth is free."""
-UM_PER_MM = 1000.0
 
 
 @dataclass(frozen=True, slots=True)

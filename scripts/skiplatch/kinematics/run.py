@@ -28,7 +28,7 @@ from skiplatch.kinematics.memory import Memory, run_450
 from skiplatch.kinematics.points import Points
 from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
 from skiplatch.kinematics.recorded import RecordedError, sort_recorded
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 
 LENGTHS = (407, 320, 408, 253)
 """Parameters that are in inches in an inch program."""

@@ -10,6 +10,7 @@ from scipy import optimize, stats
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.kinematics.points import POSITION_COLUMNS, read_positions
+from skiplatch.units import UM_PER_MM
 
 LEAST_POINTS = 6
 UNKNOWNS = 4
@@ -17,7 +18,6 @@ FALSE_ALARM = 1e-4
 MOST_SHARE = 0.2
 COVERAGE = 0.9973
 LARGEST_CONDITION = 1e6
-UM_PER_MM = 1000.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from skiplatch.latch.effort import Effort
 from skiplatch.latch.probing import CHUNK_TOUCHES, Probing, all_latched, chunks
 from skiplatch.latch.reaction import reaction_of
 from skiplatch.progress import shown
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 from skiplatch.workers import in_order
 
 FINE_BINS = 32_768

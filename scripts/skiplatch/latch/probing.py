@@ -22,15 +22,10 @@ from skiplatch.campaign import (
 from skiplatch.campaign.datum import Datum
 from skiplatch.latch.effort import Effort
 from skiplatch.latch.reaction import reaction_of
-from skiplatch.simulator import (
-    S_PER_MIN,
-    UM_PER_MM,
-    US_PER_S,
-    Controller,
-    Outcomes,
-    SimulationError,
-    play,
-)
+from skiplatch.simulator.library import SimulationError
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
+from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 
 NO_PROBE = ProbeNominal(
     pretravel_um=0.0, lobe_um=0.0, lobe_phase_deg=0.0, repeatability_um=0.0, delay_us=0.0

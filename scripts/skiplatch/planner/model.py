@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.latch.probing import Probing
 from skiplatch.latch.reaction import Reaction, reaction_of
-from skiplatch.simulator import S_PER_MIN, UM_PER_MM, US_PER_S, Controller
+from skiplatch.simulator.rig import Controller
+from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 
 ROUNDING = 1.0 + 1e-9  # of the computer: what exceeds a limit by no more does not exceed it
 

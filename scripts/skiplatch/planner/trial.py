@@ -7,8 +7,8 @@ import numpy as np
 from skiplatch import statistics
 from skiplatch.latch.effort import Effort
 from skiplatch.planner.model import ROUNDING, Limits, Strategy
-from skiplatch.simulator import UM_PER_MM
 from skiplatch.statistics import Interval
+from skiplatch.units import UM_PER_MM
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from skiplatch.campaign import Kind
 from skiplatch.campaign.kind import NOT_ON_A_BENCH
 from skiplatch.diagnosis import Diagnosis
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 
 STAGES = {
     "motion": "the axis meets the surface",

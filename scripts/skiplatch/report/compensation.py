@@ -8,7 +8,6 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.compensation import text
 from skiplatch.compensation.compensate import Compensation
-from skiplatch.compensation.delay import S_PER_MIN
 from skiplatch.compensation.probe_figures import ProbeFigures
 from skiplatch.compensation.probe_map import ProbeMap
 from skiplatch.compensation.uncertainty import Uncertainty
@@ -22,6 +21,7 @@ from skiplatch.figures.compensation import (
 from skiplatch.figures.inline import Drawing
 from skiplatch.report.layout import render
 from skiplatch.report.words import Table
+from skiplatch.units import S_PER_MIN
 
 TEMPLATE = "compensation.html"
 PER_CENT = 100.0

@@ -13,7 +13,8 @@ from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.report.conditions import Condition, conditions
-from skiplatch.simulator import Outcomes, effects
+from skiplatch.simulator.effects import effects
+from skiplatch.simulator.playing import Outcomes
 
 MOST_TOUCHES = 4_000
 """Touches that are played; of a larger campaign, some are drawn."""

@@ -14,6 +14,7 @@ from skiplatch.kinematics.machine import LETTERS, RotaryAxis, Vector
 from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
 from skiplatch.report.kinematics_grid import LoggedGrid, Rows, lay_out_grid
 from skiplatch.report.layout import render
+from skiplatch.units import UM_PER_MM
 
 TEMPLATE = "kinematics.html"
 STREAM = "log"
@@ -23,7 +24,6 @@ MODES = (
     "optimise positions and angles",
     "optimise origin and angles",
 )
-UM_PER_MM = 1000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

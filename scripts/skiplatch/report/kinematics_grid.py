@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from skiplatch.kinematics.grid_evaluation import DELETE, GridEvaluation
 from skiplatch.kinematics.machine import LETTERS
+from skiplatch.units import UM_PER_MM
 
 MODES = {-1: "delete the compensation", 0: "check the grid", 1: "compensate over the grid"}
-UM_PER_MM = 1000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

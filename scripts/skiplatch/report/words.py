@@ -10,7 +10,7 @@ from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
 from skiplatch.diagnosis.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
-from skiplatch.simulator import Effect, effects
+from skiplatch.simulator.effects import Effect, effects
 from skiplatch.statistics import Interval
 from skiplatch.tables import NOTHING, compact, number, whole, with_interval
 

@@ -1,13 +1,14 @@
 """The firmware's five methods of measuring transmission error, fed with blocks of pulses."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.simulator import SimulationError, Trains, TrainsSetup
+from skiplatch.simulator.library import CData, SimulationError, connection, layout
+from skiplatch.units import NS_PER_S
 
 INPUT = 1
 OUTPUT = 2
@@ -17,7 +18,6 @@ BACKWARD = 128
 """Added to a channel: the shaft turns backward."""
 
 NAS_PER_ARCSEC = 1e9
-NS_PER_S = 1e9
 
 
 class Method(StrEnum):
@@ -184,3 +184,88 @@ class Transmission:
     def index(self, channel: int) -> Index:
         """What is known so far of the index of INPUT or OUTPUT."""
         return Index(**self._trains.index(channel))
+
+
+@dataclass(frozen=True, slots=True)
+class TrainsSetup:
+    """What ``firmware/comp/transmission.h`` wants to know; see there."""
+
+    method: str
+    """An enumerator of ``transmission_method_t``."""
+    lines1: int
+    lines2: int
+    ratio_over: int
+    ratio_under: int
+    range: int
+    meter_ticks: int
+    tick_ns: int
+
+
+class Trains:
+    """The firmware's transmission error, fed with blocks of pulses; ``api/trains.h``."""
+
+    def __init__(self, setup: TrainsSetup) -> None:
+        """Begin a run.
+
+        Raises:
+            SimulationError: The firmware refuses the set-up; the name of its code.
+            OverflowError: A value has more than 32 bits.
+        """
+        ffi, self._library = connection()
+        self._trains = ffi.new("sim_trains_t *")
+        values = asdict(setup)
+        tick_ns = values.pop("tick_ns")
+        values["method"] = getattr(self._library, setup.method)
+        config = ffi.new("transmission_config_t *", values)
+        code = self._library.sim_trains_begin(self._trains, config, tick_ns)
+        if code != 0:
+            raise SimulationError(ffi.string(ffi.cast("transmission_error_t", code)))
+
+    def feed(
+        self, channel: NDArray[np.uint8], t_ns: NDArray[np.int64]
+    ) -> tuple[NDArray[np.void], int]:
+        """Take in a block.
+
+        Args:
+            channel: Shape (n,), see ``transmission.h``.
+            t_ns: Shape (n,), never falling, not below that of the block before.
+
+        Returns:
+            Fields t_ns, line, delta_nas of the points, and a negative code ``SIM_TRAINS_ERR_...``
+            if the block was taken in only as far as `pulses`, else 0.
+        """
+        ffi, library = connection()
+        most = len(t_ns) + library.TRANSMISSION_PENDING
+        points = np.empty(most, dtype=layout("sim_trains_point_t"))
+        count = ffi.new("uint64_t *")
+        code = library.sim_trains_feed(
+            self._trains,
+            ffi.from_buffer("uint8_t[]", np.ascontiguousarray(channel, dtype=np.uint8)),
+            ffi.from_buffer("int64_t[]", np.ascontiguousarray(t_ns, dtype=np.int64)),
+            len(t_ns),
+            ffi.from_buffer("sim_trains_point_t[]", points, require_writable=True),
+            count,
+        )
+        return points[: count[0]], int(code)
+
+    @property
+    def pulses(self) -> int:
+        """How many pulses have been taken in."""
+        return int(self._trains.pulses)
+
+    @property
+    def gate_is_output(self) -> bool:
+        """Whether the points stand at the output's lines."""
+        return bool(self._trains.core.gate_is_output)
+
+    def counters(self, channel: int) -> dict[str, int]:
+        """Give pulse_counters_t of a train."""
+        return _as_dict(self._library.sim_trains_counters(self._trains, channel))
+
+    def index(self, channel: int) -> dict[str, int]:
+        """Give transmission_index_t of a shaft."""
+        return _as_dict(self._library.sim_trains_index(self._trains, channel))
+
+
+def _as_dict(structure: CData) -> dict[str, int]:
+    return {name: int(getattr(structure, name)) for name in dir(structure)}

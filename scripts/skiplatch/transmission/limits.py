@@ -10,9 +10,9 @@ from skiplatch.tables import compact, number
 from skiplatch.transmission.firmware import BACKWARD, Method, Points
 from skiplatch.transmission.pulses import Pulses
 from skiplatch.transmission.values import Values
+from skiplatch.units import NS_PER_S
 
 ARCSEC_PER_TURN = 1_296_000.0
-NS_PER_S = 1e9
 LEAST_GAIN = 0.5
 """Of the meter, for a steady phase: below, it follows the flip-flop instead of its mean."""
 GOOD_GAIN = 0.95

@@ -1,9 +1,12 @@
 """Trains of pulses from the simulated gear train: gears, screw, load, encoders, clock."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 
-from skiplatch.simulator import GearPulses
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.simulator.library import SimulationError, connection
 from skiplatch.transmission.pulses import BLOCK_PULSES, Pulses
 
 
@@ -79,3 +82,37 @@ def simulated_pulses(machine: Machine) -> Iterator[Pulses]:
         if not len(t_ns):
             return
         yield Pulses(channel, t_ns)
+
+
+class GearPulses:
+    """Pulses of a simulated gear train, a block at a time; ``host_sim/gear_train.h``."""
+
+    def __init__(self, train: Mapping[str, object]) -> None:
+        """Begin a run.
+
+        Args:
+            train: Fields of ``sim_gear_train_t``, structures in it as mappings; what is not given
+                is 0.
+
+        Raises:
+            SimulationError: The train refuses to turn; says why.
+        """
+        ffi, self._library = connection()
+        self._run = ffi.new("sim_gear_run_t *")
+        given = ffi.new("sim_gear_train_t *", train)
+        code = self._library.sim_gear_start(self._run, given)
+        if code != 0:
+            said = self._library.sim_gear_error(code)
+            raise SimulationError(ffi.string(said).decode())
+
+    def take(self, n: int) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+        """Give channels and times in ns of the next n pulses; fewer at the end of the way."""
+        ffi, _ = connection()
+        channels, t_ns = np.empty(n, dtype=np.uint8), np.empty(n, dtype=np.int64)
+        count = self._library.sim_gear_pulses(
+            self._run,
+            n,
+            ffi.from_buffer("uint8_t[]", channels, require_writable=True),
+            ffi.from_buffer("int64_t[]", t_ns, require_writable=True),
+        )
+        return channels[:count], t_ns[:count]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.simulator import Effect
+from skiplatch.simulator.effects import Effect
 from skiplatch.tables import compact, number
 from skiplatch.transmission.train import GearTrain, read_train
 

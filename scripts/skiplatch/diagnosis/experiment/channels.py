@@ -8,7 +8,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Touches
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.motion import expected_contact
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 
 UM_US_PER_MM_S = 1e-3
 MISSED = "missed"

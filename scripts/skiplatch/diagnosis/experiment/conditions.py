@@ -16,6 +16,7 @@ from skiplatch.diagnosis.experiment.surfaces import (
     room_before_mm,
     touched,
 )
+from skiplatch.units import S_PER_MIN
 
 FEATURES = ("path", "feed", "surface", "sense", "position", "rotary", "approach", "rest")
 FEEDS = 4
@@ -28,7 +29,6 @@ QUARTER_TURNS_DEG = np.array([0.0, 90.0, 180.0, 270.0])
 FEWEST_FOR_RESTS = 3
 USUAL_RESTS_S = (2.0, 20.0)
 SHORTEST_REST_S = 1.0
-S_PER_MIN = 60.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,7 +23,10 @@ from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model, rivals
 from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
-from skiplatch.simulator import US_PER_S, Controller, Outcomes, effects, play
+from skiplatch.simulator.effects import effects
+from skiplatch.simulator.playing import Outcomes, play
+from skiplatch.simulator.rig import Controller
+from skiplatch.units import US_PER_S
 
 if TYPE_CHECKING:
     from skiplatch.diagnosis.diagnose import Diagnosis

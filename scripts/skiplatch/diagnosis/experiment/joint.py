@@ -14,7 +14,7 @@ from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import SLACKS, WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.simulated import catalogue
-from skiplatch.simulator import effects
+from skiplatch.simulator.effects import effects
 
 MOST_TOUCHES = 2_000
 """Touches of the first campaign that the parameters are held to."""

@@ -16,7 +16,7 @@ from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suite
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
-from skiplatch.simulator import Outcomes
+from skiplatch.simulator.playing import Outcomes
 
 REHEARSALS = 2
 """Of an experiment, with each model as the truth: every one costs a fit of every rival."""

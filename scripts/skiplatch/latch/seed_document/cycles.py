@@ -22,7 +22,7 @@ from skiplatch.latch.seed_document.model import (
     certain,
     range_um,
 )
-from skiplatch.simulator import Controller
+from skiplatch.simulator.rig import Controller
 from skiplatch.statistics import Interval, proportion
 
 STAND_OFF_MM = 5.0

@@ -5,7 +5,7 @@ import numpy as np
 from skiplatch.campaign import InputPath
 from skiplatch.latch.probing import Probing, one_touch
 from skiplatch.latch.seed_document.model import FAST_MM_MIN, IDEAL, SeedFigure, certain
-from skiplatch.simulator import US_PER_S
+from skiplatch.units import US_PER_S
 
 FIRST_WAIT_US = 3250.0
 SECOND_WAIT_US = 750.0

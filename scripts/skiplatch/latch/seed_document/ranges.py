@@ -19,8 +19,8 @@ from skiplatch.latch.seed_document.model import (
     direct_input,
     range_um,
 )
-from skiplatch.simulator import S_PER_MIN
 from skiplatch.statistics import CONFIDENCE, Interval
+from skiplatch.units import S_PER_MIN
 
 FIT_FEEDS_MM_MIN = (30.0, 100.0, 300.0, 600.0, 1000.0, 1500.0, 2000.0, 3000.0)
 

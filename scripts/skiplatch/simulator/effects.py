@@ -1,0 +1,92 @@
+"""The simulator's table of effects, and effects switched on."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+
+from skiplatch.former_names import PRESENT, present_names
+from skiplatch.simulator.library import CData, SimulationError, connection
+from skiplatch.span import ALWAYS, Span
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A parameter of an effect; `low` and `high` are the range that makes sense."""
+
+    name: str
+    unit: str
+    meaning: str
+    low: float
+    high: float
+
+    @property
+    def when_unset(self) -> float:
+        """What it is where nothing is given: 0, or the nearest admitted value."""
+        return min(max(0.0, self.low), self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class EffectDescription:
+    """A row of the simulator's table of effects, ``host_sim/effects/table.c``."""
+
+    index: int
+    id: str
+    stage: str
+    paths: str
+    """``both``, ``skip`` or ``plc``."""
+    physics: str
+    parameters: tuple[Parameter, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """An effect switched on; parameters that are not given are as `Parameter.when_unset` says.
+
+    Former names of parameters become the present ones.
+    """
+
+    id: str
+    parameters: Mapping[str, float]
+    span: Span = ALWAYS
+
+    def __post_init__(self) -> None:
+        if self.parameters.keys() & PRESENT.keys():
+            object.__setattr__(self, "parameters", present_names(self.parameters))
+
+
+@cache
+def effects() -> Mapping[str, EffectDescription]:
+    """Give the table of all effects by id, in the order of the chain."""
+    ffi, library = connection()
+    rows: dict[str, EffectDescription] = {}
+    while row := library.sim_effect_describe(len(rows)):
+        described = _description(ffi, len(rows), row)
+        rows[described.id] = described
+    return rows
+
+
+def _description(ffi: CData, index: int, row: CData) -> EffectDescription:
+    def text(value: CData) -> str:
+        return str(ffi.string(value).decode())
+
+    parameters = tuple(
+        Parameter(text(p.name), text(p.unit), text(p.meaning), p.low, p.high)
+        for p in row.parameters
+        if p.name
+    )
+    return EffectDescription(
+        index, text(row.id), text(row.stage), text(row.paths), text(row.physics), parameters
+    )
+
+
+def refuse_unknown(effect: Effect) -> None:
+    """Raise if the table does not know an effect, or a parameter of it.
+
+    Raises:
+        SimulationError: It does not.
+    """
+    if effect.id not in effects():
+        raise SimulationError(f"{effect.id}: no such effect")
+    known = {parameter.name for parameter in effects()[effect.id].parameters}
+    for name in effect.parameters.keys() - known:
+        raise SimulationError(f"{effect.id}: no parameter {name}")
