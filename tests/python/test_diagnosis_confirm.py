@@ -13,14 +13,7 @@ from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis.as_effects import as_effects
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.confirm import (
-    AsRig,
-    Confirmation,
-    confirm,
-    contenders,
-    inseparable,
-    settle,
-)
+from skiplatch.diagnosis.confirm import AsRig, Confirmation, confirm, contenders, settle
 from skiplatch.diagnosis.decide import Finding
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.parts import Split, split
@@ -28,6 +21,7 @@ from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.separation import inseparable
 from skiplatch.simulator.effects import Effect
 
 BACKLASH = Effect("backlash", {"backlash_um": 2.0})

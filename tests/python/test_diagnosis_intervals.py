@@ -10,8 +10,9 @@ from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.intervals import CONFIDENCE, Estimate, estimates, settled
+from skiplatch.diagnosis.intervals import Estimate, estimates, settled
 from skiplatch.diagnosis.likelihood import affected
+from skiplatch.diagnosis.likelihood_surface import CONFIDENCE
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.search import Fit
 from skiplatch.simulator.effects import Effect, effects

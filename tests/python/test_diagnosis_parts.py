@@ -13,6 +13,7 @@ from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates import CANDIDATES
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.grid import grid_period
+from skiplatch.diagnosis.grid_starts import holds, resolutions, slots
 from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.laws import law_under
@@ -22,7 +23,6 @@ from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.scored import IMPOSSIBLE, worth
 from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.starts import holds, resolutions, slots
 from skiplatch.diagnosis.surrogates import BLURRED
 from skiplatch.simulator.effects import Effect
 

@@ -13,18 +13,10 @@ from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
+from skiplatch.diagnosis.cell_scores import Cell, CellScores, TouchScores, floor_of
 from skiplatch.diagnosis.playing import Rig
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.shrink import (
-    Gap,
-    _Cell,
-    _floor,
-    _gap,
-    _Scored,
-    _Scores,
-    _share_gone,
-    shrink,
-)
+from skiplatch.diagnosis.shrink import Gap, _gap, _share_gone, shrink
 from skiplatch.simulator.effects import Effect
 
 LATE = Effect("isr_latency", {"latency_us": 41.7})
@@ -119,10 +111,10 @@ def test_every_interval_holds_its_value() -> None:
         assert gap.shrink.low <= gap.shrink.value <= gap.shrink.high
 
 
-def scored(before: float, after: float, floor: float, nominal_floor: float) -> _Scores:
+def scored(before: float, after: float, floor: float, nominal_floor: float) -> CellScores:
     """Ten touches that all score alike."""
     ones = np.ones(10)
-    return _Scores(ones, before * ones, after * ones, floor * ones, nominal_floor * ones, None)
+    return CellScores(ones, before * ones, after * ones, floor * ones, nominal_floor * ones, None)
 
 
 def test_without_a_clear_gap_the_interval_holds_zero() -> None:
@@ -139,7 +131,7 @@ def test_a_gap_that_is_hardly_one_is_measured_by_one_floor() -> None:
     luck = 1.1 * np.random.default_rng(2).standard_normal(300)
     luck -= luck.mean()
     ones = np.ones(len(luck))
-    scores = _Scores(ones, 10.1 + luck, 9.8 * ones, 10.0 * ones, ones, None)
+    scores = CellScores(ones, 10.1 + luck, 9.8 * ones, 10.0 * ones, ones, None)
 
     assert _share_gone(scores, scores.after, seed=1, is_clear=True).low == pytest.approx(1.0)
 
@@ -154,9 +146,9 @@ def test_effects_that_scatter_too_much_do_not_make_the_gap_small() -> None:
 def test_wide_cells_do_not_drown_the_narrow_ones() -> None:
     ones = np.ones(10)
 
-    def cell(path: InputPath, before: float, after: float, floor: float) -> _Cell:
-        scored = [_Scored(score * ones, floor * ones) for score in (before, after)]
-        return _Cell(path, scored[0], scored[1], None)
+    def cell(path: InputPath, before: float, after: float, floor: float) -> Cell:
+        scored = [TouchScores(score * ones, floor * ones) for score in (before, after)]
+        return Cell(path, scored[0], scored[1], None)
 
     narrow = cell(InputPath.SKIP, 10.0, 1.0, 1.0)
     wide = cell(InputPath.PLC, 110.0, 110.0, 100.0)
@@ -169,12 +161,12 @@ def test_a_path_of_small_cells_counts_beside_a_cell_that_shows_its_gap_alone() -
     """Three touches in a cell are too few for a level of one in two thousand."""
     near = np.array([0.8, 1.0, 1.2])
 
-    def cell(path: InputPath, before: float, after: float) -> _Cell:
-        scored = [_Scored(score * near, np.ones(3)) for score in (before, after)]
-        return _Cell(path, scored[0], scored[1], None)
+    def cell(path: InputPath, before: float, after: float) -> Cell:
+        scored = [TouchScores(score * near, np.ones(3)) for score in (before, after)]
+        return Cell(path, scored[0], scored[1], None)
 
     small = [cell(InputPath.SKIP, 10.0, 1.0) for _ in range(8)]
-    alone = _Cell(InputPath.PLC, *2 * (_Scored(9.0 + 0.001 * near, np.ones(3)),), truth=None)
+    alone = Cell(InputPath.PLC, *2 * (TouchScores(9.0 + 0.001 * near, np.ones(3)),), truth=None)
     gap = _gap([*small, alone], OBSERVABLES[0], 0.01, seed=1)
 
     assert gap.before == pytest.approx((8 * 10.0 + 9.0) / 9, rel=1e-3)
@@ -202,7 +194,7 @@ def test_the_floor_is_what_plays_score_on_each_other() -> None:
         for i in range(plays.shape[1])
     ]
 
-    np.testing.assert_allclose(_floor(plays), np.mean(scores, axis=0))
+    np.testing.assert_allclose(floor_of(plays), np.mean(scores, axis=0))
 
 
 def test_touches_that_each_have_their_own_feed_are_grouped() -> None:

@@ -6,7 +6,7 @@ from scipy import stats
 
 from skiplatch.diagnosis.grid import _agreement, _even_agreement, mean_turn
 from skiplatch.diagnosis.law import Extra, Law
-from skiplatch.diagnosis.laws import LEAST_PART, _wrapped
+from skiplatch.diagnosis.scan_wait import LEAST_PART, _wrapped
 
 PHASES = [(0.0, 0.2), (0.02, 0.1), (0.5, 0.4), (0.97, 0.05), (0.5, 0.01)]
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import TOUCHES_FILE, Campaign, InputPath, Touches
 from skiplatch.compensation import firmware
 from skiplatch.compensation.delay import Delay
@@ -22,8 +22,6 @@ from skiplatch.compensation.speeds import Speeds
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.motion import expected_contact
 from skiplatch.units import S_PER_MIN
-
-IndexArray = NDArray[np.intp]
 
 DECIMALS = 3  # of an angle in touches.csv
 SAME_SPEED = 1e-9

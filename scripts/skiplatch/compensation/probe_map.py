@@ -14,12 +14,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import FloatArray, IndexArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.columns_csv import ALPHA, BETA, RADIUS, RUN, Rows, read_columns
 from skiplatch.errors import CampaignWarning, InputError
-
-IndexArray = NDArray[np.intp]
 
 COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "run": RUN, "radius_um": RADIUS}
 

@@ -6,7 +6,7 @@ from statistics import NormalDist
 from typing import Any
 
 from skiplatch.campaign import FORMATS, BelievedEffect, Nominal, format_effect
-from skiplatch.diagnosis.text import effects_from_json
+from skiplatch.diagnosis.document import effects_from_json
 
 Json = Any
 

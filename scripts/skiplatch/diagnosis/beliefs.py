@@ -14,8 +14,8 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import SECTIONS, Kind, Nominal
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import Likelihood, likelihood
+from skiplatch.diagnosis.scan_starts import scan_periods
 from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.starts import scan_periods
 from skiplatch.simulator.effects import effects
 
 Key = tuple[str, str]

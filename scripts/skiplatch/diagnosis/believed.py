@@ -10,8 +10,9 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.directions import with_directions
 from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.laws import law_of
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.simulated import catalogue
+from skiplatch.diagnosis.stream import Stream
 from skiplatch.simulator.effects import effects
 
 

@@ -4,86 +4,19 @@ The simulator has its own, exact form of every effect; these are the surrogates 
 effect that the simulator knows and this table does not is searched for by simulation alone.
 """
 
+import copyreg
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
-from skiplatch.campaign import Nominal
-from skiplatch.diagnosis import starts, surrogates
+from skiplatch.diagnosis import grid_starts, scan_starts, scan_surrogates, starts, surrogates
+from skiplatch.diagnosis.applicable import on_machine, shows_lobes, shows_waves, varies
 from skiplatch.diagnosis.axes import each_axis
+from skiplatch.diagnosis.candidate import Candidate
 from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.starts import Starts
-from skiplatch.diagnosis.surrogates import Parameters
 from skiplatch.diagnosis.waves import transmissions
-from skiplatch.simulator.effects import effects
 from skiplatch.span import ALWAYS, Span
-
-FEWEST_AZIMUTHS = 7
-"""Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
-LEEWAY = 0.05
-"""Of the scatter of a delay, by which a fit may miss its least."""
-
-
-@dataclass(frozen=True, slots=True)
-class Candidate:
-    """One effect as a surrogate.
-
-    Attributes:
-        id: As in the table of effects.
-        names: Of the parameters, as in the table of effects.
-        change: What parameters, shape (p,), make of the physics.
-        starts: Parameters to start a search from, given what is known to differ already. What is
-            0 in a start stays 0.
-        applies: Whether a campaign can show the effect at all.
-    """
-
-    id: str
-    names: tuple[str, ...]
-    change: Callable[[Scene, Parameters], Change]
-    starts: Starts
-    applies: Callable[[Scene], bool] = lambda _: True
-    refinements: tuple[Mapping[int, float], ...] = ()
-    """Parameters, by number and with a first value, that make other forms of the effect."""
-    believed_us: Callable[[Nominal], float] | None = None
-    """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
-    like_datum: frozenset[str] = frozenset()
-    """Parameters beside which a datum that may be anywhere makes another of the same."""
-    span: Span = ALWAYS
-    """The touches at which it acts."""
-
-    def acting(self, scene: Scene, parameters: Parameters) -> Change:
-        """Give what parameters, shape (p,), make of the physics of the touches at which it acts."""
-        change = self.change(scene, parameters)
-        return change if self.span == ALWAYS else Change(passing=((self.span, change),))
-
-    def taken_up(self, scene: Scene) -> frozenset[int]:
-        """Number the parameters that stay at 0, for the datum does what they do."""
-        is_anywhere = scene.datum_groups is not None and scene.datum_u_um is None
-        return frozenset(map(self.names.index, self.like_datum if is_anywhere else ()))
-
-    def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
-        """Tell whether no size is beyond its range, and nothing comes before its cause."""
-        if self.is_named and any(
-            abs(value) > max(abs(p.low), abs(p.high))
-            for p, value in zip(effects()[self.id].parameters, parameters, strict=True)
-            if p.unit not in ("deg", "1")
-        ):
-            return False
-        if self.believed_us is None:
-            return True
-        open_us = scene.nominal.skip.tick_us + LEEWAY * float(np.abs(parameters[1:3]).sum())
-        return bool(parameters[0] >= -self.believed_us(scene.nominal) - open_us)
-
-    @property
-    def is_named(self) -> bool:
-        """It stands in the table of effects."""
-        return self.id in CANDIDATES
-
-    def __reduce__(self) -> tuple[Callable[[str, Span], "Candidate"], tuple[str, Span]]:
-        """Travel to another process as the id and the span alone."""
-        return candidate, (self.id, self.span)
 
 
 def candidate(effect_id: str, span: Span = ALWAYS) -> Candidate:
@@ -91,29 +24,11 @@ def candidate(effect_id: str, span: Span = ALWAYS) -> Candidate:
     return replace(CANDIDATES[effect_id], span=span)
 
 
-def _machine(scene: Scene) -> bool:
-    return scene.is_machine
+def _as_id_and_span(one: Candidate) -> tuple[Callable[[str, Span], Candidate], tuple[str, Span]]:
+    return candidate, (one.id, one.span)
 
 
-def _varies(column: str) -> Callable[[Scene], bool]:
-    """Tell whether a condition was recorded and varied: else nothing can be seen to go with it."""
-
-    def applies(scene: Scene) -> bool:
-        values = getattr(scene.touches, column)
-        known = values[~np.isnan(values)]
-        return bool(len(known) and np.ptp(known) > 0.0)
-
-    return applies
-
-
-def _shows_waves(scene: Scene) -> bool:
-    return bool(np.isfinite(scene.shortest_wave_mm))
-
-
-def _shows_lobes(scene: Scene) -> bool:
-    """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn."""
-    azimuths = np.unique(np.round(scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]))
-    return scene.is_machine and len(azimuths) >= FEWEST_AZIMUTHS
+copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another process
 
 
 def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
@@ -143,7 +58,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ("amplitude_um", "azimuth_deg", "second_um", "third_um", "elevation_power"),
             surrogates.lobing,
             starts.fixed(*([2.0, azimuth, 0.0, 0.0, 0.0] for azimuth in (0.0, 30.0, 60.0, 90.0))),
-            _shows_lobes,
+            shows_lobes,
             refinements=({2: 0.5}, {2: -0.5}, {3: 0.3}, {3: -0.3}, {4: 1.0}, {4: -0.5}),
         ),
         Candidate(
@@ -151,7 +66,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
             starts.delays,
-            _machine,
+            on_machine,
             refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.probe.delay_us,
         ),
@@ -159,8 +74,8 @@ CANDIDATES: Mapping[str, Candidate] = {
             "link_slotting",
             ("slot_us", "phase_deg"),
             surrogates.slotted,
-            starts.slots,
-            _machine,
+            grid_starts.slots,
+            on_machine,
         ),
         Candidate(
             "link_retry",
@@ -173,7 +88,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                     for period in (100.0, 500.0, 2000.0, 8000.0)
                 )
             ),
-            _machine,
+            on_machine,
             refinements=({3: 0.3},),
         ),
         Candidate(
@@ -216,7 +131,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "timer_quantisation",
             ("tick_us", "origin_us", "nearest"),
             surrogates.coarse_ticks,
-            starts.ticks,
+            grid_starts.ticks,
         ),
         Candidate(
             "timer_drift",
@@ -229,12 +144,15 @@ CANDIDATES: Mapping[str, Candidate] = {
             ),
         ),
         Candidate(
-            "scan_period", ("period_us",), lambda _, p: Change(period_us=p[0]), starts.scan_periods
+            "scan_period",
+            ("period_us",),
+            lambda _, p: Change(period_us=p[0]),
+            scan_starts.scan_periods,
         ),
         Candidate(
             "scan_jitter",
             ("jitter_us", "tail_us", "on_time_share"),
-            surrogates.jitter,
+            scan_surrogates.jitter,
             starts.fixed(
                 [20.0, 5.0, 0.0], [200.0, 100.0, 0.0], [100.0, 500.0, 0.0], [10.0, 0.0, 0.5]
             ),
@@ -243,13 +161,13 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "scan_overrun",
             ("probability", "overrun_us", "span_us"),
-            surrogates.overrun,
-            starts.overruns,
+            scan_surrogates.overrun,
+            scan_starts.overruns,
         ),
         Candidate(
             "input_image_delay",
             ("scans",),
-            surrogates.image_delay,
+            scan_surrogates.image_delay,
             starts.fixed([0.3], [1.0], [1.5], [2.0], [3.0], [4.0]),
         ),
         Candidate(
@@ -262,13 +180,13 @@ CANDIDATES: Mapping[str, Candidate] = {
                     surrogates.as_share(p[2]),
                 )
             ),
-            starts.locks,
+            scan_starts.locks,
         ),
         Candidate(
             "servo_hold",
             ("period_us", "dead_us", "phase_deg"),
             surrogates.held,
-            starts.holds,
+            grid_starts.holds,
             refinements=({1: 10.0}, {1: 200.0}),
         ),
         Candidate(
@@ -291,7 +209,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 linear=2,
                 y_excess_ratio=2,
             ),
-            applies=_varies("sign"),
+            applies=varies("sign"),
             refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
             like_datum=frozenset({"positive_um"}),
         ),
@@ -313,7 +231,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ),
             surrogates.transmission,
             transmissions,
-            _shows_waves,
+            shows_waves,
             refinements=(
                 *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
                 *_per_axis(7),
@@ -327,13 +245,13 @@ CANDIDATES: Mapping[str, Candidate] = {
                 surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
             ),
             refinements=_per_axis(1),
-            applies=_varies("position_mm"),
+            applies=varies("position_mm"),
         ),
         Candidate(
             "encoder_quantisation",
             ("resolution_um", "is_coordinate", "origin"),
             surrogates.coarse_positions,
-            starts.resolutions,
+            grid_starts.resolutions,
         ),
         Candidate(
             "thermal_drift",
@@ -349,7 +267,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 linear=1,
                 y_excess_ratio=3,
             ),
-            applies=_varies("temp_c"),
+            applies=varies("temp_c"),
             refinements=_per_axis(3),
         ),
         Candidate(
@@ -363,7 +281,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                     for unset, mirrored in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
                 )
             ),
-            applies=_varies("rotary_deg"),
+            applies=varies("rotary_deg"),
         ),
         Candidate(
             "report_delay",

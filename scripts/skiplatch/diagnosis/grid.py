@@ -10,6 +10,8 @@ from skiplatch.arrays import FloatArray
 
 MARGIN = 0.15
 """How far the period may lie from the guess, as a share."""
+APART = (1.0 + MARGIN) / (1.0 - MARGIN)
+"""Factor between guesses of a period that leave none out between them."""
 FIRST = 6
 """Stamps that a first, coarse search looks at."""
 KEPT = 40

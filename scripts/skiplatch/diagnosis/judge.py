@@ -9,7 +9,7 @@ from typing import TypeVar
 import numpy as np
 
 from skiplatch.diagnosis.beliefs import Belief, Fitted, fit_beliefs, uncertain
-from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.candidate import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood

@@ -2,24 +2,20 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import lru_cache, reduce
+from functools import reduce
 
 import numpy as np
-from scipy import special
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Extra, Law, spliced
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scan_wait import locked_waits, scan_period_us, wait_box
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.stream import Stream
 
 ROUNDING = 0.01
 """Of a fine step, by which a value may miss its grid for want of digits."""
-SHORTEST_PERIOD = 0.1
-"""Of the believed one."""
 TINY = 1e-9
-TURNS = np.array([-1.0, 0.0, 1.0])
-LEAST_PART = 1e-3
-"""Of a law folded onto a turn, that counts."""
 LATCHES = {"latch_skip", "latch_plc"}
 AFTER_LATCH = {"position", "report"}
 """Streams that are counted from the stamp of the latch."""
@@ -121,57 +117,10 @@ def _latch(scene: Scene, stream: Stream, change: Change) -> Law:
     return Law(
         offset=law.offset + later - coarser,
         sigma=np.hypot(law.sigma, rounded),
-        box_a=_waiting(scene, stream, law.box_a, change, 1.0),
+        box_a=wait_box(scene, stream, law.box_a, change, 1.0),
         box_b=law.box_b + coarser,
         extras=_latch_extras(scene, stream, change, 1.0),
     )
-
-
-def scan_period_us(scene: Scene, change: Change) -> float:
-    """Give the changed scan period, within what is a scan period still."""
-    believed = scene.nominal.plc.scan_us
-    return max(believed + change.period_us, SHORTEST_PERIOD * believed)
-
-
-def _waiting(
-    scene: Scene, stream: Stream, box: FloatArray, change: Change, scale: FloatArray | float
-) -> FloatArray:
-    """Give the box of the wait for the scan; `scale` turns µs into the law's unit."""
-    if not stream.is_polled:
-        return box
-    wider = scan_period_us(scene, change) - scene.nominal.plc.scan_us
-    return np.maximum(box + wider * scale, 0.0)
-
-
-def _locked(scene: Scene, change: Change) -> tuple[Extra, ...]:
-    """Touches whose wait for the scan is about one value, as extras that lack the scan's box."""
-    if change.wait is None:
-        return ()
-    centre, spread, unlocked = change.wait
-    period = scan_period_us(scene, change)
-    return tuple(
-        Extra((1.0 - unlocked) * share, offset=mean * period, sigma=sigma * period, boxless=1.0)
-        for share, mean, sigma in _wrapped(centre, spread)
-    )
-
-
-@lru_cache(maxsize=64)
-def _wrapped(centre: float, spread: float) -> list[tuple[float, float, float]]:
-    """Fold a normal law onto one turn: shares, means and standard deviations of its parts."""
-    if CALM * spread <= centre <= 1.0 - CALM * spread:
-        return [(1.0, centre, spread)]
-    low, high = ((end - centre - TURNS) / spread for end in (0.0, 1.0))
-    shares = special.ndtr(high) - special.ndtr(low)
-    known = shares > LEAST_PART
-    low, high, shares = low[known], high[known], shares[known]
-    # The truncated normal law's; scipy.stats takes longer over them than the density itself.
-    at_low, at_high = (
-        np.exp(-0.5 * end**2) / (np.sqrt(2.0 * np.pi) * shares) for end in (low, high)
-    )
-    means = at_low - at_high
-    variances = np.maximum(1.0 + low * at_low - high * at_high - means**2, 0.0)
-    columns = (shares, centre + TURNS[known] + spread * means, spread * np.sqrt(variances))
-    return list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _latch_extras(
@@ -179,7 +128,7 @@ def _latch_extras(
 ) -> tuple[Extra, ...]:
     """Give the extras of the pin, and of the interrupt or of late scans, in the law's unit."""
     if stream.is_polled:
-        extras = _joint(change.pin_extra, change.scan_extra, _locked(scene, change))
+        extras = _joint(change.pin_extra, change.scan_extra, locked_waits(scene, change))
     else:
         extras = _joint(change.pin_extra, change.skip_extra)
     return tuple(_scaled(extra, scale) for extra in extras)
@@ -289,7 +238,7 @@ def _deviation(scene: Scene, stream: Stream, change: Change) -> Law:
     return Law(
         offset=law.offset + shift - coarser / 2.0 - sooner,
         sigma=_position_sigma(scene, law, change),
-        box_a=_waiting(scene, stream, law.box_a * change.speed_ratio, change, speed),
+        box_a=wait_box(scene, stream, law.box_a * change.speed_ratio, change, speed),
         box_b=law.box_b + coarser + sooner,
         extras=_joint(extras, _position_extras(change)),
     )

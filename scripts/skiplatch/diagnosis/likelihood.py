@@ -18,7 +18,8 @@ from skiplatch.diagnosis.laws import CALM, TINY, law_of
 from skiplatch.diagnosis.lines import line_bonus
 from skiplatch.diagnosis.residuals import Residuals
 from skiplatch.diagnosis.scan_grid import grid_values
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.stream import Stream
 
 MISSED = "missed"
 """Name of the stream of touches that were not latched."""

@@ -8,7 +8,8 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.change import Change, Number
 from skiplatch.diagnosis.grid import folded
 from skiplatch.diagnosis.laws import ROUNDING
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.stream import Stream
 
 OFF_GRID = 1e-3
 """Share of values that may lie off a coarse grid."""

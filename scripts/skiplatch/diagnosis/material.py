@@ -7,7 +7,6 @@ stretch's own spread, or what the engineer has said in µs and µm.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.beliefs import LOBES_U
@@ -15,7 +14,8 @@ from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.law import Law, extra_variance
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import MISSED, affected
-from skiplatch.diagnosis.scene import Scene, Stream, rounding_step
+from skiplatch.diagnosis.scene import Scene, rounding_step
+from skiplatch.diagnosis.stream import Stream
 
 RELATIVE = 0.25
 """What variance counts for, beside the square of a shift."""
@@ -131,19 +131,6 @@ def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: Float
 
 def _rms(values: FloatArray | float) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
-
-
-def is_rest_material(
-    scene: Scene, stream: Stream, change: Change, materiality: Materiality = DEFAULT
-) -> bool:
-    """Tell whether residuals may scatter beyond a changed law by more than the threshold."""
-    law = law_under(scene, stream, change)
-    excess = (stream.residuals - law.mean) ** 2 - law.variance
-    threshold = materiality.absolute(stream.unit)
-    if threshold is None:
-        excess, threshold = excess / stream.law.spread**2, materiality.fraction
-    excess = excess[stream.rows]
-    return float(excess.mean() + ERRORS * stats.sem(excess)) > threshold**2
 
 
 def _unbound_us(scene: Scene, change: Change) -> float:

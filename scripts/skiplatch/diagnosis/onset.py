@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.candidate import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.scene import Scene

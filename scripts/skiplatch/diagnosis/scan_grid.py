@@ -12,8 +12,10 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.change import Change, Number
 from skiplatch.diagnosis.grid import folded
 from skiplatch.diagnosis.law import Extra, Law
-from skiplatch.diagnosis.laws import TINY, rms, scan_period_us
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.laws import TINY, rms
+from skiplatch.diagnosis.scan_wait import scan_period_us
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.stream import Stream
 
 PHASES = 15
 NEAR = np.linspace(-1.0, 1.0, 5)

@@ -8,13 +8,14 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.candidate import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.climb import WORST, climb
 from skiplatch.diagnosis.law import Law
 from skiplatch.diagnosis.laws import AFTER_LATCH, LATCHES, law_under
 from skiplatch.diagnosis.likelihood import affected, likelihood, with_shared_datum
-from skiplatch.diagnosis.scene import Scene, Stream
+from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.stream import Stream
 from skiplatch.span import ALWAYS
 
 WIDENINGS = (1.0, 0.1, 0.01, 0.0)

@@ -13,8 +13,9 @@ from skiplatch.diagnosis.covariates import (
     recorded_only,
     sequence,
 )
+from skiplatch.diagnosis.nominal_chain import spacing
 from skiplatch.diagnosis.observed import UNITS
-from skiplatch.diagnosis.scene import Scene, spacing
+from skiplatch.diagnosis.scene import Scene
 
 LONGEST = 100_000
 """Touches of which a sequence may have as many as it likes."""

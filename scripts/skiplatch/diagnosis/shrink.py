@@ -12,18 +12,16 @@ simulations are left out, so that a gap that sits on one path, or at some feeds,
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import stats
-from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
+from skiplatch.diagnosis.cell_scores import Cell, CellScores, Ensemble
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.diagnosis.observed import before_wait, observed
 from skiplatch.diagnosis.playing import Folds, Rig
@@ -33,14 +31,11 @@ from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span
 from skiplatch.statistics import CONFIDENCE, Interval
 
-IndexArray = NDArray[np.intp]
-
 PLAYED_TOUCHES = 40_000
 FEWEST_REPLICATES = 16
 MOST_REPLICATES = 100
 FEWEST_TOUCHES = 3  # in a cell
 RESAMPLES = 999
-MOST_POOLED = 400
 NS = 3  # decimals of a µs
 MOST_LUCKY = 60
 """Plays of the effects, at most, all of which have to do better by them for a gap to grow."""
@@ -72,129 +67,6 @@ class Gap:
     oracle: float | None = None
     """The score of the true effects, where somebody knows them."""
     oracle_shrink: Interval | None = None
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Scored:
-    """Touches and what a simulation scores on them; arrays of shape (m,)."""
-
-    scores: FloatArray
-    floor: FloatArray
-    """What it scores on its own plays."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Cell:
-    """Held-out touches of one path and feed under each simulation."""
-
-    path: InputPath
-    before: _Scored
-    after: _Scored
-    truth: _Scored | None
-    ensembles: Sequence["_Ensemble"] = ()
-    """Plays without the effects and with them, and those of the truth, where it is known."""
-
-    @classmethod
-    def of(cls, path: InputPath, recorded: FloatArray, ensembles: Sequence["_Ensemble"]) -> Self:
-        """Score touches, shape (m,)."""
-        before, after, *truth = (ensemble.scored(recorded) for ensemble in ensembles)
-        return cls(path, before, after, truth[0] if truth else None, ensembles)
-
-    def unit(self, least: float) -> float:
-        """Give what scores count in: the noise floor, which is at least `least`."""
-        return max(float(self.after.floor.mean()), least)
-
-    def lost_by_luck(self, k: int) -> FloatArray:
-        """Give by how much the effects score worse than none on a play of theirs; shape (m,)."""
-        before, after = self.ensembles[:2]
-        recorded = after.plays[k]
-        return after.scored(recorded, but=k).scores - before.scored(recorded).scores
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Ensemble:
-    """Plays of m touches, each moved and scaled alike; arrays of shape (m,), plays of (r, m).
-
-    Attributes:
-        plays: Of each touch; one that was not latched has another play's outcome.
-        scale: Turns their unit into that of the observable.
-        is_pooled: A touch is held against the plays of all. All touches of a campaign share the
-            phase of one scan, and so do those of a replicate: its own plays alone show a touch no
-            more phases than there are replicates, and to all of them the same.
-    """
-
-    plays: FloatArray
-    scale: FloatArray
-    is_pooled: bool
-
-    @classmethod
-    def of(cls, plays: FloatArray, scale: FloatArray, *, is_pooled: bool) -> Self:
-        """Fill in what was not latched; some play of each touch was."""
-        filled = plays.copy()
-        for i in np.flatnonzero(np.isnan(plays).any(axis=0)):
-            filled[:, i] = np.resize(plays[~np.isnan(plays[:, i]), i], len(plays))
-        return cls(filled, scale, is_pooled)
-
-    def scored(self, recorded: FloatArray, but: int | None = None) -> _Scored:
-        """Score touches, shape (m,), in units of the plays, by all replicates but one."""
-        plays = self.plays if but is None else np.delete(self.plays, but, axis=0)
-        if self.is_pooled:
-            pool = np.sort(plays.ravel())
-            chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
-            pool = pool[np.rint(chosen).astype(int)]
-            ensemble = np.broadcast_to(pool, (len(recorded), len(pool)))
-        else:
-            ensemble = plays.T
-        return _Scored(self.scale * _crps(recorded, ensemble), self.scale * _floor(ensemble))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Scores:
-    """Scores of the touches of some cells, in units of their noise floors; shape (m,)."""
-
-    units: FloatArray
-    before: FloatArray
-    after: FloatArray
-    floor: FloatArray
-    nominal_floor: FloatArray
-    truth: FloatArray | None
-
-    @classmethod
-    def of(cls, cells: Sequence[_Cell], least: float) -> Self:
-        """Put cells together; `least` is the noise floor of what is known but for its rounding."""
-        floors = [cell.after.floor for cell in cells]
-        units = np.concatenate([np.full(len(cell.after.floor), cell.unit(least)) for cell in cells])
-
-        def together(scores: Iterable[FloatArray]) -> FloatArray:
-            return np.asarray(np.concatenate(list(scores)) / units)
-
-        truth = [cell.truth.scores for cell in cells if cell.truth]
-        return cls(
-            units=units,
-            before=together(cell.before.scores for cell in cells),
-            after=together(cell.after.scores for cell in cells),
-            floor=together(floors),
-            nominal_floor=together(cell.before.floor for cell in cells),
-            truth=together(truth) if truth else None,
-        )
-
-    def is_clear(self, limit: float) -> bool:
-        """Tell whether there is a gap, or one that the effects made or took away.
-
-        Each simulation is held against its own noise floor. One that scatters hides any gap by it:
-        where the two differ, the worse is held against the lower floor as well, for two of which
-        neither misses the touches differ by how their plays happen to be rounded.
-        """
-        floors = (self.floor, self.nominal_floor)
-        worse = max(self.before, self.after, key=np.mean)
-        return (
-            _chance(self.before - self.nominal_floor, "greater") < limit
-            or _chance(self.after - self.floor, "greater") < limit
-            or (
-                _chance(self.before - self.after, "two-sided") < limit
-                and _chance(worse - min(floors, key=np.mean), "greater") < limit
-            )
-        )
 
 
 def shrink(
@@ -272,7 +144,7 @@ def _cells(
     observable: Observable,
     plays: Sequence[Outcomes],
     spans: Iterable[Span],
-) -> Iterator[_Cell]:
+) -> Iterator[Cell]:
     """Score cell by cell what was played: nominal, with the effects found, with the true ones."""
     recorded = observable.values(scene.touches, scene.contact)
     played = [observable.values(outcomes, scene.contact) for outcomes in plays]
@@ -286,10 +158,10 @@ def _cells(
         is_pooled = path == InputPath.PLC and observable in OBSERVABLES
         middle, unit = (expected[rows], scale[rows]) if is_pooled else (0.0, np.ones(len(rows)))
         ensembles = [
-            _Ensemble.of((values[:, rows] - middle) / unit, unit, is_pooled=is_pooled)
+            Ensemble.of((values[:, rows] - middle) / unit, unit, is_pooled=is_pooled)
             for values in played
         ]
-        yield _Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
+        yield Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
 
 
 def _cells_within(
@@ -305,41 +177,22 @@ def _cells_within(
             yield path, rows
 
 
-def _crps(recorded: FloatArray, ensemble: FloatArray) -> FloatArray:
-    return np.asarray(crps_ensemble(recorded, ensemble, estimator="pwm", backend="numpy"))
-
-
-def _floor(ensemble: FloatArray) -> FloatArray:
-    """Give half of the mean difference between two plays of a touch; shape (m,)."""
-    ordered = np.sort(ensemble, axis=1)
-    r = ordered.shape[1]
-    return np.asarray(ordered @ (2.0 * np.arange(1, r + 1) - r - 1.0) / (r * (r - 1.0)))
-
-
-def _chance(differences: FloatArray, sides: Literal["two-sided", "greater"]) -> float:
-    """Give the p-value of a mean of 0, by Student's t."""
-    mean = float(differences.mean())
-    if np.ptp(differences) < RESOLVABLE:
-        return float((mean if sides == "greater" else abs(mean)) < RESOLVABLE)
-    return float(stats.ttest_1samp(differences, 0.0, alternative=sides).pvalue)
-
-
-def _clear(cells: Sequence[_Cell], least: float) -> list[_Cell]:
+def _clear(cells: Sequence[Cell], least: float) -> list[Cell]:
     """Give the cells that show a gap, by themselves or else together with others of their path."""
     limit = ALPHA / (len(cells) + len(InputPath))
-    shown: list[_Cell] = []
+    shown: list[Cell] = []
     for path in InputPath:
         there = [cell for cell in cells if cell.path == path]
-        alone = [cell for cell in there if _Scores.of([cell], least).is_clear(limit)]
-        if not alone and there and _Scores.of(there, least).is_clear(limit):
+        alone = [cell for cell in there if CellScores.of([cell], least).is_clear(limit)]
+        if not alone and there and CellScores.of(there, least).is_clear(limit):
             alone = there  # too few touches in each
         shown += alone
     return shown
 
 
-def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int) -> Gap:
+def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int) -> Gap:
     clear = _clear(cells, least)
-    scores = _Scores.of(clear or cells, least)
+    scores = CellScores.of(clear or cells, least)
     whole = float(np.sum(1.0 / scores.units))  # turns units of the floor into those of the figures
 
     def share_gone(after: FloatArray) -> Interval:
@@ -360,7 +213,7 @@ def _gap(cells: Sequence[_Cell], observable: Observable, least: float, seed: int
     )
 
 
-def _is_no_luck(cells: Sequence[_Cell], least: float) -> bool:
+def _is_no_luck(cells: Sequence[Cell], least: float) -> bool:
     """Tell whether effects score worse than on most of their own plays, beside no effect.
 
     What comes now and then may not have come, and a rounded value fall as it likes.
@@ -375,7 +228,7 @@ def _is_no_luck(cells: Sequence[_Cell], least: float) -> bool:
     return all(lost(cell.lost_by_luck(k) for cell in cells) < seen for k in range(replicates))
 
 
-def _share_gone(scores: _Scores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:
+def _share_gone(scores: CellScores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:
     """Give the share with its interval, by the scores after it; 0 without a gap.
 
     A floor above what was there before is that of effects which scatter too much, and no measure of

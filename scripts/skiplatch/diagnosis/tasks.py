@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.candidate import Candidate
 from skiplatch.diagnosis.change import Change
 from skiplatch.diagnosis.onset import passing
 from skiplatch.diagnosis.scene import Scene

@@ -17,7 +17,6 @@ from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, say_en
 from skiplatch.units import UM_PER_MM
 
 _NEGATIVE = re.compile(r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback", re.IGNORECASE)
-_MM_HEAD = re.compile(r"\bmm\b", re.IGNORECASE)
 ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import optimize
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates import Candidate
+from skiplatch.diagnosis.candidate import Candidate
 from skiplatch.diagnosis.climb import WORST
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.likelihood import likelihood

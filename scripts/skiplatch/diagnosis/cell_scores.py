@@ -1,0 +1,157 @@
+"""Scores of held-out touches against plays, a cell of path and feed at a time; see ``shrink``."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Literal, Self
+
+import numpy as np
+from scipy import stats
+from scoringrules import crps_ensemble  # type: ignore[import-untyped]
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import InputPath
+from skiplatch.comparison.gap import RESOLVABLE
+
+MOST_POOLED = 400
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TouchScores:
+    """Touches and what a simulation scores on them; arrays of shape (m,)."""
+
+    scores: FloatArray
+    floor: FloatArray
+    """What it scores on its own plays."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cell:
+    """Held-out touches of one path and feed under each simulation."""
+
+    path: InputPath
+    before: TouchScores
+    after: TouchScores
+    truth: TouchScores | None
+    ensembles: Sequence["Ensemble"] = ()
+    """Plays without the effects and with them, and those of the truth, where it is known."""
+
+    @classmethod
+    def of(cls, path: InputPath, recorded: FloatArray, ensembles: Sequence["Ensemble"]) -> Self:
+        """Score touches, shape (m,)."""
+        before, after, *truth = (ensemble.scored(recorded) for ensemble in ensembles)
+        return cls(path, before, after, truth[0] if truth else None, ensembles)
+
+    def unit(self, least: float) -> float:
+        """Give what scores count in: the noise floor, which is at least `least`."""
+        return max(float(self.after.floor.mean()), least)
+
+    def lost_by_luck(self, k: int) -> FloatArray:
+        """Give by how much the effects score worse than none on a play of theirs; shape (m,)."""
+        before, after = self.ensembles[:2]
+        recorded = after.plays[k]
+        return after.scored(recorded, but=k).scores - before.scored(recorded).scores
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ensemble:
+    """Plays of m touches, each moved and scaled alike; arrays of shape (m,), plays of (r, m).
+
+    Attributes:
+        plays: Of each touch; one that was not latched has another play's outcome.
+        scale: Turns their unit into that of the observable.
+        is_pooled: A touch is held against the plays of all. All touches of a campaign share the
+            phase of one scan, and so do those of a replicate: its own plays alone show a touch no
+            more phases than there are replicates, and to all of them the same.
+    """
+
+    plays: FloatArray
+    scale: FloatArray
+    is_pooled: bool
+
+    @classmethod
+    def of(cls, plays: FloatArray, scale: FloatArray, *, is_pooled: bool) -> Self:
+        """Fill in what was not latched; some play of each touch was."""
+        filled = plays.copy()
+        for i in np.flatnonzero(np.isnan(plays).any(axis=0)):
+            filled[:, i] = np.resize(plays[~np.isnan(plays[:, i]), i], len(plays))
+        return cls(filled, scale, is_pooled)
+
+    def scored(self, recorded: FloatArray, but: int | None = None) -> TouchScores:
+        """Score touches, shape (m,), in units of the plays, by all replicates but one."""
+        plays = self.plays if but is None else np.delete(self.plays, but, axis=0)
+        if self.is_pooled:
+            pool = np.sort(plays.ravel())
+            chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
+            pool = pool[np.rint(chosen).astype(int)]
+            ensemble = np.broadcast_to(pool, (len(recorded), len(pool)))
+        else:
+            ensemble = plays.T
+        return TouchScores(self.scale * _crps(recorded, ensemble), self.scale * floor_of(ensemble))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CellScores:
+    """Scores of the touches of some cells, in units of their noise floors; shape (m,)."""
+
+    units: FloatArray
+    before: FloatArray
+    after: FloatArray
+    floor: FloatArray
+    nominal_floor: FloatArray
+    truth: FloatArray | None
+
+    @classmethod
+    def of(cls, cells: Sequence[Cell], least: float) -> Self:
+        """Put cells together; `least` is the noise floor of what is known but for its rounding."""
+        floors = [cell.after.floor for cell in cells]
+        units = np.concatenate([np.full(len(cell.after.floor), cell.unit(least)) for cell in cells])
+
+        def together(scores: Iterable[FloatArray]) -> FloatArray:
+            return np.asarray(np.concatenate(list(scores)) / units)
+
+        truth = [cell.truth.scores for cell in cells if cell.truth]
+        return cls(
+            units=units,
+            before=together(cell.before.scores for cell in cells),
+            after=together(cell.after.scores for cell in cells),
+            floor=together(floors),
+            nominal_floor=together(cell.before.floor for cell in cells),
+            truth=together(truth) if truth else None,
+        )
+
+    def is_clear(self, limit: float) -> bool:
+        """Tell whether there is a gap, or one that the effects made or took away.
+
+        Each simulation is held against its own noise floor. One that scatters hides any gap by it:
+        where the two differ, the worse is held against the lower floor as well, for two of which
+        neither misses the touches differ by how their plays happen to be rounded.
+        """
+        floors = (self.floor, self.nominal_floor)
+        worse = max(self.before, self.after, key=np.mean)
+        return (
+            _chance(self.before - self.nominal_floor, "greater") < limit
+            or _chance(self.after - self.floor, "greater") < limit
+            or (
+                _chance(self.before - self.after, "two-sided") < limit
+                and _chance(worse - min(floors, key=np.mean), "greater") < limit
+            )
+        )
+
+
+def _crps(recorded: FloatArray, ensemble: FloatArray) -> FloatArray:
+    return np.asarray(crps_ensemble(recorded, ensemble, estimator="pwm", backend="numpy"))
+
+
+def floor_of(ensemble: FloatArray) -> FloatArray:
+    """Give half of the mean difference between two plays of a touch; shape (m,)."""
+    ordered = np.sort(ensemble, axis=1)
+    r = ordered.shape[1]
+    return np.asarray(ordered @ (2.0 * np.arange(1, r + 1) - r - 1.0) / (r * (r - 1.0)))
+
+
+def _chance(differences: FloatArray, sides: Literal["two-sided", "greater"]) -> float:
+    """Give the p-value of a mean of 0, by Student's t."""
+    mean = float(differences.mean())
+    if np.ptp(differences) < RESOLVABLE:
+        return float((mean if sides == "greater" else abs(mean)) < RESOLVABLE)
+    return float(stats.ttest_1samp(differences, 0.0, alternative=sides).pvalue)
