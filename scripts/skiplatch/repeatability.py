@@ -11,25 +11,19 @@ outliers are looked at apart and do not enter.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Campaign, Touches
 from skiplatch.campaign.steps import common_step
 from skiplatch.errors import InputError
-from skiplatch.statistics import CONFIDENCE, Interval
+from skiplatch.statistics import Interval
+from skiplatch.surface_fit import by_t, fit_surfaces, outlying, without_outliers
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
-NORMAL_PER_MAD = 1.4826
-OUTLYING_SIGMAS = 5.0  # one in a million of a normal scatter
-OUTLYING_STEPS = 2.5
-MOST_OUTLYING = 0.1  # of the touches, where more than half are the same
 FEWEST = 3
 FEWEST_AFTER_FIRST = 4
-TURNS = 5  # of leaving outliers out until they stay the same
 FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
-NOTHING = 1e-9  # µm or µs; less is what floating-point sums leave
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
 
@@ -116,8 +110,8 @@ def _of(
     if _varies_within(speed, surface):
         lines["speed"] = speed
     step = common_step(y)
-    regular, fit = _without_outliers(y, dummies, lines, ~is_first, step)
-    outliers = ~regular & ~is_first | _outlying(fit.residuals, regular, step) & is_first
+    regular, fit = without_outliers(y, dummies, lines, ~is_first, step)
+    outliers = ~regular & ~is_first | outlying(fit.residuals, regular, step) & is_first
     offsets = y - dummies @ _means(y, dummies, regular)
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
@@ -165,119 +159,15 @@ def _varies_within(values: FloatArray, surface: np.typing.NDArray[np.intp]) -> b
     return any(np.ptp(values[surface == s]) > 0.0 for s in range(int(surface.max()) + 1))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Fit:
-    """Middles of surfaces and straight lines, by least squares.
-
-    Attributes:
-        residuals: Of all touches, those left out too; shape (n,).
-        lines: Slope and its standard error, by name.
-        freedom: Degrees of freedom.
-        sigma: Of the residuals.
-    """
-
-    residuals: FloatArray
-    lines: dict[str, tuple[float, float]]
-    freedom: int
-    sigma: Interval
-
-    def interval(self, name: str) -> Interval | None:
-        """Give a slope with its interval."""
-        if name not in self.lines:
-            return None
-        slope, error = self.lines[name]
-        return _by_t(slope, error, self.freedom)
-
-    def part(self, name: str, values: FloatArray) -> FloatArray:
-        """Give what a line adds, less its mean; shape (n,)."""
-        slope = self.lines.get(name, (0.0, 0.0))[0]
-        return np.asarray(slope * (values - values.mean()))
-
-
-def _by_t(value: float, error: float, freedom: int) -> Interval:
-    reach = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, max(freedom, 1))) * error
-    return Interval(value, value - reach, value + reach)
-
-
-def _fit(y: FloatArray, dummies: FloatArray, lines: dict[str, FloatArray], rows: BoolArray) -> _Fit:
-    used = {name: x for name, x in lines.items() if rows.sum() > dummies.shape[1] + len(lines)}
-    design = np.column_stack([dummies, *used.values()])
-    scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
-    scaled = design / scale
-    beta, _, rank, _ = np.linalg.lstsq(scaled[rows], y[rows], rcond=None)
-    beta[np.abs(beta) < NOTHING] = 0.0
-    residuals = y - scaled @ beta
-    residuals[np.abs(residuals) < NOTHING] = 0.0
-    freedom = max(int(rows.sum() - rank), 1)
-    variance = float(np.sum(residuals[rows] ** 2) / freedom)
-    covariance = variance * np.linalg.pinv(scaled[rows].T @ scaled[rows])
-    first = dummies.shape[1]
-    slopes = {
-        name: (
-            float(beta[first + i] / scale[first + i]),
-            float(np.sqrt(max(covariance[first + i, first + i], 0.0)) / scale[first + i]),
-        )
-        for i, name in enumerate(used)
-    }
-    return _Fit(residuals, slopes, freedom, _sigma(variance, freedom))
-
-
-def _sigma(variance: float, freedom: int) -> Interval:
-    low = float(stats.chi2.ppf(0.5 + CONFIDENCE / 2.0, freedom))
-    high = float(stats.chi2.ppf(0.5 - CONFIDENCE / 2.0, freedom))
-    return Interval(
-        float(np.sqrt(variance)),
-        float(np.sqrt(variance * freedom / low)),
-        float(np.sqrt(variance * freedom / high)),
-    )
-
-
-def _without_outliers(
-    y: FloatArray,
-    dummies: FloatArray,
-    lines: dict[str, FloatArray],
-    rows: BoolArray,
-    step: float | None,
-) -> tuple[BoolArray, _Fit]:
-    """Fit, leave out what lies far off, and fit again until that stays the same."""
-    centred = y - dummies @ _medians(y, dummies)
-    regular = rows & ~_outlying(centred, rows, step, OUTLYING_SIGMAS * 2.0)
-    fit = _fit(y, dummies, lines, regular)
-    for _ in range(TURNS):
-        again = rows & ~_outlying(fit.residuals, regular, step)
-        if (again == regular).all() or again.sum() <= dummies.shape[1] + len(lines):
-            break
-        regular = again
-        fit = _fit(y, dummies, lines, regular)
-    return regular, fit
-
-
-def _outlying(
-    residuals: FloatArray, rows: BoolArray, step: float | None, sigmas: float = OUTLYING_SIGMAS
-) -> BoolArray:
-    """Tell what lies far off by the middle size of the others."""
-    centre = float(np.median(residuals[rows]))
-    scatter = NORMAL_PER_MAD * float(np.median(np.abs(residuals[rows] - centre)))
-    limit = max(sigmas * scatter, OUTLYING_STEPS * (step or 0.0), NOTHING)
-    far = np.abs(residuals - centre) > limit
-    if scatter == 0.0 and far[rows].mean() > MOST_OUTLYING:  # a coarse step hides what scatters
-        far = np.abs(residuals - centre) > sigmas * float(np.std(residuals[rows]))
-    return np.asarray(far)
-
-
 def _means(y: FloatArray, dummies: FloatArray, rows: BoolArray) -> FloatArray:
     count = np.maximum(dummies[rows].sum(axis=0), 1.0)
     means: FloatArray = (dummies[rows].T @ y[rows]) / count
     return means
 
 
-def _medians(y: FloatArray, dummies: FloatArray) -> FloatArray:
-    return np.array([np.median(y[column > 0]) for column in dummies.T])
-
-
 def _mean(y: FloatArray) -> Interval:
     error = float(np.std(y, ddof=1) / np.sqrt(len(y)))
-    return _by_t(float(y.mean()), error, len(y) - 1)
+    return by_t(float(y.mean()), error, len(y) - 1)
 
 
 def _first(
@@ -291,7 +181,7 @@ def _first(
     if n > 1:
         variance = max(variance, float(np.var(residuals[is_first], ddof=1)))
     error = np.sqrt(variance * (1.0 / n + 1.0 / regular.sum()))
-    return _by_t(float(residuals[is_first].mean()), float(error), freedom)
+    return by_t(float(residuals[is_first].mean()), float(error), freedom)
 
 
 def _per_kelvin(
@@ -304,7 +194,9 @@ def _per_kelvin(
         rows = regular & ~np.isnan(values)
         if rows.sum() > surfaces + FEWEST and np.ptp(values[rows]) > 0.0:
             line = {"order": values - values[rows].mean()}
-            fit = _fit(np.nan_to_num(offsets), np.ones((len(offsets), 1)), _filled(line), rows)
+            fit = fit_surfaces(
+                np.nan_to_num(offsets), np.ones((len(offsets), 1)), _filled(line), rows
+            )
             slope = fit.interval("order")
             if slope is not None:
                 found[name] = slope

@@ -6,7 +6,8 @@ from statistics import median
 
 import numpy as np
 
-from skiplatch.compensation.firmware import Map, Plan, speed_table
+from skiplatch.compensation.firmware import Plan, speed_table
+from skiplatch.compensation.radius_map import Map
 
 AZIMUTHS = np.arange(0.0, 360.0, 10.0)
 ALPHA = np.concatenate([np.tile(AZIMUTHS, 3), [0.0]])

@@ -11,9 +11,10 @@ import numpy as np
 
 from measured_machines import ALL_KINDS, described, draw, left_mm, name_of, stations_of
 from rotary_machines import Kind, Planted
-from skiplatch.kinematics.cycle import Stations
-from skiplatch.kinematics.evaluate import Evaluation, evaluate
+from skiplatch.kinematics.evaluate import evaluate
+from skiplatch.kinematics.evaluation import Evaluation
 from skiplatch.kinematics.five_axis import Truth
+from skiplatch.kinematics.stations import Stations
 from skiplatch.workers import Workers, in_order, opened
 
 NOISE_MM = 2e-4

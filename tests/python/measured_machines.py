@@ -9,8 +9,8 @@ from itertools import permutations
 import numpy as np
 
 from rotary_machines import OWN, Array, Kind, Line, Planted, plant, readings
-from skiplatch.kinematics.cycle import Stations
 from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector
+from skiplatch.kinematics.stations import Stations
 
 TRAVEL_DEG = (-180.0, 180.0)
 PAIRS = ["".join(pair) for pair in permutations("ABC", 2)]

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from seat_probe import OMP40, directions, radii, write_radii, write_speeds
+from skiplatch.compensation.budget import Inputs, interpolation_um
 from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
 from skiplatch.compensation.delay import Delay, estimate_delay
 from skiplatch.compensation.firmware import Target as Rule
 from skiplatch.compensation.probe_figures import probe_figures
 from skiplatch.compensation.probe_map import read_map
 from skiplatch.compensation.speeds import read_speeds
-from skiplatch.compensation.uncertainty import Inputs, assess, interpolation_um
+from skiplatch.compensation.uncertainty import assess
 
 V0, TAU = 100.0, 12.68
 SIGMA_UM, RUNS = 0.4, 10

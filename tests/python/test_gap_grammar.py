@@ -13,6 +13,7 @@ from tests.withheld.conditions import Recording, draw_setup
 from tests.withheld.effects import EFFECTS
 from tests.withheld.forms import Draw
 from tests.withheld.generate import main
+from tests.withheld.geometry import SCALE_ERROR, THERMAL_DRIFT
 from tests.withheld.grammar import Stranger, draw_stranger
 from tests.withheld.grammar_apart import (
     LEAST_SHARE,
@@ -25,7 +26,6 @@ from tests.withheld.grammar_causes import CAUSES, Family, Kind, rest_s, values_o
 from tests.withheld.grammar_places import PLACES
 from tests.withheld.grammar_rules import RULES, excluded
 from tests.withheld.grammar_shapes import COURSES, Carrier, interaction
-from tests.withheld.position import SCALE_ERROR, THERMAL_DRIFT
 
 DRAWN = 240
 

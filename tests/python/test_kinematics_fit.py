@@ -17,7 +17,8 @@ from rotary_machines import (
     plant,
     positions,
 )
-from skiplatch.kinematics.firmware import Fit, NoFitError, circles, fit, recommend
+from skiplatch.kinematics.circles import circles
+from skiplatch.kinematics.firmware import Fit, NoFitError, fit, recommend
 from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector
 from skiplatch.kinematics.points import Points
 

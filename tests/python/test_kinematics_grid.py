@@ -15,7 +15,7 @@ from measured_machines import described, lines_of
 from rotary_machines import OWN, Array, Kind, Planted, plant, readings
 from skiplatch.cli import group
 from skiplatch.errors import InputError
-from skiplatch.kinematics.cycle import expected_mm
+from skiplatch.kinematics.axis_report import expected_mm
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import Machine, read_machine
 from skiplatch.kinematics.memory import format_machine

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from skiplatch.compensation.firmware import Lookup
+from skiplatch.compensation.radius_map import Lookup
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ("tests/avr/lookup_cycles.c", "firmware/comp/pretravel_lookup.c")

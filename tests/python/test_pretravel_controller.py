@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch import cli
-from skiplatch.compensation.firmware import Map
+from skiplatch.compensation.radius_map import Map
 
 LENGTH = 16_384
 THE_RING = "ignore:.*touches are no part of the map:skiplatch.errors.CampaignWarning"

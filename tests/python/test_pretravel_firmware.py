@@ -6,7 +6,8 @@ from scipy.optimize import least_squares
 from scipy.stats import linregress
 
 from skiplatch.compensation import firmware
-from skiplatch.compensation.firmware import Map, Plan, PretravelError, Shape, Side, Target
+from skiplatch.compensation.firmware import Plan, PretravelError, Shape, Side, Target
+from skiplatch.compensation.radius_map import Map
 
 AZIMUTHS = np.arange(0.0, 360.0, 10.0)
 ALPHA = np.concatenate([np.tile(AZIMUTHS, 3), [0.0]])

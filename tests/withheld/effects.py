@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from tests.withheld import inputs, latch, motion, position, probe, scan
+from tests.withheld import geometry, inputs, latch, motion, position, probe, scan
 from tests.withheld.forms import Draw, Form, Maker
 
 BOTH = frozenset({"skip", "plc"})
@@ -61,12 +61,12 @@ EFFECTS: Mapping[str, Effect] = {
     "scan_phase_lock": Effect("scan", PLC, scan.SCAN_PHASE_LOCK, on_bench=True),
     "servo_hold": Effect("position", BOTH, position.SERVO_HOLD, on_bench=True),
     "following_error": Effect("position", BOTH, position.FOLLOWING_ERROR, on_bench=True),
-    "backlash": Effect("position", BOTH, position.BACKLASH, needs=SENSE),
-    "transmission_error": Effect("position", BOTH, position.TRANSMISSION_ERROR, needs=PLACE),
-    "scale_error": Effect("position", BOTH, position.SCALE_ERROR, needs=PLACE),
+    "backlash": Effect("position", BOTH, geometry.BACKLASH, needs=SENSE),
+    "transmission_error": Effect("position", BOTH, geometry.TRANSMISSION_ERROR, needs=PLACE),
+    "scale_error": Effect("position", BOTH, geometry.SCALE_ERROR, needs=PLACE),
     "encoder_quantisation": Effect("position", BOTH, position.ENCODER_QUANTISATION, on_bench=True),
-    "thermal_drift": Effect("position", BOTH, position.THERMAL_DRIFT, needs=WARMTH),
-    "rotary_pivot": Effect("position", BOTH, position.ROTARY_PIVOT, needs=TABLE),
+    "thermal_drift": Effect("position", BOTH, geometry.THERMAL_DRIFT, needs=WARMTH),
+    "rotary_pivot": Effect("position", BOTH, geometry.ROTARY_PIVOT, needs=TABLE),
     "report_delay": Effect("report", BOTH, inputs.REPORT_DELAY, on_bench=True, needs=REPORTS),
 }
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from tests.withheld.chain import FloatArray, Setup
-from tests.withheld.position import _lagging
+from tests.withheld.geometry import lagging
 
 LAGS_S = (0.0, 100.0, 300.0, 1e3, 3e3, 1e4, 1e5)
 PERIODS_MM = (60.0, 90.0, 130.0, 200.0, 300.0, 400.0, 600.0, 1000.0)
@@ -85,7 +85,7 @@ def _by_coordinate(setup: Setup) -> dict[str, FloatArray]:
         found[f"transmission_error every {period:g} mm"] = waves * touches.sign[:, None]
     warmth = touches.temp_c - CALIBRATED_C
     for lag_s in LAGS_S:
-        course = _lagging(time_s, warmth, lag_s) if lag_s else warmth
+        course = lagging(time_s, warmth, lag_s) if lag_s else warmth
         cold = np.exp(-time_s / lag_s) if lag_s else np.zeros_like(time_s)
         parts = [axes * course[:, None], axes * cold[:, None]]
         found[f"thermal_drift with a lag of {lag_s:g} s"] = np.hstack(parts)

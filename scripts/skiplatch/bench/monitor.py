@@ -4,8 +4,9 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+from skiplatch.bench.listener import Arrival
 from skiplatch.bench.recording import NS_PER_US
-from skiplatch.bench.station import Arrival, Station
+from skiplatch.bench.station import Station
 from skiplatch.units import NS_PER_S
 
 IDLE_S = 0.2

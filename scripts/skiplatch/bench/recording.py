@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from skiplatch.bench.listener import Arrival
 from skiplatch.bench.plan import Plan
 from skiplatch.bench.protocol import Edge
-from skiplatch.bench.station import Arrival
 from skiplatch.campaign import Axis, InputPath, Nominal, Status, Touches
 from skiplatch.motion import expected_contact
 from skiplatch.units import NS_PER_S, S_PER_MIN, UM_PER_MM, US_PER_S

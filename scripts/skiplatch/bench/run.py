@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from skiplatch.bench.listener import Arrival
 from skiplatch.bench.plan import Plan
 from skiplatch.bench.processes import Program, compiled, module
 from skiplatch.bench.recording import NS_PER_US, Played, VirtualAxis
-from skiplatch.bench.station import Arrival, Pulse, Station
+from skiplatch.bench.station import Pulse, Station
 from skiplatch.campaign import InputPath
 from skiplatch.progress import shown
 from skiplatch.units import NS_PER_S, US_PER_S

@@ -1,27 +1,18 @@
 """The host's end of the bench: hears everything, and commands the injector."""
 
-import time
-from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
 import can
 
-from skiplatch.bench.bus import arrival_ns
-from skiplatch.bench.latches import Latch, LatchReports
-from skiplatch.bench.latches import time_ns as latch_time_ns
+from skiplatch.bench.listener import CHALLENGE_PAGE, Answer, Listener
 from skiplatch.bench.protocol import (
     COMMAND_ID,
     COUNTERS,
-    EDGE_ID,
     LATCH_ID,
     STATUS_ID,
-    Edge,
-    EdgeReports,
     Kind,
     Verdict,
-    get_frame,
     put_command,
 )
 from skiplatch.bench.seal import NO_SHOT, Sealer, shot_bytes
@@ -31,28 +22,9 @@ from skiplatch.units import US_PER_S
 ANSWER_S = 1.0
 ATTEMPTS = 3
 REST_S = 2.0  # beyond the width of the pulse that plays
-RUNNING = 2  # state of the injector
 VALID_MS = 60_000
 PAGES = 6
-FORGED_PAGE, CHALLENGE_PAGE = 7, 8  # where the injector has a key
-
-
-@dataclass(frozen=True, slots=True)
-class Arrival:
-    """A latch and when its report arrived; CLOCK_MONOTONIC in ns."""
-
-    latch: Latch
-    latch_ns: int
-    report_ns: int
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """What the injector said to a command."""
-
-    verdict: Verdict
-    answered: int
-    token: int
+FORGED_PAGE = 7  # where the injector has a key
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +36,8 @@ class Pulse:
     width_us: int
 
 
-class Station:
-    """Sends commands in order, and keeps what came until it is asked for.
-
-    Attributes:
-        edges: Edges that came and were not taken yet.
-        latches: Latches that came and were not taken yet.
-        edge_reports: Counters of damaged and unpaired edge reports.
-        latch_reports: Counters of lost, damaged, repeated and unpaired latch records.
-        damaged_status: Status frames with a wrong checksum.
-    """
+class Station(Listener):
+    """Sends commands in order, and hears what comes of them."""
 
     def __init__(
         self,
@@ -82,77 +46,10 @@ class Station:
         latch_id: int = LATCH_ID,
         key: bytes | None = None,
     ) -> None:
-        self.edges: deque[Edge] = deque()
-        self.latches: deque[Arrival] = deque()
-        self.edge_reports = EdgeReports()
-        self.latch_reports = LatchReports()
-        self.damaged_status = 0
-        self._bus = bus
-        self._interface = interface
-        self._latch_id = latch_id
-        self._answers: deque[Answer] = deque()
-        self._counts: dict[str, int] = {}
+        super().__init__(bus, interface, latch_id)
         self._counter = 0
-        self._token = 0
-        self._is_running = False
         self._pulse: Pulse | None = None
         self._sealer = Sealer(key) if key is not None else None
-        self._challenges: deque[int] = deque()
-
-    # ---- hearing ----
-
-    def listen(self, seconds: float, is_done: Callable[[], object] = lambda: False) -> bool:
-        """Hear what comes until something is so; tell whether it is, or time was up."""
-        end_s = time.monotonic() + seconds
-        while not is_done():
-            left_s = end_s - time.monotonic()
-            message = self._receive(max(left_s, 0.0))
-            if message is not None:
-                self._take(message)
-            elif left_s <= 0:
-                return False
-        return True
-
-    def _receive(self, timeout_s: float) -> can.Message | None:
-        try:
-            return self._bus.recv(timeout_s)
-        except (OSError, can.CanError) as error:
-            raise self._lost(error) from error
-
-    def _take(self, message: can.Message) -> None:
-        if message.is_error_frame or message.is_remote_frame or message.is_extended_id:
-            return
-        data = bytes(message.data)
-        if message.arbitration_id == STATUS_ID:
-            self._take_status(data)
-        elif message.arbitration_id == EDGE_ID:
-            edge = self.edge_reports.take(data)
-            if edge is not None:
-                self.edges.append(edge)
-        elif message.arbitration_id == self._latch_id:
-            self._take_latch(data, arrival_ns(message))
-
-    def _take_latch(self, data: bytes, report_ns: int) -> None:
-        latch = self.latch_reports.take(data)
-        if latch is not None:
-            self.latches.append(Arrival(latch, latch_time_ns(latch, report_ns), report_ns))
-
-    def _take_status(self, data: bytes) -> None:
-        signals = get_frame(STATUS_ID, data)
-        if signals is None or signals.get("Verdict", 0) >= len(Verdict):
-            self.damaged_status += 1
-        elif signals["Page"] == 0:
-            verdict = Verdict(signals["Verdict"])
-            self._answers.append(Answer(verdict, signals["Answered"], signals["NextToken"]))
-            self._token = signals["NextToken"]
-            self._is_running = signals["State"] == RUNNING
-        elif signals["Page"] == CHALLENGE_PAGE:
-            self._challenges.append(signals["Challenge"])
-        else:
-            about = ("Page", "Counter", "Crc")
-            self._counts |= {name: n for name, n in signals.items() if name not in about}
-
-    # ---- commanding ----
 
     def connect(self) -> None:
         """Learn the injector's counter, which changes nothing.
@@ -302,7 +199,3 @@ class Station:
             self._bus.send(message, timeout=ANSWER_S)
         except (OSError, can.CanError) as error:
             raise self._lost(error) from error
-
-    def _lost(self, error: Exception) -> InputError:
-        message = f"the bus fails: {error}; see: ip -details link show {self._interface}"
-        return InputError(self._interface, None, None, message)

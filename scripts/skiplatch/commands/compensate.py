@@ -3,15 +3,12 @@
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
-from skiplatch.campaign import COLUMNS, InputPath
-from skiplatch.campaign.column_kinds import ChoiceColumn
+from skiplatch.commands.compensate_inputs import Result, result_of
 from skiplatch.commands.options import (
     SizeType,
     html_option,
@@ -22,24 +19,16 @@ from skiplatch.commands.options import (
 )
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.compensation import text
-from skiplatch.compensation.compensate import Compensation, Limits, Target, compensate
-from skiplatch.compensation.delay import Delay, estimate_delay
+from skiplatch.compensation.compensate import Target
 from skiplatch.compensation.firmware import Target as Rule
 from skiplatch.compensation.formats import (
     Header,
     c_header,
     header_of,
     nc_program,
-    read_table,
     table_csv,
 )
-from skiplatch.compensation.from_campaign import Recorded, recorded
-from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures, warn_off_centre
-from skiplatch.compensation.probe_map import ProbeMap, read_map
-from skiplatch.compensation.speeds import read_speeds
-from skiplatch.compensation.uncertainty import Inputs, Uncertainty, assess
 from skiplatch.errors import quoted
-from skiplatch.stand_ins import read_playable
 from skiplatch.units import S_PER_MIN
 
 EPILOG = """\b
@@ -53,7 +42,6 @@ Example:
 FILE = click.Path(path_type=Path, dir_okay=False)
 SIZE = SizeType()
 PATHS = ("skip", "plc")
-PER_CENT = 100.0
 DIVISIONS = (2, 4, 8, 16, 32)
 DEFAULT_DIVISIONS = 16
 FIRST_VARIABLE = 500
@@ -81,17 +69,6 @@ class TargetType(click.ParamType[Target]):
             expected = "expected mean, max, min or a radius in µm"
             self.fail(f"{expected}, got {quoted(value)}", param, ctx)
         return Target(Rule.GIVEN, radius_um)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Result:
-    """All that is told."""
-
-    done: Compensation
-    figures: ProbeFigures
-    known: Uncertainty
-    after_map: ProbeMap | None
-    after: ProbeFigures | None
 
 
 @click.command(epilog=EPILOG)
@@ -219,7 +196,7 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     feed. A delay of 0 or less is an error.
     """
     _check_options(radii, given)
-    result = _result(radii, given)
+    result = result_of(radii, given)
     texts, remarks = _texts(result, radii, given)
     found = text.as_json(result.done, result.figures, result.known, result.after)
     if json_path is not None:
@@ -251,91 +228,8 @@ def _check_options(radii: Path | None, given: Mapping[str, Any]) -> None:
             raise click.UsageError(f"--{name} needs --accel")
 
 
-def _result(radii: Path | None, given: Mapping[str, Any]) -> _Result:
-    probe_map, delay = _from_campaign(given) if radii is None else _from_files(radii, given)
-    v0 = given["v0"]
-    before = np.full(len(probe_map), v0)
-    if given["previous"] is not None:
-        before = read_table(given["previous"], probe_map)
-    done = compensate(
-        probe_map,
-        delay,
-        base_mm_min=v0,
-        before_mm_min=before,
-        target=given["target"],
-        limits=_limits(given),
-    )
-    inputs = Inputs(
-        repeatability_um=given["repeatability"],
-        resolution_um=given["resolution"] or 0.0,
-        feed_error=(given["feed_error"] or 0.0) / PER_CENT,
-    )
-    after_map = _after(given)
-    figures, known = probe_figures(probe_map), assess(done, inputs, seed=given["seed"])
-    if radii is not None:
-        warn_off_centre(figures, known.vr_before_expanded_um, radii)
-    return _Result(
-        done=done,
-        figures=figures,
-        known=known,
-        after_map=after_map,
-        after=None if after_map is None else probe_figures(after_map),
-    )
-
-
-def _after(given: Mapping[str, Any]) -> ProbeMap | None:
-    """Read what was measured with a table, if it was."""
-    path: Path | None = given["after"]
-    if path is None:
-        return None
-    if path.is_dir():
-        return _recorded(path, given).as_measured(fit_centre=given["centre"] == "fit")
-    return read_map(path, outside=not given["map_inside"])
-
-
-def _delay(given: Mapping[str, Any]) -> Delay | None:
-    if given["tau"] is not None:
-        return Delay(given["tau"], given["tau_uncertainty"] or 0.0)
-    if given["tau_from"] is not None:
-        return estimate_delay(read_speeds(given["tau_from"], outside=not given["inside"]))
-    return None
-
-
-def _from_files(radii: Path, given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:
-    probe_map = read_map(radii, outside=not given["map_inside"])
-    delay = _delay(given)
-    assert delay is not None  # noqa: S101  the options were checked
-    return probe_map, delay
-
-
-def _recorded(folder: Path, given: Mapping[str, Any]) -> Recorded:
-    column = COLUMNS["path"]
-    assert isinstance(column, ChoiceColumn)  # noqa: S101  for the type checker
-    path = None if given["path"] is None else InputPath(column.codes[given["path"]])
-    return recorded(read_playable(folder), path)
-
-
-def _from_campaign(given: Mapping[str, Any]) -> tuple[ProbeMap, Delay]:
-    found = _recorded(given["campaign"], given)
-    delay = _delay(given) or estimate_delay(found.speeds())
-    return found.probe_map(delay, given["v0"], fit_centre=given["centre"] == "fit"), delay
-
-
-def _limits(given: Mapping[str, Any]) -> Limits:
-    def limit(name: str) -> float:
-        return math.inf if given[name] is None else float(given[name])
-
-    return Limits(
-        max_feed_mm_min=limit("max_feed"),
-        overtravel_mm=limit("overtravel"),
-        accel_mm_s2=limit("accel"),
-        approach_mm=limit("approach"),
-        reaction_ms=given["reaction_ms"] or 0.0,
-    )
-
-
 def _texts(
-    result: _Result, radii: Path | None, given: Mapping[str, Any]
+    result: Result, radii: Path | None, given: Mapping[str, Any]
 ) -> tuple[list[tuple[Path, str]], list[str]]:
     """Give the files that are wanted, JSON apart, and what shall stand in them; and remarks."""
     done = result.done
@@ -378,7 +272,7 @@ def _identifier(stem: str) -> str:
     return name if name[:1].isalpha() else f"probe_{name}"
 
 
-def _page(result: _Result, name: str) -> str:
+def _page(result: Result, name: str) -> str:
     # Drawing takes time to load, which only those pay who want a page.
     from skiplatch.report.compensation import After, as_html  # noqa: PLC0415
 

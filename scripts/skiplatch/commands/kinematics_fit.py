@@ -9,17 +9,9 @@ import click
 
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
+from skiplatch.kinematics.circles import Circle, circles
 from skiplatch.kinematics.error_motions import ErrorMotion, error_motions
-from skiplatch.kinematics.firmware import (
-    Circle,
-    Estimate,
-    Fit,
-    NoFitError,
-    Undetermined,
-    circles,
-    fit,
-    recommend,
-)
+from skiplatch.kinematics.firmware import Estimate, Fit, NoFitError, Undetermined, fit, recommend
 from skiplatch.kinematics.machine import Machine, read_machine
 from skiplatch.kinematics.outliers import without_outliers
 from skiplatch.kinematics.points import Points, columns_of, read_points

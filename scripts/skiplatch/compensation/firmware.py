@@ -9,10 +9,10 @@ from enum import IntEnum
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from skiplatch.arrays import FloatArray
-from skiplatch.simulator.library import CData, connection, layout
+from skiplatch.simulator.library import CData, connection
 
 
 class Side(IntEnum):
@@ -111,11 +111,13 @@ class SpeedTable:
     target_um: float
 
 
-def _in(values: ArrayLike) -> FloatArray:
+def as_doubles(values: ArrayLike) -> FloatArray:
+    """Give numbers as an array that C can read."""
     return np.ascontiguousarray(values, dtype=np.float64)
 
 
-def _doubles(values: FloatArray) -> CData:
+def doubles(values: FloatArray) -> CData:
+    """Show an array to C."""
     ffi, _ = connection()
     return ffi.from_buffer("double[]", values)
 
@@ -125,9 +127,9 @@ def _filled(values: FloatArray) -> CData:
     return ffi.from_buffer("double[]", values, require_writable=True)
 
 
-def _together(*columns: ArrayLike) -> list[FloatArray]:
+def together(*columns: ArrayLike) -> list[FloatArray]:
     """Give columns of one length; numbers are repeated."""
-    return [np.array(column) for column in np.broadcast_arrays(*map(_in, columns))]
+    return [np.array(column) for column in np.broadcast_arrays(*map(as_doubles, columns))]
 
 
 def _names() -> dict[int, str]:
@@ -137,7 +139,12 @@ def _names() -> dict[int, str]:
     return {getattr(library, name): name.removeprefix(prefix) for name in known}
 
 
-def _check(code: int, index: int | None = None, gap: CData | None = None) -> None:
+def refuse(code: int, index: int | None = None, gap: CData | None = None) -> None:
+    """Raise what a code of the firmware says, unless it is none.
+
+    Raises:
+        PretravelError: The code is not 0.
+    """
     ffi, library = connection()
     if code == library.PRETRAVEL_OK:
         return
@@ -150,8 +157,8 @@ def _check(code: int, index: int | None = None, gap: CData | None = None) -> Non
 def range_um(radius_um: ArrayLike) -> float:
     """V_r = max − min of at least one radius."""
     _, library = connection()
-    radii = _in(radius_um)
-    return float(library.pretravel_range_um(_doubles(radii), len(radii)))
+    radii = as_doubles(radius_um)
+    return float(library.pretravel_range_um(doubles(radii), len(radii)))
 
 
 def pretravel_um(transducer_um: float, speed_mm_min: float, tau_ms: float) -> float:
@@ -175,10 +182,10 @@ def estimate_tau(
         PretravelError: NOT_FINITE, SPEED, FEW_RUNS, ONE_SPEED or TAU.
     """
     ffi, library = connection()
-    speeds, radii = _together(speed_mm_min, mean_radius_um)
+    speeds, radii = together(speed_mm_min, mean_radius_um)
     tau = ffi.new("pretravel_tau_t *")
-    code = library.pretravel_estimate_tau(_doubles(speeds), _doubles(radii), len(speeds), side, tau)
-    _check(code)
+    code = library.pretravel_estimate_tau(doubles(speeds), doubles(radii), len(speeds), side, tau)
+    refuse(code)
     return Tau(tau.tau_ms, tau.tau_uncertainty_ms, tau.offset_um, tau.scatter_um)
 
 
@@ -189,10 +196,10 @@ def fit(points_um: ArrayLike, shape: Shape) -> Fit:
         PretravelError: FEW_POINTS, NOT_FINITE or CENTRE.
     """
     ffi, library = connection()
-    points = _in(points_um)
+    points = as_doubles(points_um)
     found = ffi.new("pretravel_fit_t *")
     rows = ffi.from_buffer("pretravel_point_t[]", points)
-    _check(library.pretravel_fit(rows, len(points), shape, found))
+    refuse(library.pretravel_fit(rows, len(points), shape, found))
     centre_um = np.array([found.x_um, found.y_um, found.z_um])
     return Fit(centre_um, found.radius_um, found.scatter_um, shape)
 
@@ -200,139 +207,12 @@ def fit(points_um: ArrayLike, shape: Shape) -> Fit:
 def radii_um(points_um: ArrayLike, fitted: Fit) -> FloatArray:
     """Trigger radii: the distances of n points, shape (n, 3), from the centre of a fit."""
     ffi, library = connection()
-    points = _in(points_um)
+    points = as_doubles(points_um)
     radii = np.empty(len(points))
     centre = ffi.new("pretravel_fit_t *", (*fitted.centre_um, fitted.radius_um, fitted.scatter_um))
     rows = ffi.from_buffer("pretravel_point_t[]", points)
     library.pretravel_radii_um(rows, len(points), fitted.shape, centre, _filled(radii))
     return radii
-
-
-class Map:
-    """Trigger radii over directions, ordered by β and then α; arrays of shape (count,)."""
-
-    def __init__(self, cells: NDArray[np.void]) -> None:
-        self._cells = cells
-        self.alpha_deg: FloatArray = cells["alpha_deg"].copy()
-        self.beta_deg: FloatArray = cells["beta_deg"].copy()
-        self.radius_um: FloatArray = cells["radius_um"].copy()
-        """Mean of the repeats."""
-        self.scatter_um: FloatArray = cells["scatter_um"].copy()
-        """Standard deviation of the repeats; NaN of a single one."""
-        self.runs: NDArray[np.uint32] = cells["runs"].copy()
-
-    def __len__(self) -> int:
-        return len(self._cells)
-
-    @classmethod
-    def from_readings(
-        cls, alpha_deg: ArrayLike, beta_deg: ArrayLike, radius_um: ArrayLike
-    ) -> "Map":
-        """Sort n readings, in any order, into directions with mean and scatter.
-
-        Raises:
-            PretravelError: NOT_FINITE or DIRECTION, with the reading's index.
-        """
-        ffi, library = connection()
-        alpha, beta, radius = _together(alpha_deg, beta_deg, radius_um)
-        cells = np.zeros(len(alpha), dtype=layout("pretravel_cell_t"))
-        count = ffi.new("uint32_t *")
-        code = library.pretravel_map_build(
-            _doubles(alpha),
-            _doubles(beta),
-            _doubles(radius),
-            len(alpha),
-            ffi.from_buffer("pretravel_cell_t[]", cells, require_writable=True),
-            len(cells),
-            count,
-        )
-        _check(code, int(count[0]))
-        return cls(cells[: count[0]].copy())
-
-    def check(self) -> None:
-        """Refuse a map with gaps or too few directions.
-
-        Raises:
-            PretravelError: FEW_DIRECTIONS, or GAP with where it is.
-        """
-        ffi, library = connection()
-        gap = ffi.new("pretravel_gap_t *")
-        _check(library.pretravel_map_check(self._rows(), len(self), gap), gap=gap)
-
-    def at(self, values: ArrayLike, alpha_deg: ArrayLike, beta_deg: ArrayLike) -> FloatArray:
-        """Values of any directions, interpolated from one value a cell; map without gaps."""
-        _, library = connection()
-        held = _in(values)
-        alpha, beta = _together(alpha_deg, beta_deg)
-        rows, given = self._rows(), _doubles(held)
-        at = library.pretravel_map_at
-        return np.array(
-            [at(rows, given, len(self), a, b) for a, b in zip(alpha, beta, strict=True)]
-        )
-
-    def lookup(
-        self, speed_mm_min: ArrayLike, *, divisions: int, unit_mm_min: float | None = None
-    ) -> "Lookup":
-        """Lay speeds, one a cell, out for the controller; map without gaps.
-
-        Args:
-            speed_mm_min: Shape (count,).
-            divisions: M: 2, 4, 8, 16 or 32; the table has 2·M² + 2·M + 1 vertices.
-            unit_mm_min: What a looked-up speed is counted in; the finest if it is not given.
-
-        Raises:
-            PretravelError: DIVISIONS, LIMIT or SCALE.
-        """
-        ffi, library = connection()
-        speeds = _in(speed_mm_min)
-        unit = Lookup.finest_unit_mm_min(speeds) if unit_mm_min is None else unit_mm_min
-        vertices = np.zeros(library.pretravel_grid_size(divisions), dtype=np.uint8)
-        code = library.pretravel_grid_build(
-            self._rows(),
-            _doubles(speeds),
-            len(self),
-            divisions,
-            unit * library.PRETRAVEL_LOOKUP_PARTS,
-            ffi.from_buffer("uint8_t[]", vertices, require_writable=True),
-        )
-        _check(code)
-        return Lookup(vertices, divisions, unit)
-
-    def _rows(self) -> CData:
-        ffi, _ = connection()
-        return ffi.from_buffer("pretravel_cell_t[]", self._cells)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Lookup:
-    """The controller's table."""
-
-    vertices: NDArray[np.uint8]
-    """Speeds in 128 units, row by row; see ``pretravel_lookup.h``."""
-    divisions: int
-    unit_mm_min: float
-    """What a looked-up speed is counted in."""
-
-    @staticmethod
-    def finest_unit_mm_min(speed_mm_min: ArrayLike) -> float:
-        """Smallest unit in which all of these speeds, shape (count,), fit into a table."""
-        _, library = connection()
-        units = library.PRETRAVEL_VERTEX_MAX * library.PRETRAVEL_LOOKUP_PARTS
-        return float(np.max(_in(speed_mm_min))) / float(units)
-
-    def speed_mm_min(self, directions: ArrayLike) -> FloatArray:
-        """Speeds as the controller finds them, in fixed point; 0 below the equator.
-
-        Args:
-            directions: Vectors of 16-bit integers, shape (n, 3).
-        """
-        ffi, library = connection()
-        held = ffi.from_buffer("uint8_t[]", self.vertices)
-        pole = held + len(self.vertices) // 2
-        table = ffi.new("pretravel_lookup_t *", (pole, self.divisions))
-        find = library.pretravel_lookup
-        vectors = np.asarray(directions, dtype=np.int16)
-        return self.unit_mm_min * np.array([find(table, *vector) for vector in vectors.tolist()])
 
 
 def speed_table(radius_um: ArrayLike, speed_mm_min: ArrayLike, plan: Plan) -> SpeedTable:
@@ -345,18 +225,18 @@ def speed_table(radius_um: ArrayLike, speed_mm_min: ArrayLike, plan: Plan) -> Sp
             OVERTRAVEL or RAMP, with the direction's index.
     """
     ffi, library = connection()
-    radii, before = _together(radius_um, speed_mm_min)
+    radii, before = together(radius_um, speed_mm_min)
     after = np.empty(len(radii))
     result = ffi.new("pretravel_result_t *")
     code = library.pretravel_speed_table(
-        _doubles(radii),
-        _doubles(before),
+        doubles(radii),
+        doubles(before),
         len(radii),
         _plan(plan),
         _filled(after),
         result,
     )
-    _check(code, int(result.where))
+    refuse(code, int(result.where))
     return SpeedTable(after, result.target_um)
 
 
@@ -371,12 +251,12 @@ def predict_um(
 ) -> FloatArray:
     """Radii to be expected at new speeds: r + (v₁ − v₀)·τ."""
     _, library = connection()
-    radii, before, after = _together(radius_um, speed_mm_min, new_speed_mm_min)
+    radii, before, after = together(radius_um, speed_mm_min, new_speed_mm_min)
     predicted = np.empty(len(radii))
     library.pretravel_predict_um(
-        _doubles(radii),
-        _doubles(before),
-        _doubles(after),
+        doubles(radii),
+        doubles(before),
+        doubles(after),
         len(radii),
         tau_ms,
         _filled(predicted),
@@ -387,15 +267,15 @@ def predict_um(
 def time_increase(speed_mm_min: ArrayLike, new_speed_mm_min: ArrayLike) -> float:
     """Δt_R: how much longer the approaches take, as a fraction."""
     _, library = connection()
-    before, after = _together(speed_mm_min, new_speed_mm_min)
-    return float(library.pretravel_time_increase(_doubles(before), _doubles(after), len(after)))
+    before, after = together(speed_mm_min, new_speed_mm_min)
+    return float(library.pretravel_time_increase(doubles(before), doubles(after), len(after)))
 
 
 def time_s(speed_mm_min: FloatArray, approach_mm: float) -> float:
     """t_M: time of an approach at each of the speeds, shape (n,)."""
     _, library = connection()
-    (speeds,) = _together(speed_mm_min)
-    return float(library.pretravel_time_s(_doubles(speeds), len(speeds), approach_mm))
+    (speeds,) = together(speed_mm_min)
+    return float(library.pretravel_time_s(doubles(speeds), len(speeds), approach_mm))
 
 
 def safe_speed_mm_min(overtravel_um: float, *, reaction_us: float, accel_mm_s2: float) -> float:

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.compensation.columns_csv import ALPHA, BETA, FEED, read_columns
-from skiplatch.compensation.firmware import Lookup, PretravelError
+from skiplatch.compensation.firmware import PretravelError
 from skiplatch.compensation.probe_map import ProbeMap
+from skiplatch.compensation.radius_map import Lookup
 from skiplatch.errors import InputError
 
 COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "feed_mm_min": FEED}

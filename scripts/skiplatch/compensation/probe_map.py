@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import FloatArray, IndexArray
 from skiplatch.compensation import firmware
 from skiplatch.compensation.columns_csv import ALPHA, BETA, RADIUS, RUN, Rows, read_columns
+from skiplatch.compensation.radius_map import Map
 from skiplatch.errors import CampaignWarning, InputError
 
 COLUMNS = {"alpha_deg": ALPHA, "beta_deg": BETA, "run": RUN, "radius_um": RADIUS}
@@ -70,7 +71,7 @@ class ProbeMap:
         cell_of: The direction of each reading; shape (k,).
     """
 
-    cells: firmware.Map
+    cells: Map
     radius_um: FloatArray
     outside: bool
     readings: Readings
@@ -155,7 +156,7 @@ def map_of(readings: Readings, *, outside: bool) -> ProbeMap:
         InputError: A direction lacks a run, there are too few directions, or some are missing.
     """
     _refuse_endless(readings)
-    cells = firmware.Map.from_readings(readings.alpha_deg, readings.beta_deg, readings.radius_um)
+    cells = Map.from_readings(readings.alpha_deg, readings.beta_deg, readings.radius_um)
     cell_of = _nearest(cells, readings)
     try:
         cells.check()
@@ -176,9 +177,7 @@ def _refuse_endless(readings: Readings) -> None:
         raise readings.fault(0, "alpha_deg", message)
 
 
-def _incomplete(
-    cells: firmware.Map, readings: Readings, error: firmware.PretravelError
-) -> InputError:
+def _incomplete(cells: Map, readings: Readings, error: firmware.PretravelError) -> InputError:
     """Say in the file's terms why a map cannot be used."""
     gap = error.gap
     if gap is None:
@@ -211,7 +210,7 @@ def _warn_of_hidden_lobes(found: "ProbeMap") -> None:
         warnings.warn(warning, stacklevel=3)
 
 
-def _nearest(cells: firmware.Map, readings: Readings) -> IndexArray:
+def _nearest(cells: Map, readings: Readings) -> IndexArray:
     """Give the cell of each reading, shape (k,), in blocks that fit into little memory."""
     alpha, beta = readings.alpha_deg, readings.beta_deg
     block = max(1, BLOCK_CELLS // len(cells))
@@ -219,7 +218,7 @@ def _nearest(cells: firmware.Map, readings: Readings) -> IndexArray:
     return np.concatenate([_nearest_of(cells, alpha[part], beta[part]) for part in parts])
 
 
-def _nearest_of(cells: firmware.Map, alpha_deg: FloatArray, beta_deg: FloatArray) -> IndexArray:
+def _nearest_of(cells: Map, alpha_deg: FloatArray, beta_deg: FloatArray) -> IndexArray:
     """Give the cell of each direction, shape (k,); at the pole every azimuth is the same."""
     turn = np.abs(alpha_deg[:, None] - cells.alpha_deg) % TURN_DEG
     azimuth = np.minimum(turn, TURN_DEG - turn) * np.cos(np.radians(cells.beta_deg))

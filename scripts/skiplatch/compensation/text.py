@@ -4,9 +4,11 @@ import math
 from dataclasses import asdict
 from typing import Any
 
+from skiplatch.compensation.budget import COVERAGE, Budget
 from skiplatch.compensation.compensate import Compensation, Times
+from skiplatch.compensation.monte_carlo import MonteCarlo
 from skiplatch.compensation.probe_figures import Form, ProbeFigures
-from skiplatch.compensation.uncertainty import COVERAGE, Budget, MonteCarlo, Uncertainty
+from skiplatch.compensation.uncertainty import Uncertainty
 from skiplatch.statistics import Interval
 from skiplatch.tables import listing, number, table, whole, with_interval
 

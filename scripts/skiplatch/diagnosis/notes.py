@@ -9,7 +9,8 @@ from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.verdict import Failure, Verdict
 from skiplatch.errors import InputError
-from skiplatch.repeatability import OUTLYING_STEPS, repeatability
+from skiplatch.repeatability import repeatability
+from skiplatch.surface_fit import OUTLYING_STEPS
 from skiplatch.tables import number
 
 FIRST_OFF = 3.0

@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
-from skiplatch.kinematics.evaluate import AxisResult
+from skiplatch.kinematics.evaluation import AxisResult
 
 HEIGHT_IN = 2.5
 LEAST_SPAN_MM = 0.002

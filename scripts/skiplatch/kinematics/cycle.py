@@ -1,14 +1,11 @@
-"""Cycles 451, 452 and 453 on the simulated machine, with the evaluation by ``firmware/comp``."""
+"""Cycles 451, 452 and 453 on the simulated machine."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.kinematics.five_axis import (
     CONTROLLER,
@@ -19,12 +16,12 @@ from skiplatch.kinematics.five_axis import (
     path_code,
     refuse,
 )
-from skiplatch.kinematics.machine import LETTERS, Machine
+from skiplatch.kinematics.machine import Machine
+from skiplatch.kinematics.stations import Stations, station_rows
 from skiplatch.simulator.effects import Effect
-from skiplatch.simulator.library import SimulationError, connection
+from skiplatch.simulator.library import CData, connection
 from skiplatch.simulator.rig import filled_rig
 
-CData = Any
 WORDS = {"FMAX": 1, "FAUTO": 2, "PREDEF": 4}
 MOST_STATIONS = 256
 MEASURE_KINEMATICS, COMPENSATE_PRESET, KINEMATICS_GRID = 451, 452, 453
@@ -59,43 +56,6 @@ class Control:
     is_turning: bool = False
     track: bool = False
     path: InputPath = InputPath.SKIP
-
-
-@dataclass(frozen=True, slots=True)
-class Stations:
-    """The measurements of one cycle, n of them.
-
-    Attributes:
-        angle_deg: What A, B, C were told, shape (n, 3).
-        centre_mm: The sphere's centre, shape (n, 3).
-        radius_mm: Its radius, shape (n,).
-        axis: Index of the axis that was being measured, shape (n,).
-        serves: Bits of the axes whose measurement it is, shape (n,).
-        approach: 1 or -1 for the sense in which the axis came, 0 as it comes, shape (n,).
-        is_reference: The axis stood at 0°, shape (n,).
-        is_second: It is the second of two approaches to one position, shape (n,).
-    """
-
-    angle_deg: FloatArray
-    centre_mm: FloatArray
-    radius_mm: FloatArray
-    axis: NDArray[np.int64]
-    serves: NDArray[np.int64]
-    approach: NDArray[np.int64]
-    is_reference: NDArray[np.bool_]
-    is_second: NDArray[np.bool_]
-
-    def of(self, letter: str) -> NDArray[np.bool_]:
-        """Tell which measurements are those of an axis; shape (n,)."""
-        return np.asarray((self.serves >> LETTERS.index(letter)) & 1 == 1)
-
-    def letters(self) -> frozenset[str]:
-        """Name the axes that were measured."""
-        return frozenset(letter for letter in LETTERS if np.any(self.of(letter)))
-
-    def has_second(self, letter: str) -> bool:
-        """Tell whether an axis was approached from both sides."""
-        return bool(np.any(self.is_second & (self.axis == LETTERS.index(letter))))
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +122,9 @@ class Play:
     def begin_measured(self, stations: Stations) -> bool:
         """Start with what was measured elsewhere; False if the cycle refused it."""
         _, lib = connection()
-        self._asked = lib.sim_451_run_measured(self._handle, _rows(stations), len(stations.axis))
+        self._asked = lib.sim_451_run_measured(
+            self._handle, station_rows(stations), len(stations.axis)
+        )
         return bool(self._asked == lib.SIM_451_EVALUATE)
 
     def answer(self, change_mm: float = 0.0, *, is_possible: bool = True) -> None:
@@ -334,96 +296,3 @@ def _control(control: Control) -> CData:
         setattr(filled, item.name, list(value) if isinstance(value, tuple) else value)
     filled.path = path_code(control.path)
     return filled
-
-
-def expected_mm(
-    machine: Machine, truth: Truth, sphere_mm: FloatArray, angles_deg: FloatArray
-) -> FloatArray:
-    """Give what a sphere should read at n positions, by ``firmware/comp``; shape (n, 3).
-
-    Args:
-        machine: As believed.
-        truth: What the simulated machine knows of its tip.
-        sphere_mm: Where the sphere is at zero, shape (3,), or (n, 3) for n spheres.
-        angles_deg: Shape (n, 3).
-    """
-    ffi, lib = connection()
-    structure = machine_structure(machine, truth)
-    reading = ffi.new("double[3]")
-    rows = []
-    for sphere, angles in zip(
-        np.broadcast_to(sphere_mm, angles_deg.shape).tolist(), angles_deg.tolist(), strict=True
-    ):
-        lib.sim_machine_expect(structure, sphere, angles, reading)
-        rows.append(list(reading))
-    return np.array(rows).reshape(-1, 3)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Expectation:
-    """What the firmware's report compares n stations with; see ``kinematics_expectation_t``.
-
-    Attributes:
-        before_mm: Where the sphere was expected with the kinematics as they were, shape (n, 3).
-        after_mm: The same with the optimised kinematics, shape (n, 3).
-        slope_mm: How that moves while the station's axis turns, mm/rad, shape (n, 3).
-        offset_mm: Q147 to Q149.
-        is_optimised: Q406 is not 0.
-    """
-
-    before_mm: FloatArray
-    after_mm: FloatArray
-    slope_mm: FloatArray
-    offset_mm: tuple[float, float, float]
-    is_optimised: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Results:
-    """What the firmware reports of one axis; see ``kinematics_axis_report_t``."""
-
-    positions: int
-    has_backlash: int
-    radius_mm: float
-    scatter_before_mm: float
-    scatter_after_mm: float
-    greatest_before_mm: float
-    greatest_after_mm: float
-    positioning_deg: float
-    positioning_scatter_deg: float
-    backlash_deg: float
-
-
-def results(
-    stations: Stations, expected: Expectation
-) -> tuple[dict[str, Results], dict[int, float]]:
-    """Give the firmware's report on each measured axis, and Q141 to Q149 in mm."""
-    ffi, lib = connection()
-    tables = [
-        ffi.from_buffer("double[][3]", np.ascontiguousarray(table, dtype=np.float64))
-        for table in (expected.before_mm, expected.after_mm, expected.slope_mm)
-    ]
-    filled = ffi.new("sim_expectation_t *")
-    filled.before_mm, filled.after_mm, filled.slope_mm = tables
-    filled.offset_mm = list(expected.offset_mm)
-    filled.is_optimised = expected.is_optimised
-    axes, q_mm = ffi.new("sim_axis_result_t[3]"), ffi.new("double[9]")
-    if lib.sim_451_results(_rows(stations), len(stations.axis), filled, axes, q_mm) != 0:
-        raise SimulationError("more stations than a cycle has")
-    found = {
-        letter: Results(**{f.name: getattr(axis, f.name) for f in fields(Results)})
-        for letter, axis in zip(LETTERS, axes, strict=True)
-        if axis.positions
-    }
-    return found, dict(zip(range(141, 150), q_mm, strict=True))
-
-
-def _rows(stations: Stations) -> CData:
-    ffi, _ = connection()
-    rows = ffi.new("sim_station_t[]", len(stations.axis))
-    for i, row in enumerate(rows):
-        row.angle_deg = list(stations.angle_deg[i])
-        row.centre_mm = list(stations.centre_mm[i])
-        for name in ("radius_mm", "axis", "serves", "approach", "is_reference", "is_second"):
-            setattr(row, name, getattr(stations, name)[i].item())
-    return rows

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +12,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.kinematics.five_axis import compensation_mm
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
-from skiplatch.simulator.library import connection
-from skiplatch.units import UM_PER_MM
-
-CData = Any
-"""What cffi hands out has no static type."""
+from skiplatch.simulator.library import CData, connection
 
 AXES_MAX = 3
 SHARE_MIN = 1e-9
@@ -116,28 +112,6 @@ class Fit:
     freedom: int
 
 
-@dataclass(frozen=True, slots=True)
-class Circle:
-    """The circle that the readings run round while one axis turns and the others stand still.
-
-    Attributes:
-        letter: The axis.
-        others_deg: Where the others stand, by their letters.
-        positions: How many there are.
-        centre_mm: Its centre, in machine coordinates.
-        radius_mm: Its radius.
-        uncertainty_um: Standard uncertainty of a coordinate of the centre and of the radius; 0
-            with two positions.
-    """
-
-    letter: str
-    others_deg: Mapping[str, float]
-    positions: int
-    centre_mm: tuple[float, float, float]
-    radius_mm: float
-    uncertainty_um: float
-
-
 def combination(amounts: Mapping[str, float]) -> str:
     """Write a sum of location errors, such as ``YOA-YOC`` or ``YOC+0.5*ZOA``."""
     text = ""
@@ -177,7 +151,7 @@ def fit(
     """
     ffi, library = connection()
     result = ffi.new("kinematics_result_t *")
-    rows = _rows(machine, points)
+    rows = point_rows(machine, points)
     given = ffi.from_buffer("kinematics_point_t[]", rows)
     filled = _machine(ffi, machine)
     if free is not None:
@@ -207,7 +181,7 @@ def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]
     travel = ffi.new("kinematics_travel_t *")
     for j, axis in enumerate(machine.axes):
         travel.low_deg[j], travel.high_deg[j] = axis.travel_deg
-    rows = _rows(machine, points)
+    rows = point_rows(machine, points)
     more = np.zeros((most, AXES_MAX + 3))
     after = ffi.new("kinematics_result_t *")
     found = library.sim_kinematics_recommend(
@@ -226,37 +200,6 @@ def recommend(machine: Machine, points: Points, most: int) -> tuple[Points, Fit]
     return new, _fit(ffi, library, machine, after)
 
 
-def circles(machine: Machine, points: Points) -> list[Circle]:
-    """Give each axis's circle where it turns most often with the others standing still.
-
-    It is fitted by itself, in closed form; an axis that never turns alone has none.
-    """
-    found = []
-    distinct = np.unique(points.angles_deg, axis=0)
-    for place, letter in enumerate(machine.letters):
-        stands, turns = np.unique(np.delete(distinct, place, axis=1), axis=0, return_counts=True)
-        stand = stands[np.argmax(turns)]
-        alone = np.all(np.delete(points.angles_deg, place, axis=1) == stand, axis=1)
-        if np.max(turns) > 1 and (circle := _circle(machine, place, points, alone)):
-            others = machine.letters[:place] + machine.letters[place + 1 :]
-            others_deg = dict(zip(others, map(float, stand), strict=True))
-            found.append(Circle(letter, others_deg, int(np.sum(alone)), *circle))
-    return found
-
-
-def _circle(
-    machine: Machine, place: int, points: Points, alone: NDArray[np.bool_]
-) -> tuple[tuple[float, float, float], float, float] | None:
-    ffi, library = connection()
-    rows = _rows(machine, Points(points.angles_deg[alone], points.positions_mm[alone]))
-    given = ffi.from_buffer("kinematics_point_t[]", rows)
-    circle = ffi.new("kinematics_circle_t *")
-    direction = ffi.new("double[3]", machine.axes[place].direction)
-    if library.sim_kinematics_circle(direction, place, given, len(rows), circle) != 0:
-        return None
-    return tuple(circle.centre_mm), circle.radius_mm, UM_PER_MM * circle.uncertainty_mm
-
-
 def _machine(ffi: CData, machine: Machine) -> CData:
     given = ffi.new("kinematics_machine_t *")
     given.axes_count = len(machine.axes)
@@ -271,7 +214,7 @@ def _machine(ffi: CData, machine: Machine) -> CData:
     return given
 
 
-def _rows(machine: Machine, points: Points) -> NDArray[np.float64]:
+def point_rows(machine: Machine, points: Points) -> NDArray[np.float64]:
     """Lay the points out as kinematics_point_t: shape (n, AXES_MAX + 3).
 
     The firmware's coordinates are where the tip is; readings are so since the tip last moved, and

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from skiplatch.kinematics.cycle import KINEMATICS_GRID, Play, Stations, setting
+from skiplatch.kinematics.cycle import KINEMATICS_GRID, Play, setting
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.grid_evaluation import (
     DELETE,
@@ -14,6 +14,7 @@ from skiplatch.kinematics.grid_evaluation import (
 )
 from skiplatch.kinematics.machine import Machine
 from skiplatch.kinematics.points import Points
+from skiplatch.kinematics.stations import Stations
 
 MODE, SPHERE_RADIUS = 406, 407
 

@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.kinematics.cycle import Stations, expected_mm
+from skiplatch.kinematics.axis_report import expected_mm
 from skiplatch.kinematics.evaluate import has_unknown_tip, turned_back
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.grid import Grid
 from skiplatch.kinematics.machine import LETTERS, Machine, Vector
 from skiplatch.kinematics.points import Points
+from skiplatch.kinematics.stations import Stations
 
 DELETE = -1
 """A mode of Q406, besides the check and 1, compensate."""

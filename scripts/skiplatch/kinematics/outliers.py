@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from skiplatch.kinematics.axis_report import expected_mm
 from skiplatch.kinematics.correction import apply_fit
-from skiplatch.kinematics.cycle import expected_mm
 from skiplatch.kinematics.firmware import Fit, NoFitError, fit
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.machine import LETTERS, Machine

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.kinematics.cycle import MOST_STATIONS, Stations, setting
+from skiplatch.kinematics.cycle import MOST_STATIONS, setting
 from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.kinematics.points import Points
+from skiplatch.kinematics.stations import Stations
 
 PARAMETERS_OF_AXIS = {
     "A": (411, 412, 413, 414),

@@ -1,13 +1,13 @@
 """Running an NC program with cycles 450 to 453 on the simulated five-axis machine."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import cast
 
 import numpy as np
 
 from skiplatch.errors import InputError
-from skiplatch.kinematics.correction import ARCSEC_PER_DEG, CHECK, POSITIONS
+from skiplatch.kinematics.correction import CHECK, POSITIONS
 from skiplatch.kinematics.cycle import (
     COMPENSATE_PRESET,
     KINEMATICS_GRID,
@@ -15,10 +15,10 @@ from skiplatch.kinematics.cycle import (
     CycleRefusedError,
     Play,
     Report,
-    Stations,
     opened,
 )
-from skiplatch.kinematics.evaluate import Evaluation, evaluate, has_unknown_tip, turned_back
+from skiplatch.kinematics.evaluate import evaluate, has_unknown_tip, turned_back
+from skiplatch.kinematics.evaluation import Evaluation
 from skiplatch.kinematics.firmware import NoFitError
 from skiplatch.kinematics.five_axis import Truth
 from skiplatch.kinematics.grid_cycle import play_grid
@@ -28,6 +28,13 @@ from skiplatch.kinematics.memory import Memory, run_450
 from skiplatch.kinematics.points import Points
 from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
 from skiplatch.kinematics.recorded import RecordedError, sort_recorded
+from skiplatch.kinematics.run_notes import (
+    NO_BACKLASH,
+    cancelled_rotation,
+    known_in_combination,
+    moved_datums,
+)
+from skiplatch.kinematics.stations import Stations
 from skiplatch.simulator.effects import Effect
 
 LENGTHS = (407, 320, 408, 253)
@@ -35,11 +42,6 @@ LENGTHS = (407, 320, 408, 253)
 SPHERE_RADIUS = 407
 MODE = 406
 TOUCHES = 423
-NO_BACKLASH = (
-    "Backlash of {} was not measured (Q432 = 0, a Hirth coupling or an M function): an axis that "
-    "has some stands off by up to that angle, as it came. It shows as scatter, and as a tilt of "
-    "the axis that it carries."
-)
 DEFAULTS = {451: {MODE: CHECK, TOUCHES: 4}, 452: {MODE: POSITIONS, TOUCHES: 4}}
 """Of a cycle's parameters; cycle 452 has no mode but that one."""
 SAVE_KINEMATICS = 450
@@ -235,8 +237,8 @@ def _measured(
         evaluation.change_mm, evaluation.corrected, setup.truth, acknowledged=setup.acknowledged
     )
     report = play.report()
-    notes += _moved_datums(evaluation)
-    notes += _combined(evaluation)
+    notes += moved_datums(evaluation)
+    notes += known_in_combination(evaluation)
     notes += [
         f"Outlier: {outlier.text}. The fit leaves it out: measure it again."
         for outlier in evaluation.outliers
@@ -244,7 +246,7 @@ def _measured(
     loose = [axis.letter for axis in evaluation.axes if not stations.has_second(axis.letter)]
     if loose:
         notes.append(NO_BACKLASH.format(", ".join(loose)))
-    notes += _cancelled(report)
+    notes += cancelled_rotation(report)
     active = evaluation.corrected if mode > CHECK else believed
     at_0_mm = preset_mm or _preset_at_0_mm(active, setup, parameters, stations, report)
     tracks = setup.control.track
@@ -265,14 +267,9 @@ def _measured_grid(
     report, found = play.report(), played.evaluation
     active = believed if found.mode == CHECK else found.corrected
     at_0_mm = _preset_at_0_mm(active, setup, parameters, played.stations, report)
-    notes = (*played.notes, *_cancelled(report))
+    notes = (*played.notes, *cancelled_rotation(report))
     tracks = setup.control.track
     return Run(KINEMATICS_GRID, parameters, played.stations, found, report, notes, tracks, at_0_mm)
-
-
-def _cancelled(report: Report) -> Iterator[str]:
-    if report.cancelled_rotation:
-        yield "The preset has no basic rotation any more (SPA, SPB, SPC): set it again."
 
 
 def _preset_at_0_mm(
@@ -286,21 +283,3 @@ def _preset_at_0_mm(
     was_set_after = report.presets > 0 and parameters.get(PRESET, NEVER) in PRESETS_AFTER
     angle_deg = stations.angle_deg[0] if was_set_after else setup.control.start_deg
     return _at_0_mm(active, angle_deg, report.preset_mm)
-
-
-def _moved_datums(evaluation: Evaluation) -> Iterator[str]:
-    for before, after in zip(evaluation.believed.axes, evaluation.corrected.axes, strict=True):
-        if after.datum_deg != before.datum_deg:
-            moved_arcsec = ARCSEC_PER_DEG * (after.datum_deg - before.datum_deg)
-            yield (
-                f"The machine datum of {before.letter} moves by {moved_arcsec:+.2f}″: it takes the "
-                "tilt of the axis carried, which no position tells from it."
-            )
-
-
-def _combined(evaluation: Evaluation) -> Iterator[str]:
-    if evaluation.combined:
-        yield (
-            f"Known only in combination: {', '.join(evaluation.combined)}. The smallest correction "
-            "that does it is taken, offsets before tilts."
-        )

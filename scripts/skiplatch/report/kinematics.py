@@ -8,11 +8,11 @@ from pathlib import Path
 from skiplatch.figures.inline import Drawing
 from skiplatch.figures.kinematics import draw_axis
 from skiplatch.kinematics.correction import ANGLES, CHECK
-from skiplatch.kinematics.evaluate import AxisResult, Evaluation
-from skiplatch.kinematics.firmware import Estimate
+from skiplatch.kinematics.evaluation import AxisResult, Evaluation
 from skiplatch.kinematics.machine import LETTERS, RotaryAxis, Vector
 from skiplatch.kinematics.recorded import PARAMETERS_OF_AXIS
 from skiplatch.report.kinematics_grid import LoggedGrid, Rows, lay_out_grid
+from skiplatch.report.kinematics_tables import location_errors_table, positions_table, results_table
 from skiplatch.report.layout import render
 from skiplatch.units import UM_PER_MM
 
@@ -132,8 +132,8 @@ def _run(logged: Logged, place: int, sections: Sequence[AxisSection]) -> dict[st
         "lead": _lead(evaluation),
         "axes": sections,
         "grid": None,
-        "results": _results(evaluation),
-        "errors": _location_errors(evaluation),
+        "results": results_table(evaluation),
+        "errors": location_errors_table(evaluation),
         "is_check": evaluation.mode == CHECK,
         "id": f"run-{place + 1}",
     }
@@ -204,7 +204,7 @@ def _number(value: float | str | None) -> str:
 def _section(logged: Logged, axis: AxisResult, name: str) -> AxisSection:
     charts = draw_axis(axis, f"run{name.rpartition('-')[2]}")
     files = {f"{name}-{title}.svg": chart for title, chart in charts.items()}
-    return AxisSection(axis.letter, _facts(logged, axis), _positions(axis), files)
+    return AxisSection(axis.letter, _facts(logged, axis), positions_table(axis), files)
 
 
 def _facts(logged: Logged, axis: AxisResult) -> list[tuple[str, str]]:
@@ -270,44 +270,3 @@ def vector_text(values: Sequence[float]) -> str:
     """Write a vector in mm, axis by axis."""
     parts = (f"{name} {value:+z.4f}" for name, value in zip("XYZ", values, strict=True))
     return f"{', '.join(parts)} mm"
-
-
-def _positions(axis: AxisResult) -> Rows:
-    header = (
-        f"{axis.letter}, deg",
-        *(f"E{c}{axis.letter} before, mm" for c in "XYZ"),
-        *(f"E{c}{axis.letter} after, mm" for c in "XYZ"),
-    )
-    rows = [
-        (f"{angle:g}", *(f"{v:+z.4f}" for v in (*before, *after)))
-        for angle, before, after in zip(axis.angle_deg, axis.before_mm, axis.after_mm, strict=True)
-    ]
-    return Rows(header, rows)
-
-
-def _results(evaluation: Evaluation) -> Rows:
-    offset = "offset" if evaluation.preset_off_mm is None else "sphere off the preset"
-    meanings = {
-        **{141 + i: f"standard deviation of {x}, measured" for i, x in enumerate(LETTERS)},
-        **{144 + i: f"standard deviation of {x}, optimised" for i, x in enumerate(LETTERS)},
-        **{147 + i: f"{offset} in {x}" for i, x in enumerate("XYZ")},
-    }
-    rows = [
-        (f"Q{q}", "−1" if value == -1.0 else f"{value:z.4f}", meanings[q])
-        for q, value in evaluation.q_parameters().items()
-    ]
-    return Rows(("parameter", "mm", "meaning"), rows)
-
-
-def _estimates(evaluation: Evaluation) -> list[tuple[str, Estimate]]:
-    """Give the determined location errors, and sums of others that are determined."""
-    fit = evaluation.fit
-    return [*fit.parameters.items(), *((c.name, c.estimate) for c in fit.combinations)]
-
-
-def _location_errors(evaluation: Evaluation) -> Rows:
-    rows = [
-        (name, f"{e.value:+z.2f}", f"{e.uncertainty:.2f}", e.unit)
-        for name, e in _estimates(evaluation)
-    ]
-    return Rows(("ISO 230-7", "actual − believed", "standard uncertainty", "unit"), rows)

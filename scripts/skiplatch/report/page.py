@@ -8,7 +8,7 @@ from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.experiment.text import REST, VARIED
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
 from skiplatch.figures.inline import Drawing
-from skiplatch.report import chain, glossary, words
+from skiplatch.report import chain, glossary, ranking, words
 from skiplatch.report.conditions import most_telling
 from skiplatch.report.evidence import POSITION, Evidence, gather
 from skiplatch.report.layout import render
@@ -38,7 +38,7 @@ def as_html(
         next_experiment: What to record or to touch next; None for nothing.
     """
     evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
-    ranking = words.ranking(diagnosis)
+    ranks = ranking.ranking(diagnosis)
     steps = chain.steps(diagnosis, campaign.nominal.kind)
     return render(
         TEMPLATE,
@@ -56,9 +56,9 @@ def as_html(
         shrink=_shrink(diagnosis),
         gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
         missed=words.missed_table(evidence.missed),
-        ranking=ranking,
-        cut_bars=words.cut_bars(ranking),
-        no_gain=words.no_gain(diagnosis),
+        ranking=ranks,
+        cut_bars=ranking.cut_bars(ranks),
+        no_gain=ranking.no_gain(diagnosis),
         where=words.where_table(diagnosis),
         left=words.left_table(diagnosis),
         next_experiment=next_experiment and words.next_touches(next_experiment),

@@ -24,7 +24,8 @@ from skiplatch.transmission.flanks import Flanks, survey
 from skiplatch.transmission.limits import ARCSEC_PER_TURN, Limits, Pace, Periods, Run, limits_of
 from skiplatch.transmission.pulses import Pulses, read_pulses, tells_edges
 from skiplatch.transmission.train import GearTrain
-from skiplatch.transmission.values import Backlash, Evaluation, IntArray, Values
+from skiplatch.transmission.values import Backlash, Evaluation, Values
+from skiplatch.transmission.waves import IntArray
 
 PENDING = 64
 """More gating pulses than wait for a point at the end of a block."""

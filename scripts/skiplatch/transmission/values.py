@@ -9,14 +9,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy import ndimage
 from threadpoolctl import threadpool_limits
 
 from skiplatch.arrays import FloatArray
 from skiplatch.transmission.spectrum import Fit, Order, fit_orders, refit
-
-IntArray = NDArray[np.int64]
+from skiplatch.transmission.waves import IntArray, Range, Waves, grid_step
 
 BLOCK_POINTS = 1 << 17
 LEAST_SHARE = 0.25
@@ -87,13 +84,13 @@ class Evaluation:
             pitch_turns: One tooth pitch in output turns.
         """
         self._lines = lines
-        self._waves = _Waves(lines * pitch_turns)
+        self._waves = Waves(lines * pitch_turns)
         self._pitch_turns = pitch_turns
         self._fold, self._fold_back = _Fold(lines), _Fold(lines)
         self._spectrum = _Spectrum(lines)
         self._sense = 0
         self._points = 0
-        self._way = _Range()
+        self._way = Range()
 
     def take(self, blocks: Iterable[tuple[IntArray, FloatArray, IntArray]]) -> None:
         """Take all points: number of the gating line, error in arcsec, sense of the motion.
@@ -167,56 +164,6 @@ def _regrouped(
 
 def _joined(held: Sequence[tuple[IntArray, FloatArray]]) -> tuple[IntArray, FloatArray]:
     return np.concatenate([p for p, _ in held]), np.concatenate([d for _, d in held])
-
-
-def grid_step(places: IntArray) -> int:
-    """Give the distance of the places that points can have: 1, or more where trains are divided."""
-    return int(np.gcd.reduce(np.diff(places))) or 1 if len(places) > 1 else 1
-
-
-class _Range:
-    """Least and greatest value so far."""
-
-    def __init__(self) -> None:
-        self._low, self._high = np.inf, -np.inf
-
-    def add(self, values: FloatArray | IntArray) -> None:
-        if len(values):
-            self._low = min(self._low, float(values.min()))
-            self._high = max(self._high, float(values.max()))
-
-    @property
-    def size(self) -> float:
-        return max(self._high - self._low, 0.0)
-
-
-class _Waves:
-    """Ranges over the train and over any one tooth pitch; the seam between blocks counts too."""
-
-    def __init__(self, pitch_places: float) -> None:
-        self._pitch_places = pitch_places
-        self._pitch = 0  # in points
-        self._tail = np.empty(0)
-        self.total, self.long_wave = _Range(), _Range()
-        self.tooth_to_tooth = self.short_wave = 0.0
-
-    def add(self, places: IntArray, delta: FloatArray) -> None:
-        self._pitch = self._pitch or max(round(self._pitch_places / grid_step(places)), 2)
-        self.total.add(delta)
-        joined = np.concatenate([self._tail, delta])
-        self._tail = joined[-3 * self._pitch :]
-        self.tooth_to_tooth = max(self.tooth_to_tooth, _within(joined, self._pitch))
-        if len(joined) >= 3 * self._pitch:
-            mean = ndimage.uniform_filter1d(joined, self._pitch)
-            inner = slice(self._pitch, len(joined) - self._pitch)  # where the mean has all points
-            self.long_wave.add(mean[inner])
-            self.short_wave = max(self.short_wave, _within((joined - mean)[inner], self._pitch))
-
-
-def _within(values: FloatArray, width: int) -> float:
-    """Give the largest range of so many neighbours."""
-    span = ndimage.maximum_filter1d(values, width) - ndimage.minimum_filter1d(values, width)
-    return float(span.max(initial=0.0))
 
 
 class _Fold:
