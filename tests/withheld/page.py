@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from skiplatch.files import atomic_write_text, read_json
+from skiplatch.marked_pages import with_part
 from skiplatch.tables import compact, number
 from tests.withheld import goals
 from tests.withheld.rows import Row
@@ -62,11 +63,7 @@ def with_table(page: str, document: Mapping[str, Any]) -> str:
     Raises:
         ValueError: The page has no marks.
     """
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not begin or not end:
-        raise ValueError(f"expected the lines {BEGIN.strip()} and {END.strip()}")
-    return f"{before}{BEGIN}\n{table(document)}\n{END}{after}"
+    return with_part(page, table(document), BEGIN, END)
 
 
 def main() -> None:
