@@ -189,7 +189,7 @@ def measure(campaigns: int, touches: int, killed: int, kill_every_s: float) -> F
         beside = [
             row
             for workers in WORKERS
-            for row in bench_campaigns(folder, workers, campaigns, touches)
+            for row in bench_campaigns(folder / str(workers), workers, campaigns, touches)
         ]
         lost = bench_killed(folder, killed, kill_every_s) if find_spec("distributed") else None
     return Figures(beside, lost, bench_empty())

@@ -19,14 +19,15 @@ SHARE, LATE_US = 0.3, 3000.0
 BOUNCE = Effect("contact_bounce", {"probability": SHARE, "least_us": LATE_US})
 
 
-def told(campaign: Campaign, *effects: Effect) -> list[Left]:
-    return [one for one in looks(campaign, *effects) if one.z > CHANCE]
+def told(campaign: Campaign, *effects: Effect, discrepancy: float = 0.0) -> list[Left]:
+    return [one for one in looks(campaign, *effects, discrepancy=discrepancy) if one.z > CHANCE]
 
 
-def looks(campaign: Campaign, *effects: Effect) -> list[Left]:
+def looks(campaign: Campaign, *effects: Effect, discrepancy: float = 0.0) -> list[Left]:
     scene = Scene.of(campaign)
     rigs = (Rig(campaign.nominal, effects), Rig(campaign.nominal))
-    return chance_of(*(Beside.of(scene, rig, seed=1) for rig in rigs))
+    found, believed = (Beside.of(scene, rig, seed=1) for rig in rigs)
+    return chance_of(found, believed, discrepancy)
 
 
 def late(campaign: Campaign, rows: BoolArray) -> Campaign:
@@ -84,3 +85,15 @@ def test_only_the_path_on_which_it_scatters_is_looked_at() -> None:
     found = told(late(campaign, rows), blocking)
 
     assert {one.path for one in found} == {"skip"}
+
+
+def test_a_shift_whose_form_is_off_a_little_is_no_chance_that_is_told() -> None:
+    """Nothing real has just the form that is fitted; beyond what the fit asks for, it is told."""
+    slow = Effect("isr_latency", {"latency_us": LATE_US, "jitter_us": LATE_US})
+    campaign = played(MACHINE, slow)
+    campaign = replace(campaign, touches=campaign.touches.in_order_of_time())
+    rows = longest_rests(campaign.touches) & (campaign.touches.path == InputPath.SKIP)
+    bent = late(campaign, rows)
+
+    assert told(bent, slow, discrepancy=0.1)
+    assert told(bent, slow, discrepancy=0.4) == []

@@ -94,6 +94,15 @@ def test_what_the_effects_hardly_ever_do_makes_a_gap_grow() -> None:
     assert not shrunk(played(BENCH, often), often)["latch_after_edge_us"].grows
 
 
+def test_a_record_that_scatters_less_than_the_plays_is_close_to_them_by_no_luck() -> None:
+    often = Effect("contact_bounce", {"probability": 0.5, "mean_us": 300.0})
+    hardly = Effect("contact_bounce", {"probability": 0.5, "mean_us": 30.0})
+
+    assert shrunk(played(BENCH, hardly), often)["latch_after_edge_us"].tightness < 0.5
+    assert shrunk(played(BENCH, often), often)["latch_after_edge_us"].tightness == 1.0
+    assert shrunk(played(BENCH, often), hardly)["latch_after_edge_us"].tightness >= 1.0
+
+
 @pytest.mark.parametrize("folder", [MACHINE, BENCH])
 def test_without_a_gap_nothing_shrinks(folder: str) -> None:
     for name, gap in shrunk(read_campaign(folder)).items():

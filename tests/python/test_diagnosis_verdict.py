@@ -46,6 +46,7 @@ LEVELS = {
     "shrinks_somewhere": 0.2,
     "chance_is_chance": 4.0,
     "takes_most": 0.5,
+    "is_as_wide": 0.5,
     "seen_enough": 6.0,
     "few_false": 1.0,
     "believed_leaves_nothing": SIGNIFICANT,
@@ -117,6 +118,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "grows_nowhere": (
         lambda _: Evidence(gaps=gaps(gap(-1.0, -0.5))),
         lambda _: Evidence(gaps=gaps(GROWING)),
+    ),
+    "is_as_wide": (
+        lambda level: Evidence(gaps=gaps(gap(0.9, tightness=level))),
+        lambda level: Evidence(everywhere=gaps(gap(0.9, tightness=level - A_BIT))),
     ),
     "chance_is_chance": (
         telling_of_chance,
@@ -264,6 +269,8 @@ def test_what_falls_short_in_one_respect_explains_in_part(worse: Evidence, rule:
     [
         (replace(FOUND, gaps=gaps(gap(0.1))), "shrinks_somewhere"),
         (replace(FOUND, gaps=gaps(gap(0.95), GROWING)), "grows_nowhere"),
+        (replace(FOUND, everywhere=gaps(gap(0.95), GROWING)), "grows_nowhere"),
+        (replace(FOUND, gaps=gaps(gap(0.95, tightness=0.1))), "is_as_wide"),
         (replace(FOUND, after=[left(20.0, "time", relative=3.0)]), "takes_most"),
         (replace(FOUND, chance=[left(20.0, "time")]), "chance_is_chance"),
     ],

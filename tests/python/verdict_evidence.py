@@ -14,10 +14,11 @@ def left(z: float, *conditions: str, relative: float = 1.0) -> Left:
     return Left("position", "skip", "shift", names, relative, "µm", relative, 1.0, 0.1, z)
 
 
-def gap(low: float, high: float = 1.0, *, is_clear: bool = True) -> Gap:
+def gap(low: float, high: float = 1.0, *, is_clear: bool = True, tightness: float = 1.0) -> Gap:
     """A gap that shrinks by so much."""
     share = Interval((low + high) / 2.0, low, high)
-    return Gap("position", "µm", 5.0, 5.0 - 4.0 * share.value, 0.9, share, is_clear=is_clear)
+    after = 5.0 - 4.0 * share.value
+    return Gap("position", "µm", 5.0, after, 0.9, share, is_clear=is_clear, tightness=tightness)
 
 
 GROWING = replace(gap(-1.0, -0.5), grows=True)

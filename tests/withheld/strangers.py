@@ -104,13 +104,6 @@ def _step(d: Draw) -> Form:
     return Form(words, errs(lambda s: step * (s.touches.time_s > at_s)))
 
 
-def _latch_step(d: Draw) -> Form:
-    at_s = d.between(0.25, 0.75) * float(d.setup.touches.time_s[-1])
-    step = 2.0 * d.amount_us
-    words = f"skip latched {step:.4g} µs later from {at_s:.0f} s on"
-    return Form(words, {Step.SKIP: adds("skip_us", lambda s: step * (s.touches.time_s > at_s))})
-
-
 def _seat(d: Draw) -> Form:
     """The stylus comes back to a seat that depends on where it was pushed before."""
     amplitude, azimuth = 1.4 * d.amount_um, d.angle()
@@ -201,9 +194,6 @@ STRANGERS: Mapping[str, Stranger] = {
     "feed_squared": Stranger("the deviation goes with the feed squared", _feed_squared),
     "feed_noise": Stranger("the scatter grows with the feed", _feed_noise, on_bench=True),
     "step_in_time": Stranger("the deviation jumps once in the campaign", _step),
-    "latency_step": Stranger(
-        "the skip latency jumps once", _latch_step, on_bench=True, on_machine=False
-    ),
     "seat_error": Stranger("the error depends on the direction of the touch before", _seat),
     "slow_wave": Stranger("the deviation swings slowly with time", _slow_wave),
     "latency_wave": Stranger(

@@ -47,9 +47,12 @@ class Cell:
 
     def lost_by_luck(self, k: int) -> FloatArray:
         """Give by how much the effects score worse than none on a play of theirs; shape (m,)."""
-        before, after = self.ensembles[:2]
-        recorded = after.plays[k]
-        return after.scored(recorded, but=k).scores - before.scored(recorded).scores
+        return self.by_luck(k) - self.ensembles[0].scored(self.ensembles[1].plays[k]).scores
+
+    def by_luck(self, k: int) -> FloatArray:
+        """Give what the effects score on a play of theirs; shape (m,)."""
+        after = self.ensembles[1]
+        return after.scored(after.plays[k], but=k).scores
 
 
 @dataclass(frozen=True, slots=True, eq=False)

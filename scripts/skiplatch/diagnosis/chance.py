@@ -3,9 +3,12 @@
 Which touches bounced, how late a scan began, where a value lies between two lines: no condition
 tells it, and no touch before, for the physics of the effect knows none of them. Where something
 does, the effect stands for something else. It shows at the feeds at which the effect adds scatter.
+What a finding shifts touches by has never just the form of the real shift: what is no more than the
+discrepancy that its fit asks for is no chance.
 """
 
 from collections.abc import Iterator
+from itertools import chain
 
 import numpy as np
 
@@ -18,18 +21,19 @@ from skiplatch.diagnosis.look import FEWEST
 SMALLEST = 1e-9
 
 
-def chance_of(found: Beside, believed: Beside) -> list[Left]:
+def chance_of(found: Beside, believed: Beside, discrepancy: float) -> list[Left]:
     """Look for what tells how the chance of a finding fell; all of it, the most significant first.
 
     Args:
         found: The touches beside plays of the rig with the effects.
         believed: The same without them.
+        discrepancy: By how much of what they shift the effects are off in their form.
     """
-    looks = [left for look in _looks(found, believed) for left in look]
+    looks = _looks(found, believed, discrepancy)
     return sorted(looks, key=lambda left: -left.z)
 
 
-def _looks(beside: Beside, before: Beside) -> Iterator[Iterator[Left]]:
+def _looks(beside: Beside, before: Beside, discrepancy: float) -> Iterator[Left]:
     for path, here in beside.paths.items():
         for name in beside.recorded:
             rows = here & beside.known(name) & before.known(name)
@@ -37,9 +41,15 @@ def _looks(beside: Beside, before: Beside) -> Iterator[Iterator[Left]]:
                 rows = rows & _adds_scatter(beside, before, name, rows)
             if rows.sum() >= FEWEST:
                 look = beside.look(name, path, rows)
-                yield look.straight()
-                yield look.predicted()
-                yield look.waves()
+                least = discrepancy * _shift(beside, before, name, rows)
+                each = chain(look.straight(), look.predicted(), look.waves())
+                yield from (left for left in each if left.size > least)
+
+
+def _shift(beside: Beside, before: Beside, name: str, rows: BoolArray) -> float:
+    """Give the root mean square of what a finding shifts the middle of touches by."""
+    now, was = (np.nanmedian(plays.played[name][:, rows], axis=0) for plays in (beside, before))
+    return float(np.sqrt(np.mean((now - was) ** 2)))
 
 
 def _adds_scatter(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:

@@ -12,11 +12,13 @@ from skiplatch.diagnosis.confirm import Confirmation
 from skiplatch.diagnosis.decide import Finding
 from skiplatch.diagnosis.guilty import without_guilty
 from skiplatch.diagnosis.hidden import Hidden, could_hide
+from skiplatch.diagnosis.left import Left
 from skiplatch.diagnosis.likelihood import likelihood
 from skiplatch.diagnosis.named import Named, named, open_sizes
 from skiplatch.diagnosis.outliers import outliers
 from skiplatch.diagnosis.playing import Folds, Rig
 from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scored import Scored
 from skiplatch.diagnosis.shrink import Gap, shrink
 from skiplatch.diagnosis.verdict import (
     NAMES,
@@ -90,10 +92,10 @@ def _conclusion(
     everywhere = np.full(len(scene), fill_value=True)
     gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
     hidden = could_hide(scene, known, seed=work.seed)
-    beside = (work.beside(scene, one) for one in (rig, believed))
-    told = chance_of(*beside) if finding.model else []
+    told = _told_of_chance(work, finding.model, rig)
     evidence = Evidence(
         gaps=gap,
+        everywhere=gaps(everywhere, rig) if finding.model else gap,
         chance=mattering(told, work.materiality),
         before=mattering(before, work.materiality),
         after=mattering(after, work.materiality),
@@ -112,6 +114,14 @@ def _conclusion(
         gap = gaps(everywhere, work.folds(finding.model.fit))
         evidence = replace(evidence, gaps=gap, is_held_out=False)
     return Conclusion(finding, rig, known, found, gap, hidden, odd, evidence)
+
+
+def _told_of_chance(work: Work, model: Scored | None, rig: Rig) -> list[Left]:
+    """Give what tells how the chance of a finding fell; nothing of none."""
+    if model is None:
+        return []
+    found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
+    return chance_of(found, believed, discrepancy=model.fit.slack)
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: Finding) -> float:

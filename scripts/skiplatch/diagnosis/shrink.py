@@ -38,7 +38,7 @@ FEWEST_TOUCHES = 3  # in a cell
 RESAMPLES = 999
 NS = 3  # decimals of a µs
 MOST_LUCKY = 60
-"""Plays of the effects, at most, all of which have to do better by them for a gap to grow."""
+"""Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
 ROUNDING = 1.0 / 6.0
 """Noise floor of what is known but for its rounding, in steps of it."""
 ALPHA = 0.01
@@ -64,6 +64,9 @@ class Gap:
     """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
     grows: bool = False
     """The effects score worse than their own plays would if they were the truth."""
+    tightness: float = 1.0
+    """How far the record is off plays of the effects, over how far these are off each other; 1 if
+    it is as close to them as any play of theirs by luck."""
     oracle: float | None = None
     """The score of the true effects, where somebody knows them."""
     oracle_shrink: Interval | None = None
@@ -208,24 +211,40 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
         shrink=shrinks,
         is_clear=bool(clear),
         grows=shrinks.high < 0.0 and _is_no_luck(clear, least),
+        tightness=_tightness(clear, least) if clear else 1.0,
         oracle=None if scores.truth is None else float(scores.truth.sum()) / whole,
         oracle_shrink=None if scores.truth is None else share_gone(scores.truth),
     )
 
 
 def _is_no_luck(cells: Sequence[Cell], least: float) -> bool:
-    """Tell whether effects score worse than on most of their own plays, beside no effect.
+    """Tell whether effects score worse than on all of their own plays, beside no effect.
 
     What comes now and then may not have come, and a rounded value fall as it likes.
     """
+    lost = _in_units(cells, least, (cell.after.scores - cell.before.scores for cell in cells))
+    by_luck = (_in_units(cells, least, (c.lost_by_luck(k) for c in cells)) for k in _lots(cells))
+    return all(one < lost for one in by_luck)
 
-    def lost(of_cells: Iterable[FloatArray]) -> float:
-        both = zip(of_cells, cells, strict=True)
-        return sum(float(scores.sum()) / cell.unit(least) for scores, cell in both)
 
-    seen = lost(cell.after.scores - cell.before.scores for cell in cells)
-    replicates = min(len(cells[0].ensembles[1].plays), MOST_LUCKY)
-    return all(lost(cell.lost_by_luck(k) for cell in cells) < seen for k in range(replicates))
+def _tightness(cells: Sequence[Cell], least: float) -> float:
+    """Give what the effects score over their noise floor; 1 if any of their plays scores as low."""
+    seen = _in_units(cells, least, (cell.after.scores for cell in cells))
+    by_luck = (_in_units(cells, least, (c.by_luck(k) for c in cells)) for k in _lots(cells))
+    if any(one <= seen for one in by_luck):
+        return 1.0
+    return seen / _in_units(cells, least, (cell.after.floor for cell in cells))
+
+
+def _lots(cells: Sequence[Cell]) -> range:
+    """Number the plays of the effects that stand for what might have been recorded."""
+    of_effects = cells[0].ensembles[1:2]
+    return range(min([MOST_LUCKY, *(len(one.plays) for one in of_effects)]) if of_effects else 0)
+
+
+def _in_units(cells: Sequence[Cell], least: float, scores: Iterable[FloatArray]) -> float:
+    """Sum up scores of each cell's touches in units of its noise floor."""
+    return sum(float(s.sum()) / cell.unit(least) for s, cell in zip(scores, cells, strict=True))
 
 
 def _share_gone(scores: CellScores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:

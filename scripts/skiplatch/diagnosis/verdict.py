@@ -48,6 +48,7 @@ class Evidence:
 
     Attributes:
         gaps: Observables on touches held out, with the gap before and after; by name.
+        everywhere: The same of all touches, to most of which the finding was fitted.
         is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
             all touches, each with parameters that the others were fitted to.
         chance: What may tell how the finding's chance fell, if it is material.
@@ -66,6 +67,7 @@ class Evidence:
     """
 
     gaps: Mapping[str, Gap] = field(default_factory=dict)
+    everywhere: Mapping[str, Gap] = field(default_factory=dict)
     is_held_out: bool = True
     chance: Sequence[Left] = ()
     before: Sequence[Left] = ()
@@ -121,17 +123,24 @@ def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS) -> bo
     return bool(far <= stats.binom.ppf(1.0 - RARELY, touches, share))
 
 
-def _clear(evidence: Evidence) -> Mapping[str, Gap]:
-    return {name: gap for name, gap in evidence.gaps.items() if gap.is_clear}
+def _clear(gaps: Mapping[str, Gap]) -> Mapping[str, Gap]:
+    return {name: gap for name, gap in gaps.items() if gap.is_clear}
+
+
+def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> str:
+    """Name the observables whose clear gap shows something, held out or on all touches."""
+    each = (evidence.gaps, evidence.everywhere)
+    found = {name: None for gaps in each for name, gap in _clear(gaps).items() if shows(gap)}
+    return ", ".join(found)
 
 
 def _shrinks(evidence: Evidence, threshold: float) -> str:
     small = [
         f"{n} by {g.shrink.low:.0%}"
-        for n, g in _clear(evidence).items()
+        for n, g in _clear(evidence.gaps).items()
         if g.shrink.low < threshold
     ]
-    if not _clear(evidence) and not _is_lost_no_more(evidence, threshold):
+    if not _clear(evidence.gaps) and not _is_lost_no_more(evidence, threshold):
         return "no gap is clear enough to tell that all of it is gone"
     return f"the gap shrinks for certain only: {', '.join(small)}" if small else ""
 
@@ -139,11 +148,11 @@ def _shrinks(evidence: Evidence, threshold: float) -> str:
 def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
     if _shrinks_for_certain(evidence, threshold) or evidence.nats > LIKELIER:
         return ""
-    return "no gap shrinks for certain" if _clear(evidence) else "no gap is clear"
+    return "no gap shrinks for certain" if _clear(evidence.gaps) else "no gap is clear"
 
 
 def _shrinks_for_certain(evidence: Evidence, threshold: float) -> bool:
-    is_clear = any(gap.shrink.low > threshold for gap in _clear(evidence).values())
+    is_clear = any(gap.shrink.low > threshold for gap in _clear(evidence.gaps).values())
     return is_clear or _is_lost_no_more(evidence, threshold)
 
 
@@ -160,8 +169,13 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
 
 
 def _grows_nowhere(evidence: Evidence, _: float) -> str:
-    grown = [name for name, gap in _clear(evidence).items() if gap.grows]
-    return f"the gap grows: {', '.join(grown)}" if grown else ""
+    grown = _seen_where(evidence, lambda gap: gap.grows)
+    return f"the gap grows: {grown}" if grown else ""
+
+
+def _is_as_wide(evidence: Evidence, threshold: float) -> str:
+    wide = _seen_where(evidence, lambda gap: gap.tightness < threshold)
+    return f"what was recorded scatters far less than it plays: {wide}" if wide else ""
 
 
 def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
@@ -273,6 +287,12 @@ NAMES: Sequence[Rule] = (
         0.0,
         "theory: a right name makes no gap larger than its own plays do",
         _grows_nowhere,
+    ),
+    Rule(
+        "is_as_wide",
+        0.5,
+        "a level: a right name scatters no more than what was recorded, by its form or by luck",
+        _is_as_wide,
     ),
     Rule(
         "chance_is_chance",
