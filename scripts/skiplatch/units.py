@@ -2,8 +2,14 @@
 
 UM_PER_MM = 1e3
 MM_PER_M = 1e3
-S_PER_MIN = 60.0
+MM_PER_INCH = 25.4
+NS_PER_US = 1e3
+NS_PER_S = 1e9
+US_PER_MS = 1e3
 US_PER_S = 1e6
 US_PER_H = 3.6e9
-NS_PER_S = 1e9
+S_PER_MIN = 60.0
+UM_US_PER_MM_S = 1e-3
+"""µm/µs in a mm/s."""
 DEG_PER_TURN = 360.0
+ARCSEC_PER_DEG = 3600.0

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-S_PER_MIN = 60.0
+from skiplatch.units import S_PER_MIN
 
 
 @dataclass(frozen=True, slots=True)

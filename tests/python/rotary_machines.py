@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
+from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
+
 OWN = {"A": 0, "B": 1, "C": 2}
-ARCSEC_PER_DEG = 3600.0
-UM_PER_MM = 1000.0
 
 Array = NDArray[np.float64]
 

@@ -7,22 +7,13 @@ import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from rotary_machines import (
-    ARCSEC_PER_DEG,
-    KINDS,
-    UM_PER_MM,
-    Array,
-    Line,
-    Planted,
-    names_of,
-    plant,
-    readings,
-)
+from rotary_machines import KINDS, Array, Line, Planted, names_of, plant, readings
 from skiplatch.campaign import InputPath
 from skiplatch.kinematics.firmware import Fit, fit
 from skiplatch.kinematics.five_axis import DEFAULT_RIG, Probing, probe_points
 from skiplatch.kinematics.machine import LETTERS
 from skiplatch.kinematics.points import Points
+from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 from test_kinematics_five_axis import angles_of, believed, truth
 
 MACHINES = 1000

@@ -7,9 +7,9 @@ from effects_rig import assert_close, trace
 from skiplatch.campaign import InputPath
 from skiplatch.kinematics.five_axis import RotaryTruth, Truth, probe_points
 from skiplatch.simulator.effects import Effect
+from skiplatch.units import UM_PER_MM
 from test_kinematics_five_axis import PLAIN_BC, quiet_rig
 
-UM_PER_MM = 1000.0
 TOUCHES = 40
 CENTRE_UM = (12.0, -7.0)
 

@@ -19,9 +19,8 @@ from skiplatch.kinematics.five_axis import (
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.library import SimulationError
+from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
-ARCSEC_PER_DEG = 3600.0
-UM_PER_MM = 1000.0
 PLAIN_BC = Machine(
     (
         RotaryAxis("B", False, (0.0, 1.0, 0.0), (0.0, 0.0, 0.0), (-90.0, 90.0)),

@@ -5,9 +5,8 @@ from collections.abc import Callable
 from typing import Any
 
 from skiplatch.bench.listener import Arrival
-from skiplatch.bench.recording import NS_PER_US
 from skiplatch.bench.station import Station
-from skiplatch.units import NS_PER_S
+from skiplatch.units import NS_PER_S, NS_PER_US
 
 IDLE_S = 0.2
 EDGE_MEMORY_NS = 1_000_000_000  # a latch later than that is none of the edge

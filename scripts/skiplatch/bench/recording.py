@@ -10,9 +10,8 @@ from skiplatch.bench.plan import Plan
 from skiplatch.bench.protocol import Edge
 from skiplatch.campaign import Axis, InputPath, Nominal, Status, Touches
 from skiplatch.motion import expected_contact
-from skiplatch.units import NS_PER_S, S_PER_MIN, UM_PER_MM, US_PER_S
+from skiplatch.units import NS_PER_S, NS_PER_US, S_PER_MIN, UM_PER_MM, US_PER_S
 
-NS_PER_US = 1e3
 COUNTS = 1 << 32
 LEAD_S = 1.0  # the master clock starts that long before the first touch
 

@@ -11,11 +11,11 @@ import numpy as np
 from skiplatch.bench.listener import Arrival
 from skiplatch.bench.plan import Plan
 from skiplatch.bench.processes import Program, compiled, module
-from skiplatch.bench.recording import NS_PER_US, Played, VirtualAxis
+from skiplatch.bench.recording import Played, VirtualAxis
 from skiplatch.bench.station import Pulse, Station
 from skiplatch.campaign import InputPath
 from skiplatch.progress import shown
-from skiplatch.units import NS_PER_S, US_PER_S
+from skiplatch.units import NS_PER_S, NS_PER_US, US_PER_S
 
 EDGE_PATIENCE_S = 1.0
 LATCH_PATIENCE_S = 0.5  # beyond the pulse, the debounce and two scans

@@ -23,9 +23,9 @@ from skiplatch.compensation.experiment import (
 )
 from skiplatch.compensation.formats import read_table
 from skiplatch.compensation.probe_map import Readings, map_of
-from skiplatch.compensation.rigs import US_PER_MS
 from skiplatch.compensation.touching import Directions, Recording
 from skiplatch.files import atomic_write_text
+from skiplatch.units import US_PER_MS
 
 BEFORE = "before"
 AFTER = "after"

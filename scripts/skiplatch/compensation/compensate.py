@@ -10,11 +10,10 @@ from skiplatch.compensation import firmware
 from skiplatch.compensation.delay import Delay
 from skiplatch.compensation.formats import rounded
 from skiplatch.compensation.probe_map import ProbeMap
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import UM_PER_MM, US_PER_MS
 
 HINTS = {"TOO_SLOW": "; map the probe at a higher feed, or give --target max"}
 """What to do about an error of the firmware, by its name."""
-US_PER_MS = 1e3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -12,11 +12,11 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal
 from skiplatch.compensation import firmware
-from skiplatch.compensation.rigs import US_PER_MS, Rig
+from skiplatch.compensation.rigs import Rig
 from skiplatch.compensation.touching import Recording, Station, Target
 from skiplatch.simulator.library import SimulationError
 from skiplatch.simulator.rig import Seat
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import UM_PER_MM, US_PER_MS
 
 FEED_MAX_MM_MIN = 1000.0
 """What a probe may touch with; no rig here comes near it."""

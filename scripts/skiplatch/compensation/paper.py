@@ -8,8 +8,8 @@ import numpy as np
 
 from skiplatch.compensation import firmware
 from skiplatch.compensation.experiment import Result
-from skiplatch.compensation.rigs import US_PER_MS
 from skiplatch.tables import NOTHING, number, table
+from skiplatch.units import US_PER_MS
 
 PERCENT = 100.0
 TOP_DEG = 80.0

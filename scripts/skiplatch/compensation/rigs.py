@@ -23,8 +23,8 @@ from skiplatch.campaign import (
 from skiplatch.compensation.firmware import Side
 from skiplatch.compensation.touching import Directions, Target
 from skiplatch.simulator.rig import Seat
+from skiplatch.units import US_PER_MS
 
-US_PER_MS = 1000.0
 M_PER_MM = 1e-3
 UM_PER_M = 1e6
 POLE_DEG = 90.0

@@ -9,10 +9,9 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import Axis, InputPath, Kind, Nominal, Status, Touches
 from skiplatch.motion import Contact, expected_contact
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import UM_PER_MM, UM_US_PER_MM_S
 
 LOBES = 3.0
-UM_US_PER_MM_S = 1e-3
 FEWEST_POSITIONS = 8
 """Distinct positions that tell a wave: it has amplitude, phase, period and mean."""
 DISTINCT_DIGITS = 2

@@ -17,8 +17,8 @@ from skiplatch.errors import InputError
 from skiplatch.files import foreign_reader
 from skiplatch.importing.candump import is_logged, is_shown, shown_frames
 from skiplatch.importing.model import Imported
+from skiplatch.units import NS_PER_US
 
-NS_PER_US = 1e3
 MOST_BYTES = 2 * 2**30
 LATEST_NS = 1_000_000_000  # from an edge to its latch
 

@@ -12,7 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 
-from skiplatch.importing.model import MM_PER_INCH
+from skiplatch.units import MM_PER_INCH
 
 AXES = "XYZABC"
 LINEAR = "XYZ"

@@ -10,9 +10,9 @@ from pathlib import Path
 from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, Machine, ProbeMove
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
-from skiplatch.importing.model import MM_PER_INCH, NO_TIMES, Imported, Touch
+from skiplatch.importing.model import NO_TIMES, Imported, Touch
 from skiplatch.importing.presets import PRESETS, Preset
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
 _PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
 _SETTING = re.compile(r"\$(\d{1,3})\s*=\s*(-?\d+\.?\d*)")

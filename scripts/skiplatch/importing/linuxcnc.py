@@ -13,7 +13,8 @@ from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
 from skiplatch.importing.gcode_program import is_in_inches, run
 from skiplatch.importing.log_lines import read_text
-from skiplatch.importing.model import MM_PER_INCH, Imported, Touch
+from skiplatch.importing.model import Imported, Touch
+from skiplatch.units import MM_PER_INCH
 
 COLUMNS = 9
 FEWEST = 3

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 
 from skiplatch.campaign import Kind, Touches
 
-MM_PER_INCH = 25.4
 KeyPath = tuple[str, str]
 NO_TIMES = "no times in the log: the order of the lines is that of the touches"
 

@@ -14,11 +14,10 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, DatumFreedom, InputPath, Touches
 from skiplatch.importing.model import Touch
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
 SAME_SURFACE_MM = 0.6
 """Touches of one place that are closer than this have touched one surface."""
-ARCSEC_PER_DEG = 3600.0
 DECIMALS = 3
 Key = tuple[str, str, int, tuple[float, ...], int]
 

@@ -13,13 +13,12 @@ from scipy.spatial.transform import Rotation
 from skiplatch.kinematics.firmware import Estimate, Fit, NoFitError, fit, names_of
 from skiplatch.kinematics.machine import LETTERS, Machine, RotaryAxis, Vector
 from skiplatch.kinematics.points import Points
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
 CHECK, POSITIONS, ANGLES, ORIGIN = range(4)
 """The modes of Q406."""
 SIGNIFICANT = 2.0
 """Standard uncertainties that an angle has to exceed to be corrected."""
-ARCSEC_PER_DEG = 3600.0
 STRAIGHT_RAD = 0.0175
 """1°: an axis that leans less is not meant to."""
 

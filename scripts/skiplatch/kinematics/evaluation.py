@@ -8,9 +8,9 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.kinematics.axis_report import Results
 from skiplatch.kinematics.firmware import Fit
-from skiplatch.kinematics.five_axis import ARCSEC_PER_DEG
 from skiplatch.kinematics.machine import Machine, Vector
 from skiplatch.kinematics.outliers import Outlier
+from skiplatch.units import ARCSEC_PER_DEG
 
 
 @dataclass(frozen=True, slots=True, eq=False)

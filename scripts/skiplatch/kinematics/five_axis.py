@@ -29,10 +29,9 @@ from skiplatch.kinematics.machine import LETTERS, Machine
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.library import SimulationError, connection
 from skiplatch.simulator.rig import Controller, filled_rig
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
 CData = Any
-ARCSEC_PER_DEG = 3600.0
 
 DEFAULT_RIG = Nominal(
     kind=Kind.MACHINE,

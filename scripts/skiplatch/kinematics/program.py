@@ -18,7 +18,6 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.files import read_text
 
 MOST_BYTES = 1_000_000
-MM_PER_INCH = 25.4
 
 BLOCK = re.compile(r"N?(?P<number>\d+)\s+(?P<text>\S.*)")
 CYCLE = re.compile(r"TCH PROBE (?P<cycle>\d{1,9})\b[^~;]*")

@@ -26,7 +26,7 @@ from skiplatch.kinematics.grid_evaluation import GridEvaluation, NoGridError
 from skiplatch.kinematics.machine import Machine, Vector
 from skiplatch.kinematics.memory import Memory, run_450
 from skiplatch.kinematics.points import Points
-from skiplatch.kinematics.program import MM_PER_INCH, Cycle, Program
+from skiplatch.kinematics.program import Cycle, Program
 from skiplatch.kinematics.recorded import RecordedError, sort_recorded
 from skiplatch.kinematics.run_notes import (
     NO_BACKLASH,
@@ -36,6 +36,7 @@ from skiplatch.kinematics.run_notes import (
 )
 from skiplatch.kinematics.stations import Stations
 from skiplatch.simulator.effects import Effect
+from skiplatch.units import MM_PER_INCH
 
 LENGTHS = (407, 320, 408, 253)
 """Parameters that are in inches in an inch program."""

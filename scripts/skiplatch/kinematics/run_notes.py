@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from skiplatch.kinematics.correction import ARCSEC_PER_DEG
 from skiplatch.kinematics.cycle import (
     Report,
 )
 from skiplatch.kinematics.evaluation import Evaluation
+from skiplatch.units import ARCSEC_PER_DEG
 
 NO_BACKLASH = (
     "Backlash of {} was not measured (Q432 = 0, a Hirth coupling or an M function): an axis that "

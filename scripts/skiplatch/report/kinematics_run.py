@@ -14,9 +14,7 @@ from skiplatch.kinematics.run import Outcome, Run
 from skiplatch.report.kinematics import vector_text
 from skiplatch.report.kinematics_grid import lead
 from skiplatch.tables import table
-from skiplatch.units import UM_PER_MM
-
-SECONDS_PER_MINUTE = 60.0
+from skiplatch.units import S_PER_MIN, UM_PER_MM
 
 
 def effort(run: Run) -> str:
@@ -25,7 +23,7 @@ def effort(run: Run) -> str:
         return "no touch"
     if run.report.touches == 0:
         return f"{len(np.unique(run.stations.centre_mm, axis=0))} recorded positions"
-    minutes = run.report.duration_s / SECONDS_PER_MINUTE
+    minutes = run.report.duration_s / S_PER_MIN
     return f"{run.report.touches} touches in {minutes:.1f} min"
 
 

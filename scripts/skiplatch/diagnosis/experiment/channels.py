@@ -9,8 +9,8 @@ from skiplatch.campaign import InputPath, Kind, Nominal, Touches
 from skiplatch.diagnosis.grid import off_grid
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.playing import Outcomes
+from skiplatch.units import UM_US_PER_MM_S
 
-UM_US_PER_MM_S = 1e-3
 MISSED = "missed"
 
 
