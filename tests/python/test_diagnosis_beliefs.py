@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -259,3 +260,21 @@ def test_beliefs_are_fitted_together() -> None:
     assert together.nominal.probe.delay_us == pytest.approx(500.0, abs=8.0)
     assert np.isfinite(together.nats)
     assert together.nats >= max(fit_beliefs(scene, Change(), [b]).nats for b in beliefs) - 0.1
+
+
+def test_a_search_that_misses_a_peak_takes_what_fitted_beside_another_change(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    campaign = believed(read_campaign(MACHINE), probe__delay_us=40.0)
+    truth = campaign.nominal
+    scene = Scene.of(as_played(campaign, {DELAY: 450.0}))
+    belief = belief_of(uncertain(scene.nominal), DELAY)
+
+    def far_off(*_: object, bounds: tuple[float, float], **__: object) -> SimpleNamespace:
+        return SimpleNamespace(x=bounds[0])
+
+    monkeypatch.setattr("skiplatch.diagnosis.beliefs.optimize.minimize_scalar", far_off)
+
+    assert fit_beliefs(scene, Change(), [belief]).nominal == scene.nominal
+    tried = fit_beliefs(scene, Change(), [belief], truth).nominal
+    assert tried.probe.delay_us == pytest.approx(truth.probe.delay_us, abs=8.0)

@@ -18,7 +18,7 @@ from skiplatch.diagnosis.judge import Judge
 from skiplatch.diagnosis.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.own_way import goes_its_own_way
+from skiplatch.diagnosis.own_way import OwnWay, own_way
 from skiplatch.diagnosis.parts import split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.scored import IMPOSSIBLE, worth
@@ -44,15 +44,49 @@ def test_streams_of_a_campaign_without_a_gap_are_as_wide_as_believed(folder: Pat
         assert scores.std() < 1.0 + 5.0 * error, stream.name
 
 
-def test_a_shiftgoes_its_own_way_with_a_condition_that_another_does_not_go_with() -> None:
-    scene = Scene.of(read_campaign(SAMPLES / "machine_no_gap"))
-    with_feed = Change(position_um=3.0 * scene.speed)
-    with_sense = Change(position_um=2.0 * scene.sign)
+def off_by(shift_um: Callable[[Scene], FloatArray]) -> Scene:
+    """A machine without a gap, but that its positions are off."""
+    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    touches = campaign.touches
+    deviation_um = touches.deviation_um + shift_um(Scene.of(campaign))
+    return Scene.of(replace(campaign, touches=replace(touches, deviation_um=deviation_um)))
 
-    assert goes_its_own_way(scene, with_feed, with_sense)
-    assert goes_its_own_way(scene, with_sense, with_feed)
-    assert not goes_its_own_way(scene, with_feed, Change(position_um=scene.speed))
-    assert not goes_its_own_way(scene, Change(position_um=3.0), with_sense)
+
+def of_scale(scene: Scene) -> FloatArray:
+    return 0.05 * scene.sign * scene.touches.position_mm
+
+
+def of_bend(scene: Scene) -> FloatArray:
+    return 0.05 * scene.sign * scene.touches.position_mm**2 / 100.0
+
+
+def of_sense(scene: Scene) -> FloatArray:
+    return 2.0 * scene.sign
+
+
+def way_of_sense(scene: Scene) -> OwnWay:
+    return own_way(scene, Change(position_um=of_sense(scene)), Change(position_um=of_scale(scene)))
+
+
+def test_what_another_form_of_a_shift_does_is_no_shift_of_its_own() -> None:
+    """A bent scale is off by the sense as well, in the mean of its positions."""
+    bent = way_of_sense(off_by(lambda scene: of_scale(scene) + of_bend(scene)))
+
+    assert bent.as_formed > 20.0
+    assert bent.beyond_form < 0.1 * bent.as_formed
+
+
+def test_a_shift_of_its_own_stays_beyond_any_form_of_another() -> None:
+    both = way_of_sense(off_by(lambda scene: of_scale(scene) + of_sense(scene)))
+
+    assert both.as_formed > 20.0
+    assert both.beyond_form > 0.3 * both.as_formed
+
+
+def test_what_shifts_nothing_has_no_way_of_its_own() -> None:
+    scene = off_by(of_scale)
+
+    assert own_way(scene, Change(), Change(position_um=of_scale(scene))) == OwnWay(0.0, 0.0)
 
 
 def test_the_likelihood_prefers_the_truth() -> None:

@@ -187,13 +187,16 @@ class Fitted:
     nats: float
 
 
-def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitted:
+def fit_beliefs(
+    scene: Scene, change: Change, beliefs: Sequence[Belief], tried: Nominal | None = None
+) -> Fitted:
     """Fit beliefs to a scene under a change of the physics, one after the other, twice over.
 
     Args:
         scene: The touches, with the chain that the beliefs are of or with one fitted before.
         change: What differs from the nominal chain besides.
         beliefs: As they stand in nominal.toml.
+        tried: Where they fit beside another change: what a search may start from as well.
     """
     places = np.zeros(len(beliefs))
     noise_last = sorted(  # it hides the rest, and most of all where it moves the mean
@@ -217,7 +220,7 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
             def cost(x: float, only: BoolArray = only, names: frozenset[str] = names) -> float:
                 return 0.5 * x**2 - at(np.where(only, x, places), names).total
 
-            best = _least(cost, _guesses(scene, change, beliefs[i]))
+            best = _least(cost, _guesses(scene, change, beliefs[i], tried))
             places[i] = best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0
         if not places.any():
             break
@@ -225,12 +228,14 @@ def fit_beliefs(scene: Scene, change: Change, beliefs: Sequence[Belief]) -> Fitt
     return Fitted(nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats)
 
 
-def _guesses(scene: Scene, change: Change, belief: Belief) -> list[float]:
+def _guesses(scene: Scene, change: Change, belief: Belief, tried: Nominal | None) -> list[float]:
     """Propose, in standard uncertainties, what a search would not come upon: a peak too sharp."""
-    if belief.key != SCAN_PERIOD:
-        return []
-    off_us = [start[0] for start in scan_periods(scene, change)]
-    guesses = [(scene.nominal.plc.scan_us + off - belief.value) / belief.u for off in off_us]
+    guesses = []
+    if belief.key == SCAN_PERIOD:
+        off_us = [start[0] for start in scan_periods(scene, change)]
+        guesses = [(scene.nominal.plc.scan_us + off - belief.value) / belief.u for off in off_us]
+    if tried is not None and not belief.box:
+        guesses.append(belief.uncertainties(value_of(tried, belief.key)))
     return [guess for guess in guesses if abs(guess) < FARTHEST]
 
 

@@ -12,14 +12,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiplatch.diagnosis.judge import Judge
-from skiplatch.diagnosis.scored import Scored, without_twins
+from skiplatch.diagnosis.scored import ENOUGH_FIT, Scored, without_twins, worth
 
 MOST_EFFECTS = 4
 BETTER = 2.0
 """Nats by which a form found in company has to be better than the one found alone."""
 PLAIN_SECOND = 0.2
 """Gain of a further effect over that of the others where it acts, from which on it is no form of
-theirs; one that gains less has to go with a condition of its own, or leave nothing in a stream."""
+theirs; one that gains less has to shift what no other form does, or leave nothing in a stream."""
 FAINTEST = 0.03
 """The same below which it is not believed beside an effect that needs slack: that much any
 approximate model is off by."""
@@ -202,9 +202,14 @@ def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed)
     share = judge.share(larger, smaller)
     if larger.fit.is_loose or (share < FAINTEST and smaller.fit.slack > 0.0):
         return False
-    if share >= PLAIN_SECOND or judge.goes_its_own_way(larger):
+    if share >= PLAIN_SECOND:
         return True
-    return bool(noticed(smaller) - noticed(larger))  # a stream is explained altogether
+    least = ENOUGH_FIT + worth(larger.fit.size - smaller.fit.size)
+    way = judge.own_way(larger)
+    if larger.score - smaller.score - way.taken_by_form < ENOUGH_FIT:
+        return False
+    # Or a stream is explained altogether.
+    return way.beyond_form > least or bool(noticed(smaller) - noticed(larger))
 
 
 def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:

@@ -15,7 +15,7 @@ from skiplatch.diagnosis.laws import law_under
 from skiplatch.diagnosis.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.onset import ends_of, outlives_datum, proposed
-from skiplatch.diagnosis.own_way import goes_its_own_way
+from skiplatch.diagnosis.own_way import OwnWay, own_way
 from skiplatch.diagnosis.parts import Split
 from skiplatch.diagnosis.scene import Scene
 from skiplatch.diagnosis.scored import (
@@ -127,7 +127,8 @@ class Judge:
 
     def _fit_beside(self, model: Fit | None, beliefs: Sequence[Belief]) -> Fitted:
         naming = self._believed.select(self.parts.naming)
-        return fit_beliefs(naming, model.change(naming) if model else NOTHING, beliefs)
+        change = model.change(naming) if model else NOTHING
+        return fit_beliefs(naming, change, beliefs, self.scene.nominal)
 
     def believe_beside(self, model: Fit | None) -> None:
         """Hold models from now on against the chain with the beliefs that fit beside one.
@@ -342,14 +343,12 @@ class Judge:
         )
         return is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
 
-    def goes_its_own_way(self, model: Scored) -> bool:
-        """Tell whether the last effect goes with a condition that the others do not go with.
-
-        Another form of them would have to do that by chance.
-        """
+    def own_way(self, model: Scored) -> OwnWay:
+        """Weigh the shift of the last effect against other forms of the others."""
+        part = self.scene.select(self.parts.naming)
         effects = zip(model.fit.candidates, model.fit.parameters, strict=True)
-        *others, last = (c.acting(self._fitting, parameters) for c, parameters in effects)
-        return goes_its_own_way(self._fitting, last, reduce(Change.joined, others))
+        *others, last = (c.acting(part, parameters) for c, parameters in effects)
+        return own_way(part, last, reduce(Change.joined, others))
 
     def _acting(self, model: Scored, position: int) -> Change:
         """Give what one effect of a model changes, on the touches that serve fitting."""

@@ -70,13 +70,14 @@ class Work:
 
     def _fitted_rig(self, fit: Fit | None, scene: Scene) -> Rig:
         change = fit.change(scene) if fit else Change()
-        nominal = fit_beliefs(scene, change, self.beliefs).nominal
+        alone = self.rig(None).nominal if fit else None
+        nominal = fit_beliefs(scene, change, self.beliefs, alone).nominal
         if fit:
             # Parameters would make up for beliefs that are off, and these then for parameters.
             moved = scene.with_nominal(nominal)
             fit = settled(moved, fit)
             change = fit.change(moved)
-            nominal = fit_beliefs(scene, change, self.beliefs).nominal
+            nominal = fit_beliefs(scene, change, self.beliefs, nominal).nominal
         datum = FittedDatum.of(scene.with_nominal(nominal), change)
         return Rig(nominal, as_effects(fit) if fit else (), datum)
 
