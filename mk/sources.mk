@@ -4,7 +4,7 @@ FIRMWARE := $(wildcard firmware/*/*.c)
 MAIN     := $(wildcard host_sim/main.c)
 SIM      := $(filter-out $(MAIN),$(wildcard host_sim/*.c host_sim/effects/*.c host_sim/api/*.c))
 # What the diagnosis computes in C.
-DENSITY  := $(wildcard scripts/skiplatch/diagnosis/*.c)
+DENSITY  := $(wildcard scripts/skiplatch/diagnosis/density/*.c)
 # The shared library: what Python calls.
 IN_LIBRARY := $(FIRMWARE) $(SIM) $(DENSITY)
 TEMPLATE := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))

@@ -24,7 +24,7 @@ HEADERS = (
     "hal/include/*.h",
     "host_sim/*.h",
     "host_sim/*/*.h",
-    "scripts/skiplatch/*/*.h",
+    "scripts/skiplatch/*/*/*.h",
 )
 RUNS_LEAVE = ("__pycache__", "TCHPRAUTO*", "kinematics.bin")
 LEFT_BY_RUNS = shutil.ignore_patterns(*RUNS_LEAVE)

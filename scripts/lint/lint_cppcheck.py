@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 PORTABLE = ("firmware", "hal/include")
-HOSTED = ("host_sim", "scripts/skiplatch/diagnosis")
+HOSTED = ("host_sim", "scripts/skiplatch/diagnosis/density")
 EXAMPLES = "firmware/examples"  # they print, and leave errors to the reader
 
 MISRA = {

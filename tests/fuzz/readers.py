@@ -21,8 +21,8 @@ from skiplatch.compensation.formats import read_table
 from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
 from skiplatch.diagnosis import rig_from_json
-from skiplatch.diagnosis.adoption import adopted
 from skiplatch.diagnosis.experiment import models_from_json
+from skiplatch.diagnosis.reported.adoption import adopted
 from skiplatch.errors import InputError
 from skiplatch.files import read_json
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, diagnosed

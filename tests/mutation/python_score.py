@@ -25,7 +25,8 @@ from tests.mutation.python_mutants import mutants_of
 from tests.mutation.score import KILLED, SURVIVED, status_of, told
 
 PACKAGES = Path("scripts")
-SOURCE = PACKAGES / "skiplatch/diagnosis/verdict.py"
+VERDICT = PACKAGES / "skiplatch/diagnosis/verdict"
+SOURCES = [VERDICT / f"{name}.py" for name in ("evidence", "rules", "verdict")]
 TESTS = sorted(Path("tests/python").glob("test_diagnosis_verdict*.py"))
 PYTEST = (
     *("-c", "scripts/pyproject.toml", "--rootdir=.", "-x", "-q", "-p", "no:cacheprovider"),
@@ -123,14 +124,16 @@ def score(source: Path, tests: Sequence[Path], count: int | None, seed: int) -> 
 def main() -> int:
     """Score the rules; 1 if too few mutants are killed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--source", type=Path, default=SOURCE, help="a module of scripts/")
+    parser.add_argument("--sources", type=Path, nargs="+", default=SOURCES, help="of scripts/")
     parser.add_argument("--tests", type=Path, nargs="+", default=TESTS, help="what tests it")
-    parser.add_argument("--count", type=int, help="mutants, drawn; else all")
+    parser.add_argument("--count", type=int, help="mutants of each, drawn; else all")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--least", type=float, default=0.9, help="share to be killed")
     options = parser.parse_args()
-    scored = score(options.source, options.tests, options.count, options.seed)
-    return status_of([scored], options.least)
+    scored = [
+        score(source, options.tests, options.count, options.seed) for source in options.sources
+    ]
+    return status_of(scored, options.least)
 
 
 if __name__ == "__main__":

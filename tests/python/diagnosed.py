@@ -1,15 +1,15 @@
 """What the diagnosis finds in a campaign, before plain simulation judges it."""
 
 from skiplatch.campaign import Campaign
-from skiplatch.diagnosis.decide import Finding, find
-from skiplatch.diagnosis.judge import Judge
-from skiplatch.diagnosis.left import Left
-from skiplatch.diagnosis.material import DEFAULT
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.scored import Scored
-from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.work import Work, mattering
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.material import DEFAULT
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.decide import Finding, find
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.verdict.work import Work, mattering
 
 
 class Search:

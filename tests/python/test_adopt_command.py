@@ -13,12 +13,12 @@ from click.testing import CliRunner
 from skiplatch import cli
 from skiplatch.campaign import BelievedEffect, read_campaign, read_nominal
 from skiplatch.diagnosis import Diagnosis, diagnose
-from skiplatch.diagnosis.beliefs import believing, uncertain, value_of
-from skiplatch.diagnosis.believed import scene_of
-from skiplatch.diagnosis.candidates import candidate
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.candidates.table import candidate
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.beliefs import believing, uncertain, value_of
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.errors import InputError
 
 BENCH = Path(__file__).parents[2] / "scripts" / "samples" / "bench_isr_latency"

@@ -9,9 +9,9 @@ import pytest
 from played_campaigns import MACHINE, played, thinned
 from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
-from skiplatch.diagnosis.notes import first_touch, notes
-from skiplatch.diagnosis.reliability import reliability
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.reported.notes import first_touch, notes
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.reliability import reliability
 from skiplatch.simulator.effects import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"

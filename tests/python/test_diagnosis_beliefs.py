@@ -9,7 +9,8 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played_again
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.diagnosis.beliefs import (
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.beliefs import (
     CLOSE,
     FARTHEST,
     LOBES_U,
@@ -20,9 +21,8 @@ from skiplatch.diagnosis.beliefs import (
     fit_beliefs,
     uncertain,
 )
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 
 REPEATABILITY = ("probe", "repeatability_um")
 PRETRAVEL = ("probe", "pretravel_um")
@@ -273,7 +273,7 @@ def test_a_search_that_misses_a_peak_takes_what_fitted_beside_another_change(
     def far_off(*_: object, bounds: tuple[float, float], **__: object) -> SimpleNamespace:
         return SimpleNamespace(x=bounds[0])
 
-    monkeypatch.setattr("skiplatch.diagnosis.beliefs.optimize.minimize_scalar", far_off)
+    monkeypatch.setattr("skiplatch.diagnosis.fit.beliefs.optimize.minimize_scalar", far_off)
 
     assert fit_beliefs(scene, Change(), [belief]).nominal == scene.nominal
     tried = fit_beliefs(scene, Change(), [belief], truth).nominal

@@ -7,12 +7,12 @@ import numpy as np
 from played_campaigns import MACHINE, played
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath, Touches
-from skiplatch.diagnosis.chance import chance_of
-from skiplatch.diagnosis.left import Left
-from skiplatch.diagnosis.leftover import Beside
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.verdict import CHANCE
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.leftover import Beside
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.chance import chance_of
+from skiplatch.diagnosis.verdict.rules import CHANCE
 from skiplatch.simulator.effects import Effect
 
 SHARE, LATE_US = 0.3, 3000.0

@@ -9,15 +9,16 @@ import pytest
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import read_campaign
-from skiplatch.diagnosis import judge as judging
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.climb import climb
-from skiplatch.diagnosis.judge import Judge
-from skiplatch.diagnosis.likelihood import Likelihood, likelihood
-from skiplatch.diagnosis.parts import split
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.climb import climb
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.likelihood import Likelihood, likelihood
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search import judge as judging
+from skiplatch.diagnosis.search import scorer as scoring
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.parts import split
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 TRUE = np.array([3.0, 0.7])
@@ -78,7 +79,8 @@ def test_a_scene_is_not_worked_on_while_tasks_with_it_are_under_way(
         seen.append(pool.is_under_way)
         return likelihood(part, change, **rest)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(judging, "likelihood", watched)
+    for module in (judging, scoring):
+        monkeypatch.setattr(module, "likelihood", watched)
     judge = Judge(scene, split(len(scene), 1), executor=pool)
     late = Fit((CANDIDATES["isr_latency"],), (np.array([1.0, 0.0, 0.0]),), frozenset())
     judge.jointly([judge.score(late)] * 3)

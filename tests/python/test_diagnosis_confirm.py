@@ -10,18 +10,18 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.diagnosis.as_effects import as_effects
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.confirm import AsRig, Confirmation, confirm, contenders, settle
-from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.parts import Split, split
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.scored import Scored
-from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.separation import inseparable
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.confirm import AsRig, Confirmation, confirm, contenders, settle
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.parts import Split, split
+from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.search.separation import inseparable
 from skiplatch.simulator.effects import Effect
 
 BACKLASH = Effect("backlash", {"backlash_um": 2.0})

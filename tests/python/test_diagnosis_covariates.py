@@ -8,8 +8,8 @@ import pytest
 from played_campaigns import MACHINE
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, InputPath, Touches, read_campaign
-from skiplatch.diagnosis.covariates import Order, conditions, neighbours, sequence, varying
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.scene.covariates import Order, conditions, neighbours, sequence, varying
+from skiplatch.diagnosis.scene.scene import Scene
 
 NAN = np.nan
 SERIAL = [10, 11, 13, 14, 17]

@@ -12,12 +12,12 @@ from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machi
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Touches, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
-from skiplatch.diagnosis.law import Extra, Law
-from skiplatch.diagnosis.likelihood import fitted_datum_um, likelihood
-from skiplatch.diagnosis.playing import FittedDatum
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
+from skiplatch.diagnosis.density.law import Extra, Law
+from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
+from skiplatch.diagnosis.plays.playing import FittedDatum
+from skiplatch.diagnosis.scene.scene import Scene
 
 OFF_UM = 12.0
 NOISE_UM = 0.3

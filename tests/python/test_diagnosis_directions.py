@@ -8,10 +8,10 @@ from played_campaigns import MACHINE, played, played_again
 from skiplatch.campaign import Axis, Campaign, read_campaign
 from skiplatch.campaign.datum import DatumFreedom
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.believed import scene_of
-from skiplatch.diagnosis.directions import UNDIRECTED, with_directions
-from skiplatch.diagnosis.setting import Setting
-from skiplatch.diagnosis.verdict import Verdict
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.fit.directions import UNDIRECTED, with_directions
+from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.verdict.verdict import Verdict
 
 
 def without_directions(campaign: Campaign) -> Campaign:

@@ -10,10 +10,10 @@ import pytest
 from played_campaigns import BENCH, played
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Verdict, diagnose
-from skiplatch.diagnosis.candidates import candidate
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import fit, polish
+from skiplatch.diagnosis.candidates.table import candidate
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import fit, polish
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import play
 from skiplatch.simulator.rig import Controller

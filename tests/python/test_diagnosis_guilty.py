@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from played_campaigns import BENCH, played
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.guilty import without_guilty
-from skiplatch.diagnosis.judge import Judge
-from skiplatch.diagnosis.parts import split
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.verdict import Evidence
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.parts import split
+from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.simulator.effects import Effect
 from verdict_evidence import left
 

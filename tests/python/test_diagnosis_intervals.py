@@ -9,12 +9,12 @@ import pytest
 from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.intervals import Estimate, estimates, settled
-from skiplatch.diagnosis.likelihood import affected
-from skiplatch.diagnosis.likelihood_surface import CONFIDENCE
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.intervals import Estimate, estimates, settled
+from skiplatch.diagnosis.fit.surface import CONFIDENCE
+from skiplatch.diagnosis.likelihood.likelihood import affected
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect, effects
 
 RARE = 2e-3

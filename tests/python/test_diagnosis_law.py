@@ -7,7 +7,7 @@ import pytest
 from scipy import integrate, special, stats
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.law import SMALLEST, Extra, Law
+from skiplatch.diagnosis.density.law import SMALLEST, Extra, Law
 
 CONTAMINATION = 1e-3
 REACH = 7.0

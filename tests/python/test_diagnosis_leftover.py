@@ -11,14 +11,14 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Status, Touches
-from skiplatch.diagnosis.left import EVERYWHERE, RESOLVED, Left, Memo
-from skiplatch.diagnosis.leftover import MISSED, Beside, left_over, noticed
-from skiplatch.diagnosis.look import FEWEST, normal_scores
-from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.diagnosis.observed import observed
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.replay import as_recorded
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.plays.left import EVERYWHERE, RESOLVED, Left, Memo
+from skiplatch.diagnosis.plays.leftover import MISSED, Beside, left_over, noticed
+from skiplatch.diagnosis.plays.look import FEWEST, normal_scores
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.replay import as_recorded
+from skiplatch.diagnosis.scene.observed import observed
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
 Disturbed = Callable[[Touches], FloatArray]

@@ -8,9 +8,9 @@ import pytest
 from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis import Verdict, as_json, as_text, diagnose
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.material import Materiality, is_material
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.material import Materiality, is_material
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
 JOBS = 2

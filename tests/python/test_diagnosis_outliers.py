@@ -9,13 +9,13 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.hidden import could_hide
-from skiplatch.diagnosis.leftover import Beside
-from skiplatch.diagnosis.look import Look
-from skiplatch.diagnosis.outliers import outliers
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.verdict import Verdict
+from skiplatch.diagnosis.plays.hidden import could_hide
+from skiplatch.diagnosis.plays.leftover import Beside
+from skiplatch.diagnosis.plays.look import Look
+from skiplatch.diagnosis.plays.outliers import outliers
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 
 FAR_UM = 1000.0

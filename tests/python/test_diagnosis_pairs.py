@@ -9,8 +9,8 @@ import pytest
 from diagnosed import Search, found
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.judge import Judge
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.simulator.effects import Effect
 
 pytestmark = pytest.mark.long

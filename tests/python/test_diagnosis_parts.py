@@ -10,20 +10,20 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import read_campaign
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid import grid_period
-from skiplatch.diagnosis.grid_starts import holds, resolutions, slots
-from skiplatch.diagnosis.judge import Judge
-from skiplatch.diagnosis.law import Extra, Law, extra_variance
-from skiplatch.diagnosis.laws import law_under
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.own_way import OwnWay, own_way
-from skiplatch.diagnosis.parts import split
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.scored import IMPOSSIBLE, worth
-from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.surrogates import BLURRED
+from skiplatch.diagnosis.candidates.grid_starts import holds, resolutions, slots
+from skiplatch.diagnosis.candidates.surrogates import BLURRED
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.law import Extra, Law, extra_variance
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.grid import grid_period
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.own_way import OwnWay, own_way
+from skiplatch.diagnosis.search.parts import split
+from skiplatch.diagnosis.search.scored import IMPOSSIBLE, worth
 from skiplatch.simulator.effects import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"

@@ -8,11 +8,11 @@ from scipy import signal
 
 from played_campaigns import MACHINE, played
 from skiplatch.campaign import Axis
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.periodogram import explained_by_sines
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import fit
-from skiplatch.diagnosis.simulated import catalogue
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import fit
+from skiplatch.diagnosis.scene.periodogram import explained_by_sines
+from skiplatch.diagnosis.scene.scene import Scene
 
 PERIOD_MM, FASTEST_PER_MM = 2.37, 2.0
 

@@ -7,8 +7,8 @@ import pytest
 
 from played_campaigns import BENCH, played
 from skiplatch.campaign import Campaign
-from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.plays.phase import at_given_edges, play_in_phase
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skiplatch.diagnosis.pitches import kept_pitch
+from skiplatch.diagnosis.scene.pitches import kept_pitch
 
 ANYWHERE = np.random.default_rng(3).normal(0.0, 8.0, 60)
 

@@ -19,10 +19,10 @@ from skiplatch.diagnosis import (
     effects_from_json,
     rig_from_json,
 )
-from skiplatch.diagnosis.beliefs import believing, uncertain
-from skiplatch.diagnosis.parts import FOLDS, folds
-from skiplatch.diagnosis.playing import FittedDatum, Folds, Rig
-from skiplatch.diagnosis.scene import Scene
+from skiplatch.diagnosis.fit.beliefs import believing, uncertain
+from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.parts import FOLDS, folds
 from skiplatch.simulator.effects import Effect, effects
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span

@@ -16,14 +16,14 @@ from skiplatch import cli
 from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.commands import examining as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
-from skiplatch.diagnosis.axes import idle
-from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.candidates.axes import idle
 from skiplatch.diagnosis.experiment import Experiment
-from skiplatch.diagnosis.left import Left
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.shrink import Gap, shrink
-from skiplatch.diagnosis.text import as_text
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.reported.diagnosis import Ranked
+from skiplatch.diagnosis.reported.text import as_text
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.shrink import Gap, shrink
 from skiplatch.errors import InputError
 from skiplatch.report.conditions import conditions, most_telling
 from skiplatch.report.evidence import gather

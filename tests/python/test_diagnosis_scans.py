@@ -7,14 +7,14 @@ import pytest
 
 from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.grid_starts import _coarsest
-from skiplatch.diagnosis.laws import law_under
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.scan_starts import overruns, scan_periods
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import fit
+from skiplatch.diagnosis.candidates.grid_starts import _coarsest
+from skiplatch.diagnosis.candidates.scan_starts import overruns, scan_periods
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import fit
+from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
 PLC = ("latch_plc", "lattice")

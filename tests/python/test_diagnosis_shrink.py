@@ -13,10 +13,10 @@ from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
-from skiplatch.diagnosis.cell_scores import Cell, CellScores, TouchScores, floor_of
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.shrink import Gap, _gap, _share_gone, shrink
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, TouchScores, floor_of
+from skiplatch.diagnosis.verdict.shrink import Gap, _gap, _share_gone, shrink
 from skiplatch.simulator.effects import Effect
 
 LATE = Effect("isr_latency", {"latency_us": 41.7})

@@ -10,12 +10,12 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Datum, DatumFreedom
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import fit
-from skiplatch.diagnosis.simulated import admitted_values, catalogue, simulated
+from skiplatch.diagnosis.candidates.simulated import admitted_values, catalogue, simulated
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import fit
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect, effects
 
 CASES = {

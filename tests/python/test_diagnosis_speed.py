@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from skiplatch.diagnosis.grid import _agreement, _even_agreement, mean_turn
-from skiplatch.diagnosis.law import Extra, Law
-from skiplatch.diagnosis.scan_wait import LEAST_PART, _wrapped
+from skiplatch.diagnosis.density.law import Extra, Law
+from skiplatch.diagnosis.likelihood.scan_wait import LEAST_PART, _wrapped
+from skiplatch.diagnosis.scene.grid import _agreement, _even_agreement, mean_turn
 
 PHASES = [(0.0, 0.2), (0.02, 0.1), (0.5, 0.4), (0.97, 0.05), (0.5, 0.01)]
 

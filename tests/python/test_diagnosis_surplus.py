@@ -3,15 +3,15 @@
 import pytest
 
 from played_campaigns import BENCH, played
-from skiplatch.diagnosis.as_effects import as_effects
-from skiplatch.diagnosis.confirm import AsRig
-from skiplatch.diagnosis.decide import Finding
-from skiplatch.diagnosis.judge import Judge
-from skiplatch.diagnosis.parts import split
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
-from skiplatch.diagnosis.surplus import without_surplus
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.confirm import AsRig
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.parts import split
+from skiplatch.diagnosis.search.surplus import without_surplus
 from skiplatch.simulator.effects import Effect
 
 JITTER = Effect("scan_jitter", {"jitter_us": 250.0, "tail_us": 500.0})

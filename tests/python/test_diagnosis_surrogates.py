@@ -8,12 +8,12 @@ import pytest
 from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
-from skiplatch.diagnosis.intervals import estimates
-from skiplatch.diagnosis.likelihood import affected, likelihood
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.intervals import estimates
+from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect, effects
 
 RARE = 1e-3

@@ -8,20 +8,17 @@ from math import comb
 import numpy as np
 import pytest
 
-from skiplatch.diagnosis.left import EVERYWHERE, SIGNIFICANT, Left
-from skiplatch.diagnosis.verdict import (
+from skiplatch.diagnosis.plays.left import EVERYWHERE, SIGNIFICANT, Left
+from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.rules import (
     EXPLAINS,
     HAS_GAP,
     NAMES,
     SEES,
-    Evidence,
-    Verdict,
-    decide,
-    failures,
     may_be_accidents,
-    shows_too_little,
     told_of_chance,
 )
+from skiplatch.diagnosis.verdict.verdict import Verdict, decide, failures, shows_too_little
 from verdict_evidence import GROWING, gap, gaps, left, missing
 
 RULES = {rule.name: rule for rule in (*EXPLAINS, *NAMES, *SEES, *HAS_GAP)}

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from skiplatch.diagnosis.left import Left
-from skiplatch.diagnosis.verdict import NAMES, Evidence, failures
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.rules import NAMES
+from skiplatch.diagnosis.verdict.verdict import failures
 from verdict_evidence import left
 
 (TAKES_MOST,) = (rule for rule in NAMES if rule.name == "takes_most")

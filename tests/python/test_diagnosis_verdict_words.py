@@ -4,7 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from skiplatch.diagnosis.verdict import EXPLAINS, HAS_GAP, NAMES, SEES, Evidence, failures
+from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.rules import EXPLAINS, HAS_GAP, NAMES, SEES
+from skiplatch.diagnosis.verdict.verdict import failures
 from verdict_evidence import GROWING, gap, gaps, left
 
 RULES = {rule.name: rule for rule in (*EXPLAINS, *NAMES, *SEES, *HAS_GAP)}

@@ -14,7 +14,6 @@ from scipy import integrate, stats
 from effects_rig import CONTROLLER, MACHINE, SCAN_US, mixed_touches
 from skiplatch.campaign import Axis, Campaign, Status, Touches
 from skiplatch.diagnosis import Diagnosis, Verdict
-from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import (
     Experiment,
     experiment_json,
@@ -27,6 +26,7 @@ from skiplatch.diagnosis.experiment.conditions import elsewhere, spread_out
 from skiplatch.diagnosis.experiment.evidence import exponents, log_likelihoods
 from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
+from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play

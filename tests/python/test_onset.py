@@ -9,16 +9,16 @@ from played_campaigns import BENCH, MACHINE, played
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
-from skiplatch.diagnosis.as_effects import as_effects
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.change import Change
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.diagnose import diagnose
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.onset import ends_of, outlives_datum, passing, proposed
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit, fit
-from skiplatch.diagnosis.verdict import Verdict
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit, fit
+from skiplatch.diagnosis.fit.onset import ends_of, outlives_datum, passing, proposed
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import ALWAYS, Span

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tests.mutation.python_mutants import mutants_of
 
+RULES = "scripts/skiplatch/diagnosis/verdict/rules.py"
 SOURCE = '''\
 """No 1 < 2 here."""
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def test_a_mutant_changes_one_place() -> None:
 
 
 def scored(*options: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "tests.mutation.python_score", *options]
+    command = [sys.executable, "-m", "tests.mutation.python_score", "--sources", RULES, *options]
     return subprocess.run(command, check=False, capture_output=True, text=True)
 
 
@@ -78,18 +79,20 @@ def test_a_test_that_never_sees_the_module_scores_nothing(tmp_path: Path) -> Non
 
 def test_a_test_that_looks_at_nothing_lets_mutants_live(tmp_path: Path) -> None:
     idle = tmp_path / "test_idle.py"
-    idle.write_text("import skiplatch.diagnosis.verdict\ndef test_it(): pass\n", encoding="utf-8")
+    idle.write_text(
+        "import skiplatch.diagnosis.verdict.rules\ndef test_it(): pass\n", encoding="utf-8"
+    )
 
     done = scored("--count", "3", "--seed", "2", "--tests", str(idle))
 
     assert done.returncode == 1
     assert "0 of 3 mutants killed, 0.0%; 90% are asked for" in done.stdout
-    assert done.stdout.count("verdict.py:") == 4
+    assert done.stdout.count("rules.py:") == 4
 
 
 def test_tests_that_fail_anyhow_score_nothing(tmp_path: Path) -> None:
     broken = tmp_path / "test_broken.py"
-    text = "import skiplatch.diagnosis.verdict\ndef test_it(): assert False\n"
+    text = "import skiplatch.diagnosis.verdict.rules\ndef test_it(): assert False\n"
     broken.write_text(text, encoding="utf-8")
 
     done = scored("--count", "3", "--tests", str(broken))

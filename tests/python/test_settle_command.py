@@ -14,8 +14,8 @@ from effects_rig import MACHINE, mixed_touches
 from skiplatch import cli
 from skiplatch.campaign import Campaign, Nominal, Status, Touches, write_campaign
 from skiplatch.diagnosis import Diagnosis
-from skiplatch.diagnosis.diagnose import Ranked
 from skiplatch.diagnosis.experiment import outcome, rivals
+from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.errors import InputError
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import play

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from skiplatch.diagnosis.left import EVERYWHERE, Left
-from skiplatch.diagnosis.shrink import Gap
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
+from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.statistics import Interval
 
 

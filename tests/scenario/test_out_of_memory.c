@@ -9,7 +9,7 @@
 
 #include "api/five_axis_cycle.h"
 #include "api/kinematics_memory.h"
-#include "diagnosis/law.h"
+#include "diagnosis/density/law.h"
 #include "failing_calls.h"
 #include "play.h"
 #include "unity.h"

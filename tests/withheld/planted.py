@@ -17,8 +17,8 @@ import numpy as np
 
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.candidates import CANDIDATES
-from skiplatch.diagnosis.surrogates import HALF_WAY, SWITCHES, highest
+from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest
+from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.progress import shown

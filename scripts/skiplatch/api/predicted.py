@@ -10,8 +10,8 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Touches
 from skiplatch.campaign.touches import SerialArray
 from skiplatch.dataframes import DataFrame, Library, dataframe
-from skiplatch.diagnosis.phase import at_given_edges, play_in_phase
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.plays.phase import at_given_edges, play_in_phase
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.playing import Outcomes
 
 OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")

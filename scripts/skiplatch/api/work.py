@@ -13,8 +13,8 @@ from skiplatch.diagnosis import diagnose as diagnosis_of
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.experiment import Experiment, experiment_for, models_from_json
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
-from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller

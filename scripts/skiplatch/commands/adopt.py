@@ -11,7 +11,7 @@ from skiplatch.campaign.constraints import LARGEST
 from skiplatch.campaign.toml_text import read_toml_text
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
-from skiplatch.diagnosis.adoption import adopted, with_effects
+from skiplatch.diagnosis.reported.adoption import adopted, with_effects
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.former_names import read_diagnosis_json

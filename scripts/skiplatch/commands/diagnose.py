@@ -20,7 +20,7 @@ from skiplatch.commands.options import (
     write_json,
 )
 from skiplatch.commands.worker_options import cluster_option, limit_option
-from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable
 from skiplatch.transmission.source import read_axis_train

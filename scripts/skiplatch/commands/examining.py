@@ -14,7 +14,7 @@ from skiplatch.diagnosis.experiment import (
     next_experiment,
     rivals,
 )
-from skiplatch.diagnosis.material import DEFAULT, Materiality
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.simulator.effects import Effect
 from skiplatch.transmission.source import periodic_sources
 from skiplatch.transmission.train import GearTrain

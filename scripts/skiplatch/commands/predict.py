@@ -9,7 +9,7 @@ from skiplatch.campaign import NOMINAL_FILE, Nominal, read_campaign, read_condit
 from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import rig_from_json
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.former_names import read_diagnosis_json

@@ -1,11 +1,12 @@
 """Where the gap between a campaign and its simulation lies, what causes it, how far it shrinks."""
 
-from skiplatch.diagnosis.diagnose import Diagnosis, diagnose
-from skiplatch.diagnosis.document import as_json, effects_from_json, rig_from_json
-from skiplatch.diagnosis.named import Named
-from skiplatch.diagnosis.text import as_text, explained
-from skiplatch.diagnosis.verdict import Verdict
-from skiplatch.diagnosis.where import Place
+from skiplatch.diagnosis.diagnose import diagnose
+from skiplatch.diagnosis.reported.diagnosis import Diagnosis
+from skiplatch.diagnosis.reported.document import as_json, effects_from_json, rig_from_json
+from skiplatch.diagnosis.reported.text import as_text, explained
+from skiplatch.diagnosis.reported.where import Place
+from skiplatch.diagnosis.verdict.named import Named
+from skiplatch.diagnosis.verdict.verdict import Verdict
 
 __all__ = [
     "Diagnosis",

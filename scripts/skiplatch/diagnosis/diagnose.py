@@ -1,81 +1,34 @@
 """The diagnosis of a campaign: where the gap lies, what causes it, how far it shrinks."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from skiplatch.campaign import Campaign
 from skiplatch.campaign.plausibility import oddities
-from skiplatch.diagnosis.as_effects import as_effects
-from skiplatch.diagnosis.beliefs import Belief, value_of
-from skiplatch.diagnosis.believed import scene_of
-from skiplatch.diagnosis.conclude import Conclusion, concluded
-from skiplatch.diagnosis.directions import UNDIRECTED
-from skiplatch.diagnosis.left import Left
-from skiplatch.diagnosis.material import DEFAULT, Materiality
-from skiplatch.diagnosis.named import Named, sure
-from skiplatch.diagnosis.notes import first_touch, notes
-from skiplatch.diagnosis.playing import Rig
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.scored import Scored
-from skiplatch.diagnosis.shrink import Gap
-from skiplatch.diagnosis.verdict import (
-    Failure,
-    Verdict,
-    decide,
-    may_be_accidents,
-)
-from skiplatch.diagnosis.where import Place, places
-from skiplatch.diagnosis.work import Work
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.beliefs import Belief, value_of
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.fit.directions import UNDIRECTED
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
+from skiplatch.diagnosis.reported.notes import first_touch, notes
+from skiplatch.diagnosis.reported.where import places
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.verdict.conclude import Conclusion, concluded
+from skiplatch.diagnosis.verdict.named import sure
+from skiplatch.diagnosis.verdict.rules import may_be_accidents
+from skiplatch.diagnosis.verdict.verdict import Verdict, decide
+from skiplatch.diagnosis.verdict.work import Work
 from skiplatch.simulator.effects import Effect
 
 MOST_TOUCHES = 4_000
 """Touches that the search looks at; a larger campaign is drawn from."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ranked:
-    """A model that was tried: its effects, and how much better than no effect it does."""
-
-    effects: tuple[Effect, ...]
-    score_nats: float
-    """Gain in log-likelihood, less what so many parameters gain by chance."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Diagnosis:
-    """All that is said of a campaign."""
-
-    verdict: Verdict
-    where: Sequence[Place]
-    effects: Sequence[Named]
-    gap: Mapping[str, Gap]
-    ranking: Sequence[Ranked]
-    """The models tried last, by falling score."""
-    rivals: Sequence[Ranked]
-    """What the recorded columns do not tell from the finding, which is the first; may be empty."""
-    left: Sequence[Left]
-    """What no effect of the catalogue accounts for, if it is significant and matters."""
-    touches: int
-    used: int
-    """Touches that the search looked at."""
-    notes: Sequence[str]
-    """What the campaign does not allow to say."""
-    believed: Rig
-    """The rig as it was believed to be, but for its datum and the uncertainty of the beliefs."""
-    rig: Rig
-    """The rig with the effects named."""
-    materiality: Materiality = DEFAULT
-    """From which size on a gap was one."""
-    beliefs: Sequence[tuple[Belief, float]] = ()
-    """Beliefs that were fitted, and their values now."""
-    outliers: Sequence[int] = ()
-    """Serial numbers of touches that are far off what the finding plays."""
-    failures: Sequence[Failure] = ()
-    """The rules that candidates failed, and by how much."""
 
 
 def diagnose(

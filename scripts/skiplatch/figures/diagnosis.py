@@ -9,7 +9,7 @@ from matplotlib.ticker import PercentFormatter
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.model import feed_words
-from skiplatch.diagnosis.shrink import Gap
+from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.figures import theme
 from skiplatch.figures.ecdf import draw_ecdf, label_shares
 from skiplatch.figures.inline import Drawing, drawing, panel

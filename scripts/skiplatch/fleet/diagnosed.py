@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from skiplatch.diagnosis.document import FORMATS
+from skiplatch.diagnosis.reported.document import FORMATS
 from skiplatch.errors import InputError
 from skiplatch.former_names import read_diagnosis_json
 

@@ -10,7 +10,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis import Diagnosis
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.report.conditions import Condition, conditions
 from skiplatch.simulator.effects import effects

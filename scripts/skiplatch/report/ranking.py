@@ -4,8 +4,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis
-from skiplatch.diagnosis.axes import OF_AN_AXIS
-from skiplatch.diagnosis.diagnose import Ranked
+from skiplatch.diagnosis.candidates.axes import OF_AN_AXIS
+from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.report.words import DIGITS
 from skiplatch.simulator.effects import Effect
 from skiplatch.tables import compact, whole

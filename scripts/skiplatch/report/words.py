@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
-from skiplatch.diagnosis.shrink import Gap
+from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
 from skiplatch.simulator.effects import effects

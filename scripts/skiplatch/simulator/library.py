@@ -23,7 +23,7 @@ HEADERS = (
     ROOT / "host_sim" / "chain.h",
     ROOT / "host_sim" / "effects" / "description.h",
     ROOT / "host_sim" / "gear_train.h",
-    ROOT / "scripts" / "skiplatch" / "diagnosis" / "law.h",
+    ROOT / "scripts" / "skiplatch" / "diagnosis" / "density" / "law.h",
     ROOT / "host_sim" / "api" / "batch.h",
     ROOT / "firmware" / "cycle" / "overtravel.h",
     ROOT / "firmware" / "comp" / "pretravel.h",

@@ -1,4 +1,7 @@
-"""The next experiment: the column to record, or the touches to make, to settle a diagnosis."""
+"""The next experiment: the column to record, or the touches to make, to settle a diagnosis.
+
+Builds on ``reported`` and all below it.
+"""
 
 from skiplatch.diagnosis.experiment.experiment import (
     Experiment,

@@ -6,7 +6,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Nominal, Touches
-from skiplatch.diagnosis.grid import off_grid
+from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.units import UM_US_PER_MM_S

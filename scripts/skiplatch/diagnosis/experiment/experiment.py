@@ -29,7 +29,7 @@ from skiplatch.simulator.rig import Controller
 from skiplatch.units import US_PER_S
 
 if TYPE_CHECKING:
-    from skiplatch.diagnosis.diagnose import Diagnosis
+    from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 
 
 TOUCHES = 60

@@ -7,13 +7,13 @@ import numpy as np
 from scipy import optimize
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidate import Candidate
-from skiplatch.diagnosis.climb import WORST
+from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.experiment.rivals import Model
-from skiplatch.diagnosis.likelihood import likelihood
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import SLACKS, WORTH_A_REFINEMENT, Fit
-from skiplatch.diagnosis.simulated import catalogue
+from skiplatch.diagnosis.fit.climb import WORST
+from skiplatch.diagnosis.fit.fit import SLACKS, WORTH_A_REFINEMENT, Fit
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
 
 MOST_TOUCHES = 2_000

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.campaign import Campaign
-from skiplatch.diagnosis.believed import scene_of
-from skiplatch.diagnosis.decide import TIED
 from skiplatch.diagnosis.experiment.channels import recorded
 from skiplatch.diagnosis.experiment.joint import added_nats
 from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model
-from skiplatch.diagnosis.playing import Rig
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.search.decide import TIED
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,12 +10,12 @@ from scipy.sparse.csgraph import connected_components
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Nominal, Status, Touches
-from skiplatch.diagnosis.believed import scene_of
 from skiplatch.diagnosis.experiment.channels import recordable
 from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suited, total
 from skiplatch.diagnosis.experiment.rivals import Model
-from skiplatch.diagnosis.scene import Scene
-from skiplatch.diagnosis.search import Fit
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.playing import Outcomes
 
 REHEARSALS = 2

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from skiplatch.simulator.effects import Effect, effects
 
 if TYPE_CHECKING:
-    from skiplatch.diagnosis.diagnose import Diagnosis
+    from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 
 MOST_RIVALS = 6
 CLOSE_NATS = 10.0

@@ -1,0 +1,37 @@
+"""Whether a campaign can show an effect at all."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from skiplatch.diagnosis.scene.scene import Scene
+
+FEWEST_AZIMUTHS = 7
+"""Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
+
+
+def on_machine(scene: Scene) -> bool:
+    """Tell whether a probe touches: edges that are injected come by no probe and no link."""
+    return scene.is_machine
+
+
+def varies(column: str) -> Callable[[Scene], bool]:
+    """Tell whether a condition was recorded and varied: else nothing can be seen to go with it."""
+
+    def applies(scene: Scene) -> bool:
+        values = getattr(scene.touches, column)
+        known = values[~np.isnan(values)]
+        return bool(len(known) and np.ptp(known) > 0.0)
+
+    return applies
+
+
+def shows_waves(scene: Scene) -> bool:
+    """Tell whether there are positions enough to tell a wave along the axis."""
+    return bool(np.isfinite(scene.shortest_wave_mm))
+
+
+def shows_lobes(scene: Scene) -> bool:
+    """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn."""
+    azimuths = np.unique(np.round(scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]))
+    return scene.is_machine and len(azimuths) >= FEWEST_AZIMUTHS

@@ -1,0 +1,110 @@
+"""Where the search for errors that each axis has of its own begins: by least squares on each.
+
+Of two axes that err to opposite sides, what they have in common shows nothing to begin with.
+"""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import LINEAR_AXES, Axis, Touches
+from skiplatch.diagnosis.candidates.starts import Starts, robust_fit
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import Effect
+
+FEWEST_ON_AXIS = 16
+"""Touches of an axis that show an error of its own."""
+A_NEWS = 4.0
+"""Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
+MOST_OVER = 20.0
+"""Times another axis' error may be that of X, as in the table of effects."""
+
+OF_AN_AXIS = {
+    "y_excess_ratio": Axis.Y,
+    "y_ahead_deg": Axis.Y,
+    "z_excess_ratio": Axis.Z,
+    "z_ahead_deg": Axis.Z,
+}
+"""Parameters that say what an axis has more than X."""
+
+
+def idle(touches: Touches, effect: Effect) -> frozenset[str]:
+    """Name the parameters by which no touch differs: of an axis that is not there, or the only one.
+
+    What is not 0 counts: it is played.
+    """
+    moved = set(touches.axis.tolist())
+    return frozenset(
+        name
+        for name, axis in OF_AN_AXIS.items()
+        if effect.parameters.get(name, 1.0) == 0.0 and (axis not in moved or len(moved) == 1)
+    )
+
+
+def each_axis(
+    change: Callable[[Scene, FloatArray], Change],
+    shapes: Sequence[Sequence[float]],
+    sizes: Sequence[float],
+    linear: int,
+    y_excess_ratio: int,
+) -> Starts:
+    """Propose an error of the position at some sizes, of either sign, and by each axis' touches.
+
+    Args:
+        change: What parameters make of the physics.
+        shapes: Parameters of an error of size 1 that all axes have in common.
+        sizes: That are proposed anyway.
+        linear: So many parameters, the first ones, multiply the error.
+        y_excess_ratio: Number of the parameter y_excess_ratio, which z_excess_ratio follows.
+    """
+
+    def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+        usual = [
+            [*(sign * size * value for value in shape[:linear]), *shape[linear:]]
+            for shape in shapes
+            for size in sizes
+            for sign in (1.0, -1.0)
+        ]
+        for shape in shapes:
+            unit_um = change(scene, np.array(shape)).position_um
+            fitted = _by_axis(scene, given, np.broadcast_to(unit_um, (len(scene),)))
+            if fitted is not None:
+                first, *over = fitted
+                own = [*(first * value for value in shape[:linear]), *shape[linear:]]
+                own[y_excess_ratio : y_excess_ratio + 2] = over
+                usual.append(own)
+        return usual
+
+    return starts
+
+
+def _by_axis(scene: Scene, given: Change, unit_um: FloatArray) -> list[float] | None:
+    """Fit multiples of an error, shape (n,), to each axis: that of X, and what Y and Z have more.
+
+    None if they are much the same.
+    """
+    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
+    if stream is None:
+        return None
+    rows = stream.rows
+    law = law_under(scene, stream, given).select(rows)
+    scores = (stream.residuals[rows] - law.mean) / law.spread
+    units, offset = unit_um[rows] / law.spread, 1.0 / law.spread
+    on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
+    seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
+    if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
+        return None
+    scale = max(1.0, float(stats.median_abs_deviation(scores, scale="normal")))
+    common, cost = robust_fit([units, offset], scores, scale)
+    parted, lower = robust_fit([*(units * on_axes[k] for k in seen), offset], scores, scale)
+    if cost - lower < A_NEWS * (len(seen) - 1):
+        return None
+    sizes = np.full(len(LINEAR_AXES), common[0])
+    sizes[seen] = parted[:-1]
+    least = np.abs(sizes).max() / MOST_OVER
+    first = float(sizes[0] if abs(sizes[0]) > least else np.copysign(least, sizes[0]))
+    return [first, *(sizes[1:] / first - 1.0)]

@@ -1,0 +1,73 @@
+"""An effect as it can be fitted: what it changes, and where a search for it begins."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiplatch.campaign import Nominal
+from skiplatch.diagnosis.candidates.starts import Starts
+from skiplatch.diagnosis.candidates.surrogates import Parameters
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import effects
+from skiplatch.span import ALWAYS, Span
+
+LEEWAY = 0.05
+"""Of the scatter of a delay, by which a fit may miss its least."""
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """One effect as a surrogate.
+
+    Attributes:
+        id: As in the table of effects.
+        names: Of the parameters, as in the table of effects.
+        change: What parameters, shape (p,), make of the physics.
+        starts: Parameters to start a search from, given what is known to differ already. What is
+            0 in a start stays 0.
+        applies: Whether a campaign can show the effect at all.
+    """
+
+    id: str
+    names: tuple[str, ...]
+    change: Callable[[Scene, Parameters], Change]
+    starts: Starts
+    applies: Callable[[Scene], bool] = lambda _: True
+    refinements: tuple[Mapping[int, float], ...] = ()
+    """Parameters, by number and with a first value, that make other forms of the effect."""
+    believed_us: Callable[[Nominal], float] | None = None
+    """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
+    like_datum: frozenset[str] = frozenset()
+    """Parameters beside which a datum that may be anywhere makes another of the same."""
+    span: Span = ALWAYS
+    """The touches at which it acts."""
+
+    def acting(self, scene: Scene, parameters: Parameters) -> Change:
+        """Give what parameters, shape (p,), make of the physics of the touches at which it acts."""
+        change = self.change(scene, parameters)
+        return change if self.span == ALWAYS else Change(passing=((self.span, change),))
+
+    def taken_up(self, scene: Scene) -> frozenset[int]:
+        """Number the parameters that stay at 0, for the datum does what they do."""
+        is_anywhere = scene.datum_groups is not None and scene.datum_u_um is None
+        return frozenset(map(self.names.index, self.like_datum if is_anywhere else ()))
+
+    def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
+        """Tell whether no size is beyond its range, and nothing comes before its cause."""
+        if self.is_named and any(
+            abs(value) > max(abs(p.low), abs(p.high))
+            for p, value in zip(effects()[self.id].parameters, parameters, strict=True)
+            if p.unit not in ("deg", "1")
+        ):
+            return False
+        if self.believed_us is None:
+            return True
+        open_us = scene.nominal.skip.tick_us + LEEWAY * float(np.abs(parameters[1:3]).sum())
+        return bool(parameters[0] >= -self.believed_us(scene.nominal) - open_us)
+
+    @property
+    def is_named(self) -> bool:
+        """It stands in the table of effects."""
+        return self.id in effects()

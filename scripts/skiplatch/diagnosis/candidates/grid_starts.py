@@ -1,0 +1,147 @@
+"""Where the search begins for what lies on a grid: ticks, slots, updates, steps of a position."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS, later_us, unknown_sigma
+from skiplatch.diagnosis.candidates.surrogates import BLURRED
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.lines import FAR_APART
+from skiplatch.diagnosis.scene.grid import (
+    APART,
+    kept_grid,
+)
+from skiplatch.diagnosis.scene.pitches import MANY_STEPS, odd_pitch, whole_pitches
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.units import DEG_PER_TURN, UM_PER_MM
+
+WITHOUT_WORST = (0.02, 0.98)
+CLEAR = 6.0
+"""Standard deviations over which ages spread that are not all the same."""
+SHARP_AGE = 0.1
+"""Scatter of the age of a position, over that of all ages, that tells an update's time."""
+
+
+def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that the stamps lie on, and ticks that share no grid with the believed one."""
+    tick = scene.nominal.skip.tick_us
+    pitches = whole_pitches(scene.touches.latch_us[~scene.plc], tick)
+    on_grid = [[pitch, 0.0, nearest] for pitch in pitches for nearest in (0.0, 1.0)]
+    usual = on_grid + [
+        [ratio * tick, origin * ratio * tick, 0.0]
+        for ratio in (3.0, 10.0, 30.0)
+        for origin in (0.5, 0.05)
+    ]
+    mean, sigma = later_us(scene, given)
+    if "latch_skip" not in scene.streams or np.isnan(mean):
+        return usual
+    width = _box_of(sigma, tick)
+    seen = [[width, mean + 0.5 * width, 0.0]]
+    if width > FAR_APART * tick:
+        stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
+        for pitch, turn in (_coarsest(stamps, *grid) for grid in _grids_kept(stamps, width)):
+            line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
+            whole = np.rint((mean + 0.5 * pitch - line) / pitch)
+            seen.append([pitch, line + whole * pitch, 0.0])
+    return [*seen, *usual]
+
+
+def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose grids that deviations lie on, or coordinates: what is coarse shows its steps."""
+    fine = scene.nominal.axis.resolution_um
+    deviations = scene.touches.deviation_um
+    pitches = [*whole_pitches(deviations, fine), *odd_pitch(deviations, fine)]
+    grids = [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
+    return [*grids, [BLURRED / 2.0 * fine, 1.0, 0.0]]
+
+
+def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose slots anywhere, and those that the skip path's stamps keep."""
+    usual = [[slot_us, 0.0] for slot_us in (50.0, 500.0, 4000.0)]
+    skip = scene.nominal.skip
+    span_us = _box_of(later_us(scene, given)[1])
+    if "latch_skip" not in scene.streams or not span_us > CLEAR * (skip.jitter_us + skip.tick_us):
+        return usual
+    behind_us = (
+        scene.nominal.input.filter_us + skip.latency_us + (skip.jitter_us - skip.tick_us) / 2.0
+    )
+    ends_us = scene.touches.latch_us[scene.streams["latch_skip"].rows] - behind_us
+    seen = []
+    for slot_us, turn in _grids_kept(ends_us, span_us):
+        # What keeps the ends of slots keeps those of slots half as long as well.
+        seen += [
+            [slot_us, turn],
+            [2.0 * slot_us, turn / 2.0],
+            [2.0 * slot_us, turn / 2.0 + 0.5],
+        ]
+    seen = [[slot_us, turn * DEG_PER_TURN] for slot_us, turn in seen]
+    return [*seen, *usual]
+
+
+def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose periods of updates anywhere, and what is told by the ages of positions at stamps."""
+    usual = [[period_us, 0.0, 0.0] for period_us in (50.0, 500.0, 2000.0)]
+    stream = scene.streams.get("position")
+    if stream is None or not scene.has_stamps.any():
+        return usual
+    law = law_under(scene, stream, given)
+    ages_us = (law.mean - stream.residuals) / scene.speed
+    unsure_us = law.spread / scene.speed
+    rows = stream.rows & scene.has_stamps
+    sharp = rows & (unsure_us <= np.median(unsure_us[rows]))
+    span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
+    is_news = span_us > CLEAR * float(unsure_us[sharp].max())
+    sharp = rows & (unsure_us < SHARP_AGE * span_us)
+    if not is_news or not sharp.any():
+        return usual
+    updates_us = (scene.touches.latch_us - ages_us)[sharp]
+    dead_us = max(float(ages_us[sharp].min()), 0.0)
+    seen = []
+    for period_us, middle in _grids_kept(updates_us, span_us):
+        for age_us in (0.0, dead_us):
+            turn = (middle + age_us / period_us) % 1.0 or 1.0
+            seen.append([period_us, age_us, turn * DEG_PER_TURN])
+    return [*seen, *usual]
+
+
+def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
+    """Propose the grid that coordinates keep whose steps are as wide as the scatter says."""
+    fine = scene.nominal.axis.resolution_um
+    stream = scene.streams.get("position", scene.streams.get("deviation_skip"))
+    if stream is None:
+        return []
+    law = law_under(scene, stream, given)
+    rows = stream.rows
+    seen_um = _box_of(unknown_sigma((stream.residuals - law.mean)[rows], law.spread[rows]), fine)
+    if seen_um < MANY_STEPS * fine:
+        return []
+    where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
+    where_um = where_um[~np.isnan(where_um)]
+    return [[pitch, 1.0, turn] for pitch, turn in _grids_kept(where_um, seen_um)]
+
+
+def _box_of(sigma: float, known: float = 0.0) -> float:
+    """Give the width of a box with so much scatter beside a known box."""
+    return float(np.hypot(np.sqrt(12.0) * sigma, known))
+
+
+def _coarsest(values: FloatArray, period: float, turn: float) -> tuple[float, float]:
+    """Give the coarsest grid that holds the lines that values keep: what keeps it keeps finer."""
+    lines = np.rint(values / period - turn).astype(np.int64)
+    step = int(np.gcd.reduce(lines - lines[0])) or 1
+    return step * period, (int(lines[0]) % step + turn) / step
+
+
+def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:
+    """Give the grids, each not too far from the guess, that values keep by no accident.
+
+    With each comes where it lies as a share of its period, above 0 and not above 1.
+    """
+    if len(values) < FEWEST_STAMPS:
+        return []
+    in_order, guesses = np.sort(values), (guess / APART, guess, guess * APART)
+    kept = [kept_grid(in_order, near, first=FEWEST_STAMPS) for near in guesses]
+    return [(grid[0], grid[1] or 1.0) for grid in kept if grid]

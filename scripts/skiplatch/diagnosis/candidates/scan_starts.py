@@ -1,0 +1,112 @@
+"""Where the search for the parameters of an effect on the scans begins."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.scan_surrogates import FEW_TICKS
+from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS
+from skiplatch.diagnosis.candidates.surrogates import LOOSEST
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.likelihood.scan_wait import SHORTEST_PERIOD
+from skiplatch.diagnosis.scene.grid import (
+    APART,
+    folded,
+    grid_period,
+    mean_turn,
+    sharpened,
+)
+from skiplatch.diagnosis.scene.scene import Scene
+
+FEWEST_LATE = 3
+WELL_KEPT = 0.95
+"""Length of the mean turn of stamps that keep a grid, from which on no other is looked for."""
+OTHER_PERIODS = tuple(APART**k for k in (-3, -2, -1, 1, 2, 3))
+"""Of the scan, over the believed one, about which a grid is looked for."""
+SHARP = 0.02
+"""Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
+
+
+def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose the reach of the late stamps, that scan or the one after being late."""
+    period = scene.nominal.plc.scan_us
+    usual = [
+        [0.05, share * period, span * period]
+        for share, span in ((0.3, 0.0), (0.5, 0.0), (1.2, 0.0), (2.3, 0.0), (0.5, 1.0), (1.5, 1.0))
+    ]
+    stream = scene.streams.get("lattice")
+    if stream is None:
+        return usual
+    late = (stream.known - np.median(stream.known)) % period
+    on_time = FEW_TICKS * scene.nominal.skip.tick_us
+    late = late[np.abs(late - period / 2.0) < 0.5 * period - on_time]
+    if len(late) < FEWEST_LATE:
+        return usual
+    low, span = float(late.min()), float(np.ptp(late))
+    reaches = [(low, span), (low + period, span), (0.0, low + span), (float(np.median(late)), 0.0)]
+    apart = _apart(stream.known % period, period)
+    seen = [(len(apart), float(apart.min()), float(np.ptp(apart)))]
+    seen += [(len(late), us, more) for us, more in reaches]
+    # The longer gap before a late scan meets more edges than it is scans.
+    met = [
+        [n / len(stream.known) / (1.0 + (us + more / 2.0) / period), us, more]
+        for n, us, more in seen
+    ]
+    return [*met, *usual]
+
+
+def _apart(places: FloatArray, period: float) -> FloatArray:
+    """Give how late those are that lie apart, behind others that may be a little late themselves.
+
+    Counted from the first place behind the widest empty stretch of the turn.
+    """
+    turn = np.sort(places)
+    widest = int(np.argmax(np.diff(turn, append=turn[0] + period)))
+    late = np.sort((turn - turn[(widest + 1) % len(turn)]) % period)
+    return late[int(np.argmax(np.diff(late))) + 1 :]
+
+
+def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose phases anywhere, and that of the touches whose stamps keep no grid with others."""
+    usual = [
+        *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
+        *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
+    ]
+    grid, waits = scene.streams.get("lattice"), scene.streams.get("latch_plc")
+    if grid is None or waits is None:
+        return usual
+    period = scene.nominal.plc.scan_us
+    rows = grid.rows & waits.rows
+    off = folded(grid.residuals - np.median(grid.known), period)
+    is_off = np.abs(off[rows]) > SHARP * period
+    if is_off.sum() < FEWEST_LATE:
+        return usual
+    turns = np.exp(2j * np.pi * waits.residuals[rows][is_off] / period)
+    wait = float(np.angle(turns.mean())) / (2.0 * np.pi)
+    spread = float(np.sqrt(max(-2.0 * np.log(np.abs(turns.mean())), 1e-6))) / (2.0 * np.pi)
+    return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean())], *usual]
+
+
+def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose periods by their waits, and by the grid that the stamps keep."""
+    believed = scene.nominal.plc.scan_us
+    coarse = [[share * believed] for share in (-0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0)]
+    stream = scene.streams.get("latch_plc")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return coarse
+    sharp = stream.rows & (scene.mechanics_us < SHARP * believed)
+    waits = stream.residuals[sharp if sharp.sum() >= FEWEST_STAMPS else stream.rows]
+    # Where the scans bind the edges, the waits differ by far less than a period.
+    width = max(float(np.ptp(np.quantile(waits, [0.01, 0.99]))), SHORTEST_PERIOD * believed)
+    stamps = np.sort((scene.touches.latch_us - given.stamp_us)[stream.rows])
+    near = [grid_period(stamps, guess) for guess in (width, believed)]
+    far = [] if np.abs(mean_turn(stamps, near[1])) > WELL_KEPT else _far_periods(stamps, believed)
+    periods = [sharpened(stamps, period) for period in (*near, *far)]
+    return [*([period - believed] for period in periods), [width - believed], *coarse]
+
+
+def _far_periods(stamps: FloatArray, believed: float) -> list[float]:
+    """Propose grids of periods far from the believed one."""
+    found = [grid_period(stamps, ratio * believed, FEWEST_STAMPS) for ratio in OTHER_PERIODS]
+    return [period for period in found if period > SHORTEST_PERIOD * believed]

@@ -1,0 +1,102 @@
+"""What the parameters of an effect make of the scans: surrogates, as those beside them."""
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.surrogates import Parameters, as_part, as_share
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.law import Extra
+from skiplatch.diagnosis.scene.scene import Scene
+
+MOST_SCANS_OLD = 7.0
+MOST_PUNCTUAL = 0.95
+SPAN_PARTS = 5
+"""Boxes that stand for late scans of lengths that differ by more than a period."""
+FEW_TICKS = 4.0
+"""By which stamps of scans on time may be off their grid."""
+LENGTHS = 5
+"""Boxes that stand for gaps between scans of lengths that differ."""
+CHANCE, EVEN, FALLING = (np.random.default_rng(1).random((3, 1024)).argsort(axis=1) + 0.5) / 1024
+"""Scans in a row, as late as by chance: evenly spread numbers from 0 to 1, mixed."""
+
+
+def image_delay(scene: Scene, p: Parameters) -> Change:
+    """The image is whole scans old, or one more for a share of the touches."""
+    period_us = scene.nominal.plc.scan_us
+    whole, part = divmod(min(abs(p[0]), MOST_SCANS_OLD), 1.0)
+    older = (Extra(part, offset=period_us),) if part else ()
+    return Change(plc_us=float(whole) * period_us, scan_extra=older)
+
+
+def overrun(scene: Scene, p: Parameters) -> Change:
+    """The grid shows a late scan by its lateness; an edge waits for it from the scan before on."""
+    share, late, span = as_part(p[0]), abs(p[1]), abs(p[2])
+    period = scene.nominal.plc.scan_us
+    parts = SPAN_PARTS if span > period else 1  # the later of such scans, the more edges they meet
+    begins = late + span * np.arange(parts) / parts
+    ratios = (begins + span / parts / 2.0) / period
+    ratio = float(ratios.mean())
+    # The gap before a late scan is longer and the one behind it shorter, unless that is late too.
+    alone = share * (1.0 - share)
+    is_apart = ratio < 1.0
+    met = share + alone * ratio if is_apart else 1.0 - (1.0 - share) ** (1.0 + ratio)
+    longer = alone * (1.0 + ratio) if is_apart else met
+    parts_met = (1.0 + ratios) / np.sum(1.0 + ratios)
+    return Change(
+        lattice_extra=tuple(
+            Extra(met * part, offset=_left_out(scene, begin), width=span / parts)
+            for part, begin in zip(parts_met.tolist(), begins.tolist(), strict=True)
+        ),
+        scan_extra=_gaps(
+            scene,
+            *zip((longer * parts_met).tolist(), (1.0 + ratios).tolist(), strict=True),
+            (alone * max(0.0, 1.0 - ratio), 1.0 - ratio),
+        ),
+    )
+
+
+def _left_out(scene: Scene, late_us: float) -> float:
+    """Give the lateness of a scan on the grid: none where it is late by whole periods.
+
+    A few ticks less would be the same as early, which no late scan is.
+    """
+    period = scene.nominal.plc.scan_us
+    whole = np.rint(late_us / period) * period
+    is_left_out = whole > 0.0 and abs(late_us - whole) < FEW_TICKS * scene.nominal.skip.tick_us
+    return float(whole) if is_left_out else late_us
+
+
+def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
+    """Shares of edges that fall into gaps between scans of other lengths, in periods."""
+    period = scene.nominal.plc.scan_us
+    return tuple(
+        Extra(share, width=length * period, boxless=1.0) for share, length in gaps if share > 0.0
+    )
+
+
+def jitter(scene: Scene, p: Parameters) -> Change:
+    """Scans begin late, each by a time of its own, and so the gaps between them differ."""
+    span, tail, punctual = abs(p[0]), abs(p[1]), min(as_share(p[2]), MOST_PUNCTUAL)
+    late_us = np.where(punctual > CHANCE, 0.0, span * EVEN - tail * np.log1p(-FALLING))
+    return Change(
+        lattice_extra=(Extra(1.0 - punctual, width=span, mean=tail),),
+        scan_extra=_gaps(scene, *_lengths(scene, late_us)),
+    )
+
+
+def _lengths(scene: Scene, late_us: FloatArray) -> list[tuple[float, float]]:
+    """Give what shares of edges meet gaps of what length, in periods, between scans so late.
+
+    The lengths are means of a few parts, each of which meets about as many edges as any other.
+    """
+    period = scene.nominal.plc.scan_us
+    begins = np.maximum.accumulate(np.arange(len(late_us)) * period + late_us)  # held up, too
+    lengths = np.sort(np.diff(begins)) / period
+    met = np.cumsum(lengths) - lengths / 2.0
+    parts = (LENGTHS * met / lengths.sum()).astype(np.intp)
+    totals, counts = np.bincount(parts, lengths), np.bincount(parts)
+    return [
+        (float(total / lengths.sum()), float(total / count))
+        for total, count in zip(totals, counts, strict=True)
+        if total > 0.0
+    ]

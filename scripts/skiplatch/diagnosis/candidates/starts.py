@@ -1,0 +1,162 @@
+"""Where the search for the parameters of an effect begins: what the touches themselves propose."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy import optimize
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.surrogates import Parameters, warmth_k_s
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.units import MM_PER_M, S_PER_MIN, US_PER_H, US_PER_S
+
+Starts = Callable[[Scene, Change], Sequence[Sequence[float]]]
+
+FEWEST_STAMPS = 16
+FEWEST_FEEDS = 2
+SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
+"""Shares of the believed acceleration."""
+JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
+"""Shares of the acceleration that the fastest of the short approaches needs."""
+CAPPED = (0.999, 0.99, 0.9, 0.6)
+"""Shares of the highest feed that may be the limit of it."""
+FASTEST = 0.8
+"""Share of the touches that are slower than those that show such a limit."""
+TINY = 1e-9
+
+
+def fixed(*starts: Sequence[float]) -> Starts:
+    """Propose the same for every campaign."""
+    return lambda _scene, _given: starts
+
+
+def delays(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose delays of either sign, and by the skip path's mean and scatter those that scatter."""
+    usual = [[sign * size, 0.0, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
+    mean, sigma = later_us(scene, given)
+    if np.isnan(mean):
+        return usual
+    box = np.sqrt(12.0) * sigma
+    return [*usual, [mean - box / 2.0, box, 0.0], [mean - sigma, 0.0, sigma]]
+
+
+def later_us(scene: Scene, given: Change) -> tuple[float, float]:
+    """Give by how much the sharper touches of the skip path are later than thought: mean, scatter.
+
+    NaN of too few.
+    """
+    late_us, spread_us = _late_us(scene, given)
+    if len(late_us) < FEWEST_STAMPS:
+        return np.nan, np.nan
+    sharp = spread_us <= np.median(spread_us)
+    return float(np.mean(late_us[sharp])), unknown_sigma(late_us, spread_us)
+
+
+def unknown_sigma(off: FloatArray, spread: FloatArray) -> float:
+    """Give the scatter of the sharper half that is not known of; both of shape (n,)."""
+    sharp = spread <= np.median(spread)
+    unknown = float(np.var(off[sharp]) - np.mean(spread[sharp] ** 2))
+    return float(np.sqrt(max(unknown, 0.0)))
+
+
+def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
+    """Give by how much touches of the skip path are later than thought, and the spread of that."""
+    for name in ("latch_skip", "deviation_skip"):
+        stream = scene.streams.get(name)
+        if stream is not None:
+            law = law_under(scene, stream, given)
+            per_us = scene.speed if stream.unit == "µm" else np.ones(len(scene))
+            late, spread = (stream.residuals - law.mean) / per_us, law.spread / per_us
+            return late[stream.rows], spread[stream.rows]
+    return np.empty(0), np.empty(0)
+
+
+def feeds(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose feeds off by a share, and limits, also that by which the fastest touches are late."""
+    shares = [[sign * size, 0.0, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0)]
+    feed_mm_min = scene.touches.feed_mm_min
+    limits = [share * float(feed_mm_min.max()) for share in CAPPED]
+    stream = scene.streams.get("latch_skip")
+    if stream is not None and stream.rows.sum() >= FEWEST_STAMPS:
+        fastest = stream.rows & (feed_mm_min >= np.quantile(feed_mm_min[stream.rows], FASTEST))
+        late_min = (stream.residuals - stream.law.mean)[fastest] / (US_PER_S * S_PER_MIN)
+        way_mm = scene.touches.approach_mm[fastest]
+        real_mm_min = way_mm / np.maximum(way_mm / feed_mm_min[fastest] + late_min, TINY)
+        limits.append(float(np.median(real_mm_min)))
+    return [*shares, *([0.0, 0.0, limit] for limit in limits)]
+
+
+def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose what the skip path's stamps show: a drift, one that ages, or that goes by warmth.
+
+    Beside a delay of any size, which is not the clock's: a short campaign would take it for drift.
+    """
+    usual = [[5.0, 0.0, 0.0], [-5.0, 0.0, 0.0], [50.0, 0.0, 0.0], [-50.0, 0.0, 0.0]]
+    stream = scene.streams.get("latch_skip")
+    if stream is None or stream.rows.sum() < FEWEST_STAMPS:
+        return usual
+    stamps_us = scene.touches.latch_us
+    parts = [stamps_us * 1e-6, stamps_us**2 / US_PER_H * 1e-6, warmth_k_s(scene, stamps_us)]
+    seen = []
+    for chosen in ([0], [0, 1], [0, 2]):
+        start = np.zeros(3)
+        start[chosen] = _slopes(stream, [parts[i] for i in chosen])
+        seen.append(start.tolist())
+    return [*seen, *usual]
+
+
+def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
+    """Fit multiples of the parts, each of shape (n,), and an offset, whatever some touches do."""
+    rows, spread = stream.rows, stream.law.spread
+    scores = ((stream.residuals - stream.law.mean) / spread)[rows]
+    columns = [(part / spread)[rows] for part in (*parts, np.ones(len(rows)))]
+    return robust_fit(columns, scores)[0][:-1]
+
+
+def robust_fit(
+    columns: Sequence[FloatArray], values: FloatArray, scale: float = 1.0
+) -> tuple[FloatArray, float]:
+    """Fit multiples of columns to values, all of shape (n,), whatever some of them do.
+
+    Gives the multiples, and what they leave, as nats of a scatter of that scale; beyond it values
+    count for less.
+    """
+    design = np.column_stack(columns)
+    least, *_ = np.linalg.lstsq(design, values, rcond=None)
+
+    def off(p: Parameters) -> FloatArray:
+        return np.asarray(design @ p - values) / scale
+
+    found = optimize.least_squares(off, least, x_scale="jac", loss="soft_l1")
+    return np.asarray(found.x), float(found.cost)
+
+
+def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose a longer way, a queue, both by the soonest and the mean report, and a way by feed."""
+    usual = [[us, 0.0, 0.0, 0.0] for us in (10.0, 100.0)]
+    usual += [[0.0, us, 0.5, 0.0] for us in (20.0, 200.0)]
+    stream = scene.streams.get("report")
+    if stream is None:
+        return [*usual, [50.0, 100.0, 0.0, 0.0]]
+    soonest = float(stream.known.min())
+    later = (stream.residuals - stream.law.mean)[stream.rows]
+    queue = max(float(np.mean(later)) - soonest, 1.0)
+    both = [[soonest, queue / (1.0 - direct), direct, 0.0] for direct in (0.0, 0.2, 0.6)]
+    feed_m_min = scene.touches.feed_mm_min[stream.rows] / MM_PER_M
+    if len(np.unique(feed_m_min)) < FEWEST_FEEDS:
+        return [*usual, *both]
+    slope, level = np.polyfit(feed_m_min, later, 1)
+    by_feed = [[float(level), 0.0, 0.0, float(slope)]] if slope > 0.0 else []
+    return [*usual, *both, *by_feed]
+
+
+def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose shares of the believed acceleration, and those with which some touches come slow."""
+    feed_mm_s = scene.touches.feed_mm_min / S_PER_MIN
+    enough_mm_s2 = feed_mm_s**2 / (2.0 * scene.touches.approach_mm)
+    most = float(np.max(enough_mm_s2)) / scene.nominal.axis.accel_mm_s2
+    shares = (*SLOWER, *(share * most for share in JUST_NOT_ENOUGH))
+    return [[share, 0.0] for share in shares if share < 1.0]

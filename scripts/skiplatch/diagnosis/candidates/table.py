@@ -1,0 +1,301 @@
+"""The table of the effects that can be fitted: what each does, and where a search for it begins.
+
+The simulator has its own, exact form of every effect; these are the surrogates that propose. An
+effect that the simulator knows and this table does not is searched for by simulation alone.
+"""
+
+import copyreg
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from skiplatch.diagnosis.candidates import (
+    grid_starts,
+    scan_starts,
+    scan_surrogates,
+    starts,
+    surrogates,
+)
+from skiplatch.diagnosis.candidates.applicable import on_machine, shows_lobes, shows_waves, varies
+from skiplatch.diagnosis.candidates.axes import each_axis
+from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.waves import transmissions
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.span import ALWAYS, Span
+
+
+def candidate(effect_id: str, span: Span = ALWAYS) -> Candidate:
+    """Give the candidate of an id, acting at some touches."""
+    return replace(CANDIDATES[effect_id], span=span)
+
+
+def _as_id_and_span(one: Candidate) -> tuple[Callable[[str, Span], Candidate], tuple[str, Span]]:
+    return candidate, (one.id, one.span)
+
+
+copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another process
+
+
+def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
+    """Refine by axes of their own; `first` is the number of y_excess_ratio."""
+    return ({first: 0.1}, {first: -0.5}, {first + 1: -0.9}, {first: 0.1, first + 1: -0.9})
+
+
+CANDIDATES: Mapping[str, Candidate] = {
+    row.id: row
+    for row in (
+        Candidate(
+            "feed_error",
+            ("feed_percent", "offset_mm_min", "limit_mm_min"),
+            surrogates.feed_error,
+            starts.feeds,
+            refinements=({1: 1.0}, {1: -1.0}),
+        ),
+        Candidate(
+            "unfinished_acceleration",
+            ("accel_ratio", "by_feed"),
+            surrogates.unfinished,
+            starts.accelerations,
+            refinements=({1: 0.5}, {1: -0.5}),
+        ),
+        Candidate(
+            "pretravel_lobing",
+            ("amplitude_um", "azimuth_deg", "second_um", "third_um", "elevation_power"),
+            surrogates.lobing,
+            starts.fixed(*([2.0, azimuth, 0.0, 0.0, 0.0] for azimuth in (0.0, 30.0, 60.0, 90.0))),
+            shows_lobes,
+            refinements=({2: 0.5}, {2: -0.5}, {3: 0.3}, {3: -0.3}, {4: 1.0}, {4: -0.5}),
+        ),
+        Candidate(
+            "trigger_delay",
+            ("delay_us", "jitter_us", "tail_us"),
+            surrogates.delay,
+            starts.delays,
+            on_machine,
+            refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
+            believed_us=lambda nominal: nominal.probe.delay_us,
+        ),
+        Candidate(
+            "link_slotting",
+            ("slot_us", "phase_deg"),
+            surrogates.slotted,
+            grid_starts.slots,
+            on_machine,
+        ),
+        Candidate(
+            "link_retry",
+            ("probability", "period_us", "scatter_us", "retry_excess"),
+            surrogates.retry,
+            starts.fixed(
+                *(
+                    [share, period, 0.2 * period, 0.0]
+                    for share in (0.1, 0.4)
+                    for period in (100.0, 500.0, 2000.0, 8000.0)
+                )
+            ),
+            on_machine,
+            refinements=({3: 0.3},),
+        ),
+        Candidate(
+            "input_filter",
+            ("delay_us", "jitter_us", "tail_us"),
+            surrogates.delay,
+            starts.delays,
+            refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
+            believed_us=lambda nominal: nominal.input.filter_us,
+        ),
+        Candidate(
+            "contact_bounce",
+            ("probability", "mean_us", "least_us", "span_us"),
+            surrogates.bounce,
+            starts.fixed(*([0.2, mean, 0.0, 0.0] for mean in (30.0, 300.0, 3000.0))),
+            refinements=tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3)),
+        ),
+        Candidate(
+            "lost_trigger",
+            ("probability",),
+            lambda _, p: Change(lost=surrogates.as_share(p[0])),
+            starts.fixed([0.02]),
+        ),
+        Candidate(
+            "isr_latency",
+            ("latency_us", "jitter_us", "tail_us"),
+            surrogates.interrupt,
+            starts.fixed([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
+            refinements=({1: 1.0}, {1: 20.0}, {2: 1.0}, {2: 20.0}),
+            believed_us=lambda nominal: nominal.skip.latency_us,
+        ),
+        Candidate(
+            "isr_blocking",
+            ("probability", "length_us", "tail_us"),
+            surrogates.blocking,
+            starts.fixed([0.2, 20.0, 0.0], [0.2, 200.0, 0.0], [0.2, 2000.0, 0.0]),
+            refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
+        ),
+        Candidate(
+            "timer_quantisation",
+            ("tick_us", "origin_us", "nearest"),
+            surrogates.coarse_ticks,
+            grid_starts.ticks,
+        ),
+        Candidate(
+            "timer_drift",
+            ("drift_ppm", "ageing_ppm_h", "warmth_ppm_k"),
+            surrogates.drift,
+            starts.drifts,
+            refinements=(
+                *({1: size} for size in (1.0, -1.0, 20.0, -20.0)),
+                *({2: size} for size in (0.3, -0.3, 5.0, -5.0)),
+            ),
+        ),
+        Candidate(
+            "scan_period",
+            ("period_us",),
+            lambda _, p: Change(period_us=p[0]),
+            scan_starts.scan_periods,
+        ),
+        Candidate(
+            "scan_jitter",
+            ("jitter_us", "tail_us", "on_time_share"),
+            scan_surrogates.jitter,
+            starts.fixed(
+                [20.0, 5.0, 0.0], [200.0, 100.0, 0.0], [100.0, 500.0, 0.0], [10.0, 0.0, 0.5]
+            ),
+            refinements=({2: 0.3},),
+        ),
+        Candidate(
+            "scan_overrun",
+            ("probability", "overrun_us", "span_us"),
+            scan_surrogates.overrun,
+            scan_starts.overruns,
+        ),
+        Candidate(
+            "input_image_delay",
+            ("scans",),
+            scan_surrogates.image_delay,
+            starts.fixed([0.3], [1.0], [1.5], [2.0], [3.0], [4.0]),
+        ),
+        Candidate(
+            "scan_phase_lock",
+            ("phase", "spread", "unlocked"),
+            lambda _, p: Change(
+                wait=(
+                    -p[0] % 1.0,
+                    float(np.clip(abs(p[1]), 1e-3, surrogates.LOOSEST)),
+                    surrogates.as_share(p[2]),
+                )
+            ),
+            scan_starts.locks,
+        ),
+        Candidate(
+            "servo_hold",
+            ("period_us", "dead_us", "phase_deg"),
+            surrogates.held,
+            grid_starts.holds,
+            refinements=({1: 10.0}, {1: 200.0}),
+        ),
+        Candidate(
+            "following_error",
+            ("lag_us", "y_excess_ratio", "z_excess_ratio"),
+            surrogates.lagging,
+            each_axis(
+                surrogates.lagging, [[1.0, 0.0, 0.0]], (10.0, 500.0), linear=1, y_excess_ratio=1
+            ),
+            refinements=_per_axis(1),
+        ),
+        Candidate(
+            "backlash",
+            ("backlash_um", "positive_um", "y_excess_ratio", "z_excess_ratio"),
+            surrogates.lost_motion,
+            each_axis(
+                surrogates.lost_motion,
+                [[*senses, 0.0, 0.0] for senses in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))],
+                (2.0,),
+                linear=2,
+                y_excess_ratio=2,
+            ),
+            applies=varies("sign"),
+            refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
+            like_datum=frozenset({"positive_um"}),
+        ),
+        Candidate(
+            "transmission_error",
+            (
+                "amplitude_um",
+                "period_mm",
+                "phase_deg",
+                "amplitude2_um",
+                "phase2_deg",
+                "amplitude3_um",
+                "phase3_deg",
+                "y_excess_ratio",
+                "z_excess_ratio",
+                "y_ahead_deg",
+                "z_ahead_deg",
+                "at_surface",
+            ),
+            surrogates.transmission,
+            transmissions,
+            shows_waves,
+            refinements=(
+                *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
+                *_per_axis(7),
+            ),
+        ),
+        Candidate(
+            "scale_error",
+            ("scale_ppm", "y_excess_ratio", "z_excess_ratio"),
+            surrogates.scaled,
+            each_axis(
+                surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
+            ),
+            refinements=_per_axis(1),
+            applies=varies("position_mm"),
+        ),
+        Candidate(
+            "encoder_quantisation",
+            ("resolution_um", "is_coordinate", "origin"),
+            surrogates.coarse_positions,
+            grid_starts.resolutions,
+        ),
+        Candidate(
+            "thermal_drift",
+            ("drift_um_k", "lag_s", "starts_at_calibration", "y_excess_ratio", "z_excess_ratio"),
+            surrogates.warmed,
+            each_axis(
+                surrogates.warmed,
+                [
+                    *([1.0, lag_s, 0.0, 0.0, 0.0] for lag_s in (0.0, 300.0, 3000.0)),
+                    [1.0, 500.0, 1.0, 0.0, 0.0],
+                ],
+                (2.0,),
+                linear=1,
+                y_excess_ratio=3,
+            ),
+            applies=varies("temp_c"),
+            refinements=_per_axis(3),
+        ),
+        Candidate(
+            "rotary_pivot",
+            ("x_um", "y_um", "set_on_believed_centre", "mirrored"),
+            surrogates.pivot,
+            starts.fixed(
+                *(
+                    [x, y, unset, mirrored]
+                    for x, y in ((5.0, 0.5), (0.5, -5.0), (-5.0, 0.5), (0.5, 5.0))
+                    for unset, mirrored in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
+                )
+            ),
+            applies=varies("rotary_deg"),
+        ),
+        Candidate(
+            "report_delay",
+            ("delay_us", "queue_us", "unqueued_share", "stepping_us_min_m"),
+            surrogates.later_reports,
+            starts.reports,
+            refinements=({3: 10.0},),
+            believed_us=lambda nominal: nominal.report.latency_us,
+        ),
+    )
+}

@@ -1,0 +1,146 @@
+"""Where the search for a periodic error of the position begins: the sines that explain most."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+
+import numpy as np
+from scipy import signal
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.campaign import LINEAR_AXES, Axis
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.scene.periodogram import explained_by_sines
+from skiplatch.diagnosis.scene.scene import Scene
+
+FEWEST_TURNS = 0.5
+FASTEST_PER_MM = 2.0
+"""Fewest periods on the way, and highest frequency, of a periodic error that is looked for."""
+MOST_PEAKS = 12
+"""Periods that one sine explains best, at which sines are fitted."""
+MOST_PERIODS = 3
+"""The best of those that are proposed: with so many orders, and with one for each axis."""
+MOST_ORDERS = 3
+WORTH_AN_ORDER = 8.0
+"""Squares, weighted, that one order more has to leave less to be proposed."""
+FEWEST_ON_AXIS = 16
+"""Touches of an axis that show a sine of its own."""
+WINSOR = 0.02
+"""Share of the errors at either end that is cut to the rest."""
+TURN_DEG = 360.0
+WORTH_A_SWITCH = 4.0
+"""Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
+UNKNOWN = [1.0, 10.0, 1.0, *[0.0] * 9]
+
+Parameters = list[float]
+"""Of a transmission error, all but the last, which tells where the error is counted."""
+Sine = Callable[[float], tuple[float, Parameters]]
+"""Fits at a frequency in 1/mm; gives what is left, squared, weighted and summed, and the fit."""
+
+
+def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose the periods that explain most: at each, the best sine by least squares."""
+    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
+    if stream is None:
+        return [UNKNOWN]
+    rows = stream.rows & ~np.isnan(scene.latched_mm)
+    if not rows.any():
+        return [UNKNOWN]
+    law = law_under(scene, stream, given).select(rows)
+    error_um = scene.sign[rows] * (stream.residuals[rows] - law.mean)
+    limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
+    on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
+    places = scene.latched_mm[rows], scene.touches.position_mm[rows]
+    seen = [_Seen(place, limited, 1.0 / law.spread**2, on_axes).starts() for place in places]
+    if not all(seen):
+        return [UNKNOWN]
+    latched, at_surface = (min(left for left, _ in starts) for starts in seen)
+    is_at_surface = at_surface < latched - WORTH_A_SWITCH
+    return [[*start, float(is_at_surface)] for _, start in seen[is_at_surface]]
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """Errors in µm at positions in mm; arrays of shape (n,)."""
+
+    position: FloatArray
+    error: FloatArray
+    weights: FloatArray
+    on_axes: Sequence[BoolArray]
+    """Which are of X, of Y and of Z."""
+
+    @cached_property
+    def axes(self) -> list[int]:
+        """Those with errors enough for a sine of their own."""
+        return [k for k, rows in enumerate(self.on_axes) if rows.sum() >= FEWEST_ON_AXIS]
+
+    def starts(self) -> list[tuple[float, Parameters]]:
+        """Give the best sines for all axes together, and for each axis, with what they leave."""
+        frequencies, explained = self._explained(self.weights)
+        peaks = _peaks(frequencies, explained)
+        found = [_best(peaks, partial(self._orders, orders=1))]
+        for orders in range(2, MOST_ORDERS + 1):
+            more = _best(peaks, partial(self._orders, orders=orders))
+            if more and more[0][0] < found[-1][0][0] - WORTH_AN_ORDER:
+                found.append(more)
+        if len(self.axes) > 1:
+            parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
+            found.append(_best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
+        return [fitted for best in found for fitted in best]
+
+    def _explained(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Give frequencies in 1/mm, and the weighted squares that a sine of each explains."""
+        frequencies, shares = explained_by_sines(
+            self.position, self.error, weights, FEWEST_TURNS, FASTEST_PER_MM
+        )
+        mean = np.average(self.error, weights=weights)
+        return frequencies, shares * float(weights @ (self.error - mean) ** 2)
+
+    def _orders(self, per_mm: float, orders: int) -> tuple[float, Parameters]:
+        """Fit the first orders of a frequency."""
+        turn = 2.0 * np.pi * per_mm * self.position
+        waves = [
+            wave for k in range(1, orders + 1) for wave in (np.sin(k * turn), np.cos(k * turn))
+        ]
+        left, found = self._least([*waves, np.ones(len(turn))])
+        sizes, phases_deg = _polar(found[:-1].reshape(orders, 2))
+        higher = np.zeros((MOST_ORDERS - 1, 2))
+        higher[: orders - 1] = np.column_stack([sizes, phases_deg])[1:]
+        first = [sizes[0], 1.0 / per_mm, phases_deg[0]]
+        return left, [*first, *higher.ravel().tolist(), 0.0, 0.0, 0.0, 0.0]
+
+    def _by_axis(self, per_mm: float) -> tuple[float, Parameters]:
+        """Fit the first order of a frequency on each axis."""
+        turn = 2.0 * np.pi * per_mm * self.position
+        waves = (np.sin(turn), np.cos(turn), np.ones(len(turn)))
+        left, found = self._least([self.on_axes[k] * wave for k in self.axes for wave in waves])
+        sizes, phases_deg = _polar(found.reshape(len(self.axes), 3)[:, :2])
+        more, ahead_deg = [0.0] * len(LINEAR_AXES), [0.0] * len(LINEAR_AXES)
+        for k, size, phase_deg in zip(self.axes, sizes, phases_deg, strict=True):
+            more[k], ahead_deg[k] = size / sizes[0] - 1.0, (phase_deg - phases_deg[0]) % TURN_DEG
+        first = [sizes[0], 1.0 / per_mm, phases_deg[0], *[0.0] * 2 * (MOST_ORDERS - 1)]
+        return left, [*first, *more[Axis.Y :], *ahead_deg[Axis.Y :]]
+
+    def _least(self, columns: Sequence[FloatArray]) -> tuple[float, FloatArray]:
+        """Fit multiples of the columns by least squares; give what they leave, and them."""
+        design, root = np.column_stack(columns), np.sqrt(self.weights)
+        found, *_ = np.linalg.lstsq(design * root[:, None], self.error * root, rcond=None)
+        return float(self.weights @ (self.error - design @ found) ** 2), np.asarray(found)
+
+
+def _peaks(frequencies: FloatArray, explained: FloatArray) -> list[float]:
+    """Give the frequencies in 1/mm that explain more than those beside them, the most first."""
+    peaks, _ = signal.find_peaks(np.pad(explained, 1))
+    tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
+    return [float(frequencies[i]) for i in tried]
+
+
+def _best(peaks: Sequence[float], sine: Sine) -> list[tuple[float, Parameters]]:
+    return sorted(sine(per_mm) for per_mm in peaks)[:MOST_PERIODS]
+
+
+def _polar(parts: FloatArray) -> tuple[list[float], list[float]]:
+    """Give sizes and phases in degrees of multiples of sine and cosine, shape (m, 2)."""
+    sizes = np.maximum(np.hypot(*parts.T), np.finfo(float).tiny)
+    return sizes.tolist(), np.rad2deg(np.arctan2(parts[:, 1], parts[:, 0])).tolist()

@@ -1,0 +1,144 @@
+"""What an effect changes in the physics: a delay, a position, an extra that some touches get."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.density.law import Extra
+from skiplatch.span import Span
+
+Number = FloatArray | float
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """The physics that differs from the nominal chain; arrays of shape (n,), or numbers."""
+
+    contact_us: Number = 0.0
+    """By how much the contact comes later."""
+    speed_ratio: Number = 1.0
+    """Real over believed speed at the contact."""
+    pretravel_um: Number = 0.0
+    pin_us: Number = 0.0
+    """Later at the pin, on both paths."""
+    skip_us: Number = 0.0
+    plc_us: Number = 0.0
+    period_us: float = 0.0
+    """Added to the scan period."""
+    wait: tuple[float, float, float] | None = None
+    """Where in the scan the pin changes: centre and spread, as shares of the period, and the share
+    of the touches for which it is anywhere."""
+    stamp_us: Number = 0.0
+    """Added to the stamp alone."""
+    position_um: Number = 0.0
+    position_box_um: Number = 0.0
+    """Width of a box by which the position is scattered further, from 0 up."""
+    position_sigma_um: Number = 0.0
+    """Standard deviation by which the position is scattered further."""
+    position_extra: tuple[Extra, ...] = ()
+    coarse_um: float = 0.0
+    """Resolution of the position, if coarser than believed."""
+    line_um: Number = 0.0
+    """The deviation at a line of the coarse position, 0 of a coarse distance; NaN if not known."""
+    coarse_us: float = 0.0
+    """Tick of the skip path's stamps, if coarser than believed."""
+    tick_line_us: float = 0.0
+    """A stamp at such a tick, 0 where coarse and believed ticks have the same origin."""
+    slots: tuple[float, float] | None = None
+    """Period and phase in µs of the slots on the device clock in which alone triggers arrive."""
+    report_us: Number = 0.0
+    pin_extra: tuple[Extra, ...] = ()
+    skip_extra: tuple[Extra, ...] = ()
+    lattice_extra: tuple[Extra, ...] = ()
+    """Stamps of scans that begin late."""
+    scan_extra: tuple[Extra, ...] = ()
+    """What such scans add to the wait for one."""
+    report_extra: tuple[Extra, ...] = ()
+    lost: float = 0.0
+    """Share of touches that are never seen."""
+    slack: float = 0.0
+    """What scatter a shift brings along, as a share of its root mean square: no real effect has
+    just the form that is fitted."""
+    passing: tuple[tuple[Span, "Change"], ...] = ()
+    """What differs besides, for some touches only."""
+
+    def at_times(self, touch: NDArray[np.integer]) -> Iterator[tuple[BoolArray, "Change"]]:
+        """Give all that differs, with the touches, a mask of shape (n,), for which it does.
+
+        Args:
+            touch: Their numbers; shape (n,).
+        """
+        parts = [(np.full(len(touch), fill_value=True), replace(self, passing=()))]
+        for span, change in self.passing:
+            acts = span.holds(touch)
+            parts = [
+                half
+                for rows, there in parts
+                for half in ((rows & ~acts, there), (rows & acts, there.joined(change)))
+            ]
+        yield from (part for part in parts if part[0].any())
+
+    def joined(self, other: "Change") -> "Change":
+        """Give both changes together."""
+        return Change(
+            contact_us=self.contact_us + other.contact_us,
+            speed_ratio=self.speed_ratio * other.speed_ratio,
+            pretravel_um=self.pretravel_um + other.pretravel_um,
+            pin_us=self.pin_us + other.pin_us,
+            skip_us=self.skip_us + other.skip_us,
+            plc_us=self.plc_us + other.plc_us,
+            period_us=self.period_us + other.period_us,
+            wait=self.wait or other.wait,
+            stamp_us=self.stamp_us + other.stamp_us,
+            position_um=self.position_um + other.position_um,
+            position_box_um=self.position_box_um + other.position_box_um,
+            position_sigma_um=np.hypot(self.position_sigma_um, other.position_sigma_um),
+            position_extra=_both(self.position_extra, other.position_extra),
+            coarse_um=max(self.coarse_um, other.coarse_um),
+            line_um=self.line_um if self.coarse_um >= other.coarse_um else other.line_um,
+            coarse_us=max(self.coarse_us, other.coarse_us),
+            tick_line_us=(
+                self.tick_line_us if self.coarse_us >= other.coarse_us else other.tick_line_us
+            ),
+            slots=self.slots or other.slots,
+            report_us=self.report_us + other.report_us,
+            pin_extra=_both(self.pin_extra, other.pin_extra),
+            skip_extra=_both(self.skip_extra, other.skip_extra),
+            lattice_extra=_both(self.lattice_extra, other.lattice_extra),
+            scan_extra=_both(self.scan_extra, other.scan_extra),
+            report_extra=_both(self.report_extra, other.report_extra),
+            slack=max(self.slack, other.slack),
+            lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
+            passing=self.passing + other.passing,
+        )
+
+
+def _both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:
+    """Give the extras of two independent causes, with the touches that get both."""
+    if not first or not second:
+        return first + second
+    rest_first = 1.0 - sum(extra.share for extra in first)
+    rest_second = 1.0 - sum(extra.share for extra in second)
+    alone = [replace(e, share=e.share * rest_second) for e in first]
+    alone += [replace(e, share=e.share * rest_first) for e in second]
+    together = [_sum(a, b) for a in first for b in second]
+    return tuple(extra for extra in alone + together if extra.share > 0.0)
+
+
+def _sum(a: Extra, b: Extra) -> Extra:
+    """Give both extras on the same touch.
+
+    An extra has one box and one exponential: the smaller of two counts by its mean and variance.
+    """
+    box, tail = np.minimum(a.width, b.width), np.minimum(a.mean, b.mean)
+    return Extra(
+        a.share * b.share,
+        offset=np.asarray(a.offset) + b.offset + box / 2.0 + tail,
+        width=np.maximum(a.width, b.width),
+        mean=np.maximum(a.mean, b.mean),
+        sigma=np.sqrt(np.square(a.sigma) + np.square(b.sigma) + box**2 / 12.0 + tail**2),
+        boxless=np.maximum(a.boxless, b.boxless),
+    )

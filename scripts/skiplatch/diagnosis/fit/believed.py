@@ -1,0 +1,48 @@
+"""Effects that a rig is believed to have: what is searched for comes on top of them."""
+
+from dataclasses import replace
+from functools import reduce
+
+import numpy as np
+
+from skiplatch.campaign import BelievedEffect, Campaign
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.law import Law
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.fit.directions import with_directions
+from skiplatch.diagnosis.likelihood.laws import law_of
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import effects
+
+
+class BelievedEffects:
+    """The physics of the effects in a scene's nominal chain."""
+
+    def change(self, scene: Scene) -> Change:
+        """Give what they make of the physics of the chain."""
+        changes = (_change(scene, effect) for effect in scene.nominal.believed_effects)
+        return reduce(Change.joined, changes, Change())
+
+    def law(self, scene: Scene, stream: Stream) -> Law:
+        """Give the law of a stream's residuals, all n of them."""
+        return law_of(scene, stream, scene.believed)
+
+
+BELIEVED = BelievedEffects()
+
+
+def scene_of(campaign: Campaign) -> Scene:
+    """Take a campaign's touches in order of time, with the effects believed in."""
+    known = with_directions(campaign)
+    return replace(
+        Scene.of(known, BELIEVED),
+        stood_in=campaign.stood_in,
+        is_directed=known.nominal == campaign.nominal,
+    )
+
+
+def _change(scene: Scene, effect: BelievedEffect) -> Change:
+    row = effects()[effect.id]
+    values = np.array([effect.values.get(p.name, p.when_unset) for p in row.parameters])
+    return catalogue()[effect.id].change(scene, values)

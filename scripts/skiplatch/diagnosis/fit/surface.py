@@ -1,0 +1,147 @@
+"""The log-likelihood over the parameters of all effects, and its top."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import optimize
+
+from skiplatch.arrays import FloatArray, IndexArray
+from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import Effect, Parameter, effects
+
+CONFIDENCE = 0.9
+A_STEP = 1.0
+"""Nats from the peak that make a step, of somewhat more than a standard deviation."""
+EVALUATIONS = 25  # of a climb, a parameter
+WORST = -1e300
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One parameter of one of the effects."""
+
+    effect_id: str
+    parameter: Parameter
+    value: float
+    is_taken_up: bool = False
+    """The datum does what it does."""
+
+    @property
+    def low(self) -> float:
+        """Lower end of its range; half a turn below an angle."""
+        return self.value - self.turn / 2.0 if self.turn else self.parameter.low
+
+    @property
+    def high(self) -> float:
+        """Upper end of its range, as far as it is searched; half a turn above an angle."""
+        if self.turn:
+            return self.value + self.turn / 2.0
+        return highest(self.effect_id, self.parameter)
+
+    @property
+    def turn(self) -> float:
+        """After which an angle is the same again; 0 for what is no angle."""
+        return self.parameter.high if self.parameter.unit == "deg" else 0.0
+
+    @property
+    def is_held(self) -> bool:
+        """It stands at 0 or at an end, where a search has no use for it."""
+        return self.value in (0.0, self.low, self.high)
+
+    @property
+    def is_switch(self) -> bool:
+        """Nothing but the one or the other end of it has a meaning."""
+        return self.parameter.name in SWITCHES
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Shares of the density below each end of the interval; an end of the range ends it."""
+        if self.value == self.low:
+            return 0.0, CONFIDENCE
+        if self.value == self.high:
+            return 1.0 - CONFIDENCE, 1.0
+        return (1.0 - CONFIDENCE) / 2.0, (1.0 + CONFIDENCE) / 2.0
+
+
+class Surface:
+    """The log-likelihood over the parameters of all effects, within their ranges."""
+
+    def __init__(self, scene: Scene, found: Fit, admitted: Sequence[Effect]) -> None:
+        self._scene = scene
+        self._found = found
+        self._ends = np.cumsum([len(effect.parameters) for effect in admitted])[:-1]
+        self.highest, self.top = np.zeros(0), np.inf
+        self._stand_at(
+            [
+                Slot(effect.id, parameter, effect.parameters[parameter.name], i in taken)
+                for effect, candidate in zip(admitted, found.candidates, strict=True)
+                for taken in [candidate.taken_up(scene)]
+                for i, parameter in enumerate(effects()[effect.id].parameters)
+            ]
+        )
+
+    def _stand_at(self, slots: Sequence[Slot]) -> None:
+        self.slots = slots
+        self.values = np.array([slot.value for slot in slots])
+        self.low = np.array([slot.low for slot in slots])
+        self.high = np.array([slot.high for slot in slots])
+        self.peak = self.top = self(self.values)
+
+    def rise(self) -> bool:
+        """Go to the highest point seen, if that is a step above this one."""
+        if self.top < self.peak + A_STEP:
+            return False
+        values = self.highest.tolist()
+        self._stand_at([replace(s, value=v) for s, v in zip(self.slots, values, strict=True)])
+        return True
+
+    def __call__(self, values: FloatArray) -> float:
+        """Give the log-likelihood at parameters, shape (p,)."""
+        if np.any(values < self.low) or np.any(values > self.high):
+            return WORST
+        reached = self._found.reached
+        change = replace(self._found, parameters=self.parts(values)).change(self._scene)
+        total = likelihood(self._scene, change, reached).total
+        if total > self.top:
+            self.top, self.highest = total, values
+        return total if np.isfinite(total) else WORST
+
+    def parts(self, values: FloatArray) -> tuple[FloatArray, ...]:
+        """Take parameters, shape (p,), apart by effect."""
+        return tuple(np.split(values, self._ends))
+
+    def climb(self, free: IndexArray, steps: FloatArray) -> None:
+        """Go to the top: these touches need not be those of the fit."""
+
+        def minus(moved: FloatArray) -> float:
+            return -self.along(free, steps * moved)
+
+        start: FloatArray = np.zeros(len(free))
+        found = optimize.minimize(
+            minus,
+            start,
+            method="Nelder-Mead",
+            options={
+                "initial_simplex": np.vstack([np.zeros(len(free)), np.eye(len(free))]),
+                "maxfev": EVALUATIONS * len(free),
+                "fatol": 0.02,
+                "xatol": 0.02,
+            },
+        )
+        if -found.fun > self.peak:
+            self.values[free] += steps * found.x
+            self.peak = -float(found.fun)
+
+    def along(self, indices: IndexArray, moved: FloatArray) -> float:
+        """Give it with some parameters moved."""
+        values = self.values.copy()
+        values[indices] += moved
+        return self(values)
+
+    def fall(self, moved: FloatArray) -> float:
+        """Give by how much it falls where all parameters, shape (p,), are moved."""
+        return self.peak - self(self.values + moved)

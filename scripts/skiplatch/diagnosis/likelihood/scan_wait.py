@@ -1,0 +1,67 @@
+"""The wait of an edge for the scan, as a part of the law of its latch."""
+
+from functools import lru_cache
+
+import numpy as np
+from scipy import special
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.law import Extra
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.scene.scene import Scene
+
+SHORTEST_PERIOD = 0.1
+"""Of the believed one."""
+TURNS = np.array([-1.0, 0.0, 1.0])
+LEAST_PART = 1e-3
+"""Of a law folded onto a turn, that counts."""
+INSIDE = 3.0
+"""Standard deviations from both ends of the turn that leave nothing to fold."""
+
+
+def scan_period_us(scene: Scene, change: Change) -> float:
+    """Give the changed scan period, within what is a scan period still."""
+    believed = scene.nominal.plc.scan_us
+    return max(believed + change.period_us, SHORTEST_PERIOD * believed)
+
+
+def wait_box(
+    scene: Scene, stream: Stream, box: FloatArray, change: Change, scale: FloatArray | float
+) -> FloatArray:
+    """Give the box of the wait for the scan; `scale` turns µs into the law's unit."""
+    if not stream.is_polled:
+        return box
+    wider = scan_period_us(scene, change) - scene.nominal.plc.scan_us
+    return np.maximum(box + wider * scale, 0.0)
+
+
+def locked_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
+    """Touches whose wait for the scan is about one value, as extras that lack the scan's box."""
+    if change.wait is None:
+        return ()
+    centre, spread, unlocked = change.wait
+    period = scan_period_us(scene, change)
+    return tuple(
+        Extra((1.0 - unlocked) * share, offset=mean * period, sigma=sigma * period, boxless=1.0)
+        for share, mean, sigma in _wrapped(centre, spread)
+    )
+
+
+@lru_cache(maxsize=64)
+def _wrapped(centre: float, spread: float) -> list[tuple[float, float, float]]:
+    """Fold a normal law onto one turn: shares, means and standard deviations of its parts."""
+    if INSIDE * spread <= centre <= 1.0 - INSIDE * spread:
+        return [(1.0, centre, spread)]
+    low, high = ((end - centre - TURNS) / spread for end in (0.0, 1.0))
+    shares = special.ndtr(high) - special.ndtr(low)
+    known = shares > LEAST_PART
+    low, high, shares = low[known], high[known], shares[known]
+    # The truncated normal law's; scipy.stats takes longer over them than the density itself.
+    at_low, at_high = (
+        np.exp(-0.5 * end**2) / (np.sqrt(2.0 * np.pi) * shares) for end in (low, high)
+    )
+    means = at_low - at_high
+    variances = np.maximum(1.0 + low * at_low - high * at_high - means**2, 0.0)
+    columns = (shares, centre + TURNS[known] + spread * means, spread * np.sqrt(variances))
+    return list(zip(*(column.tolist() for column in columns), strict=True))

@@ -1,0 +1,248 @@
+"""What a hypothesis leaves: can one tell from anything known which touches its plays miss?
+
+What it leaves to chance (which edges bounce, where a value lies between two lines) has to be so.
+If something known tells it, the hypothesis does not hold, whatever form the truth has, and what
+tells it is what that looks like.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.fit.material import Materiality
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
+from skiplatch.diagnosis.plays.look import FEWEST, SMALLEST, Look, told_by_forest
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.scene.covariates import varying
+from skiplatch.diagnosis.scene.observed import observed
+from skiplatch.diagnosis.scene.pitches import kept_pitch
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.playing import Outcomes
+from skiplatch.statistics import errors_of
+from skiplatch.units import UM_PER_MM
+
+PLAYS = 60
+"""Of each touch: ranks to a sixtieth."""
+MOST_TOUCHES = 1_500
+MOST_PLAYED = 4_000
+NOTICED = 3.5
+"""Standard errors from which on something may be worth a search, which then decides."""
+MISSED = "missed"
+FEWEST_MISSED = 5
+USUALLY_MISSED = 1e-3
+"""Share of touches that any rig may miss."""
+
+
+def left_over(beside: "Beside", memo: Memo | None = None) -> list[Left]:
+    """Look for all that is left of touches; all that was tried, the most significant first.
+
+    Args:
+        beside: The touches beside plays of them.
+        memo: What was found of other rigs, to be looked up and added to.
+    """
+    memo = {} if memo is None else memo
+    found: list[Left] = []
+    for path, here in beside.paths.items():
+        for name in beside.recorded:
+            seen = here & beside.known(name)
+            if seen.sum() >= FEWEST:
+                found += beside.look(name, path, seen).all(memo)
+        found += _missing(beside.setting, path, here, beside.outcomes)
+        found += _steps(beside.setting, path, here, beside.resolution_um)
+    return sorted(found, key=lambda left: -left.z)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Beside:
+    """Touches beside plays of them, taken apart by observable.
+
+    Attributes:
+        setting: What is known of the touches.
+        outcomes: The plays.
+        recorded: Shape (n,), by observable.
+        played: Shape (r, n), by observable.
+        resolution_um: What the rig played rounds positions to.
+    """
+
+    setting: Setting
+    outcomes: Outcomes
+    recorded: Mapping[str, FloatArray]
+    played: Mapping[str, FloatArray]
+    resolution_um: float
+
+    @classmethod
+    def of(cls, scene: Scene, rig: Rig, *, seed: int, jobs: int = 1) -> Self:
+        """Play the touches of a scene; some of them, if there are many.
+
+        Args:
+            scene: The touches.
+            rig: What to play.
+            seed: Of the plays, and of the forests that look at them.
+            jobs: Threads to play on.
+        """
+        if len(scene) > MOST_TOUCHES:
+            some = np.random.default_rng(seed).choice(len(scene), MOST_TOUCHES, replace=False)
+            scene = scene.select(np.sort(some))
+        # What a touch does may depend on those before it, whether they are looked at or not.
+        sequence, rows = scene.in_sequence(MOST_PLAYED)
+        outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
+        apart = _without_rests(scene, *_dithered(scene, rig, outcomes, seed))
+        return cls(Setting(scene, seed), outcomes, *apart, rig.resolution_um)
+
+    @property
+    def paths(self) -> Mapping[str, BoolArray]:
+        """Give the touches of each path; shape (n,)."""
+        plc = self.setting.scene.plc
+        return {"skip": ~plc, "plc": plc}
+
+    def known(self, name: str) -> BoolArray:
+        """Tell which touches show an observable, recorded and played; shape (n,)."""
+        return ~np.isnan(self.recorded[name]) & ~np.isnan(self.played[name]).all(axis=0)
+
+    def look(self, name: str, path: str, rows: BoolArray) -> Look:
+        """Hold some touches of a path against their plays."""
+        return Look(self.setting, name, path, rows, self.recorded[name], self.played[name])
+
+
+STREAMS = {
+    "edge": ("motion",),
+    "latch": ("latch_skip", "latch_plc"),
+    "grid": ("lattice",),
+    "position": ("position", "deviation_skip", "deviation_plc"),
+    "report": ("report",),
+    MISSED: (MISSED,),
+}
+"""Of the likelihood, by the observable that shows the same."""
+
+
+def streams_of(left: Left) -> frozenset[str]:
+    """Name the streams that show the same; those of its path where the paths are apart."""
+    other = {"skip": "plc", "plc": "skip"}[left.path]
+    return frozenset(s for s in STREAMS[left.observable] if not s.endswith(f"_{other}"))
+
+
+def noticed(looks: Sequence[Left], materiality: Materiality) -> frozenset[str]:
+    """Name the streams in which something that matters may be left."""
+    seen = (look for look in looks if look.z > NOTICED and look.is_material(materiality))
+    return frozenset(name for look in seen for name in streams_of(look))
+
+
+def _dithered(
+    scene: Scene, rig: Rig, outcomes: Outcomes, seed: int
+) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
+    """Take record and plays apart, all lengths spread evenly over what they are rounded to.
+
+    A datum that was fitted need not be a whole number of steps, and a play moved by it would lie
+    between the values that the record can have.
+    """
+    rng, step_um = np.random.default_rng(seed), rig.resolution_um
+    # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
+    recorded, played = (
+        observed(scene, seen, scan_us=rig.scan_us) for seen in (scene.touches, outcomes)
+    )
+    if scene.datum_names is None:
+        return recorded, played
+
+    def spread(values: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
+        position = values["position"]
+        return {**values, "position": position + step_um * (rng.random(position.shape) - 0.5)}
+
+    return spread(recorded), spread(played)
+
+
+def _without_rests(
+    scene: Scene, recorded: Mapping[str, FloatArray], played: Mapping[str, FloatArray]
+) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
+    """Take away what all scans of a rig are stamped early by, in the positions of record and plays.
+
+    Where the scan period is a whole number of ticks that is one rest of a tick, another in each
+    play, and all positions of a path are off by its way.
+    """
+    rows = scene.plc & scene.has_stamps & ~np.isnan(recorded["position"])
+    rows &= ~np.isnan(played["position"]).any(axis=0)
+    if not rows.any():
+        return recorded, played
+    middle, speed = played["position"][:, rows].mean(axis=0), scene.speed[rows]
+    weight = speed / np.maximum(played["position"][:, rows].var(axis=0), SMALLEST**2)
+    half_us = scene.nominal.skip.tick_us / 2.0
+
+    def calm(position: FloatArray) -> FloatArray:
+        off = position[..., rows] - middle
+        rest_us = np.clip(off @ weight / (weight @ speed), -half_us, half_us)
+        calmed = position.copy()
+        calmed[..., rows] -= rest_us[..., None] * speed
+        return calmed
+
+    return (
+        {**recorded, "position": calm(recorded["position"])},
+        {**played, "position": calm(played["position"])},
+    )
+
+
+def _steps(setting: Setting, path: str, here: BoolArray, fine_um: float) -> Iterator[Left]:
+    """Look whether positions are rounded to more than a rig's resolution: they show its lines."""
+    scene = setting.scene
+    for values in (scene.touches.deviation_um[here], scene.latched_mm[here] * UM_PER_MM):
+        if kept := kept_pitch(values, fine_um):
+            yield _step(setting, path, fine_um, *kept)
+            return
+
+
+def _step(setting: Setting, path: str, fine_um: float, pitch_um: float, z: float) -> Left:
+    size_um = float(np.sqrt((pitch_um**2 - fine_um**2) / 12.0))
+    noise_um = max(setting.repeats_to("position"), fine_um / np.sqrt(12.0))
+    relative, where = size_um / noise_um, (EVERYWHERE,)
+    return Left("position", path, "steps", where, size_um, "µm", relative, noise_um, fine_um, z)
+
+
+def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -> Iterator[Left]:
+    """Look at the touches that were not latched: how many, and which."""
+    if not here.any():
+        return
+    missed, played = setting.scene.touches.missed[here], ~outcomes.ok[:, here]
+    n, expected = len(missed), float(played.mean())
+    share = float(missed.mean()) - expected
+    if missed.any() or expected > USUALLY_MISSED:
+        yield Left(
+            MISSED,
+            path,
+            "share",
+            (EVERYWHERE,),
+            abs(share),
+            "1",
+            abs(share),
+            0.0,
+            0.0,
+            _errors_of_count(int(missed.sum()), n, max(expected, USUALLY_MISSED)),
+        )
+    if FEWEST_MISSED <= missed.sum() <= n - FEWEST_MISSED:
+        columns = varying(setting.known, here)
+        predicted, names = told_by_forest(columns, missed.astype(float), setting.seed)
+        if np.ptp(predicted) > 0.0:
+            correlation = float(np.corrcoef(predicted, missed)[0, 1])
+            high = predicted > np.median(predicted)
+            apart = float(missed[high].mean() - missed[~high].mean()) if high.any() else 0.0
+            yield Left(
+                MISSED,
+                path,
+                "share",
+                names,
+                abs(apart) / 2.0,
+                "1",
+                abs(apart),
+                0.0,
+                0.0,
+                correlation * np.sqrt(n),
+            )
+
+
+def _errors_of_count(count: int, n: int, rate: float) -> float:
+    """Give how many standard errors a count of n is from its rate: one alone is an accident."""
+    law = stats.binom(n, rate)
+    chance = float(law.sf(count - 1) if count > n * rate else law.cdf(count))
+    return errors_of(chance)

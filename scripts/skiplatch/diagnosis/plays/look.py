@@ -1,0 +1,298 @@
+"""One observable of the touches on one path, held against its plays from every side.
+
+Each recorded touch has a rank among plays of the same touch, and with it a normal score. If what is
+played is right, the scores know nothing: not of the conditions, not of the sequence, not of the
+touches around. So they are looked at as a whole, along every condition, along waves, and by a
+forest that predicts each touch by trees that have not seen it (Breiman, Machine Learning 45 (2001)
+5, on out-of-bag estimates).
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from scipy import stats
+from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
+from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.scene.covariates import (
+    neighbours,
+    varying,
+)
+from skiplatch.diagnosis.scene.observed import UNITS, before_wait
+from skiplatch.diagnosis.scene.periodogram import explained_by_sines
+from skiplatch.statistics import errors_of
+
+TREES = 60
+LEAF = 5
+"""Touches in a leaf, at least."""
+FEWEST = 8
+"""Touches from which on anything can be seen."""
+FEWEST_FOR_FOREST = 25
+"""The same of what only a forest sees."""
+DIGITS = 6
+"""Decimals of a µs or µm from which on values are the same."""
+SMALLEST = 1e-4
+CALM = (0.02, 0.98)
+"""Quantiles beyond which values count no further for a spread."""
+NAMED = 3
+"""Covariates that are named at most."""
+LEAST_TURNS = 1.0
+"""Of a wave over what was recorded; slower ones a forest sees."""
+FAR = 6.0
+"""Standard deviations beyond all plays from which on a touch is far off."""
+SELDOM = 1e-3
+"""Share of touches that a rig that is right may have far off."""
+NEVER_ERRS = "grid"
+"""Observable without gross errors: a scan whose stamp is off the grid of the others was off it."""
+
+
+def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArray:
+    """Tell which touches, so far off the middle of their plays, are beyond all those reach."""
+    known = off[~np.isnan(off)]
+    usual = FAR * max(scatter(known), step) if len(known) else 0.0
+    return np.abs(off) > 2.0 * reach + usual
+
+
+def normal_scores(recorded: FloatArray, played: FloatArray) -> FloatArray:
+    """Rank touches, shape (n,), among their plays, shape (r, n); NaN where there is none."""
+    known = ~np.isnan(played)
+    below = np.where(known, played < recorded, False).sum(axis=0)
+    same = np.where(known, played == recorded, False).sum(axis=0)
+    count = known.sum(axis=0)
+    share = (below + 0.5 * same + 0.5) / (count + 1.0)
+    return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
+
+
+class Look:
+    """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m)."""
+
+    def __init__(
+        self,
+        setting: Setting,
+        name: str,
+        path: str,
+        rows: BoolArray,
+        recorded: FloatArray,
+        played: FloatArray,
+    ) -> None:
+        """Rank the touches among their plays.
+
+        Args:
+            setting: What is known of all touches.
+            name: Of the observable.
+            path: On which the touches were latched.
+            rows: Which touches these are; shape (n,).
+            recorded: Shape (n,).
+            played: Shape (r, n).
+        """
+        self._setting, self._name, self._path, self._rows = setting, name, path, rows
+        self._step = setting.step(name)
+        self._played = np.round(played[:, rows], DIGITS)
+        self._recorded = np.round(recorded[rows], DIGITS)
+        self._scores = normal_scores(self._recorded, self._played)
+        self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
+        self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
+        self._scale = np.maximum(self._noise, setting.repeats_to(name))
+
+    def all(self, memo: Memo) -> list[Left]:
+        """Give everything that may be left of it."""
+        seen = b"".join(np.round(v, DIGITS).tobytes() for v in (self._scores, self._off))
+        key = f"{self._name} {self._path} ".encode() + seen
+        if key not in memo:
+            looks = (self.everywhere(), self.straight(), self.predicted(), self.waves())
+            memo[key] = [left for found in looks for left in found]
+        return memo[key]
+
+    def everywhere(self) -> Iterator[Left]:
+        """Compare middle and scatter of the scores with those of plays among the others."""
+        others = [
+            normal_scores(play, np.delete(self._played, k, axis=0))
+            for k, play in enumerate(self._played)
+        ]
+        for kind, power in (("shift", 1), ("scatter", 2)):
+            usual = np.array([np.nanmean(scores**power) for scores in others])
+            size = float(np.mean(self._scores**power) - usual.mean())
+            error = max(float(usual.std(ddof=1)), SMALLEST)
+            # A rig that scatters less than believed has no gap: nothing is left of it.
+            z = (abs(size) if kind == "shift" else max(size, 0.0)) / error
+            if kind == "scatter" and self._name == NEVER_ERRS:
+                z = max(z, self._errors_of_far())
+            everything = np.full(len(self._off), fill_value=True)
+            yield self._left(kind, (EVERYWHERE,), everything, z)
+        if self._setting.is_mostly_wait(self._name, self._path, self._noise, self._rows):
+            yield self._shape()
+
+    def _errors_of_far(self) -> float:
+        """Count touches that are far off the plays of all, for ranks do not tell how far off."""
+        reach = np.nanmax(np.abs(self._played - np.nanmedian(self._played, axis=0)))
+        far = far_off(self._off, float(reach), self._step)
+        return errors_of(float(stats.binom.sf(far.sum() - 1, len(far), SELDOM)))
+
+    def _shape(self) -> Left:
+        """Compare where in the scan touches fall with where plays do (Cramér and von Mises' test).
+
+        A wait that is bound to one point of the scan may scatter no more than any, about the same
+        middle. Of noise the shape is not known so well. All touches of a play share the phase of
+        its scans, as those recorded do: where these fall is held against touches of any plays.
+        """
+        scene = self._setting.scene
+        is_from_contact = np.isnan(scene.touches.edge_us)
+        expected = before_wait(scene, UNITS[self._name], is_from_contact=is_from_contact)
+        before, unit = (values[self._rows] for values in expected)
+        waits = (self._played - before) / unit
+        shares = _among(np.sort(waits[~np.isnan(waits)]), (self._recorded - before) / unit)
+        z = errors_of(float(stats.cramervonmises(shares, "uniform").pvalue))
+        off = _from_normal(stats.norm.ppf(shares))
+        size, relative = (
+            off * float(np.median(values)) for values in (self._noise, self._noise / self._scale)
+        )
+        return self._of("shape", (EVERYWHERE,), size, relative, z)
+
+    def straight(self) -> Iterator[Left]:
+        """Correlate the scores with ranks of every condition, one by one: few touches tell no more.
+
+        Scores are normal where nothing is left, and tell of a shift no less than what is measured
+        does itself; ranks of them tell less (Chernoff and Savage, Annals of Mathematical Statistics
+        29 (1958) 972). Their size is not normal, and is ranked.
+        """
+        columns = varying(self._setting.known, self._rows)
+        sizes = stats.rankdata(np.abs(self._scores))
+        for kind, target in (("shift", self._scores), ("scatter", sizes)):
+            best: tuple[float, str] | None = None
+            for name, values in columns.items():
+                seen = ~np.isnan(values)
+                if seen.sum() >= FEWEST and np.ptp(values[seen]) > 0.0 < np.ptp(target[seen]):
+                    ranks = stats.rankdata(values[seen])
+                    p_value = float(stats.pearsonr(ranks, target[seen]).pvalue)
+                    best = min(best or (p_value, name), (p_value, name))
+            if best is not None:
+                values = columns[best[1]]
+                high = values > np.nanmedian(values)
+                high = high if high.any() else values >= np.nanmedian(values)
+                yield self._left(kind, (best[1],), high, errors_of(best[0] * len(columns)))
+
+    def predicted(self) -> Iterator[Left]:
+        """Let a forest predict the scores, and how far they are off, both by the same trees."""
+        targets = np.column_stack([self._scores, np.abs(self._scores)])
+        if len(targets) < FEWEST_FOR_FOREST or np.any(np.ptp(targets, axis=0) == 0.0):
+            return
+        columns = dict(varying(self._setting.known, self._rows))
+        for values, kind in zip(targets.T, ("", " in size"), strict=True):
+            full = np.full(len(self._rows), np.nan)
+            full[self._rows] = values
+            around = varying(neighbours(self._setting.order, full), self._rows)
+            columns |= {f"{name}{kind}": column for name, column in around.items()}
+        if not columns:
+            return
+        predicted, names = told_by_forest(
+            columns, targets / targets.std(axis=0), self._setting.seed
+        )
+        for told, target, kind in zip(predicted.T, targets.T, ("shift", "scatter"), strict=True):
+            if np.ptp(told) > 0.0:
+                correlation = float(np.corrcoef(told, target)[0, 1])
+                z = correlation * float(np.sqrt(len(target)))
+                yield self._left(kind, names, told > np.median(told), z)
+
+    def waves(self) -> Iterator[Left]:
+        """Look for a wave in the position, in time or in the sequence: too fast for a forest.
+
+        The chance of the best of many frequencies is that of Zechmeister and Kürster, Astronomy &
+        Astrophysics 496 (2009) 577, eq. 24.
+        """
+        for place in self._setting.places:
+            sense = place.sense[self._rows]
+            wave = _wave(place.where[self._rows], self._scores * sense, place.shortest)
+            if wave is None:
+                continue
+            period, share, z = wave
+            size = float(np.sqrt(share)) * scatter(self._off)
+            relative = float(np.sqrt(share)) * scatter(self._off / self._scale)
+            words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
+            yield self._of("wave", words, size, relative, z)
+
+    def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
+        """Say how large it is, by the difference between the touches of a mask and the others."""
+        size, relative = (
+            _apart(values, high, kind) for values in (self._off, self._off / self._scale)
+        )
+        if high.all() and kind == "scatter":
+            size, relative = (
+                np.sqrt(abs(size**2 - float(np.median(self._noise)) ** 2)),
+                np.sqrt(abs(relative**2 - float(np.median(self._noise / self._scale)) ** 2)),
+            )
+        return self._of(kind, names, size, relative, z)
+
+    def _of(
+        self, kind: str, names: tuple[str, ...], size: float, relative: float, z: float
+    ) -> Left:
+        noise, unit = float(np.median(self._noise)), UNITS[self._name]
+        return Left(self._name, self._path, kind, names, size, unit, relative, noise, self._step, z)
+
+
+def told_by_forest(
+    columns: Mapping[str, FloatArray], targets: FloatArray, seed: int
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Predict targets, shape (m,) or (m, k), from columns, and name what that goes by most."""
+    forest = RandomForestRegressor(
+        TREES,
+        min_samples_leaf=LEAF,
+        max_features=1.0 / 3.0,
+        oob_score=True,
+        random_state=seed,
+    ).fit(np.column_stack(list(columns.values())), targets)
+    names = list(columns)
+    strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
+    return np.asarray(forest.oob_prediction_), tuple(strongest[:NAMED])
+
+
+def _wave(
+    place: FloatArray, scores: FloatArray, shortest: float
+) -> tuple[float, float, float] | None:
+    """Find the wave that explains most of scores, shape (m,): period, share, standard errors."""
+    known = ~np.isnan(place)
+    place, scores, n = place[known], scores[known], int(known.sum())
+    span = float(np.ptp(place)) if n else 0.0
+    if n < FEWEST or span <= 0.0 or np.ptp(scores) == 0.0:
+        return None
+    fastest = min(0.5 * n / span, 1.0 / shortest if shortest else np.inf)
+    if fastest * span < LEAST_TURNS + 1.0:
+        return None
+    frequencies, shares = explained_by_sines(place, scores, np.ones(n), LEAST_TURNS, fastest)
+    best = int(np.argmax(shares))
+    share = min(float(shares[best]), 1.0 - SMALLEST)
+    tried = max(span * fastest, 1.0)
+    chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
+    return 1.0 / float(frequencies[best]), share, errors_of(float(chance))
+
+
+def _among(pool: FloatArray, values: FloatArray) -> FloatArray:
+    """Give the shares of a sorted pool that lie below values, within 0 and 1; NaN is left out."""
+    known = values[~np.isnan(values)]
+    below, upto = (np.searchsorted(pool, known, side) for side in ("left", "right"))
+    return np.asarray((0.5 * (below + upto) + 0.5) / (len(pool) + 1.0))
+
+
+def _from_normal(scores: FloatArray) -> float:
+    """Give the mean way from scores to those of as many normal ones (Wasserstein's distance)."""
+    known = np.sort(scores[~np.isnan(scores)])
+    shares = (np.arange(len(known)) + 0.5) / len(known)
+    return float(np.mean(np.abs(known - stats.norm.ppf(shares))))
+
+
+def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
+    """Give half the difference of middle or scatter between touches; of all of them from 0."""
+    measure = np.median if kind == "shift" else _calm_spread
+    if high.all():
+        return abs(float(measure(off)))
+    return 0.5 * abs(float(measure(off[high]) - measure(off[~high]))) if high.any() else 0.0
+
+
+def _calm_spread(values: FloatArray) -> float:
+    return float(np.std(np.clip(values, *np.quantile(values, CALM))))
+
+
+def scatter(values: FloatArray) -> float:
+    """Give the standard deviation of a normal law with the same median absolute deviation."""
+    return float(stats.median_abs_deviation(values, scale="normal"))

@@ -1,0 +1,157 @@
+"""Plays of conditions on the rig that is believed in, its datum where it was fitted."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Nominal, Touches
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
+from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
+from skiplatch.diagnosis.scene.scene import Scene, datum_names
+from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.playing import Outcomes, play, spliced
+from skiplatch.simulator.rig import Controller
+from skiplatch.span import ALWAYS, Span
+from skiplatch.units import UM_PER_MM
+
+ENCODER, SCAN_LOCK = "encoder_quantisation", "scan_phase_lock"
+SHORTEST_MM = 1e-3
+"""Way to the surface that is left to a touch whose surface is nearer than it was made from."""
+
+
+@dataclass(frozen=True, slots=True)
+class FittedDatum:
+    """How far the surface is from where it is believed to be, by the name of the datum.
+
+    Attributes:
+        surface_um: By which the surface is met later.
+        coordinate_um: By which all deviations read high besides.
+    """
+
+    surface_um: Mapping[str, float] = field(default_factory=dict)
+    coordinate_um: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, scene: Scene, change: Change) -> "FittedDatum":
+        """Fit it to a scene under a change of the physics."""
+        if scene.datum_names is None:
+            return cls()
+        names = np.unique(scene.datum_names).tolist()
+        found = fitted_datum_um(scene, change)
+
+        def by_name(family: tuple[str, ...]) -> dict[str, float]:
+            values = found.get(family)
+            return {} if values is None else dict(zip(names, values.tolist(), strict=True))
+
+        if BY_STAMPS in found:
+            return cls(by_name(BY_STAMPS), by_name(BY_COORDINATES))
+        return cls({}, by_name(WITHOUT_STAMPS))
+
+    def sizes_um(self, nominal: Nominal, touches: Touches) -> tuple[FloatArray, FloatArray]:
+        """Give both for touches; shape (n,) each."""
+        names = datum_names(nominal, touches)
+        if names is None:
+            return np.zeros(len(touches)), np.zeros(len(touches))
+        surface, coordinate = (
+            np.array([known.get(name, 0.0) for name in names.tolist()], dtype=float)
+            for known in (self.surface_um, self.coordinate_um)
+        )
+        return surface, coordinate
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """A rig to play on: what is believed of it, what it has besides, and where its surfaces are."""
+
+    nominal: Nominal
+    effects: Sequence[Effect] = ()
+    datum: FittedDatum = field(default_factory=FittedDatum)
+
+    @property
+    def spans(self) -> list[Span]:
+        """Give those of effects that begin or end."""
+        return [span for span in dict.fromkeys(e.span for e in self.effects) if span != ALWAYS]
+
+    @property
+    def resolution_um(self) -> float:
+        """What it rounds positions to, believed or found."""
+        coarse = (e.parameters.get("resolution_um", 0.0) for e in self.effects if e.id == ENCODER)
+        return max([self.nominal.axis.resolution_um, *coarse])
+
+    @property
+    def scan_us(self) -> float:
+        """Period of its scans, believed or fitted as a belief."""
+        return self.nominal.plc.scan_us
+
+    @property
+    def keeps_scan_grid(self) -> bool:
+        """Its scans come evenly. Where touches are bound to the scan, plays move it to them."""
+        return all(effect.id != SCAN_LOCK for effect in self.effects)
+
+    def play(
+        self,
+        touches: Touches,
+        *,
+        seed: int,
+        replicates: int,
+        first_replicate: int = 0,
+        jobs: int = 1,
+    ) -> Outcomes:
+        """Play the conditions of touches so often, each replicate a rig switched on anew."""
+        surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
+        sense = np.nan_to_num(touches.sign, nan=1.0)
+        moved = replace(
+            touches,
+            approach_mm=np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM),
+            position_mm=touches.position_mm + sense * surface_um / UM_PER_MM,
+        )
+        outcomes = play(
+            self.nominal,
+            Controller.for_campaign(self.nominal, moved),
+            moved,
+            seed=seed,
+            replicates=replicates,
+            first_replicate=first_replicate,
+            jobs=jobs,
+            switched_on=self.effects,
+        )
+        return replace(outcomes, deviation_um=outcomes.deviation_um + surface_um + coordinate_um)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Folds:
+    """Rigs of one finding, each of which plays the touches that it was not fitted to.
+
+    Attributes:
+        rigs: One for each fold.
+        fold: Number of that of each touch; shape (n,).
+    """
+
+    rigs: Sequence[Rig]
+    fold: NDArray[np.intp]
+
+    @property
+    def spans(self) -> list[Span]:
+        """Give those of effects that begin or end."""
+        return self.rigs[0].spans
+
+    @property
+    def scan_us(self) -> float:
+        """Period of their scans."""
+        return self.rigs[0].scan_us
+
+    @property
+    def keeps_scan_grid(self) -> bool:
+        """Its scans come evenly."""
+        return self.rigs[0].keeps_scan_grid
+
+    def play(self, touches: Touches, *, seed: int, replicates: int, jobs: int = 1) -> Outcomes:
+        """Play the conditions of the n touches so often."""
+        plays = [
+            rig.play(touches, seed=seed, replicates=replicates, jobs=jobs) for rig in self.rigs
+        ]
+        return spliced(plays, self.fold)

@@ -1,0 +1,43 @@
+"""A campaign played over again with effects, in the columns that were recorded of it."""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.arrays import BoolArray
+from skiplatch.campaign import Status, Touches
+from skiplatch.campaign.column_kinds import NOT_RECORDED
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.playing import Outcomes
+
+CAMPAIGNS = 4
+OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
+
+
+def replayed(scene: Scene, rows: BoolArray | NDArray[np.intp], rig: Rig, seed: int) -> list[Scene]:
+    """Play some of the touches on a rig, a few times over.
+
+    Args:
+        scene: The touches.
+        rows: Those that are wanted; shape (n,), or their numbers.
+        rig: What to play on.
+        seed: Of the plays.
+    """
+    outcomes = rig.play(scene.touches, seed=seed, replicates=CAMPAIGNS)
+    columns = (as_recorded(scene.touches, outcomes, k) for k in range(CAMPAIGNS))
+    return [
+        Scene(scene.nominal, touches, physics=scene.physics).select(rows) for touches in columns
+    ]
+
+
+def as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:
+    """Give a replicate the columns, and the gaps in them, that the record has."""
+    columns = {
+        name: np.where(np.isnan(getattr(touches, name)), np.nan, getattr(outcomes, name)[replicate])
+        for name in OUTCOMES
+    }
+    status = np.where(outcomes.ok[replicate], Status.OK, Status.MISSED)
+    status = np.where(touches.status == NOT_RECORDED, NOT_RECORDED, status)
+    return replace(touches, status=status.astype(touches.status.dtype), **columns)

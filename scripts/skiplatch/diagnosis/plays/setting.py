@@ -1,0 +1,110 @@
+"""What is known of all touches of a scene, whatever they are held against."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.scene.covariates import (
+    Order,
+    conditions,
+    recorded_only,
+    sequence,
+)
+from skiplatch.diagnosis.scene.nominal_chain import spacing
+from skiplatch.diagnosis.scene.observed import UNITS
+from skiplatch.diagnosis.scene.scene import Scene
+
+LONGEST = 100_000
+"""Touches of which a sequence may have as many as it likes."""
+MOSTLY_WAIT = 0.8
+"""Scatter of the wait for a scan over that of plays from which on it is nearly all of it. Touches
+bound to the scan share the phases of all sixty plays, which tell it to some 6 % alone."""
+ALONG = {"temperature": "K", "approach": "mm", "rest before": "s", "touches in the 60 s before": ""}
+"""Further conditions along which a wave may lie, and their units."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Place:
+    """A line along which a wave may lie; arrays of shape (n,).
+
+    Attributes:
+        name: For reports.
+        unit: Of `where`.
+        where: Each touch lies on it.
+        sense: What multiplies a score, 1 or -1.
+        shortest: Wave that can be told; 0 for what the number of touches lets tell.
+    """
+
+    name: str
+    unit: str
+    where: FloatArray
+    sense: FloatArray
+    shortest: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """What is known of all touches of a scene, whatever they are held against."""
+
+    scene: Scene
+    seed: int
+
+    @cached_property
+    def order(self) -> Order:
+        """The sequence of the touches."""
+        return Order.of(self.scene)
+
+    @cached_property
+    def known(self) -> Mapping[str, FloatArray]:
+        """What each could depend on; shape (n,)."""
+        whole, rows = self.scene.in_sequence(LONGEST)
+        made = {name: values[rows] for name, values in sequence(whole).items()}
+        return recorded_only(self.scene, {**conditions(self.scene), **made})
+
+    @cached_property
+    def places(self) -> Sequence[Place]:
+        """Where waves are looked for."""
+        touches, sign = self.scene.touches, self.scene.sign
+        along = np.ones(len(self.scene))
+        serial = self.order.serial.astype(float)
+        found = [Place("serial number", "touches", serial, along, 2.0)]
+        if "time" in self.known:
+            found.append(Place("time", "s", touches.time_s, along))
+        shortest_mm = self.scene.shortest_wave_mm
+        if np.isfinite(shortest_mm):
+            position = touches.position_mm
+            found += [Place("position", "mm", position, s, shortest_mm) for s in (along, sign)]
+        for name, unit in ALONG.items():
+            values = self.known.get(name)
+            if values is not None and np.isfinite(shortest := 2.0 * spacing(values)):
+                found.append(Place(name, unit, values, along, shortest))
+        return found
+
+    def repeats_to(self, observable: str) -> float:
+        """Give what a touch repeats to in an observable, in its unit; 0 of times."""
+        is_probe = UNITS[observable] == "µm" and self.scene.is_machine
+        return self.scene.nominal.probe.repeatability_um if is_probe else 0.0
+
+    def is_mostly_wait(
+        self, observable: str, path: str, noise: FloatArray, rows: BoolArray
+    ) -> bool:
+        """Tell whether plays of a path, which scatter so much, do so for the phase of the scan."""
+        scene = self.scene
+        if path != "plc" or observable not in ("latch", "position"):
+            return False
+        wait = np.full(len(scene), scene.nominal.plc.scan_us / np.sqrt(12.0))
+        if observable == "position":
+            wait = np.where(scene.has_stamps, 0.0, wait * scene.speed)
+        return float(np.median(wait[rows] / noise)) > MOSTLY_WAIT
+
+    def step(self, observable: str) -> float:
+        """Give what an observable is rounded to, in its unit."""
+        chain = self.scene.nominal
+        if UNITS[observable] == "µs":
+            return chain.skip.tick_us
+        stamped = self.scene.has_stamps.any()
+        way_um = chain.skip.tick_us * float(np.median(self.scene.speed)) if stamped else 0.0
+        return chain.axis.resolution_um + way_um

@@ -1,0 +1,56 @@
+"""All that is said of a campaign."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from skiplatch.diagnosis.fit.beliefs import Belief
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.reported.where import Place
+from skiplatch.diagnosis.verdict.named import Named
+from skiplatch.diagnosis.verdict.shrink import Gap
+from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
+from skiplatch.simulator.effects import Effect
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A model that was tried: its effects, and how much better than no effect it does."""
+
+    effects: tuple[Effect, ...]
+    score_nats: float
+    """Gain in log-likelihood, less what so many parameters gain by chance."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Diagnosis:
+    """All that is said of a campaign."""
+
+    verdict: Verdict
+    where: Sequence[Place]
+    effects: Sequence[Named]
+    gap: Mapping[str, Gap]
+    ranking: Sequence[Ranked]
+    """The models tried last, by falling score."""
+    rivals: Sequence[Ranked]
+    """What the recorded columns do not tell from the finding, which is the first; may be empty."""
+    left: Sequence[Left]
+    """What no effect of the catalogue accounts for, if it is significant and matters."""
+    touches: int
+    used: int
+    """Touches that the search looked at."""
+    notes: Sequence[str]
+    """What the campaign does not allow to say."""
+    believed: Rig
+    """The rig as it was believed to be, but for its datum and the uncertainty of the beliefs."""
+    rig: Rig
+    """The rig with the effects named."""
+    materiality: Materiality = DEFAULT
+    """From which size on a gap was one."""
+    beliefs: Sequence[tuple[Belief, float]] = ()
+    """Beliefs that were fitted, and their values now."""
+    outliers: Sequence[int] = ()
+    """Serial numbers of touches that are far off what the finding plays."""
+    failures: Sequence[Failure] = ()
+    """The rules that candidates failed, and by how much."""

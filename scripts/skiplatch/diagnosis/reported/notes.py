@@ -1,0 +1,87 @@
+"""What a report says beside the figures: what it looks like, and what the touches cannot tell."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from skiplatch.campaign import Axis, Campaign, InputPath
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
+from skiplatch.errors import InputError
+from skiplatch.repeatability import repeatability
+from skiplatch.surface_fit import OUTLYING_STEPS
+from skiplatch.tables import number
+
+FIRST_OFF = 3.0
+"""Halves of its 95 % interval from which on a first touch is off: some six standard errors."""
+LONGEST_SERIES = 2_000
+"""Touches of a campaign up to which series are looked at: a line for each surface takes room."""
+
+
+def notes(
+    scene: Scene, verdict: Verdict, failures: Sequence[Failure], mattering: Sequence[Left]
+) -> list[str]:
+    """Say what it looks like, what kept it from being explained, and what cannot be told.
+
+    Args:
+        scene: The touches.
+        verdict: What the diagnosis came to.
+        failures: The rules that were missed.
+        mattering: What the believed chain leaves that matters.
+    """
+    found: list[str] = []
+    if verdict is Verdict.UNKNOWN and mattering:
+        first = mattering[0]
+        where = f"{first.observable}, {first.path} path"
+        found.append(f"What it looks like: {where}: {first.looks_like}.")
+    if verdict is not Verdict.EXPLAINED:
+        found += [f"Not explained: {failure.words}." for failure in failures]
+    for path in InputPath:
+        if not (scene.touches.path == path).any():
+            name = path.name.lower()
+            found.append(f"No touches on the {name} path: nothing can be said of it.")
+    if not scene.has_stamps.any():
+        found.append("No time stamps: what shifts time and what shifts length look alike.")
+    if (scene.touches.axis >= Axis.A).any():
+        found.append(
+            "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
+            "1 mm/min is 1 deg/min."
+        )
+    found += _untold(scene)
+    return found
+
+
+def _untold(scene: Scene) -> list[str]:
+    """Say what the touches cannot tell, for want of variety."""
+    touches = scene.touches
+    found: list[str] = []
+    if not scene.is_machine:
+        return found
+    if len(np.unique(touches.feed_mm_min)) == 1:
+        found.append("One feed: a delay and a length look alike; touch at a second feed.")
+    for axis in np.unique(touches.axis):
+        senses = np.unique(scene.sign[touches.axis == axis])
+        if len(senses) == 1:
+            found.append("One sense of motion on an axis: no backlash can be seen there.")
+            break
+    return found
+
+
+def first_touch(campaign: Campaign) -> list[str]:
+    """Say by how much the first touch of a series is off those that follow it, if it clearly is."""
+    if len(campaign.touches) > LONGEST_SERIES:
+        return []
+    try:
+        found = repeatability(campaign)
+    except InputError:
+        return []  # no surface was touched so often
+    first, step = found.first, found.step or 0.0
+    if first is None:
+        return []
+    half = (first.high - first.low) / 2.0
+    if abs(first.value) <= max(FIRST_OFF * half, OUTLYING_STEPS * step):
+        return []
+    value, low, high = (number(v) for v in (first.value, first.low, first.high))
+    size = f"{value} {found.unit} ({low} … {high})"
+    return [f"The first touch of a series is off those that follow: {size}."]

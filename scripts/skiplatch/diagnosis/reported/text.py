@@ -1,0 +1,150 @@
+"""A diagnosis in words."""
+
+from collections.abc import Mapping
+
+from skiplatch.diagnosis.fit.material import Materiality
+from skiplatch.diagnosis.reported.diagnosis import Diagnosis
+from skiplatch.diagnosis.reported.document import datum_json
+from skiplatch.diagnosis.verdict.named import Named
+from skiplatch.diagnosis.verdict.rules import EXPLAINS, HAS_GAP, NAMES, SEES
+from skiplatch.diagnosis.verdict.shrink import Gap
+from skiplatch.diagnosis.verdict.verdict import Verdict
+from skiplatch.simulator.effects import effects
+from skiplatch.statistics import Interval
+from skiplatch.tables import number, table
+
+VERDICTS = {
+    Verdict.NO_GAP: "No gap: the campaign is what the nominal simulation plays.",
+    Verdict.EXPLAINED: "The gap is explained.",
+    Verdict.PARTLY_EXPLAINED: "The gap is explained in part; something else is left.",
+    Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it.",
+    Verdict.UNDECIDED: "Too few touches to tell whether there is a gap.",
+}
+HALF = 0.5
+"""Standard uncertainties by which a belief has to move to be told."""
+MOST_LISTED = 12
+
+
+def as_text(diagnosis: Diagnosis) -> str:
+    """Everything, for the terminal."""
+    parts = [VERDICTS[diagnosis.verdict], *map(_effect_text, diagnosis.effects)]
+    if diagnosis.where:
+        rows = [
+            (p.observable, p.stage, p.paths, _size(p.size, p.unit), p.conditions)
+            for p in diagnosis.where
+        ]
+        parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
+    if diagnosis.verdict in (Verdict.NO_GAP, Verdict.UNDECIDED):
+        parts.append(_hidden_text(diagnosis.gap))
+    if diagnosis.effects:
+        parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
+    parts.append(_threshold_text(diagnosis.materiality))
+    if moved := _moved(diagnosis):
+        parts.append(
+            "Beliefs, as the touches move them\n" + table(("belief", "believed", "now"), moved)
+        )
+    if diagnosis.outliers:
+        listed = ", ".join(map(str, diagnosis.outliers[:MOST_LISTED]))
+        more = "" if len(diagnosis.outliers) <= MOST_LISTED else ", …"
+        parts.append(f"Far off the rest, by touch: {listed}{more}")
+    if diagnosis.notes:
+        parts.append("\n".join(diagnosis.notes))
+    return "\n\n".join(parts)
+
+
+def _effect_text(named: Named) -> str:
+    described = effects()[named.effect.id]
+    lines = [f"{named.effect.id} ({named.stage} stage, {described.paths}): {described.physics}"]
+    for parameter in described.parameters:
+        if parameter.name in named.idle:
+            continue
+        value = named.effect.parameters[parameter.name]
+        low, high = named.intervals[parameter.name]
+        limit = ", at the limit of its range" if parameter.name in named.at_limit else ""
+        lines.append(
+            f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}) "
+            f"{parameter.unit}, {parameter.meaning}{limit}"
+        )
+    if named.when:
+        lines.append(f"  {named.when}")
+    lines.append(f"  confidence {named.confidence:.3f}")
+    if named.alternatives:
+        lines.append(f"  cannot be told from: {', '.join(named.alternatives)}")
+    return "\n".join(lines)
+
+
+def _hidden_text(gaps: Mapping[str, Gap]) -> str:
+    rows = [(name, gap.unit, number(gap.could_hide, 2)) for name, gap in gaps.items()]
+    title = "A shift of half of the touches against the others that could have hidden (95 %)"
+    return f"{title}\n" + table(("observable", "unit", "size"), rows)
+
+
+def _moved(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
+    """Give the beliefs that have moved by half their uncertainty, and every datum."""
+    rows = [
+        (belief.name, number(belief.value), number(value))
+        for belief, value in diagnosis.beliefs
+        if abs(belief.uncertainties(value)) > HALF
+    ]
+    data = datum_json(diagnosis.rig.datum)
+    return rows + [(name, "0", number(entry["value"], 3)) for name, entry in data.items()]
+
+
+def _size(size: float, unit: str) -> str:
+    return f"{size:.1%} of the touches" if unit == "1" else f"{number(size, 3)} {unit}"
+
+
+def _threshold_text(materiality: Materiality) -> str:
+    """Say from which size on a change counted."""
+    spread = f"{materiality.fraction:.3g} of the rig's own spread"
+    times = spread if materiality.us is None else f"{materiality.us:g} µs"
+    lengths = spread if materiality.um is None else f"{materiality.um:g} µm"
+    if times == lengths:
+        return f"A gap counts from {spread} on."
+    return f"A gap counts from {times} on in times, and from {lengths} on in lengths."
+
+
+def _gap_table(gaps: Mapping[str, Gap]) -> str:
+    rows = [
+        (
+            name,
+            gap.unit,
+            number(gap.before, 3),
+            number(gap.after, 3),
+            number(gap.noise_floor, 3),
+            _shrunk(gap.shrink) if gap.is_clear else "no gap beyond the noise",
+            *([] if gap.oracle_shrink is None else [_shrunk(gap.oracle_shrink)]),
+        )
+        for name, gap in gaps.items()
+    ]
+    header = ("observable", "unit", "before", "after", "noise floor", "shrunk by", "the truth does")
+    return table(header[: len(rows[0])], rows) if rows else "  nothing was recorded"
+
+
+def _shrunk(share: Interval) -> str:
+    return f"{share.value:.0%} ({share.low:.0%} … {share.high:.0%})"
+
+
+def explained(diagnosis: Diagnosis) -> str:
+    """Give every rule with what the finding misses of it, and what other models are short of."""
+    missed = {failure.rule: failure.words for failure in diagnosis.failures}
+    rules = [
+        (rule.name, number(rule.threshold), missed.get(rule.name, "not missed"), rule.reason)
+        for group in (NAMES, EXPLAINS, HAS_GAP, SEES)
+        for rule in group
+    ]
+    parts = ["Rules\n" + table(("rule", "threshold", "finding", "why this threshold"), rules)]
+    if diagnosis.ranking:
+        best = diagnosis.ranking[0].score_nats
+        tried = [
+            (
+                " + ".join(effect.id for effect in model.effects),
+                number(model.score_nats),
+                "gains no more than chance"
+                if model.score_nats <= 0.0
+                else f"{number(best - model.score_nats)} nats behind",
+            )
+            for model in diagnosis.ranking
+        ]
+        parts.append("Models tried last\n" + table(("model", "gain, nats", "short of"), tried))
+    return "\n\n".join(parts)

@@ -1,0 +1,114 @@
+"""Where the gap sits: the stretch of the chain, its size, and the conditions that it goes with."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
+from skiplatch.diagnosis.plays.leftover import MISSED
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.simulator.effects import effects
+
+LEAST_NATS = 5.0
+LEAST_SHARE = 0.01
+"""Gain in a stretch, over that in the one that gains most, from which on the gap shows in it."""
+MOST_CONDITIONS = 2
+MOST_LEFT = 3
+OBSERVABLES = {
+    "motion": "edge",
+    "latch_skip": "latch",
+    "latch_plc": "latch",
+    "lattice": "grid",
+    "deviation_skip": "position",
+    "deviation_plc": "position",
+}
+"""Of streams that have another name than what is observed."""
+STAGES = {"edge": "motion", "latch": "input", "grid": "scan", MISSED: "input"}
+"""Where something that no effect explains may sit at the latest; else as the observable."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where the gap sits.
+
+    Attributes:
+        stage: Of the chain.
+        paths: "skip", "plc" or "both".
+        observable: Stretch of the chain in which it shows.
+        conditions: What it goes with; or that it is everywhere.
+        size: Root mean square of what the nominal chain is off by there.
+        unit: Of the size; "1" for a share of the touches.
+    """
+
+    stage: str
+    paths: str
+    observable: str
+    conditions: str
+    size: float
+    unit: str
+
+
+def places(
+    scene: Scene, finding: Finding, before: Sequence[Left], left: Sequence[Left]
+) -> list[Place]:
+    """Name where the effects found show, the clearest first, and then what they leave.
+
+    Args:
+        scene: The touches.
+        finding: The effects.
+        before: What the believed chain leaves, the most significant first.
+        left: What the finding leaves that matters, likewise.
+    """
+    found = []
+    if finding.model:
+        change = finding.model.fit.change(scene)
+        gained, base = likelihood(scene, change).streams, likelihood(scene, Change()).streams
+        nats = {name: float((gained[name] - base[name]).sum()) for name in gained}
+        least = max(LEAST_NATS, LEAST_SHARE * max(nats.values()))
+        stages = {effects()[i].stage for i in finding.model.ids}
+        ordered = sorted(nats, key=lambda name: -nats[name])
+        found = [_place(scene, name, stages, before) for name in ordered if nats[name] > least]
+    return found + [_rest(one) for one in left[:MOST_LEFT]]
+
+
+def _place(scene: Scene, name: str, stages: set[str], before: Sequence[Left]) -> Place:
+    stream = scene.streams.get(name)
+    if stream is None:
+        share = float(scene.touches.missed.mean())
+        return Place("input", "both", MISSED, EVERYWHERE, share, "1")
+    off = (stream.residuals - stream.law.mean)[stream.rows]
+    shared = [stage for stage in stream.stages if stage in stages]
+    return Place(
+        stage=shared[0] if shared else stream.stages[-1],
+        paths=_paths(name),
+        observable=name,
+        conditions=_conditions(name, before),
+        size=float(np.sqrt(np.mean(off**2))),
+        unit=stream.unit,
+    )
+
+
+def _conditions(name: str, before: Sequence[Left]) -> str:
+    """Say what the gap of a stream goes with."""
+    observable, path = OBSERVABLES.get(name, name), _paths(name)
+    for one in before:
+        is_here = one.observable == observable and path in (one.path, "both")
+        if is_here and one.is_predicted and one.is_significant:
+            return f"goes with {' and '.join(one.conditions[:MOST_CONDITIONS])}"
+    return EVERYWHERE
+
+
+def _rest(left: Left) -> Place:
+    """Describe something that is left over."""
+    stage = STAGES.get(left.observable, left.observable)
+    return Place(stage, left.path, left.observable, left.looks_like, left.size, left.unit)
+
+
+def _paths(name: str) -> str:
+    if name.endswith("skip"):
+        return "skip"
+    return "plc" if name.endswith("plc") or name == "lattice" else "both"

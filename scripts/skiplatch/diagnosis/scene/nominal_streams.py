@@ -1,0 +1,115 @@
+"""The observables of a campaign as streams: residuals of the nominal chain, stage by stage."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.density.law import Law
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.scene.grid import off_grid
+from skiplatch.diagnosis.scene.nominal_chain import NominalChain
+
+
+def nominal_streams(chain: NominalChain) -> Iterator[Stream]:
+    """Give the streams in which something was recorded, under the law of the nominal chain."""
+    streams = (
+        _motion(chain),
+        _latch(chain, "skip", ~chain.plc),
+        _latch(chain, "plc", chain.plc),
+        _lattice(chain),
+        _position(chain),
+        _deviation(chain, "skip", ~chain.plc),
+        _deviation(chain, "plc", chain.plc),
+        _report(chain),
+    )
+    return (stream for stream in streams if stream.rows.any())
+
+
+def _motion(chain: NominalChain) -> Stream:
+    residuals = chain.touches.edge_us - chain.contact.time_us
+    law = (0.0, chain.nominal.bench.reference_jitter_us, 0.0, 0.0)
+    here = np.full(len(chain), not chain.is_machine)
+    return _stream(chain, "motion", "µs", ("motion",), residuals, law, here)
+
+
+def _latch(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
+    """Latch stamp after begin, less what the nominal chain needs at least."""
+    expected = chain.pretravel_um / chain.speed + chain.wait_us
+    residuals = chain.touches.latch_us - chain.begin_us - expected
+    tick = chain.nominal.skip.tick_us
+    law = (-tick, chain.mechanics_us, chain.scatter_us, tick)
+    stages = ("motion", "probe", "link", "input", "latch" if path == "skip" else "scan")
+    return _stream(chain, f"latch_{path}", "µs", stages, residuals, law, rows)
+
+
+def _lattice(chain: NominalChain) -> Stream:
+    """PLC stamps off the grid of scans, whose phase is taken from the stamps themselves."""
+    period, tick = chain.nominal.plc.scan_us, chain.nominal.skip.tick_us
+    stamps = chain.touches.latch_us
+    rows = chain.plc & chain.has_stamps
+    residuals = off_grid(np.where(rows, stamps, np.nan), period)
+    return _stream(
+        chain, "lattice", "µs", ("scan",), residuals, (-tick / 2.0, tick / 4.0, tick, 0.0), rows
+    )
+
+
+def _position(chain: NominalChain) -> Stream:
+    """Latched position less the way since the begin, by the latch's own stamp."""
+    way = chain.speed * (chain.touches.latch_us - chain.begin_us)
+    residuals = chain.touches.deviation_um - way
+    resolution, tick = chain.nominal.axis.resolution_um, chain.nominal.skip.tick_us
+    sigma = 0.0 if chain.is_machine else chain.speed * chain.nominal.bench.reference_jitter_us
+    law = (-resolution / 2.0, sigma, chain.speed * tick, resolution)
+    everywhere = np.full(len(chain), fill_value=True)
+    return _stream(chain, "position", "µm", ("position",), residuals, law, everywhere)
+
+
+def _deviation(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
+    """Where nothing but the position was recorded: the whole chain in one number."""
+    expected = chain.pretravel_um + chain.speed * chain.wait_us
+    residuals = chain.touches.deviation_um - expected
+    resolution = chain.nominal.axis.resolution_um
+    law = (
+        -resolution / 2.0,
+        chain.speed * chain.mechanics_us,
+        chain.speed * chain.scatter_us,
+        resolution,
+    )
+    stages = (
+        "motion",
+        "probe",
+        "link",
+        "input",
+        "latch" if path == "skip" else "scan",
+        "position",
+    )
+    return _stream(
+        chain, f"deviation_{path}", "µm", stages, residuals, law, rows & ~chain.has_stamps
+    )
+
+
+def _report(chain: NominalChain) -> Stream:
+    residuals = chain.touches.report_us - chain.touches.latch_us - chain.nominal.report.latency_us
+    law = (0.0, 0.0, chain.nominal.report.jitter_us, chain.nominal.skip.tick_us)
+    everywhere = np.full(len(chain), fill_value=True)
+    return _stream(chain, "report", "µs", ("report",), residuals, law, everywhere)
+
+
+def _stream(
+    chain: NominalChain,
+    name: str,
+    unit: str,
+    stages: tuple[str, ...],
+    residuals: FloatArray,
+    law: tuple[float | FloatArray, ...],
+    rows: BoolArray,
+) -> Stream:
+    known = rows & ~np.isnan(residuals) & ~chain.false
+    offset, sigma, box_a, box_b = (_full(chain, value) for value in law)
+    full_law = Law(offset, sigma, box_a, box_b)
+    return Stream(name, unit, stages, np.nan_to_num(residuals), full_law, known, full_law)
+
+
+def _full(chain: NominalChain, value: float | FloatArray) -> FloatArray:
+    return np.broadcast_to(np.asarray(value, dtype=float), (len(chain),)).copy()

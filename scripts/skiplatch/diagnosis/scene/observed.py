@@ -1,0 +1,67 @@
+"""What was recorded of touches, taken apart by the stretches of the chain."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.comparison.observables import Recorded
+from skiplatch.diagnosis.scene.grid import off_grid
+from skiplatch.diagnosis.scene.scene import Scene
+
+UNITS: Mapping[str, str] = {
+    "edge": "µs",
+    "latch": "µs",
+    "grid": "µs",
+    "position": "µm",
+    "report": "µs",
+}
+
+
+def observed(
+    scene: Scene, recorded: Recorded, *, scan_us: float | None = None
+) -> Mapping[str, FloatArray]:
+    """Take outcomes apart, as far as was recorded; each of shape (…, n), NaN where it was not.
+
+    The edge after the expected contact, the latch after its begin, the stamp of a scan off the grid
+    of the others, the position beyond the way since the begin, and the report after the latch.
+
+    Args:
+        scene: The touches.
+        recorded: Their outcomes, recorded or played.
+        scan_us: Period of that grid, if it is not the believed one.
+    """
+    edges = scene.touches.edge_us
+    begin = np.where(np.isnan(edges), scene.contact.time_us, recorded.edge_us)
+    later = recorded.latch_us - begin
+    beyond = recorded.deviation_um - scene.speed * later
+    return {
+        "edge": recorded.edge_us - scene.contact.time_us,
+        "latch": later,
+        "grid": off_grid(
+            np.where(scene.plc, recorded.latch_us, np.nan), scan_us or scene.nominal.plc.scan_us
+        ),
+        "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
+        "report": recorded.report_us - recorded.latch_us,
+    }
+
+
+def before_wait(
+    scene: Scene, unit: str, *, is_from_contact: BoolArray | bool
+) -> tuple[FloatArray, FloatArray]:
+    """Give what is expected of each touch that is latched at once, and what a µs of wait adds.
+
+    Args:
+        scene: The touches.
+        unit: Of the observable.
+        is_from_contact: A time is counted from the expected contact, and from no recorded edge.
+    """
+    if unit == "µm":
+        return scene.pretravel_um + scene.speed * scene.wait_us, scene.speed
+    return scene.pretravel_um / scene.speed * is_from_contact, np.ones(len(scene))
+
+
+def step(scene: Scene, name: str) -> float:
+    """Give what an observable is rounded to, in its unit."""
+    chain = scene.nominal
+    return chain.axis.resolution_um if UNITS[name] == "µm" else chain.skip.tick_us

@@ -1,0 +1,182 @@
+"""A recorded campaign as residuals of the nominal chain, stage by stage.
+
+Each stream is what one stretch of the chain adds, as far as it was recorded: with time stamps and
+edges the stretches come apart, and the likelihood is a product over them.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property, reduce
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
+from skiplatch.campaign import Axis, Campaign, Nominal, Touches
+from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.datum import SHIFTED
+from skiplatch.diagnosis.density.law import Law
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.scene.nominal_chain import NominalChain
+from skiplatch.diagnosis.scene.nominal_streams import nominal_streams
+
+OF_TOUCHES = frozenset(
+    {
+        *("is_machine", "plc", "sign", "latched_mm", "false", "has_stamps", "shortest_wave_mm"),
+        *("alpha", "alpha_before", "cos_beta", "rest_s", "follows"),
+    }
+)
+"""Cached properties of a scene that no number of nominal.toml changes."""
+OF_MOTION = frozenset({"contact", "speed"})
+"""Those that depend on the axis alone, beside the touches."""
+OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count"})
+"""Those that depend on how the datum is free."""
+
+
+class BelievedPhysics(Protocol):
+    """Effects that a rig is believed to have, where touches are made."""
+
+    def change(self, scene: "Scene") -> Change:
+        """Give what they make of the physics of the chain."""
+
+    def law(self, scene: "Scene", stream: Stream) -> Law:
+        """Give the law of a stream's residuals, all n of them."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene(NominalChain):
+    """A campaign under the nominal chain: streams, datum, and the effects that are believed in."""
+
+    moved_at: int | None = None
+    """Number of a touch from which on the datum may be another one."""
+    physics: BelievedPhysics | None = None
+    """Of the effects in the nominal chain, if there are any."""
+    stood_in: frozenset[str] = frozenset()
+    """Columns with values that nobody recorded."""
+    is_directed: bool = True
+    """It was recorded in which direction of the probe touches were made, where that matters."""
+
+    @classmethod
+    def of(cls, campaign: Campaign, physics: BelievedPhysics | None = None) -> "Scene":
+        """Take a campaign's touches in order of time."""
+        return cls(campaign.nominal, campaign.touches.in_order_of_time(), physics=physics)
+
+    def select(self, rows: BoolArray | IndexArray) -> "Scene":
+        """Give some of the touches."""
+        chosen = np.arange(len(self))[rows]
+        return replace(self, touches=self.touches.select(rows), whole=self, chosen=chosen)
+
+    def in_sequence(self, most: int) -> tuple["Scene", IndexArray]:
+        """Give the largest scene, of at most so many touches, that this one is a part of.
+
+        And which of its touches these are; shape (n,).
+        """
+        if self.whole is None or self.chosen is None or len(self.whole) > most:
+            return self, np.arange(len(self))
+        sequence, rows = self.whole.in_sequence(most)
+        return sequence, rows[self.chosen]
+
+    def with_nominal(self, nominal: Nominal) -> "Scene":
+        """Give the same touches under another belief."""
+        whole = None if self.whole is None else self.whole.with_nominal(nominal)
+        moved = replace(self, nominal=nominal, whole=whole)
+        kept = set(OF_TOUCHES)
+        if nominal.axis == self.nominal.axis:
+            kept |= OF_MOTION
+        if nominal.datum == self.nominal.datum:
+            kept |= OF_DATUM
+        # What was derived from what stays the same; beliefs are tried out by the hundred.
+        moved.__dict__.update({n: v for n, v in self.__dict__.items() if n in kept})
+        return moved
+
+    def with_datum_moved(self, touch: int) -> "Scene":
+        """Give the same touches, the datum of which may be another one from a touch on."""
+        return replace(self, moved_at=touch)
+
+    @cached_property
+    def datum_groups(self) -> IndexArray | None:
+        """Number of the datum that each touch has, shape (n,); None where it is known."""
+        names = self.datum_names
+        return None if names is None else np.searchsorted(np.unique(names), names)
+
+    @cached_property
+    def datum_names(self) -> NDArray[np.str_] | None:
+        """Names of the data of the touches, shape (n,); None where they are known."""
+        names = datum_names(self.nominal, self.touches)
+        if names is None or self.moved_at is None:
+            return names
+        return np.char.add(names, np.where(self.touches.touch < self.moved_at, "", " moved"))
+
+    @cached_property
+    def datum_count(self) -> int:
+        """How many data there are, at least one."""
+        return 1 if self.datum_groups is None else int(self.datum_groups.max(initial=0)) + 1
+
+    @property
+    def datum_u_um(self) -> float | None:
+        """Standard uncertainty of each about 0; None for a datum that may be anywhere."""
+        return self.nominal.datum.u_um
+
+    def datum_of(self, stream: Stream) -> IndexArray:
+        """Number of the datum of each touch in a stream's rows; 0 where it is known."""
+        if self.datum_groups is None:
+            return np.zeros(len(stream.indices), dtype=np.intp)
+        return self.datum_groups[stream.indices]
+
+    def per_datum_um(self, stream: Stream) -> FloatArray:
+        """By how much a µm of datum shifts the residuals of a stream; shape (n,)."""
+        if stream.name not in SHIFTED:
+            return np.zeros(len(self))
+        return 1.0 / self.speed if stream.unit == "µs" else np.ones(len(self))
+
+    @cached_property
+    def streams(self) -> dict[str, Stream]:
+        """All streams in which something was recorded, by name."""
+        return {stream.name: self._as_believed(stream) for stream in nominal_streams(self)}
+
+    @cached_property
+    def believed(self) -> Change:
+        """What the effects that are believed in make of the physics of the chain."""
+        return Change() if self.physics is None else self.physics.change(self)
+
+    def with_beliefs(self, change: Change) -> Change:
+        """Give a change of the believed rig as one of the chain."""
+        return change if self._is_plain else self.believed.joined(change)
+
+    @property
+    def _is_plain(self) -> bool:
+        return self.physics is None or not self.nominal.believed_effects
+
+    def _as_believed(self, stream: Stream) -> Stream:
+        if self.physics is None or self._is_plain:
+            return stream
+        return replace(stream, law=self.physics.law(self, stream))
+
+
+def rounding_step(scene: Scene, stream: Stream) -> float:
+    """What the residuals of a stream are rounded to, in its unit."""
+    if stream.unit == "µs":
+        return scene.nominal.skip.tick_us
+    return scene.nominal.axis.resolution_um
+
+
+def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
+    """Name the datum of each touch, the same in every part of a campaign; shape (n,).
+
+    None where it is known.
+    """
+    if nominal.datum.free is DatumFreedom.NONE:
+        return None
+    axes = np.array([*(axis.name for axis in Axis), "axis"])[touches.axis]
+    parts = {
+        DatumFreedom.CAMPAIGN: [np.full(len(touches), "campaign")],
+        DatumFreedom.AXIS: [axes],
+        DatumFreedom.AXIS_SENSE: [axes, np.where(touches.sign < 0.0, "-", "+")],
+        DatumFreedom.SESSION: [axes],
+    }[nominal.datum.free]
+    # What was homed or clamped anew has a datum of its own.
+    if len(touches.session_names) > 1:
+        sessions = np.array([f" session {name}" for name in touches.session_names])
+        parts.append(sessions[touches.session])
+    return reduce(np.char.add, parts)

@@ -1,0 +1,266 @@
+"""Which effects a campaign shows: one after the other, as long as something is left.
+
+A hypothesis is a set of effects. It is extended only where it leaves something that can be seen
+(`leftover`), and only by an effect that gains more than chance on other touches than it was fitted
+to.
+Several first effects are kept open, for the best of them may be one that takes two for its scatter.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.scored import ENOUGH_FIT, Scored, without_twins, worth
+
+MOST_EFFECTS = 4
+BETTER = 2.0
+"""Nats by which a form found in company has to be better than the one found alone."""
+PLAIN_SECOND = 0.2
+"""Gain of a further effect over that of the others where it acts, from which on it is no form of
+theirs; one that gains less has to shift what no other form does, or leave nothing in a stream."""
+FAINTEST = 0.03
+"""The same below which it is not believed beside an effect that needs slack: that much any
+approximate model is off by."""
+NEXT_BEST = 0.5
+"""Share of the best effect's gain from which on another is tried as the first of several."""
+BEAM = 2
+"""First effects that are kept open."""
+MOST_TURNED = 3
+"""Pairs that are searched from their second effect as well."""
+MOST_SWAPS = 2
+TEMPER = 0.5
+"""How far differences in nats are believed: no real effect has just the form that is fitted."""
+TIED = 6.0
+"""Nats of difference that do not tell two effects apart: tempered, one in twenty."""
+
+Noticed = Callable[[Scored], frozenset[str]]
+"""Names the streams in which something can still be seen once a model is played."""
+Passes = Callable[[Scored | None], bool]
+"""Tells whether what a model, or none, leaves goes with the sequence of the touches, or may."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finding:
+    """The effects that were found.
+
+    Attributes:
+        model: They and their parameters, or None for no effect.
+        alternatives: For each effect, the ids that would do as well.
+        confidences: For each effect, how much of the weight of all that was tried it and they have.
+        ranking: The models that were tried last, by falling score.
+        small: An effect that is there, but too small to matter.
+    """
+
+    model: Scored | None
+    alternatives: tuple[tuple[str, ...], ...] = ()
+    confidences: tuple[float, ...] = ()
+    ranking: tuple[Scored, ...] = ()
+    small: Scored | None = None
+
+    @property
+    def rivals(self) -> tuple[Scored, ...]:
+        """The models that cannot be told from the best one, which is the first of them."""
+        if self.model is None:
+            return ()
+        others = [s for s in self.ranking if s is not self.model]
+        return (self.model, *(s for s in others if s.score > self.model.score - TIED))
+
+
+def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> Finding:
+    """Search forward, from several first effects, for as many as the touches ask for.
+
+    Args:
+        judge: Fits and scores.
+        noticed: Where a model leaves something.
+        may_begin: Whether what it leaves may have begun or ended.
+        passes: Whether what it leaves comes and goes.
+    """
+    ranked = _first(judge, may_begin, passes)
+    if not ranked or not judge.is_significant(ranked[0]):
+        return Finding(None, ranking=tuple(ranked))
+    judge.believe_beside(ranked[0].fit)
+    ranked = sorted(map(judge.scored_anew, ranked), key=lambda scored: -scored.score)
+    best = ranked[0]
+    if not noticed(best):
+        return _single(judge, best, ranked)
+    best, pairs = _with_second(judge, best, noticed)
+    if not _is_accepted(judge, pairs, best, noticed):
+        # What scatters, or needs slack, may have taken two for one: the next best may be half.
+        pairs = _from_next_best(judge, ranked, best, noticed)
+        if not pairs:
+            ranked = [best, *(s for s in ranked if s.ids != best.ids)]
+            return _single(judge, best, ranked)
+    judge.believe_beside(pairs[0].fit)
+    model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
+    while len(model.ids) < MOST_EFFECTS and (streams := noticed(model)):
+        further = judge.pairs(model, streams)
+        if not further or not _is_further(judge, further[0], model, noticed):
+            break
+        judge.believe_beside(further[0].fit)
+        model, tried = judge.scored_anew(further[0]), [judge.scored_anew(one) for one in further]
+    return several(judge, model, tried)
+
+
+def finds_any(judge: Judge, may_begin: Passes, passes: Passes) -> bool:
+    """Tell whether there is an effect to begin a search with, alone, that matters."""
+    ranked = _first(judge, may_begin, passes)
+    return bool(ranked) and judge.is_enough(ranked[0])
+
+
+def _first(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
+    """Give every effect alone, beside beliefs that fit without any; by falling score."""
+    judge.believe_beside(None)
+    return _singles(judge, may_begin, passes)
+
+
+def _singles(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
+    """Give every effect alone, and those that begin or end where no lasting one will do.
+
+    Where the best of them leaves nothing but what goes with conditions, nothing need have begun,
+    unless it leaves to chance at which touches it acts: those may be the ones after an onset.
+    What still comes and goes beside one that begins did not begin with it: a step stands for a
+    drift.
+    """
+    ranked = judge.singles()
+    best = ranked[0] if ranked else None
+    if not may_begin(best) and not (best and judge.scatters(best, 0)):
+        return ranked
+    least = best.score + TIED if best else 0.0  # one that lasts will do as well
+    begun = [one for one in judge.passing(ranked) if one.score > least and not passes(one)]
+    return sorted([*begun, *ranked], key=lambda scored: -scored.score)
+
+
+def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:
+    if not judge.is_material(best):
+        return Finding(None, ranking=tuple(ranked), small=best)
+    group, confidence = _ranked_group(ranked, 0)
+    return Finding(best, (group,), (confidence,), tuple(ranked))
+
+
+def _with_second(judge: Judge, best: Scored, noticed: Noticed) -> tuple[Scored, list[Scored]]:
+    """Extend the best effect: give it, in a better form if its pairs show one, and the pairs."""
+    pairs = _pairs(judge, best, noticed(best))
+    if not pairs:
+        return best, pairs
+    again = max((judge.again(pairs[0].fit, i) for i in (0, 1)), key=lambda scored: scored.score)
+    if again.score > best.score + BETTER:
+        return again, _pairs(judge, again, noticed(again)) or pairs
+    return best, pairs
+
+
+def _is_accepted(judge: Judge, pairs: Sequence[Scored], first: Scored, noticed: Noticed) -> bool:
+    return bool(pairs) and _is_further(judge, pairs[0], first, noticed)
+
+
+def _from_next_best(
+    judge: Judge, ranked: Sequence[Scored], best: Scored, noticed: Noticed
+) -> list[Scored]:
+    """Give the best pairs of other first effects, if they beat the best effect; else none."""
+    near = [s for s in without_twins(ranked[1:]) if s.score > NEXT_BEST * best.score]
+    near = [s for s in near if s.ids[0] != best.ids[0]]
+    near.sort(key=judge.is_scatter)  # scatter hides best what is none
+    for first in near[: BEAM - 1]:
+        pairs = _pairs(judge, first, noticed(first))
+        is_better = bool(pairs) and pairs[0].score > best.score + TIED
+        if is_better and _is_accepted(judge, pairs, first, noticed):
+            return pairs
+    return []
+
+
+def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
+    """Search further effects of one, with and without the slack that it has alone.
+
+    That may stand for the further one, which then gains nothing beside it, if the two need none.
+    """
+    pairs = judge.pairs(best, streams)
+    if best.fit.slack > 0.0:
+        stiff = judge.score(replace(best.fit, slack=0.0))
+        near = [
+            pair for pair in without_twins(judge.on_top(stiff, streams)) if pair.fit.slack == 0.0
+        ]
+        near = [*pairs[:1], *near]
+        models = [(pair, judge.alone(pair, position=1)) for pair in near[:MOST_TURNED]]
+        pairs = _better(pairs, judge.turned(models))
+    return pairs
+
+
+def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
+    """Take the better one of each pair that was fitted twice; by falling score."""
+    by_ids = {pair.ids: pair for pair in others}
+    better = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
+    return sorted(better, key=lambda pair: -pair.score)
+
+
+def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed) -> bool:
+    """Tell whether the last effect of a model is one of its own, and no form of the others."""
+    if not judge.is_enough(larger, smaller):
+        return False
+    if judge.is_elsewhere(larger, smaller):
+        return True
+    share = judge.share(larger, smaller)
+    if larger.fit.is_loose or (share < FAINTEST and smaller.fit.slack > 0.0):
+        return False
+    if share >= PLAIN_SECOND:
+        return True
+    least = ENOUGH_FIT + worth(larger.fit.size - smaller.fit.size)
+    way = judge.own_way(larger)
+    if larger.score - smaller.score - way.taken_by_form < ENOUGH_FIT:
+        return False
+    # Or a stream is explained altogether.
+    return way.beyond_form > least or bool(noticed(smaller) - noticed(larger))
+
+
+def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:
+    """Settle several effects: each is searched for anew, given the others, until none changes."""
+    for _ in range(MOST_SWAPS):
+        in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
+        best = max(
+            (others[0] for others in in_place if others),
+            key=lambda other: other.score,
+            default=model,
+        )
+        if best.score <= model.score + BETTER:
+            break
+        model = judge.jointly([best])[0]
+    else:
+        in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
+    groups = [
+        _group(model.ids[i], [(model.ids[i], model.score), *((o.ids[-1], o.score) for o in others)])
+        for i, others in enumerate(in_place)
+    ]
+    names, confidences = zip(*groups, strict=True)
+    ranking = sorted([model, *(s for s in tried if s.ids != model.ids)], key=lambda s: -s.score)
+    return Finding(model, names, confidences, tuple(ranking))
+
+
+def reduced(judge: Judge, model: Scored) -> Finding:
+    """Give a finding with a model that has fewer effects than were found."""
+    if len(model.ids) > 1:
+        return several(judge, model, ())
+    ranked = [model, *(scored for scored in judge.singles() if scored.ids != model.ids)]
+    return _single(judge, model, ranked)
+
+
+def _ranked_group(ranked: Sequence[Scored], position: int) -> tuple[tuple[str, ...], float]:
+    """Name the effects tied with that of the best model, the first one, at its position."""
+    own = ranked[0].ids[position]
+    return _group(own, [(scored.ids[position], scored.score) for scored in ranked])
+
+
+def _group(own: str, tried: Iterable[tuple[str, float]]) -> tuple[tuple[str, ...], float]:
+    """Name the effects tied with one, and how sure the group is.
+
+    Args:
+        own: The effect.
+        tried: It and those tried in its place, with the scores of the models; some more than once.
+    """
+    scores: dict[str, float] = {}
+    for name, score in sorted(tried, key=lambda one: -one[1]):
+        scores.setdefault(name, score)
+    below = {name: min(score - scores[own], 0.0) for name, score in scores.items()}
+    tied = [name for name, nats in below.items() if nats > -TIED]
+    weights = {name: float(np.exp(TEMPER * nats)) for name, nats in below.items()}
+    confidence = sum(weights[name] for name in tied) / sum(weights.values())
+    return tuple(name for name in tied if name != own), confidence

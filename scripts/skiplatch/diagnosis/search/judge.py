@@ -1,0 +1,282 @@
+"""Models of a campaign, fitted and scored: candidates alone, and on top of others."""
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from concurrent.futures import Executor
+from dataclasses import replace
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+
+from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.beliefs import Belief, Fitted, fit_beliefs, uncertain
+from skiplatch.diagnosis.fit.fit import (
+    NOTHING,
+    SLACKS,
+    WORTH_A_REFINEMENT,
+    Fit,
+    anew,
+)
+from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.fit.onset import ends_of, outlives_datum, proposed
+from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.parts import Split
+from skiplatch.diagnosis.search.scored import (
+    PLAIN,
+    Scored,
+    without_twins,
+    worth,
+)
+from skiplatch.diagnosis.search.scorer import Scorer, gain_in
+from skiplatch.diagnosis.search.tasks import (
+    both,
+    fit_in_forms,
+    fit_jointly,
+    fit_passing,
+    fit_plainly,
+    fit_turned,
+)
+
+Task = TypeVar("Task")
+
+CONTENDS = 0.4
+"""Share of the best gain from which on other forms of an effect are tried."""
+MOST_POLISHED = 6
+"""Candidates of a contest that are fitted in other forms."""
+ALSO_PASSING = 6
+"""Candidates, of those that fit a part of the campaign best, that are tried as passing ones."""
+REFINED_PAIRS = 4
+NEARLY = 30.0
+"""Nats behind the best pair up to which a pair is refined jointly."""
+NEARLY_AS_MUCH = 0.5
+"""Share of the best second effect's gain from which on it is as well."""
+
+
+class Judge(Scorer):
+    """Fits and scores models on one campaign."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        parts: Split,
+        executor: Executor | None = None,
+        materiality: Materiality = DEFAULT,
+        noticed: Collection[str] | None = None,
+    ) -> None:
+        """Prepare to fit models.
+
+        Args:
+            scene: The touches.
+            parts: Which of them serve what.
+            executor: Fits side by side.
+            materiality: From which size on a change matters.
+            noticed: Streams in which there may be something to explain; None for all.
+        """
+        self._believed = scene
+        self._executor = executor
+        self._noticed = None if noticed is None else frozenset(noticed)
+        super().__init__(scene, parts, materiality)
+
+    def _each(self, task: Callable[[Task], Fit], models: Sequence[Task]) -> list[Fit]:
+        """Fit models side by side, all of them before going on: none may change on its way there.
+
+        A scene keeps what was asked of it once, and a process pool packs it while others work.
+        """
+        return list((self._executor.map if self._executor else map)(task, models))
+
+    def _look_at(self, scene: Scene) -> None:
+        super()._look_at(scene)
+        self._reaches: dict[str, frozenset[str]] = {}
+        self._on_top: dict[tuple[object, ...], list[Scored]] = {}
+        self.__dict__.pop("_applicable", None)
+
+    def beliefs_beside(self, model: Fit | None) -> Fitted:
+        """Fit the beliefs, as they stand in nominal.toml, beside a model or none."""
+        return self._fit_beside(model, uncertain(self._believed.nominal))
+
+    def _fit_beside(self, model: Fit | None, beliefs: Sequence[Belief]) -> Fitted:
+        naming = self._believed.select(self.parts.naming)
+        change = model.change(naming) if model else NOTHING
+        return fit_beliefs(naming, change, beliefs, self.scene.nominal)
+
+    def believe_beside(self, model: Fit | None) -> None:
+        """Hold models from now on against the chain with the beliefs that fit beside one.
+
+        What a belief takes up would else be found as an effect of its own. Noise stays as believed:
+        it would take up any gap.
+        """
+        beliefs = [b for b in uncertain(self._believed.nominal) if not b.is_noise]
+        nominal = self._fit_beside(model, beliefs).nominal
+        if nominal != self.scene.nominal:
+            self._look_at(self._believed.with_nominal(nominal))
+
+    def scored_anew(self, scored: Scored) -> Scored:
+        """Score a model against the beliefs of now."""
+        return self.score(scored.fit)
+
+    def singles(self) -> list[Scored]:
+        """Every candidate alone, by falling score."""
+        return self._with_twins(map(self.score, self._contest(self._candidates(), NOTHING)))
+
+    def passing(self, singles: Sequence[Scored]) -> list[Scored]:
+        """Candidates that begin or end within the campaign, by falling score.
+
+        Proposed by how they fit throughout, and how they fit its first and its last touches.
+        """
+        fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
+        for part in ends_of(self._fitting):
+            there = self._each(fit_plainly, [(part, c, NOTHING) for c in self._candidates()])
+            gained = [(gain_in(part, one), i, one) for i, one in enumerate(there)]
+            best = sorted(gained, reverse=True)[:ALSO_PASSING]
+            fits += [one for gain, _, one in best if gain > WORTH_A_REFINEMENT]
+        tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
+        found = map(self.score, self._each(fit_passing, tasks))
+        return self._with_twins(one for one in found if self._is_no_datum(one))
+
+    def _is_no_datum(self, scored: Scored) -> bool:
+        """Tell whether an effect that begins is more than a surface that was moved then."""
+        nats = sum(outlives_datum(part, scored.fit) for part in (self._fitting, self._checking))
+        return nats - worth(scored.fit.size) > PLAIN
+
+    def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
+        """Fit all candidates plainly, and those that come near the best of them in other forms."""
+        if not candidates:
+            return []
+        fits = self._each(fit_plainly, [(self._fitting, c, given) for c in candidates])
+        gains = [self._gain(found, given) for found in fits]
+        least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
+        order = sorted(range(len(gains)), key=lambda i: -gains[i])
+        near = [i for i in order[:MOST_POLISHED] if gains[i] >= least]
+        forms = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
+        for i, found in zip(near, forms, strict=True):
+            fits[i] = found
+        return fits
+
+    def _gain(self, found: Fit, given: Change) -> float:
+        """Gain of a model, with its form left open or not, on the touches it was fitted to."""
+        forms = (found, replace(found, slack=SLACKS[-1]))
+        changes = (given.joined(form.change(self._fitting)) for form in forms)
+        most = max(likelihood(self._fitting, change).total for change in changes)
+        return most - likelihood(self._fitting, given).total
+
+    def pairs(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
+        """A model with every other effect: one by one on top of it, the best then jointly.
+
+        Args:
+            first: The model.
+            streams: In which something is left that the other one has to change; None for any.
+        """
+        on_top = without_twins(self.on_top(first, streams))
+        if not on_top:
+            return []
+        most = on_top[0].score
+        least = most - max(NEARLY, (1.0 - NEARLY_AS_MUCH) * (most - first.score))
+        near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
+        return self._with_twins(self.jointly(near) + on_top[len(near) :])
+
+    def turned(self, pairs: Sequence[tuple[Scored, Scored]]) -> list[Scored]:
+        """Fit pairs the other way round, their second effects first.
+
+        Args:
+            pairs: Each two effects, and the second one alone, with the form that it has there.
+        """
+        models = [(self._fitting, pair.fit.candidates[0], second.fit) for pair, second in pairs]
+        return self._with_twins(map(self.score, self._each(fit_turned, models)))
+
+    def jointly(self, models: Sequence[Scored]) -> list[Scored]:
+        """Fit the effects of each model together, from where they are."""
+        refined = self._each(fit_jointly, [(self._fitting, model.fit) for model in models])
+        return [
+            max(model, self.score(joint), key=lambda scored: scored.score)
+            for model, joint in zip(models, refined, strict=True)
+        ]
+
+    def on_top(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
+        """Every other effect on top of a model that stays as it is, by falling score."""
+        key = (*first.fit.key, streams)
+        if key not in self._on_top:
+            given = first.fit.change(self._fitting)
+            there = {twin.ids[i] for i in range(len(first.ids)) for twin in self.twins(first, i)}
+            others = [c for c in self._candidates() if c.id not in {*first.ids, *there}]
+            others = self._acting_in(others, streams)
+            on_top = [both(first.fit, second) for second in self._contest(others, given)]
+            self._on_top[key] = self._with_twins(map(self.score, on_top))
+        return self._on_top[key]
+
+    def twins(self, model: Scored, position: int) -> list[Scored]:
+        """Give a model with other effects, that do just the same, in place of one of it."""
+        own, found = model.fit.candidates[position], []
+        for other in self._applicable:
+            if other.change == own.change and other.id != own.id:
+                candidates = list(model.fit.candidates)
+                candidates[position] = replace(other, span=own.span)
+                found.append(self.score(replace(model.fit, candidates=tuple(candidates))))
+        return found
+
+    def _with_twins(self, models: Iterable[Scored]) -> list[Scored]:
+        """Add models with twins of the last effect; by falling score."""
+        found = [twin for model in models for twin in (model, *self.twins(model, -1))]
+        return sorted(found, key=lambda scored: -scored.score)
+
+    def alone(self, model: Scored, position: int) -> Scored:
+        """Give one effect of a model with the parameters it has there."""
+        found = model.fit
+        parts = (found.candidates[position],), (found.parameters[position],)
+        return self.score(Fit(*parts, found.reached, found.slack))
+
+    def without(self, model: Scored, position: int) -> Scored:
+        """Give a model without one of its effects, the others as they are."""
+        found = model.fit
+        left = [i for i in range(len(found.candidates)) if i != position]
+        candidates = tuple(found.candidates[i] for i in left)
+        parameters = tuple(found.parameters[i] for i in left)
+        return self.score(replace(found, candidates=candidates, parameters=parameters))
+
+    def in_place(self, model: Scored, position: int) -> list[Scored]:
+        """Give a model with others in place of one effect, which come last; by falling score.
+
+        Only what acts where that effect does can stand in its place.
+        """
+        there = self._reach(model.fit.candidates[position])
+        return self.on_top(self.without(model, position), there)
+
+    def again(self, model: Fit, position: int) -> Scored:
+        """Fit one effect of a model alone, from the parameters that it has there."""
+        candidates, starts = (model.candidates[position],), [model.parameters[position]]
+        return self.score(anew(self._fitting, candidates, starts))
+
+    def again_without(self, model: Scored, position: int) -> Scored:
+        """Fit a model without one of its effects, from where the others are."""
+        left = self.without(model, position).fit
+        return self.score(anew(self._fitting, left.candidates, [np.concatenate(left.parameters)]))
+
+    @cached_property
+    def _applicable(self) -> list[Candidate]:
+        """Give the effects that the campaign can show, and that act where something is noticed."""
+        return self._acting_in(
+            [c for c in catalogue().values() if c.applies(self.scene)], self._noticed
+        )
+
+    def _acting_in(
+        self, candidates: Sequence[Candidate], streams: frozenset[str] | None
+    ) -> list[Candidate]:
+        """Keep the effects that change some of the streams; what only simulation knows is kept."""
+        if streams is None:
+            return list(candidates)
+        return [c for c in candidates if not c.is_named or self._reach(c) & streams]
+
+    def _reach(self, candidate: Candidate) -> frozenset[str]:
+        """Name the streams that an effect can change."""
+        if candidate.id not in self._reaches:
+            starts = map(np.array, candidate.starts(self._fitting, NOTHING))
+            changes = (candidate.change(self._fitting, start) for start in starts)
+            reached = (affected(self._fitting, change) for change in changes)
+            self._reaches[candidate.id] = frozenset().union(*reached)
+        return self._reaches[candidate.id]
+
+    def _candidates(self) -> list[Candidate]:
+        """Give the effects that have to be fitted: one of those that do just the same."""
+        return list({c.change: c for c in reversed(self._applicable)}.values())[::-1]

@@ -1,0 +1,69 @@
+"""Whether what a finding leaves to chance is chance.
+
+Which touches bounced, how late a scan began, where a value lies between two lines: no condition
+tells it, and no touch before, for the physics of the effect knows none of them. Where something
+does, the effect stands for something else. It shows at the feeds at which the effect adds scatter.
+What a finding shifts touches by has never just the form of the real shift: what is no more than the
+discrepancy that its fit asks for is no chance.
+"""
+
+from collections.abc import Iterator
+from itertools import chain
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.leftover import Beside
+from skiplatch.diagnosis.plays.look import FEWEST
+from skiplatch.diagnosis.search.scorer import MORE_VARIANCE
+
+SMALLEST = 1e-9
+
+
+def chance_of(found: Beside, believed: Beside, discrepancy: float) -> list[Left]:
+    """Look for what tells how the chance of a finding fell; all of it, the most significant first.
+
+    Args:
+        found: The touches beside plays of the rig with the effects.
+        believed: The same without them.
+        discrepancy: By how much of what they shift the effects are off in their form.
+    """
+    looks = _looks(found, believed, discrepancy)
+    return sorted(looks, key=lambda left: -left.z)
+
+
+def _looks(beside: Beside, before: Beside, discrepancy: float) -> Iterator[Left]:
+    for path, here in beside.paths.items():
+        for name in beside.recorded:
+            rows = here & beside.known(name) & before.known(name)
+            if rows.any():
+                rows = rows & _adds_scatter(beside, before, name, rows)
+            if rows.sum() >= FEWEST:
+                look = beside.look(name, path, rows)
+                least = discrepancy * _shift(beside, before, name, rows)
+                each = chain(look.straight(), look.predicted(), look.waves())
+                yield from (left for left in each if left.size > least)
+
+
+def _shift(beside: Beside, before: Beside, name: str, rows: BoolArray) -> float:
+    """Give the root mean square of what a finding shifts the middle of touches by."""
+    now, was = (np.nanmedian(plays.played[name][:, rows], axis=0) for plays in (beside, before))
+    return float(np.sqrt(np.mean((now - was) ** 2)))
+
+
+def _adds_scatter(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:
+    """Tell which touches a finding leaves more to chance: at feeds where variance grows; (n,)."""
+    step = beside.setting.step(name)
+    feeds = beside.setting.scene.touches.feed_mm_min
+    adds = np.zeros(len(rows), dtype=np.bool_)
+    for feed in np.unique(feeds[rows]):
+        there = rows & (feeds == feed)
+        now, was = (_variance(plays.played[name][:, there], step) for plays in (beside, before))
+        adds |= there & (now > MORE_VARIANCE * was)
+    return adds
+
+
+def _variance(played: FloatArray, step: float) -> float:
+    """Give the mean variance of touches, shape (r, m), but of no less than rounding makes."""
+    return max(float(np.nanmean(np.nanvar(played, axis=0))), step**2 / 12.0, SMALLEST)

@@ -1,0 +1,130 @@
+"""What a search comes to: the finding, its gaps, and the evidence for a verdict."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.hidden import Hidden, could_hide
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.outliers import outliers
+from skiplatch.diagnosis.plays.playing import Folds, Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.confirm import Confirmation
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.verdict.chance import chance_of
+from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.guilty import without_guilty
+from skiplatch.diagnosis.verdict.named import Named, named, open_sizes
+from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
+from skiplatch.diagnosis.verdict.shrink import Gap, shrink
+from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little
+from skiplatch.diagnosis.verdict.work import Work, mattering
+from skiplatch.simulator.effects import Effect
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Conclusion:
+    """A finding with all that its verdict rests on."""
+
+    finding: Finding
+    rig: Rig
+    known: Rig
+    """The same with an effect that is too small to matter."""
+    named: Sequence[Named]
+    gap: Mapping[str, Gap]
+    hidden: Mapping[str, Hidden]
+    outliers: Sequence[int]
+    evidence: Evidence
+
+
+def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
+    """Search a campaign for effects and judge what is found, beside the true ones if known."""
+    found = _found(work, truth)
+    odd = found.outliers if found.finding.model else []
+    if len(odd) and not work.without(odd).finds_any():
+        # They alone are what it was found by.
+        return _conclusion(work, Finding(None), None, truth)
+    return found
+
+
+def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
+    """Search, and take out what keeps others from being named, if these then are."""
+    finding, confirmed = work.search()
+    whole = found = _conclusion(work, finding, confirmed, truth)
+    while kept := work.judge and without_guilty(work.judge, found.finding, found.evidence):
+        finding, confirmed = work.confirmed(kept)
+        found = _conclusion(work, finding, confirmed, truth)
+    return whole if failures(NAMES, found.evidence) else found
+
+
+def _conclusion(
+    work: Work,
+    finding: Finding,
+    confirmed: Confirmation | None,
+    truth: Sequence[Effect] | None,
+) -> Conclusion:
+    scene, believed, before = work.scene, work.rig(None), work.before
+    rig = work.rig(finding.model.fit) if finding.model else believed
+    known = work.rig(finding.small.fit) if finding.small else rig
+    found = named(scene.with_nominal(rig.nominal), finding)
+    true_rig = None if truth is None else replace(rig, effects=truth)
+    odd = outliers(scene, known, work.materiality, seed=work.seed)
+    # What is far off all plays says nothing of one rig or the other, nor for a finding. Too many to
+    # be accidents are what is left of the believed chain.
+    is_left = finding.model is None and not may_be_accidents(len(odd), len(scene))
+    usual = ~np.isin(scene.touches.touch, [] if is_left else odd)
+    seen = scene if usual.all() else scene.select(usual)
+    after = before if known is believed else work.left(seen, known)
+
+    def gaps(rows: BoolArray, after: Rig | Folds) -> Mapping[str, Gap]:
+        rows = rows & usual
+        return shrink(scene, rows, believed, after, seed=work.seed, jobs=work.jobs, truth=true_rig)
+
+    everywhere = np.full(len(scene), fill_value=True)
+    gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
+    hidden = could_hide(scene, known, seed=work.seed)
+    told = _told_of_chance(work, finding.model, rig)
+    evidence = Evidence(
+        gaps=gap,
+        everywhere=gaps(everywhere, rig) if finding.model else gap,
+        chance=mattering(told, work.materiality),
+        before=mattering(before, work.materiality),
+        after=mattering(after, work.materiality),
+        hidden=min((one.relative for one in hidden.values()), default=np.inf),
+        effects=[one.effect.id for one in found],
+        at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
+        open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
+        is_loose=finding.model is not None and finding.model.fit.is_loose,
+        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding),
+        is_confirmed=confirmed is None or confirmed.holds,
+        false=int(scene.false.sum()),
+        outlying=len(odd),
+        touches=len(scene),
+    )
+    if finding.model and shows_too_little(evidence):
+        gap = gaps(everywhere, work.folds(finding.model.fit))
+        evidence = replace(evidence, gaps=gap, is_held_out=False)
+    return Conclusion(finding, rig, known, found, gap, hidden, odd, evidence)
+
+
+def _told_of_chance(work: Work, model: Scored | None, rig: Rig) -> list[Left]:
+    """Give what tells how the chance of a finding fell; nothing of none."""
+    if model is None:
+        return []
+    found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
+    return chance_of(found, believed, discrepancy=model.fit.slack)
+
+
+def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: Finding) -> float:
+    """Give the nats by which touches are likelier under a finding than without it."""
+    if finding.model is None or not rows.any():
+        return 0.0
+    part = scene.select(rows)
+    found = part.with_nominal(rig.nominal)
+    with_it = likelihood(found, finding.model.fit.change(found)).total
+    return with_it - likelihood(part.with_nominal(believed.nominal), Change()).total

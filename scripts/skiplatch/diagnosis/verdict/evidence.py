@@ -1,0 +1,49 @@
+"""All that a verdict rests on."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.verdict.shrink import Gap
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """All that a verdict rests on.
+
+    Attributes:
+        gaps: Observables on touches held out, with the gap before and after; by name.
+        everywhere: The same of all touches, to most of which the finding was fitted.
+        is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
+            all touches, each with parameters that the others were fitted to.
+        chance: What may tell how the finding's chance fell, if it is material.
+        before: What the believed chain leaves that is material and hardly an accident.
+        after: The same of the finding; of none, if nothing was found.
+        hidden: By how many times its noise an observable may be off unseen, the best of them.
+        effects: Ids of the effects found.
+        at_limit: Parameters at an end of their range, as "effect.parameter".
+        open: Parameters whose interval tells nothing, likewise.
+        is_loose: The effects need all the slack there is.
+        nats: By how much likelier it makes touches that served neither fitting nor naming.
+        is_confirmed: Plain simulation of them does better than the believed chain.
+        false: Latches without a contact.
+        outlying: Touches far off all that the finding plays, or the believed chain.
+        touches: All of them.
+    """
+
+    gaps: Mapping[str, Gap] = field(default_factory=dict)
+    everywhere: Mapping[str, Gap] = field(default_factory=dict)
+    is_held_out: bool = True
+    chance: Sequence[Left] = ()
+    before: Sequence[Left] = ()
+    after: Sequence[Left] = ()
+    hidden: float = 0.0
+    effects: Sequence[str] = ()
+    at_limit: Sequence[str] = ()
+    open: Sequence[str] = ()
+    is_loose: bool = False
+    nats: float = 0.0
+    is_confirmed: bool = True
+    false: int = 0
+    outlying: int = 0
+    touches: int = 0

@@ -1,0 +1,95 @@
+"""Effects that were found, as they are reported: sizes, intervals, when they act."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from skiplatch.diagnosis.candidates.axes import idle
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.intervals import estimates
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.verdict.reliability import reliability
+from skiplatch.diagnosis.verdict.verdict import Verdict
+from skiplatch.simulator.effects import Effect, Parameter, effects
+from skiplatch.span import Span
+
+MOST_OF_RANGE = 0.9
+"""Share of a range that an interval leaves open, from which on it tells nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """An effect that was found."""
+
+    effect: Effect
+    stage: str
+    intervals: Mapping[str, tuple[float, float]]
+    """Of 90 %, the other parameters being as open."""
+    alternatives: tuple[str, ...]
+    confidence: float
+    at_limit: frozenset[str] = frozenset()
+    """Parameters at an end of their range."""
+    when: str = ""
+    """Since or until which touch it acts, in words; empty for one that always does."""
+    idle: frozenset[str] = frozenset()
+    """Parameters by which no touch of the campaign differs."""
+
+
+def named(scene: Scene, finding: Finding) -> list[Named]:
+    """Give the effects of a finding on a scene; none if nothing was found."""
+    if finding.model is None:
+        return []
+    fit = finding.model.fit
+    return [
+        Named(
+            effect=estimate.effect,
+            stage=effects()[estimate.effect.id].stage,
+            intervals=estimate.intervals,
+            alternatives=finding.alternatives[i],
+            confidence=finding.confidences[i],
+            at_limit=_at_limit(estimate.effect),
+            when=_when(scene, estimate.effect.span),
+            idle=idle(scene.touches, estimate.effect),
+        )
+        for i, estimate in enumerate(estimates(scene, fit, as_effects(fit)))
+    ]
+
+
+def _when(scene: Scene, span: Span) -> str:
+    """Say when an effect begins or ends: by the touch, and the time of it in the campaign."""
+
+    def at(touch: int) -> str:
+        (row,) = np.flatnonzero(scene.touches.touch == touch)[:1]
+        return f"touch {touch}, at {scene.touches.time_s[row]:.6g} s"
+
+    words = [] if span.since is None else [f"since {at(span.since)}"]
+    return ", ".join(words if span.until is None else [*words, f"until {at(span.until)}"])
+
+
+def _at_limit(effect: Effect) -> frozenset[str]:
+    """Name the sizes that stand at an end of their range; no angle does, none, or all."""
+
+    def is_end(p: Parameter) -> bool:
+        value = effect.parameters[p.name]
+        is_natural = value == 0.0 or p.unit == "deg" or (p.unit == "1" and value == 1.0)
+        return value in (p.low, p.high) and not is_natural
+
+    return frozenset(p.name for p in effects()[effect.id].parameters if is_end(p))
+
+
+def open_sizes(one: Named) -> list[str]:
+    """Name the sizes of which the interval leaves open most of the range."""
+    found = []
+    for p in effects()[one.effect.id].parameters:
+        low, high = one.intervals[p.name]
+        if one.effect.parameters[p.name] and high - low >= MOST_OF_RANGE * (p.high - p.low):
+            found.append(p.name)
+    return found
+
+
+def sure(one: Named, verdict: Verdict) -> Named:
+    """Give the confidence in an effect its share of those that such a verdict has right."""
+    share = reliability(verdict)
+    return replace(one, confidence=one.confidence * share)

@@ -1,0 +1,270 @@
+"""The rules of a verdict, each with its threshold and the reason why it is there.
+
+A rule looks at the evidence alone: made-up evidence tries it without playing a campaign.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from scipy import stats
+
+from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
+from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.shrink import Gap
+
+CHANCE = 4.0
+"""Standard errors from which on something is kept as evidence."""
+UNTOUCHED = 0.02
+"""Share by which what is left may change by chance where a finding does nothing."""
+LIKELIER = 7.0
+"""Nats by which touches held out are likelier under a finding than without it from which on that is
+no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
+(2020) 16880, eq. 6)."""
+MOST = 0.5
+"""Share of the variance of a gap from which on what is left is most of it."""
+PART_OF_ALL = 0.1
+"""Share of the variance of an observable's gap that what is left of one kind has to be to count:
+no real effect has just the form that is fitted, and what its form leaves may be of another kind."""
+
+MOST_OUTLIERS = 0.05
+"""Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
+RARELY = 0.01
+"""Chance of more of them than that makes no accident."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """One rule.
+
+    Attributes:
+        name: For reports and tests.
+        threshold: Beyond which it fails.
+        reason: Where the threshold comes from: theory, a level, or tuned, and on what.
+        misses: By how much the evidence misses it, in words; empty if it holds.
+    """
+
+    name: str
+    threshold: float
+    reason: str
+    misses: Callable[[Evidence, float], str]
+
+
+def _seen_enough(evidence: Evidence, threshold: float) -> str:
+    if evidence.hidden <= threshold:
+        return ""
+    return f"a gap of {evidence.hidden:.2g} times the noise could have hidden"
+
+
+def _few_false(evidence: Evidence, threshold: float) -> str:
+    return f"{evidence.false} latches without a contact" if evidence.false > threshold else ""
+
+
+def _few_outliers(evidence: Evidence, threshold: float) -> str:
+    far, touches = evidence.outlying, evidence.touches
+    if may_be_accidents(far, touches, threshold):
+        return ""
+    return f"{far} of {touches} touches are far off all plays: that is no accident"
+
+
+def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS) -> bool:
+    """Tell whether so many touches may be far off where such a share of all is, in the mean."""
+    return bool(far <= stats.binom.ppf(1.0 - RARELY, touches, share))
+
+
+def _clear(gaps: Mapping[str, Gap]) -> Mapping[str, Gap]:
+    return {name: gap for name, gap in gaps.items() if gap.is_clear}
+
+
+def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> str:
+    """Name the observables whose clear gap shows something, held out or on all touches."""
+    each = (evidence.gaps, evidence.everywhere)
+    found = {name: None for gaps in each for name, gap in _clear(gaps).items() if shows(gap)}
+    return ", ".join(found)
+
+
+def _shrinks(evidence: Evidence, threshold: float) -> str:
+    small = [
+        f"{n} by {g.shrink.low:.0%}"
+        for n, g in _clear(evidence.gaps).items()
+        if g.shrink.low < threshold
+    ]
+    if not _clear(evidence.gaps) and not _is_lost_no_more(evidence, threshold):
+        return "no gap is clear enough to tell that all of it is gone"
+    return f"the gap shrinks for certain only: {', '.join(small)}" if small else ""
+
+
+def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
+    if _shrinks_for_certain(evidence, threshold) or evidence.nats > LIKELIER:
+        return ""
+    return "no gap shrinks for certain" if _clear(evidence.gaps) else "no gap is clear"
+
+
+def _shrinks_for_certain(evidence: Evidence, threshold: float) -> bool:
+    is_clear = any(gap.shrink.low > threshold for gap in _clear(evidence.gaps).values())
+    return is_clear or _is_lost_no_more(evidence, threshold)
+
+
+def _is_lost_no_more(evidence: Evidence, threshold: float) -> bool:
+    """Tell whether more than such a share of a gap in touches that were missed is gone."""
+    return any(_share_gone(evidence, one) > threshold for one in evidence.before if one.is_share)
+
+
+def _share_gone(evidence: Evidence, was: Left) -> float:
+    """Give how much for certain is gone of a gap in a share of touches, as of those missed."""
+    unseen = CHANCE * was.relative / was.z
+    now = max((one.relative for one in evidence.after if one.is_of(was)), default=unseen)
+    return 1.0 - now / was.relative
+
+
+def _grows_nowhere(evidence: Evidence, _: float) -> str:
+    grown = _seen_where(evidence, lambda gap: gap.grows)
+    return f"the gap grows: {grown}" if grown else ""
+
+
+def _is_as_wide(evidence: Evidence, threshold: float) -> str:
+    wide = _seen_where(evidence, lambda gap: gap.tightness < threshold)
+    return f"what was recorded scatters far less than it plays: {wide}" if wide else ""
+
+
+def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
+    left = [one for one in evidence.after if one.z > threshold]
+    return f"left: {left[0].observable} on {left[0].path}, {left[0].looks_like}" if left else ""
+
+
+def _held_out(evidence: Evidence, _: float) -> str:
+    return "" if evidence.is_held_out else "too few touches were held out to show that it shrinks"
+
+
+def _within_limits(evidence: Evidence, _: float) -> str:
+    return f"at a limit of its range: {', '.join(evidence.at_limit)}" if evidence.at_limit else ""
+
+
+def _known(evidence: Evidence, _: float) -> str:
+    return f"may be anything in its range: {', '.join(evidence.open)}" if evidence.open else ""
+
+
+def _has_form(evidence: Evidence, _: float) -> str:
+    return "its form is as far off as can be" if evidence.is_loose else ""
+
+
+def _is_confirmed(evidence: Evidence, _: float) -> str:
+    return "" if evidence.is_confirmed else "plain simulation does no better with it"
+
+
+def told_of_chance(evidence: Evidence, threshold: float = CHANCE) -> list[Left]:
+    """Give what tells of touches how a finding's chance fell: it is none, then."""
+    return [one for one in evidence.chance if one.z > threshold]
+
+
+def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
+    told = told_of_chance(evidence, threshold)
+    return f"what it leaves to chance in {told[0].observable} {told[0].looks_like}" if told else ""
+
+
+def mostly_left(evidence: Evidence, threshold: float = MOST) -> list[Left]:
+    """Give what a finding leaves that is much of what was there: it is not its cause, then."""
+    return [one for one in evidence.after if one.z > CHANCE and _is_most(evidence, one, threshold)]
+
+
+def _takes_most(evidence: Evidence, threshold: float) -> str:
+    for one in mostly_left(evidence, threshold):
+        return f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
+    return ""
+
+
+def _is_most(evidence: Evidence, left: Left, threshold: float) -> bool:
+    """Tell whether what is left is much of what was there of its like, and something of it all.
+
+    Like is held against like in its own unit: a wave that stays is not made small by a scatter that
+    was larger. What shows only once more than it is gone is held against that, in terms of noise.
+    """
+    there = [one for one in evidence.before if one.is_of(left)]
+    like = [one.size for one in there if one.is_like(left)]
+    now, whole = (
+        (left.size, max(one.size for one in there))
+        if like
+        else (left.relative, max((one.relative for one in there), default=0.0))
+    )
+    was = max(like, default=whole)
+    is_touched = abs(now - was) > UNTOUCHED * was
+    return is_touched and now**2 > max(threshold * was**2, PART_OF_ALL * whole**2)
+
+
+EXPLAINS: Sequence[Rule] = (
+    Rule(
+        "shrinks",
+        0.8,
+        "a level: what an engineer calls explained; lower end of the interval",
+        _shrinks,
+    ),
+    Rule(
+        "leaves_nothing",
+        SIGNIFICANT,
+        "a level: one in a million for each of some hundred looks, which are not quite normal",
+        _leaves_nothing,
+    ),
+    Rule(
+        "few_outliers",
+        MOST_OUTLIERS,
+        "a level: what any campaign may have of gross errors; one in a hundred has more by chance",
+        _few_outliers,
+    ),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
+    Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
+    Rule(
+        "within_limits",
+        0.0,
+        "theory: at an end of its range a parameter is not found",
+        _within_limits,
+    ),
+    Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
+    Rule(
+        "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
+    ),
+)
+"""What holds of a finding that explains the gap."""
+NAMES: Sequence[Rule] = (
+    Rule(
+        "shrinks_somewhere",
+        0.2,
+        "a level: of something that is named for certain; lower end of the interval",
+        _shrinks_somewhere,
+    ),
+    Rule(
+        "grows_nowhere",
+        0.0,
+        "theory: a right name makes no gap larger than its own plays do",
+        _grows_nowhere,
+    ),
+    Rule(
+        "is_as_wide",
+        0.5,
+        "a level: a right name scatters no more than what was recorded, by its form or by luck",
+        _is_as_wide,
+    ),
+    Rule(
+        "chance_is_chance",
+        CHANCE,
+        "theory: chance goes with nothing; a level of one in thirty thousand a look",
+        _chance_is_chance,
+    ),
+    Rule(
+        "takes_most",
+        MOST,
+        "a level: what leaves more than half of the variance of a gap is not its cause",
+        _takes_most,
+    ),
+)
+"""What holds of a finding whose effects are named at all."""
+SEES: Sequence[Rule] = (
+    Rule(
+        "seen_enough", 6.0, "a level: what stands out of the noise by more is plain", _seen_enough
+    ),
+)
+"""What holds of touches that tell whether there is a gap."""
+HAS_GAP: Sequence[Rule] = (
+    Rule("few_false", 1.0, "theory: two latches without a contact are no accident", _few_false),
+    Rule("believed_leaves_nothing", SIGNIFICANT, "a level, as above", _leaves_nothing),
+    Rule("believed_few_outliers", MOST_OUTLIERS, "a level, as above", _few_outliers),
+)
+"""What holds of touches without a gap, in which nothing was found."""

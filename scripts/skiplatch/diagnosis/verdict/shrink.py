@@ -1,0 +1,282 @@
+"""How far the gap shrinks, on touches that served neither fitting nor naming.
+
+The simulator decides: the held-out touches are played with and without the effects, and every
+recorded one is scored against its own plays by the continuous ranked probability score (CRPS): the
+length or time by which the plays miss it, less what their own scatter excuses. A simulation that
+is right still scores its noise floor, half of the mean difference between two of its plays.
+
+Touches count in units of the noise floor of their path and feed, so that the wide cells of the PLC
+do not drown the narrow ones. Cells that show neither a gap nor a difference between the two
+simulations are left out, so that a gap that sits on one path, or at some feeds, shows at its size.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
+from skiplatch.campaign import InputPath
+from skiplatch.comparison.cells import cells_of
+from skiplatch.comparison.gap import RESOLVABLE
+from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
+from skiplatch.diagnosis.plays.playing import Folds, Rig
+from skiplatch.diagnosis.scene.grid import off_grid
+from skiplatch.diagnosis.scene.observed import before_wait, observed
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
+from skiplatch.motion import Contact
+from skiplatch.simulator.playing import Outcomes
+from skiplatch.span import Span
+from skiplatch.statistics import CONFIDENCE, Interval
+
+PLAYED_TOUCHES = 40_000
+FEWEST_REPLICATES = 16
+MOST_REPLICATES = 100
+FEWEST_TOUCHES = 3  # in a cell
+RESAMPLES = 999
+NS = 3  # decimals of a µs
+MOST_LUCKY = 60
+"""Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
+ROUNDING = 1.0 / 6.0
+"""Noise floor of what is known but for its rounding, in steps of it."""
+ALPHA = 0.01
+"""Chance that any cell or path of an observable counts for nothing but the luck of its touches."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gap:
+    """The gap of one observable before and after, as mean CRPS in its unit."""
+
+    title: str
+    """The observable's name for people."""
+    unit: str
+    before: float
+    after: float
+    noise_floor: float
+    """What the simulation with the effects scores on its own plays."""
+    shrink: Interval
+    """Share of what lay above the noise floor that is gone."""
+    could_hide: float = 0.0
+    """Shift of half of the touches against the others that could have hidden, 95 %."""
+    is_clear: bool = True
+    """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
+    grows: bool = False
+    """The effects score worse than their own plays would if they were the truth."""
+    tightness: float = 1.0
+    """How far the record is off plays of the effects, over how far these are off each other; 1 if
+    it is as close to them as any play of theirs by luck."""
+    oracle: float | None = None
+    """The score of the true effects, where somebody knows them."""
+    oracle_shrink: Interval | None = None
+
+
+def shrink(
+    scene: Scene,
+    held_out: BoolArray,
+    before: Rig,
+    after: Rig | Folds,
+    *,
+    seed: int,
+    jobs: int,
+    truth: Rig | None = None,
+) -> Mapping[str, Gap]:
+    """Measure every observable that was recorded; by name.
+
+    Args:
+        scene: The campaign.
+        held_out: Which touches to score; shape (n,).
+        before: The rig as it is believed to be.
+        after: The rig with the effects that were found, or rigs fitted to other touches each.
+        seed: Of the plays.
+        jobs: Threads.
+        truth: The rig that a simulated campaign really is of.
+    """
+    rigs = [before, after] if truth is None else [before, after, truth]
+    plays = [_play(scene, rig, seed, jobs) for rig in rigs]
+    gaps = {}
+    for observable in _observables(scene, after):
+        cells = list(_cells(scene, held_out, observable, plays, after.spans))
+        if cells:
+            gaps[observable.name] = _gap(cells, observable, _least(scene, observable), seed)
+    return gaps
+
+
+def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
+    replicates = int(np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES))
+    return rig.play(scene.touches, seed=seed, replicates=replicates, jobs=jobs)
+
+
+def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
+    """Give those of every comparison, and two that stamps tell far more sharply.
+
+    A scan that is late moves the stamp of its touch by little of the wait for a scan: it is only
+    beside the other stamps that it shows. Nor does a position that is off show in that wait: it
+    does beside the way until its own stamp.
+    """
+    yield from OBSERVABLES
+
+    def beyond(recorded: Recorded, _: Contact) -> FloatArray:
+        return np.where(scene.has_stamps, observed(scene, recorded)["position"], np.nan)
+
+    if "position" in scene.streams:
+        yield Observable(
+            "deviation_beyond_stamp_um", "deviation − way until its stamp", "µm", beyond
+        )
+
+    def late(recorded: Recorded, _: Contact) -> FloatArray:
+        stamps = np.where(scene.plc, recorded.latch_us, np.nan)
+        return np.asarray(np.round(off_grid(stamps, after.scan_us), NS))
+
+    if "lattice" in scene.streams and after.keeps_scan_grid:
+        yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
+
+
+def _least(scene: Scene, observable: Observable) -> float:
+    """Give the noise floor of what is known but for its rounding."""
+    is_length = observable.unit == "µm"
+    return ROUNDING * (
+        scene.nominal.axis.resolution_um if is_length else scene.nominal.skip.tick_us
+    )
+
+
+def _cells(
+    scene: Scene,
+    held_out: BoolArray,
+    observable: Observable,
+    plays: Sequence[Outcomes],
+    spans: Iterable[Span],
+) -> Iterator[Cell]:
+    """Score cell by cell what was played: nominal, with the effects found, with the true ones."""
+    recorded = observable.values(scene.touches, scene.contact)
+    played = [observable.values(outcomes, scene.contact) for outcomes in plays]
+    known = held_out & ~np.isnan(recorded)
+    for values in played:
+        known = known & ~np.isnan(values).all(axis=0)
+    is_from_contact = observable.name == "latch_after_contact_us"
+    expected, scale = before_wait(scene, observable.unit, is_from_contact=is_from_contact)
+    for path, rows in _cells_within(scene, known, spans):
+        # On the grid of the scans no phase is left.
+        is_pooled = path == InputPath.PLC and observable in OBSERVABLES
+        middle, unit = (expected[rows], scale[rows]) if is_pooled else (0.0, np.ones(len(rows)))
+        ensembles = [
+            Ensemble.of((values[:, rows] - middle) / unit, unit, is_pooled=is_pooled)
+            for values in played
+        ]
+        yield Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
+
+
+def _cells_within(
+    scene: Scene, known: BoolArray, spans: Iterable[Span]
+) -> Iterator[tuple[InputPath, IndexArray]]:
+    """Give the cells, the touches apart at which an effect that begins or ends is not there."""
+    parts = [known]
+    for span in spans:
+        acts = span.holds(scene.touches.touch)
+        parts = [half for part in parts for half in (part & acts, part & ~acts)]
+    for part in parts:
+        for path, _, rows in cells_of(scene.touches, part, FEWEST_TOUCHES):
+            yield path, rows
+
+
+def _clear(cells: Sequence[Cell], least: float) -> list[Cell]:
+    """Give the cells that show a gap, by themselves or else together with others of their path."""
+    limit = ALPHA / (len(cells) + len(InputPath))
+    shown: list[Cell] = []
+    for path in InputPath:
+        there = [cell for cell in cells if cell.path == path]
+        alone = [cell for cell in there if CellScores.of([cell], least).is_clear(limit)]
+        if not alone and there and CellScores.of(there, least).is_clear(limit):
+            alone = there  # too few touches in each
+        shown += alone
+    return shown
+
+
+def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int) -> Gap:
+    clear = _clear(cells, least)
+    scores = CellScores.of(clear or cells, least)
+    whole = float(np.sum(1.0 / scores.units))  # turns units of the floor into those of the figures
+
+    def share_gone(after: FloatArray) -> Interval:
+        return _share_gone(scores, after, seed, is_clear=bool(clear))
+
+    shrinks = share_gone(scores.after)
+    return Gap(
+        title=observable.title,
+        unit=observable.unit,
+        before=float(scores.before.sum()) / whole,
+        after=float(scores.after.sum()) / whole,
+        noise_floor=float(scores.floor.sum()) / whole,
+        shrink=shrinks,
+        is_clear=bool(clear),
+        grows=shrinks.high < 0.0 and _is_no_luck(clear, least),
+        tightness=_tightness(clear, least) if clear else 1.0,
+        oracle=None if scores.truth is None else float(scores.truth.sum()) / whole,
+        oracle_shrink=None if scores.truth is None else share_gone(scores.truth),
+    )
+
+
+def _is_no_luck(cells: Sequence[Cell], least: float) -> bool:
+    """Tell whether effects score worse than on all of their own plays, beside no effect.
+
+    What comes now and then may not have come, and a rounded value fall as it likes.
+    """
+    lost = _in_units(cells, least, (cell.after.scores - cell.before.scores for cell in cells))
+    by_luck = (_in_units(cells, least, (c.lost_by_luck(k) for c in cells)) for k in _lots(cells))
+    return all(one < lost for one in by_luck)
+
+
+def _tightness(cells: Sequence[Cell], least: float) -> float:
+    """Give what the effects score over their noise floor; 1 if any of their plays scores as low."""
+    seen = _in_units(cells, least, (cell.after.scores for cell in cells))
+    by_luck = (_in_units(cells, least, (c.by_luck(k) for c in cells)) for k in _lots(cells))
+    if any(one <= seen for one in by_luck):
+        return 1.0
+    return seen / _in_units(cells, least, (cell.after.floor for cell in cells))
+
+
+def _lots(cells: Sequence[Cell]) -> range:
+    """Number the plays of the effects that stand for what might have been recorded."""
+    of_effects = cells[0].ensembles[1:2]
+    return range(min([MOST_LUCKY, *(len(one.plays) for one in of_effects)]) if of_effects else 0)
+
+
+def _in_units(cells: Sequence[Cell], least: float, scores: Iterable[FloatArray]) -> float:
+    """Sum up scores of each cell's touches in units of its noise floor."""
+    return sum(float(s.sum()) / cell.unit(least) for s, cell in zip(scores, cells, strict=True))
+
+
+def _share_gone(scores: CellScores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:
+    """Give the share with its interval, by the scores after it; 0 without a gap.
+
+    A floor above what was there before is that of effects which scatter too much, and no measure of
+    a gap: then the floor of the nominal simulation is, which makes the gap rather too large.
+    """
+    above = scores.before - scores.floor
+    if above.sum() <= 0.0:
+        above = scores.before - scores.nominal_floor
+    samples = (scores.before - after, above)
+    value = float(_share(*samples)) if is_clear else 0.0
+    resampled = stats.bootstrap(
+        samples,
+        _share,
+        n_resamples=RESAMPLES,
+        paired=True,
+        vectorized=True,
+        confidence_level=CONFIDENCE,
+        method="percentile",
+        rng=np.random.default_rng(seed),
+    ).confidence_interval
+    return Interval(value, min(float(resampled.low), value), max(float(resampled.high), value))
+
+
+def _share(gone: FloatArray, above: FloatArray, axis: int = -1) -> FloatArray:
+    """Share of the gap above the floor that is gone; 0 where there was none and none came.
+
+    Touches that score below the floor by luck have not lost more than all of their gap.
+    """
+    lost, gap = gone.sum(axis=axis), above.sum(axis=axis)
+    whole = np.maximum(np.maximum(gap, lost), RESOLVABLE)
+    share = np.clip(lost / whole, -1.0, 1.0)
+    return np.asarray(np.where(np.abs(lost) > RESOLVABLE, share, 0.0))

@@ -1,0 +1,158 @@
+"""A campaign under diagnosis: its rigs, their plays, the search."""
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from functools import cached_property
+
+import numpy as np
+
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.beliefs import fit_beliefs, uncertain
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.intervals import settled
+from skiplatch.diagnosis.fit.material import Materiality
+from skiplatch.diagnosis.plays.left import Left, Memo
+from skiplatch.diagnosis.plays.leftover import NOTICED, Beside, left_over, noticed
+from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.confirm import Confirmation, settle
+from skiplatch.diagnosis.search.decide import Finding, find, finds_any
+from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.parts import FOLDS, Split, folds, split
+from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.search.surplus import without_surplus
+from skiplatch.diagnosis.verdict.rules import CHANCE
+
+
+class Work:
+    """A campaign under diagnosis: hypotheses are fitted to one part, and seen by all touches."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        pool: Executor | None,
+        seed: int,
+        jobs: int,
+        materiality: Materiality,
+    ) -> None:
+        self.scene, self.pool, self.seed, self.jobs = scene, pool, seed, jobs
+        self.materiality = materiality
+        self.parts: Split = split(len(scene), seed)
+        self.naming = scene.select(self.parts.naming)
+        self.beliefs = uncertain(scene.nominal)
+        self.judge: Judge | None = None
+        self._memo: Memo = {}
+        self._rigs: dict[tuple[object, ...], Rig] = {}
+        self._besides: dict[int, tuple[Rig, Beside]] = {}
+        self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
+
+    def without(self, outliers: Sequence[int]) -> "Work":
+        """Give the same campaign without touches, by serial number, that nothing can play."""
+        scene = self.scene.select(~np.isin(self.scene.touches.touch, outliers))
+        return Work(scene, self.pool, self.seed, self.jobs, self.materiality)
+
+    def rig(self, fit: Fit | None) -> Rig:
+        """Give the rig that a hypothesis says it is, by all touches that serve the naming.
+
+        The beliefs are fitted last: they are to make up for no parameter.
+        """
+        key = fit.key if fit else ()
+        if key not in self._rigs:
+            self._rigs[key] = self._fitted_rig(fit, self.naming)
+        return self._rigs[key]
+
+    def folds(self, fit: Fit) -> Folds:
+        """Give rigs that a hypothesis says it is, each by all touches but those that it plays."""
+        fold = folds(len(self.scene), self.seed)
+        others = [self.scene.select(fold != i) for i in range(FOLDS)]
+        return Folds([self._fitted_rig(fit, part) for part in others], fold)
+
+    def _fitted_rig(self, fit: Fit | None, scene: Scene) -> Rig:
+        change = fit.change(scene) if fit else Change()
+        alone = self.rig(None).nominal if fit else None
+        nominal = fit_beliefs(scene, change, self.beliefs, alone).nominal
+        if fit:
+            # Parameters would make up for beliefs that are off, and these then for parameters.
+            moved = scene.with_nominal(nominal)
+            fit = settled(moved, fit)
+            change = fit.change(moved)
+            nominal = fit_beliefs(scene, change, self.beliefs, nominal).nominal
+        datum = FittedDatum.of(scene.with_nominal(nominal), change)
+        return Rig(nominal, as_effects(fit) if fit else (), datum)
+
+    def left(self, scene: Scene, rig: Rig) -> list[Left]:
+        """Look for what a rig leaves of touches."""
+        return left_over(self.beside(scene, rig), self._memo)
+
+    def beside(self, scene: Scene, rig: Rig) -> Beside:
+        """Play a rig beside touches; all of them are looked at more than once."""
+        if scene is not self.scene:
+            return Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        if id(rig) not in self._besides:
+            self._besides[id(rig)] = rig, Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
+        return self._besides[id(rig)][1]
+
+    def noticed(self, model: Scored) -> frozenset[str]:
+        """Name the streams in which a hypothesis leaves what is worth a search."""
+        key = model.fit.key
+        if key not in self._noticed:
+            left = self.left(self.naming, self.rig(model.fit))
+            self._noticed[key] = noticed(left, self.materiality)
+        return self._noticed[key]
+
+    def may_begin(self, model: Scored | None) -> bool:
+        """Tell whether what a hypothesis leaves may have begun or ended: it is no condition's."""
+        left = self._left_to_name(model)
+        return any(one.goes_with_time or not one.is_predicted for one in left)
+
+    def passes(self, model: Scored | None) -> bool:
+        """Tell whether what a hypothesis leaves comes and goes, by no accident."""
+        return any(one.goes_with_time and one.z > CHANCE for one in self._left_to_name(model))
+
+    def _left_to_name(self, model: Scored | None) -> list[Left]:
+        left = self.left(self.naming, self.rig(model.fit)) if model else self.before
+        return [one for one in left if one.z > NOTICED and one.is_material(self.materiality)]
+
+    @cached_property
+    def before(self) -> Sequence[Left]:
+        """What the believed chain leaves of all touches."""
+        return self.left(self.scene, self.rig(None))
+
+    def search(self) -> tuple[Finding, Confirmation | None]:
+        """Find effects where something is noticed, and let plain simulation choose."""
+        self.judge = self._judge_of_noticed()
+        if self.judge is None:
+            return Finding(None), None
+        finding = find(self.judge, self.noticed, self.may_begin, self.passes)
+        finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
+        return self.confirmed(finding)
+
+    def finds_any(self) -> bool:
+        """Tell whether a search would begin with any effect."""
+        judge = self._judge_of_noticed()
+        return judge is not None and finds_any(judge, self.may_begin, self.passes)
+
+    def _judge_of_noticed(self) -> Judge | None:
+        """Prepare to judge effects that act where something is noticed; None where nothing is."""
+        streams = noticed(self.before, self.materiality)
+        if not streams:
+            return None
+        return Judge(self.scene, self.parts, self.pool, self.materiality, streams)
+
+    def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
+        """Let plain simulation choose among a finding and what is near it."""
+        return settle(
+            self.scene,
+            self.parts,
+            finding,
+            self.rig,
+            seed=self.seed,
+            jobs=self.jobs,
+            executor=self.pool,
+        )
+
+
+def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:
+    """Keep what is hardly an accident and large enough to matter."""
+    return [one for one in looks if one.z > CHANCE and one.is_material(materiality)]
