@@ -56,7 +56,7 @@ class Candidate:
 
     def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
         """Tell whether no size is beyond its range, and nothing comes before its cause."""
-        if self.is_named and any(
+        if any(
             abs(value) > max(abs(p.low), abs(p.high))
             for p, value in zip(effects()[self.id].parameters, parameters, strict=True)
             if p.unit not in ("deg", "1")
@@ -66,8 +66,3 @@ class Candidate:
             return True
         open_us = scene.nominal.skip.tick_us + LEEWAY * float(np.abs(parameters[1:3]).sum())
         return bool(parameters[0] >= -self.believed_us(scene.nominal) - open_us)
-
-    @property
-    def is_named(self) -> bool:
-        """It stands in the table of effects."""
-        return self.id in effects()

@@ -263,10 +263,10 @@ class Judge(Scorer):
     def _acting_in(
         self, candidates: Sequence[Candidate], streams: frozenset[str] | None
     ) -> list[Candidate]:
-        """Keep the effects that change some of the streams; what only simulation knows is kept."""
+        """Keep the effects that change some of the streams."""
         if streams is None:
             return list(candidates)
-        return [c for c in candidates if not c.is_named or self._reach(c) & streams]
+        return [c for c in candidates if self._reach(c) & streams]
 
     def _reach(self, candidate: Candidate) -> frozenset[str]:
         """Name the streams that an effect can change."""
