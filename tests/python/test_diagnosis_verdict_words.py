@@ -15,6 +15,12 @@ TOLD_NEXT = replace(left(30.0, "time"), observable="missed", path="plc")
 PARAMETERS = ["backlash.backlash_um", "drift.rate_um_per_h"]
 FAR_OFF = Evidence(outlying=40, touches=200)
 LEAVING = Evidence(after=[left(4.4, "rest"), TOLD_FIRST, TOLD_NEXT])
+TIGHT = gaps(
+    gap(0.9, tightness=0.1),
+    gap(0.9, is_clear=False, tightness=0.1),
+    gap(0.9, tightness=0.2),
+    gap(0.9),
+)
 IS_LEFT = "left: position on skip, goes with feed"
 ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
 
@@ -54,6 +60,11 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
             "is_confirmed",
             Evidence(is_confirmed=False),
             "plain simulation does no better with it",
+        ),
+        (
+            "is_as_wide",
+            Evidence(gaps=TIGHT, everywhere=TIGHT),
+            "what was recorded scatters far less than it plays: observable_0, observable_2",
         ),
         ("shrinks_somewhere", Evidence(gaps=gaps(gap(0.1))), "no gap shrinks for certain"),
         ("shrinks_somewhere", Evidence(), "no gap is clear"),
