@@ -123,7 +123,6 @@ def test_a_candidate_travels_to_another_process() -> None:
     candidate = simulated("backlash")
 
     assert pickle.loads(pickle.dumps(candidate)) is candidate  # noqa: S301
-    assert candidate.is_named
 
 
 @pytest.mark.parametrize("effect_id", CANDIDATES)
