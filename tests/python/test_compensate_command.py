@@ -137,7 +137,7 @@ def test_the_prediction_holds_as_often_as_it_says(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Forty probes; 95 % intervals: fewer than 34 hits come by chance once in a thousand."""
-    monkeypatch.setattr("skiplatch.compensation.uncertainty.DRAWS", 300)
+    monkeypatch.setattr("skiplatch.compensation.monte_carlo.DRAWS", 300)
     hits = 0
     for seed in range(40):
         before = radii(OMP40, V0, TAU, runs=5, sigma_um=0.3, seed=seed)

@@ -204,12 +204,12 @@ def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed)
         return False
     if share >= PLAIN_SECOND:
         return True
-    least = ENOUGH_FIT + worth(larger.fit.size - smaller.fit.size)
     way = judge.own_way(larger)
-    if larger.score - smaller.score - way.taken_by_form < ENOUGH_FIT:
-        return False
-    # Or a stream is explained altogether.
-    return way.beyond_form > least or bool(noticed(smaller) - noticed(larger))
+    if way.beyond_form > ENOUGH_FIT + worth(larger.fit.size - smaller.fit.size):
+        return True
+    # Or a stream is explained altogether, and not by what another form does.
+    is_no_form = larger.score - smaller.score - way.taken_by_form > ENOUGH_FIT
+    return is_no_form and bool(noticed(smaller) - noticed(larger))
 
 
 def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:

@@ -228,12 +228,16 @@ def _is_no_luck(cells: Sequence[Cell], least: float) -> bool:
 
 
 def _tightness(cells: Sequence[Cell], least: float) -> float:
-    """Give what the effects score over their noise floor; 1 if any of their plays scores as low."""
+    """Give what the effects score over their noise floor; 1 if any of their plays scores as low.
+
+    A floor that is no more than rounding makes is none to be below.
+    """
     seen = _in_units(cells, least, (cell.after.scores for cell in cells))
     by_luck = (_in_units(cells, least, (c.by_luck(k) for c in cells)) for k in _lots(cells))
     if any(one <= seen for one in by_luck):
         return 1.0
-    return seen / _in_units(cells, least, (cell.after.floor for cell in cells))
+    floor = _in_units(cells, least, (cell.after.floor for cell in cells))
+    return 1.0 + (seen - floor) / sum(len(cell.after.floor) for cell in cells)
 
 
 def _lots(cells: Sequence[Cell]) -> range:
