@@ -156,6 +156,20 @@ def test_nominal_is_written_in_the_oldest_version_that_holds_it(machine_sample: 
     assert 'free = "none"\n' in format_nominal(replace(read, datum=Datum(DatumFreedom.NONE)))
 
 
+def test_negative_pretravel_in_version_1_is_read_back_as_it_was(
+    tmp_path: Path, machine_sample: Path
+) -> None:
+    text = (machine_sample / "nominal.toml").read_text(encoding="utf-8")
+    path = tmp_path / "nominal.toml"
+    path.write_text(text.replace("pretravel_um = ", "pretravel_um = -"), encoding="utf-8")
+    read = read_nominal(path)
+
+    path.write_text(format_nominal(read), encoding="utf-8")
+
+    assert read.probe.pretravel_um < 0.0
+    assert read_nominal(path) == read
+
+
 def test_bench_without_motion_is_a_campaign(tmp_path: Path) -> None:
     read = campaign(tmp_path, 'kind = "bench"', "touch,edge_us,latch_us\n1,10,15\n2,20,\n")
 
