@@ -23,7 +23,7 @@ from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.diagnosis.reported.text import as_text
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.verdict.shrink import Gap, shrink
+from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.errors import InputError
 from skiplatch.report.conditions import conditions, most_telling
 from skiplatch.report.evidence import gather
@@ -60,7 +60,7 @@ def diagnosed(campaign: Campaign, verdict: Verdict, *found: Effect) -> Diagnosis
         verdict=verdict,
         where=[Place("latch", "skip", "latch_skip", "everywhere", 41.7, "µs")] if found else [],
         effects=[Named(one, "latch", intervals, ("input_filter",), 0.9) for one in found],
-        gap=shrink(scene, everything, believed, rig, seed=1, jobs=2),
+        gap=PlayedRigs.of(scene, believed, rig, seed=1, jobs=2).gaps(everything),
         ranking=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5), Ranked((), -2.0)],
         rivals=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5)],
         left=[],

@@ -16,7 +16,7 @@ from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, TouchScores, floor_of
-from skiplatch.diagnosis.verdict.shrink import Gap, _gap, _share_gone, shrink
+from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs, _gap, _share_gone
 from skiplatch.simulator.effects import Effect
 
 LATE = Effect("isr_latency", {"latency_us": 41.7})
@@ -35,7 +35,8 @@ def shrunk(
     scene = Scene.of(campaign)
     before, after = (Rig(scene.nominal, effects) for effects in ((), found))
     oracle = None if truth is None else Rig(scene.nominal, truth)
-    return shrink(scene, held_out(campaign), before, after, seed=1, jobs=jobs, truth=oracle)
+    played_rigs = PlayedRigs.of(scene, before, after, seed=1, jobs=jobs, truth=oracle)
+    return played_rigs.gaps(held_out(campaign))
 
 
 def test_a_gap_on_one_path_shows_at_its_size() -> None:
@@ -82,7 +83,7 @@ def test_what_has_not_come_by_chance_makes_no_gap_grow() -> None:
     few = np.arange(len(scene)) % 12 == 0
     before, after = (Rig(scene.nominal, effects) for effects in ((), [rare]))
 
-    gaps = shrink(scene, few, before, after, seed=1, jobs=2)
+    gaps = PlayedRigs.of(scene, before, after, seed=1, jobs=2).gaps(few)
 
     assert not any(gap.grows for gap in gaps.values())
 

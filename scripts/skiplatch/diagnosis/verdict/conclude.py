@@ -21,7 +21,7 @@ from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.named import Named, named, open_sizes
 from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
-from skiplatch.diagnosis.verdict.shrink import Gap, shrink
+from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little
 from skiplatch.diagnosis.verdict.work import Work, mattering
 from skiplatch.simulator.effects import Effect
@@ -81,17 +81,17 @@ def _conclusion(
     seen = scene if usual.all() else scene.select(usual)
     after = before if known is believed else work.left(seen, known)
 
-    def gaps(rows: BoolArray, after: Rig | Folds) -> Mapping[str, Gap]:
-        rows = rows & usual
-        return shrink(scene, rows, believed, after, seed=work.seed, jobs=work.jobs, truth=true_rig)
+    def played(after: Rig | Folds) -> PlayedRigs:
+        return PlayedRigs.of(scene, believed, after, seed=work.seed, jobs=work.jobs, truth=true_rig)
 
-    everywhere = np.full(len(scene), fill_value=True)
-    gap = gaps(work.parts.shrinking if finding.model else everywhere, rig)
+    plays = played(rig)
+    everywhere = plays.gaps(usual)
+    gap = plays.gaps(work.parts.shrinking & usual) if finding.model else everywhere
     hidden = could_hide(scene, known, seed=work.seed)
     told = _told_of_chance(work, finding.model, rig)
     evidence = Evidence(
         gaps=gap,
-        everywhere=gaps(everywhere, rig) if finding.model else gap,
+        everywhere=everywhere,
         chance=mattering(told, work.materiality),
         before=mattering(before, work.materiality),
         after=mattering(after, work.materiality),
@@ -107,7 +107,7 @@ def _conclusion(
         touches=len(scene),
     )
     if finding.model and shows_too_little(evidence):
-        gap = gaps(everywhere, work.folds(finding.model.fit))
+        gap = played(work.folds(finding.model.fit)).gaps(usual)
         evidence = replace(evidence, gaps=gap, is_held_out=False)
     return Conclusion(finding, rig, known, found, gap, hidden, odd, evidence)
 

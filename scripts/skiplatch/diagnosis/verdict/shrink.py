@@ -12,6 +12,7 @@ simulations are left out, so that a gap that sits on one path, or at some feeds,
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from scipy import stats
@@ -72,35 +73,48 @@ class Gap:
     oracle_shrink: Interval | None = None
 
 
-def shrink(
-    scene: Scene,
-    held_out: BoolArray,
-    before: Rig,
-    after: Rig | Folds,
-    *,
-    seed: int,
-    jobs: int,
-    truth: Rig | None = None,
-) -> Mapping[str, Gap]:
-    """Measure every observable that was recorded; by name.
+@dataclass(frozen=True, slots=True, eq=False)
+class PlayedRigs:
+    """A campaign played without effects and with them, and on the true rig where it is known."""
 
-    Args:
-        scene: The campaign.
-        held_out: Which touches to score; shape (n,).
-        before: The rig as it is believed to be.
-        after: The rig with the effects that were found, or rigs fitted to other touches each.
-        seed: Of the plays.
-        jobs: Threads.
-        truth: The rig that a simulated campaign really is of.
-    """
-    rigs = [before, after] if truth is None else [before, after, truth]
-    plays = [_play(scene, rig, seed, jobs) for rig in rigs]
-    gaps = {}
-    for observable in _observables(scene, after):
-        cells = list(_cells(scene, held_out, observable, plays, after.spans))
-        if cells:
-            gaps[observable.name] = _gap(cells, observable, _least(scene, observable), seed)
-    return gaps
+    scene: Scene
+    after: Rig | Folds
+    plays: Sequence[Outcomes]
+    seed: int
+
+    @classmethod
+    def of(
+        cls,
+        scene: Scene,
+        before: Rig,
+        after: Rig | Folds,
+        *,
+        seed: int,
+        jobs: int,
+        truth: Rig | None = None,
+    ) -> Self:
+        """Play all touches.
+
+        Args:
+            scene: The campaign.
+            before: The rig as it is believed to be.
+            after: The rig with the effects that were found, or rigs fitted to other touches each.
+            seed: Of the plays.
+            jobs: Threads.
+            truth: The rig that a simulated campaign really is of.
+        """
+        rigs = [before, after] if truth is None else [before, after, truth]
+        return cls(scene, after, [_play(scene, rig, seed, jobs) for rig in rigs], seed)
+
+    def gaps(self, scored: BoolArray) -> Mapping[str, Gap]:
+        """Measure every observable that was recorded, on some touches, shape (n,); by name."""
+        found = {}
+        for observable in _observables(self.scene, self.after):
+            cells = list(_cells(self.scene, scored, observable, self.plays, self.after.spans))
+            if cells:
+                least = _least(self.scene, observable)
+                found[observable.name] = _gap(cells, observable, least, self.seed)
+        return found
 
 
 def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
@@ -143,7 +157,7 @@ def _least(scene: Scene, observable: Observable) -> float:
 
 def _cells(
     scene: Scene,
-    held_out: BoolArray,
+    scored: BoolArray,
     observable: Observable,
     plays: Sequence[Outcomes],
     spans: Iterable[Span],
@@ -151,7 +165,7 @@ def _cells(
     """Score cell by cell what was played: nominal, with the effects found, with the true ones."""
     recorded = observable.values(scene.touches, scene.contact)
     played = [observable.values(outcomes, scene.contact) for outcomes in plays]
-    known = held_out & ~np.isnan(recorded)
+    known = scored & ~np.isnan(recorded)
     for values in played:
         known = known & ~np.isnan(values).all(axis=0)
     is_from_contact = observable.name == "latch_after_contact_us"
