@@ -36,6 +36,7 @@ from skiplatch.workers import Workers, finished, opened
 EMPTY = (1_000, 10_000)
 CAMPAIGNS, TOUCHES, ROUNDS = 4, 400, 3
 KILLED, KILLED_TOUCHES, KILL_EVERY_S = 24, 60, 10.0
+"""A task that dies three times is given up: most have to end between two kills of their worker."""
 WORKERS = (1, 2)
 FEWEST = 2
 """Campaigns, for an answer of one is no list."""
