@@ -40,7 +40,9 @@ class Repeatability:
         sigma: Standard deviation about lines and middles.
         range: Widest range of a surface.
         first: How far the first touches of series are off the others; None for want of any.
-        drift: From touch to touch; None where the order tells nothing.
+        drift: From touch to touch, along the approach; None where the order tells nothing.
+        axis_drift: From touch to touch, of the coordinate, which touches from either side see with
+            opposite signs; None where all have one sense.
         per_kelvin: The same a kelvin, by the name of a thermometer that moves.
         slope: Against the feed in ms: a delay; None where there is one feed.
         outliers: Serial numbers.
@@ -56,6 +58,7 @@ class Repeatability:
     range: float
     first: Interval | None
     drift: Interval | None
+    axis_drift: Interval | None
     per_kelvin: dict[str, Interval]
     slope: Interval | None
     outliers: tuple[int, ...]
@@ -109,6 +112,8 @@ def _of(
     lines = {"order": order}
     if _varies_within(speed, surface):
         lines["speed"] = speed
+    if np.ptp(touches.sign) > 0.0:  # NaN, where a sense is not known, is not
+        lines["axis"] = (order - order.mean()) * touches.sign
     step = common_step(y)
     regular, fit = without_outliers(y, dummies, lines, ~is_first, step)
     outliers = ~regular & ~is_first | outlying(fit.residuals, regular, step) & is_first
@@ -116,13 +121,14 @@ def _of(
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
         unit=unit,
-        off=fit.residuals + fit.part("order", order),
+        off=fit.residuals + sum(fit.part(name, lines[name]) for name in lines if name != "speed"),
         surfaces=dummies.shape[1],
         mean=_mean(y),
         sigma=fit.sigma,
         range=max(float(np.ptp(y[surface == s])) for s in range(dummies.shape[1])),
         first=_first(fit.residuals, is_first, regular, fit.freedom),
         drift=fit.interval("order"),
+        axis_drift=fit.interval("axis"),
         per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
         slope=fit.interval("speed") if "speed" in lines else None,
         outliers=tuple(touches.touch[outliers].tolist()),

@@ -12,6 +12,8 @@ NORMAL_PER_MAD = 1.4826
 OUTLYING_SIGMAS = 5.0  # one in a million of a normal scatter
 OUTLYING_STEPS = 2.5
 MOST_OUTLYING = 0.1  # of the touches, where more than half are the same
+REWEIGHTINGS = 30  # of a fit of least absolute values
+NEGLIGIBLE = 1e-6  # of the range; a smaller residual counts as this
 TURNS = 5  # of leaving outliers out until they stay the same
 NOTHING = 1e-9  # µm or µs; less is what floating-point sums leave
 
@@ -102,8 +104,8 @@ def without_outliers(
     step: float | None,
 ) -> tuple[BoolArray, SurfaceFit]:
     """Fit, leave out what lies far off, and fit again until that stays the same."""
-    centred = y - dummies @ _medians(y, dummies)
-    regular = rows & ~outlying(centred, rows, step, OUTLYING_SIGMAS * 2.0)
+    off = _off_the_middle(y, np.column_stack([dummies, *lines.values()]), rows)
+    regular = rows & ~outlying(off, rows, step, OUTLYING_SIGMAS * 2.0)
     fit = fit_surfaces(y, dummies, lines, regular)
     for _ in range(TURNS):
         again = rows & ~outlying(fit.residuals, regular, step)
@@ -127,5 +129,23 @@ def outlying(
     return np.asarray(far)
 
 
-def _medians(y: FloatArray, dummies: FloatArray) -> FloatArray:
-    return np.array([np.median(y[column > 0]) for column in dummies.T])
+def _off_the_middle(y: FloatArray, design: FloatArray, rows: BoolArray) -> FloatArray:
+    """Give the residuals of a fit of least absolute values, which outliers hardly move.
+
+    Lines are fitted along: where one surface was touched mostly slowly and another mostly fast,
+    the medians of both hide what goes with the feed.
+
+    Args:
+        y: Shape (n,).
+        design: Surfaces and lines; shape (n, k).
+        rows: The touches that are fitted; shape (n,).
+    """
+    scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
+    least = max(NEGLIGIBLE * float(np.ptp(y[rows])), NOTHING)
+    root = rows.astype(float)
+    residuals = y
+    for _ in range(REWEIGHTINGS):
+        beta = np.linalg.lstsq(scaled * root[:, None], y * root, rcond=None)[0]
+        residuals = y - scaled @ beta
+        root = rows / np.sqrt(np.maximum(np.abs(residuals), least))
+    return np.asarray(residuals)

@@ -92,11 +92,14 @@ def sentence(found: Repeatability) -> str:
         step = f" of {found.step:.4g} {unit}" if found.step else ""
         parts.append(f"that is limited by the resolution{step}")
     if _shows(found.slope):
-        parts.append(f"they come later with the feed, by {_words(found.slope, 'ms')}")
+        sense = "later" if found.slope is None or found.slope.value > 0.0 else "earlier"
+        parts.append(f"they come {sense} with the feed, by {_words(found.slope, 'ms')}")
     if _shows(found.first):
         parts.append(f"the first of a series is off by {_words(found.first, unit)}")
     if _shows(found.drift):
         parts.append(f"they drift by {_words(found.drift, unit)} a touch")
+    if _shows(found.axis_drift):
+        parts.append(f"the axis drifts by {_words(found.axis_drift, unit)} a touch")
     if found.outliers:
         parts.append(_outside(len(found.outliers), len(found.touches)))
     return "; ".join(parts) + "."
@@ -106,7 +109,7 @@ def _outside(n: int, touches: int) -> str:
     if n > MOST_OUTSIDE * touches:
         return (
             f"{n} lie apart from the others: what is taken for one condition are two, "
-            "such as two feeds that were not recorded"
+            "such as two feeds that were not recorded, or two input paths"
         )
     return f"{n} {'lies' if n == 1 else 'lie'} far outside"
 
@@ -138,6 +141,7 @@ def _rows(found: Repeatability) -> list[tuple[str, ...]]:
         (f"σ, {unit}", found.sigma),
         (f"first touch, {unit}", found.first),
         (f"drift, {unit}/touch", found.drift),
+        (f"drift of the axis, {unit}/touch", found.axis_drift),
         ("slope with the feed, ms", found.slope),
         *((f"drift by {name}, {unit}/K", slope) for name, slope in found.per_kelvin.items()),
     ]
@@ -156,6 +160,7 @@ def as_json(found: Repeatability) -> dict[str, Any]:
         f"sigma_{unit}": found.sigma,
         f"first_touch_{unit}": found.first,
         f"drift_{unit}_per_touch": found.drift,
+        f"axis_drift_{unit}_per_touch": found.axis_drift,
         "slope_ms": found.slope,
         **{f"drift_{unit}_per_k_{name}": slope for name, slope in found.per_kelvin.items()},
     }
