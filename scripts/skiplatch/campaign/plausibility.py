@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.campaign.columns import InputPath
 from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.steps import common_step
@@ -30,6 +31,8 @@ SLIP = 0.1  # share by which a factor may be missed: an offset shows beside it
 FEWEST = 5  # touches before their middle is looked at
 MANY_STEPS = 4  # as many different values show a scatter
 SHOWN = 6
+STAMPS_OF_AN_EDGE = ("time_s", "edge_us")
+"""Which two touches share that are one edge, latched by both paths."""
 
 Rule = Callable[[Campaign], "Iterator[Oddity]"]
 
@@ -160,9 +163,13 @@ def _equal_stamps(campaign: Campaign) -> Iterator[Oddity]:
     for name in ("time_s", "edge_us", "latch_us", "report_us"):
         values = getattr(touches, name)
         known = np.isfinite(values)
-        _, first, counts = np.unique(values[known], return_index=True, return_counts=True)
-        if (counts > 1).any():
-            repeated = np.ones(int(known.sum()), dtype=bool)
+        _, first, which, counts = np.unique(
+            values[known], return_index=True, return_inverse=True, return_counts=True
+        )
+        by_both = np.bincount(which, touches.path[known] == InputPath.PLC) == 1
+        is_one_edge = by_both & (counts == 2) & (name in STAMPS_OF_AN_EDGE)
+        if ((counts > 1) & ~is_one_edge).any():
+            repeated = ~is_one_edge[which]
             repeated[first] = False
             rows = np.zeros(len(touches), dtype=bool)
             rows[np.flatnonzero(known)[repeated]] = True

@@ -208,7 +208,9 @@ EDGE_OPTIONS = (
         type=click.FloatRange(0.0, min_open=True),
         help="Scan period that the PLC task is believed to have; 1000 where it is not given.",
     ),
-    click.option("--falling", is_flag=True, help="Falling edges count rather than rising ones."),
+    click.option(
+        "--falling", is_flag=True, help="Falling edges of the probe count rather than rising ones."
+    ),
     click.option(
         "--holdoff-us",
         type=click.FloatRange(0.0),

@@ -21,6 +21,8 @@ from skiplatch.units import NS_PER_S
 MOST_BYTES = 2 * 2**30
 MOST_TICKS = 2**63
 _RATE = re.compile(r"(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE)
+_ACQUIRED = re.compile(r"Acquisition with .* at (\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE)
+"""How sigrok says its sample rate in the comment of a VCD."""
 _SAMPLED = re.compile(r"^;.*?Samplerate:\s*(\d+\.?\d*)\s*([kMG]?)Hz", re.IGNORECASE | re.MULTILINE)
 _CHANNELS = re.compile(r"^;\s*Channels[^:]*:\s*(.+)$", re.IGNORECASE | re.MULTILINE)
 _LEVELS = {"0": 0.0, "1": 1.0, "0.0": 0.0, "1.0": 1.0, "X": np.nan}
@@ -156,11 +158,13 @@ def _changes(times: FloatArray, levels: FloatArray) -> tuple[FloatArray, FloatAr
 def _read_vcd(path: Path) -> Capture:
     found: dict[str, list[tuple[float, float]]] = {}
     name_of: dict[str, str] = {}
-    scale, now = 1e-9, 0
+    scale, now, step_s = 1e-9, 0, None
     for token in _vcd_tokens(path):
         if token.kind is TokenKind.TIMESCALE:
             magnitude, unit = int(token.timescale.magnitude), token.timescale.unit.value
             scale = magnitude * _S_OF_UNIT[unit]
+        elif token.kind is TokenKind.COMMENT and (sampled := _ACQUIRED.search(token.comment)):
+            step_s = 1.0 / _hertz(path, sampled)
         elif token.kind is TokenKind.VAR and token.var.type_ in (VarType.wire, VarType.reg):
             name_of[token.var.id_code] = token.var.reference
             found[token.var.reference] = []
@@ -175,7 +179,7 @@ def _read_vcd(path: Path) -> Capture:
     channels = {name: np.array(pairs) for name, pairs in found.items() if pairs}
     if not channels:
         raise InputError(path, None, None, "expected wires that change, found none")
-    return Capture({n: _changes(c[:, 0], c[:, 1]) for n, c in channels.items()}, None)
+    return Capture({n: _changes(c[:, 0], c[:, 1]) for n, c in channels.items()}, step_s)
 
 
 def _vcd_tokens(path: Path) -> Iterator[Token]:

@@ -16,6 +16,9 @@ from skiplatch.importing.model import Imported
 from skiplatch.units import US_PER_S
 
 LONGEST_WAIT_S = 1.0  # from an edge to its latch
+CHANGES_SIDES = (
+    1.5  # as many touches answered by both polarities as by one; 2 where each alternates
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +44,8 @@ def read_edges(
         path: The file, for messages.
         capture: What is in it.
         wanted: Its channels.
-        falling: Whether the falling edges count rather than the rising ones.
+        falling: Whether the falling edges of the probe count rather than the rising ones. Latches
+            and reports have a polarity of their own: that which follows the edges first.
         holdoff_s: Edges of the probe within this time of one before are bounces, unless they
             have a latch of their own.
 
@@ -50,19 +54,52 @@ def read_edges(
     """
     names = _channels(path, capture, wanted)
 
-    latches = {p: capture.edges(name, falling=falling) for p, name in names.latches.items()}
     edges = capture.edges(names.probe, falling=falling)
+    rested = edges[np.diff(edges, prepend=-np.inf) > holdoff_s]
+    answers = {p: _answers(capture, name, rested) for p, name in names.latches.items()}
+    latches = {p: times for p, (times, _) in answers.items()}
     first = _begins_touch(edges, np.sort(np.concatenate(list(latches.values()))), holdoff_s)
     bounces, edges = int((~first).sum()), edges[first]
     if not len(edges):
         sense = "falling" if falling else "rising"
         raise InputError(path, None, None, f"no {sense} edge on channel {quoted(names.probe)}")
-    reports = capture.edges(names.report, falling=falling) if names.report else None
+    reports = _answers(capture, names.report, rested)[0] if names.report else None
     columns = _together([_columns(p, edges, latches[p], reports) for p in latches])
     found = Imported(kind=Kind.BENCH, preset="bench", columns=Touches.from_columns(**columns))
     missed = int((columns["status"] == Status.MISSED).sum())
     _say(found, capture, names, bounces, missed)
+    sense = "falling" if falling else "rising"
+    found.assumed += [
+        f"{names.latches[p]} tells the latch by its {own} edges, which come first after the "
+        f"{sense} ones of {names.probe}"
+        for p, (_, own) in answers.items()
+        if own != sense
+    ]
     return found
+
+
+def _answers(capture: Capture, name: str, edges: FloatArray) -> tuple[FloatArray, str]:
+    """Give the edges of an output that follow those of the probe first, and their polarity.
+
+    An output that only changes sides at each touch answers by both.
+    """
+    rising, falling = (capture.edges(name, falling=is_low) for is_low in (False, True))
+    both = np.sort(np.concatenate([rising, falling]))
+    times = {"rising": rising, "falling": falling, "rising and falling": both}
+    waits = {sense: _following(edges, t) - edges for sense, t in times.items()}
+    share = {
+        sense: float(np.mean(~np.isnan(wait))) if len(wait) else 0.0
+        for sense, wait in waits.items()
+    }
+    single = max(share["rising"], share["falling"])
+    if share["rising and falling"] > CHANGES_SIDES * single:
+        return both, "rising and falling"
+    middle = {
+        sense: float(np.nanmedian(waits[sense])) if share[sense] >= single / 2 > 0.0 else np.inf
+        for sense in ("rising", "falling")
+    }
+    sense = min(middle, key=lambda name: middle[name])
+    return times[sense], sense
 
 
 def _columns(
