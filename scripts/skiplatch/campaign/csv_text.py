@@ -3,7 +3,7 @@
 import csv
 import re
 from collections.abc import Iterator
-from itertools import chain, count
+from itertools import chain, count, islice
 from pathlib import Path
 from typing import TextIO
 
@@ -23,12 +23,12 @@ _UNDECODABLE = re.compile("[\udc80-\udcff]")
 Row = tuple[int, list[str]]
 
 
-def read_rows(path: Path, encoding: str = UTF8) -> Iterator[Row]:
+def read_rows(path: Path, encoding: str = UTF8, *, after: int = 0) -> Iterator[Row]:
     """Yield the line number and the cells of each row that is not blank.
 
     A byte order mark and any of the usual line ends are accepted, and semicolons or tabs between
     the columns, then with decimal commas. Lines that begin with # are comments. The line of a row
-    that quoted line ends spread over several is its last one.
+    that quoted line ends spread over several is its last one. `after` lines are passed over first.
 
     Raises:
         InputError: The file cannot be read, is too large, or is no CSV text in that encoding.
@@ -36,28 +36,53 @@ def read_rows(path: Path, encoding: str = UTF8) -> Iterator[Row]:
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         with path.open(encoding=encoding, newline="") as file:
-            yield from _rows(path, file)
+            yield from _rows(path, file, after)
 
 
-def _rows(path: Path, file: TextIO) -> Iterator[Row]:
+def first_lines(path: Path, most: int, encoding: str = UTF8) -> list[str]:
+    """Give up to so many lines from the beginning.
+
+    Raises:
+        InputError: The file cannot be read, is too large, or is no text in that encoding.
+    """
+    with failures_named(path, "read"):
+        refuse_special_or_large(path, MAX_BYTES)
+        try:
+            with path.open(encoding=encoding, newline="") as file:
+                return list(islice(_lines(path, file), most))
+        except UnicodeDecodeError as error:
+            raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
+
+
+def cells_of(line: str, head: str) -> list[str]:
+    """Give the cells of a line for itself, parted by what parts those of the head."""
+    try:
+        return next(csv.reader([line], delimiter=_delimiter(head)), [])
+    except csv.Error:
+        return []
+
+
+def _rows(path: Path, file: TextIO, after: int) -> Iterator[Row]:
     try:
         lines = _lines(path, file)
+        for _ in islice(lines, after):
+            pass
         lead = _lead(lines)
         delimiter = _delimiter(lead[-1] if lead else "")
-        rows = _parsed(path, chain(lead, lines), delimiter)
+        rows = _parsed(path, chain(lead, lines), delimiter, after)
         yield from rows if delimiter == "," else ((n, [_with_point(c) for c in r]) for n, r in rows)
     except UnicodeDecodeError as error:
         raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
 
 
-def _parsed(path: Path, lines: Iterator[str], delimiter: str) -> Iterator[Row]:
+def _parsed(path: Path, lines: Iterator[str], delimiter: str, after: int) -> Iterator[Row]:
     reader = csv.reader(lines, strict=True, delimiter=delimiter)
     try:
         for row in reader:
             if row and not _is_aside(row):
-                yield reader.line_num, row
+                yield after + reader.line_num, row
     except csv.Error as error:
-        raise InputError(path, reader.line_num, None, f"not valid CSV: {error}") from error
+        raise InputError(path, after + reader.line_num, None, f"not valid CSV: {error}") from error
 
 
 def _lead(lines: Iterator[str]) -> list[str]:

@@ -10,13 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.model import Imported
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, say_encoding
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit
+from skiplatch.importing.table import UNITS
 from skiplatch.units import UM_PER_MM
 
 _NEGATIVE = re.compile(r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback", re.IGNORECASE)
+_UNIT = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
+_OTHER_UNITS = set().union(*(UNITS[quantity] for quantity in ("s", "mm/min", "°C")))
+"""Of what is no deviation; none of them is a unit of length or of angle."""
+DECIMALS = 3  # of a deviation in a campaign
 ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 
 
@@ -32,11 +38,13 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     Raises:
         InputError: It cannot be read or is no such table.
     """
-    rows, encoding = read_spreadsheet(path)
+    sheet = read_spreadsheet(path, _is_head)
+    rows = sheet.rows
     if len(rows) < 2 or len(rows[0][1]) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)
     heads = [head.strip() for head in rows[0][1][1:]]
+    _refuse_other_units(path, rows[0][0], heads)
     signs = np.array([-1.0 if _NEGATIVE.search(head) else 1.0 for head in heads])
     positions, deviations = _numbers(path, rows[1:], len(heads))
     unit = UM_PER_MM if in_mm else 1.0
@@ -47,10 +55,12 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     known = ~np.isnan(deviations[point, run])
     point, run = point[known], run[known]
     turns = axis in "ABC"
+    zero = _zero(positions[point], deviations[point, run], signs[run])
+    zero = round(zero * unit, DECIMALS) / unit  # so that the table's own steps stay what they are
     cells = (cell for _, row in rows[1:] for cell in row[1:])
-    place, beyond = positions[point], deviations[point, run] * unit * signs[run]
+    place, beyond = positions[point], (deviations[point, run] - zero) * unit * signs[run]
     found = Imported(preset="plc-4ms")
-    say_encoding(found, encoding)
+    sheet.say(found)
     say_digit(found, cells, unit / ARCSEC_PER_MILLIDEGREE if turns else unit)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
@@ -70,11 +80,52 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
         "deviations are actual minus target, so in the negative sense they count the other way",
         f"deviations are in {'mm' if in_mm else 'µm'}; else give --unit",
     ]
+    if zero:
+        found.assumed.append(
+            f"the zero of the instrument tells nothing: {zero:.4g} {'mm' if in_mm else 'µm'}, at "
+            "which the runs in the positive sense meet position 0, was taken off every deviation"
+        )
     if (signs > 0).all():
         found.assumed.append("no head of a column says the negative sense (-, ↓, down, reverse)")
     if feed is None:
         found.assumed.append("the feed is not known; positions were measured at rest: give --feed")
     return found
+
+
+def _is_head(cells: list[str], below: list[str]) -> bool:
+    """Tell the head of the table: numbers follow, and it holds other words than these."""
+    return (
+        len(cells) > 1
+        and len(below) == len(cells)
+        and all(_is_number(cell.replace(",", ".")) for cell in below)
+        and not all(_is_number(cell.replace(",", ".")) for cell in cells[:1])
+    )
+
+
+def _refuse_other_units(path: Path, line: int, heads: list[str]) -> None:
+    """Refuse a table with a unit in a head that no deviation is in, such as mm/min."""
+    for head in heads:
+        unit = _UNIT.search(head)
+        if unit and unit[1] in _OTHER_UNITS:
+            message = f"expected runs with deviations, got a column in {unit[1]}: {quoted(head)}"
+            raise InputError(path, line, None, message)
+
+
+def _zero(place: FloatArray, deviation: FloatArray, sign: FloatArray) -> float:
+    """Give the deviation of the positive sense at position 0, by a common slope of both senses.
+
+    Where the instrument reads 0 is arbitrary, and a campaign knows no such freedom: a shift of
+    the coordinate would look like a reversal error, and a reversal error like a pretravel.
+
+    Args:
+        place: Positions in mm; shape (n,).
+        deviation: Actual minus target; shape (n,).
+        sign: Sense; shape (n,).
+    """
+    if not (sign > 0).any() or not (sign < 0).any():
+        return 0.0
+    design = np.column_stack([sign > 0, sign < 0, place]).astype(float)
+    return float(np.linalg.lstsq(design, deviation, rcond=None)[0][0])
 
 
 def _course(run: int, signs: np.typing.NDArray[np.float64], positions: np.ndarray) -> list[int]:

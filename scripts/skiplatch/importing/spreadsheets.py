@@ -2,37 +2,75 @@
 
 import codecs
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 from skiplatch.campaign import KEYS
-from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, read_rows
+from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
 from skiplatch.errors import InputError
 from skiplatch.files import failures_named, refuse_special_or_large
 from skiplatch.importing.model import Imported
 
 WINDOWS = "cp1252"
 UTF16 = "utf-16"
+MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
 _PLAIN = re.compile(r"[+-]?\d+[.,]?(\d*)$")
 
 
-def read_spreadsheet(path: Path) -> tuple[list[Row], str]:
-    """Give the rows of a table and the encoding it is in.
+IsHead = Callable[[list[str], list[str]], bool]
+"""Tells the head of a table by its cells and those of the line after it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Spreadsheet:
+    """A table and how it was read.
+
+    Attributes:
+        rows: Line number and cells, the head first.
+        encoding: That it is in.
+        before: Lines before its head, such as a title.
+    """
+
+    rows: list[Row]
+    encoding: str
+    before: int
+
+    def say(self, found: Imported) -> None:
+        """Say what the table does not name itself, and what of it was passed over."""
+        if self.encoding == WINDOWS:
+            found.assumed.append(
+                "no UTF-8: letters beyond ASCII were read as Windows-1252 has them"
+            )
+        if self.before:
+            found.unread.append(f"{self.before} lines before the head of the table")
+
+
+def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
+    """Read a table from its head on; where no line is one, from the first line on.
 
     Raises:
         InputError: It cannot be read or is no table.
     """
     encoding = _encoding(path)
     try:
-        return list(read_rows(path, encoding)), encoding
+        lines = first_lines(path, MOST_BEFORE_TABLE, encoding)
+        before = _lines_before_head(lines, is_head)
+        return Spreadsheet(list(read_rows(path, encoding, after=before)), encoding, before)
     except UnicodeError as error:
         raise InputError(path, None, None, f"neither UTF-8 nor {encoding} text") from error
 
 
-def say_encoding(found: Imported, encoding: str) -> None:
-    """Say that a table was read in an encoding that it does not name."""
-    if encoding == WINDOWS:
-        found.assumed.append("no UTF-8: letters beyond ASCII were read as Windows-1252 has them")
+def _lines_before_head(lines: list[str], is_head: IsHead) -> int:
+    filled = [(number, line) for number, line in enumerate(lines) if line.strip()]
+    for (number, line), (_, below) in pairwise([*filled, (0, "")]):
+        row, next_row = (
+            [cell.strip() for cell in cells_of(text, head=line)] for text in (line, below)
+        )
+        if is_head(row, next_row):
+            return number
+    return 0
 
 
 def say_digit(found: Imported, cells: Iterable[str], unit_um: float) -> None:

@@ -14,7 +14,7 @@ from skiplatch.campaign.columns import TIME, is_thermometer, place_of
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.model import Imported, Touch
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, say_encoding
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
 _UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<aside>[^)]*)\))$")
@@ -109,7 +109,8 @@ def read_table(
     Raises:
         InputError: It cannot be read, lacks a column, or holds a wrong cell.
     """
-    rows, encoding = read_spreadsheet(path)
+    sheet = read_spreadsheet(path, lambda row, _: all(_found(row, m) for m in mapped))
+    rows = sheet.rows
     if not rows:
         raise InputError(path, None, None, "expected a header row, got an empty file")
     (header_line, header), body = rows[0], rows[1:]
@@ -122,7 +123,7 @@ def read_table(
     if TIME_NAME in columns:
         columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
     found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
-    say_encoding(found, encoding)
+    sheet.say(found)
     for m in mapped:
         if m.column in _LENGTHS_UM:
             position, units = heads.index(m.head), UNITS[_unit_of(m.column)]
@@ -152,7 +153,7 @@ def _in(mapped: Mapped) -> str:
     return f" in {mapped.unit}" if mapped.unit else ""
 
 
-def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
+def _found(heads: list[str], m: Mapped) -> Mapped | None:
     """Find a column by its head as given, else by the head without the unit of either."""
     if m.head in heads:
         return m
@@ -160,6 +161,13 @@ def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
         name, unit = _split(m.column, head)
         if m.name in (head, name) and (not m.unit or unit in ("", m.unit)):
             return Mapped(m.column, head, name, m.unit or unit)
+    return None
+
+
+def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
+    """Give a column as the table has it, or say which ones there are."""
+    if found := _found(heads, m):
+        return found
     there = ", ".join(head[:40] for head in heads[:20])
     message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {there}"
     raise InputError(path, line, None, message)
