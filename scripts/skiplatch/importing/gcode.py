@@ -16,6 +16,7 @@ from skiplatch.units import MM_PER_INCH
 
 AXES = "XYZABC"
 LINEAR = "XYZ"
+_TOUCH, _RELEASE = "G38.2", "G38.4"  # and G38.3, and G38.5
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
 _WORD = re.compile(r"([A-Z])\s*([-+]?\s*(?:\d+\.?\d*|\.\d+)|#[<\w]+>?|\[)", re.IGNORECASE)
@@ -52,6 +53,7 @@ class ProbeMove:
         sign: Its sense; None where it is not known.
         start: Where the move begins, as far as known, by axis.
         feed: None where it is not known.
+        is_release: Whether it ends where the probe lets go, by G38.4 or G38.5.
     """
 
     line: int
@@ -59,6 +61,7 @@ class ProbeMove:
     sign: int | None
     start: Mapping[str, float]
     feed: float | None
+    is_release: bool = False
 
 
 @dataclass(slots=True)
@@ -89,7 +92,7 @@ class Machine:
         if any(letter == "G" and value in (4.0, 10.0, 92.0) for letter, value in words):
             self._offsets_change(words)
             return None
-        if not targets or self.motion not in {"G0", "G1", "G38"}:
+        if not targets or self.motion not in {"G0", "G1", _TOUCH, _RELEASE}:
             return None
         return self._move(targets, number, is_absolute_here=is_absolute_here)
 
@@ -143,7 +146,7 @@ class Machine:
             elif code in (0.0, 1.0, 2.0, 3.0, 80.0):
                 self.motion = f"G{code:g}"
             elif 38.0 < code < 39.0:
-                self.motion = "G38"
+                self.motion = _RELEASE if code in (38.4, 38.5) else _TOUCH
         for letter, value in words:
             if letter == "F":
                 self.feed = None if value is None else value * self._unit
@@ -179,11 +182,11 @@ class Machine:
                 self.position[axis] = value * unit
         if is_absolute_here:
             self.position.clear()
-        if self.motion != "G38":
+        if self.motion not in (_TOUCH, _RELEASE):
             return None
         probing, sign = _main_axis(ways)
         self.position = {k: v for k, v in start.items() if k not in targets}
-        return ProbeMove(number, probing, sign, start, self.feed)
+        return ProbeMove(number, probing, sign, start, self.feed, self.motion == _RELEASE)
 
 
 def without_comments(line: str) -> str:

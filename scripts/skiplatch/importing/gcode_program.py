@@ -1,4 +1,7 @@
-"""Programs of G-code: loops and subroutines are carried out, with what is known of parameters."""
+"""Programs of G-code: loops, branches and subroutines, with what is known of parameters.
+
+A probing move is taken for one that has touched, and a condition that is not known for true.
+"""
 
 import re
 from collections.abc import Iterator
@@ -8,11 +11,13 @@ from skiplatch.importing.gcode import Machine, ProbeMove, bracketed, without_com
 MOST_LINES = 200_000  # executed, so that a loop that never ends does
 MOST_CALLS = 20  # within each other
 LAST_LOCAL = 30  # parameters from #1 to this belong to a subroutine
+HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
+BRANCHES = ("IF", "ELSEIF", "ELSE", "ENDIF")
 
 _INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
 _FLOW = re.compile(
     r"^\s*O\s*(<[^>]*>|\d+)\s*"
-    r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN)\b\s*(.*)$",
+    r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN|IF|ELSEIF|ELSE|ENDIF)\b\s*(.*)$",
     re.IGNORECASE,
 )
 
@@ -34,19 +39,25 @@ class _Program:
         self._lines = lines
         self._flow = [_FLOW.match(without_comments(line)) for line in lines]
         self._end_of: dict[int, int] = {}
+        self._branch_after: dict[int, int] = {}
         self._subs: dict[str, int] = {}
         self._executed = 0
         self._pair()
         self._begin_of = {end: begin for begin, end in self._end_of.items()}
 
     def _pair(self) -> None:
-        """Find the ends of loops and subroutines."""
+        """Find the ends of loops and subroutines, and of each branch the next one."""
         begun: dict[str, int] = {}
         for at, flow in enumerate(self._flow):
             if not flow:
                 continue
             name, word = flow[1].lower(), flow[2].upper()
-            if word.startswith("END") or (word == "WHILE" and name in begun):
+            if word in BRANCHES:
+                if word != "IF" and name in begun:
+                    self._branch_after[begun.pop(name)] = at
+                if word != "ENDIF":
+                    begun[name] = at
+            elif word.startswith("END") or (word == "WHILE" and name in begun):
                 if name in begun:
                     self._end_of[begun.pop(name)] = at
             elif word in ("REPEAT", "WHILE", "DO", "SUB"):
@@ -65,6 +76,7 @@ class _Program:
             flow = self._flow[at]
             if flow is None:
                 if move := machine.execute(self._lines[at], at + 1):
+                    machine.parameters[HAS_TOUCHED] = 1.0
                     yield move
                 at += 1
                 continue
@@ -78,6 +90,8 @@ class _Program:
     def _next(self, machine: Machine, at: int, flow: re.Match[str], left: dict[int, int]) -> int:
         """Give the line to go on at."""
         word = flow[2].upper()
+        if word in BRANCHES:
+            return self._branch(machine, at) if word == "IF" else self._after_branches(at)
         if word == "SUB":
             return self._end_of.get(at, len(self._lines)) + 1
         if word in ("REPEAT", "WHILE") and at in self._end_of:
@@ -86,6 +100,22 @@ class _Program:
             return self._begin_of[at] + 1 if _condition(machine, flow) else at + 1
         if word in ("ENDREPEAT", "ENDWHILE") and at in self._begin_of:
             return self._begin_of[at]
+        return at + 1
+
+    def _branch(self, machine: Machine, at: int) -> int:
+        """Give where the first branch begins whose condition holds, or is not known."""
+        while at in self._branch_after:
+            flow = self._flow[at]
+            held = machine.value(next(bracketed(flow[3]), "1")) if flow else None
+            if held is None or held:
+                break
+            at = self._branch_after[at]
+        return at + 1
+
+    def _after_branches(self, at: int) -> int:
+        """Give where the program goes on after the branch that was taken."""
+        while at in self._branch_after:
+            at = self._branch_after[at]
         return at + 1
 
     def _call(self, machine: Machine, flow: re.Match[str], depth: int) -> Iterator[ProbeMove]:

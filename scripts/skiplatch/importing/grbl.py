@@ -2,13 +2,13 @@
 
 import math
 import re
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, Machine, ProbeMove
+from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
 from skiplatch.importing.presets import PRESETS, Preset
@@ -16,17 +16,11 @@ from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
 _PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
 _SETTING = re.compile(r"\$(\d{1,3})\s*=\s*(-?\d+\.?\d*)")
-_COMMAND = re.compile(
-    r"(?:^|[\s\[:>\"'])((?:N\d+\s*)?(?:G|F|M|X|Y|Z|#)\s*[-+\d.\[#].*)", re.IGNORECASE
-)
 _MODES = re.compile(r"\[GC:([^\]]*)\]")
 _FEED_0 = re.compile(r"\bF0(?:\.0*)?\b")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
-_PROBES = re.compile(r"G38", re.IGNORECASE)
-_NOT_BEGUN = re.compile(r"ALARM:4\b")  # the probe was open or closed already
 _IN_MACHINE = re.compile(r"G53\b", re.IGNORECASE)
 _OFFSETS = re.compile(r"G(?:10|92|5[4-9])\b", re.IGNORECASE)
-_REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
 _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
 _PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TLO|TLR|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
@@ -66,8 +60,7 @@ class _Reader:
         self._machine = Machine(is_inch=inch)
         self._program: dict[str, float] = {}  # where its absolute moves went, as it counts
         self._inch = inch
-        self._moves: list[ProbeMove] = []
-        self._ahead: deque[tuple[str, Line]] = deque()  # sent before the touch they follow
+        self._dialogue = Dialogue(self._execute)
         self._feed = feed
         self._settings: dict[int, float] = {}
         self._last: tuple[float, ...] | None = None
@@ -92,15 +85,15 @@ class _Reader:
         reply = _PRB.search(line.text)
         if self._repeats_the_last(line, is_reply=reply is not None):
             return
+        self._dialogue.started(line.text)
         if not self._answered(line, has_touched=reply is not None):
             before = line.text[: reply.start()] if reply else line.text
-            if not _REPORT.match(before) and (command := _COMMAND.search(before)):
-                self._command(command[1].split("]")[0], line)
+            if command := command_in(before):
+                self._dialogue.sent(command, line)
         if reply:
             self._reply(reply, line)
-        elif _NOT_BEGUN.search(line.text):
-            self._moves = self._moves[1:]
-            self._catch_up()
+        else:
+            self._dialogue.answered(line.text)
 
     def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
         """Tell the last touch in the list of parameters that $# asks for."""
@@ -118,24 +111,12 @@ class _Reader:
         answered = _ANSWERED.match(line.text)
         if answered is None:
             return False
-        if has_touched or not _PROBES.search(answered[1]):
-            self._command(answered[1], line)
+        if has_touched or not probes(answered[1]):
+            self._dialogue.sent(answered[1], line, is_answered=True)
         return True
 
-    def _command(self, text: str, line: Line) -> None:
-        """Carry out a command, or keep it until the touch before it was answered.
-
-        Senders that stream are some commands ahead of the controller.
-        """
-        self._ahead.append((text.replace("*", ""), line))
-        self._catch_up()
-
-    def _catch_up(self) -> None:
-        """Carry out what was sent ahead, up to the next probing move."""
-        while self._ahead and not self._moves:
-            self._execute(*self._ahead.popleft())
-
-    def _execute(self, text: str, line: Line) -> None:
+    def _execute(self, text: str, line: Line) -> ProbeMove | None:
+        """Carry out a command and give the probing move in it."""
         before = dict(self._machine.position)
         move = self._machine.execute(text, line.number)
         places = {n: v for n, v in self._machine.words(text) if n in AXES and v is not None}
@@ -147,8 +128,7 @@ class _Reader:
             self._program.clear()
         else:
             move = self._in_unknown_offset(move, places)
-        if move:
-            self._moves.append(move)
+        return move
 
     def _in_unknown_offset(
         self, move: ProbeMove | None, places: dict[str, float]
@@ -175,7 +155,7 @@ class _Reader:
             return
         unit = MM_PER_INCH if self._settings.get(_INCHES, self._inch) == 1 else 1.0
         position = tuple(v * (unit if i < 3 else 1.0) for i, v in enumerate(numbers[: len(AXES)]))
-        move = self._moves.pop(0) if self._moves else None
+        move = self._dialogue.touched()
         axis = (move.axis if move else None) or self._guess(position)
         index = AXES.index(axis)
         if index >= len(position):
@@ -192,13 +172,14 @@ class _Reader:
                 start=None if missed else start,
                 time_s=line.time_s,
                 session=f"after homing {self._session}" if self._session else "",
+                is_release=bool(move and move.is_release),
             )
         )
         self._last = position
         # The reply is in machine coordinates; the program goes on from there in its own, which
         # are the same only where no offset is set. Relative moves need no more than this.
         self._machine.position = dict(zip(AXES, position, strict=False))
-        self._catch_up()
+        self._dialogue.catch_up()
 
     def _guess(self, position: Sequence[float]) -> str:
         """Take the axis that moved since the touch before, or Z."""
@@ -221,6 +202,7 @@ class _Reader:
         if accel := self._settings.get(_ACCEL + axis):
             found.figure("axis", "accel_mm_s2", accel, f"${_ACCEL + axis} of the log")
         self._put_on_steps()
+        found.leave_out_releases()
         has_settings = bool(found.figures)
         if not has_settings and self._is_finer_than(PRESETS[found.preset]):
             found.figure("axis", "resolution_um", DIGIT_MM * UM_PER_MM, "a digit of the replies")

@@ -50,7 +50,7 @@ def read_linuxcnc(
     if broken:
         found.unread.append(f"{broken} lines that do not hold {COLUMNS} numbers")
     unit = MM_PER_INCH if inch else 1.0
-    matched = _matched(rows, moves, found)
+    matched = _matched(path, rows, moves, found)
     fallback = axis or _only(move.axis for move in moves) or _probed_axis(rows)
     if (
         not axis
@@ -60,6 +60,7 @@ def read_linuxcnc(
         found.assumed.append(f"axis {fallback}, whose coordinates look touched; else give --axis")
     for row, move in zip(rows, matched, strict=True):
         found.touches.append(_touch(row, move, fallback, feed, unit))
+    found.leave_out_releases()
     _say(found, moves, feed, inch=inch)
     return found
 
@@ -83,16 +84,25 @@ def _rows(path: Path) -> tuple[list[Row], int]:
 
 
 def _matched(
-    rows: Sequence[Row], moves: Sequence[ProbeMove], found: Imported
+    path: Path, rows: Sequence[Row], moves: Sequence[ProbeMove], found: Imported
 ) -> list[ProbeMove | None]:
     """Give each line its move, where there are as many."""
     if len(rows) == len(moves):
         return list(moves)
     if moves:
+        differ = f"the log has {len(rows)} lines and the program {len(moves)} probing moves"
+        releases = sum(move.is_release for move in moves)
+        if 0 < releases < len(moves):
+            raise InputError(
+                path,
+                None,
+                None,
+                f"{differ}, {releases} of them away from the surface (G38.4, G38.5): which lines "
+                "are touches cannot be told; back off by G0 or G1 instead",
+            )
         found.assumed.append(
-            f"the log has {len(rows)} lines and the program {len(moves)} probing moves, so only "
-            "what is the same in all of them was taken from it (LinuxCNC writes no line for a "
-            "touch that ends exactly where the one before did)"
+            f"{differ}, so only what is the same in all of them was taken from it (LinuxCNC "
+            "writes no line for a touch that ends exactly where the one before did)"
         )
     same = ProbeMove(
         0,
@@ -118,6 +128,7 @@ def _touch(
         place=tuple(v * scale[i] for i, v in enumerate(row[: len(AXES)]) if i != number),
         feed=(move.feed if move else None) or feed,
         start=move.start.get(axis) if move else None,
+        is_release=bool(move and move.is_release),
     )
 
 

@@ -32,6 +32,8 @@ class Touch:
     session: str = ""
     temperatures: dict[str, float] = field(default_factory=dict)
     """In °C by the names of their places."""
+    is_release: bool = False
+    """Whether the probe let go there, by G38.4 or G38.5, rather than touched."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +73,20 @@ class Imported:
     def figure(self, section: str, name: str, value: float, source: str) -> None:
         """Note what the log says of the rig."""
         self.figures[section, name] = Figure(value, source)
+
+    def leave_out_releases(self) -> None:
+        """Leave out where the probe let go, as that is another place than where it triggers.
+
+        A log of nothing else is of a probe that is wired the other way round.
+        """
+        touched = [touch for touch in self.touches if not touch.is_release]
+        left_out = len(self.touches) - len(touched)
+        if touched and left_out:
+            self.touches = touched
+            self.known.append(
+                f"{left_out} moves away from the surface (G38.4, G38.5), which are left out: the "
+                "probe lets go elsewhere than it triggers"
+            )
 
     def reach(self, least_mm: float, greatest_mm: float, source: str) -> None:
         """Note between which ends the axis can move, where they are in order."""
