@@ -20,6 +20,7 @@ from skiplatch.importing.model import Imported
 from skiplatch.units import NS_PER_US
 
 MOST_BYTES = 2 * 2**30
+MOST_MISSED = 0.5  # of the edges; with more of them the two clocks are hardly the same
 LATEST_NS = 1_000_000_000  # from an edge to its latch
 
 
@@ -119,6 +120,12 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
     zero = float(edge_ns[0])
     if missed.any():
         found.known.append(f"{int(missed.sum())} edges without a latch")
+    if missed.mean() > MOST_MISSED:
+        found.assumed.append(
+            f"the ticks of the latch records are {TICK_NS} ns of the clock that stamps the edges, "
+            f"as of the Linux port: few of {len(latch_ns)} latches follow an edge, so it may be "
+            "another clock or tick"
+        )
     windows = np.array([edge.window_ns for edge in traffic.edges]) / NS_PER_US
     found.figure(
         "bench",

@@ -10,7 +10,8 @@ from skiplatch.importing.model import Imported
 from skiplatch.units import S_PER_MIN, UM_PER_MM
 
 _PROBE = re.compile(
-    r"probe(?:: at| at) (-?\d+\.?\d*),\s*(-?\d+\.?\d*) (?:is|bed will contact at) z=(-?\d+\.?\d*)",
+    r"probe(?:: at| at) (-?\d+\.?\d*),\s*(-?\d+\.?\d*)(?:,\s*(-?\d+\.?\d*))? "
+    r"(?:is|bed will contact at) z=(-?\d+\.?\d*)",
     re.IGNORECASE,
 )
 _ACCURACY = re.compile(
@@ -61,7 +62,8 @@ class _Reader(Console):
         self._config: dict[tuple[str, str], str] = {}
         self._command_speed: float | None = None
         self._last_place: tuple[float, float] | None = None
-        self._feeds_from = ""
+        self._feeds_from: list[str] = []
+        self._standing = 0
 
     def take(self, line: Line) -> None:
         """Take in a line."""
@@ -88,11 +90,19 @@ class _Reader(Console):
             self._config[self._section, match[1]] = match[2].strip()
 
     def _touch(self, match: re.Match[str], line: Line) -> None:
-        x, y, z = (float(value) for value in match.groups())
+        x, y, z = (float(match[group]) for group in (1, 2, 4))
+        if match[3] is not None:
+            self._distance(float(match[3]) - z, (x, y), line)
+            return
         if self._last_place != (x, y):
             self._forget_options_of_elsewhere()
         self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
         self._start_z, self._last_z, self._last_place = None, z, (x, y)
+
+    def _distance(self, z: float, place: tuple[float, float], line: Line) -> None:
+        """Take what a probe reads that stands still: the bed lies so far below where it stands."""
+        self._standing += 1
+        self.add(z, place, line, feed=None, time_s=self._stats_s)
 
     def _start(self) -> float | None:
         """Give where PROBE_ACCURACY begins, and later so far above the touch before."""
@@ -125,7 +135,8 @@ class _Reader(Console):
             (configured, "the configuration in the log"),
         ):
             if speed is not None:
-                self._feeds_from = source
+                if source not in self._feeds_from:
+                    self._feeds_from.append(source)
                 return speed * S_PER_MIN
         return None
 
@@ -145,11 +156,17 @@ class _Reader(Console):
         return found
 
     def _feeds(self, found: Imported) -> None:
+        if self._standing:
+            found.known.append(
+                f"{self._standing} distances that a probe read at rest, such as Beacon: no feed, "
+                "and nothing of a delay"
+            )
+            return
         unknown = [touch for touch in self.touches if touch.feed is None]
         for touch in unknown:
             touch.feed = _DEFAULT_SPEED_MM_S * S_PER_MIN
         if self._feeds_from:
-            found.known.append(f"feeds from {self._feeds_from}")
+            found.known.append(f"feeds from {' and '.join(self._feeds_from)}")
         if unknown:
             found.assumed.append(
                 f"{len(unknown)} touches at Klipper's default of {_DEFAULT_SPEED_MM_S:g} mm/s: "

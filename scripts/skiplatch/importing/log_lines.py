@@ -20,6 +20,9 @@ S_PER_DAY = 86_400.0
 TYPED = r"(?:\d+\.?\d*|\.\d+)"
 """A number as people type it, without a sign."""
 
+_COMPRESSED = (b"\x1f\x8b", b"PK\x03\x04", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf")
+"""First bytes of gzip, zip, bzip2, xz, zstd and 7-Zip."""
+
 _TIME = (
     r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2}(?:[.,]\d+)?)(?:\s*(?P<half>[AaPp][Mm]))?"
     r"(?:Z|[+-]\d{2}:?\d{2})?"
@@ -78,6 +81,8 @@ def _decoded(path: Path) -> str:
         raise InputError(path, None, None, "an empty file")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return data.decode("utf-16", errors="replace")
+    if data.startswith(_COMPRESSED):
+        raise InputError(path, None, None, "a compressed file: unpack it first")
     if b"\0" in data[:4096]:
         raise InputError(path, None, None, "no text: expected a log")
     return data.decode("utf-8-sig", errors="replace")
