@@ -194,7 +194,9 @@ def _per_kelvin(
     touches: Touches, offsets: FloatArray, regular: BoolArray, surfaces: int
 ) -> dict[str, Interval]:
     """Give the slope against each thermometer that moves, in place of the drift by number."""
-    warmth = {"machine": touches.temp_c, **touches.thermometers}
+    named = touches.thermometers
+    is_named = any(np.array_equal(touches.temp_c, t, equal_nan=True) for t in named.values())
+    warmth = dict(named) if is_named else {"machine": touches.temp_c, **named}
     found = {}
     for name, values in warmth.items():
         rows = regular & ~np.isnan(values)

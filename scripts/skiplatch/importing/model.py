@@ -32,6 +32,8 @@ class Touch:
     session: str = ""
     temperatures: dict[str, float] = field(default_factory=dict)
     """In °C by the names of their places."""
+    also: Mapping[str, float] = field(default_factory=dict)
+    """Columns of a campaign that a table has beside these, by name."""
     is_release: bool = False
     """Whether the probe let go there, by G38.4 or G38.5, rather than touched."""
 

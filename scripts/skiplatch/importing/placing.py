@@ -8,8 +8,10 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from statistics import median
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, DatumFreedom, InputPath, Touches
@@ -18,6 +20,9 @@ from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
 SAME_SURFACE_MM = 0.6
 """Touches of one place that are closer than this have touched one surface."""
+STILL_K = 1.0
+"""By which a temperature may vary and still be steady, as a heater keeps it."""
+NEAREST_TO_FRAME = ("frame", "chamber", "machine", "bed")
 DECIMALS = 3
 Key = tuple[str, str, int, tuple[float, ...], int]
 
@@ -40,10 +45,15 @@ def as_touches(
     axes = np.array([Axis[touch.axis] for touch in touches])
     turns = axes >= Axis.A
     places = sorted({name for touch in touches for name in touch.temperatures})
-    columns = Touches.from_columns(
-        touch=np.arange(len(touches)),
+    columns: dict[str, Any] = {
+        "touch": np.arange(len(touches)),
+        "path": np.full(len(touches), InputPath.PLC if is_plc else InputPath.SKIP),
+        "status": np.where(np.isnan(coordinate), 1, 0),
+        **_carried(touches),
+    }
+    made = Touches.from_columns(
+        **columns,
         time_s=_from_zero(_column(touch.time_s for touch in touches)),
-        path=np.full(len(touches), InputPath.PLC if is_plc else InputPath.SKIP),
         axis=axes,
         sign=_column(touch.sign for touch in touches),
         feed_mm_min=_column(touch.feed for touch in touches),
@@ -54,14 +64,43 @@ def as_touches(
         deviation_um=np.where(turns, np.nan, beyond * UM_PER_MM),
         position_deg=np.where(turns, reference, np.nan),
         deviation_arcsec=np.where(turns, beyond * ARCSEC_PER_DEG, np.nan),
-        status=np.where(np.isnan(coordinate), 1, 0),
         session=[names[key] for key in keys] if any(names.values()) else [""] * len(touches),
         thermometers={
             place: _column(touch.temperatures.get(place) for touch in touches) for place in places
         },
     )
     latched = {_words(k): sum(t.coordinate is not None for t in v) for k, v in surfaces.items()}
-    return columns, _freedom(surfaces), {k: n for k, n in latched.items() if n}
+    return made, _freedom(surfaces), {k: n for k, n in latched.items() if n}
+
+
+def _carried(touches: Sequence[Touch]) -> dict[str, NDArray[Any]]:
+    """Give the columns that a table has beside coordinates, and the machine's temperature."""
+    names = sorted({name for touch in touches for name in touch.also})
+    found: dict[str, NDArray[Any]] = {
+        name: _column(touch.also.get(name) for touch in touches) for name in names
+    }
+    place = machine_thermometer(touches)
+    if place and "temp_c" not in found:
+        found["temp_c"] = _column(touch.temperatures.get(place) for touch in touches)
+    for name in ("touch", "path", "status"):
+        if name in found:
+            found[name] = found[name].astype(np.int64)
+    return found
+
+
+def machine_thermometer(touches: Sequence[Touch]) -> str | None:
+    """Give the thermometer that stands for the machine, as what grows with it does.
+
+    It is one that moves; of several the one nearest to the frame.
+    """
+    moving = [
+        place
+        for place in sorted({name for touch in touches for name in touch.temperatures})
+        if np.ptp([t.temperatures[place] for t in touches if place in t.temperatures]) > STILL_K
+    ]
+    words = (word for word in NEAREST_TO_FRAME if any(word in place for place in moving))
+    nearest = next(words, "")
+    return next((place for place in moving if nearest in place), None)
 
 
 def _with_sense(touch: Touch, touches: Sequence[Touch]) -> Touch:

@@ -35,6 +35,11 @@ _DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)")
 """07.10.2025 08:15:00: with points the day comes first."""
 _LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
 """Columns that tell the resolution, and their unit in µm."""
+ALSO = (
+    *("touch", "path", "alpha_deg", "beta_deg", "rotary_deg", "temp_c"),
+    *("edge_us", "latch_us", "report_us", "status"),
+)
+"""Columns that go along with coordinates as they are."""
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
 _GREEK_MU = "\u03bc"  # looks like the µ of UNITS
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
@@ -236,6 +241,7 @@ def _from_coordinates(
                     for name in columns
                     if is_thermometer(name) and not np.isnan(columns[name][row])
                 },
+                also={name: float(columns[name][row]) for name in ALSO if name in columns},
             )
         )
 

@@ -20,7 +20,7 @@ from skiplatch.campaign.nominal import Key
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
 from skiplatch.importing.model import Figure, Figures, Imported
-from skiplatch.importing.placing import as_touches
+from skiplatch.importing.placing import as_touches, machine_thermometer
 from skiplatch.importing.presets import PRESETS
 
 WIDTH = 98
@@ -40,6 +40,9 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         _leave_out_unknown_feeds(imported)
         touches, free, surfaces = as_touches(imported.touches, is_plc=imported.path_is_plc)
         imported.known.append(_surfaces(surfaces))
+        place = machine_thermometer(imported.touches)
+        if place and not any("temp_c" in touch.also for touch in imported.touches):
+            imported.assumed.append(f"the temperature of the machine, temp_c, is that of {place}")
         single = sum(1 for n in surfaces.values() if n == 1)
         if single:
             imported.assumed.append(
