@@ -65,6 +65,23 @@ bool kinematics_conditions_has_m_function(const kinematics_job_t *job)
     return job->machine.strobe_rot_ax_pos != NO_M_FUNCTION;
 }
 
+bool kinematics_conditions_presets_before(const kinematics_job_t *job)
+{
+    uint8_t preset = kinematics_conditions_whole(job, KINEMATICS_Q431_PRESET);
+    return preset == KINEMATICS_PRESET_BEFORE || preset == KINEMATICS_PRESET_BEFORE_AND_AFTER;
+}
+
+bool kinematics_conditions_presets_after(const kinematics_job_t *job)
+{
+    return kinematics_conditions_whole(job, KINEMATICS_Q431_PRESET) >= KINEMATICS_PRESET_AFTER;
+}
+
+bool kinematics_conditions_is_the_sphere(const kinematics_job_t *job, double contact_mm)
+{
+    double limit = job->machine.max_dev_cal_ball_mm;
+    return !(limit > 0.0) || fabs(contact_mm - kinematics_conditions_contact(job)) <= limit;
+}
+
 /* ---- before anything moves ---- */
 
 static bool is_length(double mm)

@@ -111,6 +111,14 @@ double kinematics_conditions_contact(const kinematics_job_t *job);
 bool kinematics_conditions_has_retract_height(const kinematics_job_t *job);
 bool kinematics_conditions_has_m_function(const kinematics_job_t *job);
 
+/* Q431: whether the preset is set in the sphere before measuring, respectively after. */
+bool kinematics_conditions_presets_before(const kinematics_job_t *job);
+bool kinematics_conditions_presets_after(const kinematics_job_t *job);
+
+/* Whether what was touched, radii of sphere and tip, is the sphere of Q407, as far as that is
+ * watched. */
+bool kinematics_conditions_is_the_sphere(const kinematics_job_t *job, double contact_mm);
+
 /* A phrase like "the axes would not move". Any context. */
 const char *kinematics_cycle_phrase(kinematics_cycle_error_t error);
 

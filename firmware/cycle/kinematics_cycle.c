@@ -1,23 +1,6 @@
 #include "cycle/kinematics_cycle.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "cycle/kinematics_requests.h"
-
-/* ---- what the settings come to ---- */
-
-static bool presets_before(const kinematics_cycle_t *cycle)
-{
-    uint8_t preset = kinematics_conditions_whole(&cycle->job, KINEMATICS_Q431_PRESET);
-    return preset == KINEMATICS_PRESET_BEFORE || preset == KINEMATICS_PRESET_BEFORE_AND_AFTER;
-}
-
-static bool presets_after(const kinematics_cycle_t *cycle)
-{
-    return kinematics_conditions_whole(&cycle->job, KINEMATICS_Q431_PRESET) >=
-           KINEMATICS_PRESET_AFTER;
-}
 
 static void copy(double *to, const double *from)
 {
@@ -53,13 +36,6 @@ static void begin_probing(kinematics_cycle_t *cycle, kinematics_cycle_step_t ste
     kinematics_request_probe_step(cycle, &motion);
 }
 
-/* Whether it is the sphere of Q407. */
-static bool is_the_sphere(const kinematics_job_t *job, double contact_mm)
-{
-    double limit = job->machine.max_dev_cal_ball_mm;
-    return !(limit > 0.0) || fabs(contact_mm - kinematics_conditions_contact(job)) <= limit;
-}
-
 static bool take_sphere(kinematics_cycle_t *cycle)
 {
     if (!sphere_probe_solve(&cycle->probe, cycle->sphere_mm, &cycle->contact_mm)) {
@@ -67,7 +43,7 @@ static bool take_sphere(kinematics_cycle_t *cycle)
         return false;
     }
     bool is_watched = cycle->step != KINEMATICS_STEP_SEARCH;
-    if (is_watched && !is_the_sphere(&cycle->job, cycle->contact_mm)) {
+    if (is_watched && !kinematics_conditions_is_the_sphere(&cycle->job, cycle->contact_mm)) {
         fail(cycle, KINEMATICS_CYCLE_ERR_BALL_RADIUS, KINEMATICS_Q407_SPHERE_RADIUS);
         return false;
     }
@@ -130,7 +106,7 @@ static void turn_or_measure(kinematics_cycle_t *cycle)
 
 static void begin_measuring(kinematics_cycle_t *cycle)
 {
-    if (presets_before(cycle)) {
+    if (kinematics_conditions_presets_before(&cycle->job)) {
         begin_probing(cycle, KINEMATICS_STEP_SEARCH);
     } else {
         go_to_station(cycle);
@@ -147,7 +123,7 @@ static void finish(kinematics_cycle_t *cycle)
 {
     const kinematics_station_t *first = &cycle->plan.stations[0];
 
-    if (presets_after(cycle)) {
+    if (kinematics_conditions_presets_after(&cycle->job)) {
         kinematics_request_preset(cycle, KINEMATICS_STEP_PRESET_AFTER, first->angle_deg,
                                   first->centre_mm);
     } else {
@@ -235,93 +211,6 @@ static void advance(kinematics_cycle_t *cycle, const kinematics_cycle_input_t *i
 }
 
 /* ---- what the caller calls ---- */
-
-/* The preset is the sphere's centre, or the probe has been put above it by hand. */
-static void expect_sphere(kinematics_cycle_t *cycle)
-{
-    const kinematics_cycle_machine_t *machine = &cycle->job.machine;
-    double above = presets_before(cycle) ? kinematics_conditions_contact(&cycle->job) +
-                                               kinematics_conditions_stand_off(&cycle->job)
-                                         : 0.0;
-
-    for (uint8_t i = 0u; i < LINEAR_AXES; i++) {
-        cycle->expected_mm[i] = presets_before(cycle)
-                                    ? machine->position_mm[i] - above * machine->tool_axis[i]
-                                    : machine->preset_mm[i];
-    }
-    copy(cycle->sphere_mm, cycle->expected_mm);
-    copy(cycle->sphere_deg, cycle->stance.angle_deg);
-}
-
-/* An axis that is not there stands at 0°, whatever else is said of it. */
-static void place(kinematics_cycle_t *cycle)
-{
-    kinematics_cycle_machine_t *machine = &cycle->job.machine;
-    for (uint8_t i = 0u; i < ROTARY_AXES; i++) {
-        if (!machine->axes[i].is_present) {
-            machine->axes[i].grid_deg = 0.0;
-            machine->angle_deg[i] = 0.0;
-        }
-    }
-    copy(cycle->stance.angle_deg, machine->angle_deg);
-    copy(cycle->tool_axis, machine->tool_axis);
-}
-
-/* Check all and make the plan; nothing is asked for yet. */
-static bool begin(kinematics_cycle_t *cycle, const kinematics_settings_t *settings,
-                  const kinematics_cycle_machine_t *machine)
-{
-    memset(cycle, 0, sizeof *cycle); /* too large to be copied by way of the stack */
-    cycle->job.settings = *settings;
-    cycle->job.machine = *machine;
-    place(cycle);
-    cycle->fault = kinematics_conditions_check(&cycle->job, &cycle->plan);
-    bool is_sound = cycle->fault.error == KINEMATICS_CYCLE_OK;
-    cycle->state = is_sound ? KINEMATICS_CYCLE_RUNNING : KINEMATICS_CYCLE_FAILED;
-    return is_sound;
-}
-
-kinematics_cycle_error_t kinematics_cycle_start(kinematics_cycle_t               *cycle,
-                                                const kinematics_settings_t      *settings,
-                                                const kinematics_cycle_machine_t *machine)
-{
-    if (!begin(cycle, settings, machine)) {
-        return cycle->fault.error;
-    }
-    expect_sphere(cycle);
-    if (kinematics_conditions_mode(&cycle->job) == KINEMATICS_MODE_DELETE) {
-        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CLEAR, KINEMATICS_CYCLE_CLEAR);
-    } else {
-        (void)kinematics_request_begin(cycle, KINEMATICS_STEP_CANCEL_ROTATION,
-                                       KINEMATICS_CYCLE_CANCEL_ROTATION);
-    }
-    return KINEMATICS_CYCLE_OK;
-}
-
-kinematics_cycle_error_t kinematics_cycle_start_measured(kinematics_cycle_t               *cycle,
-                                                         const kinematics_settings_t      *settings,
-                                                         const kinematics_cycle_machine_t *machine,
-                                                         const kinematics_station_t       *stations,
-                                                         uint8_t                           count)
-{
-    if (!begin(cycle, settings, machine)) {
-        return cycle->fault.error;
-    }
-    if (count == 0u || count > KINEMATICS_STATIONS_MAX) {
-        fail(cycle, KINEMATICS_CYCLE_ERR_NOTHING, KINEMATICS_SETTINGS);
-        return cycle->fault.error;
-    }
-    for (uint8_t i = 0u; i < count; i++) {
-        cycle->plan.stations[i] = stations[i];
-        if (!is_the_sphere(&cycle->job, stations[i].radius_mm + machine->tip_radius_mm)) {
-            fail(cycle, KINEMATICS_CYCLE_ERR_BALL_RADIUS, KINEMATICS_Q407_SPHERE_RADIUS);
-            return cycle->fault.error;
-        }
-    }
-    cycle->plan.count = cycle->plan.measured = count;
-    (void)kinematics_request_begin(cycle, KINEMATICS_STEP_EVALUATE, KINEMATICS_CYCLE_EVALUATE);
-    return KINEMATICS_CYCLE_OK;
-}
 
 kinematics_cycle_state_t kinematics_cycle_poll(kinematics_cycle_t             *cycle,
                                                const kinematics_cycle_input_t *input)

@@ -1,4 +1,5 @@
-/* What cycle 451 asks its caller for, filled in. Only kinematics_cycle.c uses it. Task. */
+/* What cycle 451 asks its caller for, filled in. Only kinematics_cycle.c and
+ * kinematics_cycle_start.c use it. Task. */
 #ifndef CYCLE_KINEMATICS_REQUESTS_H
 #define CYCLE_KINEMATICS_REQUESTS_H
 

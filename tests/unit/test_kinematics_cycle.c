@@ -1,6 +1,6 @@
 /* Cycle 451 from its start to its end: what it asks for, in which order, and what it finds. */
 /* LINK: firmware/comp/kinematics_grid.c firmware/cycle/kinematics_conditions.c
- *       firmware/cycle/kinematics_cycle.c
+ *       firmware/cycle/kinematics_cycle.c firmware/cycle/kinematics_cycle_start.c
  *       firmware/cycle/kinematics_plan.c firmware/cycle/kinematics_requests.c
  *       firmware/cycle/kinematics_stance.c
  *       firmware/cycle/kinematics_settings.c firmware/cycle/sphere_probe.c

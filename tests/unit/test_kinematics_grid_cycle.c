@@ -1,6 +1,6 @@
 /* Cycle 453, kinematics grid: what it takes, where it measures, what it asks for and refuses. */
 /* LINK: firmware/comp/kinematics_grid.c firmware/cycle/kinematics_conditions.c
- *       firmware/cycle/kinematics_cycle.c
+ *       firmware/cycle/kinematics_cycle.c firmware/cycle/kinematics_cycle_start.c
  *       firmware/cycle/kinematics_plan.c firmware/cycle/kinematics_requests.c
  *       firmware/cycle/kinematics_stance.c
  *       firmware/cycle/kinematics_settings.c firmware/cycle/sphere_probe.c

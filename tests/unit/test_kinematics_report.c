@@ -1,6 +1,6 @@
 /* What cycle 451 reports: scatter, backlash, Q141 to Q149, with planted errors. */
 /* LINK: firmware/comp/kinematics_grid.c firmware/cycle/kinematics_conditions.c
- *       firmware/cycle/kinematics_cycle.c
+ *       firmware/cycle/kinematics_cycle.c firmware/cycle/kinematics_cycle_start.c
  *       firmware/cycle/kinematics_plan.c firmware/cycle/kinematics_requests.c
  *       firmware/cycle/kinematics_stance.c
  *       firmware/cycle/kinematics_report.c firmware/cycle/kinematics_settings.c
