@@ -73,6 +73,13 @@ kinematics_designation_t kinematics_slot_designation(const uint8_t *slot)
     return designation;
 }
 
+void kinematics_slot_read(const uint8_t *slot, kinematics_record_t *record)
+{
+    record->designation = kinematics_slot_designation(slot);
+    record->payload = slot + AT_PAYLOAD;
+    record->length = (uint16_t)kinematics_slot_get(slot + AT_LENGTH, 2u);
+}
+
 /* ---- all of them ---- */
 
 static uint32_t bit(uint8_t slot)

@@ -1,6 +1,6 @@
 /*
  * The slots that the store of kinematics is cut into: what stands where in one, and which of them
- * count. Only kinematics_store.c uses it. `memory` is that of the store. Task.
+ * count. Only the sources of the store use it. `memory` is that of the store. Task.
  *
  * A slot is a page with the mark and then the pages of the record. The mark is a pattern of its
  * own: eight of its 64 bits may be wrong. What a power cut leaves in a mark is no mark but once in
@@ -56,6 +56,9 @@ uint16_t kinematics_slot_checksum(const uint8_t *slot, uint16_t payload_length);
 
 bool kinematics_slot_is_of(const uint8_t *slot, const kinematics_designation_t *designation);
 kinematics_designation_t kinematics_slot_designation(const uint8_t *slot);
+
+/* The record in a slot's bytes. */
+void kinematics_slot_read(const uint8_t *slot, kinematics_record_t *record);
 
 /* What the slots are, a bit each: read once, for all that is asked about them. */
 typedef struct {

@@ -4,20 +4,22 @@
  * nothing is written or answered where the memory cannot be used, and the state stays possible.
  * What kinematics_slots.h promises of the slots is believed here; prove_slots.c proves it.
  */
-/* LINK: firmware/cycle/kinematics_slots.c firmware/cycle/kinematics_designation.c
+/* LINK: firmware/cycle/kinematics_store.c firmware/cycle/kinematics_writes.c
+ * firmware/cycle/kinematics_slots.c firmware/cycle/kinematics_designation.c
  * firmware/report/latch_crc.c */
 /* SED: firmware/cycle/kinematics_slots.c: s/_slots_\([a-z_]*\)(/_real_slots_\1(/ */
 /* CBMC: -DKINEMATICS_STORE_RECORDS=1 -DKINEMATICS_STORE_PAYLOAD_MAX=1
  * -DKINEMATICS_STORE_PAGE_BYTES=8 -DKINEMATICS_STORE_NAME_MAX=4 --unwind 17 --unwindset main.0:73
  * --object-bits 12 */
-/* MUTANT: firmware/cycle/kinematics_store.c: if (store->slot == NO_SLOT) { => if (false) { */
+/* MUTANT: firmware/cycle/kinematics_writes.c: if (store->slot == NO_SLOT) { => if (false) { */
 /* MUTANT: firmware/cycle/kinematics_store.c: length > KINEMATICS_STORE_PAYLOAD_MAX) => false) */
-/* MUTANT: firmware/cycle/kinematics_store.c: while (turn < SETTLED && => while ( */
-/* MUTANT: firmware/cycle/kinematics_store.c: store->written == store->image_length =>
+/* MUTANT: firmware/cycle/kinematics_writes.c: while (turn < SETTLED && => while ( */
+/* MUTANT: firmware/cycle/kinematics_writes.c: store->written == store->image_length =>
  * store->written > store->image_length */
 /* MUTANT: firmware/cycle/kinematics_store.c: if (slots->damaged != 0u) => if (false) */
 #include "any.h"
-#include "cycle/kinematics_store.c" /* for the names of its steps */
+#include "cycle/kinematics_store.h"
+#include "cycle/kinematics_writes.h"
 
 static uint8_t            memory[KINEMATICS_STORE_BYTES];
 static kinematics_store_t store;

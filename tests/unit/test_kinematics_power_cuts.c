@@ -1,7 +1,8 @@
 /* Cycle 450: a power cut anywhere leaves the old or the new. */
 /* LINK: firmware/cycle/kinematics_designation.c firmware/cycle/kinematics_slots.c
  *       firmware/cycle/kinematics_store.c firmware/cycle/kinematics_store_phrase.c
- *       firmware/report/latch_crc.c tests/support/store_rig.c */
+ *       firmware/cycle/kinematics_writes.c firmware/report/latch_crc.c
+ *       tests/support/store_rig.c */
 #include <string.h>
 
 #include "store_rig.h"

@@ -1,7 +1,8 @@
 /* Cycle 450: what is saved comes back. */
 /* LINK: firmware/cycle/kinematics_designation.c firmware/cycle/kinematics_slots.c
  *       firmware/cycle/kinematics_store.c firmware/cycle/kinematics_store_phrase.c
- *       firmware/report/latch_crc.c tests/support/store_rig.c */
+ *       firmware/cycle/kinematics_writes.c firmware/report/latch_crc.c
+ *       tests/support/store_rig.c */
 #include <math.h>
 #include <string.h>
 
