@@ -7,13 +7,13 @@
 #include "axis.h"
 #include "chip.h"
 #include "clock.h"
+#include "edge_request.h"
 #include "hal_edge.h"
 #include "hal_edge_events.h"
 #include "hal_error.h"
 
-#define CHANNEL       0u
-#define EVENTS_KERNEL 1024u /* the most the kernel gives */
-#define EVENTS_READ   64u
+#define CHANNEL     0u
+#define EVENTS_READ 64u
 
 static edge_line_t                     wanted; /* how the line is, or will be once it is back */
 static bool                            is_armed;
@@ -37,75 +37,9 @@ static void note_read_error(void)
 
 /* ---- the request ---- */
 
-static enum gpiod_line_bias bias_of(edge_bias_t bias)
-{
-    static const enum gpiod_line_bias BIASES[] = {
-        [EDGE_BIAS_AS_IS] = GPIOD_LINE_BIAS_AS_IS,
-        [EDGE_BIAS_DISABLED] = GPIOD_LINE_BIAS_DISABLED,
-        [EDGE_BIAS_PULL_UP] = GPIOD_LINE_BIAS_PULL_UP,
-        [EDGE_BIAS_PULL_DOWN] = GPIOD_LINE_BIAS_PULL_DOWN,
-    };
-    return BIASES[bias];
-}
-
-static int fill_settings(struct gpiod_line_settings *settings, bool with_edges)
-{
-    int failed =
-        gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT) |
-        gpiod_line_settings_set_edge_detection(settings, with_edges ? GPIOD_LINE_EDGE_RISING
-                                                                    : GPIOD_LINE_EDGE_NONE) |
-        gpiod_line_settings_set_bias(settings, bias_of(wanted.bias)) |
-        gpiod_line_settings_set_event_clock(settings, wanted.event_clock == EDGE_CLOCK_REALTIME
-                                                          ? GPIOD_LINE_CLOCK_REALTIME
-                                                          : GPIOD_LINE_CLOCK_MONOTONIC);
-    gpiod_line_settings_set_active_low(settings, wanted.active_low);
-    gpiod_line_settings_set_debounce_period_us(settings, wanted.debounce_us);
-    return failed;
-}
-
-/* The line as wanted; NULL when there is no memory. */
-static struct gpiod_line_config *make_config(bool with_edges)
-{
-    struct gpiod_line_settings *settings = gpiod_line_settings_new();
-    struct gpiod_line_config   *config = gpiod_line_config_new();
-    bool is_whole = settings != NULL && config != NULL &&
-                    fill_settings(settings, with_edges) == 0 &&
-                    gpiod_line_config_add_line_settings(config, &wanted.offset, 1u, settings) == 0;
-    gpiod_line_settings_free(settings);
-    if (!is_whole) {
-        gpiod_line_config_free(config);
-        return NULL;
-    }
-    return config;
-}
-
-static struct gpiod_line_request *request_line(struct gpiod_chip *chip)
-{
-    struct gpiod_request_config *options = gpiod_request_config_new();
-    struct gpiod_line_config    *config = make_config(false);
-    struct gpiod_line_request   *made = NULL;
-    errno = ENOMEM;
-    if (options != NULL && config != NULL) {
-        gpiod_request_config_set_consumer(options, wanted.consumer);
-        gpiod_request_config_set_event_buffer_size(options, EVENTS_KERNEL);
-        made = gpiod_chip_request_lines(chip, options, config);
-    }
-    int error = errno;
-    gpiod_line_config_free(config);
-    gpiod_request_config_free(options);
-    errno = error;
-    return made;
-}
-
 static int reconfigure(bool with_edges)
 {
-    if (request == NULL) {
-        return -1;
-    }
-    struct gpiod_line_config *config = make_config(with_edges);
-    int result = config != NULL ? gpiod_line_request_reconfigure_lines(request, config) : -1;
-    gpiod_line_config_free(config);
-    return result;
+    return request == NULL ? -1 : edge_request_reconfigure(request, &wanted, with_edges);
 }
 
 /* Request what is wanted, disarmed; with `aloud`, say why it cannot be had. */
@@ -119,7 +53,7 @@ static int open_wanted(bool aloud)
         }
         return error;
     }
-    request = request_line(chip);
+    request = edge_request_make(chip, &wanted);
     int error = request != NULL ? 0 : errno;
     if (error != 0 && aloud) {
         chip_explain_line(chip, wanted.chip, wanted.offset, error);
