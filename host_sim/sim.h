@@ -92,6 +92,8 @@ void sim_stop(sim_t *sim, sim_ns_t reaction);
 
 bool sim_is_moving(const sim_t *sim);
 
+/* ---- the clock of the device, and its stamps: sim_clock.c ---- */
+
 /* A time at which `ticks` more of the device clock are over; SIM_NEVER for UINT32_MAX. */
 sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks);
 

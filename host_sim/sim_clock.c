@@ -1,0 +1,51 @@
+#include "sim.h"
+
+/* What the device clock shows at a time of the master clock. */
+static sim_ns_t device_time(sim_t *sim, sim_ns_t time)
+{
+    if (!sim_effects_reach(&sim->effects, SIM_CLOCK)) {
+        return time;
+    }
+    return sim_ns_from_us(sim_change(sim, SIM_CLOCK, sim_us_from_ns(time)));
+}
+
+/* The firmware asks several times at one instant, and a division of 64 bits is slow. */
+uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time)
+{
+    if (time != sim->ticks_time) {
+        sim->ticks_time = time;
+        sim->ticks = (uint64_t)device_time(sim, time) * SIM_PS_PER_NS / sim->tick_ps;
+    }
+    return sim->ticks;
+}
+
+/* To the nanosecond at which the clock shows it: a PLC's scan falls just there now and then. */
+sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks)
+{
+    if (ticks == UINT32_MAX) {
+        return SIM_NEVER;
+    }
+    uint64_t due = sim_clock_ticks(sim, sim->now) + (ticks > 0u ? ticks : 1u);
+    uint64_t due_ns = (due * sim->tick_ps + SIM_PS_PER_NS - 1u) / SIM_PS_PER_NS;
+    return sim->now + (sim_ns_t)due_ns - device_time(sim, sim->now);
+}
+
+void sim_wake_after(sim_t *sim, uint32_t ticks)
+{
+    sim->wake_at = sim_time_after(sim, ticks);
+}
+
+uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later)
+{
+    *later = 0;
+    if (!sim_effects_reach(&sim->effects, SIM_CAPTURE)) {
+        return sim_clock_ticks(sim, sim->now);
+    }
+    /* Unrounded: a clock that rounds otherwise does not round what was rounded down before. */
+    double device_us = (double)device_time(sim, sim->now) / SIM_NS_PER_US;
+    double ticks_per_us = SIM_PS_PER_NS * SIM_NS_PER_US / sim->tick_ps;
+    double stamp_us = sim_change(sim, SIM_CAPTURE, device_us);
+    double believed_us = floor(device_us * ticks_per_us) / ticks_per_us;
+    *later = sim_ns_from_us(stamp_us - believed_us);
+    return (uint64_t)floor(stamp_us * ticks_per_us);
+}
