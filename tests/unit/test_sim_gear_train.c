@@ -1,5 +1,5 @@
 /* The simulated gear train: when lines pass, worked out by hand. */
-/* LINK: host_sim/gear_train.c host_sim/random.c */
+/* LINK: host_sim/gear_*.c host_sim/random.c */
 #include "gear_train.h"
 
 #include <math.h>
