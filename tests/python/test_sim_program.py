@@ -60,7 +60,7 @@ def test_no_allocation_of_the_simulation_is_without_a_test() -> None:
 
     assert {name: count for name, count in places.items() if count} == {
         "batch.c": 1,
-        "five_axis_cycle.c": 1,
+        "five_axis_setup.c": 1,
         "kinematics_memory.c": 1,
         "law.c": 1,
         "main.c": 2,
