@@ -1,7 +1,7 @@
 """The laws of a residual: sums of offsets, boxes, exponentials and a Gaussian, in closed form.
 
 A simulated sample of any affordable size misjudges the tails, and with them every effect that adds
-randomness; the density of the sum itself does not. It is computed in ``law.c``, beside this.
+randomness; the density of the sum itself does not. It is computed in ``sum.c``, beside this.
 """
 
 from collections.abc import Iterable, Sequence

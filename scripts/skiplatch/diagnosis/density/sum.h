@@ -1,0 +1,28 @@
+/*
+ * Density, in closed form, of a Gaussian with two boxes and an exponential on top. Only residual.c
+ * uses it.
+ */
+#ifndef DIAGNOSIS_SUM_H
+#define DIAGNOSIS_SUM_H
+
+/* A Gaussian about `middle`, two boxes from 0 and an exponential; 0 is what is not there. */
+typedef struct {
+    double middle;
+    double sigma;
+    double narrow;
+    double wide;
+    double mean;
+} sum_t;
+
+/* Make a box a part of the Gaussian, by mean and variance; it is 0 then. */
+void sum_fold_box(sum_t *sum, double *box);
+
+/* The density at x, ≥ 0. What is too thin to have a shape counts as a part of the Gaussian. */
+double sum_density(sum_t sum, double x);
+
+static inline double square(double x)
+{
+    return x * x;
+}
+
+#endif
