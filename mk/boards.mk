@@ -13,7 +13,7 @@
 #   UNSUITED.$(board).SUITE     why that one is not
 #   SUITE_RUN    command that runs one suite, before the program's name; a family may know one
 #   RIG          Python module that records a campaign of a build in the emulator
-#   RIG_TOOLS    programs that rig or tests want: build/rigs/BOARD/tests/NAME of tests/NAME.c
+#   RIG_TOOLS    programs that rig or tests want: build/rigs/BOARD/tests/NAME of tests/NAME.c and NAME_*.c
 #   BUILDS       the builds to record: nominal, and names joined by -
 #   DISTURBANCE.$(board).NAME   flags of what a name in a build stands for
 #   LEFT_OUT     files of the folder that no build holds; = and $(in_build) where it depends on it

@@ -39,11 +39,11 @@ $(BOARDS:%=programs-%): programs-%: linked-% $$(RIG_TOOLS.$$*)
 
 # Programs that run here beside a simulated AVR.
 simavr_program = $(Q)gcc -O2 -std=c11 $(filter-out -Wcast-qual,$(WARNINGS)) \
-                     -isystem /usr/include/simavr $< -lsimavr -lelf -o $@
+                     -isystem /usr/include/simavr $(filter %.c,$^) -lsimavr -lelf -o $@
 $(AVR_TEST_RUN): tests/boards/avr_test_run.c
 	@mkdir -p $(@D)
 	$(simavr_program)
-build/rigs/%: hal/ports/%.c
+build/rigs/%: hal/ports/%.c $$(wildcard hal/ports/$$*_*.[ch])
 	@mkdir -p $(@D)
 	$(simavr_program)
 

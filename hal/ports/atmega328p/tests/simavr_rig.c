@@ -18,10 +18,8 @@
  *   check CYCLE PULSES COUNTS    after a touch, interrupts on: pulses on the pin, counts of the
  *                                firmware ("axis_position", or the first of "stepper_tick"); they
  *                                have to be the same
- *   load CYCLE BUSY CAPTURES     at the end of the run: cycles spent in interrupts, capture
- * interrupts body VECTOR CALLS LEAST MEAN_X1000 MOST   of each interrupt: cycles from its vector to
- * the end of its reti, less those of interrupts inside it wait VECTOR CALLS LEAST MEAN_X1000 MOST
- * of the edge interrupt: cycles from the edge to the vector
+ *   end CYCLE BUSY LOST          at the end: cycles spent in interrupts, edges that were lost
+ *   body and wait                of each interrupt, see simavr_rig_interrupts.h
  *
  * simavr 1.6 omits the four cycles in which the chip enters an interrupt: they are in none of these
  * figures. It applies a stimulus at the end of the instruction that runs at its cycle; "edge" tells
@@ -40,6 +38,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "simavr_rig_interrupts.h"
+
 #define CLOCK_HZ      16000000u
 #define TRIGGER_PORT  'B'
 #define TRIGGER_PIN   0
@@ -49,77 +49,26 @@
 #define NOTES         128u
 #define DIRECTION_PIN 3
 #define BYTE_CYCLES   640u /* ten bits at 250 kBd */
-#define RETI_CYCLES   4u   /* simavr tells the end before it counts them */
 #define RAM_OFFSET    0x800000u
-#define VECTORS       64u
-#define NESTING       16u
-#define PIN_CHANGE    3u
-#define PIN_CHANGE_C  4u
 #define COMPARE       11u
 #define OVERFLOW      13u
-#define CAPTURE       10u
 #define EXIT_USAGE    2
 #define EXIT_STOPPED  3
-#define X1000         1000u
 
-typedef struct {
-    uint64_t calls;
-    uint64_t sum;
-    uint64_t least;
-    uint64_t most;
-} figures_t;
-
-typedef struct {
-    uint64_t begin;
-    uint64_t inside; /* cycles of interrupts that ran inside this one */
-} running_t;
-
-static avr_t    *avr;
-static uint32_t  position_address;
-static uint32_t  lost_address;
-static uint32_t  notes_address;
-static uint32_t  noted_address;
-static uint8_t   noted;
-static bool      is_direction_back;
-static int32_t   pulses;
-static uint64_t  pulse_cycle;
-static unsigned  open_edges; /* no pulse has come after them yet */
-static bool      has_edge;
-static char      trigger_port = TRIGGER_PORT;
-static int       trigger_pin = TRIGGER_PIN;
-static bool      wants_check;
-static bool      is_edge_open; /* no interrupt has taken it yet */
-static uint64_t  edge_cycle;
-static figures_t bodies[VECTORS];
-static figures_t waits[VECTORS];
-static running_t running[NESTING];
-static unsigned  depth;
-static uint64_t  busy;
-
-/* ---- figures ---- */
-
-static void add(figures_t *figures, uint64_t cycles)
-{
-    if (figures->calls == 0u || cycles < figures->least) {
-        figures->least = cycles;
-    }
-    if (cycles > figures->most) {
-        figures->most = cycles;
-    }
-    figures->sum += cycles;
-    ++figures->calls;
-}
-
-static void print_figures(const char *name, const figures_t *all)
-{
-    for (unsigned vector = 0u; vector < VECTORS; ++vector) {
-        const figures_t *f = &all[vector];
-        if (f->calls != 0u) {
-            printf("%s %u %" PRIu64 " %" PRIu64 " %" PRIu64 " %" PRIu64 "\n", name, vector,
-                   f->calls, f->least, f->sum * X1000 / f->calls, f->most);
-        }
-    }
-}
+static avr_t   *avr;
+static uint32_t position_address;
+static uint32_t lost_address;
+static uint32_t notes_address;
+static uint32_t noted_address;
+static uint8_t  noted;
+static bool     is_direction_back;
+static int32_t  pulses;
+static uint64_t pulse_cycle;
+static unsigned open_edges; /* no pulse has come after them yet */
+static bool     has_edge;
+static char     trigger_port = TRIGGER_PORT;
+static int      trigger_pin = TRIGGER_PIN;
+static bool     wants_check;
 
 /* ---- what the chip does ---- */
 
@@ -148,42 +97,6 @@ static void on_byte(avr_irq_t *irq, uint32_t value, void *param)
     (void)irq;
     (void)param;
     printf("byte %" PRIu64 " %" PRIu32 "\n", avr->cycle + BYTE_CYCLES, value);
-}
-
-static void begin_interrupt(unsigned vector)
-{
-    if (is_edge_open && (vector == CAPTURE || vector == PIN_CHANGE || vector == PIN_CHANGE_C)) {
-        add(&waits[vector], avr->cycle - edge_cycle);
-        is_edge_open = false;
-    }
-    if (depth < NESTING) {
-        running[depth] = (running_t){.begin = avr->cycle};
-    }
-    ++depth;
-}
-
-static void end_interrupt(unsigned vector)
-{
-    if (depth == 0u || --depth >= NESTING) {
-        return;
-    }
-    uint64_t whole = avr->cycle + RETI_CYCLES - running[depth].begin;
-    add(&bodies[vector], whole - running[depth].inside);
-    busy += whole - running[depth].inside;
-    if (depth != 0u) {
-        running[depth - 1u].inside += whole;
-    }
-}
-
-static void on_interrupt(avr_irq_t *irq, uint32_t value, void *param)
-{
-    (void)irq;
-    unsigned vector = (unsigned)(uintptr_t)param;
-    if (value != 0u) {
-        begin_interrupt(vector);
-    } else {
-        end_interrupt(vector);
-    }
 }
 
 static void on_overflow(avr_irq_t *irq, uint32_t value, void *param)
@@ -216,19 +129,11 @@ static void listen(void)
     avr_ioctl(avr, AVR_IOCTL_UART_SET_FLAGS('0'), &flags);
     avr_irq_register_notify(avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_OUTPUT),
                             on_byte, NULL);
-    for (unsigned vector = 1u; vector < VECTORS; ++vector) {
-        avr_irq_t *irq = avr_get_interrupt_irq(avr, (uint8_t)vector);
-        if (vector == OVERFLOW) {
-            avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, on_overflow, NULL);
-        }
-        if (vector == COMPARE) {
-            avr_irq_register_notify(irq + AVR_INT_IRQ_PENDING, on_compare, NULL);
-        }
-        if (irq != NULL) {
-            avr_irq_register_notify(irq + AVR_INT_IRQ_RUNNING, on_interrupt,
-                                    (void *)(uintptr_t)vector);
-        }
-    }
+    avr_irq_register_notify(avr_get_interrupt_irq(avr, OVERFLOW) + AVR_INT_IRQ_PENDING, on_overflow,
+                            NULL);
+    avr_irq_register_notify(avr_get_interrupt_irq(avr, COMPARE) + AVR_INT_IRQ_PENDING, on_compare,
+                            NULL);
+    interrupts_listen(avr);
 }
 
 /* ---- the stimuli ---- */
@@ -242,8 +147,7 @@ static void drive(uint32_t level)
 {
     printf("edge %" PRIu64 " %" PRIu32 " %" PRId32 "\n", avr->cycle, level, pulses);
     if (level != 0u) {
-        edge_cycle = avr->cycle;
-        is_edge_open = true;
+        interrupts_await_edge();
         ++open_edges;
         has_edge = true;
     } else {
@@ -301,7 +205,8 @@ static uint32_t read_ram(uint32_t address, unsigned bytes)
 /* The firmware's counter, at an instant when no interrupt is half through with it. */
 static void check_position(void)
 {
-    if (position_address == 0u || !wants_check || depth != 0u || avr->sreg[S_I] == 0u) {
+    if (position_address == 0u || !wants_check || interrupts_are_running() ||
+        avr->sreg[S_I] == 0u) {
         return;
     }
     printf("check %" PRIu64 " %" PRId32 " %" PRId32 "\n", avr->cycle, pulses,
@@ -387,9 +292,8 @@ int main(int argc, char **argv)
         check_position();
         tell_notes();
     }
-    printf("end %" PRIu64 " %" PRIu64 " %" PRIu32 "\n", avr->cycle, busy,
+    printf("end %" PRIu64 " %" PRIu64 " %" PRIu32 "\n", avr->cycle, interrupts_busy_cycles(),
            read_ram(lost_address, sizeof(uint16_t)));
-    print_figures("body", bodies);
-    print_figures("wait", waits);
+    interrupts_print();
     return state == cpu_Done ? EXIT_SUCCESS : EXIT_STOPPED;
 }
