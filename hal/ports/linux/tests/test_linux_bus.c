@@ -1,6 +1,6 @@
 /* hal/ports/linux/bus.h: what becomes of frames when the kernel does not take them. */
 /* LINK: hal/ports/linux/bus.c hal/ports/linux/frame_queue.c */
-/* LINK: hal/ports/linux/clock.c hal/ports/linux/say.c */
+/* LINK: hal/ports/linux/clock.c hal/ports/linux/say.c hal/ports/linux/tests/fake_kernel.c */
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/can/error.h>
@@ -8,87 +8,18 @@
 #include <unistd.h>
 
 #include "../hal/ports/linux/bus.h"
-#include "../hal/ports/linux/can_socket.h"
 #include "../hal/ports/linux/clock.h"
 #include "../hal/ports/linux/frame_queue.h"
+#include "../hal/ports/linux/tests/fake_kernel.h"
 #include "hal_bus.h"
 #include "hal_error.h"
 #include "unity.h"
 
-#define LATCH_ID     0x181u
-#define SENT_MAX     1024u
-#define RECEIVED_MAX 16u
-
-/* ---- a kernel in place of can_socket.c ---- */
-
-static int            open_error;
-static int            send_error;
-static int            receive_error;
-static int            up;
-static unsigned       opened;
-static uint8_t        sent[SENT_MAX];
-static unsigned       sent_count;
-static can_received_t to_receive[RECEIVED_MAX];
-static unsigned       received_count;
-static unsigned       to_receive_count;
-
-int can_socket_open(const char *interface, uint32_t id)
-{
-    (void)interface;
-    TEST_ASSERT_EQUAL_HEX32(LATCH_ID, id);
-    if (open_error != 0) {
-        return -open_error;
-    }
-    ++opened;
-    return open("/dev/null", O_RDONLY | O_CLOEXEC);
-}
-
-int can_socket_receive(int socket, can_received_t *received)
-{
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(0, socket);
-    if (received_count == to_receive_count) {
-        int error = receive_error;
-        receive_error = EAGAIN;
-        return error;
-    }
-    *received = to_receive[received_count++];
-    return 0;
-}
-
-int can_socket_send(int socket, const struct can_frame *frame)
-{
-    TEST_ASSERT_GREATER_OR_EQUAL_INT(0, socket);
-    TEST_ASSERT_EQUAL_HEX32(LATCH_ID, frame->can_id);
-    TEST_ASSERT_EQUAL_UINT8(HAL_BUS_FRAME_BYTES, frame->len);
-    if (send_error != 0) {
-        return send_error;
-    }
-    sent[sent_count++ % SENT_MAX] = frame->data[0];
-    return 0;
-}
-
-int can_socket_is_up(const char *interface)
-{
-    (void)interface;
-    return up;
-}
-
-uint32_t can_socket_id(uint32_t id)
-{
-    return id;
-}
-
-void can_socket_explain(const char *interface, int error)
-{
-    (void)interface;
-    TEST_ASSERT_GREATER_THAN_INT(0, error);
-}
-
 static void receive(can_received_t received)
 {
-    to_receive_count = 1u;
-    received_count = 0u;
-    to_receive[0] = received;
+    fake_kernel.to_receive_count = 1u;
+    fake_kernel.received_count = 0u;
+    fake_kernel.to_receive[0] = received;
     bus_receive();
 }
 
@@ -101,15 +32,8 @@ void setUp(void)
     kept_stderr = dup(STDERR_FILENO);
     (void)dup2(nowhere, STDERR_FILENO);
     (void)close(nowhere);
-    open_error = 0;
-    send_error = 0;
-    receive_error = EAGAIN;
-    up = 1;
-    opened = 0u;
-    sent_count = 0u;
-    to_receive_count = 0u;
-    received_count = 0u;
-    TEST_ASSERT_EQUAL_INT(0, bus_open("can0", LATCH_ID));
+    fake_kernel_set_up();
+    TEST_ASSERT_EQUAL_INT(0, bus_open("can0", FAKE_KERNEL_ID));
 }
 
 void tearDown(void)
@@ -127,9 +51,9 @@ static int queue(uint8_t number)
 
 static void check_sent(const char *numbers)
 {
-    TEST_ASSERT_EQUAL_UINT(strlen(numbers), sent_count);
-    for (unsigned i = 0u; i < sent_count; ++i) {
-        TEST_ASSERT_EQUAL_UINT8(numbers[i], sent[i]);
+    TEST_ASSERT_EQUAL_UINT(strlen(numbers), fake_kernel.sent_count);
+    for (unsigned i = 0u; i < fake_kernel.sent_count; ++i) {
+        TEST_ASSERT_EQUAL_UINT8(numbers[i], fake_kernel.sent[i]);
     }
 }
 
@@ -137,23 +61,23 @@ static void check_sent(const char *numbers)
 
 void test_an_interface_that_is_down_is_refused(void)
 {
-    up = 0;
+    fake_kernel.up = 0;
 
-    TEST_ASSERT_EQUAL_INT(ENETDOWN, bus_open("can0", LATCH_ID));
+    TEST_ASSERT_EQUAL_INT(ENETDOWN, bus_open("can0", FAKE_KERNEL_ID));
     TEST_ASSERT_LESS_THAN_INT(0, bus_fd());
 }
 
 void test_an_interface_there_is_not_is_refused(void)
 {
-    open_error = ENODEV;
+    fake_kernel.open_error = ENODEV;
 
-    TEST_ASSERT_EQUAL_INT(ENODEV, bus_open("can0", LATCH_ID));
+    TEST_ASSERT_EQUAL_INT(ENODEV, bus_open("can0", FAKE_KERNEL_ID));
 }
 
 void test_a_name_longer_than_any_interface_is_refused(void)
 {
-    TEST_ASSERT_EQUAL_INT(ENODEV, bus_open("sixteen_letters_", LATCH_ID));
-    TEST_ASSERT_EQUAL_INT(0, bus_open("fifteen_letters", LATCH_ID));
+    TEST_ASSERT_EQUAL_INT(ENODEV, bus_open("sixteen_letters_", FAKE_KERNEL_ID));
+    TEST_ASSERT_EQUAL_INT(0, bus_open("fifteen_letters", FAKE_KERNEL_ID));
 }
 
 /* ---- sending ---- */
@@ -183,14 +107,14 @@ void test_what_a_full_send_queue_refuses_waits_and_is_sent_once(void)
 {
     (void)queue('a');
     (void)queue('b');
-    send_error = ENOBUFS;
+    fake_kernel.send_error = ENOBUFS;
     TEST_ASSERT_FALSE(bus_flush());
     TEST_ASSERT_EQUAL_UINT64(2u, bus_counters().frames_waiting);
     TEST_ASSERT_FALSE(bus_flush());
     TEST_ASSERT_EQUAL_UINT64(2u, bus_counters().send_full);
     TEST_ASSERT_FALSE(bus_is_down());
 
-    send_error = 0;
+    fake_kernel.send_error = 0;
     TEST_ASSERT_TRUE(bus_flush());
     check_sent("ab");
     TEST_ASSERT_EQUAL_UINT64(0u, bus_counters().frames_waiting);
@@ -201,24 +125,24 @@ void test_what_a_full_send_queue_refuses_waits_and_is_sent_once(void)
 void test_frames_wait_while_the_interface_is_down(void)
 {
     (void)queue('a');
-    send_error = ENETDOWN;
+    fake_kernel.send_error = ENETDOWN;
     TEST_ASSERT_FALSE(bus_flush());
     TEST_ASSERT_TRUE(bus_is_down());
-    send_error = 0;
+    fake_kernel.send_error = 0;
     TEST_ASSERT_FALSE(bus_flush()); /* nothing is tried before it is up again */
 
     bus_recover();
     TEST_ASSERT_FALSE(bus_is_down());
     TEST_ASSERT_TRUE(bus_flush());
     check_sent("a");
-    TEST_ASSERT_EQUAL_UINT(1u, opened);
+    TEST_ASSERT_EQUAL_UINT(1u, fake_kernel.opened);
 }
 
 void test_going_down_is_noticed_when_receiving_and_counted_once(void)
 {
-    receive_error = ENETDOWN;
+    fake_kernel.receive_error = ENETDOWN;
     bus_receive();
-    receive_error = ENETDOWN;
+    fake_kernel.receive_error = ENETDOWN;
     bus_receive();
 
     TEST_ASSERT_TRUE(bus_is_down());
@@ -227,9 +151,9 @@ void test_going_down_is_noticed_when_receiving_and_counted_once(void)
 
 void test_an_interface_still_down_is_not_taken_for_up(void)
 {
-    receive_error = ENETDOWN;
+    fake_kernel.receive_error = ENETDOWN;
     bus_receive();
-    up = 0;
+    fake_kernel.up = 0;
     bus_recover();
 
     TEST_ASSERT_TRUE(bus_is_down());
@@ -238,27 +162,27 @@ void test_an_interface_still_down_is_not_taken_for_up(void)
 void test_a_removed_interface_is_bound_anew_when_it_is_back(void)
 {
     (void)queue('a');
-    send_error = ENXIO;
+    fake_kernel.send_error = ENXIO;
     TEST_ASSERT_FALSE(bus_flush());
     TEST_ASSERT_LESS_THAN_INT(0, bus_fd());
-    open_error = ENODEV;
+    fake_kernel.open_error = ENODEV;
     bus_recover();
     TEST_ASSERT_TRUE(bus_is_down());
 
-    open_error = 0;
-    send_error = 0;
+    fake_kernel.open_error = 0;
+    fake_kernel.send_error = 0;
     bus_recover();
     TEST_ASSERT_TRUE(bus_flush());
     check_sent("a");
-    TEST_ASSERT_EQUAL_UINT(2u, opened);
+    TEST_ASSERT_EQUAL_UINT(2u, fake_kernel.opened);
 }
 
 /* ---- receiving ---- */
 
 void test_own_and_foreign_frames_are_counted_apart(void)
 {
-    receive((can_received_t){.frame = {.can_id = LATCH_ID}, .is_own = true});
-    receive((can_received_t){.frame = {.can_id = LATCH_ID}});
+    receive((can_received_t){.frame = {.can_id = FAKE_KERNEL_ID}, .is_own = true});
+    receive((can_received_t){.frame = {.can_id = FAKE_KERNEL_ID}});
 
     TEST_ASSERT_EQUAL_UINT64(1u, bus_counters().frames_confirmed);
     TEST_ASSERT_EQUAL_UINT64(1u, bus_counters().frames_foreign);
@@ -266,7 +190,7 @@ void test_own_and_foreign_frames_are_counted_apart(void)
 
 void test_the_longest_way_to_the_bus_is_kept(void)
 {
-    can_received_t own = {.frame = {.can_id = LATCH_ID, .data = {'a'}}, .is_own = true};
+    can_received_t own = {.frame = {.can_id = FAKE_KERNEL_ID, .data = {'a'}}, .is_own = true};
     (void)queue('a');
     (void)bus_flush();
     own.at_ns = clock_now_ns() + (uint64_t)CLOCK_NS_PER_S;
@@ -277,7 +201,7 @@ void test_the_longest_way_to_the_bus_is_kept(void)
 
 void test_a_frame_that_is_not_awaited_tells_nothing_of_the_way(void)
 {
-    can_received_t own = {.frame = {.can_id = LATCH_ID, .data = {'b'}}, .is_own = true};
+    can_received_t own = {.frame = {.can_id = FAKE_KERNEL_ID, .data = {'b'}}, .is_own = true};
     (void)queue('a');
     (void)bus_flush();
     own.at_ns = clock_now_ns() + (uint64_t)CLOCK_NS_PER_S;
