@@ -1,5 +1,4 @@
-/* Confirming and rejecting an edge by the level that follows; bounces; what a poll tells of the
- * level. */
+/* Confirming and rejecting an edge by the level that follows; what a poll tells of the level. */
 /* LINK: firmware/input/latch.c tests/support/fake_critical.c tests/support/latch_checks.c */
 #include "epochs.h"
 #include "fake_critical.h"
@@ -186,80 +185,6 @@ void test_a_glitch_leaves_no_flag_on_the_touch_after_it(void)
     latch_poll(&latch, 1100u + CONFIRM, true);
 
     latch_check_record(&latch, 1100u, 8, 0u);
-}
-
-/* ---- bounces ---- */
-
-void test_a_bounce_never_moves_the_first_edge(void)
-{
-    arm_and_touch(&ONE_SHOT, 1000u);
-    latch_poll(&latch, 1010u, false);
-    latch_on_edge(&latch, 1020u, 99);
-    latch_poll(&latch, 1020u + CONFIRM, true);
-
-    latch_check_record(&latch, 1000u, 7, LATCH_FLAG_BOUNCED);
-    check_counters((latch_counters_t){.bounces = 1u});
-}
-
-void test_each_bounce_begins_the_rest_anew(void)
-{
-    FOR_EACH_EPOCH (edge) {
-        arm_and_touch(&ONE_SHOT, edge);
-        latch_on_edge(&latch, edge + CONFIRM - 1u, 99);
-
-        latch_poll(&latch, edge + 2u * CONFIRM - 2u, true);
-        latch_check_nothing(&latch);
-        latch_poll(&latch, edge + 2u * CONFIRM - 1u, true);
-        latch_check_record(&latch, edge, 7, LATCH_FLAG_BOUNCED);
-    }
-}
-
-void test_bounces_seen_only_by_polls_begin_the_rest_anew_too(void)
-{
-    arm_and_touch(&ONE_SHOT, 1000u);
-    latch_poll(&latch, 1020u, false);
-    latch_poll(&latch, 1040u, true);
-
-    latch_poll(&latch, 1040u + CONFIRM - 1u, true);
-    latch_check_nothing(&latch);
-    latch_poll(&latch, 1040u + CONFIRM, true);
-    latch_check_record(&latch, 1000u, 7, 0u);
-}
-
-void test_a_long_train_of_bounces_confirms_the_first_edge(void)
-{
-    arm_and_touch(&ONE_SHOT, 0xFFFFFF00u);
-    for (uint32_t i = 1u; i <= 100u; ++i) {
-        latch_on_edge(&latch, 0xFFFFFF00u + 10u * i, (int32_t)i);
-        latch_poll(&latch, 0xFFFFFF00u + 10u * i + 5u, i % 2u == 0u);
-    }
-    latch_poll(&latch, 0xFFFFFF00u + 1005u + CONFIRM, true);
-
-    latch_check_record(&latch, 0xFFFFFF00u, 7, LATCH_FLAG_BOUNCED);
-    check_counters((latch_counters_t){.bounces = 100u});
-}
-
-void test_a_bounce_after_the_confirmation_does_not_mark_the_record(void)
-{
-    arm_and_touch(&ONE_SHOT, 1000u);
-    latch_poll(&latch, 1000u + CONFIRM, true);
-
-    latch_on_edge(&latch, 1000u + CONFIRM + 1u, 99);
-
-    latch_check_record(&latch, 1000u, 7, 0u);
-}
-
-void test_the_mark_of_a_bounce_does_not_stay_for_the_next_touch(void)
-{
-    arm_and_touch(&REPEATED, 1000u);
-    latch_on_edge(&latch, 1010u, 99);
-    latch_poll(&latch, 1010u + CONFIRM, true);
-    latch_check_record(&latch, 1000u, 7, LATCH_FLAG_BOUNCED);
-
-    latch_on_edge(&latch, 2000u, 8);
-    latch_poll(&latch, 2000u + CONFIRM, true);
-
-    latch_check_record(&latch, 2000u, 8, 0u);
 }
 
 /* ---- disarming and arming while an edge waits ---- */
