@@ -8,18 +8,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played
+from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, Status, Touches
+from skiplatch.campaign import Campaign, Status, Touches, read_campaign
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.left import EVERYWHERE, RESOLVED, Left, Memo
-from skiplatch.diagnosis.plays.leftover import MISSED, Beside, left_over, noticed
-from skiplatch.diagnosis.plays.look import FEWEST, normal_scores
+from skiplatch.diagnosis.plays.leftover import MISSED, NOTICED, Beside, left_over, noticed
+from skiplatch.diagnosis.plays.look import FEWEST
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import as_recorded
+from skiplatch.diagnosis.plays.scores import normal_scores
 from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
+from skiplatch.span import Span
 
 Disturbed = Callable[[Touches], FloatArray]
 
@@ -135,6 +137,33 @@ def test_a_wave_in_the_temperature_is_found() -> None:
     found = mattering(disturbed(campaign, wave_um))
 
     assert "temperature" in told_by(found, "wave")
+
+
+def test_lobes_of_any_number_are_found_by_their_angle() -> None:
+    campaign = read_campaign(MACHINE)
+    turned = np.random.default_rng(4).uniform(0.0, 360.0, len(campaign.touches))
+    touches = replace(campaign.touches, alpha_deg=turned)
+    campaign = played_again(replace(campaign, touches=touches))
+
+    def lobes_um(touches: Touches) -> FloatArray:
+        return np.asarray(2.0 * np.sin(np.deg2rad(5.0 * touches.alpha_deg)))
+
+    found = mattering(disturbed(campaign, lobes_um))
+
+    assert re.search(r"azimuth, in waves of 7[12]", told_by(found, "wave"))
+
+
+def test_what_scatters_for_a_time_leaves_nothing_of_its_own_plays() -> None:
+    """Touches that all plays meet alike are no calmer than those that scatter as played."""
+    touches = read_campaign(BENCH).touches
+    span = Span(until=int(np.median(touches.touch)))
+    shaky = Effect("scan_jitter", {"jitter_us": 70.0}, span)
+    scene = Scene.of(played(BENCH, shaky))
+
+    found = left_over(Beside.of(scene, Rig(scene.nominal, [shaky]), seed=1))
+
+    scattered = [one.z for one in found if (one.observable, one.kind) == ("grid", "scatter")]
+    assert max(scattered) < NOTICED
 
 
 def test_scatter_that_goes_with_the_rest_before_is_found() -> None:
@@ -316,6 +345,17 @@ def test_ranks_are_normal_scores_of_even_shares() -> None:
     assert scores.mean() == pytest.approx(0.0, abs=5.0 / np.sqrt(3000.0))
     assert scores.std() == pytest.approx(1.0, abs=0.07)
     assert np.isfinite(normal_scores(np.full(3000, 1e9), plays)).all()
+
+
+def test_touches_among_equal_plays_are_ranked_by_lot() -> None:
+    """They scatter as others do, and in the middle of the equal ones not at all."""
+    rng = np.random.default_rng(2)
+    values = np.zeros(3000)
+
+    scores = normal_scores(values, np.zeros((60, 3000)), rng.random(3000))
+
+    assert scores.std() == pytest.approx(1.0, abs=0.05)
+    assert not normal_scores(values, np.zeros((60, 3000))).any()
 
 
 def test_an_observable_of_a_few_touches_is_not_looked_at() -> None:

@@ -88,6 +88,17 @@ def test_what_has_not_come_by_chance_makes_no_gap_grow() -> None:
     assert not any(gap.grows for gap in gaps.values())
 
 
+def test_what_has_not_come_by_chance_scatters_no_less_than_its_plays() -> None:
+    rare = Effect("contact_bounce", {"probability": 0.05, "mean_us": 300.0})
+    scene = Scene.of(read_campaign(BENCH))
+    few = np.arange(len(scene)) % 12 == 0
+    before, after = (Rig(scene.nominal, effects) for effects in ((), [rare]))
+
+    for seed in range(4):
+        gaps = PlayedRigs.of(scene, before, after, seed=seed, jobs=2).gaps(few)
+        assert [gap.tightness for gap in gaps.values()] == [1.0] * len(gaps)
+
+
 def test_what_the_effects_hardly_ever_do_makes_a_gap_grow() -> None:
     often = Effect("contact_bounce", {"probability": 0.9, "mean_us": 300.0})
 

@@ -213,6 +213,12 @@ def test_touches_that_are_likelier_show_a_finding_that_no_gap_is_clear_of() -> N
     assert [failure.rule for failure in failed] == ["shrinks"]
 
 
+def test_touches_that_are_likelier_show_nothing_where_a_gap_grows_for_certain() -> None:
+    worse = gaps(gap(-1.0, -0.9))
+
+    assert decide(replace(FOUND, gaps=worse, nats=70.0))[0] == Verdict.UNKNOWN
+
+
 def test_no_clear_gap_shrinks_nowhere() -> None:
     unclear = Evidence(gaps=gaps(gap(0.95, is_clear=False)))
 

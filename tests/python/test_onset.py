@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played
+from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
@@ -148,6 +148,24 @@ def test_a_surface_that_was_moved_is_no_effect_that_begins() -> None:
 
     assert nats(moved, found.change(moved)) - nats(moved, Change()) > 100.0
     assert outlives_datum(moved, found) < 15.0
+
+
+def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
+    """The datum that stays takes up no share of what is gone later."""
+    campaign = read_campaign(MACHINE)
+    campaign = replace(campaign, nominal=replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS)))
+    span = Span(until=middle_touch(campaign))
+    shared = Effect("backlash", {"backlash_um": 2.0, "positive_um": 2.0}, span)
+    scene = Scene.of(played_again(campaign, shared))
+    assert CANDIDATES["backlash"].taken_up(scene) == {1}
+
+    # As a part of the campaign shows it, beside a datum of its own: all of it in one sense.
+    first, *_ = proposed(scene, [of("backlash", [4.0, 0.0, 0.0, 0.0])])
+    (effect,) = as_effects(passing(scene, first))
+
+    assert effect.span.until == pytest.approx(span.until, abs=4)
+    assert effect.parameters["backlash_um"] == pytest.approx(2.0, abs=0.5)
+    assert effect.parameters["positive_um"] == pytest.approx(2.0, abs=0.5)
 
 
 @pytest.mark.long

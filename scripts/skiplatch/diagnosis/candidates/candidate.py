@@ -50,8 +50,12 @@ class Candidate:
         return change if self.span == ALWAYS else Change(passing=((self.span, change),))
 
     def taken_up(self, scene: Scene) -> frozenset[int]:
-        """Number the parameters that stay at 0, for the datum does what they do."""
-        is_anywhere = scene.datum_groups is not None and scene.datum_u_um is None
+        """Number the parameters that stay at 0, for the datum does what they do.
+
+        It does so throughout: what begins or ends is no datum.
+        """
+        is_free = scene.datum_groups is not None and scene.datum_u_um is None
+        is_anywhere = is_free and self.span == ALWAYS
         return frozenset(map(self.names.index, self.like_datum if is_anywhere else ()))
 
     def is_possible(self, scene: Scene, parameters: Parameters) -> bool:

@@ -35,13 +35,22 @@ def ends_of(scene: Scene) -> list[Scene]:
 def proposed(scene: Scene, fits: Iterable[Fit]) -> list[Fit]:
     """Let effects begin or end as they are, at the best of a few touches; the likeliest ones.
 
-    Their form is left open: what fits a few touches just so is off at others.
+    Their form is left open: what fits a few touches just so is off at others. So is the datum where
+    they act, for that of these touches is what they were fitted beside.
     """
     spans = [spans for begins in (True, False) if (spans := _spans(scene, begins=begins))]
     loose = [replace(found, slack=SLACKS[-1]) for found in fits]
-    roughly = [_best(scene, found, _few(some)) for found in (*fits, *loose) for some in spans]
+
+    def nats(one: Fit) -> float:
+        return _nats(_moved(scene, one.candidates[0].span), one)
+
+    roughly = [
+        max((_within(found, span) for span in _few(some)), key=nats)
+        for found in (*fits, *loose)
+        for some in spans
+    ]
     best: dict[tuple[str, bool], Fit] = {}
-    for one in sorted(roughly, key=lambda one: -_nats(scene, one)):
+    for one in sorted(roughly, key=lambda one: -nats(one)):
         (acting,) = one.candidates
         best.setdefault((acting.id, acting.span.since is None), one)
     return list(best.values())[:KEPT]
@@ -71,13 +80,17 @@ def outlives_datum(scene: Scene, found: Fit) -> float:
     """
 
     def gain(candidate: Candidate) -> float:
-        span = candidate.span
-        cut = span.until + 1 if span.until is not None else span.since
-        moved = scene if cut is None else scene.with_datum_moved(cut)
+        moved = _moved(scene, candidate.span)
         changed = likelihood(moved, found.change(moved)).total
         return changed - likelihood(moved, Change()).total
 
     return min(map(gain, found.candidates))
+
+
+def _moved(scene: Scene, span: Span) -> Scene:
+    """Give the touches with a datum of their own where a span begins or ends."""
+    cut = span.until + 1 if span.until is not None else span.since
+    return scene if cut is None else scene.with_datum_moved(cut)
 
 
 def _cut(scene: Scene, found: Fit, spans: Sequence[Span]) -> Fit:

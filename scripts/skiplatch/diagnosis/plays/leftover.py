@@ -121,9 +121,14 @@ STREAMS = {
 
 
 def streams_of(left: Left) -> frozenset[str]:
-    """Name the streams that show the same; those of its path where the paths are apart."""
-    other = {"skip": "plc", "plc": "skip"}[left.path]
-    return frozenset(s for s in STREAMS[left.observable] if not s.endswith(f"_{other}"))
+    """Name the streams that show the same."""
+    return streams_at(left.observable, left.path)
+
+
+def streams_at(observable: str, path: str) -> frozenset[str]:
+    """Name the streams that show an observable; those of a path where the paths are apart."""
+    other = {"skip": "plc", "plc": "skip"}[path]
+    return frozenset(s for s in STREAMS[observable] if not s.endswith(f"_{other}"))
 
 
 def noticed(looks: Sequence[Left], materiality: Materiality) -> frozenset[str]:

@@ -15,6 +15,7 @@ from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untype
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
+from skiplatch.diagnosis.plays.scores import normal_scores, shares_among, way_from_normal
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.scene.covariates import (
     neighbours,
@@ -55,18 +56,13 @@ def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArra
     return np.abs(off) > 2.0 * reach + usual
 
 
-def normal_scores(recorded: FloatArray, played: FloatArray) -> FloatArray:
-    """Rank touches, shape (n,), among their plays, shape (r, n); NaN where there is none."""
-    known = ~np.isnan(played)
-    below = np.where(known, played < recorded, False).sum(axis=0)
-    same = np.where(known, played == recorded, False).sum(axis=0)
-    count = known.sum(axis=0)
-    share = (below + 0.5 * same + 0.5) / (count + 1.0)
-    return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
-
-
 class Look:
-    """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m)."""
+    """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m).
+
+    Attributes:
+        scale: What each touch repeats to, or its plays scatter by, whichever is more.
+        step: What the observable is rounded to.
+    """
 
     def __init__(
         self,
@@ -88,13 +84,17 @@ class Look:
             played: Shape (r, n).
         """
         self._setting, self._name, self._path, self._rows = setting, name, path, rows
-        self._step = setting.step(name)
+        self.step = setting.step(name)
         self._played = np.round(played[:, rows], DIGITS)
         self._recorded = np.round(recorded[rows], DIGITS)
         self._scores = normal_scores(self._recorded, self._played)
+        # In the middle of equal plays a touch would seem to scatter less than others do: drawn by
+        # lot (Smith, Journal of Forecasting 4 (1985) 283), it scatters alike whatever is played.
+        lot = np.random.default_rng(setting.seed).random(len(self._recorded))
+        self._sizes = np.abs(normal_scores(self._recorded, self._played, lot))
         self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
-        self._noise = np.maximum(np.nanstd(self._played, axis=0), self._step / np.sqrt(12.0))
-        self._scale = np.maximum(self._noise, setting.repeats_to(name))
+        self._noise = np.maximum(np.nanstd(self._played, axis=0), self.step / np.sqrt(12.0))
+        self.scale = np.maximum(self._noise, setting.repeats_to(name))
 
     def all(self, memo: Memo) -> list[Left]:
         """Give everything that may be left of it."""
@@ -127,7 +127,7 @@ class Look:
     def _errors_of_far(self) -> float:
         """Count touches that are far off the plays of all, for ranks do not tell how far off."""
         reach = np.nanmax(np.abs(self._played - np.nanmedian(self._played, axis=0)))
-        far = far_off(self._off, float(reach), self._step)
+        far = far_off(self._off, float(reach), self.step)
         return errors_of(float(stats.binom.sf(far.sum() - 1, len(far), SELDOM)))
 
     def _shape(self) -> Left:
@@ -142,11 +142,11 @@ class Look:
         expected = before_wait(scene, UNITS[self._name], is_from_contact=is_from_contact)
         before, unit = (values[self._rows] for values in expected)
         waits = (self._played - before) / unit
-        shares = _among(np.sort(waits[~np.isnan(waits)]), (self._recorded - before) / unit)
+        shares = shares_among(np.sort(waits[~np.isnan(waits)]), (self._recorded - before) / unit)
         z = errors_of(float(stats.cramervonmises(shares, "uniform").pvalue))
-        off = _from_normal(stats.norm.ppf(shares))
+        off = way_from_normal(stats.norm.ppf(shares))
         size, relative = (
-            off * float(np.median(values)) for values in (self._noise, self._noise / self._scale)
+            off * float(np.median(values)) for values in (self._noise, self._noise / self.scale)
         )
         return self._of("shape", (EVERYWHERE,), size, relative, z)
 
@@ -158,7 +158,7 @@ class Look:
         29 (1958) 972). Their size is not normal, and is ranked.
         """
         columns = varying(self._setting.known, self._rows)
-        sizes = stats.rankdata(np.abs(self._scores))
+        sizes = stats.rankdata(self._sizes)
         for kind, target in (("shift", self._scores), ("scatter", sizes)):
             best: tuple[float, str] | None = None
             for name, values in columns.items():
@@ -175,7 +175,7 @@ class Look:
 
     def predicted(self) -> Iterator[Left]:
         """Let a forest predict the scores, and how far they are off, both by the same trees."""
-        targets = np.column_stack([self._scores, np.abs(self._scores)])
+        targets = np.column_stack([self._scores, self._sizes])
         if len(targets) < FEWEST_FOR_FOREST or np.any(np.ptp(targets, axis=0) == 0.0):
             return
         columns = dict(varying(self._setting.known, self._rows))
@@ -208,19 +208,19 @@ class Look:
                 continue
             period, share, z = wave
             size = float(np.sqrt(share)) * scatter(self._off)
-            relative = float(np.sqrt(share)) * scatter(self._off / self._scale)
+            relative = float(np.sqrt(share)) * scatter(self._off / self.scale)
             words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
             yield self._of("wave", words, size, relative, z)
 
     def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
         """Say how large it is, by the difference between the touches of a mask and the others."""
         size, relative = (
-            _apart(values, high, kind) for values in (self._off, self._off / self._scale)
+            _apart(values, high, kind) for values in (self._off, self._off / self.scale)
         )
         if high.all() and kind == "scatter":
             size, relative = (
                 np.sqrt(abs(size**2 - float(np.median(self._noise)) ** 2)),
-                np.sqrt(abs(relative**2 - float(np.median(self._noise / self._scale)) ** 2)),
+                np.sqrt(abs(relative**2 - float(np.median(self._noise / self.scale)) ** 2)),
             )
         return self._of(kind, names, size, relative, z)
 
@@ -228,7 +228,7 @@ class Look:
         self, kind: str, names: tuple[str, ...], size: float, relative: float, z: float
     ) -> Left:
         noise, unit = float(np.median(self._noise)), UNITS[self._name]
-        return Left(self._name, self._path, kind, names, size, unit, relative, noise, self._step, z)
+        return Left(self._name, self._path, kind, names, size, unit, relative, noise, self.step, z)
 
 
 def told_by_forest(
@@ -265,20 +265,6 @@ def _wave(
     tried = max(span * fastest, 1.0)
     chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
     return 1.0 / float(frequencies[best]), share, errors_of(float(chance))
-
-
-def _among(pool: FloatArray, values: FloatArray) -> FloatArray:
-    """Give the shares of a sorted pool that lie below values, within 0 and 1; NaN is left out."""
-    known = values[~np.isnan(values)]
-    below, upto = (np.searchsorted(pool, known, side) for side in ("left", "right"))
-    return np.asarray((0.5 * (below + upto) + 0.5) / (len(pool) + 1.0))
-
-
-def _from_normal(scores: FloatArray) -> float:
-    """Give the mean way from scores to those of as many normal ones (Wasserstein's distance)."""
-    known = np.sort(scores[~np.isnan(scores)])
-    shares = (np.arange(len(known)) + 0.5) / len(known)
-    return float(np.mean(np.abs(known - stats.norm.ppf(shares))))
 
 
 def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:

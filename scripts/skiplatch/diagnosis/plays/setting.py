@@ -22,7 +22,14 @@ LONGEST = 100_000
 MOSTLY_WAIT = 0.8
 """Scatter of the wait for a scan over that of plays from which on it is nearly all of it. Touches
 bound to the scan share the phases of all sixty plays, which tell it to some 6 % alone."""
-ALONG = {"temperature": "K", "approach": "mm", "rest before": "s", "touches in the 60 s before": ""}
+ALONG = {
+    "temperature": "K",
+    "approach": "mm",
+    "rest before": "s",
+    "touches in the 60 s before": "",
+    "azimuth": "°",
+    "rotary angle": "°",
+}
 """Further conditions along which a wave may lie, and their units."""
 
 

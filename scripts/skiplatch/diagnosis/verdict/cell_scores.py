@@ -1,7 +1,7 @@
 """Scores of held-out touches against plays, a cell of path and feed at a time; see ``shrink``."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Self
 
 import numpy as np
@@ -32,6 +32,7 @@ class Cell:
     before: TouchScores
     after: TouchScores
     truth: TouchScores | None
+    recorded: FloatArray = field(default_factory=lambda: np.empty(0))
     ensembles: Sequence["Ensemble"] = ()
     """Plays without the effects and with them, and those of the truth, where it is known."""
 
@@ -39,20 +40,26 @@ class Cell:
     def of(cls, path: InputPath, recorded: FloatArray, ensembles: Sequence["Ensemble"]) -> Self:
         """Score touches, shape (m,)."""
         before, after, *truth = (ensemble.scored(recorded) for ensemble in ensembles)
-        return cls(path, before, after, truth[0] if truth else None, ensembles)
+        return cls(path, before, after, truth[0] if truth else None, recorded, ensembles)
 
     def unit(self, least: float) -> float:
         """Give what scores count in: the noise floor, which is at least `least`."""
         return max(float(self.after.floor.mean()), least)
 
-    def lost_by_luck(self, k: int) -> FloatArray:
-        """Give by how much the effects score worse than none on a play of theirs; shape (m,)."""
-        return self.by_luck(k) - self.ensembles[0].scored(self.ensembles[1].plays[k]).scores
+    def beside(self, k: int) -> tuple[FloatArray, FloatArray]:
+        """Give what the record and a play of the effects score on their other plays; (m,) each.
 
-    def by_luck(self, k: int) -> FloatArray:
-        """Give what the effects score on a play of theirs; shape (m,)."""
+        Were the effects the truth, the two would differ by luck alone.
+        """
         after = self.ensembles[1]
-        return after.scored(after.plays[k], but=k).scores
+        one, another = (after.scored(v, but=k).scores for v in (self.recorded, after.plays[k]))
+        return one, another
+
+    def lost_beside(self, k: int) -> tuple[FloatArray, FloatArray]:
+        """Give by how much each of them scores worse than without the effects; (m,) each."""
+        before, played = self.ensembles[0], self.ensembles[1].plays[k]
+        one, another = self.beside(k)
+        return one - before.scored(self.recorded).scores, another - before.scored(played).scores
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.special import logsumexp
 
 from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.hidden import Hidden, could_hide
 from skiplatch.diagnosis.plays.left import Left
@@ -100,15 +102,19 @@ def _conclusion(
         at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
         open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
         is_loose=finding.model is not None and finding.model.fit.is_loose,
-        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding),
+        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding.model.fit)
+        if finding.model
+        else 0.0,
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
         outlying=len(odd),
         touches=len(scene),
     )
     if finding.model and shows_too_little(evidence):
-        gap = played(work.folds(finding.model.fit)).gaps(usual)
-        evidence = replace(evidence, gaps=gap, is_held_out=False)
+        folds, fits = work.folds(finding.model.fit)
+        gap = played(folds).gaps(usual)
+        nats = _likelier_in_turn(scene, usual, believed, folds, fits)
+        evidence = replace(evidence, gaps=gap, nats=nats, is_held_out=False)
     return Conclusion(finding, rig, known, found, gap, hidden, odd, evidence)
 
 
@@ -120,11 +126,26 @@ def _told_of_chance(work: Work, model: Scored | None, rig: Rig) -> list[Left]:
     return chance_of(found, believed, discrepancy=model.fit.slack)
 
 
-def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, finding: Finding) -> float:
+def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, fit: Fit) -> float:
     """Give the nats by which touches are likelier under a finding than without it."""
-    if finding.model is None or not rows.any():
+    if not rows.any():
         return 0.0
     part = scene.select(rows)
     found = part.with_nominal(rig.nominal)
-    with_it = likelihood(found, finding.model.fit.change(found)).total
+    with_it = likelihood(found, fit.change(found)).total
     return with_it - likelihood(part.with_nominal(believed.nominal), Change()).total
+
+
+def _likelier_in_turn(
+    scene: Scene, rows: BoolArray, believed: Rig, folds: Folds, fits: Sequence[Fit]
+) -> float:
+    """Give the same of touches that the others judge: the mean of the likelihood's ratios.
+
+    A mean of such ratios means the same as one of them (Wasserman, Ramdas and Balakrishnan, eq. 7).
+    """
+    pairs = zip(folds.rigs, fits, strict=True)
+    nats = [
+        _likelier(scene, rows & (folds.fold == i), believed, rig, fit)
+        for i, (rig, fit) in enumerate(pairs)
+    ]
+    return float(logsumexp(nats) - np.log(len(nats)))

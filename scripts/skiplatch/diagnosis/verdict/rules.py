@@ -94,9 +94,12 @@ def _shrinks(evidence: Evidence, threshold: float) -> str:
 
 
 def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
-    if _shrinks_for_certain(evidence, threshold) or evidence.nats > LIKELIER:
+    clear = _clear(evidence.gaps)
+    may_shrink = not clear or any(gap.shrink.high > threshold for gap in clear.values())
+    is_likelier = may_shrink and evidence.nats > LIKELIER
+    if _shrinks_for_certain(evidence, threshold) or is_likelier:
         return ""
-    return "no gap shrinks for certain" if _clear(evidence.gaps) else "no gap is clear"
+    return "no gap shrinks for certain" if clear else "no gap is clear"
 
 
 def _shrinks_for_certain(evidence: Evidence, threshold: float) -> bool:

@@ -27,6 +27,7 @@ from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
+from skiplatch.diagnosis.verdict.luck import is_no_luck, tightness
 from skiplatch.motion import Contact
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span
@@ -38,8 +39,6 @@ MOST_REPLICATES = 100
 FEWEST_TOUCHES = 3  # in a cell
 RESAMPLES = 999
 NS = 3  # decimals of a µs
-MOST_LUCKY = 60
-"""Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
 ROUNDING = 1.0 / 6.0
 """Noise floor of what is known but for its rounding, in steps of it."""
 ALPHA = 0.01
@@ -224,45 +223,11 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
         noise_floor=float(scores.floor.sum()) / whole,
         shrink=shrinks,
         is_clear=bool(clear),
-        grows=shrinks.high < 0.0 and _is_no_luck(clear, least),
-        tightness=_tightness(clear, least) if clear else 1.0,
+        grows=shrinks.high < 0.0 and is_no_luck(clear, least),
+        tightness=tightness(clear, least) if clear else 1.0,
         oracle=None if scores.truth is None else float(scores.truth.sum()) / whole,
         oracle_shrink=None if scores.truth is None else share_gone(scores.truth),
     )
-
-
-def _is_no_luck(cells: Sequence[Cell], least: float) -> bool:
-    """Tell whether effects score worse than on all of their own plays, beside no effect.
-
-    What comes now and then may not have come, and a rounded value fall as it likes.
-    """
-    lost = _in_units(cells, least, (cell.after.scores - cell.before.scores for cell in cells))
-    by_luck = (_in_units(cells, least, (c.lost_by_luck(k) for c in cells)) for k in _lots(cells))
-    return all(one < lost for one in by_luck)
-
-
-def _tightness(cells: Sequence[Cell], least: float) -> float:
-    """Give what the effects score over their noise floor; 1 if any of their plays scores as low.
-
-    A floor that is no more than rounding makes is none to be below.
-    """
-    seen = _in_units(cells, least, (cell.after.scores for cell in cells))
-    by_luck = (_in_units(cells, least, (c.by_luck(k) for c in cells)) for k in _lots(cells))
-    if any(one <= seen for one in by_luck):
-        return 1.0
-    floor = _in_units(cells, least, (cell.after.floor for cell in cells))
-    return 1.0 + (seen - floor) / sum(len(cell.after.floor) for cell in cells)
-
-
-def _lots(cells: Sequence[Cell]) -> range:
-    """Number the plays of the effects that stand for what might have been recorded."""
-    of_effects = cells[0].ensembles[1:2]
-    return range(min([MOST_LUCKY, *(len(one.plays) for one in of_effects)]) if of_effects else 0)
-
-
-def _in_units(cells: Sequence[Cell], least: float, scores: Iterable[FloatArray]) -> float:
-    """Sum up scores of each cell's touches in units of its noise floor."""
-    return sum(float(s.sum()) / cell.unit(least) for s, cell in zip(scores, cells, strict=True))
 
 
 def _share_gone(scores: CellScores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.beliefs import fit_beliefs, uncertain
@@ -15,6 +16,7 @@ from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import Left, Memo
 from skiplatch.diagnosis.plays.leftover import NOTICED, Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
+from skiplatch.diagnosis.plays.rare import rarely_off
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation, settle
 from skiplatch.diagnosis.search.decide import Finding, find, finds_any
@@ -59,31 +61,41 @@ class Work:
         """
         key = fit.key if fit else ()
         if key not in self._rigs:
-            self._rigs[key] = self._fitted_rig(fit, self.naming)
+            if fit:
+                nominal, fit = self._settled(fit, self.naming)
+            else:
+                nominal = fit_beliefs(self.naming, Change(), self.beliefs).nominal
+            self._rigs[key] = _rig_of(self.naming, nominal, fit)
         return self._rigs[key]
 
-    def folds(self, fit: Fit) -> Folds:
-        """Give rigs that a hypothesis says it is, each by all touches but those that it plays."""
+    def folds(self, fit: Fit) -> tuple[Folds, Sequence[Fit]]:
+        """Give rigs that a hypothesis says it is, each by all touches but those that it plays.
+
+        Returns:
+            The rigs; and the hypothesis as it is fitted to the touches of each.
+        """
         fold = folds(len(self.scene), self.seed)
         others = [self.scene.select(fold != i) for i in range(FOLDS)]
-        return Folds([self._fitted_rig(fit, part) for part in others], fold)
+        fitted = [self._settled(fit, part) for part in others]
+        rigs = [_rig_of(part, *one) for part, one in zip(others, fitted, strict=True)]
+        return Folds(rigs, fold), [one for _, one in fitted]
 
-    def _fitted_rig(self, fit: Fit | None, scene: Scene) -> Rig:
-        change = fit.change(scene) if fit else Change()
-        alone = self.rig(None).nominal if fit else None
-        nominal = fit_beliefs(scene, change, self.beliefs, alone).nominal
-        if fit:
-            # Parameters would make up for beliefs that are off, and these then for parameters.
-            moved = scene.with_nominal(nominal)
-            fit = settled(moved, fit)
-            change = fit.change(moved)
-            nominal = fit_beliefs(scene, change, self.beliefs, nominal).nominal
-        datum = FittedDatum.of(scene.with_nominal(nominal), change)
-        return Rig(nominal, as_effects(fit) if fit else (), datum)
+    def _settled(self, fit: Fit, scene: Scene) -> tuple[Nominal, Fit]:
+        """Fit beliefs and parameters of a hypothesis to a scene."""
+        alone = self.rig(None).nominal
+        nominal = fit_beliefs(scene, fit.change(scene), self.beliefs, alone).nominal
+        # Parameters would make up for beliefs that are off, and these then for parameters.
+        moved = scene.with_nominal(nominal)
+        fit = settled(moved, fit)
+        return fit_beliefs(scene, fit.change(moved), self.beliefs, nominal).nominal, fit
 
     def left(self, scene: Scene, rig: Rig) -> list[Left]:
         """Look for what a rig leaves of touches."""
         return left_over(self.beside(scene, rig), self._memo)
+
+    def _noticed_by(self, beside: Beside) -> frozenset[str]:
+        left = left_over(beside, self._memo)
+        return noticed(left, self.materiality) | rarely_off(beside, self.materiality)
 
     def beside(self, scene: Scene, rig: Rig) -> Beside:
         """Play a rig beside touches; all of them are looked at more than once."""
@@ -97,8 +109,7 @@ class Work:
         """Name the streams in which a hypothesis leaves what is worth a search."""
         key = model.fit.key
         if key not in self._noticed:
-            left = self.left(self.naming, self.rig(model.fit))
-            self._noticed[key] = noticed(left, self.materiality)
+            self._noticed[key] = self._noticed_by(self.beside(self.naming, self.rig(model.fit)))
         return self._noticed[key]
 
     def may_begin(self, model: Scored | None) -> bool:
@@ -135,7 +146,7 @@ class Work:
 
     def _judge_of_noticed(self) -> Judge | None:
         """Prepare to judge effects that act where something is noticed; None where nothing is."""
-        streams = noticed(self.before, self.materiality)
+        streams = self._noticed_by(self.beside(self.scene, self.rig(None)))
         if not streams:
             return None
         return Judge(self.scene, self.parts, self.pool, self.materiality, streams)
@@ -151,6 +162,12 @@ class Work:
             jobs=self.jobs,
             executor=self.pool,
         )
+
+
+def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
+    believed = scene.with_nominal(nominal)
+    datum = FittedDatum.of(believed, fit.change(believed) if fit else Change())
+    return Rig(nominal, as_effects(fit) if fit else (), datum)
 
 
 def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:

@@ -1,0 +1,38 @@
+"""Where touches stand among plays: their ranks as normal scores."""
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import FloatArray
+
+
+def normal_scores(
+    recorded: FloatArray, played: FloatArray, among_equals: FloatArray | float = 0.5
+) -> FloatArray:
+    """Rank touches, shape (n,), among their plays, shape (r, n); NaN where there is none.
+
+    Args:
+        recorded: The touches.
+        played: Their plays.
+        among_equals: Where among plays that are the same a touch stands, from 0 to 1; shape (n,).
+    """
+    known = ~np.isnan(played)
+    below = np.where(known, played < recorded, False).sum(axis=0)
+    same = np.where(known, played == recorded, False).sum(axis=0)
+    count = known.sum(axis=0)
+    share = (below + among_equals * (same + 1.0)) / (count + 1.0)
+    return np.where(np.isnan(recorded) | (count == 0), np.nan, stats.norm.ppf(share))
+
+
+def shares_among(pool: FloatArray, values: FloatArray) -> FloatArray:
+    """Give the shares of a sorted pool that lie below values, within 0 and 1; NaN is left out."""
+    known = values[~np.isnan(values)]
+    below, upto = (np.searchsorted(pool, known, side) for side in ("left", "right"))
+    return np.asarray((0.5 * (below + upto) + 0.5) / (len(pool) + 1.0))
+
+
+def way_from_normal(scores: FloatArray) -> float:
+    """Give the mean way from scores to those of as many normal ones (Wasserstein's distance)."""
+    known = np.sort(scores[~np.isnan(scores)])
+    shares = (np.arange(len(known)) + 0.5) / len(known)
+    return float(np.mean(np.abs(known - stats.norm.ppf(shares))))

@@ -1,0 +1,56 @@
+"""Whether plays of effects score on each other as they do on the record: then that is luck."""
+
+from collections.abc import Iterable, Sequence
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.verdict.cell_scores import Cell
+
+MOST_LUCKY = 60
+"""Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
+AS_LOW = 0.1
+"""Share of the noise floor that tells no score from another: what comes seldom may not have come,
+and what is left is little beside that floor."""
+
+
+def is_no_luck(cells: Sequence[Cell], least: float) -> bool:
+    """Tell whether effects score worse than on all of their own plays, beside no effect.
+
+    What comes now and then may not have come, and a rounded value fall as it likes.
+    """
+    lost = ([cell.lost_beside(k) for cell in cells] for k in _lots(cells))
+    return all(by_luck < own for own, by_luck in (_both(cells, least, one) for one in lost))
+
+
+def tightness(cells: Sequence[Cell], least: float) -> float:
+    """Give what the effects score over their noise floor; 1 if any of their plays scores as low.
+
+    What comes now and then may not have come. A floor of no more than rounding is none to be below.
+    """
+    seen, floor = (
+        _in_units(cells, least, scores)
+        for scores in ([c.after.scores for c in cells], [c.after.floor for c in cells])
+    )
+    scored = ([cell.beside(k) for cell in cells] for k in _lots(cells))
+    for own, by_luck in (_both(cells, least, one) for one in scored):
+        if by_luck <= own + AS_LOW * floor:
+            return 1.0
+    return 1.0 + (seen - floor) / sum(len(cell.after.floor) for cell in cells)
+
+
+def _both(
+    cells: Sequence[Cell], least: float, scores: Sequence[tuple[FloatArray, FloatArray]]
+) -> tuple[float, float]:
+    """Sum up what the record and a play of each cell score."""
+    recorded, played = (_in_units(cells, least, each) for each in zip(*scores, strict=True))
+    return recorded, played
+
+
+def _lots(cells: Sequence[Cell]) -> range:
+    """Number the plays of the effects that stand for what might have been recorded."""
+    of_effects = cells[0].ensembles[1:2]
+    return range(min([MOST_LUCKY, *(len(one.plays) for one in of_effects)]) if of_effects else 0)
+
+
+def _in_units(cells: Sequence[Cell], least: float, scores: Iterable[FloatArray]) -> float:
+    """Sum up scores of each cell's touches in units of its noise floor."""
+    return sum(float(s.sum()) / cell.unit(least) for s, cell in zip(scores, cells, strict=True))
