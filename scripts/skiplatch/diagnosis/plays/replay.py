@@ -16,7 +16,14 @@ CAMPAIGNS = 4
 OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
 
 
-def replayed(scene: Scene, rows: BoolArray | NDArray[np.intp], rig: Rig, seed: int) -> list[Scene]:
+def replayed(
+    scene: Scene,
+    rows: BoolArray | NDArray[np.intp],
+    rig: Rig,
+    *,
+    seed: int,
+    campaigns: int = CAMPAIGNS,
+) -> list[Scene]:
     """Play some of the touches on a rig, a few times over.
 
     Args:
@@ -24,9 +31,10 @@ def replayed(scene: Scene, rows: BoolArray | NDArray[np.intp], rig: Rig, seed: i
         rows: Those that are wanted; shape (n,), or their numbers.
         rig: What to play on.
         seed: Of the plays.
+        campaigns: How often.
     """
-    outcomes = rig.play(scene.touches, seed=seed, replicates=CAMPAIGNS)
-    columns = (as_recorded(scene.touches, outcomes, k) for k in range(CAMPAIGNS))
+    outcomes = rig.play(scene.touches, seed=seed, replicates=campaigns)
+    columns = (as_recorded(scene.touches, outcomes, k) for k in range(campaigns))
     return [
         Scene(scene.nominal, touches, physics=scene.physics).select(rows) for touches in columns
     ]

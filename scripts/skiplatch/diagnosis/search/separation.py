@@ -61,7 +61,7 @@ def inseparable(
         return []
     chosen = _some(rows, seed)
     scale = float(rows.sum()) / len(chosen)
-    campaigns = replayed(scene, chosen, rig, seed)
+    campaigns = replayed(scene, chosen, rig, seed=seed)
     behind = _behind(campaigns, best, rivals, scale, executor)
     return [
         Separation(rival, nats, best.score - rival.score)

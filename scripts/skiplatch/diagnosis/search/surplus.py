@@ -77,7 +77,7 @@ def _by_nature(
     executor: Executor | None,
 ) -> float:
     """Give the nats that a model gains over a smaller one where the smaller one is the truth."""
-    campaigns = replayed(judge.scene, judge.parts.naming, as_rig(smaller.fit), seed)
+    campaigns = replayed(judge.scene, judge.parts.naming, as_rig(smaller.fit), seed=seed)
     tasks = [(campaign, smaller.fit, model.fit) for campaign in campaigns]
     return max(executor.map(_gain, tasks) if executor else map(_gain, tasks))
 

@@ -20,6 +20,7 @@ from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.chance import chance_of
 from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.gains import shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.named import Named, named, open_sizes
 from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
@@ -91,6 +92,7 @@ def _conclusion(
     gap = plays.gaps(work.parts.shrinking & usual) if finding.model else everywhere
     hidden = could_hide(scene, known, seed=work.seed)
     told = _told_of_chance(work, finding.model, rig)
+    fit = finding.model.fit if finding.model else None
     evidence = Evidence(
         gaps=gap,
         everywhere=everywhere,
@@ -101,17 +103,18 @@ def _conclusion(
         effects=[one.effect.id for one in found],
         at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
         open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
-        is_loose=finding.model is not None and finding.model.fit.is_loose,
-        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, finding.model.fit)
-        if finding.model
-        else 0.0,
+        is_loose=fit is not None and fit.is_loose,
+        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, fit) if fit else 0.0,
+        gains=shares_gained(scene, usual, (believed, rig), work.settled(fit), seed=work.seed)
+        if fit
+        else {},
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
         outlying=len(odd),
         touches=len(scene),
     )
-    if finding.model and shows_too_little(evidence):
-        folds, fits = work.folds(finding.model.fit)
+    if fit and shows_too_little(evidence):
+        folds, fits = work.folds(fit)
         gap = played(folds).gaps(usual)
         nats = _likelier_in_turn(scene, usual, believed, folds, fits)
         evidence = replace(evidence, gaps=gap, nats=nats, is_held_out=False)

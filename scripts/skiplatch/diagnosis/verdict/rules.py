@@ -129,6 +129,13 @@ def _is_as_wide(evidence: Evidence, threshold: float) -> str:
     return f"what was recorded scatters far less than it plays: {wide}" if wide else ""
 
 
+def _gains_as_much(evidence: Evidence, threshold: float) -> str:
+    for name, share in evidence.gains.items():
+        if abs(share - 1.0) > threshold:
+            return f"{name} gains {share:.0%} of what it does where it is there"
+    return ""
+
+
 def _leaves_nothing(evidence: Evidence, threshold: float) -> str:
     left = [one for one in evidence.after if one.z > threshold]
     return f"left: {left[0].observable} on {left[0].path}, {left[0].looks_like}" if left else ""
@@ -244,6 +251,12 @@ NAMES: Sequence[Rule] = (
         0.5,
         "a level: a right name scatters no more than what was recorded, by its form or by luck",
         _is_as_wide,
+    ),
+    Rule(
+        "gains_as_much",
+        1.0 / 3.0,
+        "a level: an effect makes the record likelier by what it does for plays of itself",
+        _gains_as_much,
     ),
     Rule(
         "chance_is_chance",

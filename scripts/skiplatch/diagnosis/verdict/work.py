@@ -45,7 +45,7 @@ class Work:
         self.beliefs = uncertain(scene.nominal)
         self.judge: Judge | None = None
         self._memo: Memo = {}
-        self._rigs: dict[tuple[object, ...], Rig] = {}
+        self._rigs: dict[tuple[object, ...], tuple[Rig, Fit | None]] = {}
         self._besides: dict[int, tuple[Rig, Beside]] = {}
         self._noticed: dict[tuple[object, ...], frozenset[str]] = {}
 
@@ -59,13 +59,20 @@ class Work:
 
         The beliefs are fitted last: they are to make up for no parameter.
         """
+        return self._fitted(fit)[0]
+
+    def settled(self, fit: Fit) -> Fit:
+        """Give a hypothesis as it is fitted together with the beliefs of its rig."""
+        return self._fitted(fit)[1] or fit
+
+    def _fitted(self, fit: Fit | None) -> tuple[Rig, Fit | None]:
         key = fit.key if fit else ()
         if key not in self._rigs:
             if fit:
                 nominal, fit = self._settled(fit, self.naming)
             else:
                 nominal = fit_beliefs(self.naming, Change(), self.beliefs).nominal
-            self._rigs[key] = _rig_of(self.naming, nominal, fit)
+            self._rigs[key] = _rig_of(self.naming, nominal, fit), fit
         return self._rigs[key]
 
     def folds(self, fit: Fit) -> tuple[Folds, Sequence[Fit]]:

@@ -1,0 +1,69 @@
+"""Whether each effect of a finding gains on the record what it gains where it is the truth.
+
+Any shape that resembles what was recorded makes it likelier. The effect itself would make it
+likelier by what it does to plays of the finding (a posterior predictive check: Rubin, Annals of
+Statistics 12 (1984) 1151); one that only resembles it gains less than on any of them, or more than
+it could. The laws of the likelihood may be off, but then they are for the plays as well.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from skiplatch.arrays import BoolArray
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.replay import replayed
+from skiplatch.diagnosis.scene.scene import Scene
+
+PLAYS = 20
+"""Of which none gains as little or as much by chance, once in ten findings."""
+LEAST = 1.0
+"""Nats that an effect gains on its own plays at least; less tells nothing."""
+
+
+def shares_gained(
+    scene: Scene, rows: BoolArray, rigs: tuple[Rig, Rig], fit: Fit, *, seed: int
+) -> Mapping[str, float]:
+    """Give what effects gain on the record over what they gain on plays; 1 if that is by luck.
+
+    Args:
+        scene: All touches.
+        rows: Those that count; shape (n,).
+        rigs: As it is believed to be, and as it is found.
+        fit: What it is found to have besides, as it was fitted with its beliefs.
+        seed: Of the plays.
+
+    Returns:
+        By the id of each effect.
+    """
+    believed, found = rigs
+    plays = replayed(scene, rows, found, seed=seed, campaigns=PLAYS)
+
+    def share(i: int) -> float:
+        fewer = _without(fit, i)
+        start = found if fewer.candidates else believed
+        record, *gains = (
+            _nats(one, found, fit) - _nats(one, start, fewer)
+            for one in (scene.select(rows), *plays)
+        )
+        if min(gains) <= record <= max(gains):
+            return 1.0
+        return float(record / max(float(np.mean(gains)), LEAST))
+
+    return {candidate.id: share(i) for i, candidate in enumerate(fit.candidates)}
+
+
+def _without(fit: Fit, i: int) -> Fit:
+    candidates, parameters = list(fit.candidates), list(fit.parameters)
+    del candidates[i], parameters[i]
+    return replace(fit, candidates=tuple(candidates), parameters=tuple(parameters))
+
+
+def _nats(scene: Scene, rig: Rig, fit: Fit) -> float:
+    believed = scene.with_nominal(rig.nominal)
+    change = fit.change(believed) if fit.candidates else Change()
+    return likelihood(believed, change).total
