@@ -7,11 +7,13 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.diagnose import diagnose
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.rare import rarely_off
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 
 MASKED = Effect("isr_blocking", {"probability": 0.06, "length_us": 200.0})
@@ -21,7 +23,7 @@ def beside(campaign: Campaign, *switched_on: Effect) -> Beside:
     return Beside.of(Scene.of(campaign), Rig(campaign.nominal, switched_on), seed=1)
 
 
-def off(campaign: Campaign, rows: np.ndarray, late_us: float) -> Campaign:
+def off(campaign: Campaign, rows: np.ndarray, late_us: float | np.ndarray) -> Campaign:
     touches = campaign.touches
     latch_us, report_us = (
         np.where(rows, values + late_us, values) for values in (touches.latch_us, touches.report_us)
@@ -65,3 +67,26 @@ def test_what_does_not_matter_is_not_noticed() -> None:
     here = beside(played(BENCH, MASKED))
 
     assert rarely_off(here, Materiality(us=1000.0, um=1000.0)) == frozenset()
+
+
+@pytest.mark.long
+def test_what_comes_to_few_touches_is_named() -> None:
+    """Hardly any of them are held out: all are asked, in turn."""
+    diagnosis = diagnose(played(BENCH, MASKED), seed=1)
+
+    assert diagnosis.verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
+    (named,) = diagnosis.effects
+    assert MASKED.id in (named.effect.id, *named.alternatives)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(3))
+def test_gross_errors_that_are_as_rare_are_no_effect(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    campaign = played(BENCH, seed=seed)
+    rows = rng.random(len(campaign.touches)) < 0.03
+    far_us = rng.choice([-1.0, 1.0], len(rows)) * rng.uniform(300.0, 3000.0, len(rows))
+
+    diagnosis = diagnose(off(campaign, rows, far_us), seed=1)
+
+    assert diagnosis.effects == []

@@ -44,6 +44,7 @@ LEVELS = {
     "chance_is_chance": 4.0,
     "takes_most": 0.5,
     "is_as_wide": 0.5,
+    "gains_as_much": 1.0 / 3.0,
     "seen_enough": 6.0,
     "few_false": 1.0,
     "believed_leaves_nothing": SIGNIFICANT,
@@ -115,6 +116,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "grows_nowhere": (
         lambda _: Evidence(gaps=gaps(gap(-1.0, -0.5))),
         lambda _: Evidence(gaps=gaps(GROWING)),
+    ),
+    "gains_as_much": (
+        lambda level: Evidence(gains={"backlash": 1.0 - level + A_BIT, "isr_latency": 1.0 + level}),
+        lambda level: Evidence(gains={"backlash": 1.0, "isr_latency": 1.0 + level + A_BIT}),
     ),
     "is_as_wide": (
         lambda level: Evidence(gaps=gaps(gap(0.9, tightness=level))),
@@ -211,6 +216,12 @@ def test_touches_that_are_likelier_show_a_finding_that_no_gap_is_clear_of() -> N
     verdict, failed = decide(shown)
     assert verdict == Verdict.PARTLY_EXPLAINED
     assert [failure.rule for failure in failed] == ["shrinks"]
+
+
+def test_what_gains_too_little_is_named_in_words() -> None:
+    (failure,) = failures([RULES["gains_as_much"]], Evidence(gains={"backlash": 0.25}))
+
+    assert failure.words == "backlash gains 25% of what it does where it is there"
 
 
 def test_touches_that_are_likelier_show_nothing_where_a_gap_grows_for_certain() -> None:

@@ -1,0 +1,93 @@
+"""An effect gains on the record what it gains on its own plays, or it stands for something else."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, played
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.gains import shares_gained
+from skiplatch.simulator.effects import Effect
+
+LATE = Effect("isr_latency", {"latency_us": 40.0})
+SLOW = Effect("report_delay", {"delay_us": 300.0})
+BOUNCE = Effect("contact_bounce", {"probability": 0.3, "mean_us": 100.0})
+
+
+def fit_of(*effects: Effect) -> Fit:
+    candidates = tuple(CANDIDATES[effect.id] for effect in effects)
+    parameters = tuple(
+        np.array([effect.parameters.get(name, 0.0) for name in candidate.names])
+        for effect, candidate in zip(effects, candidates, strict=True)
+    )
+    return Fit(candidates, parameters, frozenset())
+
+
+def shares(campaign: Campaign, fit: Fit, seed: int = 1) -> Mapping[str, float]:
+    scene = Scene.of(campaign)
+    rigs = Rig(scene.nominal), Rig(scene.nominal, as_effects(fit))
+    return shares_gained(scene, np.ones(len(scene), bool), rigs, fit, seed=seed)
+
+
+def latency(size_us: float) -> Effect:
+    return replace(LATE, parameters={"latency_us": size_us})
+
+
+@pytest.mark.parametrize("effects", [(LATE,), (BOUNCE,), (SLOW, LATE)])
+def test_the_truth_gains_as_its_plays_do(effects: tuple[Effect, ...]) -> None:
+    for seed in range(3):
+        found = shares(played(BENCH, *effects, seed=seed), fit_of(*effects), seed)
+
+        assert list(found.values()) == pytest.approx([1.0] * len(effects), abs=0.15)
+
+
+@pytest.mark.parametrize("size_us", [20.0, 80.0])
+def test_one_of_another_size_gains_less(size_us: float) -> None:
+    (share,) = shares(played(BENCH, LATE), fit_of(latency(size_us))).values()
+
+    assert share < 0.5
+
+
+def test_the_one_that_is_off_is_told_from_the_others() -> None:
+    found = shares(played(BENCH, SLOW, LATE), fit_of(SLOW, latency(60.0)))
+
+    assert found[SLOW.id] == pytest.approx(1.0, abs=0.15)
+    assert found[LATE.id] < 0.5
+
+
+def test_what_looks_like_it_gains_less() -> None:
+    """Most edges bounce a little, in place of few that do so much."""
+    alike = Effect("contact_bounce", {"probability": 0.9, "mean_us": 30.0})
+
+    (share,) = shares(played(BENCH, BOUNCE), fit_of(alike)).values()
+
+    assert share < 0.5
+
+
+def test_an_effect_that_gains_nothing_where_it_is_there_is_none() -> None:
+    (share,) = shares(played(BENCH, LATE), fit_of(latency(1e-3))).values()
+
+    assert share < 1.0 / 3.0 or share == 1.0
+
+
+def test_only_the_touches_that_count_are_asked() -> None:
+    campaign, calm = played(BENCH, LATE), played(BENCH)
+    touches, fit = campaign.touches, fit_of(LATE)
+    first = np.arange(len(touches)) < len(touches) // 2
+    latch_us = np.where(first, touches.latch_us, calm.touches.latch_us)
+    scene = Scene.of(replace(campaign, touches=replace(touches, latch_us=latch_us)))
+    rigs = Rig(scene.nominal), Rig(scene.nominal, as_effects(fit))
+
+    there, everywhere = (
+        shares_gained(scene, rows, rigs, fit, seed=1)[LATE.id] for rows in (first, first | True)
+    )
+
+    assert there == pytest.approx(1.0, abs=0.15)
+    assert everywhere < 0.75
