@@ -44,7 +44,7 @@ LEVELS = {
     "chance_is_chance": 4.0,
     "takes_most": 0.5,
     "is_as_wide": 0.5,
-    "gains_as_much": 1.0 / 3.0,
+    "gains_as_much": 1.5,
     "seen_enough": 6.0,
     "few_false": 1.0,
     "believed_leaves_nothing": SIGNIFICANT,
@@ -118,8 +118,8 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         lambda _: Evidence(gaps=gaps(GROWING)),
     ),
     "gains_as_much": (
-        lambda level: Evidence(gains={"backlash": 1.0 - level + A_BIT, "isr_latency": 1.0 + level}),
-        lambda level: Evidence(gains={"backlash": 1.0, "isr_latency": 1.0 + level + A_BIT}),
+        lambda level: Evidence(gains={"backlash": 1.0 / level, "isr_latency": level}),
+        lambda level: Evidence(gains={"backlash": 1.0, "isr_latency": level + A_BIT}),
     ),
     "is_as_wide": (
         lambda level: Evidence(gaps=gaps(gap(0.9, tightness=level))),
@@ -216,6 +216,11 @@ def test_touches_that_are_likelier_show_a_finding_that_no_gap_is_clear_of() -> N
     verdict, failed = decide(shown)
     assert verdict == Verdict.PARTLY_EXPLAINED
     assert [failure.rule for failure in failed] == ["shrinks"]
+
+
+@pytest.mark.parametrize("share", [2.0 / 3.0 - A_BIT, 0.0, -8.0])
+def test_what_gains_too_little_is_not_named(share: float) -> None:
+    assert failures([RULES["gains_as_much"]], Evidence(gains={"backlash": share}))
 
 
 def test_what_gains_too_little_is_named_in_words() -> None:

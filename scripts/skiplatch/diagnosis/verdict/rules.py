@@ -131,7 +131,7 @@ def _is_as_wide(evidence: Evidence, threshold: float) -> str:
 
 def _gains_as_much(evidence: Evidence, threshold: float) -> str:
     for name, share in evidence.gains.items():
-        if abs(share - 1.0) > threshold:
+        if not 1.0 / threshold <= share <= threshold:
             return f"{name} gains {share:.0%} of what it does where it is there"
     return ""
 
@@ -254,8 +254,8 @@ NAMES: Sequence[Rule] = (
     ),
     Rule(
         "gains_as_much",
-        1.0 / 3.0,
-        "a level: an effect makes the record likelier by what it does for plays of itself",
+        1.5,
+        "a level, as a factor: an effect makes the record likelier by what it does for its plays",
         _gains_as_much,
     ),
     Rule(
