@@ -69,7 +69,7 @@ class Work:
         key = fit.key if fit else ()
         if key not in self._rigs:
             if fit:
-                nominal, fit = self._settled(fit, self.naming)
+                nominal, fit = self._settled_on(fit, self.naming)
             else:
                 nominal = fit_beliefs(self.naming, Change(), self.beliefs).nominal
             self._rigs[key] = _rig_of(self.naming, nominal, fit), fit
@@ -83,11 +83,11 @@ class Work:
         """
         fold = folds(len(self.scene), self.seed)
         others = [self.scene.select(fold != i) for i in range(FOLDS)]
-        fitted = [self._settled(fit, part) for part in others]
+        fitted = [self._settled_on(fit, part) for part in others]
         rigs = [_rig_of(part, *one) for part, one in zip(others, fitted, strict=True)]
         return Folds(rigs, fold), [one for _, one in fitted]
 
-    def _settled(self, fit: Fit, scene: Scene) -> tuple[Nominal, Fit]:
+    def _settled_on(self, fit: Fit, scene: Scene) -> tuple[Nominal, Fit]:
         """Fit beliefs and parameters of a hypothesis to a scene."""
         alone = self.rig(None).nominal
         nominal = fit_beliefs(scene, fit.change(scene), self.beliefs, alone).nominal
