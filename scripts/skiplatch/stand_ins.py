@@ -54,6 +54,7 @@ PLAYED = {
     ("bench", "reference_jitter_us"): DURATION_US,
 }
 """What the simulator takes of nominal.toml: is_chain() of host_sim/api/batch.c."""
+STAMPS = ("edge_us", "latch_us", "report_us")
 MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
 PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
 """And of a touch: is_touch() there."""
@@ -162,7 +163,20 @@ def _stood_in(campaign: Campaign, touches: Touches) -> Touches:
     )
     at_once = replace(touches, time_s=np.zeros(len(touches)))
     travel_s = expected_contact(campaign.nominal, at_once).time_us / US_PER_S
+    if no_time.all():
+        touches = _with_time_to_move(touches, travel_s)
     return replace(touches, time_s=_or_else(touches.time_s, _times(touches, travel_s)))
+
+
+def _with_time_to_move(touches: Touches, travel_s: FloatArray) -> Touches:
+    """Count stamps from a zero before the first move: a capture begins with an edge."""
+    early_s = float(np.max(travel_s - touches.edge_us / US_PER_S, initial=0.0))
+    if not early_s > 0.0:  # nor if an edge is missing
+        return touches
+    # Whole seconds, which every clock ticks.
+    later_us = np.ceil(early_s) * US_PER_S
+    stamps = {name: getattr(touches, name) + later_us for name in STAMPS}
+    return replace(touches, **stamps)
 
 
 def _times(touches: Touches, travel_s: FloatArray) -> FloatArray:

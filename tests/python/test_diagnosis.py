@@ -154,7 +154,7 @@ def test_what_a_campaign_cannot_tell_is_said(touches: int, verdict: Verdict) -> 
 
     assert diagnosis.verdict == verdict
     text = as_text(diagnosis)
-    for words in ("could have hidden", "No touches on the plc path", "No time stamps"):
+    for words in ("could have hidden", "No touches on the plc path", "No latch_us"):
         assert words in text
 
 

@@ -8,7 +8,14 @@ import pytest
 from played_campaigns import MACHINE
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, InputPath, Touches, read_campaign
-from skiplatch.diagnosis.scene.covariates import Order, conditions, neighbours, sequence, varying
+from skiplatch.diagnosis.scene.covariates import (
+    Order,
+    conditions,
+    in_words,
+    neighbours,
+    sequence,
+    varying,
+)
 from skiplatch.diagnosis.scene.scene import Scene
 
 NAN = np.nan
@@ -129,3 +136,11 @@ def test_missing_conditions_stay_missing() -> None:
 
     assert np.isnan(conditions(unknown)["temperature"]).all()
     assert np.isnan(sequence(unknown)["change of temperature"]).all()
+
+
+def test_scores_around_a_touch_have_one_word() -> None:
+    order = Order.of(scene())
+    words = {in_words(name) for name in neighbours(order, np.arange(5.0))}
+
+    assert words == {"the touches around it"}
+    assert in_words("rest before") == "rest before"

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
-from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
+from played_campaigns import BENCH, LATE_BENCH, MACHINE, played, played_again
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.comparison import compare
@@ -113,6 +113,19 @@ def test_a_record_that_scatters_less_than_the_plays_is_close_to_them_by_no_luck(
     assert shrunk(played(BENCH, hardly), often)["latch_after_edge_us"].tightness < 0.5
     assert shrunk(played(BENCH, often), often)["latch_after_edge_us"].tightness == 1.0
     assert shrunk(played(BENCH, often), hardly)["latch_after_edge_us"].tightness >= 1.0
+
+
+def test_a_rig_that_is_calmer_than_believed_is_no_fault_of_an_effect() -> None:
+    late = Effect("isr_latency", {"latency_us": 40.0})
+    calm = read_campaign(BENCH).nominal
+    calm = replace(calm, skip=replace(calm.skip, jitter_us=0.0))
+    touches = played_again(replace(read_campaign(BENCH), nominal=calm), late).touches
+    scene = Scene.of(replace(read_campaign(BENCH), touches=touches))
+    before, after = (Rig(scene.nominal, effects) for effects in ((), [late]))
+
+    gaps = PlayedRigs.of(scene, before, after, seed=1, jobs=2).gaps(np.ones(len(scene), bool))
+
+    assert [gap.tightness for gap in gaps.values()] == [1.0] * len(gaps)
 
 
 @pytest.mark.parametrize("folder", [MACHINE, BENCH])

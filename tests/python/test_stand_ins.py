@@ -74,6 +74,21 @@ def test_bench_without_motion_keeps_edges_and_latches(bench_sample: Path) -> Non
     )
 
 
+def test_capture_that_begins_with_an_edge_has_time_for_its_move(bench_sample: Path) -> None:
+    """Its clock starts at the trigger: the way to the first surface lies before it."""
+    campaign = without(read_campaign(bench_sample), "time_s", "feed_mm_min", "approach_mm")
+    touches, begin_us = campaign.touches, float(np.min(campaign.touches.edge_us))
+    stamps = ("edge_us", "latch_us", "report_us")
+    early = replace(touches, **{name: getattr(touches, name) - begin_us for name in stamps})
+
+    made, _ = said_of(replace(campaign, touches=early))
+
+    met_us = expected_contact(made.nominal, made.touches).time_us
+    np.testing.assert_allclose(met_us, made.touches.edge_us, atol=1e-3)
+    late_us, was_us = (t.latch_us - t.edge_us for t in (made.touches, touches))
+    np.testing.assert_allclose(late_us, was_us, atol=1e-3)
+
+
 def test_bench_without_motion_shows_the_same_gap(bench_sample: Path) -> None:
     campaign = read_campaign(bench_sample)
     made, _ = said_of(without(campaign, "time_s", "feed_mm_min", "approach_mm"))

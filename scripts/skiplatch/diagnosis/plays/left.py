@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from scipy import stats
 
 from skiplatch.diagnosis.fit.material import Materiality
-from skiplatch.diagnosis.scene.covariates import (
-    is_when,
-)
+from skiplatch.diagnosis.scene.covariates import in_words, is_when
 
 SIGNIFICANT = 4.5
 """Standard errors from which on a look is no accident: in a thousand campaigns of some sixty looks
@@ -103,8 +101,9 @@ class Left:
     def looks_like(self) -> str:
         """Give it in words."""
         what = "" if self.is_shift else f"{self.kind} "
+        words = dict.fromkeys(map(in_words, self.conditions))
         return (
-            f"{what}goes with {' and '.join(self.conditions)}"
+            f"{what}goes with {' and '.join(words)}"
             if self.is_predicted
             else f"{self.kind} everywhere"
         )

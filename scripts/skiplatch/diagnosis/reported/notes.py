@@ -42,7 +42,7 @@ def notes(
             name = path.name.lower()
             found.append(f"No touches on the {name} path: nothing can be said of it.")
     if not scene.has_stamps.any():
-        found.append("No time stamps: what shifts time and what shifts length look alike.")
+        found.append("No latch_us: what shifts time and what shifts length look alike.")
     if (scene.touches.axis >= Axis.A).any():
         found.append(
             "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "

@@ -17,7 +17,8 @@ LAGS = (1, 2, 3, 4, 5, 6, 7, 8)
 """Touches back at which the score of another one may tell something."""
 WINDOWS = (2, 5, 15)
 """Touches to either side whose scores are averaged."""
-WITHIN = "what is left within"
+LEFT = "what is left"
+WITHIN = f"{LEFT} within"
 DIRECTIONS = ("axis", "sense", "azimuth", "elevation", "direction", "turn since")
 """Begin of the names of covariates that say where a probe points."""
 MADE_OF: Mapping[str, tuple[str, ...]] = {
@@ -137,10 +138,15 @@ def is_when(name: str) -> bool:
     return name.startswith(("time", "serial number,", WITHIN)) or name == "serial number"
 
 
+def in_words(name: str) -> str:
+    """Say what a covariate is: all scores of touches around one are the same to who measures."""
+    return "the touches around it" if name.startswith(LEFT) else name
+
+
 def neighbours(order: Order, scores: FloatArray) -> Mapping[str, FloatArray]:
     """Give the scores, shape (n,), of touches around each; NaN where there is none."""
-    found = {f"what is left {lag} touches before": order.back(scores, lag) for lag in LAGS}
-    found["what is left 1 touch after"] = order.back(scores, -1)
+    found = {f"{LEFT} {lag} touches before": order.back(scores, lag) for lag in LAGS}
+    found[f"{LEFT} 1 touch after"] = order.back(scores, -1)
     for window in WINDOWS:
         around = [order.back(scores, k) for k in range(-window, window + 1) if k]
         found[f"{WITHIN} {window} touches"] = _mean(np.array(around))

@@ -7,6 +7,8 @@ from skiplatch.diagnosis.verdict.cell_scores import Cell
 
 MOST_LUCKY = 60
 """Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
+ADDED = 1.2
+"""Times the noise floor of the believed rig, from which on effects add scatter."""
 AS_LOW = 0.1
 """Share of the noise floor that tells no score from another: what comes seldom may not have come,
 and what is left is little beside that floor."""
@@ -25,11 +27,18 @@ def tightness(cells: Sequence[Cell], least: float) -> float:
     """Give what the effects score over their noise floor; 1 if any of their plays scores as low.
 
     What comes now and then may not have come. A floor of no more than rounding is none to be below.
+    Effects answer for the scatter that they add: a rig that is calmer than believed is no fault.
     """
-    seen, floor = (
+    seen, floor, believed = (
         _in_units(cells, least, scores)
-        for scores in ([c.after.scores for c in cells], [c.after.floor for c in cells])
+        for scores in (
+            [c.after.scores for c in cells],
+            [c.after.floor for c in cells],
+            [c.before.floor for c in cells],
+        )
     )
+    if floor <= ADDED * believed:
+        return 1.0
     scored = ([cell.beside(k) for cell in cells] for k in _lots(cells))
     for own, by_luck in (_both(cells, least, one) for one in scored):
         if by_luck <= own + AS_LOW * floor:
