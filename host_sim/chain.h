@@ -79,6 +79,9 @@ typedef struct {
     int32_t  axis;  /* that mostly moves: SIM_AXIS_* */
 } sim_touch_t;
 
+/* A position further off is told as this: sums of two, as the firmware makes, fit 32 bits. */
+enum { SIM_COUNTS_MAX = 0x3FFFFFFF };
+
 enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };
 
 enum { SIM_PARAMETERS = 12 }; /* the most that an effect has */

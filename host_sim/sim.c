@@ -104,6 +104,12 @@ bool sim_is_moving(const sim_t *sim)
     return sim->axis_at != SIM_NEVER;
 }
 
+int32_t sim_counts(const sim_t *sim, double position_um)
+{
+    double counts = position_um * sim->counts_per_um;
+    return (int32_t)lrint(fmax(-SIM_COUNTS_MAX, fmin(counts, SIM_COUNTS_MAX)));
+}
+
 /* When the contact opens because the present motion passes the trigger point. */
 static sim_ns_t opening_time(const sim_t *sim)
 {

@@ -92,6 +92,9 @@ void sim_stop(sim_t *sim, sim_ns_t reaction);
 
 bool sim_is_moving(const sim_t *sim);
 
+/* A position as a counter tells it, SIM_COUNTS_MAX either way at most. */
+int32_t sim_counts(const sim_t *sim, double position_um);
+
 /* ---- the clock of the device, and its stamps: sim_clock.c ---- */
 
 /* A time at which `ticks` more of the device clock are over; SIM_NEVER for UINT32_MAX. */
@@ -99,6 +102,9 @@ sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks);
 
 /* Wake the task at that time. */
 void sim_wake_after(sim_t *sim, uint32_t ticks);
+
+/* Whether the device clock runs at half to twice its rate, in the touch that begins now. */
+bool sim_clock_goes_on(sim_t *sim);
 
 /* Device clock without the wrap. */
 uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time);

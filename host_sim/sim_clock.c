@@ -1,5 +1,9 @@
 #include "sim.h"
 
+#define SECOND     ((sim_ns_t)SIM_NS_PER_S)
+#define SLOWEST_NS (SECOND / 2) /* of a second: what waits for the clock has to end */
+#define FASTEST_NS (SECOND * 2) /* and its picoseconds have to fit 64 bits after 100 days */
+
 /* What the device clock shows at a time of the master clock. */
 static sim_ns_t device_time(sim_t *sim, sim_ns_t time)
 {
@@ -7,6 +11,15 @@ static sim_ns_t device_time(sim_t *sim, sim_ns_t time)
         return time;
     }
     return sim_ns_from_us(sim_change(sim, SIM_CLOCK, sim_us_from_ns(time)));
+}
+
+bool sim_clock_goes_on(sim_t *sim)
+{
+    if (!sim_effects_reach(&sim->effects, SIM_CLOCK)) {
+        return true;
+    }
+    sim_ns_t shown = device_time(sim, sim->now + SECOND) - device_time(sim, sim->now);
+    return shown >= SLOWEST_NS && shown <= FASTEST_NS;
 }
 
 /* The firmware asks several times at one instant, and a division of 64 bits is slow. */
@@ -47,5 +60,6 @@ uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later)
     double stamp_us = sim_change(sim, SIM_CAPTURE, device_us);
     double believed_us = floor(device_us * ticks_per_us) / ticks_per_us;
     *later = sim_ns_from_us(stamp_us - believed_us);
-    return (uint64_t)floor(stamp_us * ticks_per_us);
+    int64_t ticks = (int64_t)floor(stamp_us * ticks_per_us);
+    return (uint64_t)ticks; /* below 0 it wraps, as a clock does */
 }

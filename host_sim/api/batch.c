@@ -153,8 +153,9 @@ static int play_block(const job_t *job, rig_t *rig, uint64_t number)
     rig_boot(rig, is->chain, is->controller, is->settings, is->settings_count, is->seed,
              is->replicate + replicate, sim_touch_start(&job->touches[begin]));
     for (uint64_t i = begin; i < end; ++i) {
-        if (rig_play(rig, &job->touches[i], &outcomes[i]) != 0) {
-            return SIM_PLAY_ERR_START;
+        int wrong = rig_play(rig, &job->touches[i], &outcomes[i]);
+        if (wrong != 0) {
+            return wrong == RIG_ERR_CLOCK ? SIM_PLAY_ERR_CLOCK : SIM_PLAY_ERR_START;
         }
     }
     return SIM_PLAY_OK;
@@ -258,6 +259,9 @@ const char *sim_play_error(int code)
         return "the firmware refused to start the input path";
     case SIM_PLAY_ERR_EFFECT:
         return "an effect is unknown, one too many, or one of its parameters is out of range";
+    case SIM_PLAY_ERR_CLOCK:
+        return "the device clock would run at less than half or more than twice its rate: the "
+               "campaign is too long or too warm for such a drift";
     case SIM_PLAY_ERR_MACHINE:
         return "the five-axis machine has an axis twice or none, or a value that is out of range";
     case SIM_PLAY_ERR_MEMORY:

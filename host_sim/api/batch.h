@@ -20,7 +20,8 @@ enum {
     SIM_PLAY_ERR_START = -4,   /* the firmware refused to start the input */
     SIM_PLAY_ERR_MEMORY = -5,
     SIM_PLAY_ERR_EFFECT = -6, /* an effect that is not in the table, too many, or a bad parameter */
-    SIM_PLAY_ERR_MACHINE = -7 /* a five-axis machine, see sim_machine_is_sound() */
+    SIM_PLAY_ERR_MACHINE = -7, /* a five-axis machine, see sim_machine_is_sound() */
+    SIM_PLAY_ERR_CLOCK = -8    /* an effect all but stops the device clock, or doubles its rate */
 };
 
 /*

@@ -86,7 +86,7 @@ static latch_t *latch_of(rig_t *rig)
 
 static int32_t counts(const rig_t *rig, double mm)
 {
-    return (int32_t)lrint(mm * UM_PER_MM * rig->sim.counts_per_um);
+    return sim_counts(&rig->sim, mm * UM_PER_MM);
 }
 
 static touch_config_t cycle_config(const rig_t *rig, const sim_touch_t *touch)
@@ -190,6 +190,17 @@ static void run_scan(rig_t *rig)
     plan_scan(rig, now_ticks);
 }
 
+/* A stamp without the wrap. It is of before the report arrives, but for a clock that stamps late:
+ * then it may be of a little after. */
+static int64_t unwrapped(uint64_t now_ticks, uint32_t stamp)
+{
+    uint32_t elapsed = ticks_elapsed((uint32_t)now_ticks, stamp);
+    if (elapsed >= TICKS_BEFORE) {
+        return (int64_t)now_ticks + ticks_elapsed(stamp, (uint32_t)now_ticks);
+    }
+    return (int64_t)now_ticks - elapsed;
+}
+
 /* The recorder: put frames together and take the time of arrival. */
 static void record(rig_t *rig, sim_outcome_t *outcome)
 {
@@ -200,8 +211,7 @@ static void record(rig_t *rig, sim_outcome_t *outcome)
         if (latch_frame_decode(&rig->decoder, frame, &record) != LATCH_FRAME_RECORD) {
             continue;
         }
-        uint64_t now_ticks = sim_clock_ticks(sim, sim->now);
-        uint64_t latch_ticks = now_ticks - ticks_elapsed((uint32_t)now_ticks, record.ticks);
+        int64_t latch_ticks = unwrapped(sim_clock_ticks(sim, sim->now), record.ticks);
         outcome->latch_us = (double)latch_ticks * sim->tick_ps / (SIM_PS_PER_NS * SIM_NS_PER_US);
         outcome->report_us = sim_us_from_ns(sim->now);
         outcome->deviation_um = record.position_counts * sim->chain->resolution_um;
@@ -272,6 +282,9 @@ int rig_play(rig_t *rig, const sim_touch_t *touch, sim_outcome_t *outcome)
         stop_path(rig); /* the last cycle ended later than this one begins: as if it had not been */
     }
     sim_begin_touch(&rig->sim, touch);
+    if (!sim_clock_goes_on(&rig->sim)) {
+        return RIG_ERR_CLOCK;
+    }
     int result = start_path(rig, touch->path);
     if (result != HAL_OK) {
         return result;

@@ -13,6 +13,8 @@
 #include "report/latch_report.h"
 #include "sim.h"
 
+enum { RIG_ERR_CLOCK = -100 }; /* beside HAL_ERR_*: the device clock all but stops, or races */
+
 typedef struct {
     sim_t                   sim;
     const sim_controller_t *controller;
@@ -36,7 +38,7 @@ void rig_boot(rig_t *rig, const sim_chain_t *chain, const sim_controller_t *cont
 /*
  * Play one touch from the start of its measuring move to the end of the cycle. A touch that begins
  * before the end of the one before is played as if that had not been. Binds the HAL of this thread.
- * Returns HAL_OK or the error of the input that could not be started.
+ * Returns HAL_OK, the error of the input that could not be started, or RIG_ERR_CLOCK.
  */
 int rig_play(rig_t *rig, const sim_touch_t *touch, sim_outcome_t *outcome);
 

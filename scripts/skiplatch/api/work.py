@@ -8,7 +8,16 @@ import numpy as np
 
 from skiplatch.api.diagnosed import Diagnosis, document_of
 from skiplatch.api.predicted import Prediction, predicted
-from skiplatch.campaign import NOMINAL_FILE, Axis, Campaign, Nominal, Status, Touches
+from skiplatch.campaign import (
+    COLUMNS,
+    NOMINAL_FILE,
+    Axis,
+    Campaign,
+    Nominal,
+    Status,
+    Touches,
+)
+from skiplatch.campaign.columns import MEASURED_OUTCOMES
 from skiplatch.diagnosis import diagnose as diagnosis_of
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.experiment import Experiment, experiment_for, models_from_json
@@ -16,6 +25,7 @@ from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.effects import Effect
+from skiplatch.simulator.library import SimulationError, connection
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
 from skiplatch.stand_ins import ARCSEC_PER_MILLIDEGREE, playable, refuse_unplayable
@@ -44,7 +54,8 @@ def simulate(
 
     Raises:
         InputError: A figure of the rig cannot be simulated, or a condition is missing.
-        SimulationError: An effect or a parameter is none, or out of its range.
+        SimulationError: An effect or a parameter is none, or out of its range, or what comes of it
+            is more than a clock, a counter or a campaign holds.
     """
     asked = _asked(rig, conditions)
     touches = asked.touches
@@ -52,7 +63,9 @@ def simulate(
     outcomes = play(
         asked.nominal, controller, touches, seed=seed, jobs=jobs, switched_on=tuple(effects)
     )
-    return replace(asked, touches=_as_recorded(touches, outcomes))
+    recorded = _as_recorded(touches, outcomes)
+    _refuse_beyond(recorded, asked.nominal.axis.resolution_um)
+    return replace(asked, touches=recorded)
 
 
 def diagnose(
@@ -165,3 +178,20 @@ def _as_recorded(conditions: Touches, outcomes: Outcomes) -> Touches:
         deviation_arcsec=turned_arcsec * ARCSEC_PER_MILLIDEGREE,
         status=np.where(outcomes.ok[0], Status.OK, Status.MISSED).astype(np.int8),
     )
+
+
+def _refuse_beyond(recorded: Touches, resolution_um: float) -> None:
+    """Raise SimulationError for an outcome that the rig cannot count or a campaign cannot hold."""
+    _, library = connection()
+    counted_um = np.abs(recorded.deviation_um) >= library.SIM_COUNTS_MAX * resolution_um
+    for name in MEASURED_OUTCOMES:
+        values = getattr(recorded, name)
+        beyond = ~COLUMNS[name].admits(values)
+        if name == "deviation_um":
+            beyond |= counted_um
+        if beyond.any():
+            first = int(np.argmax(beyond))
+            where = f"{name} of touch {recorded.touch[first]}"
+            raise SimulationError(
+                f"{where}: {values[first]:g} is more than the rig counts or a campaign holds"
+            )
