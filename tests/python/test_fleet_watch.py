@@ -6,7 +6,8 @@ import os
 import shutil
 import threading
 import time
-from collections.abc import Callable, Iterator
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,18 +17,25 @@ from click.testing import CliRunner, Result
 
 from conftest import SAMPLES
 from refusals import Program
+from skiplatch import executors
+from skiplatch.campaign import Campaign
 from skiplatch.cli import group
 from skiplatch.commands import fleet_watch
+from skiplatch.commands.diagnose_many import Told
 from skiplatch.commands.fleet_watch import Intake, watch
 from skiplatch.errors import InputError
 from skiplatch.fleet.arrivals import Arrivals
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.reading import opened
+from skiplatch.workers import Failed, Workers
 from test_fleet_store import DIAGNOSIS
 
+QUIET = Path(__file__).parent / "data" / "bench_no_gap"
 LONG_AGO_S = 1e9
 PATIENCE_S = 20.0
 SETTLE_S = 0.5
+LOST_ROWS = 3
+"""A campaign of so many touches is lost with its worker."""
 AT_ONCE_S = "1e-9"
 """Files are stamped by a clock that lags that of the programs, if anything."""
 
@@ -42,14 +50,28 @@ def put(folder: Path, *, rows: int = 10) -> Path:
 
 @pytest.fixture
 def diagnosed(monkeypatch: pytest.MonkeyPatch) -> list[Path | None]:
-    """Campaigns that were diagnosed; the search itself is another test's business."""
+    """Campaigns that were diagnosed; the search itself is another test's business.
+
+    Several come in the reverse of their order, as from workers that are as fast as they please.
+    """
     asked: list[Path | None] = []
 
-    def examine(recorded: SimpleNamespace, *_: object) -> SimpleNamespace:
+    def examine(recorded: Campaign, *_: object) -> SimpleNamespace:
         asked.append(recorded.path)
-        return SimpleNamespace(document=DIAGNOSIS)
+        return SimpleNamespace(text="", document=DIAGNOSIS, has_gap=True)
+
+    def told_as_done(
+        recorded: Sequence[Campaign], _: object, workers: Workers, numbers: Sequence[int]
+    ) -> Iterator[tuple[int, Told | Failed]]:
+        for number in reversed(numbers):
+            asked.append(recorded[number].path)
+            if len(recorded[number].touches) == LOST_ROWS:
+                yield number, Failed("its worker died")
+            else:
+                yield number, Told("", DIAGNOSIS, True)
 
     monkeypatch.setattr(fleet_watch, "examine", examine)
+    monkeypatch.setattr(fleet_watch, "told_as_done", told_as_done)
     return asked
 
 
@@ -165,12 +187,101 @@ def test_a_folder_that_is_not_there_is_refused(inbox: Path, store: Path, refused
         assert "no such folder" in said
 
 
+def test_what_comes_out_of_order_is_kept_in_order_and_what_is_lost_is_named(
+    inbox: Path, store: Path, diagnosed: list[Path | None], refused: Program
+) -> None:
+    days = [put(inbox / name, rows=rows) for name, rows in (("1", 5), ("2", LOST_ROWS), ("3", 6))]
+
+    said = refused("fleet", "watch", inbox, "--store", store, "--once", "--settle-s", AT_ONCE_S)
+
+    assert said == f"skiplatch: {days[1]}: its worker died\n"
+    assert diagnosed == list(reversed(days))
+    assert list(kept(store)) == ["1", "3"]
+    assert not (days[1] / "diagnosis.json").exists()
+
+
+def test_a_campaign_alone_goes_to_a_cluster_that_is_named(
+    inbox: Path, store: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Workers] = []
+
+    def told_as_done(
+        _recorded: object, _asked: object, workers: Workers, _numbers: object
+    ) -> Iterator[tuple[int, Told]]:
+        asked.append(workers)
+        yield 0, Told("", DIAGNOSIS, True)
+
+    monkeypatch.setattr(fleet_watch, "told_as_done", told_as_done)
+    put(inbox / "monday")
+
+    options = ["--cluster", "head:8786", "--jobs", "3", "--task-limit-s", "7"]
+    result = once(inbox, store, "--settle-s", AT_ONCE_S, *options)
+
+    assert "1 kept" in result.output
+    assert asked == [Workers(jobs=3, cluster="head:8786", limit_s=7.0)]
+
+
+def test_a_cluster_that_does_not_answer_ends_the_watch(
+    inbox: Path, store: Path, refused: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(executors, "ANSWER_S", 0.2)
+    put(inbox / "monday")
+
+    words = ["fleet", "watch", inbox, "--store", store, "--settle-s", AT_ONCE_S]
+    said = refused(*words, "--cluster", "tcp://127.0.0.1:9")
+
+    assert "tcp://127.0.0.1:9: no Dask scheduler answers there" in said
+
+
+def bytes_below(folder: Path) -> dict[str, bytes | dict[str, bytes]]:
+    """What stands in each file, by its path; of an archive, which has times, in its members."""
+    paths = [path for path in sorted(folder.rglob("*")) if path.is_file()]
+    return {path.relative_to(folder).as_posix(): _contents(path) for path in paths}
+
+
+def _contents(path: Path) -> bytes | dict[str, bytes]:
+    if path.suffix != ".zip":
+        return path.read_bytes()
+    with zipfile.ZipFile(path) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def quiet_inbox(folder: Path, days: Sequence[str]) -> Path:
+    """Make campaigns of the same touches and beliefs, in other bytes."""
+    for day in days:
+        shutil.copytree(QUIET, folder / day)
+        nominal = folder / day / "nominal.toml"
+        text = nominal.read_text().replace("skiplatch-campaign/1", "skiplatch-campaign/2")
+        nominal.write_text(f'{text}[notes]\nrecorded_at = "2026-03-02T08:00:00"\n# {day}\n')
+    return folder
+
+
+@pytest.mark.long
+def test_a_store_is_the_same_whoever_diagnoses(tmp_path: Path) -> None:
+    pytest.importorskip("distributed")
+    alone, spread, there = (tmp_path / name / "mill-7" for name in ("alone", "spread", "there"))
+    quiet_inbox(spread, ["monday", "tuesday"])
+    quiet_inbox(there, ["monday", "tuesday"])
+
+    for day in ("monday", "tuesday"):  # one at a time: by this process
+        quiet_inbox(alone, [day])
+        once(alone, tmp_path / "alone" / "store", "--settle-s", AT_ONCE_S)
+    once(spread, tmp_path / "spread" / "store", "--settle-s", AT_ONCE_S, "--jobs", "2")
+    once(there, tmp_path / "there" / "store", "--settle-s", AT_ONCE_S, "--cluster", "local:2")
+
+    kept_alone = bytes_below(tmp_path / "alone")
+    assert {"store/campaigns.parquet", "mill-7/tuesday/diagnosis.json"} <= kept_alone.keys()
+    assert bytes_below(tmp_path / "spread") == kept_alone
+    assert bytes_below(tmp_path / "there") == kept_alone
+
+
 @contextmanager
 def watched(inbox: Path, store: Path) -> Iterator[Callable[[dict[str, str | None]], None]]:
     """Watch a folder meanwhile; gives a function that waits until the store holds what it is to."""
     stop = threading.Event()
     arrivals = Arrivals(inbox, SETTLE_S)
-    arguments = Intake(store, None, 1, 1), arrivals, stop
+    arguments = Intake(store, None, 1, Workers()), arrivals, stop
     thread = threading.Thread(target=watch, args=arguments)
     thread.start()
 

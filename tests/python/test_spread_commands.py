@@ -50,7 +50,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
         for number in reversed(numbers):
             yield number, Told(f"text {number}", {"verdict": "no_gap", "seed": asked.seed}, False)
 
-    monkeypatch.setattr(diagnose_many, "_told", told)
+    monkeypatch.setattr(diagnose_many, "told_as_done", told)
     return counts
 
 

@@ -46,7 +46,8 @@ def tell_all(
     told = {number: Told(**answer) for number, answer in _kept(keys, kept)}
     refused: list[InputError] = []
     following = 0
-    for number, result in _told(recorded, asked, workers, sorted(set(range(len(keys))) - {*told})):
+    missing = sorted(set(range(len(keys))) - {*told})
+    for number, result in told_as_done(recorded, asked, workers, missing):
         if isinstance(result, Failed):
             refused.append(InputError(recorded[number].path, None, None, result.why))
             continue
@@ -68,9 +69,10 @@ def _kept(keys: Sequence[str], kept: Kept) -> Iterator[tuple[int, Mapping[str, A
             yield number, answer
 
 
-def _told(
+def told_as_done(
     recorded: Sequence[Campaign], asked: Asked, workers: Workers, numbers: Sequence[int]
 ) -> Iterator[tuple[int, Told | Failed]]:
+    """Diagnose campaigns of these numbers on workers; gives each as it comes, with its number."""
     if not numbers:
         return
     with opened(replace(workers, loads=__name__)) as executor:

@@ -1,12 +1,15 @@
 """``skiplatch fleet watch``: campaigns diagnosed and kept as they appear."""
 
 import threading
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from skiplatch import undo
+from skiplatch.campaign import Campaign
+from skiplatch.commands.diagnose_many import Told, told_as_done, told_of
 from skiplatch.commands.examining import Asked, examine
 from skiplatch.commands.fleet_options import store_option
 from skiplatch.commands.options import (
@@ -17,6 +20,7 @@ from skiplatch.commands.options import (
     seed_option,
     write_json,
 )
+from skiplatch.commands.worker_options import cluster_option, limit_option
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.fleet.arrivals import Arrivals, noticed
@@ -25,6 +29,7 @@ from skiplatch.fleet.lock import BusyError
 from skiplatch.fleet.store import opened_for_writing, refuse_unusable
 from skiplatch.simulator.library import SimulationError
 from skiplatch.stand_ins import read_playable
+from skiplatch.workers import Failed, Workers
 
 UNNOTICED_S = 60.0
 """Every so often it is looked whether anything came that nobody told: from a network drive."""
@@ -32,6 +37,7 @@ EPILOG = """\b
 Example:
   skiplatch fleet watch /srv/touches --store build/store
   skiplatch fleet watch /srv/touches --store build/store --once
+  skiplatch fleet watch /srv/touches --store build/store --cluster tcp://head:8786
 """
 
 
@@ -43,32 +49,87 @@ class Intake:
         store: The store.
         rig: Where they come from, unless their folders are to say that.
         seed: Of the diagnoses.
-        jobs: Threads of a diagnosis.
+        workers: Who diagnoses: a campaign alone, without a cluster, is work for `jobs` threads.
     """
 
     store: Path
     rig: str | None
     seed: int
-    jobs: int
+    workers: Workers
 
-    def take(self, folder: Path) -> bool:
-        """Diagnose a campaign and keep it; gives whether it is new.
+    def take(self, folders: Sequence[Path]) -> Iterator[tuple[Path, bool | InputError]]:
+        """Diagnose campaigns and keep them, in their order; each diagnosis is written as it comes.
+
+        Gives for each whether it is new, or why it cannot be read, simulated or kept.
 
         Raises:
-            InputError: It cannot be read, simulated or kept.
-            BusyError: Another one writes to the store.
+            InputError: No cluster answers, or it is lost, or its workers have other software.
         """
+        done: dict[int, InputError | None] = {}
+        following = 0
+        for number, wrong in self._diagnose(folders):
+            done[number] = wrong
+            while following in done:
+                folder = folders[following]
+                yield folder, done[following] or self._keep(folder)
+                following += 1
+
+    def _diagnose(self, folders: Sequence[Path]) -> Iterator[tuple[int, InputError | None]]:
+        """Write the diagnoses that are missing; gives the numbers of folders as they are done."""
+        recorded: dict[int, Campaign] = {}
+        for number, folder in enumerate(folders):
+            try:
+                if not (folder / DIAGNOSIS_FILE).exists():
+                    recorded[number] = read_playable(folder)
+                    continue
+            except (InputError, OSError) as error:
+                yield number, _named(folder, error)
+                continue
+            yield number, None
+        numbers, campaigns = list(recorded), list(recorded.values())
+        for place, result in self._told(campaigns):
+            folder = folders[numbers[place]]
+            yield numbers[place], _written(folder, result)
+
+    def _told(self, recorded: Sequence[Campaign]) -> Iterator[tuple[int, Told | Failed]]:
+        asked = Asked(seed=self.seed)
+        if len(recorded) == 1 and self.workers.cluster is None:
+            yield 0, _told_here(recorded[0], asked, self.workers.jobs)
+        else:
+            yield from told_as_done(recorded, asked, self.workers, range(len(recorded)))
+
+    def _keep(self, folder: Path) -> bool | InputError:
         try:
-            if not (folder / DIAGNOSIS_FILE).exists():
-                found = examine(read_playable(folder), Asked(seed=self.seed), self.jobs)
-                atomic_write_text(folder / DIAGNOSIS_FILE, json_text(found.document))
-                undo.keep_outputs()
             with opened_for_writing(self.store) as writer:
                 is_new = writer.add(folder, self.rig) is not None
                 writer.commit()
-        except (SimulationError, OSError) as error:
-            raise InputError(folder, None, None, str(error)) from error
+        except (InputError, OSError) as error:
+            return _named(folder, error)
         return is_new
+
+
+def _told_here(recorded: Campaign, asked: Asked, jobs: int) -> Told | Failed:
+    try:
+        return told_of(examine(recorded, asked, jobs))
+    except (InputError, SimulationError, OSError) as error:
+        return Failed(str(error))
+
+
+def _written(folder: Path, result: Told | Failed) -> InputError | None:
+    """Write a diagnosis into the campaign's folder, or say why there is none."""
+    if isinstance(result, Failed):
+        return InputError(folder, None, None, result.why)
+    try:
+        atomic_write_text(folder / DIAGNOSIS_FILE, json_text(result.document))
+    except (InputError, OSError) as error:
+        return _named(folder, error)
+    undo.keep_outputs()
+    return None
+
+
+def _named(folder: Path, error: InputError | OSError) -> InputError:
+    """Say which campaign it is that something went wrong with, if that is not said."""
+    return error if isinstance(error, InputError) else InputError(folder, None, None, str(error))
 
 
 @click.command(epilog=EPILOG)
@@ -88,6 +149,8 @@ class Intake:
 @click.option("--once", is_flag=True, help="Take what is there and whole, and end.")
 @seed_option
 @jobs_option
+@cluster_option
+@limit_option
 @json_option
 def command(
     folder: Path,
@@ -97,6 +160,8 @@ def command(
     once: bool,  # noqa: FBT001
     seed: int,
     jobs: int,
+    cluster: str | None,
+    limit_s: float,
     json_path: Path | None,
 ) -> None:
     """Diagnose each campaign that appears below FOLDER, and keep it in a store, until interrupted.
@@ -104,9 +169,13 @@ def command(
     The diagnosis is written to diagnosis.json in the campaign's folder; one that lies there is
     taken as it is. What is not whole yet is left until it is. A campaign that cannot be read is
     told in one line and left until it changes; with --once the exit status is then 2.
+
+    Several that are whole at a time are diagnosed side by side, each by one process, and kept in
+    the order of their names. A cluster that does not answer ends the watch.
     """
     refuse_unusable(store)
-    intake = Intake(store, rig, seed, jobs)
+    workers = Workers(jobs=jobs, cluster=cluster, limit_s=limit_s)
+    intake = Intake(store, rig, seed, workers)
     arrivals = Arrivals(folder, settle_s)
     if once:
         _once(intake, arrivals, json_path)
@@ -119,14 +188,13 @@ def command(
 def _once(intake: Intake, arrivals: Arrivals, json_path: Path | None) -> None:
     whole, waiting = arrivals.look()
     kept, refused = [], []
-    for folder in whole:
-        try:
-            if intake.take(folder):
-                kept.append(folder)
-                click.echo(f"{folder}: kept")
-        except InputError as error:
-            _refuse_whole_store(intake, error)
-            refused.append(error)
+    for folder, taken in intake.take(list(whole)):
+        if isinstance(taken, InputError):
+            _refuse_whole_store(intake, taken)
+            refused.append(taken)
+        elif taken:
+            kept.append(folder)
+            click.echo(f"{folder}: kept")
     if refused:
         for earlier in refused[:-1]:
             click.echo(f"skiplatch: {earlier}", err=True)
@@ -144,25 +212,22 @@ def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:
         while not stop.is_set():
             news.clear()
             whole, waiting = arrivals.look()
-            for folder, state in whole.items():
-                if _has_to_wait(intake, folder):
+            for folder, taken in intake.take(list(whole)):
+                if isinstance(taken, BusyError):
                     waiting += 1
                 else:
-                    arrivals.dealt_with[folder] = state
+                    _tell(intake, folder, taken)
+                    arrivals.dealt_with[folder] = whole[folder]
             news.wait(arrivals.settle_s / 2.0 if waiting else UNNOTICED_S)
 
 
-def _has_to_wait(intake: Intake, folder: Path) -> bool:
-    """Take a campaign, or say what is wrong with it, unless the store is busy."""
-    try:
-        if intake.take(folder):
-            click.echo(f"{folder}: kept")
-    except BusyError:
-        return True
-    except InputError as error:
-        _refuse_whole_store(intake, error)
-        click.echo(f"skiplatch: {error}", err=True)
-    return False
+def _tell(intake: Intake, folder: Path, taken: bool | InputError) -> None:  # noqa: FBT001
+    """Say that a campaign is new, or what is wrong with it."""
+    if isinstance(taken, InputError):
+        _refuse_whole_store(intake, taken)
+        click.echo(f"skiplatch: {taken}", err=True)
+    elif taken:
+        click.echo(f"{folder}: kept")
 
 
 def _refuse_whole_store(intake: Intake, error: InputError) -> None:
