@@ -4,6 +4,7 @@
 #include <stddef.h>
 #include <string.h>
 
+#include "cycle/touch_cycle.h"
 #include "play.h"
 #include "unity.h"
 
@@ -196,9 +197,51 @@ void test_one_bad_touch_among_good_ones_is_found(void)
     TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_TOUCH, sim_play(&rig, touches, 3u, 1u, 1u, outcomes));
 }
 
+/* A clock that goes by 1000 ppm faster for each kelvin above 20 °C. */
+static int attempt_warm(double temp_c)
+{
+    sim_setting_t warmth = {.parameters = {0.0, 0.0, 1000.0}};
+    sim_rig_t     drifting = rig;
+    while (strcmp(sim_effect_describe((uint32_t)warmth.effect)->id, "timer_drift") != 0) {
+        ++warmth.effect;
+    }
+    drifting.settings = &warmth;
+    drifting.settings_count = 1u;
+    touch.temp_c = temp_c;
+    return sim_play(&drifting, &touch, 1u, 1u, 1u, &outcome);
+}
+
+void test_a_clock_below_half_or_above_twice_its_rate_is_refused(void)
+{
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, attempt_warm(20.0 - 499.99));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CLOCK, attempt_warm(20.0 - 500.01));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, attempt_warm(20.0 + 999.99));
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_ERR_CLOCK, attempt_warm(20.0 + 1000.01));
+}
+
+/* A coordinate 10 m off, on a scale that is read to 0.1 nm. */
+void test_a_start_beyond_the_counter_is_refused_by_the_firmware(void)
+{
+    controller.two_touches = 0;
+    chain.resolution_um = 1e-4;
+    touch.approach_mm = 1.0;
+    sim_setting_t scale = {.parameters = {5000.0}};
+    sim_rig_t     bent = rig;
+    while (strcmp(sim_effect_describe((uint32_t)scale.effect)->id, "scale_error") != 0) {
+        ++scale.effect;
+    }
+    bent.settings = &scale;
+    bent.settings_count = 1u;
+    touch.position_mm = 1e7;
+    TEST_ASSERT_EQUAL_INT(SIM_PLAY_OK, sim_play(&bent, &touch, 1u, 1u, 1u, &outcome));
+
+    TEST_ASSERT_EQUAL_INT32(SIM_STATUS_MISSED, outcome.status); /* the firmware refuses to start */
+    TEST_ASSERT_EQUAL_INT32(TOUCH_ERR_CONFIG, outcome.error);
+}
+
 void test_every_refusal_has_a_sentence_of_its_own(void)
 {
-    for (int code = SIM_PLAY_OK; code >= SIM_PLAY_ERR_MACHINE; --code) {
+    for (int code = SIM_PLAY_OK; code >= SIM_PLAY_ERR_CLOCK; --code) {
         TEST_ASSERT_GREATER_THAN_size_t(5u, strlen(sim_play_error(code)));
         TEST_ASSERT_NOT_EQUAL(0, strcmp(sim_play_error(code), sim_play_error(1)));
         for (int other = code + 1; other <= SIM_PLAY_OK; ++other) {
