@@ -1,6 +1,7 @@
 """What happens to few touches: noticed by how many are beyond all plays, and by how far."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -40,7 +41,7 @@ def test_few_late_touches_are_noticed_where_middle_and_scatter_tell_nothing() ->
 
 @pytest.mark.parametrize("folder", [BENCH, MACHINE])
 @pytest.mark.parametrize("seed", range(4))
-def test_a_rig_is_not_off_beside_its_own_plays(folder: object, seed: int) -> None:
+def test_a_rig_is_not_off_beside_its_own_plays(folder: Path, seed: int) -> None:
     assert rarely_off(beside(played(folder, seed=seed)), DEFAULT) == frozenset()
     assert rarely_off(beside(played(folder, MASKED, seed=seed), MASKED), DEFAULT) == frozenset()
 
