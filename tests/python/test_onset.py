@@ -16,12 +16,15 @@ from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit, fit
 from skiplatch.diagnosis.fit.onset import ends_of, outlives_datum, passing, proposed
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Verdict
+from skiplatch.diagnosis.verdict.work import may_have_begun
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import ALWAYS, Span
+from verdict_evidence import left
 
 LATE = Effect("isr_latency", {"latency_us": 40.0})
 
@@ -166,6 +169,29 @@ def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
     assert effect.span.until == pytest.approx(span.until, abs=4)
     assert effect.parameters["backlash_um"] == pytest.approx(2.0, abs=0.5)
     assert effect.parameters["positive_um"] == pytest.approx(2.0, abs=0.5)
+
+
+BY_FEED = left(10.0, "feed")
+
+
+@pytest.mark.parametrize(
+    ("looks", "expected"),
+    [
+        ([], False),
+        ([BY_FEED], False),
+        ([left(5.0, "serial number")], True),
+        ([left(5.0, EVERYWHERE)], True),
+        # What the feed tells scatters, and the time adds nothing to it.
+        ([BY_FEED, left(20.0, EVERYWHERE)], False),
+        ([BY_FEED, left(9.0, "feed", "time")], False),
+        ([BY_FEED, left(11.0, "feed", "time")], True),
+        # It says nothing of another observable.
+        ([BY_FEED, replace(left(5.0, EVERYWHERE), observable="report")], True),
+        ([BY_FEED, replace(left(5.0, "time"), path="plc")], True),
+    ],
+)
+def test_what_no_condition_tells_may_have_begun(looks: list[Left], expected: bool) -> None:
+    assert may_have_begun(looks) is expected
 
 
 @pytest.mark.long

@@ -120,9 +120,8 @@ class Work:
         return self._noticed[key]
 
     def may_begin(self, model: Scored | None) -> bool:
-        """Tell whether what a hypothesis leaves may have begun or ended: it is no condition's."""
-        left = self._left_to_name(model)
-        return any(one.goes_with_time or not one.is_predicted for one in left)
+        """Tell whether what a hypothesis leaves may have begun or ended."""
+        return may_have_begun(self._left_to_name(model))
 
     def passes(self, model: Scored | None) -> bool:
         """Tell whether what a hypothesis leaves comes and goes, by no accident."""
@@ -180,3 +179,17 @@ def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
 def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:
     """Keep what is hardly an accident and large enough to matter."""
     return [one for one in looks if one.z > CHANCE and one.is_material(materiality)]
+
+
+def may_have_begun(looks: Sequence[Left]) -> bool:
+    """Tell whether what is left may have begun or ended: it is no condition's.
+
+    What a condition tells scatters as well. And where it tells more than the time and all others
+    do together, these add nothing.
+    """
+    told = [one for one in looks if one.is_predicted and not one.goes_with_time]
+    return any(
+        not any(by.is_of(one) and (by.z >= one.z or not one.is_predicted) for by in told)
+        for one in looks
+        if one.goes_with_time or not one.is_predicted
+    )
