@@ -269,10 +269,17 @@ def _wave(
 
 def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
     """Give half the difference of middle or scatter between touches; of all of them from 0."""
-    measure = np.median if kind == "shift" else _calm_spread
+    measures = (np.median, _calm_mean) if kind == "shift" else (_calm_spread,)
     if high.all():
-        return abs(float(measure(off)))
-    return 0.5 * abs(float(measure(off[high]) - measure(off[~high]))) if high.any() else 0.0
+        return max(abs(float(measure(off))) for measure in measures)
+    if not high.any():
+        return 0.0
+    # What happens to less than half of them moves no median.
+    return max(0.5 * abs(float(measure(off[high]) - measure(off[~high]))) for measure in measures)
+
+
+def _calm_mean(values: FloatArray) -> float:
+    return float(np.mean(np.clip(values, *np.quantile(values, CALM))))
 
 
 def _calm_spread(values: FloatArray) -> float:

@@ -33,17 +33,27 @@ def chance_of(found: Beside, believed: Beside, discrepancy: float) -> list[Left]
     return sorted(looks, key=lambda left: -left.z)
 
 
+def is_chancy(found: Beside, believed: Beside) -> bool:
+    """Tell whether a finding leaves any observable of some touches more to chance."""
+    return any(rows.any() for _, _, rows in _chancy_touches(found, believed))
+
+
 def _looks(beside: Beside, before: Beside, discrepancy: float) -> Iterator[Left]:
+    for name, path, rows in _chancy_touches(beside, before):
+        if rows.sum() >= FEWEST:
+            look = beside.look(name, path, rows)
+            least = discrepancy * _shift(beside, before, name, rows)
+            each = chain(look.straight(), look.predicted(), look.waves())
+            yield from (left for left in each if left.size > least)
+
+
+def _chancy_touches(beside: Beside, before: Beside) -> Iterator[tuple[str, str, BoolArray]]:
+    """Give the touches, shape (n,), that a finding leaves to chance; by observable and path."""
     for path, here in beside.paths.items():
         for name in beside.recorded:
             rows = here & beside.known(name) & before.known(name)
             if rows.any():
-                rows = rows & _adds_scatter(beside, before, name, rows)
-            if rows.sum() >= FEWEST:
-                look = beside.look(name, path, rows)
-                least = discrepancy * _shift(beside, before, name, rows)
-                each = chain(look.straight(), look.predicted(), look.waves())
-                yield from (left for left in each if left.size > least)
+                yield name, path, rows & _adds_scatter(beside, before, name, rows)
 
 
 def _shift(beside: Beside, before: Beside, name: str, rows: BoolArray) -> float:

@@ -17,8 +17,7 @@ from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation
 from skiplatch.diagnosis.search.decide import Finding
-from skiplatch.diagnosis.search.scored import Scored
-from skiplatch.diagnosis.verdict.chance import chance_of
+from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
@@ -91,11 +90,12 @@ def _conclusion(
     everywhere = plays.gaps(usual)
     gap = plays.gaps(work.parts.shrinking & usual) if finding.model else everywhere
     hidden = could_hide(scene, known, seed=work.seed)
-    told = _told_of_chance(work, finding.model, rig)
     fit = finding.model.fit if finding.model else None
+    leaves_to_chance, told = _of_chance(work, fit, rig)
     evidence = Evidence(
         gaps=gap,
         everywhere=everywhere,
+        is_chancy=leaves_to_chance,
         chance=mattering(told, work.materiality),
         before=mattering(before, work.materiality),
         after=mattering(after, work.materiality),
@@ -121,12 +121,12 @@ def _conclusion(
     return Conclusion(finding, rig, known, found, gap, hidden, odd, evidence)
 
 
-def _told_of_chance(work: Work, model: Scored | None, rig: Rig) -> list[Left]:
-    """Give what tells how the chance of a finding fell; nothing of none."""
-    if model is None:
-        return []
+def _of_chance(work: Work, fit: Fit | None, rig: Rig) -> tuple[bool, list[Left]]:
+    """Tell whether a finding leaves anything to chance, and give what tells how that fell."""
+    if fit is None:
+        return False, []
     found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
-    return chance_of(found, believed, discrepancy=model.fit.slack)
+    return is_chancy(found, believed), chance_of(found, believed, discrepancy=fit.slack)
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, fit: Fit) -> float:

@@ -16,6 +16,7 @@ class Evidence:
         everywhere: The same of all touches, to most of which the finding was fitted.
         is_held_out: The gaps are those of touches that served neither fitting nor naming; else of
             all touches, each with parameters that the others were fitted to.
+        is_chancy: The effects leave to chance what happens to a touch.
         chance: What may tell how the finding's chance fell, if it is material.
         before: What the believed chain leaves that is material and hardly an accident.
         after: The same of the finding; of none, if nothing was found.
@@ -35,6 +36,7 @@ class Evidence:
     gaps: Mapping[str, Gap] = field(default_factory=dict)
     everywhere: Mapping[str, Gap] = field(default_factory=dict)
     is_held_out: bool = True
+    is_chancy: bool = False
     chance: Sequence[Left] = ()
     before: Sequence[Left] = ()
     after: Sequence[Left] = ()

@@ -2,8 +2,8 @@
 
 Any shape that resembles what was recorded makes it likelier. The effect itself would make it
 likelier by what it does to plays of the finding (a posterior predictive check: Rubin, Annals of
-Statistics 12 (1984) 1151); one that only resembles it gains less than on any of them, or more than
-it could. The laws of the likelihood may be off, but then they are for the plays as well.
+Statistics 12 (1984) 1151); one that only resembles it gains less than on any of them. The laws of
+the likelihood may be off, but then they are for the plays as well.
 """
 
 from collections.abc import Mapping
@@ -20,15 +20,15 @@ from skiplatch.diagnosis.plays.replay import replayed
 from skiplatch.diagnosis.scene.scene import Scene
 
 PLAYS = 20
-"""Of which none gains as little or as much by chance, once in ten findings."""
+"""Of which none gains as little by chance, once in twenty findings."""
 LEAST = 1.0
-"""Nats that an effect gains on its own plays at least; less tells nothing."""
+"""Nats that an effect has to gain where it is there."""
 
 
 def shares_gained(
     scene: Scene, rows: BoolArray, rigs: tuple[Rig, Rig], fit: Fit, *, seed: int
 ) -> Mapping[str, float]:
-    """Give what effects gain on the record over what they gain on plays; 1 if that is by luck.
+    """Give what effects gain on the record over what they gain on plays; 1 if some gains as little.
 
     Args:
         scene: All touches.
@@ -50,9 +50,10 @@ def shares_gained(
             _nats(one, found, fit) - _nats(one, start, fewer)
             for one in (scene.select(rows), *plays)
         )
-        if min(gains) <= record <= max(gains):
-            return 1.0
-        return float(record / max(float(np.mean(gains)), LEAST))
+        usual = float(np.mean(gains))
+        if usual < LEAST:
+            return 0.0
+        return 1.0 if min(gains) <= record else record / usual
 
     return {candidate.id: share(i) for i, candidate in enumerate(fit.candidates)}
 
