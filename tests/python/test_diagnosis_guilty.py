@@ -68,3 +68,16 @@ def test_nothing_is_taken_out(judged: tuple[Judge, Finding], evidence: Evidence)
 
 def test_nothing_found_has_no_guilty_part(judged: tuple[Judge, Finding]) -> None:
     assert without_guilty(judged[0], Finding(None), Evidence(after=[OF_LATCH])) is None
+
+
+def test_the_one_that_gains_too_little_is_taken_out(judged: tuple[Judge, Finding]) -> None:
+    judge, finding = judged
+    gains = {LATE.id: 0.5, REPORT.id: 1.0}
+
+    kept = without_guilty(judge, finding, Evidence(gains=gains))
+
+    assert kept is not None
+    assert kept.model is not None
+    assert kept.model.ids == (REPORT.id,)
+    assert without_guilty(judge, finding, Evidence(gains=dict.fromkeys(gains, 0.5))) is None
+    assert without_guilty(judge, finding, Evidence(gains=dict.fromkeys(gains, 1.0))) is None

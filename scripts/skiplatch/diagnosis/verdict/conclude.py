@@ -71,7 +71,8 @@ def _conclusion(
     truth: Sequence[Effect] | None,
 ) -> Conclusion:
     scene, believed, before = work.scene, work.rig(None), work.before
-    rig = work.rig(finding.model.fit) if finding.model else believed
+    fit = finding.model.fit if finding.model else None
+    rig = work.rig(fit)
     known = work.rig(finding.small.fit) if finding.small else rig
     found = named(scene.with_nominal(rig.nominal), finding)
     true_rig = None if truth is None else replace(rig, effects=truth)
@@ -88,9 +89,9 @@ def _conclusion(
 
     plays = played(rig)
     everywhere = plays.gaps(usual)
-    gap = plays.gaps(work.parts.shrinking & usual) if finding.model else everywhere
+    held_out = work.parts.shrinking & usual
+    gap = plays.gaps(held_out) if fit else everywhere
     hidden = could_hide(scene, known, seed=work.seed)
-    fit = finding.model.fit if finding.model else None
     leaves_to_chance, told = _of_chance(work, fit, rig)
     evidence = Evidence(
         gaps=gap,
@@ -104,10 +105,8 @@ def _conclusion(
         at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
         open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
         is_loose=fit is not None and fit.is_loose,
-        nats=_likelier(scene, work.parts.shrinking & usual, believed, rig, fit) if fit else 0.0,
-        gains=shares_gained(scene, usual, (believed, rig), work.settled(fit), seed=work.seed)
-        if fit
-        else {},
+        nats=_likelier(scene, held_out, believed, rig, fit) if fit else 0.0,
+        gains=_gains(work, usual, rig, fit) if fit else {},
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
         outlying=len(odd),
@@ -127,6 +126,11 @@ def _of_chance(work: Work, fit: Fit | None, rig: Rig) -> tuple[bool, list[Left]]
         return False, []
     found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
     return is_chancy(found, believed), chance_of(found, believed, discrepancy=fit.slack)
+
+
+def _gains(work: Work, rows: BoolArray, rig: Rig, fit: Fit) -> Mapping[str, float]:
+    rigs = work.rig(None), rig
+    return shares_gained(work.scene, rows, rigs, work.settled(fit), seed=work.seed)
 
 
 def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, fit: Fit) -> float:

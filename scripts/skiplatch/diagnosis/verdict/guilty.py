@@ -4,17 +4,21 @@ What one effect leaves speaks against that one, and not against the others: thes
 themselves.
 """
 
+from collections.abc import Iterator
+
 from skiplatch.diagnosis.plays.leftover import streams_of
 from skiplatch.diagnosis.search.decide import Finding, reduced
 from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
-from skiplatch.diagnosis.verdict.rules import mostly_left, told_of_chance
+from skiplatch.diagnosis.verdict.rules import gains_too_little, mostly_left, told_of_chance
 
 
 def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Finding | None:
-    """Take out the effects whose chance can be told, or who leave much of what there was.
+    """Take out the effects that speak against a finding themselves.
 
-    They are those that scatter, or change anything at all, in the streams that tell so.
+    They are those that gain too little; or that scatter where their chance can be told; or that
+    change anything at all where much of what there was is left.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -27,15 +31,21 @@ def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Findin
     model = finding.model
     if model is None:
         return None
-    accused = (
-        (told_of_chance(evidence), judge.scatters),
-        (mostly_left(evidence), judge.reaches),
-    )
-    for looks, acts in accused:
-        streams = frozenset(name for one in looks for name in streams_of(one))
-        guilty = [i for i in range(len(model.ids)) if acts(model, i) & streams]
+    for guilty in _accused(judge, model, evidence):
         if 0 < len(guilty) < len(model.ids):
             for i in reversed(guilty):
                 model = judge.again_without(model, i)
             return reduced(judge, model)
     return None
+
+
+def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[int]]:
+    """Number the effects of a model that are accused, for one reason after the other."""
+    ids = gains_too_little(evidence)
+    yield [i for i, name in enumerate(model.ids) if name in ids]
+    for looks, acts in (
+        (told_of_chance(evidence), judge.scatters),
+        (mostly_left(evidence), judge.reaches),
+    ):
+        streams = frozenset(name for one in looks for name in streams_of(one))
+        yield [i for i in range(len(model.ids)) if acts(model, i) & streams]

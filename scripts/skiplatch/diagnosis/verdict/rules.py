@@ -20,6 +20,8 @@ LIKELIER = 7.0
 """Nats by which touches held out are likelier under a finding than without it from which on that is
 no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
 (2020) 16880, eq. 6)."""
+GAINED = 2.0 / 3.0
+"""Share of what an effect gains on plays of itself that it has to gain on the record."""
 MOST = 0.5
 """Share of the variance of a gap from which on what is left is most of it."""
 PART_OF_ALL = 0.1
@@ -136,10 +138,14 @@ def _is_as_wide(evidence: Evidence, threshold: float) -> str:
     return f"what was recorded scatters far less than it plays: {wide}" if wide else ""
 
 
+def gains_too_little(evidence: Evidence, threshold: float = GAINED) -> list[str]:
+    """Give the ids of effects that gain less than they would if they were there."""
+    return [name for name, share in evidence.gains.items() if share < threshold]
+
+
 def _gains_as_much(evidence: Evidence, threshold: float) -> str:
-    for name, share in evidence.gains.items():
-        if share < threshold:
-            return f"{name} gains {share:.0%} of what it does where it is there"
+    for name in gains_too_little(evidence, threshold):
+        return f"{name} gains {evidence.gains[name]:.0%} of what it does where it is there"
     return ""
 
 
@@ -261,7 +267,7 @@ NAMES: Sequence[Rule] = (
     ),
     Rule(
         "gains_as_much",
-        2.0 / 3.0,
+        GAINED,
         "a level: an effect makes the record likelier by what it does for plays of itself",
         _gains_as_much,
     ),
