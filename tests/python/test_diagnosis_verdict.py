@@ -214,7 +214,7 @@ def test_touches_that_are_likelier_show_a_finding_that_no_gap_is_clear_of() -> N
 
     assert decide(replace(shown, nats=7.0))[0] == Verdict.UNKNOWN
     assert decide(replace(shown, is_chancy=False))[0] == Verdict.UNKNOWN
-    assert decide(replace(shown, gaps=gaps(gap(-0.2, 0.1, is_clear=False))))[0] == Verdict.UNKNOWN
+    assert decide(replace(shown, gaps=gaps(gap(-0.5, 0.5, is_clear=False))))[0] == Verdict.UNKNOWN
     verdict, failed = decide(shown)
     assert verdict == Verdict.PARTLY_EXPLAINED
     assert [failure.rule for failure in failed] == ["shrinks"]
@@ -229,6 +229,13 @@ def test_what_gains_too_little_is_named_in_words() -> None:
     (failure,) = failures([RULES["gains_as_much"]], Evidence(gains={"backlash": 0.25}))
 
     assert failure.words == "backlash gains 25% of what it does where it is there"
+
+
+def test_one_gap_that_may_shrink_is_enough_for_touches_that_are_likelier() -> None:
+    no_smaller, open_yet = gap(-0.2, 0.1), gap(-0.1, 0.9)
+    shown = replace(FOUND, gaps=gaps(no_smaller, open_yet), is_chancy=True, nats=70.0)
+
+    assert decide(shown)[0] == Verdict.PARTLY_EXPLAINED
 
 
 def test_touches_that_are_likelier_show_nothing_where_a_gap_grows_for_certain() -> None:

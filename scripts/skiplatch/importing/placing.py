@@ -88,6 +88,7 @@ def _carried(touches: Sequence[Touch]) -> dict[str, NDArray[Any]]:
     return found
 
 
+@np.errstate(invalid="ignore")  # as above
 def machine_thermometer(touches: Sequence[Touch]) -> str | None:
     """Give the thermometer that stands for the machine, as what grows with it does.
 
