@@ -42,6 +42,7 @@ class MachineLog:
         return [self.kind, str(folder / next(iter(self.files))), *paths]
 
 
+HEAT = ("thermal_drift",)
 DRIFTS = ("unknown", "undecided", "partly_explained", "explained")
 
 
@@ -177,7 +178,12 @@ def klippy_heating() -> MachineLog:
         text += _klipper_series(zs) + "\n"
     drift_um = -1.6 * (bed_c - 25.0)  # upwards: latched before the place of the surface
     return MachineLog(
-        "klipper", {"klippy.log": text}, touches=80, drift_um=drift_um, verdicts=DRIFTS
+        "klipper",
+        {"klippy.log": text},
+        touches=80,
+        drift_um=drift_um,
+        verdicts=DRIFTS,
+        effects=HEAT,
     )
 
 
@@ -250,6 +256,7 @@ def marlin_heating() -> MachineLog:
         options=("--feed", "300"),
         drift_um=-2.2 * (bed_c - 21.0),
         verdicts=DRIFTS,
+        effects=HEAT,
     )
 
 
