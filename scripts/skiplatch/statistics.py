@@ -35,6 +35,11 @@ def errors_of(chance: float) -> float:
     return float(scipy.stats.norm.isf(likely))
 
 
+def errors_of_excess(count: int, trials: int, chance: float) -> float:
+    """Give how many standard errors so many are above what comes at each trial by chance."""
+    return errors_of(float(scipy.stats.binom.sf(count - 1, trials, chance)))
+
+
 def rate_bound(trials: int, confidence: float = CONFIDENCE) -> float:
     """Give what the rate of an event does not exceed that never came in so many trials."""
     test = scipy.stats.binomtest(0, trials, alternative="less")

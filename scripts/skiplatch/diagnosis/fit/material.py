@@ -49,6 +49,11 @@ class Materiality:
         """Give the threshold in µs or µm, if there is one."""
         return self.us if unit == MICROSECONDS else self.um
 
+    def is_exceeded(self, size: float, relative: float, unit: str) -> bool:
+        """Tell whether a size is above the threshold, be it of its unit or of the noise."""
+        least = self.absolute(unit)
+        return relative > self.fraction if least is None else size > least
+
     @property
     def nats_a_touch(self) -> float:
         """Gain below which no shift can be material: half of the fraction, everywhere."""

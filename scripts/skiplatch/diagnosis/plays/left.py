@@ -55,8 +55,7 @@ class Left:
             return True
         if self.size <= RESOLVED * self.step and self.noise < self.step:
             return False
-        least = materiality.absolute(self.unit)
-        return self.relative > materiality.fraction if least is None else self.size > least
+        return materiality.is_exceeded(self.size, self.relative, self.unit)
 
     @property
     def p_value(self) -> float:

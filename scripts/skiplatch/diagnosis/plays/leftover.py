@@ -7,6 +7,7 @@ tells it is what that looks like.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -23,7 +24,7 @@ from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.pitches import kept_pitch
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.playing import Outcomes
-from skiplatch.statistics import errors_of
+from skiplatch.statistics import errors_of, errors_of_excess
 from skiplatch.units import UM_PER_MM
 
 PLAYS = 60
@@ -48,16 +49,14 @@ def left_over(beside: "Beside", memo: Memo | None = None) -> list[Left]:
     memo = {} if memo is None else memo
     found: list[Left] = []
     for path, here in beside.paths.items():
-        for name in beside.recorded:
-            seen = here & beside.known(name)
-            if seen.sum() >= FEWEST:
-                found += beside.look(name, path, seen).all(memo)
+        for look in beside.looks[path]:
+            found += look.all(memo)
         found += _missing(beside.setting, path, here, beside.outcomes)
         found += _steps(beside.setting, path, here, beside.resolution_um)
     return sorted(found, key=lambda left: -left.z)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Beside:
     """Touches beside plays of them, taken apart by observable.
 
@@ -103,6 +102,18 @@ class Beside:
     def known(self, name: str) -> BoolArray:
         """Tell which touches show an observable, recorded and played; shape (n,)."""
         return ~np.isnan(self.recorded[name]) & ~np.isnan(self.played[name]).all(axis=0)
+
+    @cached_property
+    def looks(self) -> Mapping[str, Sequence[Look]]:
+        """Hold all touches of each path that show an observable against their plays."""
+        seen = {
+            path: {name: here & self.known(name) for name in self.recorded}
+            for path, here in self.paths.items()
+        }
+        return {
+            path: [self.look(n, path, rows) for n, rows in of.items() if rows.sum() >= FEWEST]
+            for path, of in seen.items()
+        }
 
     def look(self, name: str, path: str, rows: BoolArray) -> Look:
         """Hold some touches of a path against their plays."""
@@ -248,6 +259,6 @@ def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -
 
 def _errors_of_count(count: int, n: int, rate: float) -> float:
     """Give how many standard errors a count of n is from its rate: one alone is an accident."""
-    law = stats.binom(n, rate)
-    chance = float(law.sf(count - 1) if count > n * rate else law.cdf(count))
-    return errors_of(chance)
+    if count > n * rate:
+        return errors_of_excess(count, n, rate)
+    return errors_of(float(stats.binom.cdf(count, n, rate)))

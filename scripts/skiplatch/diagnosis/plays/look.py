@@ -23,7 +23,7 @@ from skiplatch.diagnosis.scene.covariates import (
 )
 from skiplatch.diagnosis.scene.observed import UNITS, before_wait
 from skiplatch.diagnosis.scene.periodogram import explained_by_sines
-from skiplatch.statistics import errors_of
+from skiplatch.statistics import errors_of, errors_of_excess
 
 TREES = 60
 LEAF = 5
@@ -60,8 +60,12 @@ class Look:
     """One observable on one path; arrays of shape (m,) over its touches, plays of shape (r, m).
 
     Attributes:
+        name: Of the observable.
+        path: On which the touches were latched.
+        recorded: Shape (m,).
+        played: Shape (r, m).
+        off: By how much each is off the middle of its plays.
         scale: What each touch repeats to, or its plays scatter by, whichever is more.
-        step: What the observable is rounded to.
     """
 
     def __init__(
@@ -83,23 +87,23 @@ class Look:
             recorded: Shape (n,).
             played: Shape (r, n).
         """
-        self._setting, self._name, self._path, self._rows = setting, name, path, rows
-        self.step = setting.step(name)
-        self._played = np.round(played[:, rows], DIGITS)
-        self._recorded = np.round(recorded[rows], DIGITS)
-        self._scores = normal_scores(self._recorded, self._played)
+        self._setting, self.name, self.path, self._rows = setting, name, path, rows
+        self._step = setting.step(name)
+        self.played = np.round(played[:, rows], DIGITS)
+        self.recorded = np.round(recorded[rows], DIGITS)
+        self._scores = normal_scores(self.recorded, self.played)
         # In the middle of equal plays a touch would seem to scatter less than others do: drawn by
         # lot (Smith, Journal of Forecasting 4 (1985) 283), it scatters alike whatever is played.
-        lot = np.random.default_rng(setting.seed).random(len(self._recorded))
-        self._sizes = np.abs(normal_scores(self._recorded, self._played, lot))
-        self._off = recorded[rows] - np.nanmedian(self._played, axis=0)
-        self._noise = np.maximum(np.nanstd(self._played, axis=0), self.step / np.sqrt(12.0))
+        lot = np.random.default_rng(setting.seed).random(len(self.recorded))
+        self._sizes = np.abs(normal_scores(self.recorded, self.played, lot))
+        self.off = recorded[rows] - np.nanmedian(self.played, axis=0)
+        self._noise = np.maximum(np.nanstd(self.played, axis=0), self._step / np.sqrt(12.0))
         self.scale = np.maximum(self._noise, setting.repeats_to(name))
 
     def all(self, memo: Memo) -> list[Left]:
         """Give everything that may be left of it."""
-        seen = b"".join(np.round(v, DIGITS).tobytes() for v in (self._scores, self._off))
-        key = f"{self._name} {self._path} ".encode() + seen
+        seen = b"".join(np.round(v, DIGITS).tobytes() for v in (self._scores, self.off))
+        key = f"{self.name} {self.path} ".encode() + seen
         if key not in memo:
             looks = (self.everywhere(), self.straight(), self.predicted(), self.waves())
             memo[key] = [left for found in looks for left in found]
@@ -108,8 +112,8 @@ class Look:
     def everywhere(self) -> Iterator[Left]:
         """Compare middle and scatter of the scores with those of plays among the others."""
         others = [
-            normal_scores(play, np.delete(self._played, k, axis=0))
-            for k, play in enumerate(self._played)
+            normal_scores(play, np.delete(self.played, k, axis=0))
+            for k, play in enumerate(self.played)
         ]
         for kind, power in (("shift", 1), ("scatter", 2)):
             usual = np.array([np.nanmean(scores**power) for scores in others])
@@ -117,18 +121,22 @@ class Look:
             error = max(float(usual.std(ddof=1)), SMALLEST)
             # A rig that scatters less than believed has no gap: nothing is left of it.
             z = (abs(size) if kind == "shift" else max(size, 0.0)) / error
-            if kind == "scatter" and self._name == NEVER_ERRS:
+            if kind == "scatter" and self.name == NEVER_ERRS:
                 z = max(z, self._errors_of_far())
-            everything = np.full(len(self._off), fill_value=True)
+            everything = np.full(len(self.off), fill_value=True)
             yield self._left(kind, (EVERYWHERE,), everything, z)
-        if self._setting.is_mostly_wait(self._name, self._path, self._noise, self._rows):
+        if self._setting.is_mostly_wait(self.name, self.path, self._noise, self._rows):
             yield self._shape()
 
     def _errors_of_far(self) -> float:
         """Count touches that are far off the plays of all, for ranks do not tell how far off."""
-        reach = np.nanmax(np.abs(self._played - np.nanmedian(self._played, axis=0)))
-        far = far_off(self._off, float(reach), self.step)
-        return errors_of(float(stats.binom.sf(far.sum() - 1, len(far), SELDOM)))
+        return errors_of_excess(int(self.far.sum()), len(self.off), SELDOM)
+
+    @property
+    def far(self) -> BoolArray:
+        """Tell which touches are far off the plays of all; shape (m,)."""
+        reach = np.nanmax(np.abs(self.played - np.nanmedian(self.played, axis=0)))
+        return far_off(self.off, float(reach), self._step)
 
     def _shape(self) -> Left:
         """Compare where in the scan touches fall with where plays do (Cramér and von Mises' test).
@@ -139,10 +147,10 @@ class Look:
         """
         scene = self._setting.scene
         is_from_contact = np.isnan(scene.touches.edge_us)
-        expected = before_wait(scene, UNITS[self._name], is_from_contact=is_from_contact)
+        expected = before_wait(scene, UNITS[self.name], is_from_contact=is_from_contact)
         before, unit = (values[self._rows] for values in expected)
-        waits = (self._played - before) / unit
-        shares = shares_among(np.sort(waits[~np.isnan(waits)]), (self._recorded - before) / unit)
+        waits = (self.played - before) / unit
+        shares = shares_among(np.sort(waits[~np.isnan(waits)]), (self.recorded - before) / unit)
         z = errors_of(float(stats.cramervonmises(shares, "uniform").pvalue))
         off = way_from_normal(stats.norm.ppf(shares))
         size, relative = (
@@ -207,15 +215,15 @@ class Look:
             if wave is None:
                 continue
             period, share, z = wave
-            size = float(np.sqrt(share)) * scatter(self._off)
-            relative = float(np.sqrt(share)) * scatter(self._off / self.scale)
+            size = float(np.sqrt(share)) * scatter(self.off)
+            relative = float(np.sqrt(share)) * scatter(self.off / self.scale)
             words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
             yield self._of("wave", words, size, relative, z)
 
     def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
         """Say how large it is, by the difference between the touches of a mask and the others."""
         size, relative = (
-            _apart(values, high, kind) for values in (self._off, self._off / self.scale)
+            _apart(values, high, kind) for values in (self.off, self.off / self.scale)
         )
         if high.all() and kind == "scatter":
             size, relative = (
@@ -227,8 +235,8 @@ class Look:
     def _of(
         self, kind: str, names: tuple[str, ...], size: float, relative: float, z: float
     ) -> Left:
-        noise, unit = float(np.median(self._noise)), UNITS[self._name]
-        return Left(self._name, self._path, kind, names, size, unit, relative, noise, self.step, z)
+        noise, unit = float(np.median(self._noise)), UNITS[self.name]
+        return Left(self.name, self.path, kind, names, size, unit, relative, noise, self._step, z)
 
 
 def told_by_forest(

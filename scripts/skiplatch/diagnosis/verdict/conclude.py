@@ -7,9 +7,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from skiplatch.arrays import BoolArray
-from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.fit import Fit
-from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.hidden import Hidden, could_hide
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.outliers import outliers
@@ -19,7 +17,7 @@ from skiplatch.diagnosis.search.confirm import Confirmation
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
-from skiplatch.diagnosis.verdict.gains import shares_gained
+from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.named import Named, named, open_sizes
 from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
@@ -138,9 +136,7 @@ def _likelier(scene: Scene, rows: BoolArray, believed: Rig, rig: Rig, fit: Fit) 
     if not rows.any():
         return 0.0
     part = scene.select(rows)
-    found = part.with_nominal(rig.nominal)
-    with_it = likelihood(found, fit.change(found)).total
-    return with_it - likelihood(part.with_nominal(believed.nominal), Change()).total
+    return nats_of(part, rig, fit) - nats_of(part, believed, None)
 
 
 def _likelier_in_turn(

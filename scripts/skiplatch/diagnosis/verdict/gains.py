@@ -43,12 +43,14 @@ def shares_gained(
     believed, found = rigs
     plays = replayed(scene, rows, found, seed=seed, campaigns=PLAYS)
 
+    campaigns = (scene.select(rows), *plays)
+    whole = [nats_of(one, found, fit) for one in campaigns]
+
     def share(i: int) -> float:
         fewer = _without(fit, i)
-        start = found if fewer.candidates else believed
+        start = found if fewer else believed
         record, *gains = (
-            _nats(one, found, fit) - _nats(one, start, fewer)
-            for one in (scene.select(rows), *plays)
+            nats - nats_of(one, start, fewer) for nats, one in zip(whole, campaigns, strict=True)
         )
         usual = float(np.mean(gains))
         if usual < LEAST:
@@ -58,13 +60,15 @@ def shares_gained(
     return {candidate.id: share(i) for i, candidate in enumerate(fit.candidates)}
 
 
-def _without(fit: Fit, i: int) -> Fit:
+def nats_of(scene: Scene, rig: Rig, fit: Fit | None) -> float:
+    """Give the log-likelihood of a scene on a rig, with what it has besides or without."""
+    believed = scene.with_nominal(rig.nominal)
+    return likelihood(believed, fit.change(believed) if fit else Change()).total
+
+
+def _without(fit: Fit, i: int) -> Fit | None:
     candidates, parameters = list(fit.candidates), list(fit.parameters)
     del candidates[i], parameters[i]
+    if not candidates:
+        return None
     return replace(fit, candidates=tuple(candidates), parameters=tuple(parameters))
-
-
-def _nats(scene: Scene, rig: Rig, fit: Fit) -> float:
-    believed = scene.with_nominal(rig.nominal)
-    change = fit.change(believed) if fit.candidates else Change()
-    return likelihood(believed, change).total

@@ -100,8 +100,7 @@ class Work:
         """Look for what a rig leaves of touches."""
         return left_over(self.beside(scene, rig), self._memo)
 
-    def _noticed_by(self, beside: Beside) -> frozenset[str]:
-        left = left_over(beside, self._memo)
+    def _noticed_by(self, left: Sequence[Left], beside: Beside) -> frozenset[str]:
         return noticed(left, self.materiality) | rarely_off(beside, self.materiality)
 
     def beside(self, scene: Scene, rig: Rig) -> Beside:
@@ -116,7 +115,8 @@ class Work:
         """Name the streams in which a hypothesis leaves what is worth a search."""
         key = model.fit.key
         if key not in self._noticed:
-            self._noticed[key] = self._noticed_by(self.beside(self.naming, self.rig(model.fit)))
+            beside = self.beside(self.naming, self.rig(model.fit))
+            self._noticed[key] = self._noticed_by(left_over(beside, self._memo), beside)
         return self._noticed[key]
 
     def may_begin(self, model: Scored | None) -> bool:
@@ -152,7 +152,7 @@ class Work:
 
     def _judge_of_noticed(self) -> Judge | None:
         """Prepare to judge effects that act where something is noticed; None where nothing is."""
-        streams = self._noticed_by(self.beside(self.scene, self.rig(None)))
+        streams = self._noticed_by(self.before, self.beside(self.scene, self.rig(None)))
         if not streams:
             return None
         return Judge(self.scene, self.parts, self.pool, self.materiality, streams)
