@@ -18,12 +18,16 @@ from skiplatch.commands import examining as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
 from skiplatch.diagnosis.candidates.axes import idle
 from skiplatch.diagnosis.experiment import Experiment
+from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import Left
-from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reported.diagnosis import Ranked
+from skiplatch.diagnosis.reported.notes import notes
 from skiplatch.diagnosis.reported.text import as_text
+from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
+from skiplatch.diagnosis.verdict.verdict import Failure
 from skiplatch.errors import InputError
 from skiplatch.report.conditions import conditions, most_telling
 from skiplatch.report.evidence import gather
@@ -469,3 +473,81 @@ def test_parameters_of_axes_that_do_not_touch_are_not_told(
     assert idle(touches, replace(lag, parameters={**lag.parameters, "z_excess_ratio": 0.1})) == (
         expected - {"z_excess_ratio"}
     )
+
+
+def turned(campaign: Campaign, rows: np.ndarray) -> Campaign:
+    """Give the same touches by a rotary axis, as far as `rows` says: a degree for a millimetre."""
+    axis = np.where(rows, Axis.C, campaign.touches.axis).astype(np.int8)
+    return replace(campaign, touches=replace(campaign.touches, axis=axis))
+
+
+@cache
+def of_axes(*, all_turn: bool) -> tuple[Campaign, Diagnosis]:
+    """Give a campaign of a rotary axis, or of one beside linear axes, and a made-up diagnosis."""
+    whole = read_campaign(SAMPLES / "machine_no_gap")
+    few = replace(whole, touches=whole.touches.select(np.arange(120)))
+    campaign = turned(few, np.arange(120) % 4 < (4 if all_turn else 2))
+    play = effect("backlash", backlash_um=12.5)
+    diagnosis = diagnosed(campaign, Verdict.PARTLY_EXPLAINED, play)
+    return campaign, replace(
+        diagnosis,
+        where=[Place("position", "skip", "deviation_skip", "everywhere", 10.0, "µm")],
+        left=[Left("position", "skip", "shift", ("time",), 2.0, "µm", 1.2, 0.33, 0.25, 9.5)],
+        effects=[Named(play, "position", {n: (v, v) for n, v in play.parameters.items()}, (), 0.9)],
+        ranking=[],
+        rivals=[],
+        materiality=Materiality(um=1.0),
+        rig=replace(diagnosis.rig, datum=FittedDatum({"C": 5.0})),
+        ways=Ways.of(campaign.touches),
+    )
+
+
+def test_a_rotary_axis_is_told_in_arcsec() -> None:
+    campaign, diagnosis = of_axes(all_turn=True)
+
+    said = as_text(diagnosis), prose(as_html(campaign, diagnosis, name="c", seed=1, jobs=2))
+
+    for text in said:
+        assert not re.search(r"µm|mm/min| mm\b", text)
+        assert "36.0 arcsec" in text  # 10 mdeg
+        assert re.search(r"12\.5\S* .*mdeg", text)
+    assert "7.20 arcsec" in said[1]  # left over
+    assert "deg/min" in said[1]
+    assert "3.6 arcsec on in lengths" in said[0]
+    assert re.search(r"C\.surface_arcsec +0 +18\.0", said[0])
+    before = re.search(r"deviation_arcsec +arcsec +(\S+)", said[0])
+    assert before is not None
+    assert float(before[1]) == pytest.approx(3.6 * diagnosis.gap["deviation_um"].before, rel=0.01)
+
+
+def test_what_could_hide_at_a_rotary_axis_is_told_in_arcsec() -> None:
+    _, diagnosis = of_axes(all_turn=True)
+    gap = {"deviation_um": replace(diagnosis.gap["deviation_um"], could_hide=2.0)}
+
+    said = as_text(replace(diagnosis, verdict=Verdict.NO_GAP, effects=[], where=[], gap=gap))
+
+    assert re.search(r"deviation_arcsec +arcsec +7\.2\n", said)
+
+
+def test_linear_and_rotary_axes_of_a_campaign_have_pictures_in_their_own_units() -> None:
+    campaign, diagnosis = of_axes(all_turn=False)
+
+    text = as_text(diagnosis)
+    page = as_html(campaign, diagnosis, name="c", seed=1, jobs=2)
+
+    for said in (text, prose(page)):
+        assert "10.0 µm or mdeg" in said
+    pictures = re.findall(r'aria-label="([^"]+)"', page)
+    for unit, feed in (("arcsec", "deg/min"), ("µm", "mm/min")):
+        own = [words for words in pictures if f" in {unit}, " in words]
+        assert own
+        assert all(feed in words for words in own)
+
+
+def test_what_is_short_of_an_explanation_is_told_in_degrees() -> None:
+    campaign, _ = of_axes(all_turn=True)
+    failure = Failure("left", 3.0, "", "it leaves 3 µm of position, much of what was there")
+
+    said = notes(Scene.of(campaign), Verdict.UNKNOWN, [failure], [])
+
+    assert "Not explained: it leaves 3 mdeg of position, much of what was there." in said

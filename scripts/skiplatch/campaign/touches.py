@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign.column_kinds import NOT_RECORDED, ChoiceColumn, Values
-from skiplatch.campaign.columns import COLUMNS, MEASURED_OUTCOMES, InputPath, Status
+from skiplatch.campaign.columns import COLUMNS, MEASURED_OUTCOMES, Axis, InputPath, Status
 from skiplatch.dataframes import DataFrame, Library, dataframe
 
 CodeArray = NDArray[np.int8]
@@ -154,6 +154,11 @@ class Touches:
     def on_plc(self) -> BoolArray:
         """Latched by the PLC task; shape (n,)."""
         return _mask(self.path == InputPath.PLC)
+
+    @property
+    def turns(self) -> BoolArray:
+        """Made by a rotary axis; shape (n,)."""
+        return _mask(self.axis >= Axis.A)
 
     @property
     def measured(self) -> BoolArray:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Axis, Campaign, InputPath, Nominal, Touches
+from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import (
     adjusted_p_values,
@@ -99,9 +99,8 @@ def _cells(
     touches: Touches, simulated: Outcomes, contact: Contact, *, is_feed_known: bool
 ) -> list[Cell]:
     cells = []
-    turns = touches.axis >= Axis.A
     for observable in ALL_OBSERVABLES:
-        mine = turns == observable.is_rotary
+        mine = touches.turns == observable.is_rotary
         if not mine.any():
             continue
         recorded = observable.values(touches, contact)

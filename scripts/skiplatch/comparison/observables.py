@@ -101,3 +101,7 @@ ROTARY_OBSERVABLES = (
     ),
 )
 ALL_OBSERVABLES = (*OBSERVABLES, *ROTARY_OBSERVABLES)
+OF_LINEAR_AXES = {
+    turned.name: plain.name for turned, plain in zip(ROTARY_OBSERVABLES, OBSERVABLES, strict=True)
+}
+"""What an observable of rotary axes is called of linear ones."""

@@ -17,6 +17,7 @@ from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
+from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.reported.where import places
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.scored import Scored
@@ -99,6 +100,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
         beliefs=_values(work, rig),
         outliers=found.outliers if may_be_accidents(len(found.outliers), evidence.touches) else [],
         failures=failures,
+        ways=Ways.of(scene.touches),
     )
 
 

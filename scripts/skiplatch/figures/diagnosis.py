@@ -25,7 +25,7 @@ RESIDUAL_IN = 2.3
 TAIL = 0.002
 """Share of the touches on either side that a picture may leave outside."""
 MARGIN = 0.06  # of the range, on both sides
-LEAST_RANGE = 0.1  # µm or µs
+LEAST_RANGE = 0.1  # µm, arcsec or µs
 MOST_POINTS = 300
 WIDE = 8.0  # greatest over least value, for a logarithmic axis
 MOST_LEVELS = 6
@@ -62,8 +62,8 @@ def draw_distribution(
         axes.set_ylabel("share up to there")
         _plain_axes(axes)
         label_shares(axes)
-    is_known = "feed_mm_min" not in evidence.stood_in
-    where = f"{TITLES[path]}, {feed_words(feed_mm_min, is_known=is_known)}"
+    is_known, unit = "feed_mm_min" not in evidence.stood_in, seen.observable.feed_unit
+    where = f"{TITLES[path]}, {feed_words(feed_mm_min, is_known=is_known, unit=unit)}"
     figures = "; ".join(f"{title} {_middle(sample)}" for title, sample in samples.items())
     description = (
         f"Cumulative distribution of {seen.title} in {seen.unit}, {where}, "

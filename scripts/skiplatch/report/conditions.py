@@ -24,6 +24,12 @@ class Condition:
     title: str
     unit: str
     values: FloatArray
+    rotary_unit: str | None = None
+    """Of touches by a rotary axis, where that is another one."""
+
+    def of(self, *, is_rotary: bool) -> Self:
+        """Give it in the unit of linear or of rotary axes."""
+        return replace(self, unit=self.rotary_unit or self.unit) if is_rotary else self
 
     def select(self, rows: NDArray[np.intp]) -> Self:
         """Give some of the touches."""
@@ -43,10 +49,10 @@ def conditions(touches: Touches, stood_in: AbstractSet[str] = frozenset()) -> li
     touches = replace(touches, **{name: np.full(len(touches), np.nan) for name in stood_in})
     rest_s = np.diff(touches.time_s, prepend=np.nan)
     every = (
-        Condition("feed", "mm/min", touches.feed_mm_min),
+        Condition("feed", "mm/min", touches.feed_mm_min, "deg/min"),
         Condition("direction α", "deg", touches.alpha_deg),
         Condition("sense", "", touches.sign),
-        Condition("position", "mm", touches.position_mm),
+        Condition("position", "mm", touches.position_mm, "deg"),
         Condition("rotary angle", "deg", touches.rotary_deg),
         Condition("temperature", "°C", touches.temp_c),
         *(
@@ -55,7 +61,7 @@ def conditions(touches: Touches, stood_in: AbstractSet[str] = frozenset()) -> li
         ),
         Condition("time", "s", touches.time_s),
         Condition("rest since the touch before", "s", rest_s),
-        Condition("approach", "mm", touches.approach_mm),
+        Condition("approach", "mm", touches.approach_mm, "deg"),
     )
     return [c for c in every if len(np.unique(c.values[np.isfinite(c.values)])) > 1]
 

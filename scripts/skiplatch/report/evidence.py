@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Campaign, InputPath, Touches
-from skiplatch.comparison.observables import OBSERVABLES
+from skiplatch.comparison.observables import ALL_OBSERVABLES, OF_LINEAR_AXES, Observable
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.motion import Contact, expected_contact
@@ -34,17 +34,30 @@ TELLING = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """One observable of n touches, NaN where there is none."""
+    """One observable of n touches, NaN where there is none, as of axes of the other kind."""
 
-    name: str
-    title: str
-    unit: str
+    observable: Observable
     recorded: FloatArray
     """Shape (n,)."""
     before: FloatArray
     """In the nominal simulation; shape (r, n)."""
     after: FloatArray | None
     """In the simulation with the effects, if any was found; shape (r, n)."""
+
+    @property
+    def title(self) -> str:
+        """Its name for people."""
+        return self.observable.title
+
+    @property
+    def unit(self) -> str:
+        """Its unit."""
+        return self.observable.unit
+
+    @property
+    def stretch(self) -> str:
+        """What it is called of linear axes."""
+        return OF_LINEAR_AXES.get(self.observable.name, self.observable.name)
 
     @property
     def left_before(self) -> FloatArray:
@@ -82,6 +95,11 @@ class Evidence:
     conditions: Sequence[Condition]
     stood_in: frozenset[str] = frozenset()
     """Columns whose values nobody recorded."""
+
+    @property
+    def stretch(self) -> str:
+        """What the telling observable is called of linear axes."""
+        return OF_LINEAR_AXES.get(self.telling, self.telling)
 
     @property
     def paths(self) -> list[InputPath]:
@@ -125,16 +143,19 @@ def _seen(
     touches: Touches, contact: Contact, before: Outcomes, after: Outcomes | None
 ) -> dict[str, Seen]:
     seen = {}
-    for observable in OBSERVABLES:
-        recorded = observable.values(touches, contact)
+    for observable in ALL_OBSERVABLES:
+        mine = touches.turns == observable.is_rotary
+
+        def own(values: FloatArray, mine: BoolArray = mine) -> FloatArray:
+            return np.where(mine, values, np.nan)
+
+        recorded = own(observable.values(touches, contact))
         if np.isfinite(recorded).any():
             seen[observable.name] = Seen(
-                observable.name,
-                observable.title,
-                observable.unit,
+                observable,
                 recorded,
-                observable.values(before, contact),
-                None if after is None else observable.values(after, contact),
+                own(observable.values(before, contact)),
+                None if after is None else own(observable.values(after, contact)),
             )
     return seen
 
@@ -142,7 +163,9 @@ def _seen(
 def _telling(diagnosis: Diagnosis, seen: Mapping[str, Seen]) -> str:
     stages = [named.stage for named in diagnosis.effects] or [p.stage for p in diagnosis.where]
     wanted = TELLING.get(stages[0], (*TIMES, POSITION)) if stages else (POSITION,)
-    return next((name for name in (*wanted, *seen) if name in seen), POSITION)
+    turned = {plain: name for name, plain in OF_LINEAR_AXES.items()}
+    both = [name for plain in wanted for name in (plain, turned[plain])]
+    return next((name for name in (*both, *seen) if name in seen), POSITION)
 
 
 def _path(diagnosis: Diagnosis, touches: Touches) -> InputPath:

@@ -6,11 +6,12 @@ from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.experiment.text import REST, VARIED
+from skiplatch.diagnosis.reported.units_told import for_people
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
 from skiplatch.figures.inline import Drawing
 from skiplatch.report import chain, glossary, ranking, words
 from skiplatch.report.conditions import most_telling
-from skiplatch.report.evidence import POSITION, Evidence, gather
+from skiplatch.report.evidence import POSITION, Evidence, Seen, gather
 from skiplatch.report.layout import render
 
 TEMPLATE = "diagnosis.html"
@@ -38,6 +39,7 @@ def as_html(
         next_experiment: What to record or to touch next; None for nothing.
     """
     evidence = gather(campaign, diagnosis, seed=seed, jobs=jobs)
+    diagnosis, ways = for_people(diagnosis), diagnosis.ways
     ranks = ranking.ranking(diagnosis)
     steps = chain.steps(diagnosis, campaign.nominal.kind)
     return render(
@@ -47,8 +49,8 @@ def as_html(
         touches=diagnosis.touches,
         verdict=diagnosis.verdict.value,
         headline=words.headline(diagnosis),
-        lead=words.lead(diagnosis, evidence.telling),
-        found=[words.found(named) for named in diagnosis.effects],
+        lead=words.lead(diagnosis, ways.observable_name(evidence.stretch)),
+        found=[words.found(named, ways) for named in diagnosis.effects],
         chain=steps,
         chain_described=chain.described(steps),
         distributions=_distributions(evidence),
@@ -74,33 +76,40 @@ def as_html(
 
 def _distributions(evidence: Evidence) -> list[Drawing]:
     """Draw the deviation and what tells most, of each path, at some feeds."""
-    shown = [key for key in evidence.seen if key in (POSITION, evidence.telling)]
+    wanted = (POSITION, evidence.stretch)
+    shown = [seen for seen in evidence.seen.values() if seen.stretch in wanted]
     drawn = [
-        draw_distribution(f"d{i}-{path.value}-{k}", evidence.seen[key], evidence, path, feed)
-        for i, key in enumerate(sorted(shown, key=lambda key: key != evidence.telling))
+        draw_distribution(f"d{i}-{path.value}-{k}", seen, evidence, path, feed)
+        for i, seen in enumerate(sorted(shown, key=lambda seen: seen.stretch != evidence.stretch))
         for path in evidence.paths
-        for k, feed in enumerate(_shown_feeds(evidence, path))
+        for k, feed in enumerate(_shown_feeds(evidence, seen, path))
     ]
     return [drawing for drawing in drawn if drawing is not None]
 
 
-def _shown_feeds(evidence: Evidence, path: InputPath) -> list[float]:
-    """The slowest, the fastest, and some between."""
-    feeds = np.unique(evidence.touches.feed_mm_min[evidence.touches.path == path])
+def _shown_feeds(evidence: Evidence, seen: Seen, path: InputPath) -> list[float]:
+    """The slowest, the fastest, and some between, of the touches by axes of a kind."""
+    touches = evidence.touches
+    rows = (touches.path == path) & (touches.turns == seen.observable.is_rotary)
+    feeds = np.unique(touches.feed_mm_min[rows])
     chosen = np.linspace(0, len(feeds) - 1, min(len(feeds), MOST_FEEDS)).round().astype(int)
     return [float(feed) for feed in feeds[chosen]]
 
 
 def _residuals(evidence: Evidence) -> list[Drawing]:
     """Draw the observable that tells most against the conditions that matter most."""
-    if evidence.telling not in evidence.seen:
-        return []
-    seen = evidence.seen[evidence.telling]
-    here = np.where(evidence.touches.path == evidence.path, seen.left_before, np.nan)
-    chosen = most_telling(evidence.conditions, here, MOST_CONDITIONS)
-    return [
-        draw_residuals(f"r{i}", seen, evidence, condition) for i, condition in enumerate(chosen)
-    ]
+    drawn: list[Drawing] = []
+    for seen in evidence.seen.values():
+        if seen.stretch == evidence.stretch:
+            here = np.where(evidence.touches.path == evidence.path, seen.left_before, np.nan)
+            kind = [one.of(is_rotary=seen.observable.is_rotary) for one in evidence.conditions]
+            chosen = most_telling(kind, here, MOST_CONDITIONS)
+            first = len(drawn)
+            drawn += [
+                draw_residuals(f"r{i}", seen, evidence, condition)
+                for i, condition in enumerate(chosen, first)
+            ]
+    return drawn
 
 
 def _shrink(diagnosis: Diagnosis) -> Drawing | None:

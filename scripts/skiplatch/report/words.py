@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
+from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
@@ -13,7 +14,7 @@ from skiplatch.statistics import Interval
 from skiplatch.tables import NOTHING, number, with_interval
 
 DIGITS = 3
-LEAST = 1e-3  # µm or µs
+LEAST = 1e-3  # µm, arcsec or µs
 MOST_LEFT = 8
 PATHS = {"both": "both paths", "skip": "the skip path", "plc": "the PLC path"}
 
@@ -100,8 +101,8 @@ def _shown(diagnosis: Diagnosis, telling: str) -> Gap | None:
     return first if first is None or first.is_clear or not clear else clear[0]
 
 
-def found(named: Named) -> Found:
-    """Describe an effect that was found."""
+def found(named: Named, ways: Ways = Ways.LINEAR) -> Found:
+    """Describe an effect that was found by such axes."""
     described = effects()[named.effect.id]
     rows = []
     for parameter in described.parameters:
@@ -110,7 +111,7 @@ def found(named: Named) -> Found:
         value = named.effect.parameters.get(parameter.name, 0.0)
         low, high = named.intervals.get(parameter.name, (value, value))
         figures = with_interval(Interval(value, low, high))
-        unit = "" if parameter.unit == "1" else parameter.unit
+        unit = "" if parameter.unit == "1" else ways.unit_of_number(parameter.unit)
         rows.append((parameter.name, *figures, unit, parameter.meaning))
     return Found(
         id=named.effect.id,

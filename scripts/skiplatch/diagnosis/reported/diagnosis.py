@@ -7,6 +7,7 @@ from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.shrink import Gap
@@ -54,3 +55,5 @@ class Diagnosis:
     """Serial numbers of touches that are far off what the finding plays."""
     failures: Sequence[Failure] = ()
     """The rules that candidates failed, and by how much."""
+    ways: Ways = Ways.LINEAR
+    """What the axes do; of rotary ones a µm stands for 0.001°."""

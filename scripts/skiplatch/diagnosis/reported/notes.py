@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from skiplatch.campaign import Axis, Campaign, InputPath
+from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
 from skiplatch.errors import InputError
@@ -36,14 +37,15 @@ def notes(
         where = f"{first.observable}, {first.path} path"
         found.append(f"What it looks like: {where}: {first.looks_like}.")
     if verdict is not Verdict.EXPLAINED:
-        found += [f"Not explained: {failure.words}." for failure in failures]
+        ways = Ways.of(scene.touches)
+        found += [f"Not explained: {ways.relabelled(failure.words)}." for failure in failures]
     for path in InputPath:
         if not (scene.touches.path == path).any():
             name = path.name.lower()
             found.append(f"No touches on the {name} path: nothing can be said of it.")
     if not scene.has_stamps.any():
         found.append("No latch_us: what shifts time and what shifts length look alike.")
-    if (scene.touches.axis >= Axis.A).any():
+    if scene.touches.turns.any():
         found.append(
             "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
             "1 mm/min is 1 deg/min."

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.document import datum_json
+from skiplatch.diagnosis.reported.units_told import datum_told, for_people
+from skiplatch.diagnosis.reported.ways import LENGTH, Ways
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.rules import EXPLAINS, HAS_GAP, NAMES, SEES
 from skiplatch.diagnosis.verdict.shrink import Gap
@@ -27,7 +29,9 @@ MOST_LISTED = 12
 
 def as_text(diagnosis: Diagnosis) -> str:
     """Everything, for the terminal."""
-    parts = [VERDICTS[diagnosis.verdict], *map(_effect_text, diagnosis.effects)]
+    diagnosis, ways = for_people(diagnosis), diagnosis.ways
+    effect_texts = [_effect_text(named, ways) for named in diagnosis.effects]
+    parts = [VERDICTS[diagnosis.verdict], *effect_texts]
     if diagnosis.where:
         rows = [
             (p.observable, p.stage, p.paths, _size(p.size, p.unit), p.conditions)
@@ -38,7 +42,7 @@ def as_text(diagnosis: Diagnosis) -> str:
         parts.append(_hidden_text(diagnosis.gap))
     if diagnosis.effects:
         parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
-    parts.append(_threshold_text(diagnosis.materiality))
+    parts.append(_threshold_text(diagnosis.materiality, ways))
     if moved := _moved(diagnosis):
         parts.append(
             "Beliefs, as the touches move them\n" + table(("belief", "believed", "now"), moved)
@@ -52,7 +56,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     return "\n\n".join(parts)
 
 
-def _effect_text(named: Named) -> str:
+def _effect_text(named: Named, ways: Ways) -> str:
     described = effects()[named.effect.id]
     lines = [f"{named.effect.id} ({named.stage} stage, {described.paths}): {described.physics}"]
     for parameter in described.parameters:
@@ -63,7 +67,7 @@ def _effect_text(named: Named) -> str:
         limit = ", at the limit of its range" if parameter.name in named.at_limit else ""
         lines.append(
             f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}) "
-            f"{parameter.unit}, {parameter.meaning}{limit}"
+            f"{ways.unit_of_number(parameter.unit)}, {parameter.meaning}{limit}"
         )
     if named.when:
         lines.append(f"  {named.when}")
@@ -86,19 +90,23 @@ def _moved(diagnosis: Diagnosis) -> list[tuple[str, str, str]]:
         for belief, value in diagnosis.beliefs
         if abs(belief.uncertainties(value)) > HALF
     ]
-    data = datum_json(diagnosis.rig.datum)
-    return rows + [(name, "0", number(entry["value"], 3)) for name, entry in data.items()]
+    data = {name: entry["value"] for name, entry in datum_json(diagnosis.rig.datum).items()}
+    told = datum_told(data, diagnosis.ways)
+    return rows + [(name, "0", number(value, 3)) for name, value in told.items()]
 
 
 def _size(size: float, unit: str) -> str:
     return f"{size:.1%} of the touches" if unit == "1" else f"{number(size, 3)} {unit}"
 
 
-def _threshold_text(materiality: Materiality) -> str:
+def _threshold_text(materiality: Materiality, ways: Ways) -> str:
     """Say from which size on a change counted."""
     spread = f"{materiality.fraction:.3g} of the rig's own spread"
     times = spread if materiality.us is None else f"{materiality.us:g} µs"
-    lengths = spread if materiality.um is None else f"{materiality.um:g} µm"
+    lengths = spread
+    if materiality.um is not None:
+        size, unit = ways.told(materiality.um, LENGTH)
+        lengths = f"{size:g} {unit}"
     if times == lengths:
         return f"A gap counts from {spread} on."
     return f"A gap counts from {times} on in times, and from {lengths} on in lengths."

@@ -1,0 +1,62 @@
+"""A diagnosis in the units of its axes; the diagnosis itself and its JSON are in µm throughout."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.reported.diagnosis import Diagnosis
+from skiplatch.diagnosis.reported.ways import LENGTH, Ways
+from skiplatch.diagnosis.reported.where import Place
+from skiplatch.diagnosis.verdict.shrink import Gap
+
+
+def for_people(diagnosis: Diagnosis) -> Diagnosis:
+    """Give the sizes of a diagnosis, and the names of what it observed, in those units."""
+    ways = diagnosis.ways
+    if ways is Ways.LINEAR:
+        return diagnosis
+    return replace(
+        diagnosis,
+        where=[_place(place, ways) for place in diagnosis.where],
+        left=[_left(one, ways) for one in diagnosis.left],
+        gap={ways.observable_name(name): _gap(gap, ways) for name, gap in diagnosis.gap.items()},
+    )
+
+
+def datum_told(values: Mapping[str, float], ways: Ways) -> dict[str, float]:
+    """Give what each datum is off by, by names that end in the unit.
+
+    Args:
+        values: In µm, by names that end so.
+        ways: Of the campaign, for a datum of all axes.
+    """
+    told = {}
+    for name, value in values.items():
+        own = Ways.of_datum(name) or ways
+        told[own.observable_name(name)] = own.told(value, LENGTH)[0]
+    return told
+
+
+def _place(place: Place, ways: Ways) -> Place:
+    size, unit = ways.told(place.size, place.unit)
+    return replace(place, size=size, unit=unit)
+
+
+def _left(left: Left, ways: Ways) -> Left:
+    size, unit = ways.told(left.size, left.unit)
+    return replace(left, size=size, unit=unit)
+
+
+def _gap(gap: Gap, ways: Ways) -> Gap:
+    def told(size: float) -> float:
+        return ways.told(size, gap.unit)[0]
+
+    return replace(
+        gap,
+        unit=ways.told(0.0, gap.unit)[1],
+        before=told(gap.before),
+        after=told(gap.after),
+        noise_floor=told(gap.noise_floor),
+        could_hide=told(gap.could_hide),
+        oracle=None if gap.oracle is None else told(gap.oracle),
+    )
