@@ -5,15 +5,17 @@ from edge to latch in µs.
 
 Deviations are held against the middle of their surface, and one straight line each in the number
 of the touch and in the feed is fitted to all of them together. First touches of a series and
-outliers are looked at apart and do not enter.
+outliers are looked at apart and do not enter. Each input path has figures of its own: a PLC task
+scatters by its scan.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.campaign import Campaign, Touches
+from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.campaign.steps import common_step
 from skiplatch.errors import InputError
 from skiplatch.statistics import Interval
@@ -72,8 +74,47 @@ class Repeatability:
         return self.step is not None and self.sigma.value < HIDING * self.step
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class OfPath:
+    """What is told of the touches of one input path.
+
+    Attributes:
+        title: Of the path; empty where there is no other.
+        sentence: All of it in one.
+        figures: Rows of name, value and interval.
+    """
+
+    path: InputPath
+    title: str
+    found: Repeatability
+    sentence: str
+    figures: Sequence[Sequence[str]]
+
+
+def by_path(campaign: Campaign) -> dict[InputPath, Repeatability]:
+    """Work it out for each input path that tells anything, the skip input first.
+
+    Raises:
+        InputError: No surface was touched often enough, or no deviation was recorded.
+    """
+    touches = campaign.touches
+    paths = [path for path in InputPath if (touches.path == path).any()]
+    if len(paths) <= 1:
+        return {path: repeatability(campaign) for path in paths or [InputPath.SKIP]}
+    found, refused = {}, []
+    for path in paths:
+        try:
+            own = replace(campaign, touches=touches.select(touches.path == path))
+            found[path] = repeatability(own)
+        except InputError as error:
+            refused.append(error)
+    if not found:
+        raise refused[0]
+    return found
+
+
 def repeatability(campaign: Campaign) -> Repeatability:
-    """Work it out.
+    """Work it out for all touches together.
 
     Raises:
         InputError: No surface was touched often enough, or no deviation was recorded.

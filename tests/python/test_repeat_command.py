@@ -11,7 +11,15 @@ import pytest
 from click.testing import CliRunner
 
 from refusals import Program
-from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
+from skiplatch.campaign import (
+    Axis,
+    Campaign,
+    InputPath,
+    Touches,
+    read_campaign,
+    write_nominal,
+    write_touches,
+)
 from skiplatch.cli import group
 from skiplatch.commands.repeat import as_json, sentence
 from skiplatch.repeatability import Repeatability, repeatability
@@ -285,3 +293,58 @@ def test_package_runs_as_a_module() -> None:
     said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
     assert said.startswith("skiplatch, version ")
+
+
+@pytest.fixture
+def both_paths(tmp_path: Path, bench_sample: Path) -> Path:
+    """A bench whose skip input takes 7 ± 0.3 µs, and whose PLC task polls every 4 ms."""
+    rng, n = np.random.default_rng(3), 60
+    path = np.repeat([InputPath.SKIP, InputPath.PLC], n)
+    edge_us = np.tile(np.arange(n) * 1e6, 2)
+    waits_us = np.append(rng.normal(7.0, 0.3, n), rng.uniform(0.0, 4000.0, n))
+    touches = Touches.from_columns(
+        touch=np.arange(2 * n),
+        time_s=np.arange(2.0 * n),
+        path=path,
+        feed_mm_min=np.full(2 * n, 100.0),
+        approach_mm=np.full(2 * n, 2.0),
+        edge_us=edge_us,
+        latch_us=edge_us + waits_us.round(3),
+    )
+    return kept(tmp_path / "bench", read_campaign(bench_sample), touches)
+
+
+def kept(folder: Path, campaign: Campaign, touches: Touches) -> Path:
+    folder.mkdir()
+    write_nominal(folder / "nominal.toml", campaign.nominal)
+    write_touches(folder / "touches.csv", touches)
+    return folder
+
+
+def test_each_path_repeats_by_itself(both_paths: Path, tmp_path: Path) -> None:
+    out, page, picture = (tmp_path / name for name in ("r.json", "r.html", "r.svg"))
+    words = ["repeat", str(both_paths), "--json", str(out), "--html", str(page)]
+
+    result = CliRunner().invoke(group, [*words, "--picture", str(picture)], catch_exceptions=False)
+
+    document = json.loads(out.read_text())
+    skip, plc = (document["paths"][path] for path in ("skip", "plc"))
+    assert skip["sigma_us"] == pytest.approx(0.3, rel=0.3)
+    assert skip["mean_us"] == pytest.approx(7.0, abs=0.2)
+    assert plc["sigma_us"] == pytest.approx(4000.0 / np.sqrt(12.0), rel=0.2)
+    assert plc["n"] == 60
+    assert {name: document[name] for name in skip} == skip  # the top level is the skip input's
+    for said in (result.output, page.read_text()):
+        for path, found in (("Skip input", skip), ("PLC task", plc)):
+            assert f"{path}: {found['sentence']}" in said
+    assert "Skip input: 60 touches" in picture.read_text()
+
+
+def test_a_path_with_too_few_touches_hides_no_other(both_paths: Path, tmp_path: Path) -> None:
+    whole = read_campaign(both_paths)
+    few = kept(tmp_path / "few", whole, whole.touches.select(slice(None, 62)))
+
+    result = CliRunner().invoke(group, ["repeat", str(few)], catch_exceptions=False)
+
+    assert "Skip input: 60 latches come" in result.output
+    assert "PLC task: no surface was touched 3 times or more" in result.output

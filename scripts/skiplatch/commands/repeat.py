@@ -1,18 +1,21 @@
 """``skiplatch repeat``: how well touches repeat, without any nominal."""
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 
-from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.importing.detect import read_any
 from skiplatch.importing.writing import write_imported
-from skiplatch.repeatability import Repeatability, repeatability
+from skiplatch.latch.text import TITLES
+from skiplatch.repeatability import FEWEST, OfPath, Repeatability, by_path
 from skiplatch.statistics import Interval
 from skiplatch.tables import table, with_interval
 
@@ -41,32 +44,61 @@ def command(
 
     Nothing is believed of the rig: mean, scatter, drift from touch to touch and per kelvin, the
     first touch apart, outliers by number, and the slope with the feed in ms, which is a delay. With
-    95 % intervals. Of a bench without motion, the times from edge to latch.
+    95 % intervals. Of a bench without motion, the times from edge to latch. Where touches were
+    latched by a skip input and by a PLC task, each has figures of its own.
     """
     campaign, head, assumed = _read(source)
-    found = repeatability(campaign)
-    said = sentence(found)
-    click.echo(f"{head}\n\n{said}\n")
-    click.echo(table(("", "found", "95 % interval"), _rows(found)))
-    if found.outliers:
-        shown = ", ".join(str(touch) for touch in found.outliers[:SHOWN])
-        more = len(found.outliers) - SHOWN
-        click.echo(f"\noutliers: touches {shown}{f' and {more} more' if more > 0 else ''}")
+    shown = _shown(campaign)
+    click.echo(head)
+    for one in shown:
+        click.echo(f"\n{_text(one)}")
+    for path in _untold(campaign, shown):
+        click.echo(f"\n{path}: no surface was touched {FEWEST} times or more")
     if assumed:
         click.echo("\n".join(("", "Assumed", *(f"  {line}" for line in assumed))))
-    document = {"source": str(source), **as_json(found), "sentence": said, "assumed": assumed}
-    write_json(json_path, document)
+    write_json(json_path, {"source": str(source), **document(shown), "assumed": assumed})
+    # Drawing takes time to load, which only those pay who want a picture.
     if html_path is not None:
-        # Drawing takes time to load, which only those pay who want a picture.
         from skiplatch.report.repeatability import as_html  # noqa: PLC0415
 
-        page = as_html(found, name=source.name, sentence=said, figures=_rows(found))
-        write_document(html_path, page)
+        write_document(html_path, as_html(shown, name=source.name))
     if picture is not None:
         from skiplatch.figures.repeatability import draw_repeatability  # noqa: PLC0415
 
-        draw_repeatability(picture, found, said)
+        draw_repeatability(picture, shown)
         click.echo(f"wrote {picture}")
+
+
+def _shown(campaign: Campaign) -> list[OfPath]:
+    """Give what is shown of each input path; one alone needs no name."""
+    is_alone = len(np.unique(campaign.touches.path)) == 1
+    return [
+        OfPath(path, "" if is_alone else _title(path), found, sentence(found), _rows(found))
+        for path, found in by_path(campaign).items()
+    ]
+
+
+def _title(path: InputPath) -> str:
+    return TITLES[path][0].upper() + TITLES[path][1:]
+
+
+def _untold(campaign: Campaign, shown: Sequence[OfPath]) -> list[str]:
+    """Name the paths that were touched, but too seldom."""
+    told = {one.path for one in shown}
+    there = (path for path in InputPath if (campaign.touches.path == path).any())
+    return [_title(path) for path in there if path not in told]
+
+
+def _text(shown: OfPath) -> str:
+    """Say what the touches of a path show."""
+    found = shown.found
+    said = f"{shown.title}: {shown.sentence}" if shown.title else shown.sentence
+    text = f"{said}\n\n{table(('', 'found', '95 % interval'), shown.figures)}"
+    if not found.outliers:
+        return text
+    listed = ", ".join(str(touch) for touch in found.outliers[:SHOWN])
+    more = len(found.outliers) - SHOWN
+    return f"{text}\n\noutliers: touches {listed}{f' and {more} more' if more > 0 else ''}"
 
 
 def _read(source: Path) -> tuple[Campaign, str, list[str]]:
@@ -152,8 +184,16 @@ def _rows(found: Repeatability) -> list[tuple[str, ...]]:
     return rows
 
 
+def document(shown: Sequence[OfPath]) -> dict[str, Any]:
+    """Give it for programs: figures of the skip input, or of the only path; and those of each."""
+    paths = {
+        one.path.name.lower(): {**as_json(one.found), "sentence": one.sentence} for one in shown
+    }
+    return {**next(iter(paths.values())), "paths": paths}
+
+
 def as_json(found: Repeatability) -> dict[str, Any]:
-    """Give it for programs; names end with the unit: um, arcsec of rotary axes, us on a bench."""
+    """Give a path's figures; names end with the unit: um, arcsec of rotary axes, us on a bench."""
     unit = found.unit.replace("µ", "u")
     figures = {
         f"mean_{unit}": found.mean,

@@ -1,5 +1,6 @@
 """Deviations of repeated touches, one after the other."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -8,31 +9,36 @@ from matplotlib.ticker import MaxNLocator
 
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
-from skiplatch.repeatability import Repeatability
+from skiplatch.repeatability import OfPath, Repeatability
 
 BAND = "band: ±σ; crosses: outliers"
 WIDE_IN, HIGH_IN = 4.6, 2.4
+PICTURE_IN = 3.6
 
 
-def draw_repeatability(path: Path, found: Repeatability, sentence: str) -> None:
-    """Draw what is left without middles and feeds, outliers marked."""
-    words = theme.Words(
-        title=f"{len(found.touches)} touches, σ = {found.sigma.value:.3g} {found.unit}",
-        description=f"{_described(found)} {sentence}",
-    )
-    with theme.picture(path, words, height_in=3.6) as figure:
-        axes = figure.subplots()
-        _draw(axes, found)
-        axes.set_title(BAND)
+def draw_repeatability(file: Path, shown: Sequence[OfPath]) -> None:
+    """Draw what is left without middles and feeds, outliers marked; a panel each input path."""
+    described = " ".join(f"{_described(one.found)} {one.sentence}" for one in shown)
+    words = theme.Words(title="; ".join(map(_title, shown)), description=described)
+    with theme.picture(file, words, height_in=PICTURE_IN * len(shown)) as figure:
+        panels = figure.subplots(len(shown), squeeze=False).flat
+        for axes, one in zip(panels, shown, strict=True):
+            _draw(axes, one.found)
+            axes.set_title(f"{one.title}; {BAND}" if one.title else BAND)
 
 
-def repeatability_panel(name: str, found: Repeatability, sentence: str) -> Drawing:
+def _title(one: OfPath) -> str:
+    found = one.found
+    title = f"{len(found.touches)} touches, σ = {found.sigma.value:.3g} {found.unit}"
+    return f"{one.title}: {title}" if one.title else title
+
+
+def repeatability_panel(name: str, one: OfPath) -> Drawing:
     """Draw the same for a page; `name` is unique in the page."""
     with panel(HIGH_IN, WIDE_IN) as figure:
-        _draw(figure.subplots(), found)
-    return drawing(
-        figure, name, f"Each touch in its turn; {BAND}", f"{_described(found)} {sentence}"
-    )
+        _draw(figure.subplots(), one.found)
+    caption = f"Each touch in its turn; {BAND}"
+    return drawing(figure, name, caption, f"{_described(one.found)} {one.sentence}")
 
 
 def _described(found: Repeatability) -> str:
