@@ -244,3 +244,58 @@ def test_bed_that_warms_is_the_temperature_of_the_machine(
     assert touches.thermometers["bed"].tolist() == pytest.approx([25 + bed * i for i in range(6)])
     assert np.array_equal(touches.temp_c, touches.thermometers["bed"]) == is_machine
     assert ("temp_c, is that of bed" in run.text) == is_machine
+
+
+def test_attempts_of_klipper_without_a_touch_are_counted(tmp_path: Path) -> None:
+    accuracy = (
+        "// PROBE_ACCURACY at X:97.000 Y:2.000 Z:3.315 (samples=10 retract=2.000 speed=5.0)\n"
+    )
+    touch = "// probe at 97.000,2.000 is z=1.32{}000\n"
+    (tmp_path / "o.log").write_text(
+        accuracy
+        + "".join(touch.format(i) for i in range(4))
+        + "Recv: !! No trigger on probe after full movement\n"
+        + accuracy
+        + "".join(touch.format(i) for i in range(3))
+        + "!! Probe triggered prior to movement\n"
+    )
+
+    run = Run(tmp_path, "klipper", str(tmp_path / "o.log"))
+
+    touches = run.campaign.touches
+    assert len(touches) == 9
+    assert np.flatnonzero(touches.missed).tolist() == [4]
+    assert np.flatnonzero(touches.false).tolist() == [8]
+    assert np.flatnonzero(touches.ok).tolist() == [0, 1, 2, 3, 5, 6, 7]
+    assert (touches.feed_mm_min == 300.0).all()
+    assert "missed touches, as the probe did not trigger: 1 of 9 attempts to touch" in run.text
+    assert "false triggers, before the axis moved: 1 of 9 attempts to touch" in run.text
+    assert "7 touches of one surface" in run.text
+
+
+def test_a_failed_probing_of_marlin_is_a_missed_touch(tmp_path: Path) -> None:
+    (tmp_path / "m.log").write_text(
+        "Bed X: 10.00 Y: 10.00 Z: 0.01\nBed X: 10.00 Y: 10.00 Z: 0.02\nError:Probing Failed\n"
+    )
+
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"), "--feed", "120")
+
+    assert run.campaign.touches.missed.tolist() == [False, False, True]
+    assert "missed touches, as the probe did not trigger: 1 of 3 attempts to touch" in run.text
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("klipper", "!! No trigger on probe after full movement\n"),
+        ("marlin", "Error:Probing Failed\n"),
+    ],
+)
+def test_a_log_of_missed_touches_alone_is_refused(
+    tmp_path: Path, refused: Program, kind: str, text: str
+) -> None:
+    (tmp_path / "o.log").write_text(text)
+
+    said = refused("import", kind, tmp_path / "o.log", "--out", tmp_path / "made")
+
+    assert "expected lines such as" in said

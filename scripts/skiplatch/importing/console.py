@@ -33,15 +33,19 @@ class Console:
 
     def add(
         self,
-        z: float,
+        z: float | None,
         place: tuple[float, ...],
         line: Line,
         *,
         feed: float | None,
         start: float | None = None,
         time_s: float | None = None,
+        is_false: bool = False,
     ) -> None:
-        """Take a touch of the bed; its time is that of the line where no other is given."""
+        """Take a touch of the bed; its time is that of the line where no other is given.
+
+        Without z it is an attempt that latched nothing, or that triggered before it moved.
+        """
         self.touches.append(
             Touch(
                 axis="Z",
@@ -53,8 +57,14 @@ class Console:
                 time_s=line.time_s if time_s is None else time_s,
                 session=f"after homing {self._session}" if self._session else "",
                 temperatures=dict(self.temperatures),
+                is_false=is_false,
             )
         )
+
+    @property
+    def has_touched(self) -> bool:
+        """Whether any attempt latched something."""
+        return any(touch.coordinate is not None for touch in self.touches)
 
     def say_temperatures(self, found: Imported) -> bool:
         """Say whose temperatures are known, if any."""
@@ -69,6 +79,17 @@ class Console:
         for touch, time_s in zip(self.touches, times, strict=True):
             touch.time_s = time_s
         found = Imported(preset=preset, touches=self.touches)
+        self._say_failed(found)
         if all(time_s is None for time_s in times):
             found.assumed.append(NO_TIMES)
         return found
+
+    def _say_failed(self, found: Imported) -> None:
+        """Say how many attempts there were that are no touches."""
+        false = sum(touch.is_false for touch in self.touches)
+        missed = sum(touch.coordinate is None for touch in self.touches) - false
+        attempts = f"of {len(self.touches)} attempts to touch"
+        if missed:
+            found.known.append(f"missed touches, as the probe did not trigger: {missed} {attempts}")
+        if false:
+            found.known.append(f"false triggers, before the axis moved: {false} {attempts}")

@@ -17,6 +17,8 @@ _PROBE = re.compile(
 _ACCURACY = re.compile(
     r"PROBE_ACCURACY at X:(-?\d+\.?\d*) Y:(-?\d+\.?\d*) Z:(-?\d+\.?\d*)\s*\((?P<options>[^)]*)\)"
 )
+_MISSED = re.compile(r"No trigger on probe after full movement", re.IGNORECASE)
+_FALSE = re.compile(r"Probe triggered prior to movement", re.IGNORECASE)
 _OPTION = re.compile(r"(\w+)=(\d+\.?\d*)")
 _STATS = re.compile(r"^Stats (\d+\.\d+):")
 _TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?\d+\.?\d* )?temp=(-?\d+\.?\d*)")
@@ -43,7 +45,7 @@ def read_klipper(path: Path, feed: float | None) -> Imported:
     reader = _Reader(feed)
     for line in read_lines(path):
         reader.take(line)
-    if not reader.touches:
+    if not reader.has_touched:
         expected = 'expected lines such as "probe at 97.000,2.000 is z=1.320000"'
         raise InputError(path, None, None, expected)
     return reader.result()
@@ -63,6 +65,7 @@ class _Reader(Console):
         self._command_speed: float | None = None
         self._last_place: tuple[float, float] | None = None
         self._feeds_from: list[str] = []
+        self._tested_place: tuple[float, float] | None = None
         self._standing = 0
 
     def take(self, line: Line) -> None:
@@ -74,6 +77,9 @@ class _Reader(Console):
         elif match := _ACCURACY.search(text):
             self._options = {k: float(v) for k, v in _OPTION.findall(match["options"])}
             self._start_z = float(match[3])
+            self._tested_place = (float(match[1]), float(match[2]))
+        elif _MISSED.search(text) or _FALSE.search(text):
+            self._failed(line)
         elif match := _STATS.match(text):
             self._stats_s = float(match[1])
             self.temperatures |= {
@@ -98,6 +104,19 @@ class _Reader(Console):
             self._forget_options_of_elsewhere()
         self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
         self._start_z, self._last_z, self._last_place = None, z, (x, y)
+        self._tested_place = None
+
+    def _failed(self, line: Line) -> None:
+        """Take an attempt without a touch, which ends its command, where the last one was."""
+        self.add(
+            None,
+            self._tested_place or self._last_place or (),
+            line,
+            feed=self._speed(),
+            time_s=self._stats_s,
+            is_false=bool(_FALSE.search(line.text)),
+        )
+        self._start_z = self._last_z = self._tested_place = None
 
     def _distance(self, z: float, place: tuple[float, float], line: Line) -> None:
         """Take what a probe reads that stands still: the bed lies so far below where it stands."""

@@ -13,6 +13,7 @@ _SAMPLE = re.compile(
     r"(?<!\d)(\d{1,6}) of (\d{1,6}):?\s*z:\s*(-?\d+\.?\d*)(?:.*?[Mm]ean:\s*(-?\d+\.?\d*))?"
 )
 _BED = re.compile(r"Bed X:\s*(-?\d+\.?\d*)\s*Y:\s*(-?\d+\.?\d*)\s*Z:\s*(-?\d+\.?\d*)")
+_FAILED = re.compile(r"Error:?\s*Probing failed", re.IGNORECASE)
 _PLACE = re.compile(rf"\bM48\b.*?\bX(-?{TYPED}).*?\bY(-?{TYPED})", re.IGNORECASE)
 _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
@@ -34,7 +35,7 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
     reader = _Reader(feed)
     for line in read_lines(path):
         reader.take(line)
-    if not reader.touches:
+    if not reader.has_touched:
         expected = 'expected lines such as "1 of 10: z: 0.185" of M48 V4, or "Bed X: … Z: …" of G30'
         raise InputError(path, None, None, expected)
     return reader.result()
@@ -67,6 +68,8 @@ class _Reader(Console):
             self._in_test = False
         elif _TEST_ENDS.match(text):
             self._in_test = False
+        elif _FAILED.search(text):
+            self.add(None, self._place, line, feed=self.feed)
         elif match := _STEPS.search(text):
             self._steps = float(match[1])
         elif match := _ACCEL.search(text):

@@ -36,6 +36,8 @@ class Touch:
     """Columns of a campaign that a table has beside these, by name."""
     is_release: bool = False
     """Whether the probe let go there, by G38.4 or G38.5, rather than touched."""
+    is_false: bool = False
+    """Whether the probe triggered before it could have touched anything; without a coordinate."""
 
 
 @dataclass(frozen=True, slots=True)

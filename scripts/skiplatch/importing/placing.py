@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Axis, DatumFreedom, InputPath, Touches
+from skiplatch.campaign import Axis, DatumFreedom, InputPath, Status, Touches
 from skiplatch.importing.model import Touch
 from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
@@ -48,7 +48,7 @@ def as_touches(
     columns: dict[str, Any] = {
         "touch": np.arange(len(touches)),
         "path": np.full(len(touches), InputPath.PLC if is_plc else InputPath.SKIP),
-        "status": np.where(np.isnan(coordinate), 1, 0),
+        "status": _status(touches, coordinate),
         **_carried(touches),
     }
     made = Touches.from_columns(
@@ -71,6 +71,12 @@ def as_touches(
     )
     latched = {_words(k): sum(t.coordinate is not None for t in v) for k, v in surfaces.items()}
     return made, _freedom(surfaces), {k: n for k, n in latched.items() if n}
+
+
+def _status(touches: Sequence[Touch], coordinate: FloatArray) -> NDArray[np.int64]:
+    is_false = np.array([touch.is_false for touch in touches])
+    latched = np.where(np.isnan(coordinate), Status.MISSED, Status.OK)
+    return np.where(is_false, Status.FALSE, latched).astype(np.int64)
 
 
 def _carried(touches: Sequence[Touch]) -> dict[str, NDArray[Any]]:
