@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import can
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -235,3 +236,77 @@ def test_edge_near_another_is_a_touch_if_it_has_a_latch_of_its_own(
 
     assert (touches.edge_us / 1e3).tolist() == pytest.approx(touches_ms)
     assert not np.isnan(touches.latch_us).any()
+
+
+def traffic(path: Path) -> Path:
+    """Write three touches of a bench as candump -L does, or as ASC."""
+    lines = []
+    for i in range(3):
+        lines.append((EDGE_ID, f"edge {5_000_000_000 + i * 100_000_000} {i} 12 1 {2 * i}"))
+        lines.append((LATCH_ID, f"latch {50_000_650 + i * 1_000_000} 0 {i} 0 8"))
+    frames = [(number, frame) for number, line in lines for frame in c_frames(line)]
+    with can.Logger(path) as log:
+        for i, (number, frame) in enumerate(frames):
+            log(
+                can.Message(
+                    timestamp=1e9 + i, arbitration_id=number, data=frame, is_extended_id=False
+                )
+            )
+    return path
+
+
+LOGS = Path(__file__).parent / "data" / "logs"
+MARKED = {
+    "bus.log": "can",
+    "bus.asc": "can",
+    "capture.vcd": "edges",
+    "saleae_latches.csv": "edges",
+    "grbl_serial.log": "grbl",
+    "klippy.log": "klipper",
+    "marlin_m48.log": "marlin",
+    "linuxcnc_probe.txt": "linuxcnc",
+    "iso230_x.csv": "iso230",
+}
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])
+@pytest.mark.parametrize("name", MARKED)
+def test_log_with_a_byte_order_mark_is_read_as_without(
+    tmp_path: Path, name: str, encoding: str
+) -> None:
+    plain = traffic(tmp_path / name) if name.startswith("bus") else LOGS / name
+    marked = tmp_path / "marked" / name
+    marked.parent.mkdir()
+    marked.write_bytes(plain.read_text(encoding="utf-8").encode(encoding))
+    axis = ("--axis", "X") if MARKED[name] == "iso230" else ()
+    folders = [tmp_path / "a", tmp_path / "b"]
+    for folder in folders:
+        folder.mkdir()
+
+    runs = [
+        Run(folder, MARKED[name], str(path), *axis)
+        for folder, path in zip(folders, (plain, marked), strict=True)
+    ]
+
+    tables = [(folder / "campaign" / "touches.csv").read_text() for folder in folders]
+    assert len(runs[0].campaign.touches) > 1
+    assert tables[0] == tables[1]
+
+
+@pytest.mark.parametrize("name", ["bus.log", "bus.asc"])
+def test_marked_log_goes_straight_to_repeat(tmp_path: Path, name: str) -> None:
+    text = traffic(tmp_path / name).read_text(encoding="utf-8")
+    (tmp_path / name).write_bytes(text.encode("utf-16"))
+
+    result = CliRunner().invoke(group, ["repeat", str(tmp_path / name)])
+
+    assert result.exit_code == 0, result.output
+    assert "latches come" in result.output
+
+
+def test_two_bytes_a_character_without_a_mark_are_named(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "s.log").write_bytes("[PRB:0.000,0.000,-1.000:1]\n".encode("utf-16-le"))
+
+    said = refused("import", "grbl", tmp_path / "s.log", "-o", tmp_path / "made")
+
+    assert "UTF-16 without a byte order mark: save it as UTF-8" in said

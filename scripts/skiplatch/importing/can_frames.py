@@ -16,6 +16,7 @@ from skiplatch.campaign import InputPath, Kind, Touches
 from skiplatch.errors import InputError
 from skiplatch.files import foreign_reader
 from skiplatch.importing.candump import is_logged, is_shown, shown_frames
+from skiplatch.importing.encodings import in_utf8
 from skiplatch.importing.model import Imported
 from skiplatch.units import NS_PER_US
 
@@ -88,9 +89,13 @@ def _frames(path: Path) -> Iterator[tuple[int, bytes]]:
         if is_shown(path):
             yield from shown_frames(path)
             return
-        with can.CanutilsLogReader(path) if is_logged(path) else can.LogReader(path) as reader:
+        with in_utf8(path) as plain, _reader(plain) as reader:
             for message in reader:
                 yield message.arbitration_id, bytes(message.data)
+
+
+def _reader(path: Path) -> can.io.generic.MessageReader:
+    return can.CanutilsLogReader(path) if is_logged(path) else can.LogReader(path)
 
 
 def _extended(latches: list[Latch], edges: list[Edge]) -> list[int]:

@@ -9,6 +9,8 @@ from itertools import islice
 from pathlib import Path
 from typing import TextIO
 
+from skiplatch.importing.encodings import marked_encoding
+
 LOOKED_AT = 50  # lines, after which the form of a log is known
 MOST_CHARACTERS = 4096  # of a line
 
@@ -32,15 +34,19 @@ def is_shown(path: Path) -> bool:
 
 def shown_frames(path: Path) -> Iterator[tuple[int, bytes]]:
     """Give the id and the bytes of each frame; other lines are passed over."""
-    with path.open(encoding="ascii", errors="replace") as file:
+    with _opened(path) as file:
         for line in _lines(file):
             if frame := _SHOWN.match(line):
                 yield int(frame["id"], 16), bytes.fromhex(frame["data"])
 
 
 def _begins_with(path: Path, form: re.Pattern[str]) -> bool:
-    with path.open(encoding="ascii", errors="replace") as file:
+    with _opened(path) as file:
         return any(form.match(line) for line in islice(_lines(file), LOOKED_AT))
+
+
+def _opened(path: Path) -> TextIO:
+    return path.open(encoding=marked_encoding(path) or "ascii", errors="replace")
 
 
 def _lines(file: TextIO) -> Iterator[str]:

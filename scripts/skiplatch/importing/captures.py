@@ -15,6 +15,7 @@ from vcd.reader import Token, TokenKind, VCDParseError, tokenize
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
+from skiplatch.importing.encodings import in_utf8
 from skiplatch.importing.log_lines import read_text
 from skiplatch.units import NS_PER_S
 
@@ -183,7 +184,11 @@ def _read_vcd(path: Path) -> Capture:
 
 
 def _vcd_tokens(path: Path) -> Iterator[Token]:
-    with foreign_reader(path, MOST_BYTES, "VCD"), path.open("rb") as file:
+    with (
+        foreign_reader(path, MOST_BYTES, "VCD"),
+        in_utf8(path) as plain,
+        plain.open("rb") as file,
+    ):
         try:
             yield from tokenize(file)
         except VCDParseError as error:

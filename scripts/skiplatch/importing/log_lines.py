@@ -13,6 +13,7 @@ from pathlib import Path
 
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.importing.encodings import encoding_of, looks_like_unmarked_utf16
 
 MAX_BYTES = 500 * 2**20
 MAX_LINE_CHARACTERS = 10_000
@@ -79,13 +80,16 @@ def _decoded(path: Path) -> str:
         data = path.read_bytes()
     if not data.strip():
         raise InputError(path, None, None, "an empty file")
-    if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        return data.decode("utf-16", errors="replace")
+    if encoding := encoding_of(data):
+        return data.decode(encoding, errors="replace")
     if data.startswith(_COMPRESSED):
         raise InputError(path, None, None, "a compressed file: unpack it first")
+    if looks_like_unmarked_utf16(data):
+        message = "UTF-16 without a byte order mark: save it as UTF-8, or as UTF-16 with the mark"
+        raise InputError(path, None, None, message)
     if b"\0" in data[:4096]:
         raise InputError(path, None, None, "no text: expected a log")
-    return data.decode("utf-8-sig", errors="replace")
+    return data.decode("utf-8", errors="replace")
 
 
 def read_lines(path: Path) -> list[Line]:

@@ -1,6 +1,5 @@
 """Tables as spreadsheets write them: many know no UTF-8 unless they are asked for it."""
 
-import codecs
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -11,10 +10,10 @@ from skiplatch.campaign import KEYS
 from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
 from skiplatch.errors import InputError
 from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.importing.encodings import encoding_of
 from skiplatch.importing.model import Imported
 
 WINDOWS = "cp1252"
-UTF16 = "utf-16"
 MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
 _PLAIN = re.compile(r"[+-]?\d+[.,]?(\d*)$")
 
@@ -91,8 +90,8 @@ def _encoding(path: Path) -> str:
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         data = path.read_bytes()
-    if data[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE):
-        return UTF16
+    if encoding := encoding_of(data):
+        return encoding
     try:
         data.decode(UTF8)
     except UnicodeDecodeError:
