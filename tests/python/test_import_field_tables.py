@@ -299,3 +299,45 @@ def test_a_log_of_missed_touches_alone_is_refused(
     said = refused("import", kind, tmp_path / "o.log", "--out", tmp_path / "made")
 
     assert "expected lines such as" in said
+
+
+GERMAN = (
+    "Messprotokoll Positioniergenauigkeit nach ISO 230-2;;;;;\n"
+    "Maschine:;DMU 50 evo;;;;\n"
+    "Achse:;X;;;;\n"
+    ";;;;;\n"
+    "Sollposition [mm];1 vorwärts [µm];1 rückwärts [µm];2 vorwärts [µm];2 rückwärts [µm];"
+    "Mittelwert [µm]\n"
+    "0,0;0,1;-5,9;-0,1;-6,1;-3,0\n"
+    "100,0;1,1;-4,9;0,9;-5,1;-2,0\n"
+    "200,0;2,1;-3,9;1,9;-4,1;-1,0\n"
+    ";;;;;\n"
+    "Umkehrspanne B [µm];6,0;;;;\n"
+)
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-8-sig", "utf-16"])
+def test_german_protocol_of_iso_230_is_read(tmp_path: Path, encoding: str) -> None:
+    (tmp_path / "x.csv").write_bytes(GERMAN.replace("\n", "\r\n").encode(encoding))
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X")
+
+    touches = run.campaign.touches
+    up = touches.sign > 0.0
+    assert up.sum() == (~up).sum() == 6
+    assert sorted(set(touches.position_mm.tolist())) == [0.0, 100.0, 200.0]
+    reversal_um = touches.deviation_um[up].mean() + touches.deviation_um[~up].mean()
+    assert reversal_um == pytest.approx(6.0)
+    assert run.said["could_not_be_read"][:3] == [
+        "4 lines before the head of the table",
+        "columns that are no runs: Mittelwert [µm]",
+        "1 lines below the table",
+    ]
+
+
+def test_slip_in_a_position_is_no_line_below_the_table(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "x.csv").write_text("mm;1+;1-\n0;0,1;-6\n100;1,1;-5\n2OO;2,1;-4\n")
+
+    said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
+
+    assert 'x.csv:4: expected a number, got "2OO"' in said

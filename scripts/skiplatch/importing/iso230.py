@@ -1,8 +1,9 @@
 """A table as ISO 230-2 has it: positions × runs × senses, deviations in µm.
 
 The first column holds the positions in mm. Each further column is a run; its head says the sense:
-an arrow, ``+`` or ``-``, ``up``/``down``, ``forward``/``reverse`` or ``positive``/``negative``. A
-head that says none is a run in the positive sense.
+an arrow, ``+`` or ``-``, ``up``/``down``, ``forward``/``reverse``, ``positive``/``negative``, or
+``vorwärts``/``rückwärts``. A head that says none is a run in the positive sense. Means and spreads
+that a spreadsheet works out beside or below the runs are left out.
 """
 
 import re
@@ -12,13 +13,22 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
+from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.model import Imported
 from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit
 from skiplatch.importing.table import UNITS
 from skiplatch.units import UM_PER_MM
 
-_NEGATIVE = re.compile(r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback", re.IGNORECASE)
+_NEGATIVE = re.compile(
+    r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback|\br(?:ü|ue)ck|\bzur(?:ü|ue)ck", re.IGNORECASE
+)
+_WORKED_OUT = re.compile(
+    r"\b(?:mean|average|mittel|std|stand(?:ard)? ?(?:dev|abw)|sigma|reversal|umkehr|spann)|σ|x̄",
+    re.IGNORECASE,
+)
+"""Heads of columns that are no runs."""
+_WORD = re.compile(r"\s*[^\W\d_]")
 _UNIT = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _OTHER_UNITS = set().union(*(UNITS[quantity] for quantity in ("s", "mm/min", "°C")))
 """Of what is no deviation; none of them is a unit of length or of angle."""
@@ -43,6 +53,9 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     if len(rows) < 2 or len(rows[0][1]) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)
+    found = Imported(preset="plc-4ms")
+    sheet.say(found)
+    rows = _without_what_is_worked_out(rows, found)
     heads = [head.strip() for head in rows[0][1][1:]]
     _refuse_other_units(path, rows[0][0], heads)
     signs = np.array([-1.0 if _NEGATIVE.search(head) else 1.0 for head in heads])
@@ -59,8 +72,6 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     zero = round(zero * unit, DECIMALS) / unit  # so that the table's own steps stay what they are
     cells = (cell for _, row in rows[1:] for cell in row[1:])
     place, beyond = positions[point], (deviations[point, run] - zero) * unit * signs[run]
-    found = Imported(preset="plc-4ms")
-    sheet.say(found)
     say_digit(found, cells, unit / ARCSEC_PER_MILLIDEGREE if turns else unit)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
@@ -97,9 +108,32 @@ def _is_head(cells: list[str], below: list[str]) -> bool:
     return (
         len(cells) > 1
         and len(below) == len(cells)
+        and bool(below[0])
+        and any(below[1:])
         and all(_is_number(cell.replace(",", ".")) for cell in below)
         and not all(_is_number(cell.replace(",", ".")) for cell in cells[:1])
     )
+
+
+def _without_what_is_worked_out(rows: list[Row], found: Imported) -> list[Row]:
+    """Leave out columns of means and spreads, and the lines of words below the table."""
+    head = rows[0][1]
+    dropped = {i for i in range(1, len(head)) if _WORKED_OUT.search(head[i])}
+    if dropped and len(dropped) < len(head) - 1:
+        names = ", ".join(head[i].strip() for i in sorted(dropped))
+        found.unread.append(f"columns that are no runs: {names}")
+        rows = [(n, [cell for i, cell in enumerate(r) if i not in dropped]) for n, r in rows]
+    rows = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
+    last = len(rows)
+    while last > 2 and _begins_with_a_word(rows[last - 1][1]):
+        last -= 1
+    if last < len(rows):
+        found.unread.append(f"{len(rows) - last} lines below the table")
+    return rows[:last]
+
+
+def _begins_with_a_word(row: list[str]) -> bool:
+    return bool(_WORD.match(next((cell for cell in row if cell.strip()), "")))
 
 
 def _refuse_other_units(path: Path, line: int, heads: list[str]) -> None:
