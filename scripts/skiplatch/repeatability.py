@@ -49,6 +49,8 @@ class Repeatability:
         slope: Against the feed in ms: a delay; None where there is one feed.
         outliers: Serial numbers.
         step: What figures are multiples of, if they are.
+        missed: Touches that were not latched; they enter no figure.
+        false: Latches without a contact; likewise.
     """
 
     touches: tuple[int, ...]
@@ -65,6 +67,8 @@ class Repeatability:
     slope: Interval | None
     outliers: tuple[int, ...]
     step: float | None
+    missed: int = 0
+    false: int = 0
 
     @property
     def is_limited_by_resolution(self) -> bool:
@@ -131,7 +135,8 @@ def repeatability(campaign: Campaign) -> Repeatability:
         raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often), surface[often]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
-    return _of(touches, values[often], surface, unit)
+    found = _of(touches, values[often], surface, unit)
+    return replace(found, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))
 
 
 def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:

@@ -13,7 +13,7 @@ from click.testing import CliRunner
 from browser import Browser
 from page_faults import ASIDE, CUT
 from skiplatch import cli
-from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
+from skiplatch.campaign import Axis, Campaign, Status, Touches, read_campaign
 from skiplatch.commands import examining as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
 from skiplatch.diagnosis.candidates.axes import idle
@@ -551,3 +551,25 @@ def test_what_is_short_of_an_explanation_is_told_in_degrees() -> None:
     said = notes(Scene.of(campaign), Verdict.UNKNOWN, [failure], [])
 
     assert "Not explained: it leaves 3 mdeg of position, much of what was there." in said
+
+
+def test_a_parameter_without_a_unit_has_none_in_words() -> None:
+    _, diagnosis = no_gap()
+    warm = effect("thermal_drift", drift_um_k=1.5)
+    named = Named(warm, "position", {n: (v, v) for n, v in warm.parameters.items()}, (), 0.9)
+
+    said = as_text(replace(diagnosis, verdict=Verdict.EXPLAINED, effects=[named]))
+
+    assert re.search(r"starts_at_calibration = \S+ \([^)]*\), 0: soaked", said)
+
+
+def test_missed_touches_are_said_in_words() -> None:
+    campaign, _ = no_gap()
+    skip = campaign.touches.on_skip
+    status = np.full(len(skip), Status.OK)
+    status[np.flatnonzero(skip)[:3]] = Status.MISSED
+    touches = replace(campaign.touches, status=status.astype(np.int8))
+
+    said = notes(Scene.of(replace(campaign, touches=touches)), Verdict.NO_GAP, [], [])
+
+    assert f"Missed on the skip path: 3 of {skip.sum()} touches." in said

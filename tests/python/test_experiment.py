@@ -401,6 +401,17 @@ def test_equal_models_share_a_group() -> None:
     assert trial.bits < 0.1
 
 
+def test_all_touches_tell_no_less_than_one() -> None:
+    """A draw that its own model thinks impossible spoils the bound of the sum."""
+    logs = np.zeros((2, 2, 5, 20))  # [judge, truth, replicate, touch]
+    logs[0, 0] = logs[1, 1] = 1.0
+    logs[0, 0, 0, 0] = -30.0
+
+    trial = Trial.of(logs, np.array([0, 1]))
+
+    assert trial.bits >= trial.bits_per_touch > 0.5
+
+
 def test_every_pair_of_models_gets_its_touches() -> None:
     exponent = np.array([[1.0, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.001]])
 

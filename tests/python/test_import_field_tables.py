@@ -140,7 +140,7 @@ def test_table_begins_at_its_head(tmp_path: Path) -> None:
     run = Run(tmp_path, "csv", str(tmp_path / "good.csv"), *mapped)
 
     assert run.campaign.touches.deviation_um.tolist() == [1.5, 2.5]
-    assert run.said["could_not_be_read"][0] == "2 lines before the head of the table"
+    assert run.said["could_not_be_read"][0] == "lines before the head of the table: 2"
 
 
 def test_wrong_cell_below_a_title_is_told_by_its_line(tmp_path: Path, refused: Program) -> None:
@@ -329,9 +329,9 @@ def test_german_protocol_of_iso_230_is_read(tmp_path: Path, encoding: str) -> No
     reversal_um = touches.deviation_um[up].mean() + touches.deviation_um[~up].mean()
     assert reversal_um == pytest.approx(6.0)
     assert run.said["could_not_be_read"][:3] == [
-        "4 lines before the head of the table",
+        "lines before the head of the table: 4",
         "columns that are no runs: Mittelwert [µm]",
-        "1 lines below the table",
+        "lines below the table: 1",
     ]
 
 
@@ -341,3 +341,18 @@ def test_slip_in_a_position_is_no_line_below_the_table(tmp_path: Path, refused: 
     said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
 
     assert 'x.csv:4: expected a number, got "2OO"' in said
+
+
+def test_what_comes_next_without_a_feed_is_to_give_it(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("mm;1+;1-\n0;0,1;-6\n100;1,1;-5\n")
+    folders = [tmp_path / "without", tmp_path / "given"]
+    for folder in folders:
+        folder.mkdir()
+
+    without, given = (
+        Run(folder, "iso230", str(tmp_path / "x.csv"), *feed)
+        for folder, feed in zip(folders, ((), ("--feed", "600")), strict=True)
+    )
+
+    assert "skiplatch diagnose needs the feed: import once more with --feed" in without.text
+    assert f"skiplatch diagnose {folders[1] / 'campaign'}" in given.text

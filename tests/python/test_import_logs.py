@@ -617,7 +617,7 @@ def test_edges_and_latches_of_a_candump_go_together_over_the_wrap(
     late_us = (touches.latch_us - touches.edge_us).tolist()
     assert late_us[:2] == pytest.approx([65 - 2.048] * 2, abs=0.1)
     assert touches.missed.tolist() == [False, False, True, False]
-    assert "1 edges without a latch" in run.said["known"]
+    assert "edges without a latch: 1" in run.said["known"]
 
 
 def test_latches_alone_are_read_with_what_they_cannot_tell(

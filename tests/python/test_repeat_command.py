@@ -348,3 +348,14 @@ def test_a_path_with_too_few_touches_hides_no_other(both_paths: Path, tmp_path: 
 
     assert "Skip input: 60 latches come" in result.output
     assert "PLC task: no surface was touched 3 times or more" in result.output
+
+
+def test_attempts_that_failed_are_said_beside_the_figures(machine_sample: Path) -> None:
+    y = np.append(noise(20), [np.nan] * 3)
+    status = np.append(np.zeros(20), [1, 1, 2]).astype(np.int8)
+
+    found = of(machine_sample, y, status=status)
+
+    assert len(found.touches) == 20
+    assert "besides, 2 were missed; besides, 1 was latched without a contact." in sentence(found)
+    assert (as_json(found)["missed"], as_json(found)["false"]) == (2, 1)

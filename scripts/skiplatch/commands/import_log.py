@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+import numpy as np
 
-from skiplatch.campaign import Kind, read_campaign
+from skiplatch.campaign import Campaign, Kind, read_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.telling import cannot_be_told
 from skiplatch.commands.options import Decorator, json_option, write_json
@@ -67,10 +68,21 @@ def finish(
             click.echo(f"\n{head}")
             for line in lines:
                 click.echo(f"  {line}")
-    click.echo(f"\nNext: skiplatch check {out}, skiplatch repeat {out}, skiplatch diagnose {out}")
+    click.echo(f"\nNext: {_next(campaign, out)}")
     said = {name.lower().replace(" ", "_"): lines for name, lines in parts}
     about = {"out": str(out), "kind": campaign.nominal.kind, "touches": len(campaign.touches)}
     write_json(json_path, {**about, **said})
+
+
+def _next(campaign: Campaign, out: Path) -> str:
+    """Name the commands that take the campaign; a machine's diagnosis needs every feed."""
+    steps = [f"skiplatch check {out}", f"skiplatch repeat {out}"]
+    is_machine = campaign.nominal.kind is Kind.MACHINE
+    if is_machine and np.isnan(campaign.touches.feed_mm_min).any():
+        return (
+            f"{', '.join(steps)}; skiplatch diagnose needs the feed: import once more with --feed"
+        )
+    return ", ".join([*steps, f"skiplatch diagnose {out}"])
 
 
 @command.command(epilog="Example: skiplatch import linuxcnc probe.txt --program probe.ngc -o mill")

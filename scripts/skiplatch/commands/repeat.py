@@ -134,7 +134,15 @@ def sentence(found: Repeatability) -> str:
         parts.append(f"the axis drifts by {_words(found.axis_drift, unit)} a touch")
     if found.outliers:
         parts.append(_outside(len(found.outliers), len(found.touches)))
+    if found.missed:
+        parts.append(f"besides, {found.missed} {_were(found.missed)} missed")
+    if found.false:
+        parts.append(f"besides, {found.false} {_were(found.false)} latched without a contact")
     return "; ".join(parts) + "."
+
+
+def _were(n: int) -> str:
+    return "was" if n == 1 else "were"
 
 
 def _outside(n: int, touches: int) -> str:
@@ -211,6 +219,8 @@ def as_json(found: Repeatability) -> dict[str, Any]:
     return document | {
         f"range_{unit}": found.range,
         "outliers": list(found.outliers),
+        "missed": found.missed,
+        "false": found.false,
         f"resolution_{unit}": found.step,
         "limited_by_resolution": found.is_limited_by_resolution,
     }

@@ -124,7 +124,7 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
     paths = np.array([_path(traffic.latches[i]) for i in row])
     zero = float(edge_ns[0])
     if missed.any():
-        found.known.append(f"{int(missed.sum())} edges without a latch")
+        found.known.append(f"edges without a latch: {int(missed.sum())}")
     if missed.mean() > MOST_MISSED:
         found.assumed.append(
             f"the ticks of the latch records are {TICK_NS} ns of the clock that stamps the edges, "

@@ -146,7 +146,7 @@ def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed:
     found.known.append(f"channels: probe {names.probe}, {latches}{reports}")
     found.known.append("edges and latches by one clock: no drift between two can be told")
     if missed:
-        found.known.append(f"{missed} edges without a latch within {LONGEST_WAIT_S:g} s")
+        found.known.append(f"edges without a latch within {LONGEST_WAIT_S:g} s: {missed}")
     if bounces:
         found.assumed.append(f"{bounces} edges so near to one before are its bounces (--holdoff)")
     if capture.step_s:

@@ -128,7 +128,7 @@ def _without_what_is_worked_out(rows: list[Row], found: Imported) -> list[Row]:
     while last > 2 and _begins_with_a_word(rows[last - 1][1]):
         last -= 1
     if last < len(rows):
-        found.unread.append(f"{len(rows) - last} lines below the table")
+        found.unread.append(f"lines below the table: {len(rows) - last}")
     return rows[:last]
 
 

@@ -43,7 +43,7 @@ class Spreadsheet:
                 "no UTF-8: letters beyond ASCII were read as Windows-1252 has them"
             )
         if self.before:
-            found.unread.append(f"{self.before} lines before the head of the table")
+            found.unread.append(f"lines before the head of the table: {self.before}")
 
 
 def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:

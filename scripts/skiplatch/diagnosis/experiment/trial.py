@@ -45,11 +45,13 @@ class Trial:
         so_far = np.cumsum(log_likelihoods, axis=3)
         if groups is None:
             groups = _groups(so_far[..., -1])
+        per_touch = float(_bits(log_likelihoods).mean())
         return cls(
             groups=groups,
             touches_needed=_needed(so_far, groups),
-            bits=float(_bits(so_far[..., -1:])[0]),
-            bits_per_touch=float(_bits(log_likelihoods).mean()),
+            # All touches tell no less than one of them, which the bound of the sum may not show.
+            bits=max(float(_bits(so_far[..., -1:])[0]), per_touch),
+            bits_per_touch=per_touch,
         )
 
     @property

@@ -40,8 +40,10 @@ def notes(
         ways = Ways.of(scene.touches)
         found += [f"Not explained: {ways.relabelled(failure.words)}." for failure in failures]
     for path in InputPath:
-        if not (scene.touches.path == path).any():
-            name = path.name.lower()
+        here, name = scene.touches.path == path, path.name.lower()
+        if missed := int((scene.touches.missed & here).sum()):
+            found.append(f"Missed on the {name} path: {missed} of {int(here.sum())} touches.")
+        if not here.any():
             found.append(f"No touches on the {name} path: nothing can be said of it.")
     if not scene.has_stamps.any():
         found.append("No latch_us: what shifts time and what shifts length look alike.")

@@ -65,9 +65,10 @@ def _effect_text(named: Named, ways: Ways) -> str:
         value = named.effect.parameters[parameter.name]
         low, high = named.intervals[parameter.name]
         limit = ", at the limit of its range" if parameter.name in named.at_limit else ""
+        unit = "" if parameter.unit == "1" else f" {ways.unit_of_number(parameter.unit)}"
         lines.append(
-            f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}) "
-            f"{ways.unit_of_number(parameter.unit)}, {parameter.meaning}{limit}"
+            f"  {parameter.name} = {number(value)} ({number(low)} … {number(high)}){unit}, "
+            f"{parameter.meaning}{limit}"
         )
     if named.when:
         lines.append(f"  {named.when}")
