@@ -135,8 +135,8 @@ def repeatability(campaign: Campaign) -> Repeatability:
         raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often), surface[often]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
-    found = _of(touches, values[often], surface, unit)
-    return replace(found, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))
+    worked_out = _of(touches, values[often], surface, unit)
+    return replace(worked_out, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))
 
 
 def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:

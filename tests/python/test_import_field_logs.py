@@ -6,9 +6,11 @@ issues 505 and 616) and bCNC (issue 999).
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from refusals import Program
+from skiplatch.campaign import Axis
 from skiplatch.importing.gcode_program import run as run_program
 from skiplatch.repeatability import repeatability
 from test_import_logs import Run
@@ -60,7 +62,7 @@ def test_probing_that_failed_leaves_the_feeds_of_others(tmp_path: Path, before: 
 
     touches = Run(tmp_path, "grbl", str(tmp_path / "s.log")).campaign.touches
 
-    assert touches.feed_mm_min[~touches.missed].tolist() == [25, 250] * 4
+    assert touches.feed_mm_min[touches.ok].tolist() == [25, 250] * 4
 
 
 def test_delay_after_a_failed_probing_keeps_its_sign(tmp_path: Path) -> None:
@@ -144,3 +146,58 @@ def test_touches_that_cannot_be_told_from_releases_are_refused(
     )
 
     assert "3 lines and the program 4 probing moves, 2 of them away" in said
+
+
+def test_probing_in_inches_of_grblhal_counts_its_misses(tmp_path: Path) -> None:
+    """G20, $13=1: commands and replies in inches, four decimals; G38.3 ends without an alarm."""
+    lines = ["GrblHAL 1.1f ['$' or '$HELP' for help]", "$13=1", "$102=800.000", "G20 G90", "ok"]
+    for i in range(12):
+        feed_inch = (2.0, 10.0)[i // 6]
+        late_inch = feed_inch / 60.0 * 0.006  # by 6 ms
+        place = f"-0.6000:{0}" if i == 8 else f"{-0.4724 - late_inch:.4f}:1"
+        lines += [
+            f"G0 Z-0.42\nok\nG38.3 Z-0.6 F{feed_inch:g}",
+            f"[PRB:1.0000,0.5000,{place}]",
+            "ok",
+        ]
+    (tmp_path / "s.log").write_text("\n".join(lines) + "\n")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    touches = run.campaign.touches
+    assert np.flatnonzero(touches.missed).tolist() == [8]
+    assert touches.feed_mm_min.tolist() == [50.8] * 6 + [254.0] * 6
+    later_um = np.nanmean(touches.deviation_um[6:]) - np.nanmean(touches.deviation_um[:6])
+    assert later_um == pytest.approx(6.0 * (254.0 - 50.8) / 60.0, abs=2.0)
+    assert run.campaign.nominal.axis.resolution_um == pytest.approx(2.54)  # and not the step
+
+
+def test_probe_that_was_triggered_before_its_move_is_a_false_touch(tmp_path: Path) -> None:
+    touch = "G38.2 Z-5 F100\n[PRB:0.000,0.000,-1.00{}:1]\nok\nG0 Z0\nok\n"
+    (tmp_path / "s.log").write_text(
+        "".join(touch.format(i) for i in range(4)) + "G38.2 Z-5 F100\nALARM:4\n$X\nok\n"
+    )
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert run.campaign.touches.false.tolist() == [False] * 4 + [True]
+    assert "false triggers, before the axis moved (ALARM:4): 1" in run.text
+    assert "4 touches of one surface" in run.text
+
+
+def test_log_of_nothing_but_misses_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "s.log").write_text("G38.3 Z-5 F100\n[PRB:0.000,0.000,-5.000:0]\nok\n" * 3)
+
+    said = refused("import", "grbl", tmp_path / "s.log", "-o", tmp_path / "made")
+
+    assert "expected a touch, got 3 probing moves that ended without one" in said
+
+
+def test_list_of_a_rotary_axis_is_told_without_its_program(tmp_path: Path) -> None:
+    rows = (f"100.0 50.0 -20.0 {45.0 + 0.00137 * i:.6f} 0 0 0 0 0\n" for i in range(5))
+    (tmp_path / "p.txt").write_text("".join(rows))
+
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "p.txt"))
+
+    assert set(run.campaign.touches.axis.tolist()) == {Axis.A}
+    assert "axis A, whose coordinates look touched; else give --axis" in run.text

@@ -356,3 +356,31 @@ def test_what_comes_next_without_a_feed_is_to_give_it(tmp_path: Path) -> None:
 
     assert "skiplatch diagnose needs the feed: import once more with --feed" in without.text
     assert f"skiplatch diagnose {folders[1] / 'campaign'}" in given.text
+
+
+def test_capture_that_a_german_spreadsheet_saved_is_read(tmp_path: Path) -> None:
+    text = saleae(probe_idles_high=False).replace("Time[s]", "Time [s]")
+    german = text.replace(", ", ";").replace(".", ",")
+    (tmp_path / "c.csv").write_text(german)
+
+    run = Run(tmp_path, "edges", str(tmp_path / "c.csv"), "--probe", "0", "--latch", "1")
+
+    touches = run.campaign.touches
+    assert touches.latch_us - touches.edge_us == pytest.approx(np.full(20, 40.0))
+
+
+def test_thousands_may_be_parted_where_the_decimals_have_a_comma(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("mm;1 hin;1 zurück\n0,0;0,1;-5,9\n1.250,5;1,1;-4,9\n")
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X")
+
+    assert sorted(set(run.campaign.touches.position_mm.tolist())) == [0.0, 1250.5]
+    assert (run.campaign.touches.sign < 0.0).sum() == 2
+
+
+def test_capture_is_no_table_of_iso_230(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "c.csv").write_text("Time [s],0,1\n0.0,0,0\n0.1,1,0\n")
+
+    said = refused("import", "iso230", tmp_path / "c.csv", "-o", tmp_path / "made")
+
+    assert 'expected positions, got a column in s: "Time [s]"' in said

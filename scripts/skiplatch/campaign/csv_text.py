@@ -18,6 +18,8 @@ UTF8 = "utf-8-sig"
 
 _SEPARATOR = re.compile(r"sep=([,;\t])\s*$", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
+_GROUPED = re.compile(r"\s*[-+]?[0-9]{1,3}(?:[.'\u2019\u00a0\u202f][0-9]{3})+,[0-9]+\s*")
+"""1.000,5: with a decimal comma behind it, what stands before each three digits parts groups."""
 _UNDECODABLE = re.compile("[\udc80-\udcff]")
 
 Row = tuple[int, list[str]]
@@ -57,7 +59,7 @@ def first_lines(path: Path, most: int, encoding: str = UTF8) -> list[str]:
 def cells_of(line: str, head: str) -> list[str]:
     """Give the cells of a line for itself, parted by what parts those of the head."""
     try:
-        return next(csv.reader([line], delimiter=_delimiter(head)), [])
+        return next(csv.reader([line], delimiter=delimiter_of(head)), [])
     except csv.Error:
         return []
 
@@ -68,9 +70,9 @@ def _rows(path: Path, file: TextIO, after: int) -> Iterator[Row]:
         for _ in islice(lines, after):
             pass
         lead = _lead(lines)
-        delimiter = _delimiter(lead[-1] if lead else "")
+        delimiter = delimiter_of(lead[-1] if lead else "")
         rows = _parsed(path, chain(lead, lines), delimiter, after)
-        yield from rows if delimiter == "," else ((n, [_with_point(c) for c in r]) for n, r in rows)
+        yield from rows if delimiter == "," else ((n, [with_point(c) for c in r]) for n, r in rows)
     except UnicodeDecodeError as error:
         raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
 
@@ -95,7 +97,7 @@ def _lead(lines: Iterator[str]) -> list[str]:
     return lead
 
 
-def _delimiter(line: str) -> str:
+def delimiter_of(line: str) -> str:
     """Give what stands between the columns; spreadsheets may say so in a line of its own."""
     if match := _SEPARATOR.match(line):
         return match[1]
@@ -107,8 +109,10 @@ def _is_aside(row: list[str]) -> bool:
     return row[0].lstrip().startswith("#") or row[0].lower() == "sep="
 
 
-def _with_point(cell: str) -> str:
-    """Turn a decimal comma into a point."""
+def with_point(cell: str) -> str:
+    """Turn a decimal comma into a point, and 1.000,5 into 1000.5."""
+    if _GROUPED.fullmatch(cell):
+        cell = re.sub(r"[^-+0-9,]", "", cell)
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 

@@ -13,6 +13,7 @@ from vcd.common import VarType
 from vcd.reader import Token, TokenKind, VCDParseError, tokenize
 
 from skiplatch.arrays import FloatArray
+from skiplatch.campaign.csv_text import delimiter_of, with_point
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
 from skiplatch.importing.encodings import in_utf8
@@ -68,10 +69,13 @@ def _read_csv(path: Path) -> Capture:
     """
     text = read_text(path)
     lines = [line for line in text.splitlines() if line.strip() and line[0] not in "#;"]
+    delimiter = delimiter_of(lines[0] if lines else "")
     try:
-        rows = list(csv.reader(lines, skipinitialspace=True))
+        rows = list(csv.reader(lines, skipinitialspace=True, delimiter=delimiter))
     except csv.Error as error:
         raise InputError(path, None, None, f"no CSV: {error}") from error
+    if delimiter != ",":  # as a spreadsheet writes it that has a decimal comma
+        rows = [[with_point(cell) for cell in row] for row in rows]
     head = [cell.strip() for cell in rows[0]] if rows else [""]
     if head[0].lower().startswith("time"):
         times = _times(path, [row[0] for row in rows[1:]])

@@ -28,6 +28,7 @@ _RANGE = re.compile(r"\bAxis ([XYZABC]) \((-?\d+\.?\d*),\s*(-?\d+\.?\d*)\)", re.
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
 _STEPS, _ACCEL, _INCHES = 100, 120, 13
 DIGIT_MM = 1e-3  # the last that is printed
+DIGIT_INCH = 1e-4
 HALF_A_DIGIT_MM = 0.51 * DIGIT_MM
 FARTHEST_MM = 1e6  # that any machine goes
 MOST_STEPS_PER_MM = 800.0  # with more of them, any printed number is near a step
@@ -49,6 +50,11 @@ def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported
         reader.take(line)
     if not reader.touches:
         raise InputError(path, None, None, "expected replies such as [PRB:0.000,0.000,-5.123:1]")
+    if all(touch.coordinate is None for touch in reader.touches):
+        message = (
+            f"expected a touch, got {len(reader.touches)} probing moves that ended without one"
+        )
+        raise InputError(path, None, None, message)
     return reader.result()
 
 
@@ -92,8 +98,8 @@ class _Reader:
                 self._dialogue.sent(command, line)
         if reply:
             self._reply(reply, line)
-        else:
-            self._dialogue.answered(line.text)
+        elif move := self._dialogue.answered(line.text):
+            self._not_begun(move, line)
 
     def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
         """Tell the last touch in the list of parameters that $# asks for."""
@@ -148,12 +154,16 @@ class _Reader:
         fallback = -1 if move.axis == "Z" else None
         return replace(move, sign=int(math.copysign(1, way)) if way else fallback)
 
+    @property
+    def _replies_in_inches(self) -> bool:
+        return self._settings.get(_INCHES, self._inch) == 1
+
     def _reply(self, reply: re.Match[str], line: Line) -> None:
         try:
             numbers = [float(value) for value in reply[1].split(",")]
         except ValueError:
             return
-        unit = MM_PER_INCH if self._settings.get(_INCHES, self._inch) == 1 else 1.0
+        unit = MM_PER_INCH if self._replies_in_inches else 1.0
         position = tuple(v * (unit if i < 3 else 1.0) for i, v in enumerate(numbers[: len(AXES)]))
         move = self._dialogue.touched()
         axis = (move.axis if move else None) or self._guess(position)
@@ -171,7 +181,7 @@ class _Reader:
                 feed=(move.feed if move else None) or self._feed,
                 start=None if missed else start,
                 time_s=line.time_s,
-                session=f"after homing {self._session}" if self._session else "",
+                session=self._session_name(),
                 is_release=bool(move and move.is_release),
             )
         )
@@ -180,6 +190,25 @@ class _Reader:
         # are the same only where no offset is set. Relative moves need no more than this.
         self._machine.position = dict(zip(AXES, position, strict=False))
         self._dialogue.catch_up()
+
+    def _not_begun(self, move: ProbeMove, line: Line) -> None:
+        """Take a move that the controller refused, as the probe was triggered before (ALARM:4)."""
+        axis = move.axis or "Z"
+        self.touches.append(
+            Touch(
+                axis=axis,
+                coordinate=None,
+                sign=move.sign or (-1 if axis == "Z" else None),
+                place=tuple(v for i, v in enumerate(self._last or ()) if i != AXES.index(axis)),
+                feed=move.feed or self._feed,
+                time_s=line.time_s,
+                session=self._session_name(),
+                is_false=True,
+            )
+        )
+
+    def _session_name(self) -> str:
+        return f"after homing {self._session}" if self._session else ""
 
     def _guess(self, position: Sequence[float]) -> str:
         """Take the axis that moved since the touch before, or Z."""
@@ -204,6 +233,12 @@ class _Reader:
         self._put_on_steps()
         found.leave_out_releases()
         has_settings = bool(found.figures)
+        step = found.figures.get(("axis", "resolution_um"))
+        if self._replies_in_inches and (
+            step is None or step.value < DIGIT_INCH * MM_PER_INCH * UM_PER_MM
+        ):
+            digit_um = DIGIT_INCH * MM_PER_INCH * UM_PER_MM
+            found.figure("axis", "resolution_um", digit_um, "a digit of the replies in inches")
         if not has_settings and self._is_finer_than(PRESETS[found.preset]):
             found.figure("axis", "resolution_um", DIGIT_MM * UM_PER_MM, "a digit of the replies")
         if ends := self._ranges.get(self.touches[-1].axis):
@@ -233,9 +268,12 @@ class _Reader:
 
     def _say(self, found: Imported, *, has_settings: bool) -> None:
         found.known.append("where each touch was latched, in machine coordinates")
-        missed = sum(touch.coordinate is None for touch in self.touches)
+        false = sum(touch.is_false for touch in self.touches)
+        missed = sum(touch.coordinate is None for touch in self.touches) - false
         if missed:
             found.known.append(f"probing moves that ended without a touch (:0]): {missed}")
+        if false:
+            found.known.append(f"false triggers, before the axis moved (ALARM:4): {false}")
         if not has_settings:
             steps = "" if found.figures else "steps per mm and "
             found.assumed.append(

@@ -67,16 +67,20 @@ class Dialogue:
             self._unanswered.popleft()
         return self._moves.popleft() if self._moves else None
 
-    def answered(self, text: str) -> None:
-        """Take a line that may be an answer without a touch."""
+    def answered(self, text: str) -> ProbeMove | None:
+        """Take a line that may be an answer without a touch.
+
+        Give the move that it says did not begin, as the probe was triggered before.
+        """
         if _NOT_BEGUN.search(text):
-            self._drop_first_probing()
-        elif _REFUSED.search(text):
+            return self._drop_first_probing()
+        if _REFUSED.search(text):
             self._refused()
         elif _DONE.search(text):
             self._has_oks = True
             if self._unanswered:
                 self._unanswered.popleft()
+        return None
 
     def started(self, text: str) -> None:
         """Forget what was sent before a controller started anew: it answers nothing of it."""
@@ -98,7 +102,7 @@ class Dialogue:
         elif probes(text):
             self._drop_first_probing()
 
-    def _drop_first_probing(self) -> None:
-        if self._moves:
-            self._moves.popleft()
+    def _drop_first_probing(self) -> ProbeMove | None:
+        dropped = self._moves.popleft() if self._moves else None
         self.catch_up()
+        return dropped

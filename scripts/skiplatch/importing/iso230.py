@@ -57,7 +57,7 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     sheet.say(found)
     rows = _without_what_is_worked_out(rows, found)
     heads = [head.strip() for head in rows[0][1][1:]]
-    _refuse_other_units(path, rows[0][0], heads)
+    _refuse_other_units(path, rows[0][0], rows[0][1])
     signs = np.array([-1.0 if _NEGATIVE.search(head) else 1.0 for head in heads])
     positions, deviations = _numbers(path, rows[1:], len(heads))
     unit = UM_PER_MM if in_mm else 1.0
@@ -137,11 +137,12 @@ def _begins_with_a_word(row: list[str]) -> bool:
 
 
 def _refuse_other_units(path: Path, line: int, heads: list[str]) -> None:
-    """Refuse a table with a unit in a head that no deviation is in, such as mm/min."""
-    for head in heads:
+    """Refuse a table with a unit in a head that no place or deviation is in, such as mm/min."""
+    for number, head in enumerate(heads):
         unit = _UNIT.search(head)
         if unit and unit[1] in _OTHER_UNITS:
-            message = f"expected runs with deviations, got a column in {unit[1]}: {quoted(head)}"
+            what = "runs with deviations" if number else "positions"
+            message = f"expected {what}, got a column in {unit[1]}: {quoted(head.strip())}"
             raise InputError(path, line, None, message)
 
 

@@ -17,6 +17,7 @@ from skiplatch.importing.model import Imported, Touch
 from skiplatch.units import MM_PER_INCH
 
 COLUMNS = 9
+LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
 FEWEST = 3
 ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
 NEGLIGIBLE = 1e-4
@@ -140,7 +141,7 @@ def _probed_axis(rows: Sequence[Row]) -> str:
         multiples = (value / ROUND_MM for value in values)
         return sum(abs(m - round(m)) > NEGLIGIBLE for m in multiples)
 
-    return max(reversed(AXES[:3]), key=lambda axis: touched(AXES.index(axis)))
+    return max(LIKELIEST, key=lambda axis: touched(AXES.index(axis)))
 
 
 def _only(values: Iterable[Value | None]) -> Value | None:
