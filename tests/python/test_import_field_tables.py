@@ -11,7 +11,9 @@ import pytest
 
 from refusals import Program
 from skiplatch.campaign import InputPath
+from skiplatch.diagnosis import diagnose
 from skiplatch.repeatability import repeatability
+from skiplatch.stand_ins import playable
 from test_import_logs import Run
 
 
@@ -384,3 +386,42 @@ def test_capture_is_no_table_of_iso_230(tmp_path: Path, refused: Program) -> Non
     said = refused("import", "iso230", tmp_path / "c.csv", "-o", tmp_path / "made")
 
     assert 'expected positions, got a column in s: "Time [s]"' in said
+
+
+def runs_of_iso_230(folder: Path) -> Run:
+    """Five runs either way: 10 µm/m too long, a reversal error of 6 µm, a scatter of 0.3 µm."""
+    rng = np.random.default_rng(5)
+    off_um = rng.normal(0.0, 0.3, (11, 10)) - np.tile([0.0, 6.0], 5)
+    heads = ";".join(f"{run} {sense}" for run in range(1, 6) for sense in "↑↓")
+    rows = [
+        ";".join([str(50 * i), *(f"{0.5 * i + off:.1f}".replace(".", ",") for off in row)])
+        for i, row in enumerate(off_um)
+    ]
+    (folder / "x.csv").write_text("\n".join([f"mm;{heads}", *rows]) + "\n")
+    return Run(folder, "iso230", str(folder / "x.csv"), "--feed", "1000")
+
+
+def test_runs_of_iso_230_tell_how_they_repeat(tmp_path: Path) -> None:
+    run = runs_of_iso_230(tmp_path)
+
+    assert run.campaign.nominal.probe.repeatability_um == pytest.approx(0.3, abs=0.1)
+    assert "scatter of the runs about their middles, 88 degrees of freedom" in run.toml
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
+def test_scale_and_reversal_of_iso_230_are_told_apart(tmp_path: Path) -> None:
+    """A repeatability that is guessed too wide took both errors for scatter."""
+    found = diagnose(playable(runs_of_iso_230(tmp_path).campaign), seed=1)
+
+    effects = {named.effect.id: named.effect.parameters for named in found.effects}
+    assert effects["scale_error"]["scale_ppm"] == pytest.approx(10.0, abs=0.5)
+    assert effects["backlash"]["backlash_um"] == pytest.approx(-6.0, abs=0.3)
+
+
+def test_single_runs_of_iso_230_do_not_tell_how_they_repeat(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("mm;1+;1-\n0;0,1;-6\n100;1,1;-5\n")
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--feed", "1000")
+
+    assert run.campaign.nominal.probe.repeatability_um == 3.0  # of the preset

@@ -15,7 +15,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
-from skiplatch.importing.model import Imported
+from skiplatch.importing.model import Figure, Imported
 from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit
 from skiplatch.importing.table import UNITS
 from skiplatch.units import UM_PER_MM
@@ -73,6 +73,7 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     cells = (cell for _, row in rows[1:] for cell in row[1:])
     place, beyond = positions[point], (deviations[point, run] - zero) * unit * signs[run]
     say_digit(found, cells, unit / ARCSEC_PER_MILLIDEGREE if turns else unit)
+    _say_repeatability(found, np.column_stack([place, signs[run]]), beyond, turns=turns)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
         "axis": np.full(len(point), Axis[axis]),
@@ -144,6 +145,34 @@ def _refuse_other_units(path: Path, line: int, heads: list[str]) -> None:
             what = "runs with deviations" if number else "positions"
             message = f"expected {what}, got a column in {unit[1]}: {quoted(head.strip())}"
             raise InputError(path, line, None, message)
+
+
+def _say_repeatability(
+    found: Imported, surfaces: FloatArray, beyond: FloatArray, *, turns: bool
+) -> None:
+    """Note how runs repeat at each place and sense, which any belief could only guess.
+
+    A guess that is too wide takes a small scale error and a reversal error for scatter.
+
+    Args:
+        found: Is told.
+        surfaces: Place and sense of each touch; shape (n, 2).
+        beyond: Deviations, of rotary axes in arcsec; shape (n,).
+        turns: Whether the axis is a rotary one.
+    """
+    _, which, count = np.unique(surfaces, axis=0, return_inverse=True, return_counts=True)
+    which = which.ravel()
+    freedom = len(beyond) - len(count)
+    if freedom == 0:
+        return
+    left = beyond - (np.bincount(which, beyond) / count)[which]
+    sigma = float(np.sqrt(np.sum(left**2) / freedom)) / (ARCSEC_PER_MILLIDEGREE if turns else 1.0)
+    if sigma > 0.0:
+        u = sigma / float(np.sqrt(2.0 * freedom))
+        source = f"scatter of the runs about their middles, {freedom} degrees of freedom"
+        found.figures["probe", "repeatability_um"] = Figure(
+            round(sigma, DECIMALS), source, round(u, DECIMALS)
+        )
 
 
 def _zero(place: FloatArray, deviation: FloatArray, sign: FloatArray) -> float:
