@@ -563,13 +563,14 @@ def test_a_parameter_without_a_unit_has_none_in_words() -> None:
     assert re.search(r"starts_at_calibration = \S+ \([^)]*\), 0: soaked", said)
 
 
-def test_missed_touches_are_said_in_words() -> None:
+def test_missed_and_false_touches_are_said_in_words() -> None:
     campaign, _ = no_gap()
     skip = campaign.touches.on_skip
     status = np.full(len(skip), Status.OK)
-    status[np.flatnonzero(skip)[:3]] = Status.MISSED
+    status[np.flatnonzero(skip)[:5]] = [Status.MISSED] * 3 + [Status.FALSE] * 2
     touches = replace(campaign.touches, status=status.astype(np.int8))
 
     said = notes(Scene.of(replace(campaign, touches=touches)), Verdict.NO_GAP, [], [])
 
     assert f"Missed on the skip path: 3 of {skip.sum()} touches." in said
+    assert "Triggers without a contact on the skip path: 2." in said

@@ -40,11 +40,7 @@ def notes(
         ways = Ways.of(scene.touches)
         found += [f"Not explained: {ways.relabelled(failure.words)}." for failure in failures]
     for path in InputPath:
-        here, name = scene.touches.path == path, path.name.lower()
-        if missed := int((scene.touches.missed & here).sum()):
-            found.append(f"Missed on the {name} path: {missed} of {int(here.sum())} touches.")
-        if not here.any():
-            found.append(f"No touches on the {name} path: nothing can be said of it.")
+        found += _of_path(scene, path)
     if not scene.has_stamps.any():
         found.append("No latch_us: what shifts time and what shifts length look alike.")
     if scene.touches.turns.any():
@@ -54,6 +50,18 @@ def notes(
         )
     found += _untold(scene)
     return found
+
+
+def _of_path(scene: Scene, path: InputPath) -> list[str]:
+    """Say which touches of a path have no latch, or no contact; or that it has none."""
+    here, name = scene.touches.path == path, path.name.lower()
+    if not here.any():
+        return [f"No touches on the {name} path: nothing can be said of it."]
+    missed, false = (
+        int((rows & here).sum()) for rows in (scene.touches.missed, scene.touches.false)
+    )
+    said = [f"Missed on the {name} path: {missed} of {int(here.sum())} touches."] if missed else []
+    return said + [f"Triggers without a contact on the {name} path: {false}."] * (false > 0)
 
 
 def _untold(scene: Scene) -> list[str]:
