@@ -460,7 +460,7 @@ def test_parameters_of_axes_that_do_not_touch_are_not_told(
     intervals = {name: (value, value) for name, value in lag.parameters.items()}
     named = Named(lag, "position", intervals, (), 0.9, idle=idle(touches, lag))
 
-    told = found(named).parameters.rows
+    told = found(named, no_gap()[1]).parameters.rows
     text = as_text(replace(diagnosis, effects=[named]))
 
     assert named.idle == expected
@@ -542,6 +542,24 @@ def test_linear_and_rotary_axes_of_a_campaign_have_pictures_in_their_own_units()
         own = [words for words in pictures if f" in {unit}, " in words]
         assert own
         assert all(feed in words for words in own)
+
+
+def test_each_path_is_told_in_the_unit_of_its_axes() -> None:
+    whole, diagnosis = of_axes(all_turn=False)
+    touches = replace(whole.touches, axis=np.where(whole.touches.on_plc, Axis.C, Axis.X))
+    diagnosis = replace(
+        diagnosis,
+        where=[
+            Place("position", path, f"deviation_{path}", "everywhere", 10.0, "µm")
+            for path in ("skip", "plc")
+        ],
+        ways_of_paths=Ways.of_paths(touches),
+    )
+
+    said = as_text(diagnosis)
+
+    assert re.search(r"deviation_skip .* 10\.0 µm ", said)
+    assert re.search(r"deviation_plc .* 36\.0 arcsec ", said)
 
 
 def test_what_is_short_of_an_explanation_is_told_in_degrees() -> None:

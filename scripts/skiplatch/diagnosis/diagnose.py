@@ -101,6 +101,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
         outliers=found.outliers if may_be_accidents(len(found.outliers), evidence.touches) else [],
         failures=failures,
         ways=Ways.of(scene.touches),
+        ways_of_paths=Ways.of_paths(scene.touches),
     )
 
 

@@ -50,7 +50,7 @@ def as_html(
         verdict=diagnosis.verdict.value,
         headline=words.headline(diagnosis),
         lead=words.lead(diagnosis, ways.observable_name(evidence.stretch)),
-        found=[words.found(named, ways) for named in diagnosis.effects],
+        found=[words.found(named, diagnosis) for named in diagnosis.effects],
         chain=steps,
         chain_described=chain.described(steps),
         distributions=_distributions(evidence),

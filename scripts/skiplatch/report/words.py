@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
-from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
@@ -101,9 +100,10 @@ def _shown(diagnosis: Diagnosis, telling: str) -> Gap | None:
     return first if first is None or first.is_clear or not clear else clear[0]
 
 
-def found(named: Named, ways: Ways = Ways.LINEAR) -> Found:
-    """Describe an effect that was found by such axes."""
+def found(named: Named, diagnosis: Diagnosis) -> Found:
+    """Describe an effect that was found."""
     described = effects()[named.effect.id]
+    ways = diagnosis.ways_of(described.paths)
     rows = []
     for parameter in described.parameters:
         if parameter.name in named.idle:

@@ -1,7 +1,7 @@
 """All that is said of a campaign."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
@@ -57,3 +57,9 @@ class Diagnosis:
     """The rules that candidates failed, and by how much."""
     ways: Ways = Ways.LINEAR
     """What the axes do; of rotary ones a µm stands for 0.001°."""
+    ways_of_paths: Mapping[str, Ways] = field(default_factory=dict)
+    """The same of the touches of "skip" and of "plc"."""
+
+    def ways_of(self, paths: str) -> Ways:
+        """Give what the axes do that touch on "skip", on "plc" or on "both"."""
+        return self.ways_of_paths.get(paths, self.ways)

@@ -30,7 +30,7 @@ MOST_LISTED = 12
 def as_text(diagnosis: Diagnosis) -> str:
     """Everything, for the terminal."""
     diagnosis, ways = for_people(diagnosis), diagnosis.ways
-    effect_texts = [_effect_text(named, ways) for named in diagnosis.effects]
+    effect_texts = [_effect_text(named, diagnosis) for named in diagnosis.effects]
     parts = [VERDICTS[diagnosis.verdict], *effect_texts]
     if diagnosis.where:
         rows = [
@@ -56,8 +56,9 @@ def as_text(diagnosis: Diagnosis) -> str:
     return "\n\n".join(parts)
 
 
-def _effect_text(named: Named, ways: Ways) -> str:
+def _effect_text(named: Named, diagnosis: Diagnosis) -> str:
     described = effects()[named.effect.id]
+    ways = diagnosis.ways_of(described.paths)
     lines = [f"{named.effect.id} ({named.stage} stage, {described.paths}): {described.physics}"]
     for parameter in described.parameters:
         if parameter.name in named.idle:

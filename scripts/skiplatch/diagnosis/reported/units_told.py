@@ -17,8 +17,8 @@ def for_people(diagnosis: Diagnosis) -> Diagnosis:
         return diagnosis
     return replace(
         diagnosis,
-        where=[_place(place, ways) for place in diagnosis.where],
-        left=[_left(one, ways) for one in diagnosis.left],
+        where=[_place(place, diagnosis.ways_of(place.paths)) for place in diagnosis.where],
+        left=[_left(one, diagnosis.ways_of(one.path)) for one in diagnosis.left],
         gap={ways.observable_name(name): _gap(gap, ways) for name, gap in diagnosis.gap.items()},
     )
 

@@ -3,7 +3,7 @@
 from enum import Enum
 from typing import Self
 
-from skiplatch.campaign import Axis, Touches
+from skiplatch.campaign import Axis, InputPath, Touches
 from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
 LENGTH = "µm"
@@ -26,6 +26,12 @@ class Ways(Enum):
         if not touches.turns.any():
             return cls(cls.LINEAR)
         return cls(cls.ROTARY if touches.turns.all() else cls.MIXED)
+
+    @classmethod
+    def of_paths(cls, touches: Touches) -> dict[str, Self]:
+        """Tell it of each input path that has touches, by "skip" and "plc"."""
+        rows = {path.name.lower(): touches.path == path for path in InputPath}
+        return {name: cls.of(touches.select(here)) for name, here in rows.items() if here.any()}
 
     @classmethod
     def of_datum(cls, name: str) -> Self | None:
