@@ -425,3 +425,20 @@ def test_single_runs_of_iso_230_do_not_tell_how_they_repeat(tmp_path: Path) -> N
     run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--feed", "1000")
 
     assert run.campaign.nominal.probe.repeatability_um == 3.0  # of the preset
+
+
+@pytest.mark.parametrize("text", ["a;b\n;\n", ";\n;\n", "a;b\nMittelwert;1\n", "Mittelwert\n1\n"])
+def test_table_without_a_run_is_refused(tmp_path: Path, refused: Program, text: str) -> None:
+    (tmp_path / "x.csv").write_text(text)
+
+    said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
+
+    assert "x.csv: expected" in said or "x.csv:2: expected a number" in said
+
+
+def test_runs_that_are_all_alike_do_not_tell_how_they_repeat(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("mm;1+;1-;2+;2-\n0;0,1;-6;0,1;-6\n100;1,1;-5;1,1;-5\n")
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--feed", "1000")
+
+    assert run.campaign.nominal.probe.repeatability_um == 3.0  # of the preset

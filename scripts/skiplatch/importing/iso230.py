@@ -33,6 +33,7 @@ _UNIT = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _OTHER_UNITS = set().union(*(UNITS[quantity] for quantity in ("s", "mm/min", "°C")))
 """Of what is no deviation; none of them is a unit of length or of angle."""
 DECIMALS = 3  # of a deviation in a campaign
+LEAST_SIGMA_UM = 1e-3  # a campaign tells no less
 ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 
 
@@ -49,13 +50,12 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
         InputError: It cannot be read or is no such table.
     """
     sheet = read_spreadsheet(path, _is_head)
-    rows = sheet.rows
+    found = Imported(preset="plc-4ms")
+    sheet.say(found)
+    rows = _without_what_is_worked_out(sheet.rows, found)
     if len(rows) < 2 or len(rows[0][1]) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)
-    found = Imported(preset="plc-4ms")
-    sheet.say(found)
-    rows = _without_what_is_worked_out(rows, found)
     heads = [head.strip() for head in rows[0][1][1:]]
     _refuse_other_units(path, rows[0][0], rows[0][1])
     signs = np.array([-1.0 if _NEGATIVE.search(head) else 1.0 for head in heads])
@@ -118,7 +118,7 @@ def _is_head(cells: list[str], below: list[str]) -> bool:
 
 def _without_what_is_worked_out(rows: list[Row], found: Imported) -> list[Row]:
     """Leave out columns of means and spreads, and the lines of words below the table."""
-    head = rows[0][1]
+    head = rows[0][1] if rows else []
     dropped = {i for i in range(1, len(head)) if _WORKED_OUT.search(head[i])}
     if dropped and len(dropped) < len(head) - 1:
         names = ", ".join(head[i].strip() for i in sorted(dropped))
@@ -167,8 +167,8 @@ def _say_repeatability(
         return
     left = beyond - (np.bincount(which, beyond) / count)[which]
     sigma = float(np.sqrt(np.sum(left**2) / freedom)) / (ARCSEC_PER_MILLIDEGREE if turns else 1.0)
-    if sigma > 0.0:
-        u = sigma / float(np.sqrt(2.0 * freedom))
+    if sigma > LEAST_SIGMA_UM:
+        u = max(sigma / float(np.sqrt(2.0 * freedom)), LEAST_SIGMA_UM)
         source = f"scatter of the runs about their middles, {freedom} degrees of freedom"
         found.figures["probe", "repeatability_um"] = Figure(
             round(sigma, DECIMALS), source, round(u, DECIMALS)
