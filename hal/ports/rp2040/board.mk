@@ -24,3 +24,4 @@ RIG.$(board)             := hal.ports.$(board).tests.rig
 RIG_OPTIONS.$(board).prescaler        := --tick-shift 4
 RIG_OPTIONS.$(board).other_interrupt  := --paths s
 RIG_OPTIONS.$(board).critical_section := --paths s
+MEASURE.$(board)         = $(VENV_PYTHON) -m hal.ports.$(TARGET).tests.grblhal_rig $(OUT)/beside_grblhal.elf
