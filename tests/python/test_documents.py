@@ -44,6 +44,7 @@ EXPERIMENT = "tests/python/test_pretravel_experiment.py"
 ELSEWHERE = {
     ".venv/bin/python -m hal.ports.atmega328p": "hal/ports/atmega328p/tests/transmission_rig.py",
     ".venv/bin/python -m hal.ports.cortex_m3": "hal/ports/cortex_m3/tests/qemu_rig.py",
+    ".venv/bin/python -m hal.ports.rp2040": "hal/ports/rp2040/tests/test_board_grblhal.py",
     "build/host/skiplatch-recorder": "tests/bench/test_pulses.py",
     "candump vcan0 |": "tests/python/test_packages_can.py",
     "cc -DSKIPLATCH_IMPLEMENTATION": "tests/python/test_packages_packed.py",
