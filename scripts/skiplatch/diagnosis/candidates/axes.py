@@ -20,8 +20,8 @@ FEWEST_ON_AXIS = 16
 """Touches of an axis that show an error of its own."""
 A_NEWS = 4.0
 """Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
-MOST_OVER = 20.0
-"""Times another axis' error may be that of X, as in the table of effects."""
+MOST_OVER = 1000.0
+"""Times another axis' error may be that of X: about as many as in the table of effects."""
 
 OF_AN_AXIS = {
     "y_excess_ratio": Axis.Y,
@@ -93,18 +93,20 @@ def _by_axis(scene: Scene, given: Change, unit_um: FloatArray) -> list[float] | 
     rows = stream.rows
     law = law_under(scene, stream, given).select(rows)
     scores = (stream.residuals[rows] - law.mean) / law.spread
-    units, offset = unit_um[rows] / law.spread, 1.0 / law.spread
+    units = unit_um[rows] / law.spread
+    data = [(scene.datum_of(stream) == k) / law.spread for k in range(scene.datum_count)]
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
     if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
         return None
     scale = max(1.0, float(stats.median_abs_deviation(scores, scale="normal")))
-    common, cost = robust_fit([units, offset], scores, scale)
-    parted, lower = robust_fit([*(units * on_axes[k] for k in seen), offset], scores, scale)
+    common, cost = robust_fit([units, *data], scores, scale)
+    parted, lower = robust_fit([*(units * on_axes[k] for k in seen), *data], scores, scale)
     if cost - lower < A_NEWS * (len(seen) - 1):
         return None
     sizes = np.full(len(LINEAR_AXES), common[0])
-    sizes[seen] = parted[:-1]
+    sizes[seen] = parted[: len(seen)]
     least = np.abs(sizes).max() / MOST_OVER
     first = float(sizes[0] if abs(sizes[0]) > least else np.copysign(least, sizes[0]))
+    sizes[[k for k in range(len(sizes)) if k not in seen]] = first  # nothing tells of those
     return [first, *(sizes[1:] / first - 1.0)]

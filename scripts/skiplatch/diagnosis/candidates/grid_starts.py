@@ -62,15 +62,17 @@ def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose slots anywhere, and those that the skip path's stamps keep."""
     usual = [[slot_us, 0.0] for slot_us in (50.0, 500.0, 4000.0)]
     skip = scene.nominal.skip
-    span_us = _box_of(later_us(scene, given)[1])
-    if "latch_skip" not in scene.streams or not span_us > CLEAR * (skip.jitter_us + skip.tick_us):
+    mean_us, sigma_us = later_us(scene, given)
+    # Slots that are lost in the scatter keep their grid all the same, and cost half of one.
+    spans_us = [us for us in (_box_of(sigma_us), 2.0 * mean_us) if us > skip.tick_us]
+    if "latch_skip" not in scene.streams or not spans_us:
         return usual
     behind_us = (
         scene.nominal.input.filter_us + skip.latency_us + (skip.jitter_us - skip.tick_us) / 2.0
     )
     ends_us = scene.touches.latch_us[scene.streams["latch_skip"].rows] - behind_us
     seen = []
-    for slot_us, turn in _grids_kept(ends_us, span_us):
+    for slot_us, turn in (grid for us in spans_us for grid in _grids_kept(ends_us, us)):
         # What keeps the ends of slots keeps those of slots half as long as well.
         seen += [
             [slot_us, turn],

@@ -21,10 +21,14 @@ SLOWER = (0.9997, 0.999, 0.997, 0.99, 0.97, 0.9, 0.7, 0.4, 0.1)
 """Shares of the believed acceleration."""
 JUST_NOT_ENOUGH = (0.9, 0.6, 0.3)
 """Shares of the acceleration that the fastest of the short approaches needs."""
+POWERS_OF_FEED = (0.0, -0.5, 0.5, -1.0, 1.0, -2.0, 2.0)
+"""That a share of the acceleration may go with."""
 CAPPED = (0.999, 0.99, 0.9, 0.6)
 """Shares of the highest feed that may be the limit of it."""
 FASTEST = 0.8
 """Share of the touches that are slower than those that show such a limit."""
+SOON, FAR_LATE = 0.1, 6.0
+"""Share of the touches that came at once, and spreads beyond them by which others are late."""
 TINY = 1e-9
 
 
@@ -62,6 +66,22 @@ def unknown_sigma(off: FloatArray, spread: FloatArray) -> float:
     return float(np.sqrt(max(unknown, 0.0)))
 
 
+def retries(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+    """Propose periods anywhere, and that by which the skip path's late touches are later."""
+    usual = [
+        [share, period, 0.2 * period, 0.0]
+        for share in (0.1, 0.4)
+        for period in (100.0, 500.0, 2000.0, 8000.0)
+    ]
+    late_us, spread_us = _late_us(scene, given)
+    late_us = late_us - np.quantile(late_us, SOON) if len(late_us) else late_us
+    far = late_us > FAR_LATE * spread_us
+    if not far.any():
+        return usual
+    share, period = float(far.mean()), float(np.median(late_us[far]))
+    return [*usual, *([share, period, scatter * period, 0.0] for scatter in (0.01, 0.2))]
+
+
 def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
     """Give by how much touches of the skip path are later than thought, and the spread of that."""
     for name in ("latch_skip", "deviation_skip"):
@@ -75,7 +95,7 @@ def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
 
 
 def feeds(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose feeds off by a share, and limits, also that by which the fastest touches are late."""
+    """Propose feeds off by a share, a constant or both, and limits, as the stamps show them, too."""
     shares = [[sign * size, 0.0, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0)]
     feed_mm_min = scene.touches.feed_mm_min
     limits = [share * float(feed_mm_min.max()) for share in CAPPED]
@@ -86,6 +106,9 @@ def feeds(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
         way_mm = scene.touches.approach_mm[fastest]
         real_mm_min = way_mm / np.maximum(way_mm / feed_mm_min[fastest] + late_min, TINY)
         limits.append(float(np.median(real_mm_min)))
+        # A touch is late by what its way takes longer.
+        way_us = scene.touches.approach_mm / feed_mm_min * (US_PER_S * S_PER_MIN)
+        shares = [*_told_by(stream, [-way_us / 100.0, -way_us / feed_mm_min]), *shares]
     return [*shares, *([0.0, 0.0, limit] for limit in limits)]
 
 
@@ -100,12 +123,21 @@ def drifts(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
         return usual
     stamps_us = scene.touches.latch_us
     parts = [stamps_us * 1e-6, stamps_us**2 / US_PER_H * 1e-6, warmth_k_s(scene, stamps_us)]
+    return [*_told_by(stream, parts, ([0], [0, 1], [0, 2])), *usual]
+
+
+def _told_by(
+    stream: Stream,
+    parts: Sequence[FloatArray],
+    together: Sequence[Sequence[int]] = ([0], [1], [0, 1]),
+) -> list[list[float]]:
+    """Propose the first parameters of three by what a stream shows of parts, some at a time."""
     seen = []
-    for chosen in ([0], [0, 1], [0, 2]):
+    for chosen in together:
         start = np.zeros(3)
-        start[chosen] = _slopes(stream, [parts[i] for i in chosen])
+        start[list(chosen)] = _slopes(stream, [parts[i] for i in chosen])
         seen.append(start.tolist())
-    return [*seen, *usual]
+    return seen
 
 
 def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
@@ -148,15 +180,24 @@ def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     feed_m_min = scene.touches.feed_mm_min[stream.rows] / MM_PER_M
     if len(np.unique(feed_m_min)) < FEWEST_FEEDS:
         return [*usual, *both]
-    slope, level = np.polyfit(feed_m_min, later, 1)
-    by_feed = [[float(level), 0.0, 0.0, float(slope)]] if slope > 0.0 else []
-    return [*usual, *both, *by_feed]
+    slope, level = map(float, np.polyfit(feed_m_min, later, 1))
+    if slope <= 0.0:
+        return [*usual, *both]
+    left_us = later - slope * feed_m_min
+    least_us, queue_us = float(left_us.min()), max(level - float(left_us.min()), 1.0)
+    by_feed = [[least_us, queue_us / (1.0 - direct), direct, slope] for direct in (0.0, 0.6)]
+    return [*usual, *both, [level, 0.0, 0.0, slope], *by_feed]
 
 
 def accelerations(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose shares of the believed acceleration, and those with which some touches come slow."""
+    """Propose shares of the believed acceleration, and those with which some touches come slow.
+
+    Those of the feed that is slowed most: a power of the feed makes it less for the others.
+    """
     feed_mm_s = scene.touches.feed_mm_min / S_PER_MIN
     enough_mm_s2 = feed_mm_s**2 / (2.0 * scene.touches.approach_mm)
     most = float(np.max(enough_mm_s2)) / scene.nominal.axis.accel_mm_s2
     shares = (*SLOWER, *(share * most for share in JUST_NOT_ENOUGH))
-    return [[share, 0.0] for share in shares if share < 1.0]
+    feed_m_min = scene.touches.feed_mm_min / MM_PER_M
+    by_feed = [(power, float(np.max(feed_m_min**-power))) for power in POWERS_OF_FEED]
+    return [[share * over, power] for share in shares if share < 1.0 for power, over in by_feed]

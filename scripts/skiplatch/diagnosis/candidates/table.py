@@ -12,6 +12,7 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates import (
     grid_starts,
+    linear_starts,
     scan_starts,
     scan_surrogates,
     starts,
@@ -63,7 +64,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "pretravel_lobing",
             ("amplitude_um", "azimuth_deg", "second_um", "third_um", "elevation_power"),
             surrogates.lobing,
-            starts.fixed(*([2.0, azimuth, 0.0, 0.0, 0.0] for azimuth in (0.0, 30.0, 60.0, 90.0))),
+            linear_starts.lobes(surrogates.lobing),
             shows_lobes,
             refinements=({2: 0.5}, {2: -0.5}, {3: 0.3}, {3: -0.3}, {4: 1.0}, {4: -0.5}),
         ),
@@ -87,13 +88,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "link_retry",
             ("probability", "period_us", "scatter_us", "retry_excess"),
             surrogates.retry,
-            starts.fixed(
-                *(
-                    [share, period, 0.2 * period, 0.0]
-                    for share in (0.1, 0.4)
-                    for period in (100.0, 500.0, 2000.0, 8000.0)
-                )
-            ),
+            starts.retries,
             on_machine,
             refinements=({3: 0.3},),
         ),
@@ -138,6 +133,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ("tick_us", "origin_us", "nearest"),
             surrogates.coarse_ticks,
             grid_starts.ticks,
+            refinements=({2: 0.5},),
         ),
         Candidate(
             "timer_drift",
@@ -280,13 +276,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "rotary_pivot",
             ("x_um", "y_um", "set_on_believed_centre", "mirrored"),
             surrogates.pivot,
-            starts.fixed(
-                *(
-                    [x, y, unset, mirrored]
-                    for x, y in ((5.0, 0.5), (0.5, -5.0), (-5.0, 0.5), (0.5, 5.0))
-                    for unset, mirrored in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))
-                )
-            ),
+            linear_starts.centres(surrogates.pivot),
             applies=varies("rotary_deg"),
         ),
         Candidate(

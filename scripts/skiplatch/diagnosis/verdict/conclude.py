@@ -8,8 +8,10 @@ from scipy.special import logsumexp
 
 from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.plays.hidden import Hidden, could_hide
 from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.leftover import STREAMS
 from skiplatch.diagnosis.plays.outliers import outliers
 from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.scene.scene import Scene
@@ -99,6 +101,7 @@ def _conclusion(
         before=mattering(before, work.materiality),
         after=mattering(after, work.materiality),
         hidden=min((one.relative for one in hidden.values()), default=np.inf),
+        unreached=_unreached(scene, fit) if fit else frozenset(),
         effects=[one.effect.id for one in found],
         at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
         open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
@@ -124,6 +127,11 @@ def _of_chance(work: Work, fit: Fit | None, rig: Rig) -> tuple[bool, list[Left]]
         return False, []
     found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
     return is_chancy(found, believed), chance_of(found, believed, discrepancy=fit.slack)
+
+
+def _unreached(scene: Scene, fit: Fit) -> frozenset[str]:
+    """Name the streams that the effects of a finding leave as they are."""
+    return frozenset().union(*STREAMS.values()) - affected(scene, fit.change(scene))
 
 
 def _gains(work: Work, rows: BoolArray, rig: Rig, fit: Fit) -> Mapping[str, float]:

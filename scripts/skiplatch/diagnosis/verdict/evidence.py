@@ -21,6 +21,7 @@ class Evidence:
         before: What the believed chain leaves that is material and hardly an accident.
         after: The same of the finding; of none, if nothing was found.
         hidden: By how many times its noise an observable may be off unseen, the best of them.
+        unreached: Streams whose law the effects leave as it is.
         effects: Ids of the effects found.
         at_limit: Parameters at an end of their range, as "effect.parameter".
         open: Parameters whose interval tells nothing, likewise.
@@ -41,6 +42,7 @@ class Evidence:
     before: Sequence[Left] = ()
     after: Sequence[Left] = ()
     hidden: float = 0.0
+    unreached: frozenset[str] = frozenset()
     effects: Sequence[str] = ()
     at_limit: Sequence[str] = ()
     open: Sequence[str] = ()

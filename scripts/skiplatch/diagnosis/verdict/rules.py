@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from scipy import stats
 
 from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
+from skiplatch.diagnosis.plays.leftover import streams_of
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.shrink import Gap
 
@@ -186,7 +187,8 @@ def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
 
 def mostly_left(evidence: Evidence, threshold: float = MOST) -> list[Left]:
     """Give what a finding leaves that is much of what was there: it is not its cause, then."""
-    return [one for one in evidence.after if one.z > CHANCE and _is_most(evidence, one, threshold)]
+    reached = (one for one in evidence.after if not streams_of(one) <= evidence.unreached)
+    return [one for one in reached if one.z > CHANCE and _is_most(evidence, one, threshold)]
 
 
 def _takes_most(evidence: Evidence, threshold: float) -> str:
@@ -198,13 +200,15 @@ def _takes_most(evidence: Evidence, threshold: float) -> str:
 def _is_most(evidence: Evidence, left: Left, threshold: float) -> bool:
     """Tell whether what is left is much of what was there of its like, and something of it all.
 
-    Like is held against like in its own unit: a wave that stays is not made small by a scatter that
-    was larger. What shows only once more than it is gone is held against that, in terms of noise.
+    Like is held against like in its own unit, the most of it against the most: a wave that stays is
+    not made small by a scatter that was larger. What shows only once more than it is gone is held
+    against that, in terms of noise.
     """
     there = [one for one in evidence.before if one.is_of(left)]
     like = [one.size for one in there if one.is_like(left)]
+    most = max(one.size for one in evidence.after if one.is_of(left) and one.is_like(left))
     now, whole = (
-        (left.size, max(one.size for one in there))
+        (most, max(one.size for one in there))
         if like
         else (left.relative, max((one.relative for one in there), default=0.0))
     )
