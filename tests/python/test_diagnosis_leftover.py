@@ -14,10 +14,10 @@ from skiplatch.campaign import Campaign, Status, Touches, read_campaign
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.left import EVERYWHERE, RESOLVED, Left, Memo
 from skiplatch.diagnosis.plays.leftover import MISSED, NOTICED, Beside, left_over, noticed
-from skiplatch.diagnosis.plays.look import FEWEST
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import as_recorded
 from skiplatch.diagnosis.plays.scores import normal_scores
+from skiplatch.diagnosis.plays.telling import FEWEST
 from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect

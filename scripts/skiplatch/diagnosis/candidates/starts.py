@@ -95,7 +95,7 @@ def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
 
 
 def feeds(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
-    """Propose feeds off by a share, a constant or both, and limits, as the stamps show them, too."""
+    """Propose feeds off by a share, a constant or both, and limits; also those the stamps show."""
     shares = [[sign * size, 0.0, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0)]
     feed_mm_min = scene.touches.feed_mm_min
     limits = [share * float(feed_mm_min.max()) for share in CAPPED]

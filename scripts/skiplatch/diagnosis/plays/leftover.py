@@ -16,9 +16,10 @@ from scipy import stats
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
-from skiplatch.diagnosis.plays.look import FEWEST, SMALLEST, Look, told_by_forest
+from skiplatch.diagnosis.plays.look import Look
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_by_forest
 from skiplatch.diagnosis.scene.covariates import varying
 from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.pitches import kept_pitch

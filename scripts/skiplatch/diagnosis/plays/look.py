@@ -4,47 +4,46 @@ Each recorded touch has a rank among plays of the same touch, and with it a norm
 played is right, the scores know nothing: not of the conditions, not of the sequence, not of the
 touches around. So they are looked at as a whole, along every condition, along waves, and by a
 forest that predicts each touch by trees that have not seen it (Breiman, Machine Learning 45 (2001)
-5, on out-of-bag estimates).
+5, on out-of-bag estimates). Touches that share something, as where ticks and scans meet, go with
+each other in plays as well: then what is seen is held against the same look at plays.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from scipy import stats
-from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
-from skiplatch.diagnosis.plays.scores import normal_scores, shares_among, way_from_normal
+from skiplatch.diagnosis.plays.scores import (
+    go_together,
+    normal_scores,
+    shares_among,
+    way_from_normal,
+)
 from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_by_forest, wave
 from skiplatch.diagnosis.scene.covariates import (
     neighbours,
     varying,
 )
 from skiplatch.diagnosis.scene.observed import UNITS, before_wait
-from skiplatch.diagnosis.scene.periodogram import explained_by_sines
 from skiplatch.statistics import errors_of, errors_of_excess
 
-TREES = 60
-LEAF = 5
-"""Touches in a leaf, at least."""
-FEWEST = 8
-"""Touches from which on anything can be seen."""
 FEWEST_FOR_FOREST = 25
 """The same of what only a forest sees."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
-SMALLEST = 1e-4
 CALM = (0.02, 0.98)
 """Quantiles beyond which values count no further for a spread."""
-NAMED = 3
-"""Covariates that are named at most."""
-LEAST_TURNS = 1.0
-"""Of a wave over what was recorded; slower ones a forest sees."""
 FAR = 6.0
 """Standard deviations beyond all plays from which on a touch is far off."""
 SELDOM = 1e-3
 """Share of touches that a rig that is right may have far off."""
+HELD_AGAINST = 6
+"""Plays that are looked at as the record is."""
 NEVER_ERRS = "grid"
 """Observable without gross errors: a scan whose stamp is off the grid of the others was off it."""
 
@@ -88,6 +87,7 @@ class Look:
             played: Shape (r, n).
         """
         self._setting, self.name, self.path, self._rows = setting, name, path, rows
+        self._all_played = played
         self._step = setting.step(name)
         self.played = np.round(played[:, rows], DIGITS)
         self.recorded = np.round(recorded[rows], DIGITS)
@@ -105,18 +105,45 @@ class Look:
         seen = b"".join(np.round(v, DIGITS).tobytes() for v in (self._scores, self.off))
         key = f"{self.name} {self.path} ".encode() + seen
         if key not in memo:
-            looks = (self.everywhere(), self.straight(), self.predicted(), self.waves())
-            memo[key] = [left for found in looks for left in found]
+            memo[key] = [*self.everywhere(), *self.told()]
         return memo[key]
+
+    def told(self) -> Iterator[Left]:
+        """Give all that goes with anything known."""
+        for look in (Look.straight, Look.predicted, Look.waves):
+            yield from self._beside_plays(look) if self._is_shared else look(self)
+
+    def _beside_plays(self, look: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
+        """Count standard errors from what the same look tells of plays."""
+        played = [list(look(one)) for one in self._plays_as_recorded]
+        for left in look(self):
+            usual = [max((o.z for o in one if o.kind == left.kind), default=0.0) for one in played]
+            yield replace(left, z=(left.z - float(np.mean(usual))) / max(1.0, float(np.std(usual))))
+
+    @cached_property
+    def _plays_as_recorded(self) -> list["Look"]:
+        """Hold some plays against the others."""
+        played = self._all_played
+        return [
+            Look(self._setting, self.name, self.path, self._rows, one, np.delete(played, k, axis=0))
+            for k, one in enumerate(played[:HELD_AGAINST])
+        ]
+
+    @cached_property
+    def _is_shared(self) -> bool:
+        return go_together(self._scores_of_plays)
+
+    @cached_property
+    def _scores_of_plays(self) -> FloatArray:
+        """Rank each play among the others; shape (r, m)."""
+        others = (np.delete(self.played, k, axis=0) for k in range(len(self.played)))
+        scores = map(normal_scores, self.played, others)
+        return np.array(list(scores))
 
     def everywhere(self) -> Iterator[Left]:
         """Compare middle and scatter of the scores with those of plays among the others."""
-        others = [
-            normal_scores(play, np.delete(self.played, k, axis=0))
-            for k, play in enumerate(self.played)
-        ]
         for kind, power in (("shift", 1), ("scatter", 2)):
-            usual = np.array([np.nanmean(scores**power) for scores in others])
+            usual = np.nanmean(self._scores_of_plays**power, axis=1)
             size = float(np.mean(self._scores**power) - usual.mean())
             error = max(float(usual.std(ddof=1)), SMALLEST)
             # A rig that scatters less than believed has no gap: nothing is left of it.
@@ -211,10 +238,10 @@ class Look:
         """
         for place in self._setting.places:
             sense = place.sense[self._rows]
-            wave = _wave(place.where[self._rows], self._scores * sense, place.shortest)
-            if wave is None:
+            found = wave(place.where[self._rows], self._scores * sense, place.shortest)
+            if found is None:
                 continue
-            period, share, z = wave
+            period, share, z = found
             size = float(np.sqrt(share)) * scatter(self.off)
             relative = float(np.sqrt(share)) * scatter(self.off / self.scale)
             words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
@@ -237,42 +264,6 @@ class Look:
     ) -> Left:
         noise, unit = float(np.median(self._noise)), UNITS[self.name]
         return Left(self.name, self.path, kind, names, size, unit, relative, noise, self._step, z)
-
-
-def told_by_forest(
-    columns: Mapping[str, FloatArray], targets: FloatArray, seed: int
-) -> tuple[FloatArray, tuple[str, ...]]:
-    """Predict targets, shape (m,) or (m, k), from columns, and name what that goes by most."""
-    forest = RandomForestRegressor(
-        TREES,
-        min_samples_leaf=LEAF,
-        max_features=1.0 / 3.0,
-        oob_score=True,
-        random_state=seed,
-    ).fit(np.column_stack(list(columns.values())), targets)
-    names = list(columns)
-    strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
-    return np.asarray(forest.oob_prediction_), tuple(strongest[:NAMED])
-
-
-def _wave(
-    place: FloatArray, scores: FloatArray, shortest: float
-) -> tuple[float, float, float] | None:
-    """Find the wave that explains most of scores, shape (m,): period, share, standard errors."""
-    known = ~np.isnan(place)
-    place, scores, n = place[known], scores[known], int(known.sum())
-    span = float(np.ptp(place)) if n else 0.0
-    if n < FEWEST or span <= 0.0 or np.ptp(scores) == 0.0:
-        return None
-    fastest = min(0.5 * n / span, 1.0 / shortest if shortest else np.inf)
-    if fastest * span < LEAST_TURNS + 1.0:
-        return None
-    frequencies, shares = explained_by_sines(place, scores, np.ones(n), LEAST_TURNS, fastest)
-    best = int(np.argmax(shares))
-    share = min(float(shares[best]), 1.0 - SMALLEST)
-    tried = max(span * fastest, 1.0)
-    chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
-    return 1.0 / float(frequencies[best]), share, errors_of(float(chance))
 
 
 def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:

@@ -5,6 +5,11 @@ from scipy import stats
 
 from skiplatch.arrays import FloatArray
 
+AROUND = 8
+"""Touches before within which plays that share something go with each other."""
+SHARED = 6.0
+"""Standard errors by which they do so, in the mean of all plays, if that is no accident."""
+
 
 def normal_scores(
     recorded: FloatArray, played: FloatArray, among_equals: FloatArray | float = 0.5
@@ -36,3 +41,19 @@ def way_from_normal(scores: FloatArray) -> float:
     known = np.sort(scores[~np.isnan(scores)])
     shares = (np.arange(len(known)) + 0.5) / len(known)
     return float(np.mean(np.abs(known - stats.norm.ppf(shares))))
+
+
+def go_together(scores: FloatArray) -> bool:
+    """Tell whether touches of a play go with those before, by their scores among other plays.
+
+    Args:
+        scores: Of each play; shape (r, m).
+    """
+    off = np.nan_to_num(scores)
+    off = off - off.mean(axis=1, keepdims=True)
+    square = np.maximum((off**2).mean(axis=1), np.finfo(float).tiny)
+    together = (
+        float(np.mean((off[:, by:] * off[:, :-by]).mean(axis=1) / square))
+        for by in range(1, min(AROUND + 1, off.shape[1]))
+    )
+    return any(abs(mean) * np.sqrt(off.size) > SHARED for mean in together)

@@ -8,14 +8,13 @@ discrepancy that its fit asks for is no chance.
 """
 
 from collections.abc import Iterator
-from itertools import chain
 
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import Beside
-from skiplatch.diagnosis.plays.look import FEWEST
+from skiplatch.diagnosis.plays.telling import FEWEST
 from skiplatch.diagnosis.search.scorer import MORE_VARIANCE
 
 SMALLEST = 1e-9
@@ -43,8 +42,7 @@ def _looks(beside: Beside, before: Beside, discrepancy: float) -> Iterator[Left]
         if rows.sum() >= FEWEST:
             look = beside.look(name, path, rows)
             least = discrepancy * _shift(beside, before, name, rows)
-            each = chain(look.straight(), look.predicted(), look.waves())
-            yield from (left for left in each if left.size > least)
+            yield from (left for left in look.told() if left.size > least)
 
 
 def _chancy_touches(beside: Beside, before: Beside) -> Iterator[tuple[str, str, BoolArray]]:

@@ -1,0 +1,57 @@
+"""What tells values of touches: a forest of all that is known of them, or a wave along a line."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.scene.periodogram import explained_by_sines
+from skiplatch.statistics import errors_of
+
+TREES = 60
+LEAF = 5
+"""Touches in a leaf, at least."""
+NAMED = 3
+"""Covariates that are named at most."""
+LEAST_TURNS = 1.0
+"""Of a wave over what was recorded; slower ones a forest sees."""
+FEWEST = 8
+"""Touches from which on anything can be seen."""
+SMALLEST = 1e-4
+
+
+def told_by_forest(
+    columns: Mapping[str, FloatArray], targets: FloatArray, seed: int
+) -> tuple[FloatArray, tuple[str, ...]]:
+    """Predict targets, shape (m,) or (m, k), from columns, and name what that goes by most."""
+    forest = RandomForestRegressor(
+        TREES,
+        min_samples_leaf=LEAF,
+        max_features=1.0 / 3.0,
+        oob_score=True,
+        random_state=seed,
+    ).fit(np.column_stack(list(columns.values())), targets)
+    names = list(columns)
+    strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
+    return np.asarray(forest.oob_prediction_), tuple(strongest[:NAMED])
+
+
+def wave(
+    place: FloatArray, scores: FloatArray, shortest: float
+) -> tuple[float, float, float] | None:
+    """Find the wave that explains most of scores, shape (m,): period, share, standard errors."""
+    known = ~np.isnan(place)
+    place, scores, n = place[known], scores[known], int(known.sum())
+    span = float(np.ptp(place)) if n else 0.0
+    if n < FEWEST or span <= 0.0 or np.ptp(scores) == 0.0:
+        return None
+    fastest = min(0.5 * n / span, 1.0 / shortest if shortest else np.inf)
+    if fastest * span < LEAST_TURNS + 1.0:
+        return None
+    frequencies, shares = explained_by_sines(place, scores, np.ones(n), LEAST_TURNS, fastest)
+    best = int(np.argmax(shares))
+    share = min(float(shares[best]), 1.0 - SMALLEST)
+    tried = max(span * fastest, 1.0)
+    chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
+    return 1.0 / float(frequencies[best]), share, errors_of(float(chance))
