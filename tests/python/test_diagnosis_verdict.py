@@ -366,6 +366,36 @@ def test_what_a_finding_does_not_touch_is_left_elsewhere() -> None:
     assert [failure.rule for failure in failed] == ["leaves_nothing"]
 
 
+def test_the_most_that_is_left_is_held_against_the_most_there_was_of_its_like() -> None:
+    """A forest sees nine tenths of what a wave has: both are as they were."""
+    both = [
+        Left("grid", "plc", kind, ("time",), size, "µs", size, 1.0, 0.1, 30.0)
+        for kind, size in (("wave", 50.0), ("shift", 45.0))
+    ]
+
+    as_it_was = replace(FOUND, before=[*FOUND.before, *both], after=both)
+    halved = replace(as_it_was, after=[replace(both[0], size=40.0), replace(both[1], size=36.0)])
+    seen_once = replace(as_it_was, after=[both[1]])
+
+    assert failures([RULES["takes_most"]], as_it_was) == []
+    assert len(failures([RULES["takes_most"]], halved)) == 1
+    assert len(failures([RULES["takes_most"]], seen_once)) == 1
+
+
+@pytest.mark.parametrize(
+    ("unreached", "is_named"),
+    [({"position", "deviation_skip"}, True), ({"position"}, False), ({"latch_skip"}, False)],
+)
+def test_what_a_finding_does_not_reach_it_does_not_leave(
+    unreached: set[str], *, is_named: bool
+) -> None:
+    """Other touches are missed, and so others seen: what they show need not be just the same."""
+    was, now = left(20.0, "feed", relative=4.0), left(20.0, "feed", relative=3.6)
+    evidence = replace(FOUND, before=[was], after=[now], unreached=frozenset(unreached))
+
+    assert (failures([RULES["takes_most"]], evidence) == []) is is_named
+
+
 @pytest.mark.parametrize(("z", "is_gone"), [(20.0, False), (20.5, True)])
 def test_touches_that_are_missed_no_more_are_a_gap_that_is_gone(z: float, *, is_gone: bool) -> None:
     """Of a quarter that was missed, by 20 standard errors, 4 of them could stay unseen."""

@@ -219,8 +219,8 @@ def refine(scene: Scene, found: Fit) -> Fit:
 def _sharpened(target: _Target, best: FloatArray) -> FloatArray:
     """Climb on with smaller and smaller steps, as long as that is worth it.
 
-    Two effects that make up for each other share a ridge, along which a climb with long steps ends
-    too soon.
+    Two effects that make up for each other share a ridge, as two parameters of one may, along which
+    a climb with long steps ends too soon.
     """
     for step in SHORT_STEPS:
         further = climb(target, best, 0.0, step)
@@ -239,7 +239,7 @@ def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
         return target.fit(_loosened(target, best))
     (candidate,) = found.candidates
     # Forms come first: slack would swallow what a jitter of its own explains.
-    best = _loosened(target, _refined(target, candidate, best))
+    best = _loosened(target, _sharpened(target, _refined(target, candidate, best)))
     return target.fit(_pruned(target, candidate, best) if target.slack > 0.0 else best)
 
 

@@ -200,9 +200,8 @@ def _takes_most(evidence: Evidence, threshold: float) -> str:
 def _is_most(evidence: Evidence, left: Left, threshold: float) -> bool:
     """Tell whether what is left is much of what was there of its like, and something of it all.
 
-    Like is held against like in its own unit, the most of it against the most: a wave that stays is
-    not made small by a scatter that was larger. What shows only once more than it is gone is held
-    against that, in terms of noise.
+    Like is held against like in its own unit, the most against the most: a larger scatter makes no
+    wave small. What shows only once more than it is gone is held against that, in terms of noise.
     """
     there = [one for one in evidence.before if one.is_of(left)]
     like = [one.size for one in there if one.is_like(left)]
@@ -290,9 +289,7 @@ NAMES: Sequence[Rule] = (
 )
 """What holds of a finding whose effects are named at all."""
 SEES: Sequence[Rule] = (
-    Rule(
-        "seen_enough", 6.0, "a level: what stands out of the noise by more is plain", _seen_enough
-    ),
+    Rule("seen_enough", 6.0, "a level: what stands out by more is plain", _seen_enough),
 )
 """What holds of touches that tell whether there is a gap."""
 HAS_GAP: Sequence[Rule] = (

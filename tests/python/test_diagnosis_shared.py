@@ -1,0 +1,73 @@
+"""What touches of one campaign share, as where scans and coarse ticks meet, is in its plays too."""
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, played
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
+from skiplatch.diagnosis.plays.leftover import PLAYS
+from skiplatch.diagnosis.plays.look import Look
+from skiplatch.diagnosis.plays.scores import go_together, normal_scores
+from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.scene.scene import Scene
+
+SEEDS = range(4)
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    return Scene.of(played(BENCH, seed=3))
+
+
+def turning(scene: Scene, seed: int, *, together: bool) -> tuple[FloatArray, FloatArray]:
+    """Values that turn by a twelfth from touch to touch, from anywhere in each play, or each alone.
+
+    What the first play has is recorded; shapes (n,) and (r, n).
+    """
+    rng, n = np.random.default_rng(seed), len(scene)
+    begin = rng.random((PLAYS + 1, 1 if together else n))
+    values = 5.0 * ((np.arange(n) / 12.0 + begin) % 1.0)
+    return values[0], values[1:]
+
+
+def told(scene: Scene, recorded: FloatArray, plays: FloatArray) -> list[Left]:
+    look = Look(Setting(scene, 1), "grid", "plc", scene.plc, recorded, plays)
+    return [one for one in look.told() if one.z > SIGNIFICANT]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("together", [True, False])
+def test_plays_tell_what_their_touches_share(scene: Scene, seed: int, *, together: bool) -> None:
+    _, plays = turning(scene, seed, together=together)
+    scores = [normal_scores(play, np.delete(plays, k, axis=0)) for k, play in enumerate(plays)]
+
+    assert go_together(np.array(scores)) is together
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_plays_share_as_well_is_not_left(scene: Scene, seed: int) -> None:
+    recorded, plays = turning(scene, seed, together=True)
+    look = Look(Setting(scene, 1), "grid", "plc", scene.plc, recorded, plays)
+
+    assert max(one.z for one in look.predicted()) > SIGNIFICANT
+    assert told(scene, recorded, plays) == []
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_goes_with_a_condition_is_left_beside_what_plays_share(
+    scene: Scene, seed: int
+) -> None:
+    recorded, plays = turning(scene, seed, together=True)
+    feeds = scene.touches.feed_mm_min
+    late = recorded + 4.0 * (feeds > np.median(feeds))
+
+    assert "feed" in {one.conditions[0] for one in told(scene, late, plays)}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_touches_that_go_together_where_plays_do_not_are_left(scene: Scene, seed: int) -> None:
+    recorded, _ = turning(scene, seed, together=True)
+    _, plays = turning(scene, seed, together=False)
+
+    assert told(scene, recorded, plays) != []

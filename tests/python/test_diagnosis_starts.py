@@ -1,0 +1,77 @@
+"""Where searches begin: near enough to the truth, wherever that lies, to reach what it reaches."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import Campaign
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.fit.fit import NOTHING
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
+from skiplatch.simulator.effects import Effect
+from tests.withheld.planted import plant
+
+MISSED_NATS = 6.0
+"""By which a search may stay behind the truth: no search is perfect, and no name depends on it."""
+PLANTED = 104
+
+
+def behind_truth(campaign: Campaign, effect: Effect) -> float:
+    """Nats by which a search for the effect alone stays behind its true parameters."""
+    scene, candidate = scene_of(campaign), CANDIDATES[effect.id]
+    truth = np.array([effect.parameters.get(name, 0.0) for name in candidate.names])
+    found = fit_in_forms((scene, fit_plainly((scene, candidate, NOTHING)), NOTHING))
+    changes = candidate.acting(scene, truth), found.change(scene)
+    reached, searched = (likelihood(scene, change).total for change in changes)
+    return reached - searched
+
+
+@pytest.mark.parametrize(
+    ("folder", "effect_id", "parameters"),
+    [
+        (BENCH, "feed_error", {"offset_mm_min": -0.05}),
+        (MACHINE, "backlash", {"backlash_um": 0.01, "y_excess_ratio": -400.0}),
+        (MACHINE, "scale_error", {"scale_ppm": -0.1, "y_excess_ratio": 700.0}),
+        (
+            MACHINE,
+            "pretravel_lobing",
+            {"amplitude_um": 2.1, "azimuth_deg": 101.8, "second_um": -13.5, "elevation_power": 1.3},
+        ),
+        (
+            MACHINE,
+            "rotary_pivot",
+            {"x_um": -3.0, "y_um": 4.0, "set_on_believed_centre": 1.0, "mirrored": 1.0},
+        ),
+        (BENCH, "unfinished_acceleration", {"accel_ratio": 0.7, "by_feed": 0.65}),
+        (BENCH, "report_delay", {"delay_us": -40.0, "queue_us": 7.0, "stepping_us_min_m": 42.0}),
+        (
+            MACHINE,
+            "link_retry",
+            {"probability": 0.7, "period_us": 1160.0, "scatter_us": 3.4, "retry_excess": -0.6},
+        ),
+        (MACHINE, "link_slotting", {"slot_us": 60.0, "phase_deg": 320.0}),
+    ],
+)
+def test_a_search_reaches_what_the_truth_reaches(
+    folder: Path, effect_id: str, parameters: dict[str, float]
+) -> None:
+    effect = Effect(effect_id, parameters)
+
+    assert behind_truth(played(folder, effect, seed=5), effect) < MISSED_NATS
+
+
+@pytest.mark.long
+def test_searches_reach_the_truth_wherever_in_its_ranges_it_lies() -> None:
+    """Of effects drawn over all their ranges, oddest forms included; 92 % of 208 at the last look.
+
+    Sixteen of a hundred stay behind by chance of the draw in one of a hundred lists at most.
+    """
+    planted = (plant(3303, number) for number in range(PLANTED))
+
+    behind = [behind_truth(campaign, effect) for _, effect, campaign in planted]
+
+    assert np.mean(np.array(behind) > MISSED_NATS) < 0.16
