@@ -12,7 +12,8 @@ from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Verdict, diagnose
 from skiplatch.diagnosis.candidates.table import candidate
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import fit, polish
+from skiplatch.diagnosis.fit.fit import fit
+from skiplatch.diagnosis.fit.forms import polish
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import play

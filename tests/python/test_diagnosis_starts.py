@@ -47,6 +47,7 @@ def behind_truth(campaign: Campaign, effect: Effect) -> float:
             {"x_um": -3.0, "y_um": 4.0, "set_on_believed_centre": 1.0, "mirrored": 1.0},
         ),
         (BENCH, "unfinished_acceleration", {"accel_ratio": 0.7, "by_feed": 0.65}),
+        (BENCH, "unfinished_acceleration", {"accel_ratio": 0.35, "by_feed": -2.0}),
         (BENCH, "report_delay", {"delay_us": -40.0, "queue_us": 7.0, "stepping_us_min_m": 42.0}),
         (
             MACHINE,

@@ -1,6 +1,6 @@
 """Finding the parameters of an effect, and the effects of a campaign."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import accumulate, pairwise
@@ -12,14 +12,19 @@ from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.fit.climb import WORST, climb
-from skiplatch.diagnosis.likelihood.laws import AFTER_LATCH, LATCHES, law_under
+from skiplatch.diagnosis.fit.climb import STEP, WORST, climb
+from skiplatch.diagnosis.likelihood.laws import AFTER_LATCH, LATCHES, TINY, law_under
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood, with_shared_datum
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import ALWAYS
 
-WIDENINGS = (1.0, 0.1, 0.01, 0.0)
-FINER, FINEST = WIDENINGS[1:], WIDENINGS[-1:]
+NARROWER = 0.1
+"""Of the widening before is the next, from all that touches are off to what they scatter by."""
+REACH = 3.0
+"""First step of a stage, as a share of the parameters, over the widening before, at the most."""
+SMALL = 0.1
+"""Of what touches scatter by, below which a widening makes no difference."""
+FINEST = (0.0,)
 HOPELESS_AFTER = 2
 """Widenings after which an effect that gains nothing is not looked into further."""
 HOPELESS = 0.5
@@ -29,12 +34,10 @@ WORTH_A_REFINEMENT = 2.0
 WORTH_OF_AN_END = 3
 """Parameters that the touch counts for at which an effect begins or ends."""
 NOTHING = Change()
-KEPT_STARTS = 2
 SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
+KEPT_STARTS = 2
 MOST_LEFT = 0.7
 """Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
-SHORT_STEPS = (0.01, 0.001)
-"""First steps of climbs that follow one with long steps, as shares of the parameters."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +92,7 @@ def _split(candidates: Sequence[Candidate], values: FloatArray) -> tuple[FloatAr
     return tuple(values[begin:end] for begin, end in pairwise(ends))
 
 
-class _Target:
+class Target:
     """Minus the log-likelihood of parameters, counting only the streams they can reach."""
 
     def __init__(
@@ -118,8 +121,35 @@ class _Target:
             for name, stream in scene.streams.items()
             if name in self._names and stream.rows.any()
         }
+        self.widenings = tuple(self._widenings())
+
+    def _widenings(self) -> Iterator[float]:
+        """Give the stages of a search, coarse to fine: as many as the sharpest stream asks for."""
+        widening, streams = 1.0, self._scene.streams
+        spreads = [
+            size / max(float(np.median(streams[name].law.spread[streams[name].rows])), TINY)
+            for name, size in self._sizes.items()
+        ]
+        while widening * max(spreads, default=0.0) > SMALL:
+            yield widening
+            widening *= NARROWER
+        yield 0.0
+
+    def finer(self, start: FloatArray) -> Sequence[float]:
+        """Give the stages that are no coarser than what touches are off after a start."""
+        change, streams = self.fit(start).change(self._scene, self._given), self._scene.streams
+        left = max(
+            (
+                streams[name].off(law_under(self._scene, streams[name], change)) / size
+                for name, size in self._sizes.items()
+                if size > 0.0
+            ),
+            default=0.0,
+        )
+        return [widening for widening in self.widenings if widening <= left] or FINEST
 
     def fit(self, values: FloatArray) -> Fit:
+        """Give the effects with parameters, shape (p,)."""
         return Fit(self._candidates, _split(self._candidates, values), self._names, self.slack)
 
     def taken_up(self, candidate: Candidate) -> frozenset[int]:
@@ -131,6 +161,7 @@ class _Target:
         return self._of(self._given, widening)
 
     def __call__(self, values: FloatArray, widening: float) -> float:
+        """Give it at parameters, shape (p,), with the laws widened by a share of what is off."""
         point = (values.tobytes(), widening, self.slack)
         if point not in self._found:
             change = self.fit(values).change(self._scene, self._given)
@@ -167,26 +198,25 @@ def fit(
     candidates: Sequence[Candidate],
     starts: Iterable[Sequence[float]],
     given: Change = NOTHING,
-    widenings: Sequence[float] = WIDENINGS,
+    widenings: Sequence[float] | None = None,
 ) -> Fit:
     """Fit parameters from several starts, coarse to fine, on top of what is given."""
     begun = [np.asarray(start, dtype=float) for start in starts]
-    target = _Target(scene, candidates, begun, given)
+    target = Target(scene, candidates, begun, given)
     forms: dict[tuple[int, ...], list[FloatArray]] = {}
     for start in begun:
         forms.setdefault(tuple(np.flatnonzero(start)), []).append(start)
-    found = [_fit_form(target, points, widenings) for points in forms.values()]
+    stages = widenings or target.widenings
+    found = [fit_form(target, points, stages) for points in forms.values()]
     # What a parameter more gains by chance is no reason to prefer a form that has it.
     return target.fit(
         min(found, key=lambda p: target(p, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(p))
     )
 
 
-def _fit_form(
-    target: _Target, begun: Sequence[FloatArray], widenings: Sequence[float]
-) -> FloatArray:
+def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[float]) -> FloatArray:
     """Climb from starts in which the same parameters are 0; the coarsest stage keeps a few."""
-    points = list(begun)
+    points, step = list(begun), STEP
     for stage, widening in enumerate(widenings):
         kept = KEPT_STARTS if stage == 0 else 1
         points = sorted(points, key=lambda point: target(point, widening))[:kept]
@@ -194,101 +224,11 @@ def _fit_form(
             target.without(widening) - HOPELESS
         ):
             break
-        points = [climb(target, point, widening) for point in points]
+        points = [climb(target, point, widening, step) for point in points]
+        # What is known to a widening is not looked for further off.
+        step = min(STEP, REACH * widening)
     # A start may sit on a peak too sharp to be found from afar.
     near = min(begun, key=lambda point: target(point, 0.0))
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
         points = [*points, near, climb(target, near, 0.0)]
     return min(points, key=lambda point: target(point, 0.0))
-
-
-def anew(scene: Scene, candidates: Sequence[Candidate], starts: Sequence[FloatArray]) -> Fit:
-    """Fit effects from parameters that are close already, and give them another form or slack."""
-    begun = [start.tolist() for start in starts]
-    return polish(scene, fit(scene, candidates, begun, widenings=FINEST))
-
-
-def refine(scene: Scene, found: Fit) -> Fit:
-    """Fit effects jointly, from where they are."""
-    start = np.concatenate(found.parameters)
-    target = _Target(scene, found.candidates, [start], NOTHING)
-    best = _sharpened(target, _fit_form(target, [start], FINER))
-    return target.fit(_loosened(target, best))
-
-
-def _sharpened(target: _Target, best: FloatArray) -> FloatArray:
-    """Climb on with smaller and smaller steps, as long as that is worth it.
-
-    Two effects that make up for each other share a ridge, as two parameters of one may, along which
-    a climb with long steps ends too soon.
-    """
-    for step in SHORT_STEPS:
-        further = climb(target, best, 0.0, step)
-        gained = target(best, 0.0) - target(further, 0.0)
-        best = further if gained > 0.0 else best
-        if gained < WORTH_A_REFINEMENT:
-            break
-    return best
-
-
-def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
-    """Give a fit of one effect another form, and any fit slack, where that is worth it."""
-    best = np.concatenate(found.parameters)
-    target = _Target(scene, found.candidates, [best], given)
-    if len(found.candidates) > 1:
-        return target.fit(_loosened(target, best))
-    (candidate,) = found.candidates
-    # Forms come first: slack would swallow what a jitter of its own explains.
-    best = _loosened(target, _sharpened(target, _refined(target, candidate, best)))
-    return target.fit(_pruned(target, candidate, best) if target.slack > 0.0 else best)
-
-
-def _loosened(target: _Target, best: FloatArray) -> FloatArray:
-    """Let the effect have another form than the one fitted, if that is worth it."""
-    plain, values = target(best, 0.0), []
-    for target.slack in SLACKS:
-        values.append(target(best, 0.0))
-    target.slack = SLACKS[int(np.argmin(values))]
-    found = climb(target, best, 0.0)
-    if target(found, 0.0) < plain - WORTH_A_REFINEMENT and target.takes_away(found):
-        return found
-    target.slack = 0.0
-    return best
-
-
-def _refined(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
-    """Free more parameters, the most worthwhile first, as long as that is worth it."""
-
-    def cost(values: FloatArray) -> float:
-        return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
-
-    promising = [r for r in candidate.refinements if not target.taken_up(candidate) & r.keys()]
-    while promising:
-        starts = [_freed(target, best, refinement) for refinement in promising]
-        found = [_fit_form(target, [start], FINER) if start.any() else best for start in starts]
-        costs = [cost(values) for values in found]
-        promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]
-        if promising:
-            best = found[int(np.argmin(costs))]
-    return best
-
-
-def _pruned(target: _Target, candidate: Candidate, best: FloatArray) -> FloatArray:
-    """Take parameters away that slack has made worthless: what they shift would have some, too."""
-    for index in sorted({index for refinement in candidate.refinements for index in refinement}):
-        less = best.copy()
-        less[index] = 0.0
-        if less.any() and target(less, 0.0) <= target(best, 0.0) + WORTH_A_REFINEMENT:
-            best = less
-    return best
-
-
-def _freed(target: _Target, values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
-    """Give parameters that matter a first value; all 0 where none of them stood at 0."""
-    start = values.copy()
-    for index, value in refinement.items():
-        freed = start.copy()
-        freed[index] = start[index] or value
-        # That of an axis without a touch changes nothing, seen from as far as may be.
-        start = freed if target(freed, WIDENINGS[0]) != target(start, WIDENINGS[0]) else start
-    return np.zeros_like(start) if np.array_equal(start, values) else start

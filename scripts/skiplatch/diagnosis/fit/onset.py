@@ -7,7 +7,8 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import FINEST, SLACKS, Fit, fit, polish
+from skiplatch.diagnosis.fit.fit import FINEST, SLACKS, Fit, fit
+from skiplatch.diagnosis.fit.forms import polish
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import Span

@@ -17,8 +17,8 @@ from skiplatch.diagnosis.fit.fit import (
     SLACKS,
     WORTH_A_REFINEMENT,
     Fit,
-    anew,
 )
+from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import ends_of, outlives_datum, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from skiplatch.diagnosis.fit.fit import Fit, anew
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.replay import replayed
 from skiplatch.diagnosis.scene.scene import Scene

@@ -6,12 +6,8 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import (
-    Fit,
-    fit,
-    polish,
-    refine,
-)
+from skiplatch.diagnosis.fit.fit import Fit, fit
+from skiplatch.diagnosis.fit.forms import polish, refine
 from skiplatch.diagnosis.fit.onset import passing
 from skiplatch.diagnosis.scene.scene import Scene
 

@@ -1,0 +1,121 @@
+"""Giving effects another form than the one that was fitted, or slack, where that is worth it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.climb import climb
+from skiplatch.diagnosis.fit.fit import (
+    FINEST,
+    NOTHING,
+    SLACKS,
+    WORTH_A_REFINEMENT,
+    Fit,
+    Target,
+    fit,
+    fit_form,
+)
+from skiplatch.diagnosis.scene.scene import Scene
+
+SHORT_STEPS = (0.01, 0.001)
+"""First steps of climbs that follow one with long steps, as shares of the parameters."""
+AFAR = 1.0
+"""Widening by all that touches are off."""
+
+
+def anew(scene: Scene, candidates: Sequence[Candidate], starts: Sequence[FloatArray]) -> Fit:
+    """Fit effects from parameters that are close already, and give them another form or slack."""
+    begun = [start.tolist() for start in starts]
+    return polish(scene, fit(scene, candidates, begun, widenings=FINEST))
+
+
+def refine(scene: Scene, found: Fit) -> Fit:
+    """Fit effects jointly, from where they are."""
+    start = np.concatenate(found.parameters)
+    target = Target(scene, found.candidates, [start], NOTHING)
+    best = _sharpened(target, fit_form(target, [start], target.finer(start)))
+    return target.fit(_loosened(target, best))
+
+
+def _sharpened(target: Target, best: FloatArray) -> FloatArray:
+    """Climb on with smaller and smaller steps, as long as that is worth it.
+
+    Two effects that make up for each other share a ridge, along which a climb with long steps ends
+    too soon.
+    """
+    for step in SHORT_STEPS:
+        further = climb(target, best, 0.0, step)
+        gained = target(best, 0.0) - target(further, 0.0)
+        best = further if gained > 0.0 else best
+        if gained < WORTH_A_REFINEMENT:
+            break
+    return best
+
+
+def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
+    """Give a fit of one effect another form, and any fit slack, where that is worth it."""
+    best = np.concatenate(found.parameters)
+    target = Target(scene, found.candidates, [best], given)
+    if len(found.candidates) > 1:
+        return target.fit(_loosened(target, best))
+    (candidate,) = found.candidates
+    # Forms come first: slack would swallow what a jitter of its own explains.
+    best = _loosened(target, _refined(target, candidate, best))
+    return target.fit(_pruned(target, candidate, best) if target.slack > 0.0 else best)
+
+
+def _loosened(target: Target, best: FloatArray) -> FloatArray:
+    """Let the effect have another form than the one fitted, if that is worth it."""
+    plain, values = target(best, 0.0), []
+    for target.slack in SLACKS:
+        values.append(target(best, 0.0))
+    target.slack = SLACKS[int(np.argmin(values))]
+    found = climb(target, best, 0.0)
+    if target(found, 0.0) < plain - WORTH_A_REFINEMENT and target.takes_away(found):
+        return found
+    target.slack = 0.0
+    return best
+
+
+def _refined(target: Target, candidate: Candidate, best: FloatArray) -> FloatArray:
+    """Free more parameters, the most worthwhile first, as long as that is worth it."""
+
+    def cost(values: FloatArray) -> float:
+        return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
+
+    promising = [r for r in candidate.refinements if not target.taken_up(candidate) & r.keys()]
+    while promising:
+        starts = [_freed(target, best, refinement) for refinement in promising]
+        found = [
+            fit_form(target, [start], target.finer(start)) if start.any() else best
+            for start in starts
+        ]
+        costs = [cost(values) for values in found]
+        promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]
+        if promising:
+            best = found[int(np.argmin(costs))]
+    return best
+
+
+def _pruned(target: Target, candidate: Candidate, best: FloatArray) -> FloatArray:
+    """Take parameters away that slack has made worthless: what they shift would have some, too."""
+    for index in sorted({index for refinement in candidate.refinements for index in refinement}):
+        less = best.copy()
+        less[index] = 0.0
+        if less.any() and target(less, 0.0) <= target(best, 0.0) + WORTH_A_REFINEMENT:
+            best = less
+    return best
+
+
+def _freed(target: Target, values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
+    """Give parameters that matter a first value; all 0 where none of them stood at 0."""
+    start = values.copy()
+    for index, value in refinement.items():
+        freed = start.copy()
+        freed[index] = start[index] or value
+        # That of an axis without a touch changes nothing, seen from as far as may be.
+        start = freed if target(freed, AFAR) != target(start, AFAR) else start
+    return np.zeros_like(start) if np.array_equal(start, values) else start
