@@ -592,3 +592,24 @@ def test_missed_and_false_touches_are_said_in_words() -> None:
 
     assert f"Missed on the skip path: 3 of {skip.sum()} touches." in said
     assert "Triggers without a contact on the skip path: 2." in said
+
+
+@pytest.mark.parametrize(
+    ("azimuth_deg", "named", "is_said"),
+    [
+        (90.0, ["backlash"], True),
+        (90.4, ["thermal_drift", "backlash"], True),
+        (135.0, ["backlash"], False),
+        (90.0, ["thermal_drift"], False),
+    ],
+)
+def test_backlash_along_axes_alone_may_be_a_stylus_off_its_centre(
+    azimuth_deg: float, named: list[str], *, is_said: bool
+) -> None:
+    campaign, _ = no_gap()
+    alpha_deg = np.where(campaign.touches.sign > 0.0, azimuth_deg, azimuth_deg + 180.0)
+    scene = Scene.of(replace(campaign, touches=replace(campaign.touches, alpha_deg=alpha_deg)))
+
+    said = notes(scene, Verdict.EXPLAINED, [], [], named)
+
+    assert any("a stylus off its centre looks like backlash" in one for one in said) is is_said

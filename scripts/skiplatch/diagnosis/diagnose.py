@@ -93,7 +93,9 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
         left=left,
         touches=len(scene),
         used=len(scene),
-        notes=notes(scene, verdict, failures, evidence.before),
+        notes=notes(
+            scene, verdict, failures, evidence.before, evidence.effects if is_named else ()
+        ),
         believed=believed,
         rig=rig,
         materiality=work.materiality,

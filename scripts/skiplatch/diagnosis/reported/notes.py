@@ -1,6 +1,6 @@
 """What a report says beside the figures: what it looks like, and what the touches cannot tell."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -16,12 +16,17 @@ from skiplatch.tables import number
 
 FIRST_OFF = 3.0
 """Halves of its 95 % interval from which on a first touch is off: some six standard errors."""
+QUARTER_DEG = 90.0
 LONGEST_SERIES = 2_000
 """Touches of a campaign up to which series are looked at: a line for each surface takes room."""
 
 
 def notes(
-    scene: Scene, verdict: Verdict, failures: Sequence[Failure], mattering: Sequence[Left]
+    scene: Scene,
+    verdict: Verdict,
+    failures: Sequence[Failure],
+    mattering: Sequence[Left],
+    named: Collection[str] = (),
 ) -> list[str]:
     """Say what it looks like, what kept it from being explained, and what cannot be told.
 
@@ -30,6 +35,7 @@ def notes(
         verdict: What the diagnosis came to.
         failures: The rules that were missed.
         mattering: What the believed chain leaves that matters.
+        named: Ids of the effects that are named.
     """
     found: list[str] = []
     if verdict is Verdict.UNKNOWN and mattering:
@@ -48,8 +54,19 @@ def notes(
             "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
             "1 mm/min is 1 deg/min."
         )
+    if "backlash" in named and _is_along_axes(scene):
+        found.append(
+            "Touches along the axes alone: a stylus off its centre looks like backlash; "
+            "touch at azimuths between them."
+        )
     found += _untold(scene)
     return found
+
+
+def _is_along_axes(scene: Scene) -> bool:
+    """Tell whether a probe touched along axes alone, as far as azimuths were recorded."""
+    azimuths_deg = scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]
+    return scene.is_machine and not np.any(np.rint(azimuths_deg) % QUARTER_DEG)
 
 
 def _of_path(scene: Scene, path: InputPath) -> list[str]:
