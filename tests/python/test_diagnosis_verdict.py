@@ -180,6 +180,8 @@ def test_what_evidence_leaves_out_speaks_for_nothing() -> None:
     assert failures(list(RULES.values()), evidence) == []
     assert (evidence.hidden, evidence.nats) == (0.0, 0.0)
     assert (evidence.false, evidence.outlying, evidence.touches) == (0, 0, 0)
+    assert not evidence.is_chancy
+    assert not evidence.unreached
 
 
 def test_verdicts_are_what_stands_in_files() -> None:

@@ -12,7 +12,7 @@ import pytest
 from one_thread import one_thread
 from skiplatch.campaign import InputPath, Nominal, Touches, read_nominal
 from skiplatch.workers import Workers
-from tests.withheld import baselines, confusion, goals, runs, verdicts
+from tests.withheld import baselines, confusion, goals, reliability, runs, verdicts
 from tests.withheld.heldout import read_predictions, shrink_to_oracle
 from tests.withheld.nats import nats
 from tests.withheld.scoring import FAILED, Found, Scored, calibration_error
@@ -603,3 +603,19 @@ def test_a_set_is_gone_on_with_only_by_its_own_order(tmp_path: Path) -> None:
     assert runs.kept_order(tmp_path) == runs.Order(1, 2, touches=(60, 90))
     with pytest.raises(SystemExit, match="no set was drawn"):
         runs.kept_order(tmp_path / "nowhere")
+
+
+def test_names_are_counted_by_set_and_a_set_measured_again_counts_once(tmp_path: Path) -> None:
+    file = tmp_path / "reliability.json"
+    results = [
+        scored(SINGLE, found(SURE)),
+        scored(SINGLE, found(WRONG, verdict="partly_explained")),
+    ]
+
+    for seed, part in ((1, results), (2, results[:1]), (1, results[1:])):
+        file.write_text(reliability.with_set(file, part, seed), encoding="utf-8")
+
+    sets = json.loads(file.read_text(encoding="utf-8"))["sets"]
+    assert [(one["seed"], one["campaigns"]) for one in sets] == [(2, 1), (1, 1)]
+    assert sets[0]["names"]["explained"] == {"right": 1, "wrong": 0}
+    assert sets[1]["names"]["partly_explained"] == {"right": 0, "wrong": 1}

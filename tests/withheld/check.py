@@ -148,7 +148,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--json", type=Path, help="write everything as JSON")
     parser.add_argument("--verdicts", type=Path, help="write a line of JSON for each campaign")
     parser.add_argument(
-        "--reliability", type=Path, help="write how often names were right, for the diagnosis"
+        "--reliability", type=Path, help="add how often names were right, for the diagnosis"
     )
     parser.add_argument(
         "--figures", type=Path, help="write the figures of docs/DIAGNOSIS.md (docs/withheld.json)"
@@ -206,7 +206,8 @@ def _write(options: argparse.Namespace, results: Sequence[Scored], order: Order)
         document = json.dumps(as_json(results, order), indent=1, ensure_ascii=False)
         atomic_write_text(options.json, document + "\n")
     if options.reliability:
-        atomic_write_text(options.reliability, reliability.as_json(results, order.seed))
+        text = reliability.with_set(options.reliability, results, order.seed)
+        atomic_write_text(options.reliability, text)
     if options.figures:
         atomic_write_text(options.figures, page.figures(results, order.seed))
     if options.verdicts:

@@ -1,8 +1,13 @@
-"""How often names were right: the file that the diagnosis takes its confidence from."""
+"""How often names were right: the file that the diagnosis takes its confidence from.
+
+It has a line of counts for each sealed set that was measured. A set that is measured again takes
+the place of what it had before.
+"""
 
 import json
 from collections.abc import Sequence
 from importlib.metadata import version
+from pathlib import Path
 from typing import Any
 
 from tests.withheld.scoring import Scored
@@ -11,20 +16,30 @@ NAMING = ("explained", "partly_explained")
 """Verdicts with names."""
 
 
-def as_json(results: Sequence[Scored], seed: int) -> str:
-    """Give the counts of right and wrong names by verdict, with the seed and the version."""
+def with_set(file: Path, results: Sequence[Scored], seed: int) -> str:
+    """Give the text of a file with the counts of right and wrong names of one set more.
+
+    Args:
+        file: What was measured before, if it is there.
+        results: Of the set.
+        seed: Of the set.
+    """
+    before = json.loads(file.read_text(encoding="utf-8"))["sets"] if file.exists() else []
+    others = [one for one in before if one["seed"] != seed]
+    return json.dumps({"sets": [*others, _counts(results, seed)]}, indent=1) + "\n"
+
+
+def _counts(results: Sequence[Scored], seed: int) -> dict[str, Any]:
     names: dict[str, Any] = {}
     for verdict in NAMING:
         given = [r for r in results if r.found.verdict == verdict]
         wrong = sum(r.strays for r in given)
         total = sum(len(r.found.names) for r in given)
         names[verdict] = {"right": total - wrong, "wrong": wrong}
-    cases = sorted({r.label.case for r in results})
-    document = {
+    return {
         "version": version("skiplatch"),
         "seed": seed,
         "campaigns": len(results),
-        "cases": cases,
+        "cases": sorted({r.label.case for r in results}),
         "names": names,
     }
-    return json.dumps(document, indent=1) + "\n"

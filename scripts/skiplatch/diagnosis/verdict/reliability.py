@@ -9,18 +9,22 @@ from skiplatch.diagnosis.verdict.verdict import Verdict
 FILE = "reliability.json"
 
 
+RIGHT, WRONG = "right", "wrong"
+
+
 @cache
-def _table() -> dict[str, dict[str, int]]:
+def _counts(verdict: Verdict) -> tuple[int, int]:
+    """Give how many names were right and how many wrong, over all sets that were measured."""
     text = resources.files("skiplatch.diagnosis.verdict").joinpath(FILE).read_text(encoding="utf-8")
-    names: dict[str, dict[str, int]] = json.loads(text)["names"]
-    return names
+    names = [one["names"][verdict] for one in json.loads(text)["sets"]]
+    return sum(one[RIGHT] for one in names), sum(one[WRONG] for one in names)
 
 
 def reliability(verdict: Verdict) -> float:
     """Give the share of names that were right, one more of each kind counted for want of more.
 
-    The file is written by the withheld check, with its seed and the version that was checked, over
+    The file is written by the withheld check, with seeds and the versions that were checked, over
     campaigns with strangers, unknown data and wrong beliefs in their share.
     """
-    counts = _table()[verdict]
-    return (counts["right"] + 1.0) / (counts["right"] + counts["wrong"] + 2.0)
+    right, wrong = _counts(verdict)
+    return (right + 1.0) / (right + wrong + 2.0)
