@@ -20,8 +20,10 @@ from skiplatch.span import ALWAYS
 
 NARROWER = 0.1
 """Of the widening before is the next, from all that touches are off to what they scatter by."""
+USUAL = 0.005
+"""Widening down to which any search goes: what comes now and then is sharper than the rest."""
 REACH = 3.0
-"""First step of a stage, as a share of the parameters, over the widening before, at the most."""
+"""First step where it goes further, as a share of the parameters, over the widening before."""
 SMALL = 0.1
 """Of what touches scatter by, below which a widening makes no difference."""
 FINEST = (0.0,)
@@ -130,23 +132,10 @@ class Target:
             size / max(float(np.median(streams[name].law.spread[streams[name].rows])), TINY)
             for name, size in self._sizes.items()
         ]
-        while widening * max(spreads, default=0.0) > SMALL:
+        while widening > USUAL or widening * max(spreads, default=0.0) > SMALL:
             yield widening
             widening *= NARROWER
         yield 0.0
-
-    def finer(self, start: FloatArray) -> Sequence[float]:
-        """Give the stages that are no coarser than what touches are off after a start."""
-        change, streams = self.fit(start).change(self._scene, self._given), self._scene.streams
-        left = max(
-            (
-                streams[name].off(law_under(self._scene, streams[name], change)) / size
-                for name, size in self._sizes.items()
-                if size > 0.0
-            ),
-            default=0.0,
-        )
-        return [widening for widening in self.widenings if widening <= left] or FINEST
 
     def fit(self, values: FloatArray) -> Fit:
         """Give the effects with parameters, shape (p,)."""
@@ -214,19 +203,32 @@ def fit(
     )
 
 
+def _sharper(target: Target, point: FloatArray, widenings: Sequence[float]) -> FloatArray:
+    """Climb on through narrower widenings: what is known to one is not looked for further off."""
+    known = widenings[0] / NARROWER
+    for widening in widenings:
+        point = climb(target, point, widening, min(STEP, REACH * known))
+        known = widening
+    return point
+
+
 def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[float]) -> FloatArray:
     """Climb from starts in which the same parameters are 0; the coarsest stage keeps a few."""
-    points, step = list(begun), STEP
-    for stage, widening in enumerate(widenings):
+    points = list(begun)
+    usual = [widening for widening in widenings if not 0.0 < widening < USUAL]
+    coarse: list[FloatArray] = []
+    for stage, widening in enumerate(usual):
         kept = KEPT_STARTS if stage == 0 else 1
         points = sorted(points, key=lambda point: target(point, widening))[:kept]
         if stage == HOPELESS_AFTER and target(points[0], widening) > (
             target.without(widening) - HOPELESS
         ):
             break
-        points = [climb(target, point, widening, step) for point in points]
-        # What is known to a widening is not looked for further off.
-        step = min(STEP, REACH * widening)
+        coarse = points if widening == 0.0 else coarse
+        points = [climb(target, point, widening) for point in points]
+    further = widenings[len(usual) - 1 :]
+    if coarse and len(further) > 1:
+        points = [*points, _sharper(target, coarse[0], further)]
     # A start may sit on a peak too sharp to be found from afar.
     near = min(begun, key=lambda point: target(point, 0.0))
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
