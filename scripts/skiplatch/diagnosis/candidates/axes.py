@@ -6,11 +6,10 @@ Of two axes that err to opposite sides, what they have in common shows nothing t
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import stats
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import LINEAR_AXES, Axis, Touches
-from skiplatch.diagnosis.candidates.starts import Starts, robust_fit
+from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.scene import Scene
@@ -99,7 +98,7 @@ def _by_axis(scene: Scene, given: Change, unit_um: FloatArray) -> list[float] | 
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
     if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
         return None
-    scale = max(1.0, float(stats.median_abs_deviation(scores, scale="normal")))
+    scale = scale_of(scores)
     common, cost = robust_fit([units, *data], scores, scale)
     parted, lower = robust_fit([*(units * on_axes[k] for k in seen), *data], scores, scale)
     if cost - lower < A_NEWS * (len(seen) - 1):

@@ -7,10 +7,9 @@ guess on the wrong side of a hill; the sizes themselves are told by the touches 
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import stats
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates.starts import Starts, robust_fit
+from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.candidates.surrogates import Parameters
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.stream import Stream
@@ -103,9 +102,8 @@ def sizes(
     values, columns = whole[:, -1], whole[:, :-1]
     if not columns[:, : len(units)].any(axis=0).all():
         return None
-    scale = max(1.0, float(stats.median_abs_deviation(values, scale="normal")))
     shown = columns[:, columns.any(axis=0)]
-    return robust_fit(list(shown.T), values, scale)[0][: len(units)]
+    return robust_fit(list(shown.T), values, scale_of(values))[0][: len(units)]
 
 
 def _columns(scene: Scene, stream: Stream, given: Change, changes: Sequence[Change]) -> FloatArray:

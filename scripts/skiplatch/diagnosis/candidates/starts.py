@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy import optimize
+from scipy import optimize, stats
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.surrogates import Parameters, warmth_k_s
@@ -146,6 +146,11 @@ def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
     scores = ((stream.residuals - stream.law.mean) / spread)[rows]
     columns = [(part / spread)[rows] for part in (*parts, np.ones(len(rows)))]
     return robust_fit(columns, scores)[0][:-1]
+
+
+def scale_of(scores: FloatArray) -> float:
+    """Give the scatter of scores, shape (n,), whatever some of them do: for `robust_fit`."""
+    return max(1.0, float(stats.median_abs_deviation(scores, scale="normal")))
 
 
 def robust_fit(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cached_property, reduce
 from itertools import accumulate, pairwise
 
 import numpy as np
@@ -123,19 +123,22 @@ class Target:
             for name, stream in scene.streams.items()
             if name in self._names and stream.rows.any()
         }
-        self.widenings = tuple(self._widenings())
+
+    @cached_property
+    def widenings(self) -> Sequence[float]:
+        """The stages of a search, coarse to fine: as many as the sharpest stream asks for."""
+        return tuple(self._widenings())
 
     def _widenings(self) -> Iterator[float]:
-        """Give the stages of a search, coarse to fine: as many as the sharpest stream asks for."""
         widening, streams = 1.0, self._scene.streams
         spreads = [
-            size / max(float(np.median(streams[name].law.spread[streams[name].rows])), TINY)
+            size / max(streams[name].law.select(streams[name].rows).usual_spread, TINY)
             for name, size in self._sizes.items()
         ]
         while widening > USUAL or widening * max(spreads, default=0.0) > SMALL:
             yield widening
             widening *= NARROWER
-        yield 0.0
+        yield from FINEST
 
     def fit(self, values: FloatArray) -> Fit:
         """Give the effects with parameters, shape (p,)."""
@@ -215,7 +218,8 @@ def _sharper(target: Target, point: FloatArray, widenings: Sequence[float]) -> F
 def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[float]) -> FloatArray:
     """Climb from starts in which the same parameters are 0; the coarsest stage keeps a few."""
     points = list(begun)
-    usual = [widening for widening in widenings if not 0.0 < widening < USUAL]
+    usual = [widening for widening in widenings if widening == 0.0 or widening >= USUAL]
+    further = [widening for widening in widenings if widening < USUAL]
     coarse: list[FloatArray] = []
     for stage, widening in enumerate(usual):
         kept = KEPT_STARTS if stage == 0 else 1
@@ -226,7 +230,6 @@ def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[fl
             break
         coarse = points if widening == 0.0 else coarse
         points = [climb(target, point, widening) for point in points]
-    further = widenings[len(usual) - 1 :]
     if coarse and len(further) > 1:
         points = [*points, _sharper(target, coarse[0], further)]
     # A start may sit on a peak too sharp to be found from afar.
