@@ -216,6 +216,20 @@ def test_a_jitter_that_is_wider_moves_no_delay_below_nothing() -> None:
     assert wider.report.jitter_us > nominal.report.jitter_us
 
 
+def test_a_jitter_that_moves_in_two_ways_moves_no_farther_than_in_one() -> None:
+    """From its start on and about its middle: twice the farthest would take up a queue."""
+    recorded = read_campaign(BENCH)
+    report = recorded.nominal.report
+    scene = Scene.of(as_played(recorded, {JITTER: report.jitter_us / 5.0}))
+
+    fitted = fit_beliefs(scene, Change(), uncertain(scene.nominal))
+
+    moved = [places for belief, places in fitted.moved if belief.moves == JITTER]
+    assert len(moved) == 2
+    assert 0.8 * FARTHEST < sum(moved) <= FARTHEST
+    assert fitted.nominal.report.jitter_us < report.jitter_us / 5.0 * np.exp(FARTHEST * NOISE_U)
+
+
 def test_nothing_moves_farther_than_the_farthest() -> None:
     campaign = believed(read_campaign(MACHINE), probe__delay_us=20.0)
     scene = Scene.of(as_played(campaign, {DELAY: 200.0}))

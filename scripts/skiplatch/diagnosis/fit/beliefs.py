@@ -80,6 +80,11 @@ class Belief:
         return ".".join(self.key)
 
     @property
+    def moves(self) -> Key:
+        """The number whose size it moves: of a delay beside its jitter, that jitter's."""
+        return self.box[0] if self.box else self.key
+
+    @property
     def u_absolute(self) -> float:
         """Standard uncertainty in the unit of the value."""
         if self.box:
@@ -220,7 +225,11 @@ def fit_beliefs(
             def cost(x: float, only: BoolArray = only, names: frozenset[str] = names) -> float:
                 return 0.5 * x**2 - at(np.where(only, x, places), names).total
 
-            best = _least(cost, _guesses(scene, change, beliefs[i], tried))
+            # What is moved in two ways, a jitter from its start and about its middle, moves as far.
+            alike = [belief.moves == beliefs[i].moves for belief in beliefs]
+            moved = float(places[alike].sum() - places[i])
+            ends = max(-FARTHEST, -FARTHEST - moved), min(FARTHEST, FARTHEST - moved)
+            best = _least(cost, _guesses(scene, change, beliefs[i], tried), ends)
             places[i] = best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0
         if not places.any():
             break
@@ -236,15 +245,18 @@ def _guesses(scene: Scene, change: Change, belief: Belief, tried: Nominal | None
         guesses = [(scene.nominal.plc.scan_us + off - belief.value) / belief.u for off in off_us]
     if tried is not None and not belief.box:
         guesses.append(belief.uncertainties(value_of(tried, belief.key)))
-    return [guess for guess in guesses if abs(guess) < FARTHEST]
+    return guesses
 
 
-def _least(cost: Callable[[float], float], guesses: Sequence[float]) -> float:
+def _least(
+    cost: Callable[[float], float], guesses: Sequence[float], ends: tuple[float, float]
+) -> float:
     """Find the place of least cost, in standard uncertainties, as closely as that is worth it."""
-    best = min([0.0, *guesses, _near(cost, 0.0, FIRST_REACH)], key=cost)
+    within = [0.0, *(guess for guess in guesses if ends[0] < guess < ends[1])]
+    best = min([*within, _near(cost, 0.0, FIRST_REACH, ends)], key=cost)
     reach = FINER * FIRST_REACH
     while best and reach >= LAST_REACH:
-        closer = _near(cost, best, reach)
+        closer = _near(cost, best, reach, ends)
         gained = cost(best) - cost(closer)
         best = closer if gained > 0.0 else best
         if gained < WORTH_A_CLOSER_LOOK:
@@ -253,9 +265,11 @@ def _least(cost: Callable[[float], float], guesses: Sequence[float]) -> float:
     return best
 
 
-def _near(cost: Callable[[float], float], place: float, reach: float) -> float:
-    ends = max(place - reach, -FARTHEST), min(place + reach, FARTHEST)
+def _near(
+    cost: Callable[[float], float], place: float, reach: float, ends: tuple[float, float]
+) -> float:
+    bounds = max(place - reach, ends[0]), min(place + reach, ends[1])
     found = optimize.minimize_scalar(
-        cost, bounds=ends, method="bounded", options={"xatol": CLOSE * reach}
+        cost, bounds=bounds, method="bounded", options={"xatol": CLOSE * reach}
     )
     return float(found.x)
