@@ -249,15 +249,17 @@ class Look:
 
     def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
         """Say how large it is, by the difference between the touches of a mask and the others."""
-        size, relative = (
-            _apart(values, high, kind) for values in (self.off, self.off / self.scale)
-        )
+        scales = np.ones(len(self.off)), self.scale
         if high.all() and kind == "scatter":
-            size, relative = (
-                np.sqrt(abs(size**2 - float(np.median(self._noise)) ** 2)),
-                np.sqrt(abs(relative**2 - float(np.median(self._noise / self.scale)) ** 2)),
-            )
+            size, relative = (_wider(self.off / scale, self._plays_off / scale) for scale in scales)
+        else:
+            size, relative = (_apart(self.off / scale, high, kind) for scale in scales)
         return self._of(kind, names, size, relative, z)
+
+    @cached_property
+    def _plays_off(self) -> FloatArray:
+        """Give by how much each play is off the middle of them all; shape (r, m)."""
+        return np.asarray(self.played - np.nanmedian(self.played, axis=0))
 
     def _of(
         self, kind: str, names: tuple[str, ...], size: float, relative: float, z: float
@@ -275,6 +277,12 @@ def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
         return 0.0
     # What happens to less than half of them moves no median.
     return max(0.5 * abs(float(measure(off[high]) - measure(off[~high]))) for measure in measures)
+
+
+def _wider(off: FloatArray, played: FloatArray) -> float:
+    """Give the scatter on top of that of plays, shape (r, m), in the same measure; else 0."""
+    usual = np.median([_calm_spread(one[~np.isnan(one)]) for one in played])
+    return float(np.sqrt(max(0.0, _calm_spread(off) ** 2 - usual**2)))
 
 
 def _calm_mean(values: FloatArray) -> float:
