@@ -71,3 +71,11 @@ def test_touches_that_go_together_where_plays_do_not_are_left(scene: Scene, seed
     _, plays = turning(scene, seed, together=False)
 
     assert told(scene, recorded, plays) != []
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_plays_may_miss_touches_that_were_recorded(scene: Scene, seed: int) -> None:
+    recorded, plays = turning(scene, seed, together=True)
+    is_missed = np.random.default_rng(seed).random(plays.shape) < 0.05
+
+    assert told(scene, recorded, np.where(is_missed, np.nan, plays)) == []

@@ -24,11 +24,9 @@ from skiplatch.diagnosis.plays.scores import (
     way_from_normal,
 )
 from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.plays.size import apart, scatter, wider
 from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_by_forest, wave
-from skiplatch.diagnosis.scene.covariates import (
-    neighbours,
-    varying,
-)
+from skiplatch.diagnosis.scene.covariates import neighbours, varying
 from skiplatch.diagnosis.scene.observed import UNITS, before_wait
 from skiplatch.statistics import errors_of, errors_of_excess
 
@@ -36,8 +34,6 @@ FEWEST_FOR_FOREST = 25
 """The same of what only a forest sees."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
-CALM = (0.02, 0.98)
-"""Quantiles beyond which values count no further for a spread."""
 FAR = 6.0
 """Standard deviations beyond all plays from which on a touch is far off."""
 SELDOM = 1e-3
@@ -122,11 +118,17 @@ class Look:
 
     @cached_property
     def _plays_as_recorded(self) -> list["Look"]:
-        """Hold some plays against the others."""
-        played = self._all_played
+        """Hold some plays against the others, without the touches that they miss."""
         return [
-            Look(self._setting, self.name, self.path, self._rows, one, np.delete(played, k, axis=0))
-            for k, one in enumerate(played[:HELD_AGAINST])
+            Look(
+                self._setting,
+                self.name,
+                self.path,
+                self._rows & ~np.isnan(one),
+                one,
+                np.delete(self._all_played, k, axis=0),
+            )
+            for k, one in enumerate(self._all_played[:HELD_AGAINST])
         ]
 
     @cached_property
@@ -251,9 +253,9 @@ class Look:
         """Say how large it is, by the difference between the touches of a mask and the others."""
         scales = np.ones(len(self.off)), self.scale
         if high.all() and kind == "scatter":
-            size, relative = (_wider(self.off / scale, self._plays_off / scale) for scale in scales)
+            size, relative = (wider(self.off / scale, self._plays_off / scale) for scale in scales)
         else:
-            size, relative = (_apart(self.off / scale, high, kind) for scale in scales)
+            size, relative = (apart(self.off / scale, high, kind) for scale in scales)
         return self._of(kind, names, size, relative, z)
 
     @cached_property
@@ -266,33 +268,3 @@ class Look:
     ) -> Left:
         noise, unit = float(np.median(self._noise)), UNITS[self.name]
         return Left(self.name, self.path, kind, names, size, unit, relative, noise, self._step, z)
-
-
-def _apart(off: FloatArray, high: BoolArray, kind: str) -> float:
-    """Give half the difference of middle or scatter between touches; of all of them from 0."""
-    measures = (np.median, _calm_mean) if kind == "shift" else (_calm_spread,)
-    if high.all():
-        return max(abs(float(measure(off))) for measure in measures)
-    if not high.any():
-        return 0.0
-    # What happens to less than half of them moves no median.
-    return max(0.5 * abs(float(measure(off[high]) - measure(off[~high]))) for measure in measures)
-
-
-def _wider(off: FloatArray, played: FloatArray) -> float:
-    """Give the scatter on top of that of plays, shape (r, m), in the same measure; else 0."""
-    usual = np.median([_calm_spread(one[~np.isnan(one)]) for one in played])
-    return float(np.sqrt(max(0.0, _calm_spread(off) ** 2 - usual**2)))
-
-
-def _calm_mean(values: FloatArray) -> float:
-    return float(np.mean(np.clip(values, *np.quantile(values, CALM))))
-
-
-def _calm_spread(values: FloatArray) -> float:
-    return float(np.std(np.clip(values, *np.quantile(values, CALM))))
-
-
-def scatter(values: FloatArray) -> float:
-    """Give the standard deviation of a normal law with the same median absolute deviation."""
-    return float(stats.median_abs_deviation(values, scale="normal"))

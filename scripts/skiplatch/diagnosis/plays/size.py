@@ -1,0 +1,40 @@
+"""How large a difference between touches and their plays is: few far off count for little."""
+
+import numpy as np
+from scipy import stats
+
+from skiplatch.arrays import BoolArray, FloatArray
+
+CALM = (0.02, 0.98)
+"""Quantiles beyond which values count no further for a spread."""
+
+
+def apart(off: FloatArray, high: BoolArray, kind: str) -> float:
+    """Give half the difference of middle or scatter between touches; of all of them from 0."""
+    measures = (np.median, _calm_mean) if kind == "shift" else (_calm_spread,)
+    if high.all():
+        return max(abs(float(measure(off))) for measure in measures)
+    if not high.any():
+        return 0.0
+    # What happens to less than half of them moves no median.
+    return max(0.5 * abs(float(measure(off[high]) - measure(off[~high]))) for measure in measures)
+
+
+def wider(off: FloatArray, played: FloatArray) -> float:
+    """Give the scatter on top of that of plays, shape (r, m), in the same measure; else 0."""
+    spreads = [_calm_spread(one[~np.isnan(one)]) for one in played if not np.isnan(one).all()]
+    usual = np.median(spreads) if spreads else 0.0
+    return float(np.sqrt(max(0.0, _calm_spread(off) ** 2 - usual**2)))
+
+
+def _calm_mean(values: FloatArray) -> float:
+    return float(np.mean(np.clip(values, *np.quantile(values, CALM))))
+
+
+def _calm_spread(values: FloatArray) -> float:
+    return float(np.std(np.clip(values, *np.quantile(values, CALM))))
+
+
+def scatter(values: FloatArray) -> float:
+    """Give the standard deviation of a normal law with the same median absolute deviation."""
+    return float(stats.median_abs_deviation(values, scale="normal"))
