@@ -27,7 +27,7 @@ OF_REPORT = replace(left(20.0, relative=3.0), observable="report")
 def judged() -> tuple[Judge, Finding]:
     """Two effects that are found, where each acts in a stream of its own."""
     scene = Scene.of(played(BENCH, LATE, REPORT, seed=3))
-    judge = Judge(scene, split(len(scene), 1), noticed={"latch_skip", "report"})
+    judge = Judge(scene, split(len(scene), 1))
     late, report = (CANDIDATES[effect.id] for effect in (LATE, REPORT))
     sizes = (_sizes(late.names, LATE), _sizes(report.names, REPORT))
     return judge, Finding(judge.score(Fit((late, report), sizes, frozenset({"latch_skip"}))))

@@ -91,3 +91,18 @@ def test_gross_errors_that_are_as_rare_are_no_effect(seed: int) -> None:
     diagnosis = diagnose(off(campaign, rows, far_us), seed=1)
 
     assert diagnosis.effects == []
+
+
+@pytest.mark.long
+def test_what_no_look_notices_is_named_by_its_own_likelihood() -> None:
+    """One touch in twenty late by no more than a scan scatters by: middle, scatter and ends stay."""
+    late = Effect("contact_bounce", {"probability": 0.05, "mean_us": 1.0, "least_us": 300.0})
+    campaign = played(MACHINE, late, seed=2)
+    here = beside(campaign)
+
+    diagnosis = diagnose(campaign, seed=1)
+
+    assert not noticed(left_over(here), DEFAULT) | rarely_off(here, DEFAULT)
+    (named,) = diagnosis.effects
+    assert late.id in (named.effect.id, *named.alternatives)
+    assert diagnosis.verdict == Verdict.PARTLY_EXPLAINED

@@ -1,6 +1,6 @@
 """Models of a campaign, fitted and scored: candidates alone, and on top of others."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import cached_property
@@ -64,7 +64,6 @@ class Judge(Scorer):
         parts: Split,
         executor: Executor | None = None,
         materiality: Materiality = DEFAULT,
-        noticed: Collection[str] | None = None,
     ) -> None:
         """Prepare to fit models.
 
@@ -73,11 +72,9 @@ class Judge(Scorer):
             parts: Which of them serve what.
             executor: Fits side by side.
             materiality: From which size on a change matters.
-            noticed: Streams in which there may be something to explain; None for all.
         """
         self._believed = scene
         self._executor = executor
-        self._noticed = None if noticed is None else frozenset(noticed)
         super().__init__(scene, parts, materiality)
 
     def _each(self, task: Callable[[Task], Fit], models: Sequence[Task]) -> list[Fit]:
@@ -255,10 +252,8 @@ class Judge(Scorer):
 
     @cached_property
     def _applicable(self) -> list[Candidate]:
-        """Give the effects that the campaign can show, and that act where something is noticed."""
-        return self._acting_in(
-            [c for c in catalogue().values() if c.applies(self.scene)], self._noticed
-        )
+        """Give the effects that the campaign can show."""
+        return [c for c in catalogue().values() if c.applies(self.scene)]
 
     def _acting_in(
         self, candidates: Sequence[Candidate], streams: frozenset[str] | None

@@ -47,18 +47,19 @@ class Conclusion:
 def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     """Search a campaign for effects and judge what is found, beside the true ones if known."""
     found = _found(work, truth)
-    odd = found.outliers if found.finding.model else []
-    if len(odd) and not work.without(odd).finds_any():
-        # They alone are what it was found by.
-        return _conclusion(work, Finding(None), None, truth)
-    return found
+    if found.finding.model is None:
+        return found
+    odd = found.outliers
+    is_of_odd = bool(odd) and not work.without(odd).finds_any()
+    is_nothing = not work.is_noticed and bool(failures(NAMES, found.evidence))
+    return _conclusion(work, Finding(None), None, truth) if is_of_odd or is_nothing else found
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     """Search, and take out what keeps others from being named, if these then are."""
     finding, confirmed = work.search()
     whole = found = _conclusion(work, finding, confirmed, truth)
-    while kept := work.judge and without_guilty(work.judge, found.finding, found.evidence):
+    while kept := without_guilty(work.judge, found.finding, found.evidence):
         finding, confirmed = work.confirmed(kept)
         found = _conclusion(work, finding, confirmed, truth)
     return whole if failures(NAMES, found.evidence) else found

@@ -97,19 +97,20 @@ def _shrinks(evidence: Evidence, threshold: float) -> str:
 
 
 def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
-    clear = _clear(evidence.gaps)
     is_likelier = _may_shrink_unseen(evidence, threshold) and evidence.nats > LIKELIER
     if _shrinks_for_certain(evidence, threshold) or is_likelier:
         return ""
-    return "no gap shrinks for certain" if clear else "no gap is clear"
+    return f"no gap {'shrinks for certain' if _clear(evidence.gaps) else 'is clear'}"
 
 
 def _may_shrink_unseen(evidence: Evidence, threshold: float) -> bool:
-    """Tell whether a gap may shrink that its score forgives: it does so of what comes by chance."""
-    clear = _clear(evidence.gaps)
-    is_open = not clear or any(gap.shrink.high > threshold for gap in clear.values())
-    is_smaller = any(gap.after < gap.before for gap in evidence.gaps.values())
-    return evidence.is_chancy and is_open and is_smaller
+    """Tell whether a gap may shrink that its score forgives: it does so of what comes by chance.
+
+    One that stays, for certain, speaks against that; one that is larger by luck says nothing.
+    """
+    clear = _clear(evidence.gaps).values()
+    stay = (gap.grows or 0.0 <= gap.shrink.high <= threshold for gap in clear)
+    return evidence.is_chancy and (not clear or not all(stay))
 
 
 def _shrinks_for_certain(evidence: Evidence, threshold: float) -> bool:

@@ -43,7 +43,7 @@ class Work:
         self.parts: Split = split(len(scene), seed)
         self.naming = scene.select(self.parts.naming)
         self.beliefs = uncertain(scene.nominal)
-        self.judge: Judge | None = None
+        self.judge = Judge(scene, self.parts, pool, materiality)
         self._memo: Memo = {}
         self._rigs: dict[tuple[object, ...], tuple[Rig, Fit | None]] = {}
         self._besides: dict[int, tuple[Rig, Beside]] = {}
@@ -111,6 +111,11 @@ class Work:
             self._besides[id(rig)] = rig, Beside.of(scene, rig, seed=self.seed, jobs=self.jobs)
         return self._besides[id(rig)][1]
 
+    @cached_property
+    def is_noticed(self) -> bool:
+        """Something stands out of what the believed chain plays, whatever it may be."""
+        return bool(self._noticed_by(self.before, self.beside(self.scene, self.rig(None))))
+
     def noticed(self, model: Scored) -> frozenset[str]:
         """Name the streams in which a hypothesis leaves what is worth a search."""
         key = model.fit.key
@@ -138,24 +143,13 @@ class Work:
 
     def search(self) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""
-        self.judge = self._judge_of_noticed()
-        if self.judge is None:
-            return Finding(None), None
         finding = find(self.judge, self.noticed, self.may_begin, self.passes)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
 
     def finds_any(self) -> bool:
         """Tell whether a search would begin with any effect."""
-        judge = self._judge_of_noticed()
-        return judge is not None and finds_any(judge, self.may_begin, self.passes)
-
-    def _judge_of_noticed(self) -> Judge | None:
-        """Prepare to judge effects that act where something is noticed; None where nothing is."""
-        streams = self._noticed_by(self.before, self.beside(self.scene, self.rig(None)))
-        if not streams:
-            return None
-        return Judge(self.scene, self.parts, self.pool, self.materiality, streams)
+        return finds_any(self.judge, self.may_begin, self.passes)
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""
