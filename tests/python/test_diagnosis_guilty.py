@@ -43,6 +43,7 @@ def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
         (Evidence(after=[OF_REPORT]), "isr_latency"),
         (Evidence(chance=[OF_LATCH]), "report_delay"),
         (Evidence(chance=[OF_LATCH], after=[OF_REPORT]), "report_delay"),
+        (Evidence(at_limit=["report_delay.delay_us"]), "isr_latency"),
     ],
 )
 def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, kept: str) -> None:

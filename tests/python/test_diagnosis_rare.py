@@ -95,7 +95,7 @@ def test_gross_errors_that_are_as_rare_are_no_effect(seed: int) -> None:
 
 @pytest.mark.long
 def test_what_no_look_notices_is_named_by_its_own_likelihood() -> None:
-    """One touch in twenty late by no more than a scan scatters by: middle, scatter and ends stay."""
+    """One touch in twenty late by less than a scan takes: middle, scatter and ends stay."""
     late = Effect("contact_bounce", {"probability": 0.05, "mean_us": 1.0, "least_us": 300.0})
     campaign = played(MACHINE, late, seed=2)
     here = beside(campaign)

@@ -53,3 +53,8 @@ class Evidence:
     false: int = 0
     outlying: int = 0
     touches: int = 0
+
+    @property
+    def effects_at_limit(self) -> frozenset[str]:
+        """Ids of the effects with a parameter at an end of its range."""
+        return frozenset(name.split(".")[0] for name in self.at_limit)

@@ -17,8 +17,8 @@ from skiplatch.diagnosis.verdict.rules import gains_too_little, mostly_left, tol
 def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
-    They are those that gain too little; or that scatter where their chance can be told; or that
-    change anything at all where much of what there was is left.
+    They are those that gain too little; or that are at a limit; or that scatter where their chance
+    can be told; or that change anything at all where much of what there was is left.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -41,8 +41,8 @@ def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Findin
 
 def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[int]]:
     """Number the effects of a model that are accused, for one reason after the other."""
-    ids = gains_too_little(evidence)
-    yield [i for i, name in enumerate(model.ids) if name in ids]
+    for ids in (gains_too_little(evidence), evidence.effects_at_limit):
+        yield [i for i, name in enumerate(model.ids) if name in ids]
     for looks, acts in (
         (told_of_chance(evidence), judge.scatters),
         (mostly_left(evidence), judge.reaches),

@@ -238,12 +238,6 @@ EXPLAINS: Sequence[Rule] = (
     ),
     Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
-    Rule(
-        "within_limits",
-        0.0,
-        "theory: at an end of its range a parameter is not found",
-        _within_limits,
-    ),
     Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
     Rule(
         "is_confirmed", 0.0, "theory: the simulator is the judge of its own effects", _is_confirmed
@@ -275,6 +269,7 @@ NAMES: Sequence[Rule] = (
         "a level: an effect makes the record likelier by what it does for plays of itself",
         _gains_as_much,
     ),
+    Rule("within_limits", 0.0, "theory: at an end of its range nothing is found", _within_limits),
     Rule(
         "chance_is_chance",
         CHANCE,
