@@ -82,3 +82,12 @@ def test_the_one_that_gains_too_little_is_taken_out(judged: tuple[Judge, Finding
     assert kept.model.ids == (REPORT.id,)
     assert without_guilty(judge, finding, Evidence(gains=dict.fromkeys(gains, 0.5))) is None
     assert without_guilty(judge, finding, Evidence(gains=dict.fromkeys(gains, 1.0))) is None
+
+
+def test_what_acts_elsewhere_stands_in_for_none_that_is_kept(judged: tuple[Judge, Finding]) -> None:
+    """However much it gains there: reports that are late do nothing for a latch."""
+    found = without_guilty(*judged, Evidence(after=[OF_REPORT]))
+
+    assert found is not None
+    assert REPORT.id not in {name for names in found.alternatives for name in names}
+    assert REPORT.id not in {name for model in found.ranking for name in model.ids}

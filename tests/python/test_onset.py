@@ -13,18 +13,23 @@ from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.diagnose import diagnose
 from skiplatch.diagnosis.fit.as_effects import as_effects
-from skiplatch.diagnosis.fit.fit import Fit, fit
-from skiplatch.diagnosis.fit.onset import ends_of, outlives_datum, passing, proposed
+from skiplatch.diagnosis.fit.fit import WORTH_OF_AN_END, Fit, fit
+from skiplatch.diagnosis.fit.onset import (
+    FEWEST,
+    ends_of,
+    gained_by_an_end,
+    outlives_datum,
+    passing,
+    proposed,
+)
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
-from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.scored import worth
 from skiplatch.diagnosis.verdict.verdict import Verdict
-from skiplatch.diagnosis.verdict.work import may_have_begun
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import ALWAYS, Span
-from verdict_evidence import left
 
 LATE = Effect("isr_latency", {"latency_us": 40.0})
 
@@ -171,27 +176,32 @@ def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
     assert effect.parameters["positive_um"] == pytest.approx(2.0, abs=0.5)
 
 
-BY_FEED = left(10.0, "feed")
-
-
 @pytest.mark.parametrize(
-    ("looks", "expected"),
+    "acting",
     [
-        ([], False),
-        ([BY_FEED], False),
-        ([left(5.0, "serial number")], True),
-        ([left(5.0, EVERYWHERE)], True),
-        # What the feed tells scatters, and the time adds nothing to it.
-        ([BY_FEED, left(20.0, EVERYWHERE)], False),
-        ([BY_FEED, left(9.0, "feed", "time")], False),
-        ([BY_FEED, left(11.0, "feed", "time")], True),
-        # It says nothing of another observable.
-        ([BY_FEED, replace(left(5.0, EVERYWHERE), observable="report")], True),
-        ([BY_FEED, replace(left(5.0, "time"), path="plc")], True),
+        Effect("scale_error", {"scale_ppm": 40.0}),
+        Effect("trigger_delay", {"delay_us": 150.0}),
+        Effect("contact_bounce", {"probability": 0.5, "mean_us": 100.0}),
     ],
 )
-def test_what_no_condition_tells_may_have_begun(looks: list[Left], expected: bool) -> None:
-    assert may_have_begun(looks) is expected
+def test_an_effect_as_it_is_tells_whether_it_ends(acting: Effect) -> None:
+    """No look is needed, nor another fit: that of all touches does better without some of them."""
+    campaign = read_campaign(MACHINE)
+    ends = replace(acting, span=Span(until=middle_touch(campaign)))
+
+    def gained(effect: Effect) -> float:
+        scene = Scene.of(played_again(campaign, effect))
+        candidate = CANDIDATES[effect.id]
+        starts = candidate.starts(scene, Change())
+        return gained_by_an_end(scene, [fit(scene, [candidate], starts)])
+
+    assert gained(acting) < worth(WORTH_OF_AN_END) < gained(ends)
+
+
+def test_no_effect_begins_among_too_few_touches() -> None:
+    scene = Scene.of(read_campaign(MACHINE)).select(np.arange(2 * FEWEST))
+
+    assert gained_by_an_end(scene, [of("trigger_delay", [100.0, 0.0, 0.0])]) == 0.0
 
 
 @pytest.mark.long

@@ -57,6 +57,15 @@ def proposed(scene: Scene, fits: Iterable[Fit]) -> list[Fit]:
     return list(best.values())[:KEPT]
 
 
+def gained_by_an_end(scene: Scene, fits: Sequence[Fit]) -> float:
+    """Give the nats by which the best of some effects does better if one begins or ends; 0 if none.
+
+    Effects that last gain hardly anything, for their parameters are those of all touches.
+    """
+    begun = [_nats(scene, one) for one in proposed(scene, fits)]
+    return max(begun) - max(_nats(scene, one) for one in fits) if begun else 0.0
+
+
 def passing(scene: Scene, found: Fit) -> Fit:
     """Fit the parameters of an effect that begins or ends, and the touch, in turn."""
     spans = _spans(scene, begins=found.candidates[0].span.since is not None)

@@ -37,8 +37,8 @@ TIED = 6.0
 
 Noticed = Callable[[Scored], frozenset[str]]
 """Names the streams in which something can still be seen once a model is played."""
-Passes = Callable[[Scored | None], bool]
-"""Tells whether what a model, or none, leaves goes with the sequence of the touches, or may."""
+Passes = Callable[[Scored], bool]
+"""Tells whether what a model leaves drifts with the sequence of the touches."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,16 +68,15 @@ class Finding:
         return (self.model, *(s for s in others if s.score > self.model.score - TIED))
 
 
-def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> Finding:
+def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
     """Search forward, from several first effects, for as many as the touches ask for.
 
     Args:
         judge: Fits and scores.
         noticed: Where a model leaves something.
-        may_begin: Whether what it leaves may have begun or ended.
-        passes: Whether what it leaves comes and goes.
+        passes: Whether what it leaves drifts.
     """
-    ranked = _first(judge, may_begin, passes)
+    ranked = _first(judge, passes)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -103,31 +102,27 @@ def find(judge: Judge, noticed: Noticed, may_begin: Passes, passes: Passes) -> F
     return several(judge, model, tried)
 
 
-def finds_any(judge: Judge, may_begin: Passes, passes: Passes) -> bool:
+def finds_any(judge: Judge, passes: Passes) -> bool:
     """Tell whether there is an effect to begin a search with, alone, that matters."""
-    ranked = _first(judge, may_begin, passes)
+    ranked = _first(judge, passes)
     return bool(ranked) and judge.is_enough(ranked[0])
 
 
-def _first(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
+def _first(judge: Judge, passes: Passes) -> list[Scored]:
     """Give every effect alone, beside beliefs that fit without any; by falling score."""
     judge.believe_beside(None)
-    return _singles(judge, may_begin, passes)
+    return _singles(judge, passes)
 
 
-def _singles(judge: Judge, may_begin: Passes, passes: Passes) -> list[Scored]:
+def _singles(judge: Judge, passes: Passes) -> list[Scored]:
     """Give every effect alone, and those that begin or end where no lasting one will do.
 
-    Where the best of them leaves nothing but what goes with conditions, nothing need have begun,
-    unless it leaves to chance at which touches it acts: those may be the ones after an onset.
-    What still comes and goes beside one that begins did not begin with it: a step stands for a
-    drift.
+    What still drifts beside one that begins did not begin with it: a step stands for a drift.
     """
     ranked = judge.singles()
-    best = ranked[0] if ranked else None
-    if not may_begin(best) and not (best and judge.scatters(best, 0)):
+    if not judge.may_begin(ranked):
         return ranked
-    least = best.score + TIED if best else 0.0  # one that lasts will do as well
+    least = ranked[0].score + TIED  # one that lasts will do as well
     begun = [one for one in judge.passing(ranked) if one.score > least and not passes(one)]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)
 
@@ -239,8 +234,7 @@ def reduced(judge: Judge, model: Scored) -> Finding:
     """Give a finding with a model that has fewer effects than were found."""
     if len(model.ids) > 1:
         return several(judge, model, ())
-    ranked = [model, *(scored for scored in judge.singles() if scored.ids != model.ids)]
-    return _single(judge, model, ranked)
+    return _single(judge, model, [model, *judge.in_place(model, 0)])
 
 
 def _ranked_group(ranked: Sequence[Scored], position: int) -> tuple[tuple[str, ...], float]:

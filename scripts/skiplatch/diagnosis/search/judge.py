@@ -20,7 +20,7 @@ from skiplatch.diagnosis.fit.fit import (
 )
 from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
-from skiplatch.diagnosis.fit.onset import ends_of, outlives_datum, proposed
+from skiplatch.diagnosis.fit.onset import ends_of, gained_by_an_end, outlives_datum, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.parts import Split
@@ -117,6 +117,11 @@ class Judge(Scorer):
     def singles(self) -> list[Scored]:
         """Every candidate alone, by falling score."""
         return self._with_twins(map(self.score, self._contest(self._candidates(), NOTHING)))
+
+    def may_begin(self, singles: Sequence[Scored]) -> bool:
+        """Tell whether any effect, just as it is, does better if it begins or ends at a touch."""
+        fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
+        return gained_by_an_end(self._fitting, fits) > WORTH_A_REFINEMENT
 
     def passing(self, singles: Sequence[Scored]) -> list[Scored]:
         """Candidates that begin or end within the campaign, by falling score.

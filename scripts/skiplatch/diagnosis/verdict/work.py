@@ -14,7 +14,7 @@ from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import settled
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import Left, Memo
-from skiplatch.diagnosis.plays.leftover import NOTICED, Beside, left_over, noticed
+from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.plays.rare import rarely_off
 from skiplatch.diagnosis.scene.scene import Scene
@@ -124,17 +124,10 @@ class Work:
             self._noticed[key] = self._noticed_by(left_over(beside, self._memo), beside)
         return self._noticed[key]
 
-    def may_begin(self, model: Scored | None) -> bool:
-        """Tell whether what a hypothesis leaves may have begun or ended."""
-        return may_have_begun(self._left_to_name(model))
-
-    def passes(self, model: Scored | None) -> bool:
-        """Tell whether what a hypothesis leaves comes and goes, by no accident."""
-        return any(one.goes_with_time and one.z > CHANCE for one in self._left_to_name(model))
-
-    def _left_to_name(self, model: Scored | None) -> list[Left]:
-        left = self.left(self.naming, self.rig(model.fit)) if model else self.before
-        return [one for one in left if one.z > NOTICED and one.is_material(self.materiality)]
+    def passes(self, model: Scored) -> bool:
+        """Tell whether what a hypothesis leaves drifts, by no accident."""
+        left = mattering(self.left(self.naming, self.rig(model.fit)), self.materiality)
+        return any(one.goes_with_time and one.is_shift for one in left)
 
     @cached_property
     def before(self) -> Sequence[Left]:
@@ -143,13 +136,13 @@ class Work:
 
     def search(self) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""
-        finding = find(self.judge, self.noticed, self.may_begin, self.passes)
+        finding = find(self.judge, self.noticed, self.passes)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
 
     def finds_any(self) -> bool:
         """Tell whether a search would begin with any effect."""
-        return finds_any(self.judge, self.may_begin, self.passes)
+        return finds_any(self.judge, self.passes)
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""
@@ -174,16 +167,3 @@ def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:
     """Keep what is hardly an accident and large enough to matter."""
     return [one for one in looks if one.z > CHANCE and one.is_material(materiality)]
 
-
-def may_have_begun(looks: Sequence[Left]) -> bool:
-    """Tell whether what is left may have begun or ended: it is no condition's.
-
-    What a condition tells scatters as well. And where it tells more than the time and all others
-    do together, these add nothing.
-    """
-    told = [one for one in looks if one.is_predicted and not one.goes_with_time]
-    return any(
-        not any(by.is_of(one) and (by.z >= one.z or not one.is_predicted) for by in told)
-        for one in looks
-        if one.goes_with_time or not one.is_predicted
-    )
