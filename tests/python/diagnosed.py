@@ -25,7 +25,7 @@ class Search:
     def found(self) -> Finding:
         """The effects by their surrogates."""
         work = self._work
-        return find(self.judge, work.noticed, work.passes)
+        return find(self.judge, work.noticed)
 
     def left(self, model: Scored) -> list[Left]:
         """What a model leaves that is significant and matters."""

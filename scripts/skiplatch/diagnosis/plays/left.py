@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from scipy import stats
 
 from skiplatch.diagnosis.fit.material import Materiality
-from skiplatch.diagnosis.scene.covariates import in_words, is_when
+from skiplatch.diagnosis.scene.covariates import in_words
 
 SIGNIFICANT = 4.5
 """Standard errors from which on a look is no accident: in a thousand campaigns of some sixty looks
@@ -76,11 +76,6 @@ class Left:
     def is_predicted(self) -> bool:
         """It goes with something known; otherwise it is everywhere."""
         return self.conditions != (EVERYWHERE,)
-
-    @property
-    def goes_with_time(self) -> bool:
-        """It comes and goes, which what acts all the time does not."""
-        return any(map(is_when, self.conditions))
 
     def is_of(self, other: "Left") -> bool:
         """It shows in the same observable on the same path."""

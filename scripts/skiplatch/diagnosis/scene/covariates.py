@@ -133,11 +133,6 @@ class Order:
         return np.asarray(self.serial - self.serial[last], dtype=float)
 
 
-def is_when(name: str) -> bool:
-    """Tell whether a covariate says when a touch was made, or what is left of those around it."""
-    return name.startswith(("time", "serial number,", WITHIN)) or name == "serial number"
-
-
 def in_words(name: str) -> str:
     """Say what a covariate is: all scores of touches around one are the same to who measures."""
     return "the touches around it" if name.startswith(LEFT) else name

@@ -37,8 +37,6 @@ TIED = 6.0
 
 Noticed = Callable[[Scored], frozenset[str]]
 """Names the streams in which something can still be seen once a model is played."""
-Passes = Callable[[Scored], bool]
-"""Tells whether what a model leaves drifts with the sequence of the touches."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,15 +66,14 @@ class Finding:
         return (self.model, *(s for s in others if s.score > self.model.score - TIED))
 
 
-def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
+def find(judge: Judge, noticed: Noticed) -> Finding:
     """Search forward, from several first effects, for as many as the touches ask for.
 
     Args:
         judge: Fits and scores.
         noticed: Where a model leaves something.
-        passes: Whether what it leaves drifts.
     """
-    ranked = _first(judge, passes)
+    ranked = _first(judge)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -102,28 +99,25 @@ def find(judge: Judge, noticed: Noticed, passes: Passes) -> Finding:
     return several(judge, model, tried)
 
 
-def finds_any(judge: Judge, passes: Passes) -> bool:
+def finds_any(judge: Judge) -> bool:
     """Tell whether there is an effect to begin a search with, alone, that matters."""
-    ranked = _first(judge, passes)
+    ranked = _first(judge)
     return bool(ranked) and judge.is_enough(ranked[0])
 
 
-def _first(judge: Judge, passes: Passes) -> list[Scored]:
+def _first(judge: Judge) -> list[Scored]:
     """Give every effect alone, beside beliefs that fit without any; by falling score."""
     judge.believe_beside(None)
-    return _singles(judge, passes)
+    return _singles(judge)
 
 
-def _singles(judge: Judge, passes: Passes) -> list[Scored]:
-    """Give every effect alone, and those that begin or end where no lasting one will do.
-
-    What still drifts beside one that begins did not begin with it: a step stands for a drift.
-    """
+def _singles(judge: Judge) -> list[Scored]:
+    """Give every effect alone, and those that begin or end where no lasting one will do."""
     ranked = judge.singles()
     if not judge.may_begin(ranked):
         return ranked
     least = ranked[0].score + TIED  # one that lasts will do as well
-    begun = [one for one in judge.passing(ranked) if one.score > least and not passes(one)]
+    begun = [one for one in judge.passing(ranked) if one.score > least]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)
 
 

@@ -124,11 +124,6 @@ class Work:
             self._noticed[key] = self._noticed_by(left_over(beside, self._memo), beside)
         return self._noticed[key]
 
-    def passes(self, model: Scored) -> bool:
-        """Tell whether what a hypothesis leaves drifts, by no accident."""
-        left = mattering(self.left(self.naming, self.rig(model.fit)), self.materiality)
-        return any(one.goes_with_time and one.is_shift for one in left)
-
     @cached_property
     def before(self) -> Sequence[Left]:
         """What the believed chain leaves of all touches."""
@@ -136,13 +131,13 @@ class Work:
 
     def search(self) -> tuple[Finding, Confirmation | None]:
         """Find effects where something is noticed, and let plain simulation choose."""
-        finding = find(self.judge, self.noticed, self.passes)
+        finding = find(self.judge, self.noticed)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
 
     def finds_any(self) -> bool:
         """Tell whether a search would begin with any effect."""
-        return finds_any(self.judge, self.passes)
+        return finds_any(self.judge)
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""
@@ -166,4 +161,3 @@ def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
 def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:
     """Keep what is hardly an accident and large enough to matter."""
     return [one for one in looks if one.z > CHANCE and one.is_material(materiality)]
-
