@@ -17,7 +17,12 @@
 void sim_law_log_density(const sim_residuals_t *of, double *log_densities)
 {
     for (uint64_t i = 0; i < of->n; ++i) {
-        log_densities[i] = residual_log_density(of, i, 0.0);
+        double density = 0.0;
+        for (uint32_t k = 0; k <= of->extra_count; ++k) {
+            residual_part_t part = residual_part(of, i, k);
+            density += residual_part_density(&part, of->residuals[i]);
+        }
+        log_densities[i] = residual_log_density(density, of->residuals[i], of->reach[i]);
     }
 }
 
@@ -25,17 +30,32 @@ void sim_law_log_density(const sim_residuals_t *of, double *log_densities)
 
 /* The best length of each group so far, and what was tried last. */
 typedef struct {
-    double *best;  /* of each group */
-    double *most;  /* log-likelihood there */
-    double *tried; /* of each group */
-    double *value; /* log-likelihood there */
-    double *kept;  /* log-densities at the best, of each residual */
-    double *seen;  /* at what was tried */
+    const residual_part_t *parts; /* of each residual in turn, the same whatever is tried */
+    double                *best;  /* of each group */
+    double                *most;  /* log-likelihood there */
+    double                *tried; /* of each group */
+    double                *value; /* log-likelihood there */
+    double                *kept;  /* log-densities at the best, of each residual */
+    double                *seen;  /* at what was tried */
 } search_t;
 
 static double believed(double datum, double u)
 {
     return u > 0.0 ? -0.5 * ((datum / u) * (datum / u)) : 0.0;
+}
+
+/* Log-density of residual i at what is tried. */
+static double log_density(const sim_residuals_t *of, const sim_datum_t *datum,
+                          const search_t *search, uint64_t i)
+{
+    const uint64_t         part_count = of->extra_count + (uint64_t)1;
+    const residual_part_t *parts = &search->parts[i * part_count];
+    double x = of->residuals[i] - search->tried[datum->groups[i]] * datum->per_length[i];
+    double density = 0.0;
+    for (uint64_t k = 0; k < part_count; ++k) {
+        density += residual_part_density(&parts[k], x);
+    }
+    return residual_log_density(density, x, of->reach[i]);
 }
 
 /* Evaluate what is tried, and keep what is better. */
@@ -45,9 +65,8 @@ static void evaluate(const sim_residuals_t *of, const sim_datum_t *datum, search
         search->value[g] = believed(search->tried[g], datum->u);
     }
     for (uint64_t i = 0; i < of->n; ++i) {
-        uint32_t g = datum->groups[i];
-        search->seen[i] = residual_log_density(of, i, search->tried[g] * datum->per_length[i]);
-        search->value[g] += search->seen[i];
+        search->seen[i] = log_density(of, datum, search, i);
+        search->value[datum->groups[i]] += search->seen[i];
     }
     for (uint64_t i = 0; i < of->n; ++i) {
         uint32_t g = datum->groups[i];
@@ -119,27 +138,42 @@ static void try_believed(const sim_residuals_t *of, const sim_datum_t *datum, se
     }
 }
 
+static residual_part_t *parts_of(const sim_residuals_t *of)
+{
+    const uint64_t   part_count = of->extra_count + (uint64_t)1;
+    residual_part_t *parts = calloc(of->n * part_count + 1, sizeof *parts);
+    for (uint64_t i = 0; parts != NULL && i < of->n; ++i) {
+        for (uint32_t k = 0; k < part_count; ++k) {
+            parts[i * part_count + k] = residual_part(of, i, k);
+        }
+    }
+    return parts;
+}
+
 int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, double *found,
                           double *log_densities)
 {
-    uint32_t groups = datum->group_count;
-    double  *work = calloc(6 * (size_t)groups + of->n + 1, sizeof *work);
-    if (work == NULL) {
-        return -1;
+    uint32_t         groups = datum->group_count;
+    double          *work = calloc(6 * (size_t)groups + of->n + 1, sizeof *work);
+    residual_part_t *parts = parts_of(of);
+    bool             is_room = work != NULL && parts != NULL;
+    if (is_room) {
+        search_t search = {.parts = parts,
+                           .best = found,
+                           .most = work,
+                           .tried = work + groups,
+                           .value = work + 2 * (size_t)groups,
+                           .kept = log_densities,
+                           .seen = work + 6 * (size_t)groups};
+        for (uint32_t g = 0; g < groups; ++g) {
+            search.most[g] = -HUGE_VAL;
+            search.tried[g] = datum->guesses[g];
+        }
+        evaluate(of, datum, &search);
+        climb(of, datum, &search, work + 3 * (size_t)groups);
+        try_believed(of, datum, &search);
     }
-    search_t search = {.best = found,
-                       .most = work,
-                       .tried = work + groups,
-                       .value = work + 2 * (size_t)groups,
-                       .kept = log_densities,
-                       .seen = work + 6 * (size_t)groups};
-    for (uint32_t g = 0; g < groups; ++g) {
-        search.most[g] = -HUGE_VAL;
-        search.tried[g] = datum->guesses[g];
-    }
-    evaluate(of, datum, &search);
-    climb(of, datum, &search, work + 3 * (size_t)groups);
-    try_believed(of, datum, &search);
+    free(parts);
     free(work);
-    return 0;
+    return is_room ? 0 : -1;
 }

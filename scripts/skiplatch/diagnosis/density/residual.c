@@ -3,25 +3,21 @@
 #include <math.h>
 
 #include "angle.h"
-#include "diagnosis/density/sum.h"
 
 #define CONTAMINATION 1e-3 /* share of residuals that may lie anywhere */
 
-static double plain(const sim_law_t *law, double x, double resolution)
+static sum_t plain(const sim_law_t *law, double resolution)
 {
-    return sum_density(
-        (sum_t){
-            .middle = law->offset,
-            .sigma = sqrt(square(law->sigma) + square(resolution)),
-            .narrow = fmin(law->box_a, law->box_b),
-            .wide = fmax(law->box_a, law->box_b),
-        },
-        x);
+    return (sum_t){
+        .middle = law->offset,
+        .sigma = sqrt(square(law->sigma) + square(resolution)),
+        .narrow = fmin(law->box_a, law->box_b),
+        .wide = fmax(law->box_a, law->box_b),
+    };
 }
 
 /* The law of those residuals that get the extra. */
-static double with_extra(const sim_law_t *law, const sim_extra_t *extra, double x,
-                         double resolution)
+static sum_t with_extra(const sim_law_t *law, const sim_extra_t *extra, double resolution)
 {
     double box_a = law->box_a * (1.0 - extra->boxless);
     double narrow = fmin(box_a, law->box_b);
@@ -35,7 +31,7 @@ static double with_extra(const sim_law_t *law, const sim_extra_t *extra, double 
         .mean = extra->mean,
     };
     sum_fold_box(&sum, &narrowest);
-    return sum_density(sum, x);
+    return sum;
 }
 
 /* Share that gets no extra of residual i. */
@@ -48,21 +44,32 @@ static double share_left(const sim_extra_t *extras, uint64_t n, uint32_t extra_c
     return left;
 }
 
+residual_part_t residual_part(const sim_residuals_t *of, uint64_t i, uint32_t k)
+{
+    residual_part_t part;
+    if (k == 0u) {
+        part.share = share_left(of->extras, of->n, of->extra_count, i);
+        part.sum = plain(&of->laws[i], of->resolution);
+    } else {
+        const sim_extra_t *extra = &of->extras[(k - 1u) * of->n + i];
+        part.share = extra->share;
+        part.sum = with_extra(&of->laws[i], extra, of->resolution);
+    }
+    sum_fold_thin(&part.sum);
+    return part;
+}
+
+double residual_part_density(const residual_part_t *part, double x)
+{
+    return fabs(part->share) <= 0.0 ? 0.0 : part->share * sum_density(&part->sum, x);
+}
+
 static double cauchy(double x, double width)
 {
     return 1.0 / (PI * width * (1.0 + square(x / width)));
 }
 
-double residual_log_density(const sim_residuals_t *of, uint64_t i, double moved)
+double residual_log_density(double density, double x, double reach)
 {
-    double x = of->residuals[i] - moved;
-    double sum =
-        share_left(of->extras, of->n, of->extra_count, i) * plain(&of->laws[i], x, of->resolution);
-    for (uint32_t k = 0; k < of->extra_count; ++k) {
-        const sim_extra_t *extra = &of->extras[k * of->n + i];
-        if (extra->share > 0.0) {
-            sum += extra->share * with_extra(&of->laws[i], extra, x, of->resolution);
-        }
-    }
-    return log((1.0 - CONTAMINATION) * sum + CONTAMINATION * cauchy(x, of->reach[i]));
+    return log((1.0 - CONTAMINATION) * density + CONTAMINATION * cauchy(x, reach));
 }

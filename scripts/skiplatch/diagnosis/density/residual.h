@@ -5,8 +5,21 @@
 #include <stdint.h>
 
 #include "diagnosis/density/law.h"
+#include "diagnosis/density/sum.h"
 
-/* Logarithm of the density of residual i, moved by -moved, in its unit. */
-double residual_log_density(const sim_residuals_t *of, uint64_t i, double moved);
+/* What a share of the touches has for a law: no extra, or one of them. */
+typedef struct {
+    double share;
+    sum_t  sum;
+} residual_part_t;
+
+/* Give part k of residual i: without an extra for 0, with extra k - 1 for others. */
+residual_part_t residual_part(const sim_residuals_t *of, uint64_t i, uint32_t k);
+
+/* What a part adds to the density at x. */
+double residual_part_density(const residual_part_t *part, double x);
+
+/* Logarithm of what all parts add up to at x, if one in a thousand may lie within `reach`. */
+double residual_log_density(double density, double x, double reach);
 
 #endif

@@ -32,11 +32,20 @@ static double rounding(double x, double sigma)
     return sigma * (standard_normal(z) - z * standard_normal_below(-z));
 }
 
+/* The same where it stands beside greater values: no tail is resolved. */
+static double roughly_below(double z)
+{
+    if (fabs(z) > NO_TAIL) {
+        return z > 0.0 ? 1.0 : 0.0;
+    }
+    return standard_normal_below(z);
+}
+
 static double box_gauss(double x, double sigma, double box)
 {
     double from_edge = fmin(x, box - x); /* of two equal values the one without cancellation */
-    double inside = standard_normal_below(from_edge / sigma);
-    return (inside - standard_normal_below((from_edge - box) / sigma)) / box;
+    double inside = roughly_below(from_edge / sigma);
+    return (inside - roughly_below((from_edge - box) / sigma)) / box;
 }
 
 /* A trapezoid whose four corners the Gaussian rounds off. */
@@ -105,8 +114,7 @@ void sum_fold_box(sum_t *sum, double *box)
     fold(sum, box, *box / 2.0, square(*box) / BOX_VARIANCE);
 }
 
-/* Make what is too thin to have a shape of its own a part of the Gaussian. */
-static void fold_thin(sum_t *sum)
+void sum_fold_thin(sum_t *sum)
 {
     double thin = sum->mean > 0.0 ? THIN : THIN_BOX; /* over the scatter */
     if (sum->narrow < fmax(thin * sum->sigma, SHORTEST * sum->mean)) {
@@ -142,9 +150,8 @@ static double with_exponential(const sum_t *sum, double x)
     return exponential_gauss(x, sum->sigma, sum->mean);
 }
 
-double sum_density(sum_t sum, double x)
+double sum_density(const sum_t *sum, double x)
 {
-    fold_thin(&sum);
-    x -= sum.middle;
-    return sum.mean > 0.0 ? fmax(0.0, with_exponential(&sum, x)) : without_exponential(&sum, x);
+    x -= sum->middle;
+    return sum->mean > 0.0 ? fmax(0.0, with_exponential(sum, x)) : without_exponential(sum, x);
 }

@@ -17,8 +17,11 @@ typedef struct {
 /* Make a box a part of the Gaussian, by mean and variance; it is 0 then. */
 void sum_fold_box(sum_t *sum, double *box);
 
-/* The density at x, ≥ 0. What is too thin to have a shape counts as a part of the Gaussian. */
-double sum_density(sum_t sum, double x);
+/* Make what is too thin to have a shape of its own a part of the Gaussian. */
+void sum_fold_thin(sum_t *sum);
+
+/* The density at x, ≥ 0, of a sum with nothing too thin in it. */
+double sum_density(const sum_t *sum, double x);
 
 static inline double square(double x)
 {
