@@ -139,7 +139,7 @@ void test_a_machine_is_refused_and_then_switched_on(void)
 
 void test_a_datum_is_refused_and_then_found(void)
 {
-    TEST_ASSERT_EQUAL_UINT32(2u, fail_each_allocation(find_datum));
+    TEST_ASSERT_EQUAL_UINT32(3u, fail_each_allocation(find_datum));
 }
 
 void test_threads_that_do_not_start_leave_their_work_to_the_others(void)

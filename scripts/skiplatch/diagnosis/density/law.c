@@ -37,6 +37,7 @@ typedef struct {
     double                *value; /* log-likelihood there */
     double                *kept;  /* log-densities at the best, of each residual */
     double                *seen;  /* at what was tried */
+    bool *is_settled; /* of each group: none was better, and the next round would try the same */
 } search_t;
 
 static double believed(double datum, double u)
@@ -62,11 +63,13 @@ static double log_density(const sim_residuals_t *of, const sim_datum_t *datum,
 static void evaluate(const sim_residuals_t *of, const sim_datum_t *datum, search_t *search)
 {
     for (uint32_t g = 0; g < datum->group_count; ++g) {
-        search->value[g] = believed(search->tried[g], datum->u);
+        search->value[g] = search->is_settled[g] ? -HUGE_VAL : believed(search->tried[g], datum->u);
     }
     for (uint64_t i = 0; i < of->n; ++i) {
-        search->seen[i] = log_density(of, datum, search, i);
-        search->value[datum->groups[i]] += search->seen[i];
+        if (!search->is_settled[datum->groups[i]]) {
+            search->seen[i] = log_density(of, datum, search, i);
+            search->value[datum->groups[i]] += search->seen[i];
+        }
     }
     for (uint64_t i = 0; i < of->n; ++i) {
         uint32_t g = datum->groups[i];
@@ -110,6 +113,9 @@ static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t 
         is_far = false;
         bool is_beyond = false;
         for (uint32_t g = 0; g < groups; ++g) {
+            if (search->is_settled[g]) {
+                continue; /* near its top: a side that is far better would have become the best */
+            }
             double bend = fmax(2.0 * most[g] - left[g] - search->value[g], FLAT);
             double turn = 0.5 * (search->value[g] - left[g]) / bend;
             double steps = fmin(fmax(turn, -FARTHEST), FARTHEST);
@@ -118,6 +124,9 @@ static void climb(const sim_residuals_t *of, const sim_datum_t *datum, search_t 
             is_beyond = is_beyond || fabs(turn) > FARTHEST;
         }
         evaluate(of, datum, search);
+        for (uint32_t g = 0; g < groups; ++g) {
+            search->is_settled[g] = is_beyond && search->most[g] <= most[g];
+        }
         if (!is_beyond) {
             narrower *= NARROWER;
             ++narrowed;
@@ -131,6 +140,7 @@ static void try_believed(const sim_residuals_t *of, const sim_datum_t *datum, se
     bool is_near = false;
     for (uint32_t g = 0; g < datum->group_count; ++g) {
         search->tried[g] = 0.0;
+        search->is_settled[g] = false;
         is_near = is_near || fabs(search->best[g]) < NEAR * datum->steps[g];
     }
     if (is_near) {
@@ -156,7 +166,8 @@ int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, d
     uint32_t         groups = datum->group_count;
     double          *work = calloc(6 * (size_t)groups + of->n + 1, sizeof *work);
     residual_part_t *parts = parts_of(of);
-    bool             is_room = work != NULL && parts != NULL;
+    bool            *is_settled = calloc((size_t)groups + 1, sizeof *is_settled);
+    bool             is_room = work != NULL && parts != NULL && is_settled != NULL;
     if (is_room) {
         search_t search = {.parts = parts,
                            .best = found,
@@ -164,7 +175,8 @@ int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, d
                            .tried = work + groups,
                            .value = work + 2 * (size_t)groups,
                            .kept = log_densities,
-                           .seen = work + 6 * (size_t)groups};
+                           .seen = work + 6 * (size_t)groups,
+                           .is_settled = is_settled};
         for (uint32_t g = 0; g < groups; ++g) {
             search.most[g] = -HUGE_VAL;
             search.tried[g] = datum->guesses[g];
@@ -173,6 +185,7 @@ int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, d
         climb(of, datum, &search, work + 3 * (size_t)groups);
         try_believed(of, datum, &search);
     }
+    free(is_settled);
     free(parts);
     free(work);
     return is_room ? 0 : -1;
