@@ -130,7 +130,7 @@ class Work:
         return self.left(self.scene, self.rig(None))
 
     def search(self) -> tuple[Finding, Confirmation | None]:
-        """Find effects where something is noticed, and let plain simulation choose."""
+        """Find effects, and let plain simulation choose among what is near."""
         finding = find(self.judge, self.noticed)
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
