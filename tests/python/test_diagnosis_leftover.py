@@ -243,6 +243,23 @@ def test_positions_on_a_coarser_grid_than_believed_are_found() -> None:
     assert steps[0].size == pytest.approx(np.sqrt((2.6**2 - step_um**2) / 12.0), rel=1e-3)
 
 
+@pytest.mark.parametrize("surfaces_keep_them", [True, False])
+def test_latches_on_lines_that_the_surfaces_keep_show_no_encoder(surfaces_keep_them: bool) -> None:
+    """A latch of 0 µm off lies where its surface does; one on whole µm beside that shows lines."""
+    campaign = played(BENCH)
+    touches = campaign.touches
+    places_mm = np.random.default_rng(1).uniform(-150.0, 150.0, len(touches))
+    lines_mm = np.round(places_mm, 3)
+    beside_mm = 0.0 if surfaces_keep_them else 2e-4 * touches.sign
+    surfaces = np.round(lines_mm + beside_mm, 4)
+    off_um = np.round((lines_mm - surfaces) * touches.sign * 1000.0, 1)
+    moved = replace(touches, position_mm=surfaces, deviation_um=off_um)
+
+    found = looks(replace(campaign, touches=moved))
+
+    assert ("steps" in {one.kind for one in found}) is not surfaces_keep_them
+
+
 def test_a_few_that_are_lost_matter() -> None:
     found = mattering(played(BENCH, Effect("lost_trigger", {"probability": 0.08})))
 

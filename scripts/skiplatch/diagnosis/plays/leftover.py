@@ -22,7 +22,7 @@ from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_by_forest
 from skiplatch.diagnosis.scene.covariates import varying
 from skiplatch.diagnosis.scene.observed import observed
-from skiplatch.diagnosis.scene.pitches import kept_pitch
+from skiplatch.diagnosis.scene.pitches import is_on_grid, kept_pitch
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.statistics import errors_of, errors_of_excess
@@ -203,11 +203,21 @@ def _without_rests(
 
 def _steps(setting: Setting, path: str, here: BoolArray, fine_um: float) -> Iterator[Left]:
     """Look whether positions are rounded to more than a rig's resolution: they show its lines."""
-    scene = setting.scene
-    for values in (scene.touches.deviation_um[here], scene.latched_mm[here] * UM_PER_MM):
-        if kept := kept_pitch(values, fine_um):
-            yield _step(setting, path, fine_um, *kept)
-            return
+    deviation_um = setting.scene.touches.deviation_um[here]
+    kept = kept_pitch(deviation_um, fine_um) or _kept_by_latches(setting.scene, here, fine_um)
+    if kept:
+        yield _step(setting, path, fine_um, *kept)
+
+
+def _kept_by_latches(scene: Scene, here: BoolArray, fine_um: float) -> tuple[float, float] | None:
+    """Give the pitch that latched coordinates keep, unless the surfaces lie on its lines as well.
+
+    A latch that is off by nothing lies where its surface does.
+    """
+    known = here & ~np.isnan(scene.latched_mm)
+    kept = kept_pitch(scene.latched_mm[known] * UM_PER_MM, fine_um)
+    surfaces_um = scene.touches.position_mm[known] * UM_PER_MM
+    return None if kept and is_on_grid(surfaces_um, kept[0], fine_um) else kept
 
 
 def _step(setting: Setting, path: str, fine_um: float, pitch_um: float, z: float) -> Left:

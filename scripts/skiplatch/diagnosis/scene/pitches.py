@@ -50,6 +50,12 @@ def odd_pitch(values: FloatArray, fine: float) -> list[float]:
     return [pitch] if np.all(off < fine) else []
 
 
+def is_on_grid(values: FloatArray, pitch: float, fine: float) -> bool:
+    """Tell whether nearly all numbers lie within rounding on a grid with a line at 0."""
+    off = np.abs(values - np.rint(values / pitch) * pitch)
+    return float(np.mean(off <= NEAREST * fine)) >= 1.0 - MOST_OFF
+
+
 def kept_pitch(values: FloatArray, fine: float) -> tuple[float, float] | None:
     """Give the coarsest pitch that numbers keep, and how many standard errors that is from luck.
 
@@ -64,9 +70,7 @@ def kept_pitch(values: FloatArray, fine: float) -> tuple[float, float] | None:
     if len(different) < FIRST:
         return None
     pitch = max([*whole_pitches(known, fine), *odd_pitch(known, fine)])
-    off = np.abs(known - np.rint(known / pitch) * pitch)
-    on_grid = float(np.mean(off <= NEAREST * fine))
-    if on_grid < 1.0 - MOST_OFF or pitch <= MANY_STEPS * fine:
+    if pitch <= MANY_STEPS * fine or not is_on_grid(known, pitch, fine):
         return None
     log_chance = np.log(MOST_STEPS) - len(different) * np.log(pitch / fine)
     return pitch, errors_of(float(np.exp(min(log_chance, 0.0))))
