@@ -2,25 +2,18 @@
 
     python -m hal.ports.atmega328p.tests.simavr_rig PROGRAM.elf --out build/campaign
 
-How the times are known: an edge is applied at the end of the instruction that runs at its cycle,
-and the rig is told that cycle. The clock of the board starts some cycles after the chip; how many
-is taken from the overflows of Timer1, not from any edge. Pulses are counted on the step pin.
-
-simavr 1.6 omits the four cycles (0.25 µs) in which the chip enters an interrupt: the latency of
-the pin-change path and of the PLC path is that much shorter here than on the chip. A captured stamp
-does not depend on it, but on the chip's synchroniser, 2 1/2 to 3 1/2 cycles, which simavr does not
-have either.
+`emulator` says how the times are known.
 """
 
 import argparse
-import subprocess
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
+from hal.ports.atmega328p.tests.edges import Block, plan
+from hal.ports.atmega328p.tests.emulator import CAPTURE, CYCLES_PER_US, PIN_CHANGE, Events, run
 from skiplatch.bench.latches import Latch, LatchReports
 from skiplatch.campaign import (
     AxisNominal,
@@ -37,23 +30,11 @@ from skiplatch.campaign import (
 )
 from tests.boards.record import Recorded, as_touches
 
-RIG = Path("build/rigs/atmega328p/tests/simavr_rig")
-CYCLES_PER_US = 16
 RESOLUTION_UM = 2.0
 SCAN_US = 2000
-TIMER_TICKS = 1 << 16
 CLOCK_TICKS = 1 << 32
 FRAME_BYTES = 8
-RECORD_BYTES = 16
 EARLY_CYCLES = 300 * CYCLES_PER_US  # by so much at most a stamp may lie before its edge
-CAPTURE, PIN_CHANGE = 10, 3
-
-FEEDS_MM_MIN = {"1": 100.0, "2": 1000.0, "3": 3000.0}
-PATHS = {"s": InputPath.SKIP, "p": InputPath.PLC}
-ROUNDS = 10  # of all paths and feeds, so that none goes with the time
-
-Stimulus = tuple[int, str, int]
-"""Cycle, kind and value: see simavr_rig.c."""
 
 
 def believed(skip: SkipNominal, report: ReportNominal) -> Nominal:
@@ -87,189 +68,6 @@ def nominal_of(*, pin_change: bool, corrected: bool) -> Nominal:
     change = _FOUND_CHANGE if corrected else _SHEET_CHANGE
     report = _FOUND_REPORT if corrected else _SHEET_REPORT
     return believed(change if pin_change else CAPTURED, report)
-
-
-@dataclass(frozen=True, slots=True)
-class Figures:
-    """How long something took, in cycles."""
-
-    calls: int
-    least: int
-    mean: float
-    most: int
-
-
-@dataclass(slots=True)
-class Events:
-    """What the rig tells of a run; times are cycles."""
-
-    rises: list[tuple[int, int]] = field(default_factory=list)
-    """Edges into the deflected state: when, and the pulses on the step pin by then."""
-    checks: list[tuple[int, int]] = field(default_factory=list)
-    """After each touch: pulses on the pin, counts of the firmware."""
-    received: list[tuple[int, int]] = field(default_factory=list)
-    """Bytes of the UART: when, and which."""
-    pulses: list[tuple[int, int]] = field(default_factory=list)
-    """Edges on the pulse inputs: when, and the channel."""
-    notes: list[tuple[int, int, int]] = field(default_factory=list)
-    """What the firmware has noted of them: channel, ticks of its clock, pulses lost before."""
-    overflows: list[int] = field(default_factory=list)
-    arounds: list[tuple[int, int]] = field(default_factory=list)
-    """For each edge: when the pulses on the step pin before it and after it came."""
-    ticks: list[int] = field(default_factory=list)
-    """Compares of Timer1, up to the first edge."""
-    bodies: dict[int, Figures] = field(default_factory=dict)
-    waits: dict[int, Figures] = field(default_factory=dict)
-    end: int = 0
-    busy: int = 0
-    lost: int = 0
-
-    def take(self, line: str) -> None:
-        """Take one line."""
-        name, *texts = line.split()
-        if name not in _TAKERS:  # what simavr itself says
-            return
-        _TAKERS[name](self, [int(text) for text in texts])
-
-    def _rise(self, values: Sequence[int]) -> None:
-        cycle, level, pulses = values
-        if level:
-            self.rises.append((cycle, pulses))
-
-    def _check(self, values: Sequence[int]) -> None:
-        self.checks.append((values[1], values[2]))
-
-    def _byte(self, values: Sequence[int]) -> None:
-        self.received.append((values[0], values[1]))
-
-    def _pulse(self, values: Sequence[int]) -> None:
-        self.pulses.append((values[0], values[1]))
-
-    def _note(self, values: Sequence[int]) -> None:
-        _, channel, overflows, timer, lost = values
-        self.notes.append((channel, overflows * TIMER_TICKS + timer, lost))
-
-    def _overflow(self, values: Sequence[int]) -> None:
-        self.overflows.append(values[0])
-
-    def _around(self, values: Sequence[int]) -> None:
-        self.arounds.append((values[0], values[1]))
-
-    def _tick(self, values: Sequence[int]) -> None:
-        self.ticks.append(values[0])
-
-    def _body(self, values: Sequence[int]) -> None:
-        self.bodies[values[0]] = _figures(values)
-
-    def _wait(self, values: Sequence[int]) -> None:
-        self.waits[values[0]] = _figures(values)
-
-    def _end(self, values: Sequence[int]) -> None:
-        self.end, self.busy, self.lost = values
-
-    def clock_zero(self, prescaler: int) -> int:
-        """Give the cycle at which the clock read 0: no overflow is told before it comes."""
-        turn = TIMER_TICKS * prescaler
-        return min(cycle - (i + 1) * turn for i, cycle in enumerate(self.overflows))
-
-
-_TAKERS = {
-    "edge": Events._rise,
-    "check": Events._check,
-    "byte": Events._byte,
-    "pulse": Events._pulse,
-    "note": Events._note,
-    "overflow": Events._overflow,
-    "around": Events._around,
-    "tick": Events._tick,
-    "body": Events._body,
-    "wait": Events._wait,
-    "end": Events._end,
-}
-
-
-def _figures(values: Sequence[int]) -> Figures:
-    _, calls, least, mean_x1000, most = values
-    return Figures(calls, least, mean_x1000 / 1e3, most)
-
-
-def run(program: Path, stimuli: Sequence[Stimulus], pin: str = "B0") -> Events:
-    """Run a program with these stimuli, in order of their cycles, the last one ("q", 0).
-
-    `pin` is that of the trigger line.
-    """
-    text = "".join(f"{cycle} {kind} {value}\n" for cycle, kind, value in stimuli)
-    command = [str(RIG), str(program), pin]
-    result = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
-    if result.returncode != 0:
-        raise RuntimeError(f"{program}: {result.stderr.strip() or result.returncode}")
-    events = Events()
-    for line in result.stdout.splitlines():
-        events.take(line)
-    return events
-
-
-# ---- what is injected ----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, slots=True)
-class Block:
-    """Edges under one condition.
-
-    Attributes:
-        path: The input path that is on.
-        feed_mm_min: The speed of the axis.
-        count: How many edges.
-    """
-
-    path: InputPath
-    feed_mm_min: float
-    count: int
-
-
-def commands(cycle: int, *letters: str) -> list[Stimulus]:
-    """Send letters, a millisecond apart, from a cycle on."""
-    return [(cycle + 16_000 * i, "u", ord(letter)) for i, letter in enumerate(letters)]
-
-
-def plan(touches: int, seed: int) -> tuple[list[Stimulus], list[Block]]:
-    """Give edges at random cycles, so many on each path, and under which conditions they come."""
-    random = np.random.default_rng(seed)
-    stimuli: list[Stimulus] = []
-    blocks = list(_blocks(touches))
-    cycle = 20_000
-    for block, letters in blocks:
-        stimuli += commands(cycle, "n", *letters)
-        cycle += 80_000
-        for _ in range(block.count):
-            high_us, low_us = _touch_us(block.path, random)
-            rise = cycle + int(low_us * CYCLES_PER_US)
-            cycle = rise + int(high_us * CYCLES_PER_US)
-            stimuli += [(rise, "e", 1), (cycle, "e", 0)]
-        cycle += 80_000
-    return [*stimuli, (cycle, "q", 0)], [block for block, _ in blocks]
-
-
-def _blocks(touches: int) -> Iterator[tuple[Block, str]]:
-    shares = np.diff(np.linspace(0, touches, ROUNDS * len(FEEDS_MM_MIN) + 1).astype(int))
-    for number, share in enumerate(shares):
-        feed = list(FEEDS_MM_MIN)[number % len(FEEDS_MM_MIN)]
-        for letter, path in PATHS.items():
-            yield Block(path, FEEDS_MM_MIN[feed], int(share)), feed + letter
-
-
-def _touch_us(path: InputPath, random: np.random.Generator) -> tuple[float, float]:
-    """Give how long the line is high and low.
-
-    Low long enough for a record, even behind the longest scan; on the PLC path, each long enough
-    for a scan.
-    """
-    if path is InputPath.SKIP:
-        return random.uniform(200.0, 400.0), random.uniform(3600.0, 4600.0)
-    return random.uniform(3000.0, 3500.0), random.uniform(3000.0, 5000.0)
-
-
-# ---- what came of it -----------------------------------------------------------------------------
 
 
 def latches(events: Events) -> list[tuple[Latch, int]]:

@@ -9,14 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hal.ports.atmega328p.tests import simavr_rig
-from hal.ports.atmega328p.tests.simavr_rig import (
+from hal.ports.atmega328p.tests import emulator, simavr_rig
+from hal.ports.atmega328p.tests.edges import Block, commands, plan
+from hal.ports.atmega328p.tests.emulator import (
     CAPTURE,
     CYCLES_PER_US,
     PIN_CHANGE,
+    TIMER_TICKS,
     Events,
     Stimulus,
-    commands,
 )
 from skiplatch.campaign import InputPath
 from tests.boards.record import Recorded
@@ -47,7 +48,7 @@ ALL = (
 def program(build: str) -> Path:
     """Give a program, or skip where it could not be built."""
     path = FOLDER / f"firmware-{build}.elf"
-    if not path.exists() or not simavr_rig.RIG.exists():
+    if not path.exists() or not emulator.RIG.exists():
         pytest.skip("no ATmega328P board here: scripts/setup/system.sh cross emulators")
     return path
 
@@ -55,8 +56,8 @@ def program(build: str) -> Path:
 @cache
 def played(build: str) -> tuple[Events, list[Recorded]]:
     """Run a program once."""
-    stimuli, blocks = simavr_rig.plan(TOUCHES, seed=1)
-    events = simavr_rig.run(program(build), stimuli)
+    stimuli, blocks = plan(TOUCHES, seed=1)
+    events = emulator.run(program(build), stimuli)
     touches = simavr_rig.recorded(events, blocks, PRESCALER if "prescaler" in build else 1)
     return events, touches
 
@@ -87,16 +88,16 @@ def test_a_coarser_clock_stamps_within_one_of_its_ticks() -> None:
 
 @pytest.mark.parametrize("build", ["nominal", "other_interrupt"])
 def test_an_edge_about_an_overflow_of_the_timer_keeps_its_time(build: str) -> None:
-    zero = simavr_rig.run(program(build), [(200_000, "q", 0)]).clock_zero(prescaler=1)
+    zero = emulator.run(program(build), [(200_000, "q", 0)]).clock_zero(prescaler=1)
     random = np.random.default_rng(2)
-    turns = zero + simavr_rig.TIMER_TICKS * (2 + np.arange(3 * TOUCHES))
+    turns = zero + TIMER_TICKS * (2 + np.arange(3 * TOUCHES))
     rises = turns + random.integers(-60, 60, len(turns))
     stimuli = commands(20_000, "3", "s")
     for rise in rises:
         stimuli += [(int(rise), "e", 1), (int(rise) + 800, "e", 0)]
     stimuli.append((int(rises[-1]) + 50_000, "q", 0))
-    events = simavr_rig.run(program(build), stimuli)
-    block = simavr_rig.Block(InputPath.SKIP, 3000.0, len(rises))
+    events = emulator.run(program(build), stimuli)
+    block = Block(InputPath.SKIP, 3000.0, len(rises))
 
     touches = simavr_rig.recorded(events, [block], prescaler=1)
 
@@ -127,15 +128,15 @@ def train(spacing_us: int, high_cycles: int, edges: int, trains: int) -> list[St
 
 def test_no_edge_is_lost_20_us_after_another() -> None:
     trains = 10 * TOUCHES // TRAIN
-    events = simavr_rig.run(program("nominal"), train(SPACING_US, 160, TRAIN, trains))
+    events = emulator.run(program("nominal"), train(SPACING_US, 160, TRAIN, trains))
 
     assert events.bodies[CAPTURE].calls == TRAIN * trains
     assert events.lost == 0
 
 
 def test_every_pulse_of_a_microsecond_is_seen() -> None:
-    events = simavr_rig.run(program("nominal"), train(2000, PULSE_CYCLES, 1, 5 * TOUCHES))
-    block = simavr_rig.Block(InputPath.SKIP, 3000.0, 5 * TOUCHES)
+    events = emulator.run(program("nominal"), train(2000, PULSE_CYCLES, 1, 5 * TOUCHES))
+    block = Block(InputPath.SKIP, 3000.0, 5 * TOUCHES)
 
     touches = simavr_rig.recorded(events, [block], prescaler=1)
 
@@ -146,7 +147,7 @@ def test_an_armed_skip_input_costs_nothing_while_no_edge_comes() -> None:
     busy = []
     for letter in "ns":
         stimuli = [*commands(20_000, "3", letter), (8_000_000, "q", 0)]
-        events = simavr_rig.run(program("nominal"), stimuli)
+        events = emulator.run(program("nominal"), stimuli)
         assert CAPTURE not in events.bodies
         busy.append(events.busy)
 
@@ -192,7 +193,7 @@ def test_the_latched_position_is_within_a_step_of_the_edge() -> None:
 
 
 def test_touch_cycles_measure_the_surface() -> None:
-    events = simavr_rig.run(program("nominal"), cycles(4))
+    events = emulator.run(program("nominal"), cycles(4))
 
     measured = [latch.position_counts for latch, _ in simavr_rig.latches(events)]
     assert len(measured) == 4

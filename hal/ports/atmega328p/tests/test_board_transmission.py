@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hal.ports.atmega328p.tests import simavr_rig, transmission_rig
-from hal.ports.atmega328p.tests.simavr_rig import FRAME_BYTES, Events
+from hal.ports.atmega328p.tests import emulator, transmission_rig
+from hal.ports.atmega328p.tests.emulator import Events
+from hal.ports.atmega328p.tests.simavr_rig import FRAME_BYTES
 from hal.ports.atmega328p.tests.transmission_rig import Trains
 from skiplatch.transmission.firmware import NAS_PER_ARCSEC
 
@@ -21,7 +22,7 @@ LINE_ARCSEC = 1_296_000.0 / (1024 * 40.7)
 
 @pytest.fixture(autouse=True)
 def _board() -> None:
-    if not PROGRAM.exists() or not simavr_rig.RIG.exists():
+    if not PROGRAM.exists() or not emulator.RIG.exists():
         pytest.skip("no ATmega328P board here: scripts/setup/system.sh cross emulators")
 
 

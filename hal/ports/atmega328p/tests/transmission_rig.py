@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from hal.ports.atmega328p.tests.simavr_rig import CAPTURE, FRAME_BYTES, Events, Stimulus, run
+from hal.ports.atmega328p.tests.emulator import CAPTURE, Events, Stimulus, run
+from hal.ports.atmega328p.tests.simavr_rig import FRAME_BYTES
 from skiplatch.transmission.firmware import INPUT, NAS_PER_ARCSEC, Transmission
 from skiplatch.transmission.simulated import Encoder, Gear, GearStage, Machine, simulated_pulses
 

@@ -16,17 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from hal.ports.atmega328p.tests.simavr_rig import (
-    CYCLES_PER_US,
-    FEEDS_MM_MIN,
-    ROUNDS,
-    Events,
-    Stimulus,
-    believed,
-    commands,
-    latches,
-    run,
-)
+from hal.ports.atmega328p.tests.edges import FEEDS_MM_MIN, ROUNDS, commands
+from hal.ports.atmega328p.tests.emulator import CYCLES_PER_US, Events, Stimulus, run
+from hal.ports.atmega328p.tests.simavr_rig import believed, latches
 from skiplatch.bench.latches import Latch
 from skiplatch.campaign import (
     AxisNominal,

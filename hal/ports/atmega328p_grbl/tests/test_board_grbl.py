@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hal.ports.atmega328p.tests import simavr_rig
+from hal.ports.atmega328p.tests import emulator
 from hal.ports.atmega328p_grbl.tests.grbl_rig import Touch, play
 
 PROGRAM = Path("build/boards/atmega328p_grbl/firmware.elf")
@@ -18,7 +18,7 @@ UM_US_PER_MM_MIN = 1.0 / 60_000.0
 @pytest.fixture(scope="module")
 def played() -> list[Touch]:
     """Record one run."""
-    if not PROGRAM.exists() or not simavr_rig.RIG.exists():
+    if not PROGRAM.exists() or not emulator.RIG.exists():
         pytest.skip("no ATmega328P board here: scripts/setup/system.sh cross emulators")
     events, touches = play(PROGRAM, TOUCHES)
     assert all(pulses == steps for pulses, steps in events.checks)
