@@ -24,7 +24,6 @@ from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.diagnosis.reported.notes import notes
 from skiplatch.diagnosis.reported.text import as_text
-from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.verdict import Failure
@@ -35,6 +34,7 @@ from skiplatch.report.page import as_html
 from skiplatch.report.words import found
 from skiplatch.simulator.effects import Effect, effects
 from skiplatch.statistics import Interval
+from skiplatch.ways import Ways
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 BENCH = SAMPLES / "bench_isr_latency"

@@ -17,7 +17,6 @@ from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
-from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.reported.where import places
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.scored import Scored
@@ -27,6 +26,7 @@ from skiplatch.diagnosis.verdict.rules import may_be_accidents
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide
 from skiplatch.diagnosis.verdict.work import Work
 from skiplatch.simulator.effects import Effect
+from skiplatch.ways import Ways
 
 MOST_TOUCHES = 4_000
 """Touches that the search looks at; a larger campaign is drawn from."""

@@ -7,12 +7,12 @@ from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.playing import Rig
-from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
 from skiplatch.simulator.effects import Effect
+from skiplatch.ways import Ways
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,13 @@ import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis.plays.left import Left
-from skiplatch.diagnosis.reported.ways import Ways
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
 from skiplatch.errors import InputError
 from skiplatch.repeatability import repeatability
 from skiplatch.surface_fit import OUTLYING_STEPS
 from skiplatch.tables import number
+from skiplatch.ways import Ways
 
 FIRST_OFF = 3.0
 """Halves of its 95 % interval from which on a first touch is off: some six standard errors."""

@@ -6,7 +6,6 @@ from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.document import datum_json
 from skiplatch.diagnosis.reported.units_told import datum_told, for_people
-from skiplatch.diagnosis.reported.ways import LENGTH, Ways
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.rules import EXPLAINS, HAS_GAP, NAMES, SEES
 from skiplatch.diagnosis.verdict.shrink import Gap
@@ -14,6 +13,7 @@ from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import effects
 from skiplatch.statistics import Interval
 from skiplatch.tables import number, table
+from skiplatch.ways import LENGTH, Ways
 
 VERDICTS = {
     Verdict.NO_GAP: "No gap: the campaign is what the nominal simulation plays.",

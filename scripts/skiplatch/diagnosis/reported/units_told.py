@@ -5,9 +5,9 @@ from dataclasses import replace
 
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
-from skiplatch.diagnosis.reported.ways import LENGTH, Ways
 from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.shrink import Gap
+from skiplatch.ways import LENGTH, Ways
 
 
 def for_people(diagnosis: Diagnosis) -> Diagnosis:

@@ -1,4 +1,4 @@
-"""In which units a report speaks of what an axis moves: degrees of A, B and C stand for mm."""
+"""In which units people are told what an axis moves: degrees of A, B and C stand for mm."""
 
 from enum import Enum
 from typing import Self
@@ -6,7 +6,7 @@ from typing import Self
 from skiplatch.campaign import Axis, InputPath, Touches
 from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
-LENGTH = "µm"
+LENGTH, ARCSEC = "µm", "arcsec"
 ARCSEC_PER_UM = ARCSEC_PER_DEG / UM_PER_MM
 """Of a rotary axis: a µm stands for 0.001°."""
 IN_DEGREES = {"µm": "mdeg", "mm": "deg", "mm/min": "deg/min", "µm/K": "mdeg/K"}
@@ -45,7 +45,7 @@ class Ways(Enum):
         if unit != LENGTH or self is Ways.LINEAR:
             return size, unit
         if self is Ways.ROTARY:
-            return size * ARCSEC_PER_UM, "arcsec"
+            return size * ARCSEC_PER_UM, ARCSEC
         return size, self.unit_of_number(unit)
 
     def unit_of_number(self, unit: str) -> str:
