@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from skiplatch.commands.fleet_options import answer_text, plain, store_option
+from skiplatch.commands.fleet_options import answer_text, in_own_units, plain, store_option
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.fleet.reading import opened
 
@@ -22,5 +22,6 @@ def command(store: Path, json_path: Path | None) -> None:
     """List the rigs of a store: campaigns, touches, first and last time, last diagnosis."""
     with opened(store, with_touches=False) as reader:
         rigs = reader.rigs()
-    click.echo(answer_text(rigs.columns, rigs.rows))
+    told = in_own_units(rigs)
+    click.echo(answer_text(told.columns, told.rows))
     write_json(json_path, {"rigs": plain(rigs.mappings())})

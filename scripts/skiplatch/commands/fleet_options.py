@@ -11,6 +11,7 @@ import click
 
 from skiplatch.commands.options import Decorator, SizeType
 from skiplatch.fleet.budget import ALARMS_A_MONTH
+from skiplatch.fleet.reading import Answer
 from skiplatch.tables import NOTHING, number, table
 
 KEY_DIGITS = 12
@@ -38,6 +39,24 @@ rate_option: Decorator = click.option(
     show_default=True,
     help="How many false alarms of the whole fleet may be expected in a month.",
 )
+
+
+def in_own_units(answer: Answer) -> Answer:
+    """Leave out columns of angles, or those of lengths beside them, that nothing stands in."""
+    known = {
+        name
+        for place, name in enumerate(answer.columns)
+        if any(r[place] is not None for r in answer.rows)
+    }
+
+    def is_shown(name: str) -> bool:
+        quantity, _, unit = name.rpartition("_")
+        is_length = unit == "um" and f"{quantity}_arcsec" in known
+        return name in known or not (unit == "arcsec" or is_length)
+
+    kept = [place for place, name in enumerate(answer.columns) if is_shown(name)]
+    rows = [tuple(row[place] for place in kept) for row in answer.rows]
+    return Answer([answer.columns[place] for place in kept], rows)
 
 
 def answer_text(columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:

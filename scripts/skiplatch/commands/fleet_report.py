@@ -38,7 +38,7 @@ def command(
     days: float,
     alarms_a_month: float,
 ) -> None:
-    """Show the rigs by weeks, with the gap in µm, the guilty stage and what to do next.
+    """Show the rigs by weeks, with the gap, the guilty stage and what to do next.
 
     One page that needs nothing else: --html. What has changed is what fleet check says.
     """

@@ -1,4 +1,7 @@
-"""What a store keeps of a diagnosis: a campaign's gap, and the effects that were named."""
+"""What a store keeps of a diagnosis: a campaign's gap, and the effects that were named.
+
+Gaps are in the units of the campaign's axes, which the document of a diagnosis has not.
+"""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -7,9 +10,9 @@ from typing import Any
 from skiplatch.diagnosis.reported.document import FORMATS
 from skiplatch.errors import InputError
 from skiplatch.former_names import read_diagnosis_json
+from skiplatch.ways import LENGTH, Ways
 
 DIAGNOSIS_FILE = "diagnosis.json"
-UM = "µm"
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +22,8 @@ class Diagnosed:
     Attributes:
         verdict: As the diagnosis has it.
         seed: Of the diagnosis, where that says it.
-        gap_um: The largest gap of any observable in µm.
+        gap_um: The largest gap of any observable in µm; None where all axes turn.
+        gap_arcsec: And there in arcsec.
         stage: Where the first effect acts; without effects where the first difference shows.
         gaps: A mapping for each observable: observable, unit, before, after, noise_floor.
         effects: A mapping for each parameter: effect, stage, confidence, parameter, value, low,
@@ -29,13 +33,18 @@ class Diagnosed:
     verdict: str | None = None
     seed: int | None = None
     gap_um: float | None = None
+    gap_arcsec: float | None = None
     stage: str | None = None
     gaps: list[dict[str, Any]] = field(default_factory=list)
     effects: list[dict[str, Any]] = field(default_factory=list)
 
 
-def diagnosed(folder: Path) -> Diagnosed:
+def diagnosed(folder: Path, ways: Ways) -> Diagnosed:
     """Read the diagnosis that lies in a campaign's folder, if one does.
+
+    Args:
+        folder: Of the campaign.
+        ways: What its axes do.
 
     Raises:
         InputError: It is no whole diagnosis.
@@ -48,30 +57,32 @@ def diagnosed(folder: Path) -> Diagnosed:
         message = f"expected a diagnosis of the format {' or '.join(FORMATS)}"
         raise InputError(path, None, "format", message)
     try:
-        return _figures(document)
+        return _figures(document, ways)
     except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
         raise InputError(path, None, None, f"not a whole diagnosis: {error!r}") from error
 
 
-def _figures(document: dict[str, Any]) -> Diagnosed:
-    gaps: list[dict[str, Any]] = [
-        {
-            "observable": str(name),
-            "unit": str(gap["unit"]),
-            **{key: float(gap[key]) for key in ("before", "after", "noise_floor")},
-        }
-        for name, gap in document["gap"].items()
-    ]
+def _figures(document: dict[str, Any], ways: Ways) -> Diagnosed:
+    gaps = [_gap(str(name), gap, ways) for name, gap in document["gap"].items()]
+    _, length = ways.told(0.0, LENGTH)
+    largest = max((gap["before"] for gap in gaps if gap["unit"] == length), default=None)
     stages = [str(entry["stage"]) for entry in (*document["effects"], *document["where"])]
     seed = document.get("seed")
     return Diagnosed(
         verdict=str(document["verdict"]),
         seed=None if seed is None else int(seed),
-        gap_um=max((gap["before"] for gap in gaps if gap["unit"] == UM), default=None),
+        gap_um=None if ways is Ways.ROTARY else largest,
+        gap_arcsec=largest if ways is Ways.ROTARY else None,
         stage=stages[0] if stages else None,
         gaps=gaps,
         effects=[row for entry in document["effects"] for row in _parameters(entry)],
     )
+
+
+def _gap(name: str, gap: dict[str, Any], ways: Ways) -> dict[str, Any]:
+    unit = str(gap["unit"])
+    sizes = {key: ways.told(float(gap[key]), unit)[0] for key in ("before", "after", "noise_floor")}
+    return {"observable": ways.observable_name(name), "unit": ways.told(0.0, unit)[1], **sizes}
 
 
 def _parameters(entry: dict[str, Any]) -> list[dict[str, Any]]:

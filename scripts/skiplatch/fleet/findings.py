@@ -79,7 +79,8 @@ def growth_text(change: Change) -> str:
         compact(value, SHOWN_DIGITS)
         for value in (growth.before.value, growth.after.value, growth.after.low, growth.after.high)
     )
-    return f"{growth.effect}.{growth.parameter} {before} → {after} ({low} … {high})"
+    unit = f" {growth.turned}" if growth.turned else ""
+    return f"{growth.effect}.{growth.parameter} {before} → {after} ({low} … {high}){unit}"
 
 
 def shared_text(shared: SharedCause) -> str:

@@ -19,7 +19,7 @@ CLEAR = 4.0
 class Growth:
     """A parameter before and after a change, with 95 % intervals, in the parameter's unit.
 
-    An effect that a diagnosis does not name counts as 0 there.
+    An effect that a diagnosis does not name counts as 0 there. `turned` is as `Parameter` has it.
     """
 
     effect: str
@@ -27,6 +27,7 @@ class Growth:
     parameter: str
     before: Interval
     after: Interval
+    turned: str = ""
 
 
 def grown(before: Sequence[Entry], after: Sequence[Entry]) -> Growth | None:
@@ -38,7 +39,8 @@ def grown(before: Sequence[Entry], after: Sequence[Entry]) -> Growth | None:
         error = math.hypot(_error(old), _error(new))
         ratio = abs(new.value - old.value) / error if error else 0.0
         if ratio > largest:
-            best, largest = Growth(found.effect, found.stage, found.name, old, new), ratio
+            best = Growth(found.effect, found.stage, found.name, old, new, found.turned)
+            largest = ratio
     return best
 
 

@@ -5,11 +5,13 @@ from datetime import datetime
 from typing import Any
 
 from skiplatch.fleet.reading import Reader
+from skiplatch.fleet.turned import turned_unit
 from skiplatch.former_names import present_name
+from skiplatch.ways import ARCSEC, LENGTH, Ways
 
 ENTRIES = """
-SELECT rig, campaign, recorded_at AS time, folder, kind, touches, verdict, stage, gap_um, gaps,
-    effects
+SELECT rig, campaign, recorded_at AS time, folder, kind, touches, verdict, stage, gap_um,
+    gap_arcsec, coalesce(axes, 'linear') AS axes, gaps, effects
 FROM campaigns ORDER BY rig, recorded_at, campaign
 """
 
@@ -29,7 +31,10 @@ class Gap:
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A parameter of an effect that a diagnosis named, with its 95 % interval."""
+    """A parameter of an effect that a diagnosis named, with its 95 % interval.
+
+    Its name ends in its unit; `turned` is that of the same numbers where axes turn, else empty.
+    """
 
     effect: str
     stage: str
@@ -37,6 +42,7 @@ class Parameter:
     value: float
     low: float
     high: float
+    turned: str = ""
 
     @property
     def key(self) -> tuple[str, str]:
@@ -56,9 +62,11 @@ class Entry:
         touches: Their number.
         verdict: Of its diagnosis; None without one.
         stage: Where the first effect acts, or where the first difference shows.
-        gap_um: The largest gap of an observable in µm.
+        gap_um: The largest gap of an observable in µm; None where all axes turn.
         gaps: By observable.
         parameters: Of the effects that were named.
+        gap_arcsec: The largest gap where all axes turn.
+        axes: What they do; a value of `Ways`.
     """
 
     campaign: str
@@ -71,6 +79,15 @@ class Entry:
     gap_um: float | None
     gaps: dict[str, Gap]
     parameters: list[Parameter]
+    gap_arcsec: float | None = None
+    axes: str = Ways.LINEAR.value
+
+    @property
+    def gap(self) -> tuple[float, str] | None:
+        """The largest gap of a length or an angle, with its unit."""
+        if self.gap_arcsec is not None:
+            return self.gap_arcsec, ARCSEC
+        return None if self.gap_um is None else Ways(self.axes).told(self.gap_um, LENGTH)
 
 
 History = dict[str, list[Entry]]
@@ -92,12 +109,20 @@ def read_history(reader: Reader) -> History:
             )
             for gap in gaps or ()
         }
-        parameters = [_parameter(effect) for effect in effects or ()]
+        parameters = [_parameter(effect, row["axes"]) for effect in effects or ()]
         found.setdefault(rig, []).append(Entry(**row, gaps=known, parameters=parameters))
     return found
 
 
-def _parameter(row: dict[str, Any]) -> Parameter:
+def _parameter(row: dict[str, Any], axes: str) -> Parameter:
     """Read a row that an older version may have stored."""
     name = present_name(row["parameter"])
-    return Parameter(row["effect"], row["stage"], name, row["value"], row["low"], row["high"])
+    return Parameter(
+        effect=row["effect"],
+        stage=row["stage"],
+        name=name,
+        value=row["value"],
+        low=row["low"],
+        high=row["high"],
+        turned=turned_unit(row["effect"], name, axes),
+    )

@@ -11,6 +11,7 @@ from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE, Campaign, read_campai
 from skiplatch.fleet.contents import Contents, digest_of
 from skiplatch.fleet.diagnosed import Diagnosed, diagnosed
 from skiplatch.fleet.origin import recorded_at
+from skiplatch.ways import Ways
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +54,7 @@ class Intake:
             "nominal": digest_of(folder / NOMINAL_FILE).hex(),
             "tool": version("skiplatch"),
             "content": self.contents.digest,
+            "axes": Ways.of(touches).value,
             **asdict(self.found),
         }
 
@@ -78,7 +80,7 @@ def read_intake(folder: Path, rig: str, contents: Contents) -> Intake:
         time=recorded_at(folder),
         recorded=recorded,
         contents=contents,
-        found=diagnosed(folder),
+        found=diagnosed(folder, Ways.of(recorded.touches)),
     )
     contents.refuse_changed()
     return intake

@@ -24,17 +24,25 @@ CREATE VIEW touches AS SELECT kept.*, nominal, tool, seed
     FROM kept JOIN (SELECT campaign, nominal, tool, seed FROM campaigns) USING (campaign);
 """
 RIGS = """
-SELECT rig, count(*) AS campaigns, sum(touches)::BIGINT AS touches, min(recorded_at) AS first,
-    max(recorded_at) AS last, max_by(verdict, recorded_at) AS verdict,
-    max_by(gap_um, recorded_at) AS gap_um
-FROM campaigns GROUP BY rig ORDER BY rig
+SELECT * EXCLUDE (gap), gap.um AS gap_um, gap.arcsec AS gap_arcsec FROM (
+    SELECT rig, count(*) AS campaigns, sum(touches)::BIGINT AS touches, min(recorded_at) AS first,
+        max(recorded_at) AS last, max_by(verdict, recorded_at) AS verdict,
+        max_by({'um': gap_um, 'arcsec': gap_arcsec}, recorded_at)
+            FILTER (coalesce(gap_um, gap_arcsec) IS NOT NULL) AS gap
+    FROM campaigns GROUP BY rig
+) ORDER BY rig
 """
 HISTORY = """
 SELECT campaign, recorded_at, folder, campaigns.touches AS touches, deviation_um, deviation_sd_um,
-    verdict, gap_um, stage, effects
+    deviation_arcsec, deviation_sd_arcsec, verdict, gap_um, gap_arcsec, stage,
+    coalesce(axes, 'linear') AS axes, effects
 FROM campaigns JOIN (
-    SELECT campaign, avg(deviation_um) AS deviation_um, stddev(deviation_um) AS deviation_sd_um
-    FROM read_parquet($files, hive_partitioning = false) GROUP BY campaign
+    SELECT campaign, avg(moved_um) AS deviation_um, stddev(moved_um) AS deviation_sd_um,
+        avg(deviation_arcsec) AS deviation_arcsec, stddev(deviation_arcsec) AS deviation_sd_arcsec
+    FROM (
+        SELECT *, CASE WHEN axis IN ('A', 'B', 'C') THEN NULL ELSE deviation_um END AS moved_um
+        FROM read_parquet($files, hive_partitioning = false)
+    ) GROUP BY campaign
 ) USING (campaign) WHERE rig = $rig ORDER BY recorded_at, campaign
 """
 PLACES = "SELECT rig, month, campaign FROM campaigns WHERE rig = $rig"
@@ -145,7 +153,8 @@ def opened(path: Path, *, with_touches: bool = True) -> Iterator[Reader]:
             columns = ", ".join(f'"{name}" {kind}' for name, kind in CAMPAIGNS.items())
             engine.execute(f"CREATE TABLE campaigns ({columns})")
             if index.exists():  # else an add was killed before anything was in
-                engine.execute("INSERT INTO campaigns FROM read_parquet(?)", [str(index)])
+                # By name: a store of an older version has fewer columns.
+                engine.execute("INSERT INTO campaigns BY NAME FROM read_parquet(?)", [str(index)])
             engine.execute(CAMPAIGN_VIEWS)
         _refuse_empty(path, engine)
         if with_touches:

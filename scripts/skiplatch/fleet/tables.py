@@ -25,6 +25,8 @@ CAMPAIGNS: Mapping[str, str] = {
     "verdict": "VARCHAR",
     "seed": "BIGINT",
     "gap_um": "DOUBLE",
+    "gap_arcsec": "DOUBLE",
+    "axes": "VARCHAR",
     "stage": "VARCHAR",
     "gaps": "STRUCT(observable VARCHAR, unit VARCHAR, before DOUBLE, after DOUBLE,"
     " noise_floor DOUBLE)[]",

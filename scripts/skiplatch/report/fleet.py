@@ -7,19 +7,27 @@ from itertools import pairwise
 
 from skiplatch.fleet.changes import Change
 from skiplatch.fleet.findings import Findings, growth_text, shared_text, unlike_text
-from skiplatch.fleet.history import Entry, History
+from skiplatch.fleet.history import Entry, History, Parameter
 from skiplatch.report import glossary
 from skiplatch.report.layout import render
 from skiplatch.report.words import Table
 from skiplatch.tables import NOTHING, compact
+from skiplatch.ways import ARCSEC, LENGTH, Ways
 
 TEMPLATE = "fleet.html"
 DIGITS, GAP_DIGITS = 3, 2
 DAY = "%Y\N{NON-BREAKING HYPHEN}%m\N{NON-BREAKING HYPHEN}%d"
 KEY_DIGITS = 12
 WEEK = timedelta(days=7)
-STEPS_UM = (1.0, 2.0, 5.0, 10.0, 20.0)
-"""Where the colour of a gap changes."""
+STEPS_UM, STEPS_ARCSEC = (1.0, 2.0, 5.0, 10.0, 20.0), (3.0, 6.0, 15.0, 30.0, 60.0)
+"""Where the colour of a gap changes: 3″ are 1 µm some 70 mm from the axis."""
+UNITS = {Ways.LINEAR: [LENGTH], Ways.ROTARY: [ARCSEC], Ways.MIXED: [LENGTH, ARCSEC]}
+"""In which gaps are, by what the axes of all rigs do."""
+UNIT_WORDS = {
+    Ways.LINEAR: "µm",
+    Ways.ROTARY: "arcsec (″)",
+    Ways.MIXED: "µm, of rotary axes in arcsec (″)",
+}
 NO_GAP = ("no_gap", "undecided")
 VERDICTS = {
     "no_gap": "no gap",
@@ -62,7 +70,7 @@ class Cell:
     Attributes:
         mark: Class of the style: g0 to g5 by the gap, gx without one.
         row: Number of its row of facts; None without a campaign.
-        gap: The gap in µm.
+        gap: The gap in µm, or in arcsec with its sign.
         stage: The guilty one, if there is a gap.
         began: Whether a change began with it.
     """
@@ -123,6 +131,7 @@ def as_html(findings: Findings, *, store: str, weeks: int) -> str:
     began = {(change.rig, change.began) for change in findings.changes}
     rigs = _rigs({rig: findings.history[rig] for rig in order}, shown, changed, began)
     numbers = {rig.name: rig.number for rig in rigs}
+    ways = _ways(findings.history)
     return render(
         TEMPLATE,
         name=store,
@@ -133,7 +142,8 @@ def as_html(findings: Findings, *, store: str, weeks: int) -> str:
         tasks=[_task(change, numbers[change.rig]) for change in findings.recent],
         shared=[shared_text(shared) for shared in findings.shared],
         unlike=[unlike_text(unlike) for unlike in findings.unlike],
-        steps=_steps(),
+        unit=UNIT_WORDS[ways],
+        legends=[(unit, _ranges(_steps(unit))) for unit in UNITS[ways]],
         icons=ICONS,
         stages=Table(("Stage", "If its gap grew"), list(NEXT.items())),
         glossary=glossary.words("effect", "gap", "latch", "scan", "PLC task", "95 % interval"),
@@ -190,7 +200,7 @@ def _worst(entries: Iterable[Entry]) -> dict[date, Entry]:
     found: dict[date, Entry] = {}
     for entry in entries:
         week = _monday(entry.time)
-        if week not in found or (entry.gap_um or 0.0) > (found[week].gap_um or 0.0):
+        if week not in found or _severity(entry) > _severity(found[week]):
             found[week] = entry
     return found
 
@@ -199,22 +209,42 @@ def _cell(entry: Entry | None, rows: dict[str, int], began: set[datetime]) -> Ce
     if entry is None:
         return Cell()
     return Cell(
-        mark=_mark(entry.gap_um),
+        mark=_mark(entry),
         row=rows[entry.campaign],
-        gap=_gap(entry),
+        gap=_gap(entry, is_short=True),
         stage=_guilty(entry),
         began=entry.time in began,
     )
 
 
-def _mark(gap_um: float | None) -> str:
-    return "gx" if gap_um is None else f"g{sum(gap_um >= step for step in STEPS_UM)}"
+def _severity(entry: Entry) -> float:
+    """Give the gap by the first step of its unit, to tell which of several is the largest."""
+    if entry.gap is None:
+        return 0.0
+    size, unit = entry.gap
+    return size / _steps(unit)[0]
 
 
-def _gap(entry: Entry) -> str:
-    if entry.gap_um is not None:
-        return compact(entry.gap_um, GAP_DIGITS)
-    return "?" if entry.verdict is None else NOTHING
+def _steps(unit: str) -> tuple[float, ...]:
+    return STEPS_ARCSEC if unit == ARCSEC else STEPS_UM
+
+
+def _mark(entry: Entry) -> str:
+    if entry.gap is None:
+        return "gx"
+    size, unit = entry.gap
+    return f"g{sum(size >= step for step in _steps(unit))}"
+
+
+def _gap(entry: Entry, *, is_short: bool) -> str:
+    """Give the gap with its unit, in short the sign of arcsec alone; or what stands for no gap."""
+    if entry.gap is None:
+        return "?" if entry.verdict is None else NOTHING
+    size, unit = entry.gap
+    text = compact(size, GAP_DIGITS)
+    if is_short:
+        return f"{text}″" if unit == ARCSEC else text
+    return f"{text} {unit}"
 
 
 def _guilty(entry: Entry) -> str:
@@ -222,20 +252,21 @@ def _guilty(entry: Entry) -> str:
 
 
 def _fact(entry: Entry, row: int) -> Fact:
-    parameters = (
-        f"{one.effect}.{one.name} = {compact(one.value, DIGITS)} "
-        f"({compact(one.low, DIGITS)} … {compact(one.high, DIGITS)})"
-        for one in entry.parameters
-    )
     return Fact(
         row=row,
         time=f"{entry.time:%Y-%m-%d %H:%M}",
-        gap=_gap(entry),
+        gap=_gap(entry, is_short=False),
         stage=_guilty(entry),
         verdict=VERDICTS.get(entry.verdict, str(entry.verdict)),
-        effects="; ".join(parameters),
+        effects="; ".join(map(_parameter, entry.parameters)),
         key=entry.campaign[:KEY_DIGITS],
     )
+
+
+def _parameter(one: Parameter) -> str:
+    value, low, high = (compact(number, DIGITS) for number in (one.value, one.low, one.high))
+    unit = f" {one.turned}" if one.turned else ""
+    return f"{one.effect}.{one.name} = {value} ({low} … {high}){unit}"
 
 
 def _task(change: Change, rig: int) -> Task:
@@ -252,8 +283,13 @@ def _task(change: Change, rig: int) -> Task:
     return Task(rig, change.rig, words, stage, what)
 
 
-def _steps() -> list[str]:
+def _ways(history: History) -> Ways:
+    found = {Ways(entry.axes) for entries in history.values() for entry in entries}
+    return found.pop() if len(found) == 1 else Ways.MIXED
+
+
+def _ranges(steps: Sequence[float]) -> list[str]:
     """Say which gaps a colour stands for."""
-    first, last = f"below {STEPS_UM[0]:g}", f"from {STEPS_UM[-1]:g}"
-    middle = [f"{low:g} … {high:g}" for low, high in pairwise(STEPS_UM)]
+    first, last = f"below {steps[0]:g}", f"from {steps[-1]:g}"
+    middle = [f"{low:g} … {high:g}" for low, high in pairwise(steps)]
     return [first, *middle, last]
