@@ -2,11 +2,12 @@
 
 Campaigns on one and on two workers are timed in turn with as many plain loops, in one run. Then
 workers of a cluster are killed while it diagnoses, and the answers are held beside the plain ones,
-byte for byte. `make bench` does a size that takes minutes. What the goal asks for takes long:
+byte for byte. `make bench` does a size that takes minutes. What the goal asks for is
 
-  python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30
+  python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30 --killed-touches 16
 
-``--figures docs/spread.json`` writes what docs/FLEET.md shows.
+``--figures docs/spread.json`` writes what docs/FLEET.md shows; with ``--only-killed``, of the
+workers that are killed alone.
 """
 
 import argparse
@@ -17,7 +18,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -26,11 +27,11 @@ from typing import Any
 
 from diagnosis_bench import SKIPLATCH
 from fleet_bench import record
-from spread_figures import Campaigns, Empty, Figures, Killed
+from spread_figures import FIGURES, Campaigns, Empty, Figures, Killed
 
 from skiplatch.commands.options import json_text
 from skiplatch.executors import client_of
-from skiplatch.files import atomic_write_text
+from skiplatch.files import atomic_write_text, read_json
 from skiplatch.workers import Workers, finished, opened
 
 EMPTY = (1_000, 10_000)
@@ -130,9 +131,9 @@ def _held(seconds: Sequence[float], plain_s: Sequence[float]) -> tuple[float, fl
     return median(plain / s for s, plain in pairs), median(s - plain for s, plain in pairs)
 
 
-def bench_killed(folder: Path, count: int, every_s: float) -> Killed:
+def bench_killed(folder: Path, count: int, touches: int, every_s: float) -> Killed:
     """Kill a worker of a cluster every so often while it diagnoses."""
-    campaigns = recorded(folder, count, KILLED_TOUCHES)
+    campaigns = recorded(folder, count, touches)
     plain = plain_loops(campaigns, max(WORKERS), folder / "plain.json")
     out = folder / "killed.json"
     begin = time.perf_counter()
@@ -141,7 +142,7 @@ def bench_killed(folder: Path, count: int, every_s: float) -> Killed:
     status = process.wait()
     seconds = time.perf_counter() - begin
     is_same = status == 0 and out.read_text(encoding="utf-8") == plain.text
-    return Killed(count, KILLED_TOUCHES, every_s, kills, seconds / plain.seconds, is_same)
+    return Killed(count, touches, every_s, kills, seconds / plain.seconds, is_same)
 
 
 def kill_workers(process: "subprocess.Popen[bytes]", every_s: float, since: Path) -> int:
@@ -183,22 +184,29 @@ def bench_empty() -> list[Empty]:
     return found
 
 
-def measure(campaigns: int, touches: int, killed: int, kill_every_s: float) -> Figures:
-    """Measure everything."""
-    with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
-        beside = [
+def measure_killed(count: int, touches: int, every_s: float) -> Killed | None:
+    """Measure what deaths cost; nothing where Dask is not installed."""
+    if find_spec("distributed") is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        return bench_killed(Path(folder), count, touches, every_s)
+
+
+def measure_beside(campaigns: int, touches: int) -> list[Campaigns]:
+    """Measure campaigns beside plain loops, on each number of workers."""
+    with tempfile.TemporaryDirectory() as folder:
+        return [
             row
             for workers in WORKERS
-            for row in bench_campaigns(folder / str(workers), workers, campaigns, touches)
+            for row in bench_campaigns(Path(folder, str(workers)), workers, campaigns, touches)
         ]
-        lost = bench_killed(folder, killed, kill_every_s) if find_spec("distributed") else None
-    return Figures(beside, lost, bench_empty())
 
 
 def bench_spread() -> None:
     """Run everything in the size of `make bench`."""
-    print(measure(CAMPAIGNS, TOUCHES, KILLED, KILL_EVERY_S).as_text())
+    beside = measure_beside(CAMPAIGNS, TOUCHES)
+    killed = measure_killed(KILLED, KILLED_TOUCHES, KILL_EVERY_S)
+    print(Figures(beside, killed, bench_empty()).as_text())
 
 
 def main() -> None:
@@ -209,13 +217,22 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="for each worker")
     parser.add_argument("--touches", type=int, default=TOUCHES, help="of such a campaign")
     parser.add_argument("--killed", type=int, default=KILLED, help="campaigns while workers die")
+    parser.add_argument("--killed-touches", type=int, default=KILLED_TOUCHES, help="of each")
     parser.add_argument("--kill-every-s", type=float, default=KILL_EVERY_S)
+    parser.add_argument("--only-killed", action="store_true", help="leave the other figures")
     parser.add_argument("--figures", type=Path, help="write what docs/FLEET.md shows")
     given = parser.parse_args()
     if min(given.campaigns, given.killed) < FEWEST or given.kill_every_s <= 0.0:
         parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
-    figures = measure(given.campaigns, given.touches, given.killed, given.kill_every_s)
-    print(figures.as_text())
+    before = Figures.read(read_json(FIGURES)) if given.only_killed else Figures([], None, [])
+    killed = measure_killed(given.killed, given.killed_touches, given.kill_every_s)
+    if given.only_killed:
+        print(Figures([], killed, []).as_text())
+        figures = replace(before, killed=killed)
+    else:
+        beside = measure_beside(given.campaigns, given.touches)
+        figures = Figures(beside, killed, bench_empty())
+        print(figures.as_text())
     if given.figures:
         atomic_write_text(given.figures, figures.as_json())
 

@@ -135,7 +135,8 @@ class Figures:
                 f"{_deaths(self.killed)}: {same}   aim: the same bytes",
                 f"  time over plain loops {self.killed.slower:9.2f}",
             ]
-        lines.append("empty tasks, cost of each")
+        if self.empty:
+            lines.append("empty tasks, cost of each")
         for task in self.empty:
             what = f"  {task.place:10} {task.tasks:7,} tasks {task.wall_ms:7.2f} ms"
             lines.append(f"{what}, {task.cpu_ms:.2f} ms of processor   aim: the same at both")

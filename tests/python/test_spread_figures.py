@@ -63,6 +63,13 @@ def test_more_a_campaign_is_what_its_worker_takes_more() -> None:
     assert "more a campaign       +20 ms   aim: at most 50 ms" in text
 
 
+def test_what_was_not_measured_is_not_told() -> None:
+    text = Figures([], MADE_UP.killed, []).as_text()
+
+    assert text.startswith("24 campaigns of 60 touches, a worker killed every 5 s")
+    assert "empty tasks" not in text
+
+
 def test_other_bytes_are_told() -> None:
     same, other = MADE_UP, Figures([], Killed(24, 60, 5.0, 7, 2.0, is_same=False), [])
 
