@@ -34,6 +34,11 @@ OUT_OF_TIME = 124
 """Exit status of a worker whose task took too long, as of the command `timeout`."""
 LOGGERS = ("distributed", "distributed.client")
 """Loggers of Dask to which its own configuration gives a level: one does not silence the other."""
+TRIMMING = "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_"
+"""Setting of Dask by which workers give memory back at once, and take it anew for each array.
+
+A campaign of 400 touches then has 250,000 faults of pages in place of 28,000.
+"""
 LOCAL = re.compile(r"local:([1-9][0-9]{0,3})")
 MISSING = "not installed; pip install 'skiplatch[cluster]' brings it"
 
@@ -150,7 +155,7 @@ def _distributed() -> Any:  # noqa: ANN401 - an optional extra
     try:
         import dask  # noqa: PLC0415 - an optional extra
 
-        dask.config.set({"logging": dict.fromkeys(LOGGERS, "critical")})
+        dask.config.set({"logging": dict.fromkeys(LOGGERS, "critical"), TRIMMING: None})
         import distributed  # noqa: PLC0415 - reads its configuration then
     except ImportError as error:
         raise InputError("distributed", None, None, MISSING) from error

@@ -289,6 +289,16 @@ def test_a_worker_of_a_cluster_that_dies_costs_only_time(tmp_path: Path) -> None
         assert outcomes(executor, die_the_first_time, tmp_path) == [0, 2, 4, 6, 8]
 
 
+def test_workers_here_keep_the_memory_that_they_need_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.delenv("MALLOC_TRIM_THRESHOLD_", raising=False)
+
+    with opened(Workers(cluster="local:1")) as executor:
+        found = executor.submit(os.environ.get, "MALLOC_TRIM_THRESHOLD_").result()
+
+    assert found is None
+
+
 def started(*words: str) -> "subprocess.Popen[bytes]":
     """Start a part of a cluster, whose workers know this module."""
     here = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
