@@ -37,6 +37,7 @@ from skiplatch.kinematics.truth import read_truth
 from skiplatch.simulator.library import connection
 from skiplatch.transmission.pulses import read_pulses
 from skiplatch.transmission.source import read_axis_train
+from skiplatch.ways import Ways
 
 FUZZ = Path(__file__).parent
 KEPT = FUZZ / "corpus" / "readers"
@@ -93,6 +94,11 @@ def _store(path: Path) -> None:
         memory.run(float(SHOW), 0.0)
     except StoreRefusedError as error:  # as the cycle says it to the program
         raise InputError(path, None, None, str(error)) from error
+
+
+def _stored(path: Path) -> None:
+    for ways in Ways:
+        diagnosed(path.parent, ways)
 
 
 def _findings(path: Path) -> None:
@@ -159,7 +165,7 @@ READERS: Mapping[str, Reader] = {
     ),
     "diagnosis": Reader("found.json", _findings),
     "models": Reader("found.json", _models),
-    "stored": Reader(DIAGNOSIS_FILE, lambda path: diagnosed(path.parent)),
+    "stored": Reader(DIAGNOSIS_FILE, _stored),
     "nominal": Reader(
         "nominal.toml",
         fuzz_campaign.check_nominal,
