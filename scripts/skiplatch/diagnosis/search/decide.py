@@ -106,13 +106,11 @@ def finds_any(judge: Judge) -> bool:
 
 
 def _first(judge: Judge) -> list[Scored]:
-    """Give every effect alone, beside beliefs that fit without any; by falling score."""
+    """Give every effect alone, and those that begin or end where no lasting one will do.
+
+    They stand beside beliefs that fit without any; by falling score.
+    """
     judge.believe_beside(None)
-    return _singles(judge)
-
-
-def _singles(judge: Judge) -> list[Scored]:
-    """Give every effect alone, and those that begin or end where no lasting one will do."""
     ranked = judge.singles()
     if not judge.may_begin(ranked):
         return ranked
