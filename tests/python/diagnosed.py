@@ -7,7 +7,6 @@ from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding, find
-from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.work import Work, mattering
 
@@ -17,7 +16,7 @@ class Search:
 
     def __init__(self, campaign: Campaign) -> None:
         self._work = Work(Scene.of(campaign), None, 1, 1, DEFAULT)
-        self.judge = Judge(self._work.scene, self._work.parts)
+        self.judge = self._work.judge
 
     def rig(self, fit: Fit | None) -> Rig:
         return self._work.rig(fit)

@@ -49,10 +49,15 @@ def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     found = _found(work, truth)
     if found.finding.model is None:
         return found
-    odd = found.outliers
-    is_of_odd = bool(odd) and not work.without(odd).finds_any()
-    is_nothing = not work.is_noticed and bool(failures(NAMES, found.evidence))
-    return _conclusion(work, Finding(None), None, truth) if is_of_odd or is_nothing else found
+    is_nothing = bool(failures(NAMES, found.evidence)) and not work.is_noticed
+    if is_nothing or _is_of_outliers(work, found):
+        return _conclusion(work, Finding(None), None, truth)
+    return found
+
+
+def _is_of_outliers(work: Work, found: Conclusion) -> bool:
+    """Tell whether touches far off alone are what something was found by."""
+    return bool(found.outliers) and not work.without(found.outliers).finds_any()
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
