@@ -66,13 +66,14 @@ enum { SIM_AXIS_X = 0, SIM_AXIS_Y = 1, SIM_AXIS_Z = 2 };
 typedef struct {
     double   time_s;      /* start of the measuring move */
     double   feed_mm_min; /* of the measuring touch */
-    double   approach_mm; /* from the start of the move to the nominal surface */
+    double   approach_mm; /* from the start of the move to the surface */
     double   alpha_deg;
     double   beta_deg;
     double   pulse_us;    /* the contact opens again after this long; 0: when the axis retreats */
     double   sign;        /* 1 or -1: the sense in which the axis moves */
     double   position_mm; /* axis coordinate of the nominal surface */
     double   rotary_deg;
+    double   datum_um; /* how far past the nominal surface the axis shows the real one */
     double   temp_c;
     uint64_t touch; /* serial number; with seed and replicate it picks the random numbers */
     int32_t  path;  /* SIM_PATH_* */

@@ -4,6 +4,8 @@
 #include "probe.h"
 
 #define UM_PER_MM 1000.0
+#define FINER     100.0
+#define FINEST_UM 1.0e-3
 
 double sim_change(sim_t *sim, sim_quantity_t quantity, double value)
 {
@@ -39,6 +41,16 @@ static void boot_scan(sim_t *sim)
     }
 }
 
+/* An encoder keeps its own lines: counts are so fine then that they do not round them again. */
+static double count_um(const sim_t *sim)
+{
+    double believed_um = sim->chain->resolution_um;
+    if (!sim_effects_reach(&sim->effects, SIM_READING)) {
+        return believed_um;
+    }
+    return fmin(believed_um, fmax(believed_um / FINER, FINEST_UM));
+}
+
 void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *settings, uint32_t count,
               uint64_t seed, uint64_t replicate, sim_ns_t now)
 {
@@ -52,11 +64,11 @@ void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *setting
         .filter_us = chain->filter_us,
         .seed = seed,
         .replicate = replicate,
-        .counts_per_um = 1.0 / chain->resolution_um,
         .ticks_time = 0,
         .tick_ps = (uint32_t)llrint(chain->tick_us * SIM_NS_PER_US * SIM_PS_PER_NS),
     };
     sim_effects_boot(&sim->effects, settings, count, seed, replicate);
+    sim->count_um = count_um(sim);
     sim_random_begin(&sim->random, seed, replicate, UINT64_MAX, 0u);
     sim_axis_place(&sim->axis, chain->accel_mm_s2, 0.0, now);
     sim_line_reset(&sim->line, 0);
@@ -106,7 +118,7 @@ bool sim_is_moving(const sim_t *sim)
 
 int32_t sim_counts(const sim_t *sim, double position_um)
 {
-    double counts = position_um * sim->counts_per_um;
+    double counts = position_um * (1.0 / sim->count_um);
     return (int32_t)lrint(fmax(-SIM_COUNTS_MAX, fmin(counts, SIM_COUNTS_MAX)));
 }
 

@@ -46,8 +46,8 @@ typedef struct {
     sim_rest_t         rest;         /* where the tip rests before it */
     uint64_t           seed;
     uint64_t           replicate;
-    double             filter_us; /* the filter of the set-up */
-    double             counts_per_um;
+    double             filter_us;  /* the filter of the set-up */
+    double             count_um;   /* what a count of the position is */
     sim_ns_t           ticks_time; /* the last time turned into ticks, and the ticks it is */
     uint64_t           ticks;
     uint32_t           tick_ps;

@@ -125,8 +125,7 @@ static void carry_out(rig_t *rig)
     if (request.kind == TOUCH_STOP) {
         sim_stop(&rig->sim, sim_ns_from_us(rig->controller->reaction_us));
     } else {
-        sim_move(&rig->sim, request.target_counts * rig->sim.chain->resolution_um,
-                 request.feed_mm_min);
+        sim_move(&rig->sim, request.target_counts * rig->sim.count_um, request.feed_mm_min);
     }
 }
 
@@ -214,7 +213,7 @@ static void record(rig_t *rig, sim_outcome_t *outcome)
         int64_t latch_ticks = unwrapped(sim_clock_ticks(sim, sim->now), record.ticks);
         outcome->latch_us = (double)latch_ticks * sim->tick_ps / (SIM_PS_PER_NS * SIM_NS_PER_US);
         outcome->report_us = sim_us_from_ns(sim->now);
-        outcome->deviation_um = record.position_counts * sim->chain->resolution_um;
+        outcome->deviation_um = record.position_counts * sim->count_um + sim->touch->datum_um;
         outcome->status = SIM_STATUS_OK;
     }
 }
@@ -254,7 +253,7 @@ static void finish(rig_t *rig, sim_outcome_t *outcome)
         }
     }
     if (result->error == TOUCH_OK) {
-        outcome->overtravel_um = result->overtravel_counts * sim->chain->resolution_um;
+        outcome->overtravel_um = result->overtravel_counts * sim->count_um;
         outcome->cycle_s = (double)(rig->done_at - sim_touch_start(sim->touch)) / SIM_NS_PER_S;
     } else {
         stop_path(rig); /* as an operator would, set up anew after a failure */

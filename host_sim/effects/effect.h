@@ -29,7 +29,8 @@ typedef enum {
     SIM_SCAN_PHASE,    /* 0 … 1: where in a scan period the pin changes */
     SIM_IMAGE_DELAY,   /* scans, once */
     SIM_POSITION_TIME, /* µs, master clock: the time of which the position is read */
-    SIM_POSITION,      /* µm past the nominal surface, as it is read */
+    SIM_POSITION,      /* µm past the surface */
+    SIM_READING,       /* the same, as an encoder with lines of its own reads it */
     SIM_REPORT         /* µs of travel of a report */
 } sim_quantity_t;
 

@@ -12,10 +12,17 @@
 #define UM_PER_MM     1000.0
 #define PPM           1.0e-6
 
-/* Axis coordinate in mm of a position in µm past the nominal surface. */
+/* Where the axis shows itself past the nominal surface when it is so far past the real one, in µm.
+ */
+static double shown_um(const sim_effect_call_t *call, double position_um)
+{
+    return position_um + call->touch->datum_um;
+}
+
+/* Axis coordinate in mm of a position in µm past the surface. */
 static double coordinate_mm(const sim_effect_call_t *call, double position_um)
 {
-    return call->touch->position_mm + call->touch->sign * position_um / UM_PER_MM;
+    return call->touch->position_mm + call->touch->sign * shown_um(call, position_um) / UM_PER_MM;
 }
 
 /* What Y and Z have more than X. */
@@ -79,7 +86,8 @@ double effect_encoder_quantisation(const sim_effect_call_t *call, double positio
         double line_um = (rint(where_um / step_um - origin) + origin) * step_um;
         return position_um + call->touch->sign * (line_um - where_um);
     }
-    return rint(position_um / step_um) * step_um;
+    double where_um = shown_um(call, position_um);
+    return position_um + rint(where_um / step_um) * step_um - where_um;
 }
 
 /* State: whether there is a history, its time in s, and the lagged temperature. */

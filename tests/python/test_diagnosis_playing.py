@@ -71,6 +71,23 @@ def test_a_surface_that_is_off_is_met_later_and_there() -> None:
     assert middle(farther_um) == pytest.approx(40.0, abs=0.5)
 
 
+@pytest.mark.parametrize("kind", ["surface_um", "coordinate_um"])
+@pytest.mark.parametrize("is_coordinate", [0.0, 1.0])
+def test_the_lines_of_an_encoder_stay_where_a_datum_is_off(kind: str, is_coordinate: float) -> None:
+    campaign, step_um = stamped(), 3.0
+    touches = campaign.touches
+    parameters = {"resolution_um": step_um, "is_coordinate": is_coordinate, "origin": 0.25}
+    encoder = Effect("encoder_quantisation", parameters)
+    datum = FittedDatum(**{kind: {"X": 1.3, "Y": -0.4, "Z": 40.0}})
+
+    rig = Rig(campaign.nominal, [encoder], datum)
+    (deviation_um,) = rig.play(touches, seed=3, replicates=1).deviation_um
+
+    nominal_um = touches.sign * touches.position_mm * 1e3 - touches.sign * 0.25 * step_um
+    counts = (deviation_um + is_coordinate * nominal_um) / step_um
+    np.testing.assert_allclose(counts, np.rint(counts), atol=0.003)
+
+
 def test_a_datum_that_is_known_is_not_moved() -> None:
     bench = read_campaign(BENCH)
 

@@ -7,6 +7,7 @@ import pytest
 from scipy import stats
 
 from effects_rig import (
+    MACHINE,
     POSITION_TOLERANCE_UM,
     RESOLUTION_UM,
     Trace,
@@ -21,6 +22,8 @@ from skiplatch.campaign import InputPath
 from skiplatch.simulator.effects import Effect
 
 SKIP, PLC = InputPath.SKIP, InputPath.PLC
+
+SCALE = {"scale_ppm": 60.0}
 
 both_paths = pytest.mark.parametrize("path", list(InputPath))
 
@@ -146,6 +149,25 @@ def test_encoder_quantisation_has_the_lines_of_the_coordinate_where_they_are_sai
     assert_close(counts, np.rint(counts), RESOLUTION_UM)
     assert np.abs(played.deviation_shift_um).max() < 0.75 + RESOLUTION_UM
     assert np.abs(played.deviation_shift_um).max() > 0.7
+
+
+@pytest.mark.parametrize("is_coordinate", [0.0, 1.0])
+def test_an_encoder_keeps_its_lines_whatever_is_believed_and_goes_before(
+    is_coordinate: float,
+) -> None:
+    step_um, coarse = 1.13, replace(MACHINE, axis=replace(MACHINE.axis, resolution_um=0.2))
+    touches = mixed_touches(400, seed=11)
+    origin = 0.5 * is_coordinate
+    parameters = {"resolution_um": step_um, "is_coordinate": is_coordinate, "origin": origin}
+    encoder, scale = Effect("encoder_quantisation", parameters), Effect("scale_error", SCALE)
+
+    plain, read = (run(touches, *e, nominal=coarse) for e in ([scale], [scale, encoder]))
+
+    surface_um = touches.position_mm * 1e3 * touches.sign * is_coordinate
+    counts = (surface_um + read.deviation_um[0]) / step_um - touches.sign * origin
+    assert_close(counts, np.rint(counts), 0.002)  # positions are told to a hundredth of 0.2 µm
+    off_um = read.deviation_um[0] - plain.deviation_um[0]
+    assert_follows(off_um / step_um, stats.uniform(-0.5, 1.0))
 
 
 def lagged_c(time_s: FloatArray, temp_c: FloatArray, lag_s: float) -> FloatArray:

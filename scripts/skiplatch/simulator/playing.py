@@ -61,7 +61,9 @@ class Outcomes:
         return replace(self, **{f.name: getattr(self, f.name)[:, touches] for f in fields(self)})
 
 
-def touch_rows(nominal: Nominal, touches: Touches, pulse_us: float) -> NDArray[np.void]:
+def touch_rows(
+    nominal: Nominal, touches: Touches, pulse_us: float, datum_um: FloatArray | float = 0.0
+) -> NDArray[np.void]:
     """Give the conditions of touches as an array of sim_touch_t; shape (n,)."""
     _, library = connection()
     rows = np.zeros(len(touches), dtype=layout("sim_touch_t"))
@@ -76,6 +78,7 @@ def touch_rows(nominal: Nominal, touches: Touches, pulse_us: float) -> NDArray[n
     at_c = nominal.probe.calibrated_at_c
     rows["temp_c"] = np.nan_to_num(touches.temp_c, nan=at_c) + (CALIBRATED_AT_C - at_c)
     rows["pulse_us"] = pulse_us
+    rows["datum_um"] = datum_um
     return rows
 
 
@@ -89,6 +92,7 @@ def play(
     first_replicate: int = 0,
     jobs: int = 1,
     pulse_us: float = 0.0,
+    datum_um: FloatArray | float = 0.0,
     switched_on: Sequence[Effect] = (),
     seat: Seat | None = None,
 ) -> Outcomes:
@@ -106,6 +110,8 @@ def play(
         first_replicate: Number of the first replicate.
         jobs: Threads to play on.
         pulse_us: Contact opens again after this time; 0 means when the axis retreats.
+        datum_um: How far past the nominal surface the axis shows the real one, which an approach
+            goes to; shape (n,) or one for all.
         switched_on: Effects that the nominal chain knows nothing of; one that begins or ends is
             played as if it had always been there, and taken where it is.
         seat: The mechanics of the probe, in place of its calibrated mean and lobes.
@@ -123,6 +129,7 @@ def play(
         first_replicate=first_replicate,
         jobs=jobs,
         pulse_us=pulse_us,
+        datum_um=datum_um,
         seat=seat,
     )
     if all(effect.span == ALWAYS for effect in switched_on):
@@ -159,12 +166,13 @@ def _play(
     first_replicate: int,
     jobs: int,
     pulse_us: float,
+    datum_um: FloatArray | float,
     switched_on: Sequence[Effect],
     seat: Seat | None,
 ) -> Outcomes:
     ffi, library = connection()
     order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
-    rows = touch_rows(nominal, touches, pulse_us)[order]
+    rows = touch_rows(nominal, touches, pulse_us, datum_um)[order]
     rig = filled_rig(
         nominal, controller, switched_on, seed=seed, replicate=first_replicate, seat=seat
     )

@@ -201,18 +201,11 @@ def _position(scene: Scene, stream: Stream, change: Change) -> Law:
     coarser_um = _coarser_um(scene, change)
     return Law(
         offset=law.offset + np.where(scene.has_stamps, shift, 0.0) - coarser_um / 2.0,
-        sigma=_position_sigma(scene, law, change),
+        sigma=np.asarray(np.hypot(law.sigma, change.position_sigma_um)),
         box_a=law.box_a + scene.speed * _position_after_stamp_us(scene, change),
         box_b=law.box_b + coarser_um,
         extras=_position_extras(change),
     )
-
-
-def _position_sigma(scene: Scene, law: Law, change: Change) -> FloatArray:
-    resolution = scene.nominal.axis.resolution_um
-    is_held = not np.any(change.line_um)
-    rounded = _rounded_again(_coarser_um(scene, change), resolution, is_held=is_held)
-    return np.asarray(np.hypot(law.sigma, np.hypot(change.position_sigma_um, rounded)))
 
 
 def _position_extras(change: Change) -> tuple[Extra, ...]:
@@ -237,7 +230,7 @@ def _deviation(scene: Scene, stream: Stream, change: Change) -> Law:
     extras = _latch_extras(scene, stream, change, speed)
     return Law(
         offset=law.offset + shift - coarser / 2.0 - sooner,
-        sigma=_position_sigma(scene, law, change),
+        sigma=np.asarray(np.hypot(law.sigma, change.position_sigma_um)),
         box_a=wait_box(scene, stream, law.box_a * change.speed_ratio, change, speed),
         box_b=law.box_b + coarser + sooner,
         extras=_joint(extras, _position_extras(change)),

@@ -103,13 +103,9 @@ class Rig:
     ) -> Outcomes:
         """Play the conditions of touches so often, each replicate a rig switched on anew."""
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
-        sense = np.nan_to_num(touches.sign, nan=1.0)
-        moved = replace(
-            touches,
-            approach_mm=np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM),
-            position_mm=touches.position_mm + sense * surface_um / UM_PER_MM,
-        )
-        outcomes = play(
+        approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
+        moved = replace(touches, approach_mm=approach_mm)
+        return play(
             self.nominal,
             Controller.for_campaign(self.nominal, moved),
             moved,
@@ -117,9 +113,9 @@ class Rig:
             replicates=replicates,
             first_replicate=first_replicate,
             jobs=jobs,
+            datum_um=surface_um + coordinate_um,
             switched_on=self.effects,
         )
-        return replace(outcomes, deviation_um=outcomes.deviation_um + surface_um + coordinate_um)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
