@@ -58,6 +58,13 @@ static void await_late(sim_scan_t *scan, sim_ns_t time)
 void sim_scan_shift(sim_scan_t *scan, sim_ns_t by)
 {
     scan->phase += by;
+    scan->shifted += by;
+}
+
+void sim_scan_shift_back(sim_scan_t *scan)
+{
+    scan->phase -= scan->shifted;
+    scan->shifted = 0;
 }
 
 void sim_scan_await(sim_scan_t *scan, sim_ns_t time)

@@ -12,6 +12,7 @@ typedef sim_ns_t sim_scan_late_t(void *context, int64_t number);
 
 typedef struct {
     sim_ns_t         phase;     /* of scan 0, within a period */
+    sim_ns_t         shifted;   /* by which it was moved */
     double           period_ns; /* of no whole number: over an hour a nanosecond's rest adds up */
     int64_t          last;      /* number of the last scan that was executed */
     int64_t          next;      /* number of the next one to execute */
@@ -28,6 +29,9 @@ void sim_scan_restart(sim_scan_t *scan, sim_ns_t now);
 
 /* Move all scans by `by`, less than a period. */
 void sim_scan_shift(sim_scan_t *scan, sim_ns_t by);
+
+/* Move all scans back to where they were at first. */
+void sim_scan_shift_back(sim_scan_t *scan);
 
 /* Execute next the first scan at or after `time`; SIM_NEVER stops the task. */
 void sim_scan_await(sim_scan_t *scan, sim_ns_t time);

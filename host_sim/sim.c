@@ -99,6 +99,7 @@ void sim_begin_touch(sim_t *sim, const sim_touch_t *touch)
     sim_axis_place(&sim->axis, accel_mm_s2, -touch->approach_mm * UM_PER_MM, sim->now);
     sim_line_reset(&sim->line, sim_ns_from_us(sim_change(sim, SIM_FILTER, sim->filter_us)));
     sim_bus_reset(&sim->bus);
+    sim_scan_shift_back(&sim->scan); /* what binds a touch to the scan leaves others alone */
 }
 
 static sim_ns_t earliest(sim_ns_t a, sim_ns_t b)

@@ -41,5 +41,8 @@ double effect_scan_phase_lock(const sim_effect_call_t *call, double phase)
     if (sim_random_uniform(call->random, 1.0) < call->parameters[2]) {
         return phase; /* where it would have been */
     }
+    if (sim_random_uniform(call->random, 1.0) < call->parameters[4]) {
+        locked += call->parameters[3];
+    }
     return locked - floor(locked);
 }

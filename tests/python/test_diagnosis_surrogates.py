@@ -47,7 +47,12 @@ def whole(effect_id: str, **known: float) -> Effect:
         (BENCH, whole("scan_overrun", probability=0.1, overrun_us=50.0, span_us=9000.0)),
         (BENCH, whole("scan_jitter", jitter_us=400.0, tail_us=150.0)),
         (BENCH, whole("scan_phase_lock", phase=0.99, spread=0.1)),
+        (
+            BENCH,
+            whole("scan_phase_lock", phase=0.9, spread=0.05, second_after=0.4, second_share=0.3),
+        ),
         (BENCH, whole("timer_quantisation", tick_us=11.3, origin_us=-1.0, nearest=0.6)),
+        (BENCH, whole("encoder_quantisation", resolution_um=1.37)),
         (BENCH, whole("encoder_quantisation", resolution_um=1.37, is_coordinate=1.0, origin=1.0)),
         (BENCH, whole("encoder_quantisation", resolution_um=0.9, is_coordinate=1.0, origin=0.3)),
         (BENCH, whole("timer_drift", drift_ppm=-0.2, ageing_ppm_h=0.3, warmth_ppm_k=0.5)),

@@ -222,6 +222,27 @@ def test_scan_phase_lock_scatters_about_its_point() -> None:
     assert phase.min() < 0.05  # beyond the end of the period, round to its beginning
 
 
+def test_scan_phase_lock_may_have_a_second_point() -> None:
+    played = trace(
+        PLC, "scan_phase_lock", n=4000, phase=0.2, spread=0.01, second_after=0.5, second_share=0.3
+    )
+    phase = 1.0 - wait_us(played) / SCAN_US
+    at_second = np.abs(phase - 0.7) < 0.1
+
+    assert_share(at_second, 0.3)
+    assert_close(phase[~at_second], 0.2, 0.05)
+    assert_follows(phase[at_second], stats.norm(0.7, 0.01))
+
+
+def test_scan_phase_lock_leaves_the_scans_of_other_touches_where_they_were() -> None:
+    played = trace(PLC, "scan_phase_lock", n=2000, phase=0.2, unlocked=0.4)
+    is_unmoved = np.abs(played.latch_shift_us) < STAMP_TOLERANCE_US
+
+    assert_share(is_unmoved, 0.4)
+    locked_us = wait_us(played)[~is_unmoved]
+    assert_close(locked_us, 0.8 * SCAN_US, STAMP_TOLERANCE_US)
+
+
 @pytest.mark.parametrize("path", list(InputPath))
 def test_report_delay_is_a_longer_way_and_an_exponential_queue(path: InputPath) -> None:
     played = trace(path, "report_delay", n=20_000, delay_us=400.0, queue_us=200.0)

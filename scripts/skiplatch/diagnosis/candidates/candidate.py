@@ -13,6 +13,9 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
 from skiplatch.span import ALWAYS, Span
 
+Refinement = Mapping[int, float | Callable[[Parameters], float]]
+"""First values of parameters, by number: of those at 0 a number, of any what one makes of all."""
+
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
 
@@ -35,8 +38,8 @@ class Candidate:
     change: Callable[[Scene, Parameters], Change]
     starts: Starts
     applies: Callable[[Scene], bool] = lambda _: True
-    refinements: tuple[Mapping[int, float], ...] = ()
-    """Parameters, by number and with a first value, that make other forms of the effect."""
+    refinements: tuple[Refinement, ...] = ()
+    """What makes other forms of the effect."""
     believed_us: Callable[[Nominal], float] | None = None
     """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
     like_datum: frozenset[str] = frozenset()

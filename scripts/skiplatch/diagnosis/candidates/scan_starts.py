@@ -70,8 +70,8 @@ def _apart(places: FloatArray, period: float) -> FloatArray:
 def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose phases anywhere, and that of the touches whose stamps keep no grid with others."""
     usual = [
-        *([phase, 0.1, 0.0] for phase in (0.2, 0.5, 0.8)),
-        *([phase, 0.05, 0.5] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
+        *([phase, 0.1, 0.0, 0.0, 0.0] for phase in (0.2, 0.5, 0.8)),
+        *([phase, 0.05, 0.5, 0.0, 0.0] for phase in (0.1, 0.3, 0.5, 0.7, 0.9)),
     ]
     grid, waits = scene.streams.get("lattice"), scene.streams.get("latch_plc")
     if grid is None or waits is None:
@@ -85,7 +85,7 @@ def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     turns = np.exp(2j * np.pi * waits.residuals[rows][is_off] / period)
     wait = float(np.angle(turns.mean())) / (2.0 * np.pi)
     spread = float(np.sqrt(max(-2.0 * np.log(np.abs(turns.mean())), 1e-6))) / (2.0 * np.pi)
-    return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean())], *usual]
+    return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean()), 0.0, 0.0], *usual]
 
 
 def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

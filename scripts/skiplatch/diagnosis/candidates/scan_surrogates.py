@@ -3,13 +3,15 @@
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates.surrogates import Parameters, as_part, as_share
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.candidates.surrogates import LOOSEST, Parameters, as_part, as_share
+from skiplatch.diagnosis.density.change import Change, Wait
 from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.scene import Scene
 
 MOST_SCANS_OLD = 7.0
 MOST_PUNCTUAL = 0.95
+TIGHTEST = 1e-3
+"""Spread of edges about a point of the scan, as a share of the period."""
 SPAN_PARTS = 5
 """Boxes that stand for late scans of lengths that differ by more than a period."""
 FEW_TICKS = 4.0
@@ -100,3 +102,13 @@ def _lengths(scene: Scene, late_us: FloatArray) -> list[tuple[float, float]]:
         for total, count in zip(totals, counts, strict=True)
         if total > 0.0
     ]
+
+
+def locked(_: Scene, p: Parameters) -> Change:
+    """Edges fall about a point of the scan, some of them about a second one."""
+    second = as_share(p[4])
+    first = -p[0] % 1.0
+    points = ((first, 1.0 - second), ((first - p[3]) % 1.0, second))
+    spread = float(np.clip(abs(p[1]), TIGHTEST, LOOSEST))
+    there = tuple((wait, share) for wait, share in points if share > 0.0)
+    return Change(wait=Wait(there, spread, as_share(p[2])))

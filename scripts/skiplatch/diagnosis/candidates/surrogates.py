@@ -24,6 +24,8 @@ NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
 """Effects on some touches or scans, at most that share of them."""
 SWITCHES = ("at_surface", "is_coordinate", "mirrored")
 """Parameters of which nothing but the one or the other end has a meaning."""
+PLACES = ("phase", "second_after", "origin")
+"""Parameters that are a place within a period, as a share of it."""
 HALF_WAY = 0.5
 """From which on a switch is on."""
 BLURRED = 3.0
@@ -46,6 +48,12 @@ def highest(effect_id: str, parameter: Parameter) -> float:
     """Up to where a parameter is searched: what happens to nearly all touches is another effect."""
     is_partial = effect_id in NOW_AND_THEN and parameter.name == "probability"
     return min(parameter.high, MOST) if is_partial else parameter.high
+
+
+def turn_of(parameter: Parameter) -> float:
+    """Give after how much a parameter is the same again; 0 for one that never is."""
+    is_place = parameter.unit == "deg" or parameter.name in PLACES
+    return parameter.high if is_place else 0.0
 
 
 def as_share(value: float) -> float:

@@ -8,8 +8,6 @@ import copyreg
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from skiplatch.diagnosis.candidates import (
     grid_starts,
     linear_starts,
@@ -174,15 +172,18 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scan_phase_lock",
-            ("phase", "spread", "unlocked"),
-            lambda _, p: Change(
-                wait=(
-                    -p[0] % 1.0,
-                    float(np.clip(abs(p[1]), 1e-3, surrogates.LOOSEST)),
-                    surrogates.as_share(p[2]),
-                )
-            ),
+            ("phase", "spread", "unlocked", "second_after", "second_share"),
+            scan_surrogates.locked,
             scan_starts.locks,
+            # About two points, each half as widely, the edges spread as about the one between.
+            refinements=(
+                {
+                    0: lambda p: float(p[0] - p[1]),
+                    1: lambda p: float(p[1] / 2.0),
+                    3: lambda p: float(2.0 * p[1]),
+                    4: 0.5,
+                },
+            ),
         ),
         Candidate(
             "servo_hold",

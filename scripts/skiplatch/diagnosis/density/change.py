@@ -14,6 +14,21 @@ Number = FloatArray | float
 
 
 @dataclass(frozen=True, slots=True)
+class Wait:
+    """How long edges wait for a scan where the two are bound to each other.
+
+    Attributes:
+        points: Waits that they fall about, as shares of the period, and what share falls there.
+        spread: Standard deviation about each, as a share of the period.
+        unlocked: Share of the touches that wait anyhow.
+    """
+
+    points: tuple[tuple[float, float], ...]
+    spread: float
+    unlocked: float
+
+
+@dataclass(frozen=True, slots=True)
 class Change:
     """The physics that differs from the nominal chain; arrays of shape (n,), or numbers."""
 
@@ -28,9 +43,7 @@ class Change:
     plc_us: Number = 0.0
     period_us: float = 0.0
     """Added to the scan period."""
-    wait: tuple[float, float, float] | None = None
-    """Where in the scan the pin changes: centre and spread, as shares of the period, and the share
-    of the touches for which it is anywhere."""
+    wait: Wait | None = None
     stamp_us: Number = 0.0
     """Added to the stamp alone."""
     position_um: Number = 0.0

@@ -9,6 +9,7 @@ from scipy import optimize
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.candidates.surrogates import turn_of
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.fit.climb import WORST
 from skiplatch.diagnosis.fit.fit import SLACKS, WORTH_A_REFINEMENT, Fit
@@ -88,10 +89,10 @@ def _climb(scenes: Sequence[Scene], model: Fit) -> Fit:
 
 
 def _most(candidate: Candidate) -> FloatArray:
-    """Give how large each parameter may become: angles turn, and an amplitude may be negative."""
+    """Give how large each parameter may become: places turn, and an amplitude may be negative."""
     return np.array(
         [
-            np.inf if parameter.unit == "deg" else max(abs(parameter.low), abs(parameter.high))
+            np.inf if turn_of(parameter) else max(abs(parameter.low), abs(parameter.high))
             for parameter in effects()[candidate.id].parameters
         ]
     )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from skiplatch.diagnosis.candidates.simulated import Simulated, admitted_values
-from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest
+from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.simulator.effects import Effect, effects
 
@@ -39,8 +39,8 @@ def _admitted(effect_id: str, parameters: dict[str, float]) -> dict[str, float]:
     admitted = {}
     for parameter in effects()[effect_id].parameters:
         value = parameters[parameter.name]
-        if parameter.unit == "deg":
-            value %= parameter.high
+        if turn := turn_of(parameter):
+            value %= turn
         elif parameter.name in SWITCHES:
             value = float(value > HALF_WAY)
         elif parameter.low >= 0.0:

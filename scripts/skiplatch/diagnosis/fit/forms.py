@@ -1,11 +1,11 @@
 """Giving effects another form than the one that was fitted, or slack, where that is worth it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.candidate import Candidate, Refinement
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.climb import climb
 from skiplatch.diagnosis.fit.fit import (
@@ -81,7 +81,7 @@ def _loosened(target: Target, best: FloatArray) -> FloatArray:
 
 
 def _refined(target: Target, candidate: Candidate, best: FloatArray) -> FloatArray:
-    """Free more parameters, the most worthwhile first, as long as that is worth it."""
+    """Give it other forms, the most worthwhile first, as long as that is worth it."""
 
     def cost(values: FloatArray) -> float:
         return target(values, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(values)
@@ -110,12 +110,14 @@ def _pruned(target: Target, candidate: Candidate, best: FloatArray) -> FloatArra
     return best
 
 
-def _freed(target: Target, values: FloatArray, refinement: Mapping[int, float]) -> FloatArray:
+def _freed(target: Target, values: FloatArray, refinement: Refinement) -> FloatArray:
     """Give parameters that matter a first value; all 0 where none of them stood at 0."""
     start = values.copy()
     for index, value in refinement.items():
-        freed = start.copy()
-        freed[index] = start[index] or value
+        start[index] = value(values) if callable(value) else start[index] or value
+    for index in refinement:
+        less = start.copy()
+        less[index] = values[index]
         # That of an axis without a touch changes nothing, seen from as far as may be.
-        start = freed if target(freed, AFAR) != target(start, AFAR) else start
+        start = less if target(less, AFAR) == target(start, AFAR) else start
     return np.zeros_like(start) if np.array_equal(start, values) else start

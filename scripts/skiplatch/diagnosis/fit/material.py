@@ -140,9 +140,9 @@ def _rms(values: FloatArray | float) -> float:
 
 def _unbound_us(scene: Scene, change: Change) -> float:
     """How far stamps are off the grid of the others where scans begin with some of the moves."""
-    if change.wait is None or change.wait[2] == 0.0:
+    if change.wait is None or change.wait.unlocked == 0.0:
         return 0.0
-    return float(np.sqrt((1.0 - change.wait[2]) / 12.0)) * scene.nominal.plc.scan_us
+    return float(np.sqrt((1.0 - change.wait.unlocked) / 12.0)) * scene.nominal.plc.scan_us
 
 
 def is_off_grid(scene: Scene, change: Change, law: Law, least_us: float = 0.0) -> bool:

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import optimize
 
 from skiplatch.arrays import FloatArray, IndexArray
-from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest
+from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
@@ -32,20 +32,20 @@ class Slot:
 
     @property
     def low(self) -> float:
-        """Lower end of its range; half a turn below an angle."""
+        """Lower end of its range; half a turn below a place."""
         return self.value - self.turn / 2.0 if self.turn else self.parameter.low
 
     @property
     def high(self) -> float:
-        """Upper end of its range, as far as it is searched; half a turn above an angle."""
+        """Upper end of its range, as far as it is searched; half a turn above a place."""
         if self.turn:
             return self.value + self.turn / 2.0
         return highest(self.effect_id, self.parameter)
 
     @property
     def turn(self) -> float:
-        """After which an angle is the same again; 0 for what is no angle."""
-        return self.parameter.high if self.parameter.unit == "deg" else 0.0
+        """After which an angle or a place in a period is the same again; 0 for others."""
+        return turn_of(self.parameter)
 
     @property
     def is_held(self) -> bool:

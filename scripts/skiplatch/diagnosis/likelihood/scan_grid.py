@@ -158,8 +158,7 @@ def grid_values(scene: Scene, stream: Stream, change: Change, law: Law) -> Float
     if change.wait is None:
         return found
     # Scans that begin with the motion need not keep a grid: all of them, or those bound to it.
-    _, _, unlocked = change.wait
-    share = float(np.clip(unlocked, TINY, 1.0 - TINY))
+    share = float(np.clip(change.wait.unlocked, TINY, 1.0 - TINY))
     partly = np.logaddexp(np.log(share) + found, np.log1p(-share))
     return max(found, partly, np.zeros(len(turns)), key=np.sum)
 

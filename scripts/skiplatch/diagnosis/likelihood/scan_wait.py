@@ -37,14 +37,15 @@ def wait_box(
 
 
 def locked_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
-    """Touches whose wait for the scan is about one value, as extras that lack the scan's box."""
-    if change.wait is None:
+    """Touches whose wait for the scan is about a value, as extras that lack the scan's box."""
+    wait = change.wait
+    if wait is None:
         return ()
-    centre, spread, unlocked = change.wait
-    period = scan_period_us(scene, change)
+    period, locked = scan_period_us(scene, change), 1.0 - wait.unlocked
     return tuple(
-        Extra((1.0 - unlocked) * share, offset=mean * period, sigma=sigma * period, boxless=1.0)
-        for share, mean, sigma in _wrapped(centre, spread)
+        Extra(locked * there * share, offset=mean * period, sigma=sigma * period, boxless=1.0)
+        for centre, there in wait.points
+        for share, mean, sigma in _wrapped(centre, wait.spread)
     )
 
 

@@ -35,8 +35,8 @@ TEMPER = 0.5
 TIED = 6.0
 """Nats of difference that do not tell two effects apart: tempered, one in twenty."""
 
-Noticed = Callable[[Scored], frozenset[str]]
-"""Names the streams in which something can still be seen once a model is played."""
+Noticed = Callable[[Scored | None], frozenset[str]]
+"""Names the streams in which something can still be seen once a model, or nothing, is played."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,7 +73,7 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
         judge: Fits and scores.
         noticed: Where a model leaves something.
     """
-    ranked = _first(judge)
+    ranked = _first(judge, noticed)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -99,24 +99,31 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     return several(judge, model, tried)
 
 
-def finds_any(judge: Judge) -> bool:
+def finds_any(judge: Judge, noticed: Noticed) -> bool:
     """Tell whether there is an effect to begin a search with, alone, that matters."""
-    ranked = _first(judge)
+    ranked = _first(judge, noticed)
     return bool(ranked) and judge.is_enough(ranked[0])
 
 
-def _first(judge: Judge) -> list[Scored]:
+def _first(judge: Judge, noticed: Noticed) -> list[Scored]:
     """Give every effect alone, and those that begin or end where no lasting one will do.
+
+    One that acts for long shows as it is fitted to all touches, one that acts at an end by what any
+    that lasts leaves.
 
     They stand beside beliefs that fit without any; by falling score.
     """
     judge.believe_beside(None)
     ranked = judge.singles()
-    if not judge.may_begin(ranked):
+    if not ranked or not (judge.may_begin(ranked) or _leaves(judge, ranked[0], noticed)):
         return ranked
     least = ranked[0].score + TIED  # one that lasts will do as well
     begun = [one for one in judge.passing(ranked) if one.score > least]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)
+
+
+def _leaves(judge: Judge, best: Scored, noticed: Noticed) -> bool:
+    return bool(noticed(best if judge.is_significant(best) else None))
 
 
 def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:

@@ -114,10 +114,12 @@ class Work:
     @cached_property
     def is_noticed(self) -> bool:
         """Something stands out of what the believed chain plays, whatever it may be."""
-        return bool(self._noticed_by(self.before, self.beside(self.scene, self.rig(None))))
+        return bool(self.noticed(None))
 
-    def noticed(self, model: Scored) -> frozenset[str]:
-        """Name the streams in which a hypothesis leaves what is worth a search."""
+    def noticed(self, model: Scored | None) -> frozenset[str]:
+        """Name the streams in which a hypothesis, or none, leaves what is worth a search."""
+        if model is None:
+            return self._noticed_by(self.before, self.beside(self.scene, self.rig(None)))
         key = model.fit.key
         if key not in self._noticed:
             beside = self.beside(self.naming, self.rig(model.fit))
@@ -137,7 +139,7 @@ class Work:
 
     def finds_any(self) -> bool:
         """Tell whether a search would begin with any effect."""
-        return finds_any(self.judge)
+        return finds_any(self.judge, self.noticed)
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""
