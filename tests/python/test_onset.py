@@ -1,6 +1,7 @@
 """Effects that begin or end: played, weighed, found, and told from a surface that was moved."""
 
 from dataclasses import fields, replace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -25,7 +26,8 @@ from skiplatch.diagnosis.fit.onset import (
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.scored import worth
+from skiplatch.diagnosis.search.decide import finds_any
+from skiplatch.diagnosis.search.scored import Scored, worth
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes
@@ -218,3 +220,51 @@ def test_an_effect_that_begins_or_ends_is_named_with_the_touch(begins: bool) -> 
     found = named.effect.span.since if begins else named.effect.span.until
     assert found == pytest.approx(touch, abs=0.05 * len(read_campaign(BENCH).touches))
     assert named.when.startswith("since touch" if begins else "until touch")
+
+
+class Ranking:
+    """A judge of one effect that lasts and gains nothing, and one that begins and gains much."""
+
+    def __init__(self) -> None:
+        fits = of("backlash", [0.1, 0.0]), of("backlash", [2.0, 0.0], Span(since=50))
+        self.lasting, self.begun = (
+            Scored(one, 50.0 * size, 50.0 * size) for size, one in enumerate(fits)
+        )
+
+    def believe_beside(self, model: None) -> None: ...
+
+    def singles(self) -> list[Scored]:
+        return [self.lasting]
+
+    def may_begin(self, _: list[Scored]) -> bool:
+        return False
+
+    def is_significant(self, scored: Scored) -> bool:
+        return scored.score > 10.0
+
+    def passing(self, _: list[Scored]) -> list[Scored]:
+        return [self.begun]
+
+    is_enough = is_significant
+
+
+@pytest.mark.parametrize("left", [frozenset(), frozenset({"position"})])
+def test_an_effect_that_fits_not_all_touches_may_begin_where_something_is_left(
+    left: frozenset[str],
+) -> None:
+    asked: list[Scored | None] = []
+
+    def noticed(model: Scored | None) -> frozenset[str]:
+        asked.append(model)
+        return left
+
+    assert finds_any(cast(Any, Ranking()), noticed) == bool(left)
+    assert asked == [None]
+
+
+@pytest.mark.parametrize("turns", [-1.0, 1.0])
+def test_a_place_in_a_period_is_the_same_a_period_on(turns: float) -> None:
+    (effect,) = as_effects(of("scan_phase_lock", [0.3 + turns, 0.05, 0.0, 0.4 - turns, 0.2]))
+
+    assert effect.parameters["phase"] == pytest.approx(0.3)
+    assert effect.parameters["second_after"] == pytest.approx(0.4)
