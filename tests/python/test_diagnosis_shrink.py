@@ -88,6 +88,23 @@ def test_what_has_not_come_by_chance_makes_no_gap_grow() -> None:
     assert not any(gap.grows for gap in gaps.values())
 
 
+def test_one_cell_in_which_nothing_came_by_chance_makes_no_gap_grow() -> None:
+    """Its plays are late there, each time; beside what all the other cells show that is luck."""
+    queue = Effect("report_delay", {"queue_us": 200.0, "unqueued_share": 0.6})
+    scene = Scene.of(played(BENCH, queue))
+    touches = scene.touches
+    late = touches.report_us - touches.latch_us > scene.nominal.report.latency_us + 60.0
+    _, _, cell = next(iter(cells_of(touches, np.full(len(scene), fill_value=True), 1)))
+    is_there = np.isin(np.arange(len(scene)), cell)
+    rows = np.where(is_there, ~late, np.arange(len(scene)) % 4 == 0)
+    before, after = (Rig(scene.nominal, effects) for effects in ((), [queue]))
+
+    gap = PlayedRigs.of(scene, before, after, seed=1, jobs=2).gaps(rows)["report_after_latch_us"]
+
+    assert late[is_there].any()
+    assert not gap.grows
+
+
 def test_what_has_not_come_by_chance_scatters_no_less_than_its_plays() -> None:
     rare = Effect("contact_bounce", {"probability": 0.05, "mean_us": 300.0})
     scene = Scene.of(read_campaign(BENCH))

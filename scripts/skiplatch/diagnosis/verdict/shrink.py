@@ -223,7 +223,8 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
         noise_floor=float(scores.floor.sum()) / whole,
         shrink=shrinks,
         is_clear=bool(clear),
-        grows=shrinks.high < 0.0 and is_no_luck(clear, least),
+        # Cells that are clear for what did not come there were chosen by luck: all of them count.
+        grows=shrinks.high < 0.0 and is_no_luck(cells, least),
         tightness=tightness(clear, least) if clear else 1.0,
         oracle=None if scores.truth is None else float(scores.truth.sum()) / whole,
         oracle_shrink=None if scores.truth is None else share_gone(scores.truth),
