@@ -30,16 +30,16 @@ def looks(campaign: Campaign, *effects: Effect, discrepancy: float = 0.0) -> lis
     return chance_of(found, believed, discrepancy)
 
 
-def late(campaign: Campaign, rows: BoolArray) -> Campaign:
+def late(campaign: Campaign, rows: BoolArray, late_us: float = LATE_US) -> Campaign:
     """Some touches latch later, and are deeper by the way of that time."""
     touches = campaign.touches
-    way_um = touches.feed_mm_min / 60.0 * LATE_US * 1e-3
+    way_um = touches.feed_mm_min / 60.0 * late_us * 1e-3
     return replace(
         campaign,
         touches=replace(
             touches,
-            latch_us=touches.latch_us + LATE_US * rows,
-            report_us=touches.report_us + LATE_US * rows,
+            latch_us=touches.latch_us + late_us * rows,
+            report_us=touches.report_us + late_us * rows,
             deviation_um=touches.deviation_um + way_um * rows,
         ),
     )
@@ -68,6 +68,22 @@ def test_the_rest_before_tells_which_touches_did_not_bounce_but_came_late() -> N
 
     assert found
     assert "rest before" in found[0].conditions
+
+
+def test_few_touches_tell_that_those_of_one_side_alone_came_late() -> None:
+    """All of them are late by as much; among each other their ranks are those of the noise."""
+    campaign = in_order()
+    few = replace(campaign, touches=campaign.touches.select(np.arange(0, len(campaign.touches), 3)))
+    on_side = (few.touches.alpha_deg > 90.0) & (few.touches.alpha_deg < 180.0)
+    bounce = Effect("contact_bounce", {"probability": 0.25, "least_us": 300.0})
+
+    (found, *_) = told(late(few, on_side, 300.0), bounce)
+
+    assert any(name.startswith("azimuth") for name in found.conditions)
+    for seed in range(3):
+        plain = played(MACHINE, bounce, seed=seed)
+        rows = np.arange(0, len(plain.touches), 3)
+        assert told(replace(plain, touches=plain.touches.select(rows)), bounce) == []
 
 
 def test_what_leaves_nothing_more_to_chance_cannot_be_told_of() -> None:

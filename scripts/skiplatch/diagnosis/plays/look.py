@@ -8,7 +8,7 @@ forest that predicts each touch by trees that have not seen it (Breiman, Machine
 each other in plays as well: then what is seen is held against the same look at plays.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 
@@ -40,6 +40,9 @@ SELDOM = 1e-3
 """Share of touches that a rig that is right may have far off."""
 HELD_AGAINST = 6
 """Plays that are looked at as the record is."""
+FARTHEST = 3.0
+"""Standard deviations off the mean of its plays that a touch counts for at most."""
+IN_WORDS = {"shift": "", "scatter": " in size"}
 NEVER_ERRS = "grid"
 """Observable without gross errors: a scan whose stamp is off the grid of the others was off it."""
 
@@ -106,7 +109,15 @@ class Look:
 
     def told(self) -> Iterator[Left]:
         """Give all that goes with anything known."""
-        for look in (Look.straight, Look.predicted, Look.waves):
+        yield from self._by(Look.straight, Look.predicted, Look.waves)
+
+    def told_of_chance(self) -> Iterator[Left]:
+        """Give all that goes with anything known, also of what happens to some touches alone."""
+        yield from self.told()
+        yield from self._by(Look.happened)
+
+    def _by(self, *looks: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
+        for look in looks:
             yield from self._beside_plays(look) if self._is_shared else look(self)
 
     def _beside_plays(self, look: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
@@ -212,21 +223,34 @@ class Look:
 
     def predicted(self) -> Iterator[Left]:
         """Let a forest predict the scores, and how far they are off, both by the same trees."""
-        targets = np.column_stack([self._scores, self._sizes])
-        if len(targets) < FEWEST_FOR_FOREST or np.any(np.ptp(targets, axis=0) == 0.0):
+        yield from self._by_forest({"shift": self._scores, "scatter": self._sizes})
+
+    def happened(self) -> Iterator[Left]:
+        """Let a forest predict how far touches are off the mean of plays, in deviations of these.
+
+        That tells to which of them something happened that happens to some: ranks tell less of it,
+        for among those that it happened to each has a rank of its own.
+        """
+        middle, deviation = np.nanmean(self.played, axis=0), np.nanstd(self.played, axis=0)
+        off = (self.recorded - middle) / np.maximum(deviation, SMALLEST)
+        yield from self._by_forest({"shift": np.clip(off, -FARTHEST, FARTHEST)})
+
+    def _by_forest(self, targets: Mapping[str, FloatArray]) -> Iterator[Left]:
+        """Predict targets, shape (m,) each, by the kind of what they tell, by the same trees."""
+        values = np.column_stack(list(targets.values()))
+        if len(values) < FEWEST_FOR_FOREST or np.any(np.ptp(values, axis=0) == 0.0):
             return
         columns = dict(varying(self._setting.known, self._rows))
-        for values, kind in zip(targets.T, ("", " in size"), strict=True):
+        for kind, target in targets.items():
             full = np.full(len(self._rows), np.nan)
-            full[self._rows] = values
+            full[self._rows] = target
             around = varying(neighbours(self._setting.order, full), self._rows)
-            columns |= {f"{name}{kind}": column for name, column in around.items()}
+            columns |= {f"{name}{IN_WORDS[kind]}": column for name, column in around.items()}
         if not columns:
             return
-        predicted, names = told_by_forest(
-            columns, targets / targets.std(axis=0), self._setting.seed
-        )
-        for told, target, kind in zip(predicted.T, targets.T, ("shift", "scatter"), strict=True):
+        scaled = values / values.std(axis=0)
+        predicted, names = told_by_forest(columns, scaled, self._setting.seed)
+        for told, (kind, target) in zip(predicted.T, targets.items(), strict=True):
             if np.ptp(told) > 0.0:
                 correlation = float(np.corrcoef(told, target)[0, 1])
                 z = correlation * float(np.sqrt(len(target)))

@@ -31,10 +31,10 @@ def told_by_forest(
         max_features=1.0 / 3.0,
         oob_score=True,
         random_state=seed,
-    ).fit(np.column_stack(list(columns.values())), targets)
+    ).fit(np.column_stack(list(columns.values())), np.squeeze(targets))
     names = list(columns)
     strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
-    return np.asarray(forest.oob_prediction_), tuple(strongest[:NAMED])
+    return np.reshape(forest.oob_prediction_, targets.shape), tuple(strongest[:NAMED])
 
 
 def wave(

@@ -42,7 +42,7 @@ def _looks(beside: Beside, before: Beside, discrepancy: float) -> Iterator[Left]
         if rows.sum() >= FEWEST:
             look = beside.look(name, path, rows)
             least = discrepancy * _shift(beside, before, name, rows)
-            yield from (left for left in look.told() if left.size > least)
+            yield from (left for left in look.told_of_chance() if left.size > least)
 
 
 def _chancy_touches(beside: Beside, before: Beside) -> Iterator[tuple[str, str, BoolArray]]:
