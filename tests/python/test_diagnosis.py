@@ -41,6 +41,18 @@ def test_a_recorded_interrupt_latency_is_named_and_the_gap_shrinks() -> None:
     assert gap.shrink.low > 0.95
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong", "least"),
+    [(0, 0, 0.1), (9, 0, 0.1**0.1), (99, 0, 0.1**0.01), (0, 9, 1.0 - 0.9**0.1)],
+)
+def test_a_confidence_is_what_few_counts_leave_for_certain(
+    right: int, wrong: int, least: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiplatch.diagnosis.verdict.reliability._counts", lambda _: (right, wrong))
+
+    assert reliability(Verdict.EXPLAINED) == pytest.approx(least)
+
+
 @pytest.mark.parametrize("folder", [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"])
 def test_recorded_campaigns_without_a_gap_get_no_name(folder: Path) -> None:
     diagnosis = diagnose(read_campaign(folder), seed=1, jobs=JOBS)

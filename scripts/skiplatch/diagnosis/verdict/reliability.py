@@ -4,10 +4,13 @@ import json
 from functools import cache
 from importlib import resources
 
+from scipy import stats
+
 from skiplatch.diagnosis.verdict.verdict import Verdict
 
 FILE = "reliability.json"
-
+CERTAINTY = 0.9
+"""With which as large a share of names is right as is said, or a larger one."""
 
 RIGHT, WRONG = "right", "wrong"
 
@@ -21,10 +24,11 @@ def _counts(verdict: Verdict) -> tuple[int, int]:
 
 
 def reliability(verdict: Verdict) -> float:
-    """Give the share of names that were right, one more of each kind counted for want of more.
+    """Give the share of names that are right at least, for certain: few were counted.
 
-    The file is written by the withheld check, with seeds and the versions that were checked, over
+    It is the lower end of what the counts leave of a share of which nothing was known (Bayes). The
+    file is written by the withheld check, with seeds and the versions that were checked, over
     campaigns with strangers, unknown data and wrong beliefs in their share.
     """
     right, wrong = _counts(verdict)
-    return (right + 1.0) / (right + wrong + 2.0)
+    return float(stats.beta.ppf(1.0 - CERTAINTY, right + 1.0, wrong + 1.0))
