@@ -12,8 +12,7 @@
 #define UM_PER_MM     1000.0
 #define PPM           1.0e-6
 
-/* Where the axis shows itself past the nominal surface when it is so far past the real one, in µm.
- */
+/* How far past the nominal surface the axis shows itself, in µm, from how far past the real one. */
 static double shown_um(const sim_effect_call_t *call, double position_um)
 {
     return position_um + call->touch->datum_um;
