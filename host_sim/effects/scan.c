@@ -32,8 +32,8 @@ double effect_input_image_delay(const sim_effect_call_t *call, double scans)
 }
 
 /*
- * The controller starts its motions on a scan, so that the edge falls about one point of the
- * next.
+ * The controller starts its motions on a scan, so that the edge falls about a point of the next,
+ * or about one of two.
  */
 double effect_scan_phase_lock(const sim_effect_call_t *call, double phase)
 {

@@ -11,7 +11,8 @@ from skiplatch.diagnosis.candidates.grid_starts import _coarsest
 from skiplatch.diagnosis.candidates.scan_starts import overruns, scan_periods
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import fit
+from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.fit import Fit, fit
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
@@ -244,3 +245,13 @@ def test_edges_bound_to_the_scans_propose_no_period_that_no_scan_can_have() -> N
     periods = [believed + start[0] for start in scan_periods(scene, Change())]
 
     assert min(periods) >= 0.08 * believed
+
+
+@pytest.mark.parametrize("turns", [-1.0, 1.0])
+def test_a_place_in_a_period_is_the_same_a_period_on(turns: float) -> None:
+    values = np.array([0.3 + turns, 0.05, 0.0, 0.4 - turns, 0.2])
+
+    (effect,) = as_effects(Fit((CANDIDATES["scan_phase_lock"],), (values,), frozenset()))
+
+    assert effect.parameters["phase"] == pytest.approx(0.3)
+    assert effect.parameters["second_after"] == pytest.approx(0.4)

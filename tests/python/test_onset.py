@@ -260,11 +260,3 @@ def test_an_effect_that_fits_not_all_touches_may_begin_where_something_is_left(
 
     assert finds_any(cast(Any, Ranking()), noticed) == bool(left)
     assert asked == [None]
-
-
-@pytest.mark.parametrize("turns", [-1.0, 1.0])
-def test_a_place_in_a_period_is_the_same_a_period_on(turns: float) -> None:
-    (effect,) = as_effects(of("scan_phase_lock", [0.3 + turns, 0.05, 0.0, 0.4 - turns, 0.2]))
-
-    assert effect.parameters["phase"] == pytest.approx(0.3)
-    assert effect.parameters["second_after"] == pytest.approx(0.4)
