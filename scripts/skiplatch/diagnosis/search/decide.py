@@ -84,7 +84,7 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     best, pairs = _with_second(judge, best, noticed)
     if not _is_accepted(judge, pairs, best, noticed):
         # What scatters, or needs slack, may have taken two for one: the next best may be half.
-        pairs = _from_next_best(judge, ranked, best, noticed)
+        pairs = from_next_best(judge, ranked, best, noticed)
         if not pairs:
             ranked = [best, *(s for s in ranked if s.ids != best.ids)]
             return _single(judge, best, ranked)
@@ -148,7 +148,7 @@ def _is_accepted(judge: Judge, pairs: Sequence[Scored], first: Scored, noticed: 
     return bool(pairs) and _is_further(judge, pairs[0], first, noticed)
 
 
-def _from_next_best(
+def from_next_best(
     judge: Judge, ranked: Sequence[Scored], best: Scored, noticed: Noticed
 ) -> list[Scored]:
     """Give the best pairs of other first effects, if they beat the best effect; else none."""
@@ -157,10 +157,21 @@ def _from_next_best(
     near.sort(key=judge.is_scatter)  # scatter hides best what is none
     for first in near[: BEAM - 1]:
         pairs = _pairs(judge, first, noticed(first))
-        is_better = bool(pairs) and pairs[0].score > best.score + TIED
-        if is_better and _is_accepted(judge, pairs, first, noticed):
+        if not pairs or pairs[0].score <= best.score + TIED:
+            continue
+        is_further = _is_further(judge, pairs[0], first, noticed)
+        if is_further and _passes_in_any_order(judge, pairs[0], best, noticed):
             return pairs
     return []
+
+
+def _passes_in_any_order(judge: Judge, pair: Scored, best: Scored, noticed: Noticed) -> bool:
+    """Tell whether the other effect of a pair that has the best one is a further one of that."""
+    if pair.ids[1] != best.ids[0]:
+        return True
+    fit = pair.fit
+    turned = replace(fit, candidates=fit.candidates[::-1], parameters=fit.parameters[::-1])
+    return _is_further(judge, judge.score(turned), best, noticed)
 
 
 def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
