@@ -251,13 +251,8 @@ def test_the_likeliest_length_of_each_group_is_that_of_brute_force(
     groups, per_length = np.resize([0, 1, 2], N), np.resize([1.0, 0.5], N)
     truth = np.array([0.0, 8.0, -5.0])
     values = drawn(law, rng) + truth[groups] * per_length
-    off = (values - law.mean) / per_length
-    weights = np.array([(N / 3) / np.var(off[groups == g]) for g in range(3)])
-    known = weights + (0.0 if u is None else u**-2.0)
-    guesses = np.array([np.median(off[groups == g]) for g in range(3)]) * weights / known
-    steps = known**-0.5
 
-    found, logs = law.laid_out(values, REACH).at_best_datum(per_length, groups, guesses, steps, u)
+    found, logs = law.laid_out(values, REACH).at_best_datum(per_length, groups, 3, u)
 
     np.testing.assert_allclose(
         logs, law.log_density(values - found[groups] * per_length, REACH), atol=1e-9
@@ -273,8 +268,19 @@ def test_the_likeliest_length_of_each_group_is_that_of_brute_force(
 def test_what_is_believed_is_never_likelier_than_the_likeliest_length(name: str) -> None:
     rng, law = np.random.default_rng(5), LAWS[name]
     values, groups = drawn(law, rng), np.zeros(N, dtype=np.intp)
-    guesses, steps = np.array([0.5]), np.array([0.2])
 
-    _, logs = law.laid_out(values, REACH).at_best_datum(ONES, groups, guesses, steps, None)
+    _, logs = law.laid_out(values, REACH).at_best_datum(ONES, groups, 1, None)
 
     assert logs.sum() >= law.log_density(values, REACH).sum() - 1e-9
+
+
+def test_the_likeliest_length_is_found_where_the_middle_is_far_from_it() -> None:
+    """Most touches are off by more than their laws allow, and no two of these alike."""
+    law, rng = Law(0.0 * ONES, ONES, 0.0 * ONES, 0.0 * ONES), np.random.default_rng(3)
+    anywhere = np.linspace(-100.0, 300.0, N)
+    values = np.where(np.arange(N) % 3 == 0, -80.0 + law.sigma * rng.normal(size=N), anywhere)
+
+    found, _ = law.laid_out(values, REACH).at_best_datum(ONES, np.zeros(N, dtype=np.intp), 1, None)
+
+    assert np.median(values) > 0.0
+    assert found[0] == pytest.approx(-80.0, abs=1.0)

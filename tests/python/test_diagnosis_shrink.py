@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy import stats
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
 from played_campaigns import BENCH, LATE_BENCH, MACHINE, played, played_again
@@ -192,6 +193,26 @@ def test_effects_that_scatter_too_much_do_not_make_the_gap_small() -> None:
     scores = scored(before=30.0, after=29.0, floor=40.0, nominal_floor=10.0)
 
     assert _share_gone(scores, scores.after, seed=1, is_clear=True).value == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize(("miss", "is_clear"), [(0.4, False), (0.7, True)])
+def test_plays_that_all_round_alike_may_be_off_by_half_a_step(miss: float, is_clear: bool) -> None:
+    """They have no noise floor; what was recorded may round the other way."""
+    exact = np.zeros(12)
+    off = TouchScores(np.linspace(miss, miss + 0.01, 12), exact)
+    cell = Cell(InputPath.SKIP, TouchScores(exact, exact), off, None)
+
+    assert CellScores.of([cell], least=1.0 / 6.0).is_clear(0.001) == is_clear
+
+
+def test_one_touch_that_effects_miss_by_far_hides_nothing_of_what_they_do_for_the_others() -> None:
+    nearly = np.linspace(1.0, 1.03, 30)
+    after = np.concatenate([nearly[1:], [40.0]])
+    before, floor = np.linspace(3.0, 3.1, 30), np.full(30, 5.0)
+    scores = CellScores(np.ones(30), before, after, floor, np.ones(30), None)
+
+    assert stats.ttest_1samp(scores.before - after, 0.0).pvalue > 0.1
+    assert scores.is_clear(0.001)
 
 
 def test_wide_cells_do_not_drown_the_narrow_ones() -> None:

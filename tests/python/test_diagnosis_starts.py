@@ -8,8 +8,8 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.believed import scene_of
-from skiplatch.diagnosis.fit.fit import NOTHING
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
 from skiplatch.simulator.effects import Effect

@@ -21,13 +21,14 @@ from skiplatch.diagnosis.fit.onset import (
     gained_by_an_end,
     outlives_datum,
     passing,
+    polished,
     proposed,
 )
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import finds_any
-from skiplatch.diagnosis.search.scored import Scored, worth
+from skiplatch.diagnosis.search.scored import PLAIN, Scored, worth
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes
@@ -117,7 +118,7 @@ def test_the_touch_is_found_at_which_an_effect_begins_or_ends(begins: bool) -> N
     scene = Scene.of(played(BENCH, replace(LATE, span=span)))
 
     (first, *_) = proposed(scene, [of("isr_latency", [20.0, 0.0, 0.0])])
-    found = passing(scene, first)
+    found = polished(scene, passing(scene, first))
 
     (effect,) = as_effects(found)
     assert (effect.span.since if begins else effect.span.until) == pytest.approx(touch, abs=3)
@@ -148,16 +149,16 @@ def test_a_surface_that_was_moved_is_no_effect_that_begins() -> None:
     campaign = read_campaign(MACHINE)
     touches, since = campaign.touches, middle_touch(campaign)
     later = touches.touch >= since
-    shifted = replace(touches, deviation_um=touches.deviation_um + 30.0 * later)
+    shifted = replace(touches, deviation_um=touches.deviation_um + 15.0 * later)
     nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS))
     moved = Scene.of(replace(campaign, nominal=nominal, touches=shifted))
     delay = CANDIDATES["trigger_delay"]
     span = Span(since=since)
-    starts = [[300.0, 0.0, 0.0], [600.0, 0.0, 0.0]]
+    starts = [[150.0, 0.0, 0.0], [300.0, 0.0, 0.0]]
     found = fit(moved, [replace(delay, span=span)], starts)
 
-    assert nats(moved, found.change(moved)) - nats(moved, Change()) > 100.0
-    assert outlives_datum(moved, found) < 15.0
+    assert nats(moved, found.change(moved)) - nats(moved, Change()) > PLAIN
+    assert outlives_datum(moved, found) < PLAIN
 
 
 def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
@@ -171,7 +172,7 @@ def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
 
     # As a part of the campaign shows it, beside a datum of its own: all of it in one sense.
     first, *_ = proposed(scene, [of("backlash", [4.0, 0.0, 0.0, 0.0])])
-    (effect,) = as_effects(passing(scene, first))
+    (effect,) = as_effects(polished(scene, passing(scene, first)))
 
     assert effect.span.until == pytest.approx(span.until, abs=4)
     assert effect.parameters["backlash_um"] == pytest.approx(2.0, abs=0.5)

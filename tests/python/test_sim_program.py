@@ -62,6 +62,6 @@ def test_no_allocation_of_the_simulation_is_without_a_test() -> None:
         "batch.c": 1,
         "five_axis_setup.c": 1,
         "kinematics_memory.c": 1,
-        "law.c": 3,
+        "datum.c": 3,
         "main.c": 2,
     }

@@ -89,14 +89,11 @@ static int find_datum(void)
     static const sim_law_t laws[] = {{.sigma = 0.1}, {.sigma = 0.1}, {.sigma = 0.1}};
     static const double    ones[] = {1.0, 1.0, 1.0};
     static const uint32_t  groups[] = {0u, 0u, 0u};
-    static const double    guess = 0.5;
-    static const double    step = 0.1;
     const sim_residuals_t  of = {
         .residuals = residuals, .laws = laws, .reach = ones, .n = 3u, .resolution = 0.01};
-    const sim_datum_t datum = {
-        .per_length = ones, .groups = groups, .guesses = &guess, .steps = &step, .group_count = 1u};
-    double found = 0.0;
-    double log_densities[3];
+    const sim_datum_t datum = {.per_length = ones, .groups = groups, .group_count = 1u};
+    double            found = 0.0;
+    double            log_densities[3];
 
     if (sim_law_at_best_datum(&of, &datum, &found, log_densities) != 0) {
         return SIM_PLAY_ERR_MEMORY;

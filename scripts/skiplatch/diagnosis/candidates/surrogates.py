@@ -8,7 +8,7 @@ from itertools import accumulate
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.nominal_chain import LOBES
 from skiplatch.diagnosis.scene.scene import Scene
@@ -142,7 +142,7 @@ def transmission(scene: Scene, p: Parameters) -> Change:
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
     period = max(abs(p[1]), SHORTEST_MM)
     if not (scene.whole or scene).shortest_wave_mm <= period <= max(span, SHORTEST_MM):
-        return Change()  # what shows less than a period is not periodic, nor what nobody can see
+        return NOTHING  # what shows less than a period is not periodic, nor what nobody can see
     turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[9], p[10]))
     error_um = p[0] * np.sin(turn + np.deg2rad(p[2]))
     for order, size_um, phase_deg in ((2.0, p[3], p[4]), (3.0, p[5], p[6])):
@@ -189,7 +189,7 @@ def warmed(scene: Scene, p: Parameters) -> Change:
     """The position follows the temperature, behind it by a lag."""
     lag_s = abs(p[1])
     if lag_s > MOST_LAG * float(np.ptp((scene.whole or scene).touches.time_s)):
-        return Change()  # what hardly moves all the while follows nothing
+        return NOTHING  # what hardly moves all the while follows nothing
     warmth_k = _lagged(scene, lag_s, as_share(p[2]))
     return Change(position_um=scene.sign * p[0] * warmth_k * scene.over_x(p[3], p[4]))
 
@@ -264,7 +264,7 @@ def coarse_positions(scene: Scene, p: Parameters) -> Change:
         return Change(coarse_um=step_um)
     if not p[2]:  # steps too fine to show: coarser ones would
         is_fine = step_um <= BLURRED * scene.nominal.axis.resolution_um
-        return Change(coarse_um=step_um, line_um=np.nan) if is_fine else Change()
+        return Change(coarse_um=step_um, line_um=np.nan) if is_fine else NOTHING
     line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
     return Change(coarse_um=step_um, line_um=line_um)
 

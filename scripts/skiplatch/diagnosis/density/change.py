@@ -96,6 +96,8 @@ class Change:
 
     def joined(self, other: "Change") -> "Change":
         """Give both changes together."""
+        if self is NOTHING or other is NOTHING:
+            return other if self is NOTHING else self
         return Change(
             contact_us=self.contact_us + other.contact_us,
             speed_ratio=self.speed_ratio * other.speed_ratio,
@@ -127,6 +129,9 @@ class Change:
             lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
             passing=self.passing + other.passing,
         )
+
+
+NOTHING = Change()
 
 
 def _both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:

@@ -12,7 +12,7 @@ from itertools import accumulate, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray, median
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.residuals import Residuals
 
 CodeArray = NDArray[np.intp]
@@ -23,9 +23,6 @@ WITHOUT_STAMPS = ("deviation_skip", "deviation_plc")
 FAMILIES = (BY_STAMPS, BY_COORDINATES, WITHOUT_STAMPS)
 """Observables that one length shifts together."""
 SHIFTED = frozenset(name for family in FAMILIES for name in family)
-CALM = 2.0
-"""Standard deviations beyond which a touch pulls a first guess no further."""
-TINY = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,15 +31,11 @@ class Part:
 
     Attributes:
         residuals: With their laws.
-        off: By how much each is off the middle of its law.
-        variance: Of the law.
         per_um: By how much a µm of datum shifts each.
         groups: Which datum each belongs to, from 0 up.
     """
 
     residuals: Residuals
-    off: FloatArray
-    variance: FloatArray
     per_um: FloatArray
     groups: CodeArray
 
@@ -60,24 +53,9 @@ def at_best_datum(
     Returns:
         The datum of each group, shape (g,), and the logarithms of the densities there, by part.
     """
+    whole = Residuals.together([part.residuals for part in parts])
     per_um = np.concatenate([part.per_um for part in parts])
     groups = np.concatenate([part.groups for part in parts])
-    off_um = np.concatenate([part.off for part in parts]) / per_um
-    width_um = np.sqrt(np.concatenate([part.variance for part in parts])) / per_um
-    weights = width_um**-2.0
-    told = np.bincount(groups, weights, count)
-    weight = told + (0.0 if u_um is None else max(u_um, TINY) ** -2.0)
-    guess = np.zeros(count)
-    for group in range(count):
-        here = np.flatnonzero(groups == group)
-        if len(here):
-            widths_um = width_um[here]
-            guess[group] = median(off_um[here[widths_um <= median(widths_um)]])
-    calm = np.clip((off_um - guess[groups]) / width_um, -CALM, CALM) * width_um
-    pull = np.bincount(groups, calm * weights, count)
-    guess = (guess + pull / np.maximum(told, TINY)) * told / np.maximum(weight, TINY)
-    whole = Residuals.together([part.residuals for part in parts])
-    steps = np.maximum(weight, TINY) ** -0.5
-    found, logs = whole.at_best_datum(per_um, groups, guess, steps, u_um)
-    ends = accumulate((len(part.off) for part in parts), initial=0)
+    found, logs = whole.at_best_datum(per_um, groups, count, u_um)
+    ends = accumulate((len(part.groups) for part in parts), initial=0)
     return found, [logs[begin:end] for begin, end in pairwise(ends)]

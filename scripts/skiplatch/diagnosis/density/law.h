@@ -41,10 +41,8 @@ typedef struct {
 
 /* Lengths that are not known, each shared by a group of residuals. */
 typedef struct {
-    const double   *per_length; /* by how much a unit of it moves each residual; n */
+    const double   *per_length; /* by how much a unit of it moves each residual, > 0; n */
     const uint32_t *groups;     /* whose length moves it; n */
-    const double   *guesses;    /* where to begin; group_count */
-    const double   *steps;      /* and with what steps, > 0; group_count */
     uint32_t        group_count;
     double          u; /* standard uncertainty of a length about 0; 0 if it may be anything */
 } sim_datum_t;
@@ -60,9 +58,9 @@ typedef struct {
 void sim_law_log_density(const sim_residuals_t *of, double *log_densities);
 
 /*
- * Find the likeliest length of each group, starting from 0 and from the guess, and write it to
- * found[group_count], and the logarithms of the densities there to log_densities[n]. 0, or -1 if
- * there is no memory.
+ * Find the likeliest length of each group, starting from where the residuals that tell most of it
+ * say that it is, and from 0 if that is near. Write it to found[group_count], and the logarithms of
+ * the densities there to log_densities[n]. 0, or -1 if there is no memory.
  */
 int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, double *found,
                           double *log_densities);

@@ -64,6 +64,20 @@ double residual_part_density(const residual_part_t *part, double x)
     return fabs(part->share) <= 0.0 ? 0.0 : part->share * sum_density(&part->sum, x);
 }
 
+moments_t residual_moments(const residual_part_t *parts, uint64_t n)
+{
+    double mean = 0.0;
+    double variance = 0.0;
+    for (uint64_t k = 0; k < n; ++k) {
+        mean += parts[k].share * sum_mean(&parts[k].sum);
+    }
+    for (uint64_t k = 0; k < n; ++k) {
+        double off = sum_mean(&parts[k].sum) - mean;
+        variance += parts[k].share * (sum_variance(&parts[k].sum) + square(off));
+    }
+    return (moments_t){.mean = mean, .variance = variance};
+}
+
 static double cauchy(double x, double width)
 {
     return 1.0 / (PI * width * (1.0 + square(x / width)));

@@ -1,4 +1,4 @@
-/* How likely one residual is under its law and its extras. Only law.c uses it. */
+/* How likely one residual is under its law and its extras. Behind law.h; nobody else uses it. */
 #ifndef DIAGNOSIS_RESIDUAL_H
 #define DIAGNOSIS_RESIDUAL_H
 
@@ -13,11 +13,20 @@ typedef struct {
     sum_t  sum;
 } residual_part_t;
 
+/* Mean and variance of a law. */
+typedef struct {
+    double mean;
+    double variance;
+} moments_t;
+
 /* Give part k of residual i: without an extra for 0, with extra k - 1 for others. */
 residual_part_t residual_part(const sim_residuals_t *of, uint64_t i, uint32_t k);
 
 /* What a part adds to the density at x. */
 double residual_part_density(const residual_part_t *part, double x);
+
+/* Mean and variance of what all n parts of a residual add up to. */
+moments_t residual_moments(const residual_part_t *parts, uint64_t n);
 
 /* Logarithm of what all parts add up to at x, if one in a thousand may lie within `reach`. */
 double residual_log_density(double density, double x, double reach);

@@ -1,4 +1,4 @@
-"""Residuals laid out for the densities that ``law.c`` computes."""
+"""Residuals laid out for the densities that ``density.c`` computes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.simulator.library import CData, connection, layout
+
+LEAST_U = 1e-12
+"""Standard uncertainty of a length that is known."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -104,37 +107,29 @@ class Residuals:
         return found
 
     def at_best_datum(
-        self,
-        per_length: FloatArray,
-        groups: NDArray[np.intp],
-        guesses: FloatArray,
-        steps: FloatArray,
-        u: float | None,
+        self, per_length: FloatArray, groups: NDArray[np.intp], count: int, u: float | None
     ) -> tuple[FloatArray, FloatArray]:
         """Find the length that each group of residuals is off by; see ``sim_law_at_best_datum``.
 
         Args:
-            per_length: By how much a unit of it moves each residual; shape (n,).
-            groups: Numbers of the groups; shape (n,).
-            guesses: Where the search begins, beside 0; shape (g,).
-            steps: Its steps; shape (g,).
+            per_length: By how much a unit of it moves each residual, > 0; shape (n,).
+            groups: Number of the group of each, from 0 up; shape (n,).
+            count: How many groups there are, g.
             u: Standard uncertainty about 0; None if it may be anything.
 
         Returns:
             The lengths, shape (g,), and the logarithms of the densities there, shape (n,).
         """
         ffi, library = connection()
-        found, logs = np.zeros(len(guesses)), np.empty(len(self.values))
+        found, logs = np.zeros(count), np.empty(len(self.values))
         kept = (
             ffi.from_buffer("double[]", np.ascontiguousarray(per_length, dtype=np.float64)),
             ffi.from_buffer("uint32_t[]", np.ascontiguousarray(groups, dtype=np.uint32)),
-            ffi.from_buffer("double[]", np.ascontiguousarray(guesses, dtype=np.float64)),
-            ffi.from_buffer("double[]", np.ascontiguousarray(steps, dtype=np.float64)),
         )
         laid_out, _alive = self._laid_out()
         code = library.sim_law_at_best_datum(
             laid_out,
-            ffi.new("sim_datum_t *", (*kept, len(guesses), u or 0.0)),
+            ffi.new("sim_datum_t *", (*kept, count, 0.0 if u is None else max(u, LEAST_U))),
             ffi.from_buffer("double[]", found, require_writable=True),
             ffi.from_buffer("double[]", logs, require_writable=True),
         )

@@ -128,6 +128,17 @@ void sum_fold_thin(sum_t *sum)
     }
 }
 
+double sum_mean(const sum_t *sum)
+{
+    return sum->middle + (sum->narrow + sum->wide) / 2.0 + sum->mean;
+}
+
+double sum_variance(const sum_t *sum)
+{
+    double boxes = square(sum->narrow) + square(sum->wide);
+    return square(sum->sigma) + boxes / BOX_VARIANCE + square(sum->mean);
+}
+
 static double without_exponential(const sum_t *sum, double x)
 {
     if (sum->narrow > 0.0) {

@@ -20,6 +20,9 @@ void sum_fold_box(sum_t *sum, double *box);
 /* Make what is too thin to have a shape of its own a part of the Gaussian. */
 void sum_fold_thin(sum_t *sum);
 
+double sum_mean(const sum_t *sum);
+double sum_variance(const sum_t *sum);
+
 /* The density at x, ≥ 0, of a sum with nothing too thin in it. */
 double sum_density(const sum_t *sum, double x);
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from skiplatch.campaign import BelievedEffect, Campaign
 from skiplatch.diagnosis.candidates.simulated import catalogue
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.directions import with_directions
@@ -22,7 +22,7 @@ class BelievedEffects:
     def change(self, scene: Scene) -> Change:
         """Give what they make of the physics of the chain."""
         changes = (_change(scene, effect) for effect in scene.nominal.believed_effects)
-        return reduce(Change.joined, changes, Change())
+        return reduce(Change.joined, changes, NOTHING)
 
     def law(self, scene: Scene, stream: Stream) -> Law:
         """Give the law of a stream's residuals, all n of them."""

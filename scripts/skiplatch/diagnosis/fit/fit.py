@@ -9,7 +9,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.climb import STEP, WORST, climb
@@ -35,7 +35,6 @@ WORTH_A_REFINEMENT = 2.0
 """Nats that one more parameter has to gain; it is also what it gains by chance."""
 WORTH_OF_AN_END = 3
 """Parameters that the touch counts for at which an effect begins or ends."""
-NOTHING = Change()
 SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
 KEPT_STARTS = 2
 MOST_LEFT = 0.7

@@ -6,11 +6,10 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate, Refinement
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.climb import climb
 from skiplatch.diagnosis.fit.fit import (
     FINEST,
-    NOTHING,
     SLACKS,
     WORTH_A_REFINEMENT,
     Fit,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.fit import FINEST, SLACKS, Fit, fit
 from skiplatch.diagnosis.fit.forms import polish
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
@@ -39,16 +39,17 @@ def proposed(scene: Scene, fits: Iterable[Fit]) -> list[Fit]:
     Their form is left open: what fits a few touches just so is off at others. So is the datum where
     they act, for that of these touches is what they were fitted beside.
     """
-    spans = [spans for begins in (True, False) if (spans := _spans(scene, begins=begins))]
+    few = [_few(spans) for begins in (True, False) if (spans := _spans(scene, begins=begins))]
+    moved = {span: _moved(scene, span) for spans in few for span in spans}
     loose = [replace(found, slack=SLACKS[-1]) for found in fits]
 
     def nats(one: Fit) -> float:
-        return _nats(_moved(scene, one.candidates[0].span), one)
+        return _nats(moved[one.candidates[0].span], one)
 
     roughly = [
-        max((_within(found, span) for span in _few(some)), key=nats)
+        max((_within(found, span) for span in spans), key=nats)
         for found in (*fits, *loose)
-        for some in spans
+        for spans in few
     ]
     best: dict[tuple[str, bool], Fit] = {}
     for one in sorted(roughly, key=lambda one: -nats(one)):
@@ -68,12 +69,16 @@ def gained_by_an_end(scene: Scene, fits: Sequence[Fit]) -> float:
 
 def passing(scene: Scene, found: Fit) -> Fit:
     """Fit the parameters of an effect that begins or ends, and the touch, in turn."""
-    spans = _spans(scene, begins=found.candidates[0].span.since is not None)
     for _ in range(TIMES):
-        found = _cut(scene, found, spans)
+        found = _cut(scene, found)
         starts = [np.concatenate(found.parameters).tolist()]
         found = fit(scene, found.candidates, starts, widenings=FINEST)
-    return _cut(scene, polish(scene, found), spans)
+    return found
+
+
+def polished(scene: Scene, found: Fit) -> Fit:
+    """Give such a fit another form, or slack, where that is worth it; and the touch once more."""
+    return _cut(scene, polish(scene, found))
 
 
 def _spans(scene: Scene, *, begins: bool) -> list[Span]:
@@ -92,7 +97,7 @@ def outlives_datum(scene: Scene, found: Fit) -> float:
     def gain(candidate: Candidate) -> float:
         moved = _moved(scene, candidate.span)
         changed = likelihood(moved, found.change(moved)).total
-        return changed - likelihood(moved, Change()).total
+        return changed - likelihood(moved, NOTHING).total
 
     return min(map(gain, found.candidates))
 
@@ -103,8 +108,9 @@ def _moved(scene: Scene, span: Span) -> Scene:
     return scene if cut is None else scene.with_datum_moved(cut)
 
 
-def _cut(scene: Scene, found: Fit, spans: Sequence[Span]) -> Fit:
+def _cut(scene: Scene, found: Fit) -> Fit:
     """Find the span in which the effect acts: ever closer about the best of a few."""
+    spans = _spans(scene, begins=found.candidates[0].span.since is not None)
     while len(spans) > CUTS:
         few = _few(spans)
         best = few.index(_best(scene, found, few).candidates[0].span)

@@ -4,7 +4,7 @@ The change is carried through the chain to the law of every stream it can be see
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -155,8 +155,6 @@ class _Member:
     change: Change
     residuals: Residuals | None = None
     """None for the grid of the scans, whose law is that of all stamps together."""
-    off: FloatArray = field(default_factory=lambda: np.zeros(0))
-    """By how much they are off the middle of the law."""
     bonus: FloatArray | float = 0.0
 
     @classmethod
@@ -170,8 +168,7 @@ class _Member:
         if stream.name == "position" and scene.plc.any():
             known = known - _rest_of_a_tick_um(scene, stream, law, change.coarse_us)
         residuals = law.laid_out(known, 10.0 * law.usual_spread + stream.far)
-        off = known - law.mean if scene.datum_groups is not None else known
-        return cls(stream, law, change, residuals, off, line_bonus(scene, stream, change))
+        return cls(stream, law, change, residuals, line_bonus(scene, stream, change))
 
     def values(self, scene: Scene, logs: FloatArray | None) -> FloatArray:
         """Give the log-likelihood of each touch, shape (n,), by that of the rows."""
@@ -197,8 +194,6 @@ def _values(scene: Scene, members: Sequence[_Member]) -> tuple[FloatArray, dict[
     parts = {
         i: datum.Part(
             m.residuals,
-            m.off,
-            m.law.variance,
             scene.per_datum_um(m.stream)[m.stream.indices],
             scene.datum_groups[m.stream.indices],
         )

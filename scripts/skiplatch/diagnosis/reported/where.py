@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.leftover import MISSED
@@ -66,7 +66,7 @@ def places(
     found = []
     if finding.model:
         change = finding.model.fit.change(scene)
-        gained, base = likelihood(scene, change).streams, likelihood(scene, Change()).streams
+        gained, base = likelihood(scene, change).streams, likelihood(scene, NOTHING).streams
         nats = {name: float((gained[name] - base[name]).sum()) for name in gained}
         least = max(LEAST_NATS, LEAST_SHARE * max(nats.values()))
         stages = {effects()[i].stage for i in finding.model.ids}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import Axis, Campaign, Nominal, Touches
 from skiplatch.campaign.datum import DatumFreedom
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import SHIFTED
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
@@ -138,7 +138,7 @@ class Scene(NominalChain):
     @cached_property
     def believed(self) -> Change:
         """What the effects that are believed in make of the physics of the chain."""
-        return Change() if self.physics is None else self.physics.change(self)
+        return NOTHING if self.physics is None else self.physics.change(self)
 
     def with_beliefs(self, change: Change) -> Change:
         """Give a change of the believed rig as one of the chain."""

@@ -10,10 +10,9 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.beliefs import Belief, Fitted, fit_beliefs, uncertain
 from skiplatch.diagnosis.fit.fit import (
-    NOTHING,
     SLACKS,
     WORTH_A_REFINEMENT,
     Fit,
@@ -30,13 +29,15 @@ from skiplatch.diagnosis.search.scored import (
     without_twins,
     worth,
 )
-from skiplatch.diagnosis.search.scorer import Scorer, gain_in
+from skiplatch.diagnosis.search.scorer import Scorer
 from skiplatch.diagnosis.search.tasks import (
     both,
     fit_in_forms,
     fit_jointly,
     fit_passing,
+    fit_passing_in_forms,
     fit_plainly,
+    fit_roughly,
     fit_turned,
 )
 
@@ -130,13 +131,18 @@ class Judge(Scorer):
         """
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in ends_of(self._fitting):
-            there = self._each(fit_plainly, [(part, c, NOTHING) for c in self._candidates()])
-            gained = [(gain_in(part, one), i, one) for i, one in enumerate(there)]
-            best = sorted(gained, reverse=True)[:ALSO_PASSING]
-            fits += [one for gain, _, one in best if gain > WORTH_A_REFINEMENT]
+            there = self._each(fit_roughly, [(part, c) for c in self._candidates()])
+            gains = [_gain(part, one, NOTHING) for one in there]
+            best = _falling(gains)[:ALSO_PASSING]
+            fits += [there[i] for i in best if gains[i] > WORTH_A_REFINEMENT]
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
-        found = map(self.score, self._each(fit_passing, tasks))
-        return self._with_twins(one for one in found if self._is_no_datum(one))
+        begun = self._each(fit_passing, tasks)
+        near = _near([_gain(self._fitting, one, NOTHING) for one in begun])
+        tasks = [(self._fitting, begun[i]) for i in near]
+        for i, formed in zip(near, self._each(fit_passing_in_forms, tasks), strict=True):
+            begun[i] = formed
+        scored = map(self.score, begun)
+        return self._with_twins(one for one in scored if self._is_no_datum(one))
 
     def _is_no_datum(self, scored: Scored) -> bool:
         """Tell whether an effect that begins is more than a surface that was moved then."""
@@ -148,21 +154,11 @@ class Judge(Scorer):
         if not candidates:
             return []
         fits = self._each(fit_plainly, [(self._fitting, c, given) for c in candidates])
-        gains = [self._gain(found, given) for found in fits]
-        least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains))
-        order = sorted(range(len(gains)), key=lambda i: -gains[i])
-        near = [i for i in order[:MOST_POLISHED] if gains[i] >= least]
+        near = _near([_gain(self._fitting, found, given) for found in fits])
         forms = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
         for i, found in zip(near, forms, strict=True):
             fits[i] = found
         return fits
-
-    def _gain(self, found: Fit, given: Change) -> float:
-        """Gain of a model, with its form left open or not, on the touches it was fitted to."""
-        forms = (found, replace(found, slack=SLACKS[-1]))
-        changes = (given.joined(form.change(self._fitting)) for form in forms)
-        most = max(likelihood(self._fitting, change).total for change in changes)
-        return most - likelihood(self._fitting, given).total
 
     def pairs(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
         """A model with every other effect: one by one on top of it, the best then jointly.
@@ -280,3 +276,21 @@ class Judge(Scorer):
     def _candidates(self) -> list[Candidate]:
         """Give the effects that have to be fitted: one of those that do just the same."""
         return list({c.change: c for c in reversed(self._applicable)}.values())[::-1]
+
+
+def _gain(scene: Scene, found: Fit, given: Change) -> float:
+    """Give what a model gains on top of a change, with its form left open or not."""
+    forms = (found, replace(found, slack=SLACKS[-1]))
+    most = max(likelihood(scene, given.joined(form.change(scene))).total for form in forms)
+    return most - likelihood(scene, given).total
+
+
+def _falling(gains: Sequence[float]) -> list[int]:
+    """Number models by falling gain."""
+    return sorted(range(len(gains)), key=lambda i: -gains[i])
+
+
+def _near(gains: Sequence[float]) -> list[int]:
+    """Number the models that come near the best, by falling gain."""
+    least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains, default=0.0))
+    return [i for i in _falling(gains)[:MOST_POLISHED] if gains[i] >= least]

@@ -5,7 +5,7 @@ from functools import reduce
 
 import numpy as np
 
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.likelihood.laws import law_under
@@ -35,7 +35,7 @@ def _reached(part: Scene, model: Fit) -> frozenset[str]:
 def gain_in(part: Scene, model: Fit, names: Collection[str] | None = None) -> float:
     """Give what a model gains over the unchanged simulation in some streams; in all without any."""
     changed = likelihood(part, model.change(part), names=names).total
-    return changed - likelihood(part, Change(), names=names).total
+    return changed - likelihood(part, NOTHING, names=names).total
 
 
 class Scorer:
@@ -57,7 +57,7 @@ class Scorer:
         self.scene = scene
         self._fitting = scene.select(self.parts.fitting)
         self._checking = scene.select(self.parts.checking)
-        self._base = [likelihood(part, Change()).total for part in (self._fitting, self._checking)]
+        self._base = [likelihood(part, NOTHING).total for part in (self._fitting, self._checking)]
 
     def score(self, model: Fit) -> Scored:
         """Score a fitted model on both parts."""

@@ -5,11 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
-from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import Fit, fit
+from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.fit.fit import NARROWER, Fit, fit
 from skiplatch.diagnosis.fit.forms import polish, refine
-from skiplatch.diagnosis.fit.onset import passing
+from skiplatch.diagnosis.fit.onset import passing, polished
 from skiplatch.diagnosis.scene.scene import Scene
+
+ROUGH = (NARROWER,)
+"""Widening of a fit that is only to propose: the second of a search, coarse to fine."""
 
 
 def both(first: Fit, second: Fit) -> Fit:
@@ -25,6 +28,11 @@ def both(first: Fit, second: Fit) -> Fit:
 def fit_passing(model: tuple[Scene, Fit]) -> Fit:
     """Fit when an effect begins or ends, on a scene."""
     return passing(*model)
+
+
+def fit_passing_in_forms(model: tuple[Scene, Fit]) -> Fit:
+    """Give such a fit other forms, on a scene."""
+    return polished(*model)
 
 
 def fit_turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
@@ -49,8 +57,19 @@ def fit_in_forms(model: tuple[Scene, Fit, Change]) -> Fit:
 def fit_plainly(model: tuple[Scene, Candidate, Change]) -> Fit:
     """Fit a candidate from its starts, on a scene, on top of a change that stays."""
     scene, candidate, given = model
+    return fit(scene, [candidate], _starts(scene, candidate, given), given)
+
+
+def fit_roughly(model: tuple[Scene, Candidate]) -> Fit:
+    """Fit a candidate from its starts, on a scene, no closer than a proposal has to be."""
+    scene, candidate = model
+    return fit(scene, [candidate], _starts(scene, candidate, NOTHING), widenings=ROUGH)
+
+
+def _starts(scene: Scene, candidate: Candidate, given: Change) -> list[list[float]]:
+    """Give the starts without what the datum takes up, which is nothing of its own."""
     taken = list(candidate.taken_up(scene))
     starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
     for start in starts:
         start[taken] = 0.0
-    return fit(scene, [candidate], [start.tolist() for start in starts if start.any()], given)
+    return [start.tolist() for start in starts if start.any()]

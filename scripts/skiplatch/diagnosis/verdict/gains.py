@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from skiplatch.arrays import BoolArray
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
@@ -63,7 +63,7 @@ def shares_gained(
 def nats_of(scene: Scene, rig: Rig, fit: Fit | None) -> float:
     """Give the log-likelihood of a scene on a rig, with what it has besides or without."""
     believed = scene.with_nominal(rig.nominal)
-    return likelihood(believed, fit.change(believed) if fit else Change()).total
+    return likelihood(believed, fit.change(believed) if fit else NOTHING).total
 
 
 def _without(fit: Fit, i: int) -> Fit | None:

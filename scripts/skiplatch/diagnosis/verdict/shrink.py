@@ -55,7 +55,7 @@ class Gap:
     before: float
     after: float
     noise_floor: float
-    """What the simulation with the effects scores on its own plays."""
+    """What the simulation with the effects scores on its own plays, and by its rounding."""
     shrink: Interval
     """Share of what lay above the noise floor that is gone."""
     could_hide: float = 0.0

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from skiplatch.campaign import Nominal
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.beliefs import fit_beliefs, uncertain
 from skiplatch.diagnosis.fit.fit import Fit
@@ -71,7 +71,7 @@ class Work:
             if fit:
                 nominal, fit = self._settled_on(fit, self.naming)
             else:
-                nominal = fit_beliefs(self.naming, Change(), self.beliefs).nominal
+                nominal = fit_beliefs(self.naming, NOTHING, self.beliefs).nominal
             self._rigs[key] = _rig_of(self.naming, nominal, fit), fit
         return self._rigs[key]
 
@@ -156,7 +156,7 @@ class Work:
 
 def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
     believed = scene.with_nominal(nominal)
-    datum = FittedDatum.of(believed, fit.change(believed) if fit else Change())
+    datum = FittedDatum.of(believed, fit.change(believed) if fit else NOTHING)
     return Rig(nominal, as_effects(fit) if fit else (), datum)
 
 

@@ -1,0 +1,182 @@
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+
+#include "diagnosis/density/guess.h"
+#include "diagnosis/density/law.h"
+#include "diagnosis/density/residual.h"
+
+#define FARTHEST    2.0 /* steps from the middle of a parabola that its top is believed */
+#define FAR         0.7 /* steps to the top beyond which a parabola is drawn again */
+#define NARROWER    0.3 /* steps to either side, over those before, to see a top better */
+#define PLACES      8   /* lengths that residuals ask for, where the guess is near no top */
+#define MOST_ROUNDS 8   /* parabolas from the best of those on */
+#define WIDER       3.0 /* steps to either side, over those before, while the top is out of sight */
+#define NEAR        4.0 /* steps within which 0 may be as likely as the best length */
+#define FLAT        1e-9 /* nats by which a parabola bends at least */
+
+/* The residuals of one group, and the best length so far. */
+typedef struct {
+    const sim_residuals_t *of;
+    const sim_datum_t     *datum;
+    const residual_part_t *parts; /* of each residual in turn, the same whatever is tried */
+    const uint64_t        *members;
+    uint64_t               count;
+    double                *kept; /* log-densities at the best, of each residual */
+    double                *seen; /* at what was tried last */
+    double                 best;
+    double                 most; /* log-likelihood there */
+} group_t;
+
+static double believed(double length, double u)
+{
+    return u > 0.0 ? -0.5 * square(length / u) : 0.0;
+}
+
+/* Log-density of residual i at a length. */
+static double log_density(const group_t *group, double length, uint64_t i)
+{
+    const sim_residuals_t *of = group->of;
+    const uint64_t         part_count = of->extra_count + (uint64_t)1;
+    const residual_part_t *parts = &group->parts[i * part_count];
+    double                 x = of->residuals[i] - length * group->datum->per_length[i];
+    double                 density = 0.0;
+    for (uint64_t k = 0; k < part_count; ++k) {
+        density += residual_part_density(&parts[k], x);
+    }
+    return residual_log_density(density, x, of->reach[i]);
+}
+
+/* Give the log-likelihood at a length, and keep it if it is the best. */
+static double evaluate(group_t *group, double length)
+{
+    double value = believed(length, group->datum->u);
+    for (uint64_t k = 0; k < group->count; ++k) {
+        uint64_t i = group->members[k];
+        group->seen[i] = log_density(group, length, i);
+        value += group->seen[i];
+    }
+    if (value > group->most) {
+        group->best = length;
+        group->most = value;
+        for (uint64_t k = 0; k < group->count; ++k) {
+            group->kept[group->members[k]] = group->seen[group->members[k]];
+        }
+    }
+    return value;
+}
+
+/* Try the top of a parabola through the best length and a step to either side; give how many steps
+ * away it is. */
+static double try_top(group_t *group, double step)
+{
+    double middle = group->best;
+    double most = group->most;
+    double left = evaluate(group, middle - step);
+    double right = evaluate(group, middle + step);
+    double bend = fmax(2.0 * most - left - right, FLAT);
+    double turn = 0.5 * (right - left) / bend;
+    evaluate(group, middle + fmin(fmax(turn, -FARTHEST), FARTHEST) * step);
+    return fabs(turn);
+}
+
+/* Go to the top of parabolas: with ever wider steps as long as that leads on, then narrower ones
+ * down to `step`, and one more where that was rough. */
+static void climb(group_t *group, double step)
+{
+    double width = 1.0;
+    bool   is_rough = true;
+    for (int round = 0; round < MOST_ROUNDS && is_rough; ++round) {
+        double before = group->most;
+        double turn = try_top(group, width * step);
+        if (turn > FARTHEST && group->most > before) {
+            width *= WIDER;
+        } else {
+            is_rough = width > 1.0 || (turn > FAR && turn <= FARTHEST && width > NARROWER);
+            width *= NARROWER;
+        }
+    }
+}
+
+/* Find the likeliest length. `asked` holds those that the residuals ask for, whose order is lost.
+ *
+ * Where many residuals are off by far more than their laws allow, the likelihood has a top about
+ * each few of them: that near the middle may be any. */
+static void find_best(group_t *group, guess_t guess, double *asked)
+{
+    evaluate(group, guess.length);
+    double turn = try_top(group, guess.step);
+    if (turn > FAR && turn <= FARTHEST) {
+        turn = try_top(group, NARROWER * guess.step);
+    }
+    if ((turn > FARTHEST || guess.is_spread) && group->count > 0u) {
+        for (int place = 0; place < PLACES; ++place) {
+            evaluate(group, guess_quantile(asked, group->count, (place + 0.5) / PLACES));
+        }
+        climb(group, guess.step);
+    }
+    if (fabs(group->best) < NEAR * guess.step) {
+        evaluate(group, 0.0); /* what is believed loses nothing */
+    }
+}
+
+/* Sort residuals by their groups: write the members of each in turn, and where each begins. */
+static void sort(const sim_residuals_t *of, const sim_datum_t *datum, uint64_t *members,
+                 uint64_t *begins)
+{
+    for (uint64_t i = 0; i < of->n; ++i) {
+        ++begins[datum->groups[i] + 1u];
+    }
+    for (uint32_t g = 0; g < datum->group_count; ++g) {
+        begins[g + 1u] += begins[g];
+    }
+    for (uint64_t i = of->n; i-- > 0u;) {
+        members[--begins[datum->groups[i] + 1u]] = i;
+    }
+    for (uint32_t g = 0; g < datum->group_count; ++g) {
+        begins[g] = begins[g + 1u];
+    }
+    begins[datum->group_count] = of->n;
+}
+
+static residual_part_t *parts_of(const sim_residuals_t *of)
+{
+    const uint64_t   part_count = of->extra_count + (uint64_t)1;
+    residual_part_t *parts = calloc(of->n * part_count + 1, sizeof *parts);
+    for (uint64_t i = 0; parts != NULL && i < of->n; ++i) {
+        for (uint32_t k = 0; k < part_count; ++k) {
+            parts[i * part_count + k] = residual_part(of, i, k);
+        }
+    }
+    return parts;
+}
+
+int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, double *found,
+                          double *log_densities)
+{
+    double          *work = calloc((GUESS_ROOM + 1u) * of->n + 1u, sizeof *work);
+    residual_part_t *parts = parts_of(of);
+    uint64_t        *members = calloc(of->n + datum->group_count + 1u, sizeof *members);
+    bool             is_room = work != NULL && parts != NULL && members != NULL;
+    if (is_room) {
+        uint64_t *begins = members + of->n;
+        sort(of, datum, members, begins);
+        for (uint32_t g = 0; g < datum->group_count; ++g) {
+            group_t group = {.of = of,
+                             .datum = datum,
+                             .parts = parts,
+                             .members = members + begins[g],
+                             .count = begins[g + 1u] - begins[g],
+                             .kept = log_densities,
+                             .seen = work + GUESS_ROOM * of->n,
+                             .most = -HUGE_VAL};
+            guess_t guess = guess_length(of, parts, datum, group.members, group.count, work);
+            find_best(&group, guess, work);
+            found[g] = group.best;
+        }
+    }
+    free(members);
+    free(parts);
+    free(work);
+    return is_room ? 0 : -1;
+}
