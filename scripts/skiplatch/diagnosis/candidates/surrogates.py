@@ -3,9 +3,8 @@
 The simulator has its own, exact form of every effect; these are the surrogates that propose.
 """
 
-from itertools import accumulate
-
 import numpy as np
+from scipy import linalg
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import NOTHING, Change
@@ -202,13 +201,11 @@ def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
     if lag_s <= 0.0 or len(scene) < 2:
         return warmth
     keep = np.exp(-np.diff(scene.touches.time_s) / lag_s)
-    steps = zip(warmth[1:].tolist(), keep.tolist(), strict=True)
-    lagged = accumulate(
-        steps,
-        lambda before, step: step[0] + (before - step[0]) * step[1],
-        initial=(1.0 - cold) * float(warmth[0]),
-    )
-    return np.fromiter(lagged, float, len(warmth))
+    # Each is the one before, as far as that is kept, and the thermometer's for the rest.
+    bands = np.ones((2, len(warmth)))
+    bands[1, :-1] = -keep
+    given = np.append((1.0 - cold) * warmth[0], (1.0 - keep) * warmth[1:])
+    return np.asarray(linalg.solve_banded((1, 0), bands, given, check_finite=False))
 
 
 def delay(_scene: Scene, p: Parameters) -> Change:

@@ -105,11 +105,11 @@ static void climb(group_t *group, double step)
 static void find_best(group_t *group, guess_t guess, double *asked)
 {
     evaluate(group, guess.length);
-    double turn = try_top(group, guess.step);
+    double turn = guess.is_spread ? HUGE_VAL : try_top(group, guess.step);
     if (turn > FAR && turn <= FARTHEST) {
         turn = try_top(group, NARROWER * guess.step);
     }
-    if ((turn > FARTHEST || guess.is_spread) && group->count > 0u) {
+    if (turn > FARTHEST && group->count > 0u) {
         for (int place = 0; place < PLACES; ++place) {
             evaluate(group, guess_quantile(asked, group->count, (place + 0.5) / PLACES));
         }
