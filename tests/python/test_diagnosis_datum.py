@@ -284,3 +284,12 @@ def test_the_likeliest_length_is_found_where_the_middle_is_far_from_it() -> None
 
     assert np.median(values) > 0.0
     assert found[0] == pytest.approx(-80.0, abs=1.0)
+
+
+def test_where_no_length_is_likely_no_touch_is() -> None:
+    law, groups = LAWS["boxes"], np.zeros(N, dtype=np.intp)
+
+    found, logs = law.laid_out(np.inf * ONES, REACH).at_best_datum(ONES, groups, 1, None)
+
+    assert found.tolist() == [0.0]
+    assert np.all(logs == -np.inf)

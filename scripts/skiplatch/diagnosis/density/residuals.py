@@ -121,7 +121,8 @@ class Residuals:
             The lengths, shape (g,), and the logarithms of the densities there, shape (n,).
         """
         ffi, library = connection()
-        found, logs = np.zeros(count), np.empty(len(self.values))
+        # Where no length is likely at all, none is written.
+        found, logs = np.zeros(count), np.full(len(self.values), -np.inf)
         kept = (
             ffi.from_buffer("double[]", np.ascontiguousarray(per_length, dtype=np.float64)),
             ffi.from_buffer("uint32_t[]", np.ascontiguousarray(groups, dtype=np.uint32)),
