@@ -28,7 +28,7 @@ from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import finds_any
-from skiplatch.diagnosis.search.scored import PLAIN, Scored, worth
+from skiplatch.diagnosis.search.scored import Scored, worth
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes
@@ -149,16 +149,15 @@ def test_a_surface_that_was_moved_is_no_effect_that_begins() -> None:
     campaign = read_campaign(MACHINE)
     touches, since = campaign.touches, middle_touch(campaign)
     later = touches.touch >= since
-    shifted = replace(touches, deviation_um=touches.deviation_um + 15.0 * later)
+    shifted = replace(touches, deviation_um=touches.deviation_um + 30.0 * later)
     nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS))
     moved = Scene.of(replace(campaign, nominal=nominal, touches=shifted))
-    delay = CANDIDATES["trigger_delay"]
-    span = Span(since=since)
-    starts = [[150.0, 0.0, 0.0], [300.0, 0.0, 0.0]]
-    found = fit(moved, [replace(delay, span=span)], starts)
+    # Play in both senses alike is what comes nearest to a surface that was moved.
+    play = replace(CANDIDATES["backlash"], span=Span(since=since))
+    found = fit(moved, [play], [[30.0, 30.0, 0.0, 0.0]])
 
-    assert nats(moved, found.change(moved)) - nats(moved, Change()) > PLAIN
-    assert outlives_datum(moved, found) < PLAIN
+    assert nats(moved, found.change(moved)) - nats(moved, Change()) > 100.0
+    assert outlives_datum(moved, found) < 15.0
 
 
 def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
