@@ -82,7 +82,7 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     if not noticed(best):
         return _single(judge, best, ranked)
     best, pairs = _with_second(judge, best, noticed)
-    if not _is_accepted(judge, pairs, best, noticed):
+    if not pairs or not _is_further(judge, pairs[0], best, noticed):
         # What scatters, or needs slack, may have taken two for one: the next best may be half.
         pairs = from_next_best(judge, ranked, best, noticed)
         if not pairs:
@@ -142,10 +142,6 @@ def _with_second(judge: Judge, best: Scored, noticed: Noticed) -> tuple[Scored, 
     if again.score > best.score + BETTER:
         return again, _pairs(judge, again, noticed(again)) or pairs
     return best, pairs
-
-
-def _is_accepted(judge: Judge, pairs: Sequence[Scored], first: Scored, noticed: Noticed) -> bool:
-    return bool(pairs) and _is_further(judge, pairs[0], first, noticed)
 
 
 def from_next_best(
