@@ -5,7 +5,7 @@ library: $(OUT)/libskiplatch_sim.so
 	@:
 program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(LINUX_PROGRAMS)
 	@:
-OTHERS   := $(SIM) $(DENSITY) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
+OTHERS   := $(SIM) $(DIAGNOSIS) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
 objects: $(call object_of,$(FIRMWARE) $(if $(TARGET),$(PORT_SOURCES),$(OTHERS))) \
          $(patsubst %,$(OUT)/headers/%.ok,$(if $(TARGET),$(call headers_of,$(notdir $(PORT_FOLDERS))),$(C_HEADERS)))
 

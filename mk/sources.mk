@@ -4,9 +4,9 @@ FIRMWARE := $(wildcard firmware/*/*.c)
 MAIN     := $(wildcard host_sim/main.c)
 SIM      := $(filter-out $(MAIN),$(wildcard host_sim/*.c host_sim/effects/*.c host_sim/api/*.c))
 # What the diagnosis computes in C.
-DENSITY  := $(wildcard scripts/skiplatch/diagnosis/density/*.c)
+DIAGNOSIS := $(wildcard scripts/skiplatch/diagnosis/*/*.c)
 # The shared library: what Python calls.
-IN_LIBRARY := $(FIRMWARE) $(SIM) $(DENSITY)
+IN_LIBRARY := $(FIRMWARE) $(SIM) $(DIAGNOSIS)
 TEMPLATE := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))
 
 # What gcc's analyzer doubts, without those of the store that take long.
@@ -26,7 +26,7 @@ RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
 headers_of = $(wildcard $(1:%=hal/ports/%/*.h))
 C_SOURCES := $(IN_LIBRARY) $(MAIN) $(TEMPLATE) $(LINUX)
 C_HEADERS := $(wildcard firmware/*.h firmware/*/*.h hal/include/*.h host_sim/*.h host_sim/*/*.h \
-                        $(DENSITY:.c=.h)) \
+                        $(DIAGNOSIS:.c=.h)) \
              $(call headers_of,$(HOST_PORTS)) $(if $(LINUX),$(call headers_of,$(call ports_of,linux)))
 C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
                     $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] tests/*/*.[ch]))

@@ -17,7 +17,11 @@ import sys
 from pathlib import Path
 
 PORTABLE = ("firmware", "hal/include")
-HOSTED = ("host_sim", "scripts/skiplatch/diagnosis/density")
+HOSTED = (
+    "host_sim",
+    "scripts/skiplatch/diagnosis/density",
+    "scripts/skiplatch/diagnosis/likelihood",
+)
 EXAMPLES = "firmware/examples"  # they print, and leave errors to the reader
 
 MISRA = {

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy import optimize
 
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
@@ -18,6 +19,7 @@ from skiplatch.diagnosis.density.law import Extra, Law
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
 from skiplatch.diagnosis.plays.playing import FittedDatum
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.library import connection
 
 OFF_UM = 12.0
 NOISE_UM = 0.3
@@ -241,6 +243,29 @@ def drawn(law: Law, rng: np.random.Generator) -> FloatArray:
     return np.asarray(values)
 
 
+def at_best_datum(
+    law: Law,
+    values: FloatArray,
+    per_length: FloatArray,
+    groups: NDArray[np.intp],
+    u: float | None,
+) -> tuple[FloatArray, FloatArray]:
+    """Give the likeliest length of each group, and the logarithms of the densities there."""
+    ffi, library = connection()
+    found, logs = np.zeros(int(groups.max()) + 1), np.full(len(values), -np.inf)
+    residuals, _kept = law.laid_out(values, REACH).for_c()
+    numbers = groups.astype(np.uint32)
+    parts = ffi.from_buffer("double[]", per_length), ffi.from_buffer("uint32_t[]", numbers)
+    code = library.sim_law_at_best_datum(
+        residuals,
+        ffi.new("sim_datum_t *", (*parts, len(found), u or 0.0)),
+        ffi.from_buffer("double[]", found, require_writable=True),
+        ffi.from_buffer("double[]", logs, require_writable=True),
+    )
+    assert code == 0
+    return found, logs
+
+
 @pytest.mark.parametrize("u", [None, 0.5])
 @pytest.mark.parametrize("name", LAWS)
 def test_the_likeliest_length_of_each_group_is_that_of_brute_force(
@@ -252,7 +277,7 @@ def test_the_likeliest_length_of_each_group_is_that_of_brute_force(
     truth = np.array([0.0, 8.0, -5.0])
     values = drawn(law, rng) + truth[groups] * per_length
 
-    found, logs = law.laid_out(values, REACH).at_best_datum(per_length, groups, 3, u)
+    found, logs = at_best_datum(law, values, per_length, groups, u)
 
     np.testing.assert_allclose(
         logs, law.log_density(values - found[groups] * per_length, REACH), atol=1e-9
@@ -269,7 +294,7 @@ def test_what_is_believed_is_never_likelier_than_the_likeliest_length(name: str)
     rng, law = np.random.default_rng(5), LAWS[name]
     values, groups = drawn(law, rng), np.zeros(N, dtype=np.intp)
 
-    _, logs = law.laid_out(values, REACH).at_best_datum(ONES, groups, 1, None)
+    _, logs = at_best_datum(law, values, ONES, groups, None)
 
     assert logs.sum() >= law.log_density(values, REACH).sum() - 1e-9
 
@@ -280,7 +305,7 @@ def test_the_likeliest_length_is_found_where_the_middle_is_far_from_it() -> None
     anywhere = np.linspace(-100.0, 300.0, N)
     values = np.where(np.arange(N) % 3 == 0, -80.0 + law.sigma * rng.normal(size=N), anywhere)
 
-    found, _ = law.laid_out(values, REACH).at_best_datum(ONES, np.zeros(N, dtype=np.intp), 1, None)
+    found, _ = at_best_datum(law, values, ONES, np.zeros(N, dtype=np.intp), None)
 
     assert np.median(values) > 0.0
     assert found[0] == pytest.approx(-80.0, abs=1.0)
@@ -289,7 +314,7 @@ def test_the_likeliest_length_is_found_where_the_middle_is_far_from_it() -> None
 def test_where_no_length_is_likely_no_touch_is() -> None:
     law, groups = LAWS["boxes"], np.zeros(N, dtype=np.intp)
 
-    found, logs = law.laid_out(np.inf * ONES, REACH).at_best_datum(ONES, groups, 1, None)
+    found, logs = at_best_datum(law, np.inf * ONES, ONES, groups, None)
 
     assert found.tolist() == [0.0]
     assert np.all(logs == -np.inf)

@@ -10,6 +10,7 @@
 #include "api/five_axis_cycle.h"
 #include "api/kinematics_memory.h"
 #include "diagnosis/density/law.h"
+#include "diagnosis/likelihood/streams.h"
 #include "failing_calls.h"
 #include "play.h"
 #include "unity.h"
@@ -102,6 +103,60 @@ static int find_datum(void)
     return SIM_PLAY_OK;
 }
 
+/* Touches by the PLC, stamped and with a position, under a delay that has not quite its form. */
+static int weigh_streams(void)
+{
+    static const double         ones[] = {1.0, 1.0, 1.0};
+    static const double         off[] = {1.0, 1.1, 0.9};
+    static const uint8_t        known[] = {1u, 1u, 1u};
+    static const uint32_t       groups[] = {0u, 0u, 0u};
+    static const uint64_t       rows[] = {0u, 1u, 2u};
+    static const sim_law_t      chain[] = {{.sigma = 0.1}, {.sigma = 0.1}, {.sigma = 0.1}};
+    static const sim_touches_t  touches_3 = {.n = 3u,
+                                             .speed = ones,
+                                             .pretravel_um = ones,
+                                             .wait_us = ones,
+                                             .begin_us = ones,
+                                             .latch_us = ones,
+                                             .deviation_um = ones,
+                                             .is_plc = known,
+                                             .groups = groups,
+                                             .resolution = 1e-4,
+                                             .tick_us = 1.0,
+                                             .scan_us = 1000.0,
+                                             .resolution_um = 0.1,
+                                             .datum_count = 1u,
+                                             .is_machine = 1u,
+                                             .is_polled = 1u};
+    static const sim_recorded_t recorded = {
+        .residuals = off, .chain = chain, .believed = off, .known = known};
+    static const sim_some_t   late = {.share = 0.5, .offset = {.all = 1.0}};
+    static const sim_change_t change = {.speed_ratio = {.all = 1.0},
+                                        .stamp_us = {.all = 0.5},
+                                        .scan_us = 1000.0,
+                                        .slack = 0.1,
+                                        .extras[SIM_LATCH_PLC] = &late,
+                                        .extra_counts[SIM_LATCH_PLC] = 1u};
+    sim_member_t              members[2];
+    double                    values[SIM_STREAM_COUNT * 3u] = {0.0};
+    double                    found[SIM_FAMILY_COUNT] = {0.0};
+    for (uint32_t i = 0u; i < 2u; ++i) {
+        members[i] = (sim_member_t){.stream = i == 0u ? SIM_LATCH_PLC : SIM_POSITION,
+                                    .recorded = &recorded,
+                                    .latches[1] = &recorded,
+                                    .rows = rows,
+                                    .count = 3u,
+                                    .change = &change,
+                                    .far = 1.0};
+    }
+    if (sim_streams_log_likelihood(&touches_3, members, 2u, values, found) != 0) {
+        return SIM_PLAY_ERR_MEMORY;
+    }
+    TEST_ASSERT_DOUBLE_WITHIN(0.5, 0.5, found[SIM_BY_STAMPS]);
+    TEST_ASSERT_TRUE(values[SIM_POSITION * 3u] < 0.0 || values[SIM_POSITION * 3u] > 0.0);
+    return SIM_PLAY_OK;
+}
+
 /* Let the n-th allocation fail for every n until it succeeds; give how many there were to fail. */
 static uint32_t fail_each_allocation(int (*operation)(void))
 {
@@ -151,4 +206,12 @@ void test_threads_that_do_not_start_leave_their_work_to_the_others(void)
                                  failing_calls_made(FAILING_THREAD));
         TEST_ASSERT_EQUAL_UINT32(0u, failing_calls_held());
     }
+}
+
+void test_touches_are_refused_and_then_weighed(void)
+{
+    /* Which of two streams that have each a datum; for each its room and its datum, and for the
+     * position what the latch tells of its form, and the rest of a tick. */
+    TEST_ASSERT_EQUAL_UINT32(1u + (4u + 3u) + (4u + 2u + 2u + 3u),
+                             fail_each_allocation(weigh_streams));
 }

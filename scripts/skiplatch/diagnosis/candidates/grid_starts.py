@@ -9,13 +9,13 @@ from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS, later_us, unkno
 from skiplatch.diagnosis.candidates.surrogates import BLURRED
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
-from skiplatch.diagnosis.likelihood.lines import FAR_APART
 from skiplatch.diagnosis.scene.grid import (
     APART,
     kept_grid,
 )
 from skiplatch.diagnosis.scene.pitches import MANY_STEPS, odd_pitch, whole_pitches
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.library import connection
 from skiplatch.units import DEG_PER_TURN, UM_PER_MM
 
 WITHOUT_WORST = (0.02, 0.98)
@@ -40,7 +40,7 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         return usual
     width = _box_of(sigma, tick)
     seen = [[width, mean + 0.5 * width, 0.0]]
-    if width > FAR_APART * tick:
+    if width > connection()[1].SIM_LINES_APART * tick:
         stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
         for pitch, turn in (_coarsest(stamps, *grid) for grid in _grids_kept(stamps, width)):
             line = turn * pitch + 0.5 * tick  # stamps are rounded down from it

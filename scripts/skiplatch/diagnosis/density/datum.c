@@ -13,7 +13,8 @@
 #define MOST_ROUNDS 8   /* parabolas from the best of those on */
 #define WIDER       3.0 /* steps to either side, over those before, while the top is out of sight */
 #define NEAR        4.0 /* steps within which 0 may be as likely as the best length */
-#define FLAT        1e-9 /* nats by which a parabola bends at least */
+#define FLAT        1e-9   /* nats by which a parabola bends at least */
+#define HUGE_PRODUCT 1e150 /* of densities; one more is not out of range yet */
 
 /* The residuals of one group, and the best length so far. */
 typedef struct {
@@ -22,7 +23,7 @@ typedef struct {
     const residual_part_t *parts; /* of each residual in turn, the same whatever is tried */
     const uint64_t        *members;
     uint64_t               count;
-    double                *kept; /* log-densities at the best, of each residual */
+    double                *kept; /* densities at the best, of each residual */
     double                *seen; /* at what was tried last */
     double                 best;
     double                 most; /* log-likelihood there */
@@ -33,8 +34,8 @@ static double believed(double length, double u)
     return u > 0.0 ? -0.5 * square(length / u) : 0.0;
 }
 
-/* Log-density of residual i at a length. */
-static double log_density(const group_t *group, double length, uint64_t i)
+/* Density of residual i at a length. */
+static double density_at(const group_t *group, double length, uint64_t i)
 {
     const sim_residuals_t *of = group->of;
     const uint64_t         part_count = of->extra_count + (uint64_t)1;
@@ -44,18 +45,24 @@ static double log_density(const group_t *group, double length, uint64_t i)
     for (uint64_t k = 0; k < part_count; ++k) {
         density += residual_part_density(&parts[k], x);
     }
-    return residual_log_density(density, x, of->reach[i]);
+    return residual_density(density, x, of->reach[i]);
 }
 
 /* Give the log-likelihood at a length, and keep it if it is the best. */
 static double evaluate(group_t *group, double length)
 {
     double value = believed(length, group->datum->u);
+    double product = 1.0; /* one logarithm does for many */
     for (uint64_t k = 0; k < group->count; ++k) {
         uint64_t i = group->members[k];
-        group->seen[i] = log_density(group, length, i);
-        value += group->seen[i];
+        group->seen[i] = density_at(group, length, i);
+        product *= group->seen[i];
+        if (product < 1.0 / HUGE_PRODUCT || product > HUGE_PRODUCT) {
+            value += log(product);
+            product = 1.0;
+        }
     }
+    value += log(product);
     if (value > group->most) {
         group->best = length;
         group->most = value;
@@ -120,6 +127,14 @@ static void find_best(group_t *group, guess_t guess, double *asked)
     }
 }
 
+/* Write the logarithms of what is kept; where no length is likely at all, nothing is. */
+static void take_logarithms(const group_t *group)
+{
+    for (uint64_t k = 0; k < group->count && group->most > -HUGE_VAL; ++k) {
+        group->kept[group->members[k]] = log(group->kept[group->members[k]]);
+    }
+}
+
 /* Sort residuals by their groups: write the members of each in turn, and where each begins. */
 static void sort(const sim_residuals_t *of, const sim_datum_t *datum, uint64_t *members,
                  uint64_t *begins)
@@ -173,6 +188,7 @@ int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, d
             guess_t guess = guess_length(of, parts, datum, group.members, group.count, work);
             find_best(&group, guess, work);
             found[g] = group.best;
+            take_logarithms(&group);
         }
     }
     free(members);

@@ -1,5 +1,7 @@
 #include "diagnosis/density/law.h"
 
+#include <math.h>
+
 #include "diagnosis/density/residual.h"
 
 void sim_law_log_density(const sim_residuals_t *of, double *log_densities)
@@ -10,6 +12,6 @@ void sim_law_log_density(const sim_residuals_t *of, double *log_densities)
             residual_part_t part = residual_part(of, i, k);
             density += residual_part_density(&part, of->residuals[i]);
         }
-        log_densities[i] = residual_log_density(density, of->residuals[i], of->reach[i]);
+        log_densities[i] = log(residual_density(density, of->residuals[i], of->reach[i]));
     }
 }

@@ -2,50 +2,11 @@
 
 #include <math.h>
 
+#include "diagnosis/density/order.h"
+
 #define CALM 2.0   /* standard deviations beyond which a touch pulls a guess no further */
 #define MANY 0.25  /* share of residuals beyond that which no law leaves there */
 #define TINY 1e-12 /* of what a group is known by, if nothing tells of it */
-
-static void swap(double *a, double *b)
-{
-    double kept = *a;
-    *a = *b;
-    *b = kept;
-}
-
-/* Bring the k-th of n values to its place, with none that is greater before it and none that is
- * smaller behind (Hoare, Communications of the ACM 4 (1961) 321). */
-static double kth(double *values, int64_t n, int64_t k)
-{
-    int64_t low = 0;
-    int64_t high = n - 1;
-    while (low < high) {
-        double  pivot = values[k];
-        int64_t up = low;
-        int64_t down = high;
-        while (up <= down) {
-            while (values[up] < pivot) {
-                ++up;
-            }
-            while (pivot < values[down]) {
-                --down;
-            }
-            if (up <= down) {
-                swap(&values[up++], &values[down--]);
-            }
-        }
-        low = down < k ? up : low;
-        high = k < up ? down : high;
-    }
-    return values[k];
-}
-
-/* Median of n > 0 values, whose order is lost. */
-static double median(double *values, int64_t n)
-{
-    double upper = kth(values, n, n / 2);
-    return n % 2 != 0 ? upper : 0.5 * (upper + kth(values, n / 2, n / 2 - 1));
-}
 
 /* Middle of values, of those that are known to a width of no more than the middle one. */
 static double middle(const double *values, const double *widths, int64_t n, double *work)
@@ -53,14 +14,14 @@ static double middle(const double *values, const double *widths, int64_t n, doub
     for (int64_t i = 0; i < n; ++i) {
         work[i] = widths[i];
     }
-    double  usual = median(work, n);
+    double  usual = order_median(work, n);
     int64_t count = 0;
     for (int64_t i = 0; i < n; ++i) {
         if (widths[i] <= usual) {
             work[count++] = values[i];
         }
     }
-    return median(work, count);
+    return order_median(work, count);
 }
 
 guess_t guess_length(const sim_residuals_t *of, const residual_part_t *parts,
@@ -94,5 +55,5 @@ guess_t guess_length(const sim_residuals_t *of, const residual_part_t *parts,
 
 double guess_quantile(double *work, uint64_t count, double share)
 {
-    return kth(work, (int64_t)count, (int64_t)(share * (double)count));
+    return order_kth(work, (int64_t)count, (int64_t)(share * (double)count));
 }

@@ -83,7 +83,7 @@ static double cauchy(double x, double width)
     return 1.0 / (PI * width * (1.0 + square(x / width)));
 }
 
-double residual_log_density(double density, double x, double reach)
+double residual_density(double density, double x, double reach)
 {
-    return log((1.0 - CONTAMINATION) * density + CONTAMINATION * cauchy(x, reach));
+    return (1.0 - CONTAMINATION) * density + CONTAMINATION * cauchy(x, reach);
 }

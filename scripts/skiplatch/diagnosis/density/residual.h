@@ -28,7 +28,7 @@ double residual_part_density(const residual_part_t *part, double x);
 /* Mean and variance of what all n parts of a residual add up to. */
 moments_t residual_moments(const residual_part_t *parts, uint64_t n);
 
-/* Logarithm of what all parts add up to at x, if one in a thousand may lie within `reach`. */
-double residual_log_density(double density, double x, double reach);
+/* What all parts add up to at x, if one in a thousand may lie within `reach`. */
+double residual_density(double density, double x, double reach);
 
 #endif

@@ -2,43 +2,29 @@
 
 #include <math.h>
 
+#include "diagnosis/density/normal.h"
+
 #define THIN         0.1  /* what a box or an exponential, over the Gaussian, only adds to it */
 #define THIN_BOX     0.5  /* the same of boxes alone: no skewness, and a kurtosis of -0.0005 */
 #define SHORTEST     1e-4 /* width of a box, over the exponential, whose edges are not resolved */
 #define BOX_VARIANCE 12.0 /* squared width over variance */
-#define SQRT_2       1.4142135623730951
-#define SQRT_2_PI    2.5066282746310002
-#define NO_TAIL      12.0    /* sigmas beyond which what is left of a Gaussian changes no sum */
-#define NOTHING      (-40.0) /* sigmas from which down a Gaussian is 0 in any sum */
-#define ASYMPTOTIC   (-20.0) /* sigmas from which down the series of the tail is exact */
-
-static double standard_normal(double z)
-{
-    return exp(-0.5 * square(z)) / SQRT_2_PI;
-}
-
-static double standard_normal_below(double z)
-{
-    return 0.5 * erfc(-z / SQRT_2);
-}
+#define NOTHING      (-40.0)       /* sigmas from which down a Gaussian is 0 in any sum */
+#define ASYMPTOTIC   (-NORMAL_END) /* sigmas from which down the series of the tail is exact */
 
 /* Integral of the Gaussian's distribution function up to -|x|: how a corner at 0 is rounded off. */
 static double rounding(double x, double sigma)
 {
     double z = fabs(x) / sigma;
-    if (z > NO_TAIL) {
-        return 0.0;
-    }
-    return sigma * (standard_normal(z) - z * standard_normal_below(-z));
+    return z < NORMAL_END ? sigma * normal_rounding(z) : 0.0;
 }
 
-/* The same where it stands beside greater values: no tail is resolved. */
+/* What is below z where it stands beside greater values: no tail is resolved. */
 static double roughly_below(double z)
 {
-    if (fabs(z) > NO_TAIL) {
-        return z > 0.0 ? 1.0 : 0.0;
+    if (fabs(z) < NORMAL_END) {
+        return normal_below(z);
     }
-    return standard_normal_below(z);
+    return z > 0.0 ? 1.0 : 0.0;
 }
 
 static double box_gauss(double x, double sigma, double box)
@@ -79,10 +65,9 @@ static double exponential_gauss(double x, double sigma, double mean)
         return 0.0;
     }
     if (z < ASYMPTOTIC) { /* growing and falling factors cancel: left out */
-        return standard_normal(x / sigma) * tail_ratio(z) / mean;
+        return normal_density(x / sigma) * tail_ratio(z) / mean;
     }
-    double below = z > NO_TAIL ? 1.0 : standard_normal_below(z);
-    return exp(0.5 * square(ratio) - x / mean) * below / mean;
+    return exp(0.5 * square(ratio) - x / mean) * roughly_below(z) / mean;
 }
 
 /*
@@ -147,7 +132,7 @@ static double without_exponential(const sum_t *sum, double x)
     if (sum->wide > 0.0) {
         return box_gauss(x, sum->sigma, sum->wide);
     }
-    return standard_normal(x / sum->sigma) / sum->sigma;
+    return normal_density(x / sum->sigma) / sum->sigma;
 }
 
 static double with_exponential(const sum_t *sum, double x)

@@ -13,8 +13,9 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.climb import STEP, WORST, climb
-from skiplatch.diagnosis.likelihood.laws import AFTER_LATCH, LATCHES, TINY, law_under
+from skiplatch.diagnosis.likelihood.laws import AFTER_LATCH, LATTICE, TINY, law_under
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood, with_shared_datum
+from skiplatch.diagnosis.likelihood.physics import LATCHES
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import ALWAYS
 
@@ -112,7 +113,7 @@ class Target:
         self._names = frozenset[str]().union(
             *(affected(scene, self.fit(start).change(scene)) for start in starts)
         )
-        if given.slack and self._names & LATCHES:
+        if given.slack and self._names.intersection(LATCHES):
             # What comes after a latch is read beside it, as far as the slack leaves it open.
             self._names |= AFTER_LATCH & scene.streams.keys()
         self._names |= with_shared_datum(scene, self._names)
@@ -165,7 +166,7 @@ class Target:
         return any(
             _is_shown(stream, *(law_under(self._scene, stream, c) for c in (self._given, change)))
             for name, stream in self._scene.streams.items()
-            if name in self._names - {"lattice"} and stream.rows.any()
+            if name in self._names - {LATTICE} and stream.rows.any()
         )
 
     def _of(self, change: Change, widening: float) -> float:

@@ -1,25 +1,30 @@
 """How likely the recorded touches are under a change of the physics.
 
-The change is carried through the chain to the law of every stream it can be seen in.
+The change is carried through the chain to the law of every stream it can be seen in; C does that,
+see ``streams.h``, but for the grid of the scans and for touches that were not latched.
 """
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray, median
-from skiplatch.diagnosis.density import datum
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import FAMILIES, SHIFTED
 from skiplatch.diagnosis.density.law import Law
-from skiplatch.diagnosis.density.residuals import Residuals
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.likelihood.laws import CALM, TINY, law_of
-from skiplatch.diagnosis.likelihood.lines import line_bonus
+from skiplatch.diagnosis.likelihood.laws import LATTICE, law_of
+from skiplatch.diagnosis.likelihood.physics import (
+    change_for,
+    line_bonus,
+    members_of,
+    number_of,
+    touches_of,
+)
 from skiplatch.diagnosis.likelihood.scan_grid import grid_values
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.library import connection
 
 MISSED = "missed"
 """Name of the stream of touches that were not latched."""
@@ -66,14 +71,65 @@ def likelihood(
     """
     change = scene.with_beliefs(change)
     wanted = set(scene.streams if names is None else names) & scene.streams.keys()
-    found: dict[str, FloatArray] = {}
-    for family in _families(scene, wanted):
-        members = [m for n in family for m in _members(scene, n, change, widening.get(n, 0.0))]
-        found |= _values(scene, members)[1]
+    found, _ = _evaluated(scene, change, with_shared_datum(scene, wanted), widening)
     values = {name: found[name] for name in scene.streams if name in wanted}
     if names is None or MISSED in names:
         values[MISSED] = _missed(scene, change)
     return Likelihood(values)
+
+
+def _evaluated(
+    scene: Scene, change: Change, names: Collection[str], widening: Mapping[str, float]
+) -> tuple[dict[str, FloatArray], FloatArray]:
+    """Evaluate some streams, with all that share a datum with any of them.
+
+    Returns:
+        The log-likelihood of each touch by stream, and the likeliest datum of each group by family
+        of streams, shape (f, g).
+    """
+    ffi, library = connection()
+    by_touch = [name for name in names if name != LATTICE]
+    values = np.zeros((library.SIM_STREAM_COUNT, len(scene)))
+    datum_um = np.zeros((library.SIM_FAMILY_COUNT, scene.datum_count))
+    found = {name: values[number_of(name)] for name in by_touch}
+    parts, grids = [], []
+    for rows, there in _at_times(scene, change):
+        laid_out = change_for(scene, there, by_touch)
+        for name in names:
+            stream = scene.streams[name] if rows is None else scene.streams[name].part(rows)
+            if not len(stream.indices):
+                continue
+            if name == LATTICE:
+                grids.append((stream, there))
+            else:
+                parts.append((stream, laid_out, widening.get(name, 0.0)))
+    code = library.sim_streams_log_likelihood(
+        touches_of(scene).at,
+        members_of(scene, parts).at,
+        len(parts),
+        ffi.from_buffer("double[]", values, require_writable=True),
+        ffi.from_buffer("double[]", datum_um, require_writable=True),
+    )
+    if code:
+        raise MemoryError
+    if LATTICE in names:
+        found[LATTICE] = _on_grid(scene, grids, widening.get(LATTICE, 0.0))
+    return found, datum_um
+
+
+def _at_times(scene: Scene, change: Change) -> Iterable[tuple[BoolArray | None, Change]]:
+    """Give what differs with the touches for which it does: None for all of them."""
+    return change.at_times(scene.touches.touch) if change.passing else [(None, change)]
+
+
+def _on_grid(scene: Scene, parts: Sequence[tuple[Stream, Change]], widening: float) -> FloatArray:
+    """Give the log-likelihood of the stamps of scans by what they keep of a grid; shape (n,)."""
+    values = np.zeros(len(scene))
+    for stream, change in parts:
+        law = law_of(scene, stream, change).select(stream.indices)
+        law = law.widened(widening) if widening else law
+        values[stream.indices] = grid_values(scene, stream, change, law)
+    return values
 
 
 def affected(scene: Scene, change: Change) -> frozenset[str]:
@@ -86,7 +142,7 @@ def affected(scene: Scene, change: Change) -> frozenset[str]:
         name
         for name, stream in scene.streams.items()
         if _differ(law_of(scene, stream, change), stream.chain)
-        or line_bonus(scene, stream, change).any()
+        or (name != LATTICE and line_bonus(scene, stream, change).any())
     }
     stamped = np.broadcast_to(np.asarray(change.stamp_us), (len(scene),))[scene.plc]
     if change.period_us != 0.0 or change.wait is not None or np.any(stamped != 0.0):
@@ -113,20 +169,14 @@ def _missed(scene: Scene, change: Change) -> FloatArray:
     return np.asarray(np.where(missed, np.log(rate), np.log1p(-rate)))
 
 
-def _families(scene: Scene, wanted: Collection[str]) -> Iterator[list[str]]:
-    """Give the streams to evaluate: together those that one datum shifts, if it is unknown."""
-    shared: Sequence[tuple[str, ...]] = FAMILIES if scene.datum_groups is not None else ()
-    for family in shared:
-        if not set(family).intersection(wanted):
-            continue
-        yield [name for name in family if name in scene.streams]
-    apart = {name for family in shared for name in family}
-    yield from ([name] for name in wanted if name not in apart)
-
-
 def with_shared_datum(scene: Scene, names: Collection[str]) -> frozenset[str]:
     """Add the streams that tell of the same datum as some others."""
-    return frozenset(name for family in _families(scene, set(names)) for name in family)
+    found = set(names)
+    if scene.datum_groups is not None:
+        for family in FAMILIES:
+            if found.intersection(family):
+                found.update(family)
+    return frozenset(found & scene.streams.keys())
 
 
 def fitted_datum_um(scene: Scene, change: Change) -> dict[tuple[str, ...], FloatArray]:
@@ -136,101 +186,7 @@ def fitted_datum_um(scene: Scene, change: Change) -> dict[tuple[str, ...], Float
     """
     if scene.datum_groups is None:
         return {}
-    change = scene.with_beliefs(change)
-    found: dict[tuple[str, ...], FloatArray] = {}
-    for family in FAMILIES:
-        members = [m for n in family if n in scene.streams for m in _members(scene, n, change, 0.0)]
-        if members:
-            found[family] = _values(scene, members)[0]
-    return found
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Member:
-    """One stream under a change, laid out for evaluation."""
-
-    stream: Stream
-    law: Law
-    """Of `rows` alone."""
-    change: Change
-    residuals: Residuals | None = None
-    """None for the grid of the scans, whose law is that of all stamps together."""
-    bonus: FloatArray | float = 0.0
-
-    @classmethod
-    def of(cls, scene: Scene, stream: Stream, change: Change, widening: float) -> Self:
-        rows, known = stream.indices, stream.known
-        law = law_of(scene, stream, change).select(rows)
-        if widening:
-            law = law.widened(widening)
-        if stream.name == "lattice" or not len(rows):
-            return cls(stream, law, change)
-        if stream.name == "position" and scene.plc.any():
-            known = known - _rest_of_a_tick_um(scene, stream, law, change.coarse_us)
-        residuals = law.laid_out(known, 10.0 * law.usual_spread + stream.far)
-        return cls(stream, law, change, residuals, line_bonus(scene, stream, change))
-
-    def values(self, scene: Scene, logs: FloatArray | None) -> FloatArray:
-        """Give the log-likelihood of each touch, shape (n,), by that of the rows."""
-        values, rows = np.zeros(len(scene)), self.stream.indices
-        if self.residuals is not None:
-            values[rows] = self.residuals.log_densities() if logs is None else logs
-        elif len(rows):
-            values[rows] = grid_values(scene, self.stream, self.change, self.law)
-        return values + self.bonus
-
-
-def _members(scene: Scene, name: str, change: Change, widening: float) -> list[_Member]:
-    """Lay a stream out under a change: in parts, where the change is not the same for all."""
-    stream = scene.streams[name]
-    if not change.passing:
-        return [_Member.of(scene, stream, change, widening)]
-    times = [(stream.part(rows), there) for rows, there in change.at_times(scene.touches.touch)]
-    return [_Member.of(scene, part, there, widening) for part, there in times if part.rows.any()]
-
-
-def _values(scene: Scene, members: Sequence[_Member]) -> tuple[FloatArray, dict[str, FloatArray]]:
-    """Give the likeliest datum of each group by some streams, and their log-likelihoods there."""
-    parts = {
-        i: datum.Part(
-            m.residuals,
-            scene.per_datum_um(m.stream)[m.stream.indices],
-            scene.datum_groups[m.stream.indices],
-        )
-        for i, m in enumerate(members)
-        if m.residuals is not None and scene.datum_groups is not None and m.stream.name in SHIFTED
-    }
-    found, known = np.zeros(scene.datum_count), dict[int, FloatArray]()
-    if parts:
-        found, logs = datum.at_best_datum([*parts.values()], scene.datum_count, scene.datum_u_um)
-        known = dict(zip(parts, logs, strict=True))
-    values: dict[str, FloatArray] = {}
-    for i, m in enumerate(members):
-        own = m.values(scene, known.get(i))
-        values[m.stream.name] = values[m.stream.name] + own if m.stream.name in values else own
-    return found, values
-
-
-def _rest_of_a_tick_um(scene: Scene, stream: Stream, law: Law, coarse_us: float) -> FloatArray:
-    """Give how far positions are off because scans are stamped early by a rest of a tick; (rows,).
-
-    Where the scan period is a whole number of ticks, that is the same for all scans, and no
-    scatter: the positions of all of them are off together. The touches say by how much.
-    """
-    speed = np.where(scene.plc, scene.speed, 0.0)[stream.indices]
-    variance, half = law.variance, max(scene.nominal.skip.tick_us, coarse_us) / 2.0
-    reach = CALM * np.sqrt(variance)
-    off = np.clip(_off_datum(scene, stream, stream.known - law.mean), -reach, reach)
-    rest_us = (speed / variance) @ off / max(float((speed / variance) @ speed), TINY)
-    return np.asarray(speed * np.clip(rest_us, -half, half))
-
-
-def _off_datum(scene: Scene, stream: Stream, off: FloatArray) -> FloatArray:
-    """Take the middle of each group of touches away if their datum is unknown; (rows,)."""
-    if scene.datum_groups is None:
-        return off
-    groups = scene.datum_of(stream)
-    middles = [
-        median(off[groups == g]) if (groups == g).any() else 0.0 for g in range(scene.datum_count)
-    ]
-    return np.asarray(off - np.array(middles)[groups])
+    names = SHIFTED & scene.streams.keys()
+    _, datum_um = _evaluated(scene, scene.with_beliefs(change), names, SHARP)
+    families = zip(FAMILIES, datum_um, strict=True)
+    return {family: found for family, found in families if names.intersection(family)}

@@ -12,7 +12,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import Change, Number
 from skiplatch.diagnosis.density.law import Extra, Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.likelihood.laws import TINY, rms
+from skiplatch.diagnosis.likelihood.laws import TINY
 from skiplatch.diagnosis.likelihood.scan_wait import scan_period_us
 from skiplatch.diagnosis.scene.grid import folded
 from skiplatch.diagnosis.scene.scene import Scene
@@ -126,7 +126,7 @@ def grid_values(scene: Scene, stream: Stream, change: Change, law: Law) -> Float
     rows = stream.indices
     period, tick = scan_period_us(scene, change), scene.nominal.skip.tick_us
     shift = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))
-    slack_us = change.slack * rms(shift, stream.rows)
+    slack_us = change.slack * float(np.sqrt(np.mean(shift[rows] ** 2)))
     if slack_us > ANYWHERE * period:
         return np.zeros(len(rows))  # a clock this far from known tells no grid
     law = law.widened(slack_us)

@@ -5,10 +5,8 @@ from functools import lru_cache
 import numpy as np
 from scipy import special
 
-from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Extra
-from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.scene.scene import Scene
 
 SHORTEST_PERIOD = 0.1
@@ -24,16 +22,6 @@ def scan_period_us(scene: Scene, change: Change) -> float:
     """Give the changed scan period, within what is a scan period still."""
     believed = scene.nominal.plc.scan_us
     return max(believed + change.period_us, SHORTEST_PERIOD * believed)
-
-
-def wait_box(
-    scene: Scene, stream: Stream, box: FloatArray, change: Change, scale: FloatArray | float
-) -> FloatArray:
-    """Give the box of the wait for the scan; `scale` turns µs into the law's unit."""
-    if not stream.is_polled:
-        return box
-    wider = scan_period_us(scene, change) - scene.nominal.plc.scan_us
-    return np.maximum(box + wider * scale, 0.0)
 
 
 def locked_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:

@@ -1,0 +1,225 @@
+"""Touches, and what differs from the rig that is believed in, laid out for C: see ``physics.h``."""
+
+from collections.abc import Collection, Sequence
+from functools import cache, reduce
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.density.change import Change, Number
+from skiplatch.diagnosis.density.law import SMALLEST, Extra
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.likelihood.scan_wait import locked_waits, scan_period_us
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.library import CData, connection, layout
+
+LATCHES = ("latch_skip", "latch_plc")
+LEAST_U = 1e-12
+"""Standard uncertainty in µm of a datum that is known."""
+
+
+class LaidOut:
+    """A structure for C, or an array of some, and what has to live as long."""
+
+    __slots__ = ("__weakref__", "_kept", "at")
+
+    def __init__(self, kind: str, count: int = 1) -> None:
+        """Begin with zeros."""
+        self.at: CData = connection()[0].new(f"{kind}[]", count)
+        self._kept: list[object] = []
+
+    def keep(self, what: object) -> None:
+        """Let something live as long."""
+        self._kept.append(what)
+
+    def array(self, values: NDArray[Any], kind: str) -> CData:
+        """Give a pointer to values, shape (n,), that stay as they are and are as wide in C."""
+        pointer = connection()[0].from_buffer(f"{kind}[]", np.ascontiguousarray(values))
+        self._kept.append(pointer)
+        return pointer
+
+
+_TOUCHES: WeakKeyDictionary[Scene, LaidOut] = WeakKeyDictionary()
+_RECORDED: WeakKeyDictionary[Stream, tuple[LaidOut, LaidOut]] = WeakKeyDictionary()
+
+
+def touches_of(scene: Scene) -> LaidOut:
+    """Lay a scene out, once."""
+    if scene not in _TOUCHES:
+        _TOUCHES[scene] = _touches(scene)
+    return _TOUCHES[scene]
+
+
+def _touches(scene: Scene) -> LaidOut:
+    nominal, laid_out = scene.nominal, LaidOut("sim_touches_t")
+    at = laid_out.at[0]
+    arrays = {
+        "speed": scene.speed,
+        "pretravel_um": scene.pretravel_um,
+        "wait_us": scene.wait_us,
+        "begin_us": scene.begin_us,
+        "latch_us": scene.touches.latch_us,
+        "deviation_um": scene.touches.deviation_um,
+    }
+    for name, values in arrays.items():
+        setattr(at, name, laid_out.array(np.asarray(values, dtype=np.float64), "double"))
+    at.is_plc = laid_out.array(scene.plc.astype(np.uint8), "uint8_t")
+    at.n, at.resolution = len(scene), SMALLEST
+    at.least_pretravel_um = scene.least_pretravel_um
+    at.tick_us, at.jitter_us = nominal.skip.tick_us, nominal.skip.jitter_us
+    at.scan_us, at.resolution_um = nominal.plc.scan_us, nominal.axis.resolution_um
+    at.behind_us = nominal.input.filter_us + nominal.skip.latency_us
+    at.is_machine, at.is_polled = scene.is_machine, bool(scene.plc.any())
+    if scene.datum_groups is not None:
+        at.groups = laid_out.array(scene.datum_groups.astype(np.uint32), "uint32_t")
+        at.datum_count = scene.datum_count
+        at.datum_u_um = 0.0 if scene.datum_u_um is None else max(scene.datum_u_um, LEAST_U)
+    return laid_out
+
+
+def members_of(scene: Scene, parts: Sequence[tuple[Stream, LaidOut, float]]) -> LaidOut:
+    """Lay streams out, or parts of them, each with its change and the widening of its law."""
+    laid_out = LaidOut("sim_member_t", len(parts))
+    for i, (stream, change, widening) in enumerate(parts):
+        member = laid_out.at[i]
+        laid_out.at[i] = _recorded(stream)[1].at[0]
+        member.change, member.widening = change.at, widening
+        if change.at[0].slack:
+            for path, name in enumerate(LATCHES):
+                if name in scene.streams:
+                    member.latches[path] = _recorded(scene.streams[name])[0].at
+        laid_out.keep((stream, change))
+    return laid_out
+
+
+def _recorded(stream: Stream) -> tuple[LaidOut, LaidOut]:
+    """Lay out what was recorded of a stream, and that as a member without a change; once."""
+    if stream not in _RECORDED:
+        recorded, member = LaidOut("sim_recorded_t"), LaidOut("sim_member_t")
+        chain = np.empty(len(stream.residuals), dtype=layout("sim_law_t"))
+        for name in chain.dtype.names or ():
+            chain[name] = getattr(stream.chain, name)
+        recorded.at[0].residuals = recorded.array(stream.residuals, "double")
+        recorded.at[0].chain = recorded.array(chain, "sim_law_t")
+        recorded.at[0].believed = recorded.array(stream.law.offset, "double")
+        recorded.at[0].known = recorded.array(stream.rows.astype(np.uint8), "uint8_t")
+        member.at[0].stream = number_of(stream.name)
+        member.at[0].recorded = recorded.at
+        member.at[0].rows = member.array(stream.indices, "uint64_t")
+        member.at[0].count = len(stream.indices)
+        member.at[0].far = stream.far
+        _RECORDED[stream] = recorded, member
+    return _RECORDED[stream]
+
+
+@cache
+def number_of(name: str) -> int:
+    """Give the number that a stream has in C."""
+    return int(getattr(connection()[1], f"SIM_{name.upper()}"))
+
+
+def line_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
+    """Give what the lines of coarse grids add to the likelihood of each touch; shape (n,)."""
+    ffi, library = connection()
+    members = members_of(scene, [(stream, change_for(scene, change, ()), 0.0)])
+    found, bonus = np.zeros(len(scene)), np.zeros(len(stream.indices))
+    to = ffi.from_buffer("double[]", bonus, require_writable=True)
+    library.sim_line_bonus(touches_of(scene).at, members.at, to)
+    found[stream.indices] = bonus
+    return found
+
+
+@cache
+def _fields() -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Name the fields of a change in C: numbers by touch, and those that a change has for all."""
+    fields = connection()[0].typeof("sim_change_t").fields
+    by_touch = [name for name, field in fields if field.type.cname == "sim_number_t"]
+    plain = [name for name, field in fields if field.type.cname == "double"]
+    return tuple(by_touch), tuple(n for n in plain if n in Change.__dataclass_fields__)
+
+
+def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOut:
+    """Lay out a change that is the same throughout, with the extras of some streams."""
+    laid_out = LaidOut("sim_change_t")
+    at, (by_touch, plain) = laid_out.at[0], _fields()
+    for name in by_touch:
+        _put(laid_out, at, name, getattr(change, name))
+    for name in plain:
+        value = getattr(change, name)
+        if value:
+            setattr(at, name, value)
+    at.scan_us = scan_period_us(scene, change)
+    if change.slots is not None:
+        at.slot_us, at.slot_phase_us = change.slots
+    for name in {*streams, *LATCHES} if change.slack else streams:
+        extras = extras_of(scene, name, change)
+        if extras:
+            at.extras[number_of(name)] = _extras(laid_out, extras)
+            at.extra_counts[number_of(name)] = len(extras)
+    return laid_out
+
+
+def _put(laid_out: LaidOut, at: CData, name: str, value: Number) -> None:
+    """Put a number into a field of a structure that is 0 so far."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        getattr(at, name).each = laid_out.array(np.asarray(value, dtype=np.float64), "double")
+    elif value:
+        getattr(at, name).all = value
+
+
+def _extras(laid_out: LaidOut, extras: Sequence[Extra]) -> CData:
+    found = LaidOut("sim_some_t", len(extras))
+    for one, extra in zip(found.at, extras, strict=True):
+        one.share = extra.share
+        for name in ("offset", "width", "mean", "sigma", "boxless"):
+            _put(laid_out, one, name, getattr(extra, name))
+    laid_out.keep(found)
+    return found.at
+
+
+def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
+    """Give what some touches get on top in a stream; of a deviation in µs."""
+    if name == "motion":
+        return ()
+    if name == "report":
+        return change.report_extra
+    beyond = () if name in LATCHES else _position_extras(change)
+    if name == "position":
+        return beyond
+    if name.endswith("_plc"):
+        latch = _joint(change.pin_extra, change.scan_extra, locked_waits(scene, change))
+    else:
+        latch = _joint(change.pin_extra, change.skip_extra)
+    if not beyond:
+        return latch
+    us_per_um = 1.0 / (scene.speed * change.speed_ratio)
+    return _joint(latch, tuple(_scaled(extra, us_per_um) for extra in beyond))
+
+
+def _position_extras(change: Change) -> tuple[Extra, ...]:
+    is_boxed = np.any(np.asarray(change.position_box_um) > 0.0)
+    box = (Extra(1.0, width=change.position_box_um),) if is_boxed else ()
+    return _joint(change.position_extra, box)
+
+
+def _joint(*groups: tuple[Extra, ...]) -> tuple[Extra, ...]:
+    """Give the extras of independent causes together."""
+    some = [extras for extras in groups if extras]
+    if len(some) < 2:
+        return some[0] if some else ()
+    changes = (Change(pin_extra=extras) for extras in some)
+    return reduce(Change.joined, changes).pin_extra
+
+
+def _scaled(extra: Extra, scale: FloatArray) -> Extra:
+    return Extra(
+        extra.share,
+        offset=extra.offset * scale,
+        width=extra.width * scale,
+        mean=extra.mean * scale,
+        sigma=extra.sigma * scale,
+        boxless=extra.boxless,
+    )
