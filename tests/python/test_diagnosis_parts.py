@@ -1,5 +1,8 @@
 """The laws, the streams and the grid that a diagnosis rests on."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -350,3 +353,29 @@ def test_an_interrupt_cannot_come_before_its_edge(delay_us: float, impossible: i
     assert scored.impossible == impossible
     speaks_against = worth(1) + IMPOSSIBLE * impossible
     assert scored.score == pytest.approx(scored.fitted + scored.checked - speaks_against)
+
+
+LIKELIHOODS = """
+from pathlib import Path
+from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+scene = scene_of(read_campaign(Path("scripts/samples/machine_no_gap")))
+print([likelihood(scene, Change(pin_us=1.3 * k, slack=0.01)).total for k in range(40)])
+"""
+
+
+def test_a_likelihood_is_the_same_to_the_last_digit_whatever_strings_hash_to() -> None:
+    """Sets of names have another order in another process."""
+    printed = {
+        subprocess.run(
+            [sys.executable, "-c", LIKELIHOODS],
+            env={**os.environ, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "3", "4")
+    }
+
+    assert len(printed) == 1

@@ -88,15 +88,17 @@ def _evaluated(
         of streams, shape (f, g).
     """
     ffi, library = connection()
-    by_touch = [name for name in names if name != LATTICE]
+    # Always in the same order: sums that are rounded otherwise may lead a search elsewhere.
+    streams = {name: stream for name, stream in scene.streams.items() if name in names}
+    by_touch = [name for name in streams if name != LATTICE]
     values = np.zeros((library.SIM_STREAM_COUNT, len(scene)))
     datum_um = np.zeros((library.SIM_FAMILY_COUNT, scene.datum_count))
     found = {name: values[number_of(name)] for name in by_touch}
     parts, grids = [], []
     for rows, there in _at_times(scene, change):
         laid_out = change_for(scene, there, by_touch)
-        for name in names:
-            stream = scene.streams[name] if rows is None else scene.streams[name].part(rows)
+        for name, all_of_it in streams.items():
+            stream = all_of_it if rows is None else all_of_it.part(rows)
             if not len(stream.indices):
                 continue
             if name == LATTICE:
