@@ -49,10 +49,10 @@ class Residuals:
         """
         n = len(values)
         laws = np.empty(n, dtype=layout("sim_law_t"))
-        _fill(laws, law)
+        fill(laws, law)
         more = np.empty((len(extras), n), dtype=layout("sim_extra_t"))
         for row, extra in zip(more, extras, strict=True):
-            _fill(row, extra)
+            fill(row, extra)
         return cls(
             np.ascontiguousarray(values, dtype=np.float64),
             laws,
@@ -83,7 +83,7 @@ class Residuals:
         return found
 
 
-def _fill(rows: NDArray[np.void], source: object) -> None:
+def fill(rows: NDArray[np.void], source: object) -> None:
     """Give structures the values of the attributes that are named like their fields."""
     for name in rows.dtype.fields or ():
         rows[name] = getattr(source, name)

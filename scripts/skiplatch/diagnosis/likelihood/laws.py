@@ -9,7 +9,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Extra, Law, spliced
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.likelihood.physics import change_for, extras_of, members_of, touches_of
+from skiplatch.diagnosis.likelihood.physics import change_for, members_of, number_of, touches_of
 from skiplatch.diagnosis.likelihood.scan_wait import scan_period_us
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import connection, layout
@@ -42,11 +42,11 @@ def law_of(scene: Scene, stream: Stream, change: Change) -> Law:
 def _law(scene: Scene, stream: Stream, change: Change) -> Law:
     """Give the law of a stream whose touches each have their own: see ``stream_law.h``."""
     ffi, library = connection()
-    extras = extras_of(scene, stream.name, change)
-    members = members_of(scene, [(stream, change_for(scene, change, [stream.name]), 0.0)])
-    count = len(stream.indices)
+    changed, number = change_for(scene, change, [stream.name]), number_of(stream.name)
+    members = members_of(scene, [(stream, changed, 0.0)])
+    extra_count, count = changed.at[0].extra_counts[number], len(stream.indices)
     laws = np.empty(count, dtype=layout("sim_law_t"))
-    more = np.empty((len(extras), count), dtype=layout("sim_extra_t"))
+    more = np.empty((extra_count, count), dtype=layout("sim_extra_t"))
     code = library.sim_stream_laws(
         touches_of(scene).at,
         members.at,
@@ -68,8 +68,8 @@ def _law(scene: Scene, stream: Stream, change: Change) -> Law:
 
     names = layout("sim_law_t").fields or ()
     law = {name: whole(laws[name], getattr(stream.chain, name)) for name in names}
-    got = (extra(one.share, row) for one, row in zip(extras, more, strict=True))
-    return Law(**law, extras=tuple(got))
+    some = changed.at[0].extras[number]
+    return Law(**law, extras=tuple(extra(some[k].share, row) for k, row in enumerate(more)))
 
 
 def _lattice(scene: Scene, stream: Stream, change: Change) -> Law:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import Change, Number
 from skiplatch.diagnosis.density.law import SMALLEST, Extra
+from skiplatch.diagnosis.density.residuals import fill
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.scan_wait import locked_waits, scan_period_us
 from skiplatch.diagnosis.scene.scene import Scene
@@ -100,8 +101,7 @@ def _recorded(stream: Stream) -> tuple[LaidOut, LaidOut]:
     if stream not in _RECORDED:
         recorded, member = LaidOut("sim_recorded_t"), LaidOut("sim_member_t")
         chain = np.empty(len(stream.residuals), dtype=layout("sim_law_t"))
-        for name in chain.dtype.names or ():
-            chain[name] = getattr(stream.chain, name)
+        fill(chain, stream.chain)
         recorded.at[0].residuals = recorded.array(stream.residuals, "double")
         recorded.at[0].chain = recorded.array(chain, "sim_law_t")
         recorded.at[0].believed = recorded.array(stream.law.offset, "double")
