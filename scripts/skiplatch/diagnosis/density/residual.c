@@ -78,6 +78,14 @@ moments_t residual_moments(const residual_part_t *parts, uint64_t n)
     return (moments_t){.mean = mean, .variance = variance};
 }
 
+moments_t residual_law_moments(const sim_residuals_t *of, uint64_t i, residual_part_t *room)
+{
+    for (uint32_t k = 0; k <= of->extra_count; ++k) {
+        room[k] = residual_part(of, i, k);
+    }
+    return residual_moments(room, of->extra_count + (uint64_t)1);
+}
+
 static double cauchy(double x, double width)
 {
     return 1.0 / (PI * width * (1.0 + square(x / width)));

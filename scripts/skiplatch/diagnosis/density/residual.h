@@ -28,6 +28,9 @@ double residual_part_density(const residual_part_t *part, double x);
 /* Mean and variance of what all n parts of a residual add up to. */
 moments_t residual_moments(const residual_part_t *parts, uint64_t n);
 
+/* The same of residual i; `room` for its parts: one, and one for each extra. */
+moments_t residual_law_moments(const sim_residuals_t *of, uint64_t i, residual_part_t *room);
+
 /* What all parts add up to at x, if one in a thousand may lie within `reach`. */
 double residual_density(double density, double x, double reach);
 

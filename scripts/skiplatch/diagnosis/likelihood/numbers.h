@@ -8,9 +8,16 @@
 
 #include "diagnosis/likelihood/physics.h"
 
+#define CALM 3.0 /* standard deviations beyond which a touch tells no more of what others have */
+
 static inline double number_at(sim_number_t number, uint64_t i)
 {
     return number.each != NULL ? number.each[i] : number.all;
+}
+
+static inline double limited(double value, double most)
+{
+    return fmin(fmax(value, -most), most);
 }
 
 /* Bring a value to within half a period of 0 by whole periods. */

@@ -8,7 +8,6 @@
 #include "diagnosis/likelihood/touch_law.h"
 
 #define TINY 1e-9 /* of the size of a shift, below which it is none */
-#define CALM 3.0  /* standard deviations beyond which a touch tells no more of what others have */
 
 /* What a slack does to one touch of a stream: its mean, and variance about that. */
 typedef struct {
@@ -72,10 +71,7 @@ static moments_t moments_of(const sim_touches_t *of, uint32_t stream, const sim_
                            .n = 1,
                            .extra_count = count,
                            .resolution = of->resolution};
-    for (uint32_t k = 0; k <= count; ++k) {
-        room.parts[k] = residual_part(&one, 0, k);
-    }
-    return residual_moments(room.parts, count + (uint64_t)1);
+    return residual_law_moments(&one, 0, room.parts);
 }
 
 /* What the latch of touch i tells of a normal slack. */
@@ -89,8 +85,7 @@ static told_t told_by_latch(const sim_touches_t *of, const sim_member_t *member,
             uint32_t  stream = path == 0u ? SIM_LATCH_SKIP : SIM_LATCH_PLC;
             moments_t law = moments_of(of, stream, &latch->chain[i], member->change, i, room);
             double    both = law.variance + square(slack_us);
-            double    reach = CALM * sqrt(both);
-            double    off = fmin(fmax(latch->residuals[i] - law.mean, -reach), reach);
+            double    off = limited(latch->residuals[i] - law.mean, CALM * sqrt(both));
             told.mean = square(slack_us) / both * off;
             told.variance = square(slack_us) * law.variance / both;
         }

@@ -8,15 +8,6 @@
 #include "diagnosis/likelihood/numbers.h"
 
 #define TINY 1e-9
-#define CALM 3.0 /* standard deviations beyond which a touch tells no more of what others have */
-
-static moments_t moments_of(const sim_residuals_t *laid_out, uint64_t i, residual_part_t *parts)
-{
-    for (uint32_t part = 0; part <= laid_out->extra_count; ++part) {
-        parts[part] = residual_part(laid_out, i, part);
-    }
-    return residual_moments(parts, laid_out->extra_count + (uint64_t)1);
-}
 
 /* Take the middle of each group of touches away if their datum is unknown. `work` has room for
  * all. */
@@ -43,11 +34,6 @@ static double speed_of(const sim_touches_t *of, uint64_t i)
     return of->is_plc[i] != 0u ? of->speed[i] : 0.0;
 }
 
-static double limited(double value, double most)
-{
-    return fmin(fmax(value, -most), most);
-}
-
 /* The rest of a tick, as the touches say, by what each is off. */
 static double told_us(const sim_touches_t *of, const sim_member_t *member, const double *off,
                       const double *variances)
@@ -72,7 +58,7 @@ int take_tick_rest(const sim_touches_t *of, const sim_member_t *member,
         double *off = room;
         double *variances = room + member->count;
         for (uint64_t k = 0; k < member->count; ++k) {
-            moments_t law = moments_of(laid_out, begin + k, parts);
+            moments_t law = residual_law_moments(laid_out, begin + k, parts);
             off[k] = residuals[begin + k] - law.mean;
             variances[k] = law.variance;
         }
