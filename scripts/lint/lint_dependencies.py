@@ -50,7 +50,11 @@ ROOMS: dict[str, set[str]] = {
     r"host_sim/main\.c": {"host_sim/"},
     r"host_sim/": {"host_sim/", "hal/include/"},
     r"scripts/skiplatch/diagnosis/density/": {"own", "host_sim/angle.h"},
-    r"scripts/skiplatch/diagnosis/likelihood/": {"own", "scripts/skiplatch/diagnosis/density/"},
+    r"scripts/skiplatch/diagnosis/likelihood/": {
+        "own",
+        "host_sim/angle.h",
+        "scripts/skiplatch/diagnosis/density/",
+    },
 }
 WIRING = "host_sim/api/"  # includes the rest, and is included by itself, the program and tests
 PROGRAM = "host_sim/main.c"

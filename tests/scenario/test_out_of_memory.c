@@ -103,7 +103,8 @@ static int find_datum(void)
     return SIM_PLAY_OK;
 }
 
-/* Touches by the PLC, stamped and with a position, under a delay that has not quite its form. */
+/* Touches by the PLC, stamped and with a position, under a delay that has not quite its form; some
+ * scans are late. */
 static int weigh_streams(void)
 {
     static const double         ones[] = {1.0, 1.0, 1.0};
@@ -136,12 +137,15 @@ static int weigh_streams(void)
                                         .scan_us = 1000.0,
                                         .slack = 0.1,
                                         .extras[SIM_LATCH_PLC] = &late,
-                                        .extra_counts[SIM_LATCH_PLC] = 1u};
-    sim_member_t              members[2];
+                                        .extra_counts[SIM_LATCH_PLC] = 1u,
+                                        .extras[SIM_LATTICE] = &late,
+                                        .extra_counts[SIM_LATTICE] = 1u};
+    static const uint32_t     streams[] = {SIM_LATCH_PLC, SIM_POSITION, SIM_LATTICE};
+    sim_member_t              members[3];
     double                    values[SIM_STREAM_COUNT * 3u] = {0.0};
     double                    found[SIM_FAMILY_COUNT] = {0.0};
-    for (uint32_t i = 0u; i < 2u; ++i) {
-        members[i] = (sim_member_t){.stream = i == 0u ? SIM_LATCH_PLC : SIM_POSITION,
+    for (uint32_t i = 0u; i < 3u; ++i) {
+        members[i] = (sim_member_t){.stream = streams[i],
                                     .recorded = &recorded,
                                     .latches[1] = &recorded,
                                     .rows = rows,
@@ -149,11 +153,12 @@ static int weigh_streams(void)
                                     .change = &change,
                                     .far = 1.0};
     }
-    if (sim_streams_log_likelihood(&touches_3, members, 2u, values, found) != 0) {
+    if (sim_streams_log_likelihood(&touches_3, members, 3u, values, found) != 0) {
         return SIM_PLAY_ERR_MEMORY;
     }
     TEST_ASSERT_DOUBLE_WITHIN(0.5, 0.5, found[SIM_BY_STAMPS]);
     TEST_ASSERT_TRUE(values[SIM_POSITION * 3u] < 0.0 || values[SIM_POSITION * 3u] > 0.0);
+    TEST_ASSERT_TRUE_MESSAGE(values[SIM_LATTICE * 3u] > 0.0, "all stamps on one grid");
     return SIM_PLAY_OK;
 }
 
@@ -211,7 +216,8 @@ void test_threads_that_do_not_start_leave_their_work_to_the_others(void)
 void test_touches_are_refused_and_then_weighed(void)
 {
     /* Which of two streams that have each a datum; for each its room and its datum, and for the
-     * position what the latch tells of its form, and the rest of a tick. */
-    TEST_ASSERT_EQUAL_UINT32(1u + (4u + 3u) + (4u + 2u + 2u + 3u),
+     * position what the latch tells of its form, and the rest of a tick. Of the grid the late
+     * scans, a table and its law, and room for the stamps. */
+    TEST_ASSERT_EQUAL_UINT32(1u + (4u + 3u) + (4u + 2u + 2u + 3u) + (1u + 2u + 1u),
                              fail_each_allocation(weigh_streams));
 }

@@ -1,5 +1,7 @@
 #include "diagnosis/density/order.h"
 
+#include <stdlib.h>
+
 static void swap(double *a, double *b)
 {
     double kept = *a;
@@ -30,6 +32,18 @@ double order_kth(double *values, int64_t n, int64_t k)
         high = k < up ? down : high;
     }
     return values[k];
+}
+
+static int compare(const void *one, const void *other)
+{
+    double a = *(const double *)one;
+    double b = *(const double *)other;
+    return (a > b) - (a < b);
+}
+
+void order_sort(double *values, uint64_t n)
+{
+    qsort(values, n, sizeof *values, compare);
 }
 
 double order_median(double *values, int64_t n)

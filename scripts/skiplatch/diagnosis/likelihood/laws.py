@@ -1,7 +1,5 @@
 """The law of what is seen in each stream, once the physics is changed."""
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +8,6 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Extra, Law, spliced
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.physics import change_for, members_of, number_of, touches_of
-from skiplatch.diagnosis.likelihood.scan_wait import scan_period_us
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import connection, layout
 
@@ -34,13 +31,11 @@ def law_of(scene: Scene, stream: Stream, change: Change) -> Law:
     if change.passing:
         times = change.at_times(scene.touches.touch)
         return spliced([(rows, law_of(scene, stream, there)) for rows, there in times])
-    if stream.name == LATTICE:
-        return _lattice(scene, stream, change)
     return _law(scene, stream, change)
 
 
 def _law(scene: Scene, stream: Stream, change: Change) -> Law:
-    """Give the law of a stream whose touches each have their own: see ``stream_law.h``."""
+    """Give the law of a stream for a change that is the same throughout: see ``stream_law.h``."""
     ffi, library = connection()
     changed, number = change_for(scene, change, [stream.name]), number_of(stream.name)
     members = members_of(scene, [(stream, changed, 0.0)])
@@ -70,15 +65,3 @@ def _law(scene: Scene, stream: Stream, change: Change) -> Law:
     law = {name: whole(laws[name], getattr(stream.chain, name)) for name in names}
     some = changed.at[0].extras[number]
     return Law(**law, extras=tuple(extra(some[k].share, row) for k, row in enumerate(more)))
-
-
-def _lattice(scene: Scene, stream: Stream, change: Change) -> Law:
-    """Give the law of stamps off the grid of the scans: the same for all."""
-    coarser = max(0.0, change.coarse_us - scene.nominal.skip.tick_us)
-    period = scan_period_us(scene, change)
-    ticks = period / max(change.coarse_us, TINY)
-    # Scans a whole number of ticks apart are all stamped early by the same rest; else it wanders.
-    scans = float(np.ptp(scene.touches.latch_us[stream.indices])) / period
-    box = coarser * min(1.0, abs(ticks - np.rint(ticks)) * scans)
-    law = replace(stream.chain, box_a=stream.chain.box_a + box, extras=change.lattice_extra)
-    return replace(law, offset=law.offset - box / 2.0)

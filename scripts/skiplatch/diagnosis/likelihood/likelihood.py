@@ -1,10 +1,10 @@
 """How likely the recorded touches are under a change of the physics.
 
 The change is carried through the chain to the law of every stream it can be seen in; C does that,
-see ``streams.h``, but for the grid of the scans and for touches that were not latched.
+see ``streams.h``, but for touches that were not latched.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +13,6 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import FAMILIES, SHIFTED
 from skiplatch.diagnosis.density.law import Law
-from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import LATTICE, law_of
 from skiplatch.diagnosis.likelihood.physics import (
     change_for,
@@ -22,7 +21,6 @@ from skiplatch.diagnosis.likelihood.physics import (
     number_of,
     touches_of,
 )
-from skiplatch.diagnosis.likelihood.scan_grid import grid_values
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import connection
 
@@ -90,20 +88,14 @@ def _evaluated(
     ffi, library = connection()
     # Always in the same order: sums that are rounded otherwise may lead a search elsewhere.
     streams = {name: stream for name, stream in scene.streams.items() if name in names}
-    by_touch = [name for name in streams if name != LATTICE]
     values = np.zeros((library.SIM_STREAM_COUNT, len(scene)))
     datum_um = np.zeros((library.SIM_FAMILY_COUNT, scene.datum_count))
-    found = {name: values[number_of(name)] for name in by_touch}
-    parts, grids = [], []
+    parts = []
     for rows, there in _at_times(scene, change):
-        laid_out = change_for(scene, there, by_touch)
+        laid_out = change_for(scene, there, streams)
         for name, all_of_it in streams.items():
             stream = all_of_it if rows is None else all_of_it.part(rows)
-            if not len(stream.indices):
-                continue
-            if name == LATTICE:
-                grids.append((stream, there))
-            else:
+            if len(stream.indices):
                 parts.append((stream, laid_out, widening.get(name, 0.0)))
     code = library.sim_streams_log_likelihood(
         touches_of(scene).at,
@@ -114,24 +106,12 @@ def _evaluated(
     )
     if code:
         raise MemoryError
-    if LATTICE in names:
-        found[LATTICE] = _on_grid(scene, grids, widening.get(LATTICE, 0.0))
-    return found, datum_um
+    return {name: values[number_of(name)] for name in streams}, datum_um
 
 
 def _at_times(scene: Scene, change: Change) -> Iterable[tuple[BoolArray | None, Change]]:
     """Give what differs with the touches for which it does: None for all of them."""
     return change.at_times(scene.touches.touch) if change.passing else [(None, change)]
-
-
-def _on_grid(scene: Scene, parts: Sequence[tuple[Stream, Change]], widening: float) -> FloatArray:
-    """Give the log-likelihood of the stamps of scans by what they keep of a grid; shape (n,)."""
-    values = np.zeros(len(scene))
-    for stream, change in parts:
-        law = law_of(scene, stream, change).select(stream.indices)
-        law = law.widened(widening) if widening else law
-        values[stream.indices] = grid_values(scene, stream, change, law)
-    return values
 
 
 def affected(scene: Scene, change: Change) -> frozenset[str]:

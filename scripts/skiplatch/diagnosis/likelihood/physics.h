@@ -9,11 +9,12 @@
 
 #include "diagnosis/density/law.h"
 
-/* What can be seen of a touch. The grid of the scans is seen by all stamps together: not here. */
+/* What can be seen of a touch; of the lattice, the grid of the scans, by all stamps together. */
 enum sim_stream {
     SIM_MOTION,
     SIM_LATCH_SKIP,
     SIM_LATCH_PLC,
+    SIM_LATTICE,
     SIM_POSITION,
     SIM_DEVIATION_SKIP,
     SIM_DEVIATION_PLC,
@@ -37,7 +38,7 @@ typedef struct {
     sim_number_t boxless;
 } sim_some_t;
 
-/* The physics that differs from the chain, but for what scans are locked to. */
+/* The physics that differs from the chain. */
 typedef struct {
     sim_number_t contact_us;  /* later contact */
     sim_number_t speed_ratio; /* of the real to the believed speed at the contact, > 0 */
@@ -56,6 +57,8 @@ typedef struct {
     double       tick_line_us;
     double       slot_us; /* of the slots in which alone triggers arrive; 0 if there are none */
     double       slot_phase_us;
+    double       unlocked; /* share of touches whose scans keep a grid, of those bound to them */
+    uint32_t     is_bound; /* scans are bound to touches, but for those */
     double       slack; /* scatter that a shift brings along, as a share of its root mean square */
     const sim_some_t *extras[SIM_STREAM_COUNT]; /* by stream; of a deviation in µs */
     uint32_t          extra_counts[SIM_STREAM_COUNT];

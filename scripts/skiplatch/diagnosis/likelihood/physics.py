@@ -152,6 +152,8 @@ def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOu
         if value:
             setattr(at, name, value)
     at.scan_us = scan_period_us(scene, change)
+    if change.wait is not None:
+        at.is_bound, at.unlocked = True, change.wait.unlocked
     if change.slots is not None:
         at.slot_us, at.slot_phase_us = change.slots
     for name in {*streams, *LATCHES} if change.slack else streams:
@@ -184,6 +186,8 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
     """Give what some touches get on top in a stream; of a deviation in µs."""
     if name == "motion":
         return ()
+    if name == "lattice":
+        return change.lattice_extra
     if name == "report":
         return change.report_extra
     beyond = () if name in LATCHES else _position_extras(change)

@@ -5,6 +5,7 @@
 
 #include "diagnosis/density/residual.h"
 #include "diagnosis/likelihood/numbers.h"
+#include "diagnosis/likelihood/scan_grid.h"
 #include "diagnosis/likelihood/touch_law.h"
 
 #define TINY 1e-9 /* of the size of a shift, below which it is none */
@@ -148,14 +149,25 @@ static uint32_t most_extras(const sim_change_t *change)
     return most;
 }
 
+/* Write the laws of a member without what slack and widening make of them. */
+static void write_laws(const sim_touches_t *of, const sim_member_t *member, sim_law_t *laws)
+{
+    bool is_grid = member->stream == SIM_LATTICE && member->count > 0u;
+    if (is_grid) {
+        laws[0] = grid_law(of, member);
+    }
+    for (uint64_t k = is_grid ? 1u : 0u; k < member->count; ++k) {
+        const sim_law_t *chain = &member->recorded->chain[member->rows[k]];
+        laws[k] = is_grid ? laws[0]
+                          : touch_law(of, member->stream, chain, member->change, member->rows[k]);
+    }
+}
+
 int sim_stream_laws(const sim_touches_t *of, const sim_member_t *member, uint64_t stride,
                     sim_law_t *laws, sim_extra_t *extras)
 {
     const sim_change_t *change = member->change;
-    for (uint64_t k = 0; k < member->count; ++k) {
-        const sim_law_t *chain = &member->recorded->chain[member->rows[k]];
-        laws[k] = touch_law(of, member->stream, chain, change, member->rows[k]);
-    }
+    write_laws(of, member, laws);
     for (uint32_t e = 0; e < change->extra_counts[member->stream]; ++e) {
         for (uint64_t k = 0; k < member->count; ++k) {
             extras[e * stride + k] = touch_extra(of, member->stream, change, e, member->rows[k]);
@@ -172,7 +184,7 @@ int sim_stream_laws(const sim_touches_t *of, const sim_member_t *member, uint64_
         }
         free(room.extras);
         free(room.parts);
-    } else if (change->slack > 0.0) {
+    } else if (change->slack > 0.0 && member->stream != SIM_LATTICE) {
         loosen(member, laws);
     }
     for (uint64_t k = 0; k < member->count && member->widening > 0.0; ++k) {

@@ -7,6 +7,7 @@
 #include "diagnosis/density/residual.h"
 #include "diagnosis/likelihood/lines.h"
 #include "diagnosis/likelihood/numbers.h"
+#include "diagnosis/likelihood/scan_grid.h"
 #include "diagnosis/likelihood/stream_law.h"
 #include "diagnosis/likelihood/tick_rest.h"
 
@@ -33,7 +34,8 @@ typedef struct {
  */
 static uint32_t family_of(const sim_touches_t *of, uint32_t stream)
 {
-    if (of->datum_count == 0u || stream == SIM_MOTION || stream == SIM_REPORT) {
+    bool is_of_time = stream == SIM_MOTION || stream == SIM_LATTICE || stream == SIM_REPORT;
+    if (of->datum_count == 0u || is_of_time) {
         return SIM_FAMILY_COUNT;
     }
     if (stream == SIM_POSITION) {
@@ -201,7 +203,9 @@ int sim_streams_log_likelihood(const sim_touches_t *of, const sim_member_t *memb
     for (uint32_t m = 0; m < member_count && code == 0; ++m) {
         const sim_member_t *alone = &members[m];
         if (alone->count > 0u && family_of(of, alone->stream) == SIM_FAMILY_COUNT) {
-            code = evaluate(of, &alone, 1, values, NULL);
+            code = alone->stream == SIM_LATTICE
+                       ? weigh_grid(of, alone, values + SIM_LATTICE * of->n)
+                       : evaluate(of, &alone, 1, values, NULL);
         }
     }
     free((void *)together);
