@@ -85,7 +85,8 @@ int32_t hal_axis_position_counts(uint8_t axis)
     }
     double position_um = sim_axis_position_um(&bound->axis, position_time());
     position_um = sim_change(bound, SIM_POSITION, position_um);
-    return sim_counts(bound, sim_change(bound, SIM_READING, position_um));
+    position_um = sim_change(bound, SIM_READING, position_um);
+    return sim_counts(bound, position_um + bound->off_line_um);
 }
 
 int hal_bus_send(const uint8_t frame[HAL_BUS_FRAME_BYTES])

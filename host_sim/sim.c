@@ -84,6 +84,7 @@ sim_ns_t sim_touch_start(const sim_touch_t *touch)
 void sim_begin_touch(sim_t *sim, const sim_touch_t *touch)
 {
     sim->touch = touch;
+    sim->off_line_um = touch->datum_um - rint(touch->datum_um / sim->count_um) * sim->count_um;
     sim->now = sim_touch_start(touch);
     sim->axis_at = SIM_NEVER;
     sim->edge_at = SIM_NEVER;

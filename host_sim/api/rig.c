@@ -213,7 +213,8 @@ static void record(rig_t *rig, sim_outcome_t *outcome)
         int64_t latch_ticks = unwrapped(sim_clock_ticks(sim, sim->now), record.ticks);
         outcome->latch_us = (double)latch_ticks * sim->tick_ps / (SIM_PS_PER_NS * SIM_NS_PER_US);
         outcome->report_us = sim_us_from_ns(sim->now);
-        outcome->deviation_um = record.position_counts * sim->count_um + sim->touch->datum_um;
+        double line_um = sim->touch->datum_um - sim->off_line_um;
+        outcome->deviation_um = record.position_counts * sim->count_um + line_um;
         outcome->status = SIM_STATUS_OK;
     }
 }

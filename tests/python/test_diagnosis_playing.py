@@ -88,6 +88,19 @@ def test_the_lines_of_an_encoder_stay_where_a_datum_is_off(kind: str, is_coordin
     np.testing.assert_allclose(counts, np.rint(counts), atol=0.003)
 
 
+@pytest.mark.parametrize("kind", ["surface_um", "coordinate_um"])
+def test_the_lines_of_the_counter_stay_where_a_datum_is_off(kind: str) -> None:
+    campaign = stamped()
+    step_um = campaign.nominal.axis.resolution_um
+    datum = FittedDatum(**{kind: {"X": 7.3 * step_um, "Y": -0.4 * step_um}})
+
+    plain, off = (played(campaign, one).deviation_um for one in (FittedDatum(), datum))
+
+    np.testing.assert_allclose(off / step_um, np.rint(off / step_um), atol=1e-6)
+    on_x = campaign.touches.on_skip & (campaign.touches.axis == Axis.X)
+    assert np.nanmean((off - plain)[:, on_x]) / step_um == pytest.approx(7.3, abs=0.2)
+
+
 def test_a_datum_that_is_known_is_not_moved() -> None:
     bench = read_campaign(BENCH)
 
