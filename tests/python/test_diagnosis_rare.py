@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.diagnose import diagnose
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
@@ -106,3 +106,16 @@ def test_what_no_look_notices_is_named_by_its_own_likelihood() -> None:
     (named,) = diagnosis.effects
     assert late.id in (named.effect.id, *named.alternatives)
     assert diagnosis.verdict == Verdict.PARTLY_EXPLAINED
+
+
+@pytest.mark.long
+def test_the_likelihood_tells_what_no_look_notices_beside_a_larger_effect() -> None:
+    bounce = Effect("contact_bounce", {"probability": 0.105, "span_us": 255.0})
+    retry = Effect("link_retry", {"probability": 0.16, "period_us": 550.0})
+    campaign = played_again(stamped_machine(), bounce, retry, seed=2)
+
+    diagnosis = diagnose(campaign, seed=1)
+
+    first, second = ({one.effect.id, *one.alternatives} for one in diagnosis.effects)
+    assert retry.id in first
+    assert bounce.id in second

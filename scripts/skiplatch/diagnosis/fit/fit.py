@@ -235,5 +235,5 @@ def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[fl
     # A start may sit on a peak too sharp to be found from afar.
     near = min(begun, key=lambda point: target(point, 0.0))
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
-        points = [*points, near, climb(target, near, 0.0)]
+        points = [*points, near, climb(target, near, widenings[-1])]
     return min(points, key=lambda point: target(point, 0.0))

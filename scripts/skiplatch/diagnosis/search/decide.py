@@ -1,8 +1,8 @@
 """Which effects a campaign shows: one after the other, as long as something is left.
 
-A hypothesis is a set of effects. It is extended only where it leaves something that can be seen
-(`leftover`), and only by an effect that gains more than chance on other touches than it was fitted
-to.
+A hypothesis is a set of effects. It is extended where it leaves something that can be seen
+(`leftover`) or that the likelihood asks for, and only by an effect that gains more than chance on
+other touches than it was fitted to.
 Several first effects are kept open, for the best of them may be one that takes two for its scatter.
 """
 
@@ -79,7 +79,7 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     judge.believe_beside(ranked[0].fit)
     ranked = sorted(map(judge.scored_anew, ranked), key=lambda scored: -scored.score)
     best = ranked[0]
-    if not noticed(best):
+    if not _asks_for_more(judge, best, noticed):
         return _single(judge, best, ranked)
     best, pairs = _with_second(judge, best, noticed)
     if not pairs or not _is_further(judge, pairs[0], best, noticed):
@@ -90,8 +90,8 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
     model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
-    while len(model.ids) < MOST_EFFECTS and (streams := noticed(model)):
-        further = judge.pairs(model, streams)
+    while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
+        further = judge.pairs(model, noticed(model))
         if not further or not _is_further(judge, further[0], model, noticed):
             break
         judge.believe_beside(further[0].fit)
@@ -99,10 +99,20 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     return several(judge, model, tried)
 
 
+def _asks_for_more(judge: Judge, model: Scored, noticed: Noticed) -> bool:
+    """Tell whether a further effect is worth a search.
+
+    Where nothing of it shows, as what comes seldom beside a larger effect, the likelihood tells.
+    """
+    if noticed(model):
+        return True
+    on_top = judge.on_top(model)
+    return bool(on_top) and on_top[0].score > model.score
+
+
 def finds_any(judge: Judge, noticed: Noticed) -> bool:
-    """Tell whether there is an effect to begin a search with, alone, that matters."""
-    ranked = _first(judge, noticed)
-    return bool(ranked) and judge.is_enough(ranked[0])
+    """Tell whether there is an effect, alone, that gains more than chance and matters."""
+    return any(map(judge.is_enough, _first(judge, noticed)))
 
 
 def _first(judge: Judge, noticed: Noticed) -> list[Scored]:

@@ -43,6 +43,8 @@ from skiplatch.diagnosis.search.tasks import (
 
 Task = TypeVar("Task")
 
+ANY = frozenset[str]()
+"""Streams, where it is not known which: each of them."""
 CONTENDS = 0.4
 """Share of the best gain from which on other forms of an effect are tried."""
 MOST_POLISHED = 6
@@ -160,12 +162,12 @@ class Judge(Scorer):
             fits[i] = found
         return fits
 
-    def pairs(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
+    def pairs(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
         """A model with every other effect: one by one on top of it, the best then jointly.
 
         Args:
             first: The model.
-            streams: In which something is left that the other one has to change; None for any.
+            streams: In which something is left that the other one has to change.
         """
         on_top = without_twins(self.on_top(first, streams))
         if not on_top:
@@ -192,7 +194,7 @@ class Judge(Scorer):
             for model, joint in zip(models, refined, strict=True)
         ]
 
-    def on_top(self, first: Scored, streams: frozenset[str] | None = None) -> list[Scored]:
+    def on_top(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
         """Every other effect on top of a model that stays as it is, by falling score."""
         key = (*first.fit.key, streams)
         if key not in self._on_top:
@@ -257,10 +259,10 @@ class Judge(Scorer):
         return [c for c in catalogue().values() if c.applies(self.scene)]
 
     def _acting_in(
-        self, candidates: Sequence[Candidate], streams: frozenset[str] | None
+        self, candidates: Sequence[Candidate], streams: frozenset[str]
     ) -> list[Candidate]:
         """Keep the effects that change some of the streams."""
-        if streams is None:
+        if streams == ANY:
             return list(candidates)
         return [c for c in candidates if self._reach(c) & streams]
 
