@@ -41,11 +41,7 @@ static double density_at(const group_t *group, double length, uint64_t i)
     const uint64_t         part_count = of->extra_count + (uint64_t)1;
     const residual_part_t *parts = &group->parts[i * part_count];
     double                 x = of->residuals[i] - length * group->datum->per_length[i];
-    double                 density = 0.0;
-    for (uint64_t k = 0; k < part_count; ++k) {
-        density += residual_part_density(&parts[k], x);
-    }
-    return residual_density(density, x, of->reach[i]);
+    return residual_parts_density(parts, part_count, x, of->reach[i]);
 }
 
 /* Give the log-likelihood at a length, and keep it if it is the best. */

@@ -95,3 +95,12 @@ double residual_density(double density, double x, double reach)
 {
     return (1.0 - CONTAMINATION) * density + CONTAMINATION * cauchy(x, reach);
 }
+
+double residual_parts_density(const residual_part_t *parts, uint64_t n, double x, double reach)
+{
+    double density = 0.0;
+    for (uint64_t k = 0; k < n; ++k) {
+        density += residual_part_density(&parts[k], x);
+    }
+    return residual_density(density, x, reach);
+}

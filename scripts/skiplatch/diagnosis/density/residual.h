@@ -31,7 +31,10 @@ moments_t residual_moments(const residual_part_t *parts, uint64_t n);
 /* The same of residual i; `room` for its parts: one, and one for each extra. */
 moments_t residual_law_moments(const sim_residuals_t *of, uint64_t i, residual_part_t *room);
 
-/* What all parts add up to at x, if one in a thousand may lie within `reach`. */
+/* A density at x, if one in a thousand residuals may lie within `reach`. */
 double residual_density(double density, double x, double reach);
+
+/* The same of what n parts add up to. */
+double residual_parts_density(const residual_part_t *parts, uint64_t n, double x, double reach);
 
 #endif

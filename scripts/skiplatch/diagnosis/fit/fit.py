@@ -10,12 +10,12 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.density.datum import BY_STAMPS
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.climb import STEP, WORST, climb
 from skiplatch.diagnosis.likelihood.laws import AFTER_LATCH, LATTICE, TINY, law_under
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood, with_shared_datum
-from skiplatch.diagnosis.likelihood.physics import LATCHES
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import ALWAYS
 
@@ -113,7 +113,7 @@ class Target:
         self._names = frozenset[str]().union(
             *(affected(scene, self.fit(start).change(scene)) for start in starts)
         )
-        if given.slack and self._names.intersection(LATCHES):
+        if given.slack and self._names.intersection(BY_STAMPS):
             # What comes after a latch is read beside it, as far as the slack leaves it open.
             self._names |= AFTER_LATCH & scene.streams.keys()
         self._names |= with_shared_datum(scene, self._names)

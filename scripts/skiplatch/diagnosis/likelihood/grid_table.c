@@ -74,11 +74,7 @@ static double log_at(const folded_law_t *law, double place)
     double all = 0.0;
     for (uint32_t turn = 0; turn < law->turns; ++turn) {
         double x = place + law->period * (double)turn;
-        double density = 0.0;
-        for (uint32_t k = 0; k < law->count; ++k) {
-            density += residual_part_density(&law->parts[k], x);
-        }
-        all += residual_density(density, x, law->period);
+        all += residual_parts_density(law->parts, law->count, x, law->period);
     }
     return log(all * law->period);
 }

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import Change, Number
+from skiplatch.diagnosis.density.datum import BY_STAMPS
 from skiplatch.diagnosis.density.law import SMALLEST, Extra
 from skiplatch.diagnosis.density.residuals import fill
 from skiplatch.diagnosis.density.stream import Stream
@@ -17,7 +18,6 @@ from skiplatch.diagnosis.likelihood.scan_wait import locked_waits, scan_period_u
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import CData, connection, layout
 
-LATCHES = ("latch_skip", "latch_plc")
 LEAST_U = 1e-12
 """Standard uncertainty in µm of a datum that is known."""
 
@@ -89,7 +89,7 @@ def members_of(scene: Scene, parts: Sequence[tuple[Stream, LaidOut, float]]) -> 
         laid_out.at[i] = _recorded(stream)[1].at[0]
         member.change, member.widening = change.at, widening
         if change.at[0].slack:
-            for path, name in enumerate(LATCHES):
+            for path, name in enumerate(BY_STAMPS):
                 if name in scene.streams:
                     member.latches[path] = _recorded(scene.streams[name])[0].at
         laid_out.keep((stream, change))
@@ -156,7 +156,7 @@ def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOu
         at.is_bound, at.unlocked = True, change.wait.unlocked
     if change.slots is not None:
         at.slot_us, at.slot_phase_us = change.slots
-    for name in {*streams, *LATCHES} if change.slack else streams:
+    for name in {*streams, *BY_STAMPS} if change.slack else streams:
         extras = extras_of(scene, name, change)
         if extras:
             at.extras[number_of(name)] = _extras(laid_out, extras)
@@ -190,7 +190,7 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
         return change.lattice_extra
     if name == "report":
         return change.report_extra
-    beyond = () if name in LATCHES else _position_extras(change)
+    beyond = () if name in BY_STAMPS else _position_extras(change)
     if name == "position":
         return beyond
     if name.endswith("_plc"):
