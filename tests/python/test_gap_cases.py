@@ -21,7 +21,7 @@ from tests.withheld.beliefs import OFF_BY, SAME, uncertain, wrong_noise
 from tests.withheld.cases import Drawn, draw_campaign
 from tests.withheld.chain import Setup, play
 from tests.withheld.conditions import Recording, draw_setup
-from tests.withheld.datum import draw_datum
+from tests.withheld.datum import Datum, draw_datum
 from tests.withheld.effects import EFFECTS
 from tests.withheld.forms import Draw, Form
 from tests.withheld.generate import main
@@ -58,17 +58,29 @@ def test_a_datum_that_is_off_shifts_all_deviations_of_its_kind_alike(seed: int) 
 
     off, on = (play(setup, hooks, rng(9))[0] for hooks in ([datum.form.hooks], []))
 
+    axis, touches = setup.nominal.axis, setup.touches
+    # Below the feed another surface is met with another speed.
+    at_feed = touches.approach_mm - 0.2 > touches.feed_mm_min**2 / (7200.0 * axis.accel_mm_s2)
+    rows = touches.on_skip & at_feed
     shift = off.deviation_um - on.deviation_um
-    step = setup.nominal.axis.resolution_um
-    on_skip = setup.touches.on_skip
-    assert shift[on_skip] == pytest.approx(datum.offset_um[on_skip], abs=1.01 * step)
+    assert shift[rows] == pytest.approx(datum.offset_um[rows], abs=1.01 * axis.resolution_um)
     assert np.abs(datum.offset_um).min() >= 1.0
     assert np.abs(datum.offset_um).max() <= 150.0
-    later = (off.latch_us - on.latch_us)[on_skip]
+    later = (off.latch_us - on.latch_us)[rows]
     wanted = datum.offset_um / setup.feed_um_us if datum.moves_contact else 0.0 * on.latch_us
-    tick = setup.nominal.skip.tick_us
-    long = setup.touches.approach_mm[on_skip] > 3.0  # the others meet the surface below the feed
-    assert later[long] == pytest.approx(wanted[on_skip][long], rel=0.1, abs=1.01 * tick)
+    assert later == pytest.approx(wanted[rows], rel=0.1, abs=1.01 * setup.nominal.skip.tick_us)
+
+
+def test_a_surface_that_is_nearer_is_met_with_less_speed_while_the_axis_accelerates() -> None:
+    setup = rig(seed=4)
+    start_um = setup.touches.approach_mm * 1e3
+    nearer = Datum(DatumFreedom.CAMPAIGN, True, np.full(len(start_um), -100.0))
+
+    _, state = play(setup, [nearer.form.hooks], rng(9))
+
+    reached = np.sqrt(2e-9 * setup.nominal.axis.accel_mm_s2 * (start_um - 100.0))
+    assert (reached < setup.feed_um_us).any()
+    assert state.speed_um_us == pytest.approx(np.minimum(setup.feed_um_us, reached))
 
 
 def test_offsets_of_axis_and_sense_are_declared_and_others_are_not() -> None:

@@ -146,10 +146,14 @@ def travel_us(approach_um: FloatArray, feed_um_us: FloatArray, accel: FloatArray
     return np.where(approach_um < ramp, np.sqrt(2 * approach_um / accel), cruising)
 
 
+def meet(s: State, approach_um: FloatArray) -> None:
+    """Meet a surface so far from where each move starts, shape (n,)."""
+    s.contact_us = s.touches.time_s * 1e6 + travel_us(approach_um, s.feed_um_us, s.accel_um_us2)
+    s.speed_um_us = np.minimum(s.feed_um_us, np.sqrt(2 * s.accel_um_us2 * approach_um))
+
+
 def _move(s: State) -> None:
-    approach = s.touches.approach_mm * 1e3
-    s.contact_us = s.touches.time_s * 1e6 + travel_us(approach, s.feed_um_us, s.accel_um_us2)
-    s.speed_um_us = np.minimum(s.feed_um_us, np.sqrt(2 * s.accel_um_us2 * approach))
+    meet(s, s.touches.approach_mm * 1e3)
 
 
 def lobes_um(touches: Touches, amplitude_um: float, phase_deg: float) -> FloatArray:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from skiplatch.campaign import DatumFreedom
-from tests.withheld.chain import FloatArray, Setup, State, Step
+from tests.withheld.chain import FloatArray, Setup, State, Step, meet
 from tests.withheld.conditions import log_uniform
 from tests.withheld.forms import Form, adds
 
@@ -36,12 +36,13 @@ class Datum:
         """Play it."""
         hooks = {Step.POSITION: adds("deviation_um", lambda _: self.offset_um)}
         if self.moves_contact:
-            hooks[Step.MOVE] = self._meet_later
+            hooks[Step.MOVE] = self._meet_elsewhere
         values = ", ".join(f"{value:+.4g}" for value in np.unique(self.offset_um))
         return Form(f"surface off by {values} µm, of each {self.free}", hooks)
 
-    def _meet_later(self, s: State) -> None:
-        s.contact_us = s.contact_us + self.offset_um / s.speed_um_us
+    def _meet_elsewhere(self, s: State) -> None:
+        """Later or sooner, and with another speed where the axis still accelerates."""
+        meet(s, s.touches.approach_mm * 1e3 + self.offset_um)
 
     def as_json(self) -> dict[str, Any]:
         """Give it in plain types, for the label."""
