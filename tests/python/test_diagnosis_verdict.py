@@ -285,6 +285,7 @@ def test_an_explained_gap_is_explained() -> None:
         (replace(FOUND, gaps=gaps(gap(0.5))), "shrinks"),
         (replace(FOUND, after=[left(SIGNIFICANT + 1.0, "feed")]), "leaves_nothing"),
         (replace(FOUND, open=["backlash.backlash_um"]), "known"),
+        (replace(FOUND, is_loose=True), "has_form"),
         (replace(FOUND, is_confirmed=False), "is_confirmed"),
     ],
 )
@@ -304,7 +305,6 @@ def test_what_falls_short_in_one_respect_explains_in_part(worse: Evidence, rule:
         (replace(FOUND, gaps=gaps(gap(0.95, tightness=0.1))), "is_as_wide"),
         (replace(FOUND, after=[left(20.0, "time", relative=3.0)]), "takes_most"),
         (replace(FOUND, at_limit=["backlash.backlash_um"]), "within_limits"),
-        (replace(FOUND, is_loose=True), "has_form"),
         (replace(FOUND, chance=[left(20.0, "time")]), "chance_is_chance"),
     ],
 )

@@ -236,6 +236,7 @@ EXPLAINS: Sequence[Rule] = (
         "a level: what any campaign may have of gross errors; one in a hundred has more by chance",
         _few_outliers,
     ),
+    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule("held_out", 0.0, "theory: touches that named do not judge the name", _held_out),
     Rule("known", 0.0, "theory: an interval that is all of the range tells nothing", _known),
     Rule(
@@ -269,7 +270,6 @@ NAMES: Sequence[Rule] = (
         _gains_as_much,
     ),
     Rule("within_limits", 0.0, "theory: at an end of its range nothing is found", _within_limits),
-    Rule("has_form", 0.0, "theory: a form that needs all slack is another one", _has_form),
     Rule(
         "chance_is_chance",
         CHANCE,
