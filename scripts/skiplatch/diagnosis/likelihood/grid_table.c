@@ -83,14 +83,14 @@ int make_table(grid_table_t *table, const sim_law_t *law, const sim_extra_t *ext
                uint32_t extra_count, double tick, double resolution, double period)
 {
     uint64_t     most = PEAK + REST + (extra_count + (uint64_t)1) * 2u * EDGE;
-    folded_law_t folded = {.parts = calloc(extra_count + (size_t)1, sizeof *folded.parts),
-                           .count = extra_count + 1u,
-                           .turns = turns_of(extras, extra_count, period),
-                           .period = period};
+    folded_law_t ready = {.parts = calloc(extra_count + (size_t)1, sizeof *ready.parts),
+                          .count = extra_count + 1u,
+                          .turns = turns_of(extras, extra_count, period),
+                          .period = period};
     double      *room = calloc(2u * most, sizeof *room);
     *table = (grid_table_t){.where = room, .period = period};
-    if (folded.parts == NULL || room == NULL) {
-        free(folded.parts);
+    if (ready.parts == NULL || room == NULL) {
+        free(ready.parts);
         release_table(table);
         return -1;
     }
@@ -101,14 +101,14 @@ int make_table(grid_table_t *table, const sim_law_t *law, const sim_extra_t *ext
                            .n = 1,
                            .extra_count = extra_count,
                            .resolution = resolution};
-    for (uint32_t k = 0; k < folded.count; ++k) {
-        folded.parts[k] = residual_part(&one, 0, k);
+    for (uint32_t k = 0; k < ready.count; ++k) {
+        ready.parts[k] = residual_part(&one, 0, k);
     }
     table->n = put_places(table->where, law, extras, extra_count, tick, period);
     for (uint64_t k = 0; k < table->n; ++k) {
-        table->logs[k] = log_at(&folded, table->where[k]);
+        table->logs[k] = log_at(&ready, table->where[k]);
     }
-    free(folded.parts);
+    free(ready.parts);
     return 0;
 }
 
