@@ -46,21 +46,21 @@ typedef struct {
     sim_rest_t         rest;         /* where the tip rests before it */
     uint64_t           seed;
     uint64_t           replicate;
-    double             filter_us; /* the filter of the set-up */
-    double             count_um;  /* what a count of the position is */
-    double        off_line_um; /* how far past a line of the counter the axis shows the surface */
-    sim_ns_t      ticks_time;  /* the last time turned into ticks, and the ticks it is */
-    uint64_t      ticks;
-    uint32_t      tick_ps;
-    bool          is_edge_armed;
-    sim_random_t  random;
-    sim_axis_t    axis;
-    sim_line_t    line;
-    sim_scan_t    scan;
-    sim_bus_t     bus;
-    sim_ns_t      captured_later; /* while an edge is captured: its stamp, less its time */
-    bool          is_scanning;    /* what the clock shows goes into the stamp of a scan */
-    sim_effects_t effects;
+    double             filter_us;   /* the filter of the set-up */
+    double             count_um;    /* what a count of the position is */
+    double             off_line_um; /* the datum, past a line of the counter */
+    sim_ns_t           ticks_time;  /* the last time turned into ticks, and the ticks it is */
+    uint64_t           ticks;
+    uint32_t           tick_ps;
+    bool               is_edge_armed;
+    sim_random_t       random;
+    sim_axis_t         axis;
+    sim_line_t         line;
+    sim_scan_t         scan;
+    sim_bus_t          bus;
+    sim_ns_t           captured_later; /* while an edge is captured: its stamp, less its time */
+    bool               is_scanning;    /* what the clock shows goes into the stamp of a scan */
+    sim_effects_t      effects;
 } sim_t;
 
 /*

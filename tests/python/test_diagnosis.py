@@ -11,7 +11,8 @@ from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.verdict.reliability import reliability
+from skiplatch.diagnosis.verdict.reliability import FAR_OFF, reliability, standing
+from skiplatch.diagnosis.verdict.rules import EXPLAINS
 from skiplatch.simulator.effects import Effect
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -51,6 +52,14 @@ def test_a_confidence_is_what_few_counts_leave_for_certain(
     monkeypatch.setattr("skiplatch.diagnosis.verdict.reliability._counts", lambda _: (right, wrong))
 
     assert reliability(Verdict.EXPLAINED) == pytest.approx(least)
+
+
+def test_a_form_as_far_off_as_can_be_is_counted_by_itself() -> None:
+    failing = {rule.name for rule in EXPLAINS}
+
+    assert standing(Verdict.PARTLY_EXPLAINED, failing) == FAR_OFF
+    assert standing(Verdict.PARTLY_EXPLAINED, failing - {"has_form"}) == Verdict.PARTLY_EXPLAINED
+    assert reliability(FAR_OFF) < reliability(Verdict.PARTLY_EXPLAINED)
 
 
 @pytest.mark.parametrize("folder", [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"])

@@ -619,3 +619,13 @@ def test_names_are_counted_by_set_and_a_set_measured_again_counts_once(tmp_path:
     assert [(one["seed"], one["campaigns"]) for one in sets] == [(2, 1), (1, 1)]
     assert sets[0]["names"]["explained"] == {"right": 1, "wrong": 0}
     assert sets[1]["names"]["partly_explained"] == {"right": 0, "wrong": 1}
+
+
+def test_names_of_a_form_that_is_far_off_are_counted_by_themselves(tmp_path: Path) -> None:
+    far_off = replace(found(SURE, verdict="partly_explained"), failed=frozenset({"has_form"}))
+
+    text = reliability.with_set(tmp_path / "none.json", [scored(SINGLE, far_off)], 1)
+
+    (measured,) = json.loads(text)["sets"]
+    assert measured["names"]["form_far_off"] == {"right": 1, "wrong": 0}
+    assert measured["names"]["partly_explained"] == {"right": 0, "wrong": 0}

@@ -10,10 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from skiplatch.diagnosis.verdict.reliability import STANDINGS
 from tests.withheld.scoring import Scored
-
-NAMING = ("explained", "partly_explained")
-"""Verdicts with names."""
 
 
 def with_set(file: Path, results: Sequence[Scored], seed: int) -> str:
@@ -31,11 +29,11 @@ def with_set(file: Path, results: Sequence[Scored], seed: int) -> str:
 
 def _counts(results: Sequence[Scored], seed: int) -> dict[str, Any]:
     names: dict[str, Any] = {}
-    for verdict in NAMING:
-        given = [r for r in results if r.found.verdict == verdict]
+    for standing in STANDINGS:
+        given = [r for r in results if r.found.standing == standing]
         wrong = sum(r.strays for r in given)
         total = sum(len(r.found.names) for r in given)
-        names[verdict] = {"right": total - wrong, "wrong": wrong}
+        names[standing] = {"right": total - wrong, "wrong": wrong}
     return {
         "version": version("skiplatch"),
         "seed": seed,

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from skiplatch.diagnosis.verdict.reliability import standing
 from tests.withheld.sealed import Label
 
 FAILED = "failed"
@@ -74,6 +75,8 @@ class Found:
     shrinks: tuple[Shrink, ...] = ()
     outliers: frozenset[int] = frozenset()
     """Serial numbers of touches that it lists as gross outliers."""
+    failed: frozenset[str] = frozenset()
+    """Rules that kept it from a better verdict."""
 
     @classmethod
     def of(cls, diagnosis: Mapping[str, Any]) -> "Found":
@@ -88,7 +91,13 @@ class Found:
             tuple(p["stage"] for p in diagnosis["where"]),
             tuple(Shrink.of(name, gap) for name, gap in diagnosis.get("gap", {}).items()),
             frozenset(int(touch) for touch in diagnosis.get("outliers", ())),
+            frozenset(one["rule"] for one in diagnosis.get("failed", ())),
         )
+
+    @property
+    def standing(self) -> str:
+        """What its names are counted by."""
+        return standing(self.verdict, self.failed)
 
     @property
     def shrinks_by_half(self) -> bool:

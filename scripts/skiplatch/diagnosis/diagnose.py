@@ -22,6 +22,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.conclude import Conclusion, concluded
 from skiplatch.diagnosis.verdict.named import sure
+from skiplatch.diagnosis.verdict.reliability import standing
 from skiplatch.diagnosis.verdict.rules import may_be_accidents
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide
 from skiplatch.diagnosis.verdict.work import Work
@@ -75,6 +76,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
     believed, before = work.rig(None), work.before
     verdict, failures = decide(evidence)
     is_named = verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
+    stands = standing(verdict, [failure.rule for failure in failures])
     kept = finding if is_named else replace(finding, model=None)
     is_small = found.known is not found.rig
     remains = evidence.after if is_named or is_small else evidence.before
@@ -83,7 +85,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
     return Diagnosis(
         verdict=verdict,
         where=places(scene.with_nominal(rig.nominal), kept, before, left),
-        effects=[sure(one, verdict) for one in found.named] if is_named else [],
+        effects=[sure(one, stands) for one in found.named] if is_named else [],
         gap={
             name: replace(gap, could_hide=found.hidden[name].size if name in found.hidden else 0.0)
             for name, gap in found.gap.items()

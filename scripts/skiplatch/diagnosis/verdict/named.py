@@ -11,7 +11,6 @@ from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.verdict.reliability import reliability
-from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect, Parameter, effects
 from skiplatch.span import Span
 
@@ -89,7 +88,7 @@ def open_sizes(one: Named) -> list[str]:
     return found
 
 
-def sure(one: Named, verdict: Verdict) -> Named:
-    """Give the confidence in an effect its share of those that such a verdict has right."""
-    share = reliability(verdict)
+def sure(one: Named, standing: str) -> Named:
+    """Give the confidence in an effect the share of those of its standing that are right."""
+    share = reliability(standing)
     return replace(one, confidence=one.confidence * share)
