@@ -201,7 +201,8 @@ static void settle(const sim_touches_t *of, const sim_member_t *member, grid_t *
 }
 
 /* Tabulate the law of a member, with the extras of its first touch, which are those of all. */
-static int tabulate(const sim_touches_t *of, const sim_member_t *member, grid_table_t *table)
+static int tabulate(const sim_touches_t *of, const sim_member_t *member, double loose_us,
+                    grid_table_t *table)
 {
     uint32_t     count = member->change->extra_counts[SIM_LATTICE];
     sim_extra_t *extras = calloc(count + (size_t)1, sizeof *extras);
@@ -209,7 +210,7 @@ static int tabulate(const sim_touches_t *of, const sim_member_t *member, grid_ta
         return -1;
     }
     sim_law_t law = grid_law(of, member);
-    law.sigma = hypot(hypot(law.sigma, member->widening), slack_us(member));
+    law.sigma = hypot(hypot(law.sigma, member->widening), loose_us);
     for (uint32_t k = 0; k < count; ++k) {
         extras[k] = touch_extra(of, SIM_LATTICE, member->change, k, member->rows[0]);
     }
@@ -223,10 +224,11 @@ int weigh_grid(const sim_touches_t *of, const sim_member_t *member, double *valu
 {
     const uint64_t n = member->count;
     grid_t         grid = {.n = n, .tick = of->tick_us / member->change->scan_us};
-    if (slack_us(member) > ANYWHERE * member->change->scan_us) {
+    double         loose_us = slack_us(member);
+    if (loose_us > ANYWHERE * member->change->scan_us) {
         return 0; /* a clock this far from known tells no grid */
     }
-    if (tabulate(of, member, &grid.table) != 0) {
+    if (tabulate(of, member, loose_us, &grid.table) != 0) {
         return -1;
     }
     double *room = calloc(6u * n + phase_room(&grid.table), sizeof *room);

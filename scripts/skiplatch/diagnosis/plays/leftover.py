@@ -154,8 +154,8 @@ def _dithered(
 ) -> tuple[Mapping[str, FloatArray], Mapping[str, FloatArray]]:
     """Take record and plays apart, all lengths spread evenly over what they are rounded to.
 
-    A datum that was fitted need not be a whole number of steps, and a play moved by it would lie
-    between the values that the record can have.
+    Plays lie on lines of the counter; those of a record need not, where its surfaces lie between
+    two of them.
     """
     rng, step_um = np.random.default_rng(seed), rig.resolution_um
     # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
