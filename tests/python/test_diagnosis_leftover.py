@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -397,6 +398,15 @@ def test_a_memo_gives_the_same_and_is_what_is_looked_up() -> None:
     for found in memo.values():
         found.clear()
     assert looks(campaign, memo) == []
+
+
+def test_looks_from_other_processes_are_the_same() -> None:
+    beside = Beside.of(
+        Scene.of(read_campaign(MACHINE)), Rig(read_campaign(MACHINE).nominal), seed=1
+    )
+
+    with ProcessPoolExecutor(2) as executor:
+        assert left_over(beside, executor=executor) == left_over(beside)
 
 
 def test_another_hypothesis_is_not_looked_up() -> None:

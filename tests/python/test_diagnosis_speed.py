@@ -1,12 +1,18 @@
 """What a diagnosis computes by a shorter way is what the long way gives."""
 
+from copy import copy
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from played_campaigns import MACHINE, played
+from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.law import Extra, Law
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.likelihood.scan_wait import LEAST_PART, _wrapped
 from skiplatch.diagnosis.scene.grid import _agreement, _even_agreement, mean_turn
+from skiplatch.diagnosis.scene.scene import Scene
 
 PHASES = [(0.0, 0.2), (0.02, 0.1), (0.5, 0.4), (0.97, 0.05), (0.5, 0.01)]
 
@@ -48,3 +54,15 @@ def test_a_law_of_some_rows_is_the_same_by_mask_and_by_numbers() -> None:
 
     assert by_mask.variance.tolist() == law.variance[mask].tolist()
     assert by_numbers.variance.tolist() == law.variance[mask].tolist()
+
+
+def test_a_scene_that_travels_again_is_the_one_that_arrived() -> None:
+    whole = Scene.of(played(MACHINE))
+    part = whole.select(np.arange(0, len(whole), 2))
+
+    first, again = (copy(part) for _ in range(2))
+
+    assert again is first
+    assert first.whole is copy(whole)
+    change = CANDIDATES["backlash"].change(part, np.array([3.0, 0.0, 0.0, 0.0]))
+    assert likelihood(first, change).total == likelihood(part, change).total

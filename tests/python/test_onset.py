@@ -1,5 +1,6 @@
 """Effects that begin or end: played, weighed, found, and told from a surface that was moved."""
 
+from collections.abc import Collection
 from dataclasses import fields, replace
 from typing import Any, cast
 
@@ -233,8 +234,8 @@ class Ranking:
 
     def believe_beside(self, model: None) -> None: ...
 
-    def singles(self) -> list[Scored]:
-        return [self.lasting]
+    def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
+        return [self.lasting] if ids is None else []
 
     def may_begin(self, _: list[Scored]) -> bool:
         return False
@@ -258,5 +259,17 @@ def test_an_effect_that_fits_not_all_touches_may_begin_where_something_is_left(
         asked.append(model)
         return left
 
-    assert finds_any(cast(Any, Ranking()), noticed) == bool(left)
+    assert finds_any(cast(Any, Ranking()), noticed, []) == bool(left)
     assert asked == [None]
+
+
+def test_an_effect_that_is_likely_and_enough_leaves_the_others_untried() -> None:
+    class Likely(Ranking):
+        def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
+            assert ids == ["backlash"]
+            return [self.begun]
+
+    def noticed(_: Scored | None) -> frozenset[str]:
+        pytest.fail("nothing else is to be asked")
+
+    assert finds_any(cast(Any, Likely()), noticed, ["backlash"])

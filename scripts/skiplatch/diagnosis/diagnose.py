@@ -6,6 +6,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from skiplatch.campaign import Campaign
 from skiplatch.campaign.plausibility import oddities
@@ -53,7 +54,8 @@ def diagnose(
     whole = scene_of(campaign)
     scene = _drawn(whole, seed)
     executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
-    with executor as pool:
+    # Products here are small: threads that wait for them take a processor from others.
+    with threadpool_limits(1), executor as pool:
         work = Work(scene, pool, seed, jobs, materiality)
         found = _diagnosis(work, concluded(work, truth))
     odd = [oddity.line for oddity in oddities(campaign)]

@@ -234,15 +234,7 @@ def drift(scene: Scene, p: Parameters) -> Change:
 
 def warmth_k_s(scene: Scene, now_us: FloatArray) -> FloatArray:
     """Kelvins above the calibration times seconds, from the start to now; shape (n,)."""
-    return _warmth_before(scene) + scene.warmth * (now_us * 1e-6 - scene.touches.time_s)
-
-
-def _warmth_before(scene: Scene) -> FloatArray:
-    """Give the same up to the start of each touch's motion; shape (n,)."""
-    if scene.whole is not None:
-        return _warmth_before(scene.whole)[scene.chosen]
-    steps_s = np.diff(scene.touches.time_s, prepend=0.0)
-    return np.asarray(np.cumsum(scene.warmth * steps_s))
+    return scene.warmth_before_k_s + scene.warmth * (now_us * 1e-6 - scene.touches.time_s)
 
 
 def coarse_ticks(scene: Scene, p: Parameters) -> Change:

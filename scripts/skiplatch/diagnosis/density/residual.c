@@ -11,8 +11,8 @@ static sum_t plain(const sim_law_t *law, double resolution)
     return (sum_t){
         .middle = law->offset,
         .sigma = sqrt(square(law->sigma) + square(resolution)),
-        .narrow = fmin(law->box_a, law->box_b),
-        .wide = fmax(law->box_a, law->box_b),
+        .narrow = lesser(law->box_a, law->box_b),
+        .wide = greater(law->box_a, law->box_b),
     };
 }
 
@@ -20,14 +20,14 @@ static sum_t plain(const sim_law_t *law, double resolution)
 static sum_t with_extra(const sim_law_t *law, const sim_extra_t *extra, double resolution)
 {
     double box_a = law->box_a * (1.0 - extra->boxless);
-    double narrow = fmin(box_a, law->box_b);
-    double wide = fmax(box_a, law->box_b);
-    double narrowest = fmin(narrow, extra->width);
+    double narrow = lesser(box_a, law->box_b);
+    double wide = greater(box_a, law->box_b);
+    double narrowest = lesser(narrow, extra->width);
     sum_t  sum = {
         .middle = law->offset + extra->offset,
         .sigma = sqrt(square(law->sigma) + square(extra->sigma) + square(resolution)),
-        .narrow = fmin(wide, fmax(narrow, extra->width)),
-        .wide = fmax(wide, extra->width),
+        .narrow = lesser(wide, greater(narrow, extra->width)),
+        .wide = greater(wide, extra->width),
         .mean = extra->mean,
     };
     sum_fold_box(&sum, &narrowest);

@@ -29,7 +29,7 @@ static double roughly_below(double z)
 
 static double box_gauss(double x, double sigma, double box)
 {
-    double from_edge = fmin(x, box - x); /* of two equal values the one without cancellation */
+    double from_edge = lesser(x, box - x); /* of two equal values the one without cancellation */
     double inside = roughly_below(from_edge / sigma);
     return (inside - roughly_below((from_edge - box) / sigma)) / box;
 }
@@ -37,11 +37,11 @@ static double box_gauss(double x, double sigma, double box)
 /* A trapezoid whose four corners the Gaussian rounds off. */
 static double trapezoid_gauss(double x, double sigma, double narrow, double wide)
 {
-    double from_edge = fmin(x, narrow + wide - x);
-    double sharp = fmax(0.0, fmin(from_edge, narrow));
+    double from_edge = lesser(x, narrow + wide - x);
+    double sharp = greater(0.0, lesser(from_edge, narrow));
     double corners = rounding(from_edge, sigma) - rounding(from_edge - narrow, sigma) -
                      rounding(from_edge - wide, sigma) + rounding(from_edge - narrow - wide, sigma);
-    return fmax(0.0, (sharp + corners) / (narrow * wide));
+    return greater(0.0, (sharp + corners) / (narrow * wide));
 }
 
 /* What is below z, far down, over the density at z. */
@@ -102,10 +102,10 @@ void sum_fold_box(sum_t *sum, double *box)
 void sum_fold_thin(sum_t *sum)
 {
     double thin = sum->mean > 0.0 ? THIN : THIN_BOX; /* over the scatter */
-    if (sum->narrow < fmax(thin * sum->sigma, SHORTEST * sum->mean)) {
+    if (sum->narrow < greater(thin * sum->sigma, SHORTEST * sum->mean)) {
         sum_fold_box(sum, &sum->narrow);
     }
-    if (sum->wide < fmax(thin * sum->sigma, SHORTEST * sum->mean)) {
+    if (sum->wide < greater(thin * sum->sigma, SHORTEST * sum->mean)) {
         sum_fold_box(sum, &sum->wide);
     }
     if (sum->mean < THIN * sum->sigma) {
@@ -149,5 +149,5 @@ static double with_exponential(const sum_t *sum, double x)
 double sum_density(const sum_t *sum, double x)
 {
     x -= sum->middle;
-    return sum->mean > 0.0 ? fmax(0.0, with_exponential(sum, x)) : without_exponential(sum, x);
+    return sum->mean > 0.0 ? greater(0.0, with_exponential(sum, x)) : without_exponential(sum, x);
 }

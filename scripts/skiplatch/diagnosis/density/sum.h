@@ -31,4 +31,16 @@ static inline double square(double x)
     return x * x;
 }
 
+/* The lesser and the greater of two numbers, the first one beside NaN. Of these there are millions,
+ * and fmin and fmax are calls. */
+static inline double lesser(double a, double b)
+{
+    return b < a ? b : a;
+}
+
+static inline double greater(double a, double b)
+{
+    return b > a ? b : a;
+}
+
 #endif

@@ -166,7 +166,10 @@ def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOu
 
 def _put(laid_out: LaidOut, at: CData, name: str, value: Number) -> None:
     """Put a number into a field of a structure that is 0 so far."""
-    if isinstance(value, np.ndarray) and value.ndim:
+    if type(value) is float:  # what most of them are, and asked millions of times
+        if value:
+            getattr(at, name).all = value
+    elif isinstance(value, np.ndarray) and value.ndim:
         getattr(at, name).each = laid_out.array(np.asarray(value, dtype=np.float64), "double")
     elif value:
         getattr(at, name).all = value
@@ -204,8 +207,9 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
 
 
 def _position_extras(change: Change) -> tuple[Extra, ...]:
-    is_boxed = np.any(np.asarray(change.position_box_um) > 0.0)
-    box = (Extra(1.0, width=change.position_box_um),) if is_boxed else ()
+    width_um = change.position_box_um
+    is_boxed = width_um > 0.0 if isinstance(width_um, float) else bool(np.any(width_um > 0.0))
+    box = (Extra(1.0, width=width_um),) if is_boxed else ()
     return _joint(change.position_extra, box)
 
 

@@ -6,6 +6,7 @@ tells it is what that looks like.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Self
@@ -40,18 +41,23 @@ USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
 
 
-def left_over(beside: "Beside", memo: Memo | None = None) -> list[Left]:
+def left_over(
+    beside: "Beside", memo: Memo | None = None, executor: Executor | None = None
+) -> list[Left]:
     """Look for all that is left of touches; all that was tried, the most significant first.
 
     Args:
         beside: The touches beside plays of them.
         memo: What was found of other rigs, to be looked up and added to.
+        executor: Looks from several sides at a time.
     """
     memo = {} if memo is None else memo
-    found: list[Left] = []
+    looks = {look.key: look for here in beside.looks.values() for look in here}
+    new = {key: look for key, look in looks.items() if key not in memo}
+    each = executor.map if executor else map
+    memo.update(zip(new, each(Look.all, new.values()), strict=True))
+    found = [left for key in looks for left in memo[key]]
     for path, here in beside.paths.items():
-        for look in beside.looks[path]:
-            found += look.all(memo)
         found += _missing(beside.setting, path, here, beside.outcomes)
         found += _steps(beside.setting, path, here, beside.resolution_um)
     return sorted(found, key=lambda left: -left.z)

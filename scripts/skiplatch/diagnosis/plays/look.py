@@ -16,7 +16,7 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.scores import (
     go_together,
     normal_scores,
@@ -25,7 +25,7 @@ from skiplatch.diagnosis.plays.scores import (
 )
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.size import apart, scatter, wider
-from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_by_forest, wave
+from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest, wave
 from skiplatch.diagnosis.scene.covariates import neighbours, varying
 from skiplatch.diagnosis.scene.observed import UNITS, before_wait
 from skiplatch.statistics import errors_of, errors_of_excess
@@ -99,22 +99,23 @@ class Look:
         self._noise = np.maximum(np.nanstd(self.played, axis=0), self._step / np.sqrt(12.0))
         self.scale = np.maximum(self._noise, setting.repeats_to(name))
 
-    def all(self, memo: Memo) -> list[Left]:
-        """Give everything that may be left of it."""
+    @property
+    def key(self) -> bytes:
+        """Tell it from others, by its record and its plays."""
         seen = b"".join(np.round(v, DIGITS).tobytes() for v in (self._scores, self.off))
-        key = f"{self.name} {self.path} ".encode() + seen
-        if key not in memo:
-            memo[key] = [*self.everywhere(), *self.told()]
-        return memo[key]
+        return f"{self.name} {self.path} ".encode() + seen
+
+    def all(self) -> list[Left]:
+        """Give everything that may be left of it."""
+        return [*self.everywhere(), *self.told()]
 
     def told(self) -> Iterator[Left]:
         """Give all that goes with anything known."""
         yield from self._by(Look.straight, Look.predicted, Look.waves)
 
-    def told_of_chance(self) -> Iterator[Left]:
+    def told_of_chance(self) -> list[Left]:
         """Give all that goes with anything known, also of what happens to some touches alone."""
-        yield from self.told()
-        yield from self._by(Look.happened)
+        return [*self.told(), *self._by(Look.happened)]
 
     def _by(self, *looks: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
         for look in looks:
@@ -208,13 +209,7 @@ class Look:
         columns = varying(self._setting.known, self._rows)
         sizes = stats.rankdata(self._sizes)
         for kind, target in (("shift", self._scores), ("scatter", sizes)):
-            best: tuple[float, str] | None = None
-            for name, values in columns.items():
-                seen = ~np.isnan(values)
-                if seen.sum() >= FEWEST and np.ptp(values[seen]) > 0.0 < np.ptp(target[seen]):
-                    ranks = stats.rankdata(values[seen])
-                    p_value = float(stats.pearsonr(ranks, target[seen]).pvalue)
-                    best = min(best or (p_value, name), (p_value, name))
+            best = best_ranked(columns, target)
             if best is not None:
                 values = columns[best[1]]
                 high = values > np.nanmedian(values)

@@ -1,8 +1,10 @@
 """What tells values of touches: a forest of all that is known of them, or a wave along a line."""
 
 from collections.abc import Mapping
+from itertools import compress
 
 import numpy as np
+from scipy import stats
 from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
 from skiplatch.arrays import FloatArray
@@ -35,6 +37,28 @@ def told_by_forest(
     names = list(columns)
     strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
     return np.reshape(forest.oob_prediction_, targets.shape), tuple(strongest[:NAMED])
+
+
+def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[float, str] | None:
+    """Find the column, shape (m,), whose ranks go most with a target: the chance, and its name.
+
+    None where none tells two of the touches apart that it has a value of.
+    """
+    alike: dict[bytes, list[str]] = {}
+    for name, values in columns.items():
+        alike.setdefault(np.isnan(values).tobytes(), []).append(name)
+    found: list[tuple[float, str]] = []
+    for names in alike.values():
+        known = ~np.isnan(columns[names[0]])
+        values = np.array([columns[name][known] for name in names])
+        if known.sum() < FEWEST or np.ptp(target[known]) == 0.0:
+            continue
+        varying = np.ptp(values, axis=1) > 0.0
+        if varying.any():
+            ranks = stats.rankdata(values[varying], axis=1)
+            chances = stats.pearsonr(ranks, target[known][None, :], axis=1).pvalue
+            found += zip(chances.tolist(), compress(names, varying), strict=True)
+    return min(found, default=None)
 
 
 def wave(

@@ -81,6 +81,14 @@ class NominalChain:
         return np.nan_to_num(self.touches.temp_c, nan=calibrated_at_c) - calibrated_at_c
 
     @cached_property
+    def warmth_before_k_s(self) -> FloatArray:
+        """Degrees above it times seconds, up to the start of each touch's motion; shape (n,)."""
+        if self.whole is not None:
+            return self.whole.warmth_before_k_s[self.chosen]
+        steps_s = np.diff(self.touches.time_s, prepend=0.0)
+        return np.asarray(np.cumsum(self.warmth * steps_s))
+
+    @cached_property
     def lobes_um(self) -> FloatArray:
         """What the calibrated lobes add to the pretravel of each touch; shape (n,)."""
         probe = self.nominal.probe
@@ -127,8 +135,13 @@ class NominalChain:
 
     def beyond_x(self, y: float, z: float) -> FloatArray:
         """Give what the touches of Y and Z have more than those of X; shape (n,)."""
+        of_y, of_z = self._axes_beyond_x
+        return np.asarray(y * of_y + z * of_z)
+
+    @cached_property
+    def _axes_beyond_x(self) -> FloatArray:
         axis = self.touches.axis
-        return np.select([axis == Axis.Y, axis == Axis.Z], [y, z], 0.0)
+        return np.array([axis == Axis.Y, axis == Axis.Z], dtype=float)
 
     @cached_property
     def rest_s(self) -> FloatArray:

@@ -4,8 +4,9 @@ Each stream is what one stretch of the chain adds, as far as it was recorded: wi
 edges the stretches come apart, and the likelihood is a product over them.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property, reduce
+import pickle
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, lru_cache, reduce
 from typing import Protocol
 
 import numpy as np
@@ -24,7 +25,7 @@ from skiplatch.diagnosis.scene.nominal_streams import nominal_streams
 OF_TOUCHES = frozenset(
     {
         *("is_machine", "plc", "sign", "latched_mm", "false", "has_stamps", "shortest_wave_mm"),
-        *("alpha", "alpha_before", "cos_beta", "rest_s", "follows"),
+        *("alpha", "alpha_before", "cos_beta", "rest_s", "follows", "_axes_beyond_x"),
     }
 )
 """Cached properties of a scene that no number of nominal.toml changes."""
@@ -32,6 +33,8 @@ OF_MOTION = frozenset({"contact", "speed"})
 """Those that depend on the axis alone, beside the touches."""
 OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count"})
 """Those that depend on how the datum is free."""
+KEPT = 16
+"""Scenes that a process keeps that gets them from another one."""
 
 
 class BelievedPhysics(Protocol):
@@ -61,6 +64,14 @@ class Scene(NominalChain):
     def of(cls, campaign: Campaign, physics: BelievedPhysics | None = None) -> "Scene":
         """Take a campaign's touches in order of time."""
         return cls(campaign.nominal, campaign.touches.in_order_of_time(), physics=physics)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Travel to another process, which derives from a scene once what it needs."""
+        return _unpacked, (self._packed,)
+
+    @cached_property
+    def _packed(self) -> bytes:
+        return pickle.dumps(tuple(getattr(self, field.name) for field in fields(self)))
 
     def select(self, rows: BoolArray | IndexArray) -> "Scene":
         """Give some of the touches."""
@@ -152,6 +163,11 @@ class Scene(NominalChain):
         if self.physics is None or self._is_plain:
             return stream
         return replace(stream, law=self.physics.law(self, stream))
+
+
+@lru_cache(maxsize=KEPT)
+def _unpacked(packed: bytes) -> Scene:
+    return Scene(*pickle.loads(packed))  # noqa: S301 - packed by the process that asked
 
 
 def rounding_step(scene: Scene, stream: Stream) -> float:

@@ -6,7 +6,7 @@ other touches than it was fitted to.
 Several first effects are kept open, for the best of them may be one that takes two for its scatter.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -104,15 +104,22 @@ def _asks_for_more(judge: Judge, model: Scored, noticed: Noticed) -> bool:
 
     Where nothing of it shows, as what comes seldom beside a larger effect, the likelihood tells.
     """
-    if noticed(model):
-        return True
-    on_top = judge.on_top(model)
-    return bool(on_top) and on_top[0].score > model.score
+    return bool(noticed(model)) or judge.may_gain(model)
 
 
-def finds_any(judge: Judge, noticed: Noticed) -> bool:
-    """Tell whether there is an effect, alone, that gains more than chance and matters."""
-    return any(map(judge.is_enough, _first(judge, noticed)))
+def finds_any(judge: Judge, noticed: Noticed, likely: Collection[str]) -> bool:
+    """Tell whether there is an effect, alone, that gains more than chance and matters.
+
+    Args:
+        judge: Fits and scores.
+        noticed: Where a model leaves something.
+        likely: Ids of effects that are tried before all others.
+    """
+    judge.believe_beside(None)
+    tried_first = judge.singles(likely)
+    return any(map(judge.is_enough, tried_first)) or any(
+        map(judge.is_enough, _first(judge, noticed))
+    )
 
 
 def _first(judge: Judge, noticed: Noticed) -> list[Scored]:

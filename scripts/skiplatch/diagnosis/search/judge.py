@@ -1,6 +1,6 @@
 """Models of a campaign, fitted and scored: candidates alone, and on top of others."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import cached_property
@@ -12,30 +12,20 @@ from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.beliefs import Belief, Fitted, fit_beliefs, uncertain
-from skiplatch.diagnosis.fit.fit import (
-    SLACKS,
-    WORTH_A_REFINEMENT,
-    Fit,
-)
+from skiplatch.diagnosis.fit.fit import SLACKS, WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import ends_of, gained_by_an_end, outlives_datum, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.parts import Split
-from skiplatch.diagnosis.search.scored import (
-    PLAIN,
-    Scored,
-    without_twins,
-    worth,
-)
+from skiplatch.diagnosis.search.scored import ENOUGH_FIT, PLAIN, Scored, without_twins, worth
 from skiplatch.diagnosis.search.scorer import Scorer
 from skiplatch.diagnosis.search.tasks import (
     both,
     fit_in_forms,
     fit_jointly,
     fit_passing,
-    fit_passing_in_forms,
     fit_plainly,
     fit_roughly,
     fit_turned,
@@ -117,9 +107,10 @@ class Judge(Scorer):
         """Score a model against the beliefs of now."""
         return self.score(scored.fit)
 
-    def singles(self) -> list[Scored]:
-        """Every candidate alone, by falling score."""
-        return self._with_twins(map(self.score, self._contest(self._candidates(), NOTHING)))
+    def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
+        """Every candidate, or those of some effects, alone; by falling score."""
+        tried = [c for c in self._candidates() if ids is None or c.id in ids]
+        return self._with_twins(map(self.score, self._contest(tried, NOTHING)))
 
     def may_begin(self, singles: Sequence[Scored]) -> bool:
         """Tell whether any effect, just as it is, does better if it begins or ends at a touch."""
@@ -133,17 +124,14 @@ class Judge(Scorer):
         """
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in ends_of(self._fitting):
-            there = self._each(fit_roughly, [(part, c) for c in self._candidates()])
+            there = self._each(fit_roughly, [(part, c, NOTHING) for c in self._candidates()])
             gains = [_gain(part, one, NOTHING) for one in there]
             best = _falling(gains)[:ALSO_PASSING]
             fits += [there[i] for i in best if gains[i] > WORTH_A_REFINEMENT]
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
-        begun = self._each(fit_passing, tasks)
-        near = _near([_gain(self._fitting, one, NOTHING) for one in begun])
-        tasks = [(self._fitting, begun[i]) for i in near]
-        for i, formed in zip(near, self._each(fit_passing_in_forms, tasks), strict=True):
-            begun[i] = formed
-        scored = map(self.score, begun)
+        # One that gains less than a lasting effect is none.
+        lasting = max((scored.fitted for scored in singles), default=0.0)
+        scored = map(self.score, self._in_forms(self._each(fit_passing, tasks), beside=lasting))
         return self._with_twins(one for one in scored if self._is_no_datum(one))
 
     def _is_no_datum(self, scored: Scored) -> bool:
@@ -153,14 +141,19 @@ class Judge(Scorer):
 
     def _contest(self, candidates: Sequence[Candidate], given: Change) -> list[Fit]:
         """Fit all candidates plainly, and those that come near the best of them in other forms."""
-        if not candidates:
-            return []
         fits = self._each(fit_plainly, [(self._fitting, c, given) for c in candidates])
-        near = _near([_gain(self._fitting, found, given) for found in fits])
-        forms = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
-        for i, found in zip(near, forms, strict=True):
-            fits[i] = found
-        return fits
+        return self._in_forms(fits, given)
+
+    def _in_forms(
+        self, fits: Sequence[Fit], given: Change = NOTHING, beside: float = 0.0
+    ) -> list[Fit]:
+        """Give fits that come near the best of them, or near what else gains, other forms."""
+        gains = [_gain(self._fitting, found, given) for found in fits]
+        least = max(WORTH_A_REFINEMENT, CONTENDS * max(beside, *gains, 0.0))
+        near = [i for i in _falling(gains)[:MOST_POLISHED] if gains[i] >= least]
+        formed = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
+        better = dict(zip(near, formed, strict=True))
+        return [better.get(i, found) for i, found in enumerate(fits)]
 
     def pairs(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
         """A model with every other effect: one by one on top of it, the best then jointly.
@@ -199,12 +192,17 @@ class Judge(Scorer):
         key = (*first.fit.key, streams)
         if key not in self._on_top:
             given = first.fit.change(self._fitting)
-            there = {twin.ids[i] for i in range(len(first.ids)) for twin in self.twins(first, i)}
-            others = [c for c in self._candidates() if c.id not in {*first.ids, *there}]
-            others = self._acting_in(others, streams)
+            others = self._acting_in(self._others(first), streams)
             on_top = [both(first.fit, second) for second in self._contest(others, given)]
             self._on_top[key] = self._with_twins(map(self.score, on_top))
         return self._on_top[key]
+
+    def may_gain(self, model: Scored) -> bool:
+        """Tell whether any other effect may be a further one: by fits that are only to propose."""
+        given = model.fit.change(self._fitting)
+        tasks = [(self._fitting, other, given) for other in self._others(model)]
+        fits = self._each(fit_roughly, tasks)
+        return any(_gain(self._fitting, one, given) > ENOUGH_FIT for one in fits)
 
     def twins(self, model: Scored, position: int) -> list[Scored]:
         """Give a model with other effects, that do just the same, in place of one of it."""
@@ -275,6 +273,11 @@ class Judge(Scorer):
             self._reaches[candidate.id] = frozenset().union(*reached)
         return self._reaches[candidate.id]
 
+    def _others(self, model: Scored) -> list[Candidate]:
+        """Give the effects that a model does not have, nor any that does just the same."""
+        twins = {twin.ids[i] for i in range(len(model.ids)) for twin in self.twins(model, i)}
+        return [c for c in self._candidates() if c.id not in {*model.ids, *twins}]
+
     def _candidates(self) -> list[Candidate]:
         """Give the effects that have to be fitted: one of those that do just the same."""
         return list({c.change: c for c in reversed(self._applicable)}.values())[::-1]
@@ -290,9 +293,3 @@ def _gain(scene: Scene, found: Fit, given: Change) -> float:
 def _falling(gains: Sequence[float]) -> list[int]:
     """Number models by falling gain."""
     return sorted(range(len(gains)), key=lambda i: -gains[i])
-
-
-def _near(gains: Sequence[float]) -> list[int]:
-    """Number the models that come near the best, by falling gain."""
-    least = max(WORTH_A_REFINEMENT, CONTENDS * max(gains, default=0.0))
-    return [i for i in _falling(gains)[:MOST_POLISHED] if gains[i] >= least]

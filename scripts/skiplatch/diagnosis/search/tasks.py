@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
-from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.fit import NARROWER, Fit, fit
 from skiplatch.diagnosis.fit.forms import polish, refine
 from skiplatch.diagnosis.fit.onset import passing, polished
@@ -30,11 +30,6 @@ def fit_passing(model: tuple[Scene, Fit]) -> Fit:
     return passing(*model)
 
 
-def fit_passing_in_forms(model: tuple[Scene, Fit]) -> Fit:
-    """Give such a fit other forms, on a scene."""
-    return polished(*model)
-
-
 def fit_turned(model: tuple[Scene, Candidate, Fit]) -> Fit:
     """Fit a candidate on top of a second effect, on a scene, and then both; the candidate first."""
     scene, candidate, second = model
@@ -51,7 +46,8 @@ def fit_jointly(model: tuple[Scene, Fit]) -> Fit:
 
 def fit_in_forms(model: tuple[Scene, Fit, Change]) -> Fit:
     """Give a fit other forms, on a scene, on top of a change that stays."""
-    return polish(*model)
+    scene, found, given = model
+    return polish(scene, found, given) if found.is_always else polished(scene, found)
 
 
 def fit_plainly(model: tuple[Scene, Candidate, Change]) -> Fit:
@@ -60,10 +56,10 @@ def fit_plainly(model: tuple[Scene, Candidate, Change]) -> Fit:
     return fit(scene, [candidate], _starts(scene, candidate, given), given)
 
 
-def fit_roughly(model: tuple[Scene, Candidate]) -> Fit:
-    """Fit a candidate from its starts, on a scene, no closer than a proposal has to be."""
-    scene, candidate = model
-    return fit(scene, [candidate], _starts(scene, candidate, NOTHING), widenings=ROUGH)
+def fit_roughly(model: tuple[Scene, Candidate, Change]) -> Fit:
+    """Do the same, no closer than a proposal has to be."""
+    scene, candidate, given = model
+    return fit(scene, [candidate], _starts(scene, candidate, given), given, widenings=ROUGH)
 
 
 def _starts(scene: Scene, candidate: Candidate, given: Change) -> list[list[float]]:

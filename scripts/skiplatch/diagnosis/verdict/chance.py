@@ -8,41 +8,44 @@ discrepancy that its fit asks for is no chance.
 """
 
 from collections.abc import Iterator
+from concurrent.futures import Executor
 
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import Beside
+from skiplatch.diagnosis.plays.look import Look
 from skiplatch.diagnosis.plays.telling import FEWEST
 from skiplatch.diagnosis.search.scorer import MORE_VARIANCE
 
 SMALLEST = 1e-9
 
 
-def chance_of(found: Beside, believed: Beside, discrepancy: float) -> list[Left]:
+def chance_of(
+    found: Beside, believed: Beside, discrepancy: float, executor: Executor | None = None
+) -> list[Left]:
     """Look for what tells how the chance of a finding fell; all of it, the most significant first.
 
     Args:
         found: The touches beside plays of the rig with the effects.
         believed: The same without them.
         discrepancy: By how much of what they shift the effects are off in their form.
+        executor: Looks from several sides at a time.
     """
-    looks = _looks(found, believed, discrepancy)
-    return sorted(looks, key=lambda left: -left.z)
+    chancy = [each for each in _chancy_touches(found, believed) if each[-1].sum() >= FEWEST]
+    looks = [found.look(*each) for each in chancy]
+    least = [discrepancy * _shift(found, believed, name, rows) for name, _, rows in chancy]
+    told = (executor.map if executor else map)(Look.told_of_chance, looks)
+    larger = (
+        left for lefts, size in zip(told, least, strict=True) for left in lefts if left.size > size
+    )
+    return sorted(larger, key=lambda left: -left.z)
 
 
 def is_chancy(found: Beside, believed: Beside) -> bool:
     """Tell whether a finding leaves any observable of some touches more to chance."""
     return any(rows.any() for _, _, rows in _chancy_touches(found, believed))
-
-
-def _looks(beside: Beside, before: Beside, discrepancy: float) -> Iterator[Left]:
-    for name, path, rows in _chancy_touches(beside, before):
-        if rows.sum() >= FEWEST:
-            look = beside.look(name, path, rows)
-            least = discrepancy * _shift(beside, before, name, rows)
-            yield from (left for left in look.told_of_chance() if left.size > least)
 
 
 def _chancy_touches(beside: Beside, before: Beside) -> Iterator[tuple[str, str, BoolArray]]:

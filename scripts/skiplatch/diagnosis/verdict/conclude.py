@@ -57,7 +57,9 @@ def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
 
 def _is_of_outliers(work: Work, found: Conclusion) -> bool:
     """Tell whether touches far off alone are what something was found by."""
-    return bool(found.outliers) and not work.without(found.outliers).finds_any()
+    model = found.finding.model
+    likely = model.ids if model else ()
+    return bool(found.outliers) and not work.without(found.outliers).finds_any(likely)
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
@@ -132,7 +134,7 @@ def _of_chance(work: Work, fit: Fit | None, rig: Rig) -> tuple[bool, list[Left]]
     if fit is None:
         return False, []
     found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
-    return is_chancy(found, believed), chance_of(found, believed, discrepancy=fit.slack)
+    return is_chancy(found, believed), chance_of(found, believed, fit.slack, work.pool)
 
 
 def _unreached(scene: Scene, fit: Fit) -> frozenset[str]:

@@ -1,6 +1,6 @@
 """A campaign under diagnosis: its rigs, their plays, the search."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from concurrent.futures import Executor
 from functools import cached_property
 
@@ -9,7 +9,7 @@ import numpy as np
 from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.as_effects import as_effects
-from skiplatch.diagnosis.fit.beliefs import fit_beliefs, uncertain
+from skiplatch.diagnosis.fit.beliefs import Belief, fit_beliefs, uncertain
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import settled
 from skiplatch.diagnosis.fit.material import Materiality
@@ -18,7 +18,7 @@ from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.plays.rare import rarely_off
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.confirm import Confirmation, settle
+from skiplatch.diagnosis.search.confirm import Confirmation, contenders, settle
 from skiplatch.diagnosis.search.decide import Finding, find, finds_any
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import FOLDS, Split, folds, split
@@ -66,14 +66,20 @@ class Work:
         return self._fitted(fit)[1] or fit
 
     def _fitted(self, fit: Fit | None) -> tuple[Rig, Fit | None]:
-        key = fit.key if fit else ()
-        if key not in self._rigs:
-            if fit:
-                nominal, fit = self._settled_on(fit, self.naming)
-            else:
-                nominal = fit_beliefs(self.naming, NOTHING, self.beliefs).nominal
-            self._rigs[key] = _rig_of(self.naming, nominal, fit), fit
-        return self._rigs[key]
+        if fit:
+            self._settle([fit])
+            return self._rigs[fit.key]
+        if () not in self._rigs:
+            nominal = fit_beliefs(self.naming, NOTHING, self.beliefs).nominal
+            self._rigs[()] = _rig_of(self.naming, nominal, None), None
+        return self._rigs[()]
+
+    def _settle(self, fits: Sequence[Fit]) -> None:
+        """Fit hypotheses together with the beliefs of their rigs, those that are new."""
+        new = [fit for fit in fits if fit.key not in self._rigs]
+        settled = self._settled_on([(fit, self.naming) for fit in new])
+        for fit, (nominal, there) in zip(new, settled, strict=True):
+            self._rigs[fit.key] = _rig_of(self.naming, nominal, there), there
 
     def folds(self, fit: Fit) -> tuple[Folds, Sequence[Fit]]:
         """Give rigs that a hypothesis says it is, each by all touches but those that it plays.
@@ -83,22 +89,19 @@ class Work:
         """
         fold = folds(len(self.scene), self.seed)
         others = [self.scene.select(fold != i) for i in range(FOLDS)]
-        fitted = [self._settled_on(fit, part) for part in others]
+        fitted = self._settled_on([(fit, part) for part in others])
         rigs = [_rig_of(part, *one) for part, one in zip(others, fitted, strict=True)]
         return Folds(rigs, fold), [one for _, one in fitted]
 
-    def _settled_on(self, fit: Fit, scene: Scene) -> tuple[Nominal, Fit]:
-        """Fit beliefs and parameters of a hypothesis to a scene."""
-        alone = self.rig(None).nominal
-        nominal = fit_beliefs(scene, fit.change(scene), self.beliefs, alone).nominal
-        # Parameters would make up for beliefs that are off, and these then for parameters.
-        moved = scene.with_nominal(nominal)
-        fit = settled(moved, fit)
-        return fit_beliefs(scene, fit.change(moved), self.beliefs, nominal).nominal, fit
+    def _settled_on(self, tasks: Sequence[tuple[Fit, Scene]]) -> list[tuple[Nominal, Fit]]:
+        """Fit beliefs and parameters of hypotheses, each to a scene."""
+        alone = self.rig(None).nominal if tasks else None
+        each = self.pool.map if self.pool and len(tasks) > 1 else map
+        return list(each(_settled_beside, [(*task, self.beliefs, alone) for task in tasks]))
 
     def left(self, scene: Scene, rig: Rig) -> list[Left]:
         """Look for what a rig leaves of touches."""
-        return left_over(self.beside(scene, rig), self._memo)
+        return left_over(self.beside(scene, rig), self._memo, self.pool)
 
     def _noticed_by(self, left: Sequence[Left], beside: Beside) -> frozenset[str]:
         return noticed(left, self.materiality) | rarely_off(beside, self.materiality)
@@ -123,7 +126,8 @@ class Work:
         key = model.fit.key
         if key not in self._noticed:
             beside = self.beside(self.naming, self.rig(model.fit))
-            self._noticed[key] = self._noticed_by(left_over(beside, self._memo), beside)
+            left = left_over(beside, self._memo, self.pool)
+            self._noticed[key] = self._noticed_by(left, beside)
         return self._noticed[key]
 
     @cached_property
@@ -137,12 +141,13 @@ class Work:
         finding = without_surplus(self.judge, finding, self.rig, seed=self.seed, executor=self.pool)
         return self.confirmed(finding)
 
-    def finds_any(self) -> bool:
-        """Tell whether a search would begin with any effect."""
-        return finds_any(self.judge, self.noticed)
+    def finds_any(self, likely: Collection[str]) -> bool:
+        """Tell whether a search would begin with any effect, the likely ones tried first."""
+        return finds_any(self.judge, self.noticed, likely)
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""
+        self._settle([model.fit for model in contenders(finding)])
         return settle(
             self.scene,
             self.parts,
@@ -152,6 +157,22 @@ class Work:
             jobs=self.jobs,
             executor=self.pool,
         )
+
+
+def _settled_beside(
+    task: tuple[Fit, Scene, Sequence[Belief], Nominal | None],
+) -> tuple[Nominal, Fit]:
+    """Fit beliefs and parameters of a hypothesis to a scene.
+
+    Args:
+        task: The hypothesis, the scene, the beliefs, and the chain with these fitted beside none.
+    """
+    fit, scene, beliefs, alone = task
+    nominal = fit_beliefs(scene, fit.change(scene), beliefs, alone).nominal
+    # Parameters would make up for beliefs that are off, and these then for parameters.
+    moved = scene.with_nominal(nominal)
+    fit = settled(moved, fit)
+    return fit_beliefs(scene, fit.change(moved), beliefs, nominal).nominal, fit
 
 
 def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
