@@ -20,8 +20,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import ALWAYS
 
 NARROWER = 0.1
-"""Of the widening before is the next, down to what touches scatter by. The first is as much of all
-that they are off by: with all of it a search forgets its starts, which know better."""
+"""Of the widening before is the next, from all that touches are off to what they scatter by."""
 USUAL = 0.005
 """Widening down to which any search goes: what comes now and then is sharper than the rest."""
 REACH = 3.0
@@ -38,7 +37,7 @@ WORTH_A_REFINEMENT = 2.0
 WORTH_OF_AN_END = 3
 """Parameters that the touch counts for at which an effect begins or ends."""
 SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
-KEPT_STARTS = 3
+KEPT_STARTS = 2
 MOST_LEFT = 0.7
 """Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
 
@@ -131,7 +130,7 @@ class Target:
         return tuple(self._widenings())
 
     def _widenings(self) -> Iterator[float]:
-        widening, streams = NARROWER, self._scene.streams
+        widening, streams = 1.0, self._scene.streams
         spreads = [
             size / max(streams[name].law.select(streams[name].rows).usual_spread, TINY)
             for name, size in self._sizes.items()
