@@ -166,10 +166,7 @@ def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOu
 
 def _put(laid_out: LaidOut, at: CData, name: str, value: Number) -> None:
     """Put a number into a field of a structure that is 0 so far."""
-    if type(value) is float:  # what most of them are, and asked millions of times
-        if value:
-            getattr(at, name).all = value
-    elif isinstance(value, np.ndarray) and value.ndim:
+    if isinstance(value, np.ndarray) and value.ndim:
         getattr(at, name).each = laid_out.array(np.asarray(value, dtype=np.float64), "double")
     elif value:
         getattr(at, name).all = value

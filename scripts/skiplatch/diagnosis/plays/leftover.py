@@ -25,6 +25,7 @@ from skiplatch.diagnosis.scene.covariates import varying
 from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.pitches import is_on_grid, kept_pitch
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.side_by_side import side_by_side
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.statistics import errors_of, errors_of_excess
 from skiplatch.units import UM_PER_MM
@@ -54,8 +55,7 @@ def left_over(
     memo = {} if memo is None else memo
     looks = {look.key: look for here in beside.looks.values() for look in here}
     new = {key: look for key, look in looks.items() if key not in memo}
-    each = executor.map if executor else map
-    memo.update(zip(new, each(Look.all, new.values()), strict=True))
+    memo.update(zip(new, side_by_side(executor, Look.all, new.values()), strict=True))
     found = [left for key in looks for left in memo[key]]
     for path, here in beside.paths.items():
         found += _missing(beside.setting, path, here, beside.outcomes)

@@ -30,6 +30,7 @@ from skiplatch.diagnosis.search.tasks import (
     fit_roughly,
     fit_turned,
 )
+from skiplatch.side_by_side import side_by_side
 
 Task = TypeVar("Task")
 
@@ -71,11 +72,8 @@ class Judge(Scorer):
         super().__init__(scene, parts, materiality)
 
     def _each(self, task: Callable[[Task], Fit], models: Sequence[Task]) -> list[Fit]:
-        """Fit models side by side, all of them before going on: none may change on its way there.
-
-        A scene keeps what was asked of it once, and a process pool packs it while others work.
-        """
-        return list((self._executor.map if self._executor else map)(task, models))
+        """Fit models side by side."""
+        return side_by_side(self._executor, task, models)
 
     def _look_at(self, scene: Scene) -> None:
         super()._look_at(scene)

@@ -1,6 +1,6 @@
 """Which models the recorded columns cannot tell apart: campaigns of one are fitted with another."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -14,6 +14,7 @@ from skiplatch.diagnosis.plays.replay import replayed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import TIED
 from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.side_by_side import side_by_side
 
 MOST_FITTED = 400
 """Touches of a campaign that models are fitted to, to see whether they come apart."""
@@ -85,13 +86,13 @@ def _behind(
     executor: Executor | None,
 ) -> list[float]:
     """Mean nats by which each rival, fitted anew, falls behind, over all that served the naming."""
-    run: Callable[..., Iterable[float]] = executor.map if executor else map
     behind: list[list[float]] = [[] for _ in rivals]
     for campaign in campaigns:
         is_open = [i for i, nats in enumerate(behind) if not _is_settled(nats)]
         own = likelihood(campaign, _without_slack(best.fit).change(campaign)).total
         tasks = [(campaign, rivals[i].fit, own, scale) for i in is_open]
-        for i, nats in zip(is_open, run(_falls_behind, tasks), strict=True):
+        told = side_by_side(executor, _falls_behind, tasks)
+        for i, nats in zip(is_open, told, strict=True):
             behind[i].append(nats)
     return [float(np.mean(nats)) for nats in behind]
 

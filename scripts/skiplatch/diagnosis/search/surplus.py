@@ -18,6 +18,7 @@ from skiplatch.diagnosis.search.confirm import AsRig
 from skiplatch.diagnosis.search.decide import Finding, reduced
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import ENOUGH_FIT, PLAIN, Scored, worth
+from skiplatch.side_by_side import side_by_side
 
 PLAINLY_NEEDED = 100.0
 """Nats of an effect that no surrogate lacks and no belief can take up."""
@@ -80,7 +81,7 @@ def _by_nature(
     """Give the nats that a model gains over a smaller one where the smaller one is the truth."""
     campaigns = replayed(judge.scene, judge.parts.naming, as_rig(smaller.fit), seed=seed)
     tasks = [(campaign, smaller.fit, model.fit) for campaign in campaigns]
-    return max(executor.map(_gain, tasks) if executor else map(_gain, tasks))
+    return max(side_by_side(executor, _gain, tasks))
 
 
 def _gain(task: tuple[Scene, Fit, Fit]) -> float:

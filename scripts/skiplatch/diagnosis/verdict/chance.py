@@ -18,6 +18,7 @@ from skiplatch.diagnosis.plays.leftover import Beside
 from skiplatch.diagnosis.plays.look import Look
 from skiplatch.diagnosis.plays.telling import FEWEST
 from skiplatch.diagnosis.search.scorer import MORE_VARIANCE
+from skiplatch.side_by_side import side_by_side
 
 SMALLEST = 1e-9
 
@@ -36,7 +37,7 @@ def chance_of(
     chancy = [each for each in _chancy_touches(found, believed) if each[-1].sum() >= FEWEST]
     looks = [found.look(*each) for each in chancy]
     least = [discrepancy * _shift(found, believed, name, rows) for name, _, rows in chancy]
-    told = (executor.map if executor else map)(Look.told_of_chance, looks)
+    told = side_by_side(executor, Look.told_of_chance, looks)
     larger = (
         left for lefts, size in zip(told, least, strict=True) for left in lefts if left.size > size
     )

@@ -25,6 +25,7 @@ from skiplatch.diagnosis.search.parts import FOLDS, Split, folds, split
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.search.surplus import without_surplus
 from skiplatch.diagnosis.verdict.rules import CHANCE
+from skiplatch.side_by_side import side_by_side
 
 
 class Work:
@@ -96,8 +97,8 @@ class Work:
     def _settled_on(self, tasks: Sequence[tuple[Fit, Scene]]) -> list[tuple[Nominal, Fit]]:
         """Fit beliefs and parameters of hypotheses, each to a scene."""
         alone = self.rig(None).nominal if tasks else None
-        each = self.pool.map if self.pool and len(tasks) > 1 else map
-        return list(each(_settled_beside, [(*task, self.beliefs, alone) for task in tasks]))
+        pool = self.pool if len(tasks) > 1 else None
+        return side_by_side(pool, _settled_beside, [(*task, self.beliefs, alone) for task in tasks])
 
     def left(self, scene: Scene, rig: Rig) -> list[Left]:
         """Look for what a rig leaves of touches."""
