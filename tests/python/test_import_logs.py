@@ -260,7 +260,15 @@ def test_linuxcnc_subroutine_gives_each_touch_its_feed_and_sense(tmp_path: Path)
     ],
 )
 def test_flow_of_a_program_is_carried_out(program: str, feeds: list[float | None]) -> None:
-    assert [move.feed for move in run_program(program)] == feeds
+    assert [move.feed for move in run_program(program, touches=9)] == feeds
+
+
+def test_a_program_without_an_end_is_run_as_far_as_its_log_can_reach() -> None:
+    endless = "o1 while [1]\nG0 Z5\nG38.2 Z-5 F100\no1 endwhile\n"
+
+    moves = {touches: len(list(run_program(endless, touches))) for touches in (5, 10_000)}
+
+    assert 5 <= moves[5] <= 10_000 <= moves[10_000]
 
 
 def test_linuxcnc_log_alone_finds_its_axis(tmp_path: Path) -> None:

@@ -18,8 +18,8 @@ from skiplatch.commands.examining import Asked
 from skiplatch.commands.kept import Kept, key_of
 
 QUIET = Path(__file__).parent / "data" / "bench_no_gap"
-MANY = 8
-KILLED_EVERY_S = 4.0
+MANY = 4
+LOOKED_EVERY_S = 0.2
 LATCH = ["latch", "--touches", "200000", "--path", "skip"]
 
 
@@ -77,20 +77,21 @@ def test_campaigns_on_a_cluster_are_diagnosed_as_alone(tmp_path: Path, folders: 
 
 
 @contextmanager
-def killing(every_s: float, since: Path) -> Iterator[list[int]]:
-    """Kill a worker of a cluster that this process runs so often; gives those that were.
+def killing(kept: Path) -> Iterator[list[int]]:
+    """Kill a worker of a cluster that this process runs after each answer; gives those that were.
+
+    By answers and not by the clock: on a slow machine no task would end between two kills.
 
     Args:
-        every_s: How often.
-        since: What has to be there first: a cluster that is killed before it is up is none.
+        kept: The folder that answers come to, a file each.
     """
     psutil = pytest.importorskip("psutil")
     killed: list[int] = []
     stop = threading.Event()
 
     def kill() -> None:
-        while not stop.wait(every_s):
-            if not since.exists():
+        while not stop.wait(LOOKED_EVERY_S):
+            if len(list(kept.glob("*"))) <= len(killed):
                 continue
             with suppress(psutil.NoSuchProcess):  # one has just ended by itself
                 children = psutil.Process().children(recursive=True)
@@ -119,7 +120,7 @@ def test_workers_that_are_killed_change_no_byte(tmp_path: Path) -> None:
     here, there = tmp_path / "here.json", tmp_path / "there.json"
     assert run("diagnose", *folders, "--json", here, "--jobs", "2").exit_code == 0
 
-    with killing(KILLED_EVERY_S, there.with_name("there.json.part")) as killed:
+    with killing(there.with_name("there.json.part")) as killed:
         result = run("diagnose", *folders, "--json", there, "--cluster", "local:2")
 
     assert result.exit_code == 0, result.output

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 
 from skiplatch.importing.gcode import Machine, ProbeMove, bracketed, without_comments
 
-MOST_LINES = 200_000  # executed, so that a loop that never ends does
+MOST_LINES = 10_000  # executed, and so many more a touch, so that a loop that never ends does
+MOST_LINES_A_TOUCH = 100
 MOST_CALLS = 20  # within each other
 LAST_LOCAL = 30  # parameters from #1 to this belong to a subroutine
 HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
@@ -27,16 +28,23 @@ def is_in_inches(text: str) -> bool:
     return any(_INCHES.search(without_comments(line)) for line in text.splitlines())
 
 
-def run(text: str) -> Iterator[ProbeMove]:
-    """Run a program and give its probing moves, loops and calls carried out."""
-    yield from _Program(text.splitlines()).run(Machine())
+def run(text: str, touches: int) -> Iterator[ProbeMove]:
+    """Run a program and give its probing moves, loops and calls carried out.
+
+    Args:
+        text: The program.
+        touches: How many its log has: what is executed is bounded by them.
+    """
+    most_lines = MOST_LINES + MOST_LINES_A_TOUCH * touches
+    yield from _Program(text.splitlines(), most_lines).run(Machine())
 
 
 class _Program:
     """Lines, and which of them belong together; lines are counted from 0."""
 
-    def __init__(self, lines: list[str]) -> None:
+    def __init__(self, lines: list[str], most_lines: int) -> None:
         self._lines = lines
+        self._most_lines = most_lines
         self._flow = [_FLOW.match(without_comments(line)) for line in lines]
         self._end_of: dict[int, int] = {}
         self._branch_after: dict[int, int] = {}
@@ -71,7 +79,7 @@ class _Program:
 
     def _stretch(self, machine: Machine, at: int, end: int, depth: int) -> Iterator[ProbeMove]:
         left: dict[int, int] = {}
-        while at < end and self._executed < MOST_LINES:
+        while at < end and self._executed < self._most_lines:
             self._executed += 1
             flow = self._flow[at]
             if flow is None:

@@ -43,7 +43,7 @@ def read_linuxcnc(
     """
     rows, broken = _rows(path)
     text = read_text(program) if program else ""
-    moves = list(run(text))
+    moves = list(run(text, len(rows)))
     inch = inch or is_in_inches(text)
     if program and not moves:
         raise InputError(program, None, None, "expected moves by G38.2 to G38.5, found none")
