@@ -9,6 +9,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import LINEAR_AXES, Axis, Touches
+from skiplatch.diagnosis.candidates.candidate import Refinement
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
@@ -16,7 +17,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
 FEWEST_ON_AXIS = 16
-"""Touches of an axis that show an error of its own."""
+"""Touches, of an axis or of all, that show an error."""
 A_NEWS = 4.0
 """Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
 MOST_OVER = 1000.0
@@ -51,61 +52,75 @@ def each_axis(
     linear: int,
     y_excess_ratio: int,
 ) -> Starts:
-    """Propose an error of the position at some sizes, of either sign, and by each axis' touches.
+    """Propose an error of the position by what the touches show of it, and by each axis' touches.
 
     Args:
         change: What parameters make of the physics.
         shapes: Parameters of an error of size 1 that all axes have in common.
-        sizes: That are proposed anyway.
+        sizes: That are proposed anyway, of either sign.
         linear: So many parameters, the first ones, multiply the error.
         y_excess_ratio: Number of the parameter y_excess_ratio, which z_excess_ratio follows.
     """
 
+    def sized(shape: Sequence[float], size: float) -> list[float]:
+        return [*(size * value for value in shape[:linear]), *shape[linear:]]
+
+    usual = [
+        sized(shape, sign * size) for shape in shapes for size in sizes for sign in (1.0, -1.0)
+    ]
+
     def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-        usual = [
-            [*(sign * size * value for value in shape[:linear]), *shape[linear:]]
-            for shape in shapes
-            for size in sizes
-            for sign in (1.0, -1.0)
-        ]
+        seen: list[list[float]] = []
         for shape in shapes:
             unit_um = change(scene, np.array(shape)).position_um
-            fitted = _by_axis(scene, given, np.broadcast_to(unit_um, (len(scene),)))
-            if fitted is not None:
-                first, *over = fitted
-                own = [*(first * value for value in shape[:linear]), *shape[linear:]]
+            for first, *over in _seen_sizes(scene, given, np.broadcast_to(unit_um, (len(scene),))):
+                own = sized(shape, first)
                 own[y_excess_ratio : y_excess_ratio + 2] = over
-                usual.append(own)
-        return usual
+                seen.append(own)
+        return [*seen, *usual]
 
     return starts
 
 
-def _by_axis(scene: Scene, given: Change, unit_um: FloatArray) -> list[float] | None:
-    """Fit multiples of an error, shape (n,), to each axis: that of X, and what Y and Z have more.
+def axes_of_their_own(y_excess_ratio: int) -> tuple[Refinement, ...]:
+    """Refine an error by what Y and Z have more than X.
 
-    None if they are much the same.
+    Args:
+        y_excess_ratio: Number of that parameter, which z_excess_ratio follows.
+    """
+    y, z = y_excess_ratio, y_excess_ratio + 1
+    return ({y: 0.1}, {y: -0.5}, {z: -0.9}, {y: 0.1, z: -0.9})
+
+
+def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[float]]:
+    """Fit multiples of an error, shape (n,): that of X, and what Y and Z have more.
+
+    One that all axes have in common; another of each axis, if they are not much the same. None of
+    too few touches.
     """
     stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
     if stream is None:
-        return None
+        return []
     rows = stream.rows
     law = law_under(scene, stream, given).select(rows)
     scores = (stream.residuals[rows] - law.mean) / law.spread
     units = unit_um[rows] / law.spread
+    if np.count_nonzero(units) < FEWEST_ON_AXIS:
+        return []
     data = [(scene.datum_of(stream) == k) / law.spread for k in range(scene.datum_count)]
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
-    if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
-        return None
     scale = scale_of(scores)
     common, cost = robust_fit([units, *data], scores, scale)
+    same = [float(common[0]), 0.0, 0.0]
+    if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
+        return [same]
     parted, lower = robust_fit([*(units * on_axes[k] for k in seen), *data], scores, scale)
     if cost - lower < A_NEWS * (len(seen) - 1):
-        return None
+        return [same]
     sizes = np.full(len(LINEAR_AXES), common[0])
     sizes[seen] = parted[: len(seen)]
     least = np.abs(sizes).max() / MOST_OVER
     first = float(sizes[0] if abs(sizes[0]) > least else np.copysign(least, sizes[0]))
     sizes[[k for k in range(len(sizes)) if k not in seen]] = first  # nothing tells of those
-    return [first, *(sizes[1:] / first - 1.0)]
+    return [same, [first, *(sizes[1:] / first - 1.0).tolist()]]

@@ -37,14 +37,20 @@ def fixed(*starts: Sequence[float]) -> Starts:
     return lambda _scene, _given: starts
 
 
-def delays(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-    """Propose delays of either sign, and by the skip path's mean and scatter those that scatter."""
-    usual = [[sign * size, 0.0, 0.0] for size in (10.0, 300.0) for sign in (1.0, -1.0)]
-    mean, sigma = later_us(scene, given)
-    if np.isnan(mean):
-        return usual
-    box = np.sqrt(12.0) * sigma
-    return [*usual, [mean - box / 2.0, box, 0.0], [mean - sigma, 0.0, sigma]]
+def later(*usual: Sequence[float]) -> Starts:
+    """Propose times by which edges come later, and those of the skip path's mean and scatter.
+
+    A time that all have, a uniform one and an exponential one.
+    """
+
+    def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+        mean, sigma = later_us(scene, given)
+        if np.isnan(mean):
+            return usual
+        box = np.sqrt(12.0) * sigma
+        return [*usual, [mean, 0.0, 0.0], [mean - box / 2.0, box, 0.0], [mean - sigma, 0.0, sigma]]
+
+    return starts
 
 
 def later_us(scene: Scene, given: Change) -> tuple[float, float]:
@@ -66,20 +72,24 @@ def unknown_sigma(off: FloatArray, spread: FloatArray) -> float:
     return float(np.sqrt(max(unknown, 0.0)))
 
 
-def retries(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-    """Propose periods anywhere, and that by which the skip path's late touches are later."""
-    usual = [
-        [share, period, 0.2 * period, 0.0]
-        for share in (0.1, 0.4)
-        for period in (100.0, 500.0, 2000.0, 8000.0)
-    ]
-    late_us, spread_us = _late_us(scene, given)
-    late_us = late_us - np.quantile(late_us, SOON) if len(late_us) else late_us
-    far = late_us > FAR_LATE * spread_us
-    if not far.any():
-        return usual
-    share, period = float(far.mean()), float(np.median(late_us[far]))
-    return [*usual, *([share, period, scatter * period, 0.0] for scatter in (0.01, 0.2))]
+def now_and_then(usual: Sequence[Sequence[float]], as_late: Sequence[Sequence[float]]) -> Starts:
+    """Propose what comes now and then, and that by which the skip path's late touches are later.
+
+    Args:
+        usual: Parameters that are proposed anyway: a share of the touches, and times.
+        as_late: Those of touches that are late by 1 µs, without the share.
+    """
+
+    def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+        late_us, spread_us = _late_us(scene, given)
+        late_us = late_us - np.quantile(late_us, SOON) if len(late_us) else late_us
+        far = late_us > FAR_LATE * spread_us
+        if not far.any():
+            return usual
+        share, period = float(far.mean()), float(np.median(late_us[far]))
+        return [*usual, *([share, *(period * value for value in times)] for times in as_late)]
+
+    return starts
 
 
 def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:

@@ -17,7 +17,7 @@ from skiplatch.diagnosis.candidates import (
     surrogates,
 )
 from skiplatch.diagnosis.candidates.applicable import on_machine, shows_lobes, shows_waves, varies
-from skiplatch.diagnosis.candidates.axes import each_axis
+from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.waves import transmissions
 from skiplatch.diagnosis.density.change import Change
@@ -34,11 +34,6 @@ def _as_id_and_span(one: Candidate) -> tuple[Callable[[str, Span], Candidate], t
 
 
 copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another process
-
-
-def _per_axis(first: int) -> tuple[Mapping[int, float], ...]:
-    """Refine by axes of their own; `first` is the number of y_excess_ratio."""
-    return ({first: 0.1}, {first: -0.5}, {first + 1: -0.9}, {first: 0.1, first + 1: -0.9})
 
 
 CANDIDATES: Mapping[str, Candidate] = {
@@ -70,7 +65,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "trigger_delay",
             ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
-            starts.delays,
+            starts.later(*([s * us, 0.0, 0.0] for us in (10.0, 300.0) for s in (1.0, -1.0))),
             on_machine,
             refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.probe.delay_us,
@@ -86,7 +81,14 @@ CANDIDATES: Mapping[str, Candidate] = {
             "link_retry",
             ("probability", "period_us", "scatter_us", "retry_excess"),
             surrogates.retry,
-            starts.retries,
+            starts.now_and_then(
+                [
+                    [share, us, 0.2 * us, 0.0]
+                    for share in (0.1, 0.4)
+                    for us in (100.0, 500.0, 2000.0, 8000.0)
+                ],
+                as_late=[[1.0, 0.01, 0.0], [1.0, 0.2, 0.0]],
+            ),
             on_machine,
             refinements=({3: 0.3},),
         ),
@@ -94,7 +96,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "input_filter",
             ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
-            starts.delays,
+            starts.later(*([s * us, 0.0, 0.0] for us in (10.0, 300.0) for s in (1.0, -1.0))),
             refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.input.filter_us,
         ),
@@ -102,7 +104,9 @@ CANDIDATES: Mapping[str, Candidate] = {
             "contact_bounce",
             ("probability", "mean_us", "least_us", "span_us"),
             surrogates.bounce,
-            starts.fixed(*([0.2, mean, 0.0, 0.0] for mean in (30.0, 300.0, 3000.0))),
+            starts.now_and_then(
+                [[0.2, us, 0.0, 0.0] for us in (30.0, 300.0, 3000.0)], as_late=[[1.4, 0.0, 0.0]]
+            ),
             refinements=tuple({i: size} for size in (10.0, 100.0, 1000.0) for i in (2, 3)),
         ),
         Candidate(
@@ -115,7 +119,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "isr_latency",
             ("latency_us", "jitter_us", "tail_us"),
             surrogates.interrupt,
-            starts.fixed([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
+            starts.later([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
             refinements=({1: 1.0}, {1: 20.0}, {2: 1.0}, {2: 20.0}),
             believed_us=lambda nominal: nominal.skip.latency_us,
         ),
@@ -123,7 +127,9 @@ CANDIDATES: Mapping[str, Candidate] = {
             "isr_blocking",
             ("probability", "length_us", "tail_us"),
             surrogates.blocking,
-            starts.fixed([0.2, 20.0, 0.0], [0.2, 200.0, 0.0], [0.2, 2000.0, 0.0]),
+            starts.now_and_then(
+                [[0.2, us, 0.0] for us in (20.0, 200.0, 2000.0)], as_late=[[2.0, 0.0]]
+            ),
             refinements=({2: 10.0}, {2: 100.0}, {2: 1000.0}),
         ),
         Candidate(
@@ -199,7 +205,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             each_axis(
                 surrogates.lagging, [[1.0, 0.0, 0.0]], (10.0, 500.0), linear=1, y_excess_ratio=1
             ),
-            refinements=_per_axis(1),
+            refinements=axes_of_their_own(1),
         ),
         Candidate(
             "backlash",
@@ -213,7 +219,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 y_excess_ratio=2,
             ),
             applies=varies("sign"),
-            refinements=({0: 0.1}, {1: 0.1}, *_per_axis(2)),
+            refinements=({0: 0.1}, {1: 0.1}, *axes_of_their_own(2)),
             like_datum=frozenset({"positive_um"}),
         ),
         Candidate(
@@ -237,7 +243,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             shows_waves,
             refinements=(
                 *({3: 0.3, 4: phase} for phase in (45.0, 135.0, 225.0, 315.0)),
-                *_per_axis(7),
+                *axes_of_their_own(7),
             ),
         ),
         Candidate(
@@ -247,7 +253,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             each_axis(
                 surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
             ),
-            refinements=_per_axis(1),
+            refinements=axes_of_their_own(1),
             applies=varies("position_mm"),
         ),
         Candidate(
@@ -271,7 +277,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 y_excess_ratio=3,
             ),
             applies=varies("temp_c"),
-            refinements=_per_axis(3),
+            refinements=axes_of_their_own(3),
         ),
         Candidate(
             "rotary_pivot",

@@ -20,7 +20,8 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.span import ALWAYS
 
 NARROWER = 0.1
-"""Of the widening before is the next, from all that touches are off to what they scatter by."""
+"""Of the widening before is the next, down to what touches scatter by. The first is as much of all
+that they are off by: with all of it a search forgets its starts, which know better."""
 USUAL = 0.005
 """Widening down to which any search goes: what comes now and then is sharper than the rest."""
 REACH = 3.0
@@ -130,7 +131,7 @@ class Target:
         return tuple(self._widenings())
 
     def _widenings(self) -> Iterator[float]:
-        widening, streams = 1.0, self._scene.streams
+        widening, streams = NARROWER, self._scene.streams
         spreads = [
             size / max(streams[name].law.select(streams[name].rows).usual_spread, TINY)
             for name, size in self._sizes.items()

@@ -35,7 +35,7 @@ def refine(scene: Scene, found: Fit) -> Fit:
     """Fit effects jointly, from where they are."""
     start = np.concatenate(found.parameters)
     target = Target(scene, found.candidates, [start], NOTHING)
-    best = _sharpened(target, fit_form(target, [start], target.widenings[1:]))
+    best = _sharpened(target, fit_form(target, [start], target.widenings))
     return target.fit(_loosened(target, best))
 
 
@@ -89,8 +89,7 @@ def _refined(target: Target, candidate: Candidate, best: FloatArray) -> FloatArr
     while promising:
         starts = [_freed(target, best, refinement) for refinement in promising]
         found = [
-            fit_form(target, [start], target.widenings[1:]) if start.any() else best
-            for start in starts
+            fit_form(target, [start], target.widenings) if start.any() else best for start in starts
         ]
         costs = [cost(values) for values in found]
         promising = [r for r, c in zip(promising, costs, strict=True) if c < cost(best)]

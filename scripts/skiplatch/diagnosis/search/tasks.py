@@ -12,7 +12,7 @@ from skiplatch.diagnosis.fit.onset import passing, polished
 from skiplatch.diagnosis.scene.scene import Scene
 
 ROUGH = (NARROWER,)
-"""Widening of a fit that is only to propose: the second of a search, coarse to fine."""
+"""Widening of a fit that is only to propose: the first of a search, coarse to fine."""
 
 
 def both(first: Fit, second: Fit) -> Fit:
