@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 from scipy import stats
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.scores import (
     go_together,
@@ -24,8 +24,9 @@ from skiplatch.diagnosis.plays.scores import (
     way_from_normal,
 )
 from skiplatch.diagnosis.plays.setting import Setting
-from skiplatch.diagnosis.plays.size import apart, scatter, wider
+from skiplatch.diagnosis.plays.size import apart, far_off, scatter, wider
 from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest, wave
+from skiplatch.diagnosis.plays.turns import Turn, happens_in_turn, in_turn
 from skiplatch.diagnosis.scene.covariates import neighbours, varying
 from skiplatch.diagnosis.scene.observed import UNITS, before_wait
 from skiplatch.statistics import errors_of, errors_of_excess
@@ -34,8 +35,6 @@ FEWEST_FOR_FOREST = 25
 """The same of what only a forest sees."""
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
-FAR = 6.0
-"""Standard deviations beyond all plays from which on a touch is far off."""
 SELDOM = 1e-3
 """Share of touches that a rig that is right may have far off."""
 HELD_AGAINST = 6
@@ -45,13 +44,6 @@ FARTHEST = 3.0
 IN_WORDS = {"shift": "", "scatter": " in size"}
 NEVER_ERRS = "grid"
 """Observable without gross errors: a scan whose stamp is off the grid of the others was off it."""
-
-
-def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArray:
-    """Tell which touches, so far off the middle of their plays, are beyond all those reach."""
-    known = off[~np.isnan(off)]
-    usual = FAR * max(scatter(known), step) if len(known) else 0.0
-    return np.abs(off) > 2.0 * reach + usual
 
 
 class Look:
@@ -111,11 +103,11 @@ class Look:
 
     def told(self) -> Iterator[Left]:
         """Give all that goes with anything known."""
-        yield from self._by(Look.straight, Look.predicted, Look.waves)
+        yield from self._by(Look.straight, Look.predicted, Look.waves, Look.recurring)
 
     def told_of_chance(self) -> list[Left]:
         """Give all that goes with anything known, also of what happens to some touches alone."""
-        return [*self.told(), *self._by(Look.happened)]
+        return [*self.told(), *self._by(Look.happened, Look.happened_in_turn)]
 
     def _by(self, *looks: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
         for look in looks:
@@ -163,15 +155,12 @@ class Look:
             # A rig that scatters less than believed has no gap: nothing is left of it.
             z = (abs(size) if kind == "shift" else max(size, 0.0)) / error
             if kind == "scatter" and self.name == NEVER_ERRS:
-                z = max(z, self._errors_of_far())
+                # Ranks do not tell how far off.
+                z = max(z, errors_of_excess(int(self.far.sum()), len(self.off), SELDOM))
             everything = np.full(len(self.off), fill_value=True)
             yield self._left(kind, (EVERYWHERE,), everything, z)
         if self._setting.is_mostly_wait(self.name, self.path, self._noise, self._rows):
             yield self._shape()
-
-    def _errors_of_far(self) -> float:
-        """Count touches that are far off the plays of all, for ranks do not tell how far off."""
-        return errors_of_excess(int(self.far.sum()), len(self.off), SELDOM)
 
     @property
     def far(self) -> BoolArray:
@@ -226,9 +215,13 @@ class Look:
         That tells to which of them something happened that happens to some: ranks tell less of it,
         for among those that it happened to each has a rank of its own.
         """
+        yield from self._by_forest({"shift": np.clip(self._deviations, -FARTHEST, FARTHEST)})
+
+    @cached_property
+    def _deviations(self) -> FloatArray:
+        """Give how far touches are off the mean of their plays, in deviations of these."""
         middle, deviation = np.nanmean(self.played, axis=0), np.nanstd(self.played, axis=0)
-        off = (self.recorded - middle) / np.maximum(deviation, SMALLEST)
-        yield from self._by_forest({"shift": np.clip(off, -FARTHEST, FARTHEST)})
+        return np.asarray((self.recorded - middle) / np.maximum(deviation, SMALLEST))
 
     def _by_forest(self, targets: Mapping[str, FloatArray]) -> Iterator[Left]:
         """Predict targets, shape (m,) each, by the kind of what they tell, by the same trees."""
@@ -267,6 +260,23 @@ class Look:
             relative = float(np.sqrt(share)) * scatter(self.off / self.scale)
             words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
             yield self._of("wave", words, size, relative, z)
+
+    def recurring(self) -> Iterator[Left]:
+        """Look for touches that come every so many and are off."""
+        yield from self._in_turn(in_turn(self._serial, self._scores))
+
+    def happened_in_turn(self) -> Iterator[Left]:
+        """Look for touches that come every so many, to which something happened."""
+        yield from self._in_turn(happens_in_turn(self._serial, np.abs(self._deviations) > 1.0))
+
+    @property
+    def _serial(self) -> IndexArray:
+        return self._setting.order.serial[self._rows]
+
+    def _in_turn(self, found: Turn | None) -> Iterator[Left]:
+        if found is not None:
+            words = (f"serial number, every {found.apart} touches",)
+            yield self._left("shift", words, found.rows, found.z)
 
     def _left(self, kind: str, names: tuple[str, ...], high: BoolArray, z: float) -> Left:
         """Say how large it is, by the difference between the touches of a mask and the others."""

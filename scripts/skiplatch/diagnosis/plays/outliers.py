@@ -4,8 +4,8 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
-from skiplatch.diagnosis.plays.look import far_off
 from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.size import far_off
 from skiplatch.diagnosis.plays.telling import FEWEST
 from skiplatch.diagnosis.scene.observed import UNITS, observed, step
 from skiplatch.diagnosis.scene.scene import Scene

@@ -7,6 +7,8 @@ from skiplatch.arrays import BoolArray, FloatArray
 
 CALM = (0.02, 0.98)
 """Quantiles beyond which values count no further for a spread."""
+FAR = 6.0
+"""Standard deviations beyond all plays from which on a touch is far off."""
 
 
 def apart(off: FloatArray, high: BoolArray, kind: str) -> float:
@@ -38,3 +40,10 @@ def _calm_spread(values: FloatArray) -> float:
 def scatter(values: FloatArray) -> float:
     """Give the standard deviation of a normal law with the same median absolute deviation."""
     return float(stats.median_abs_deviation(values, scale="normal"))
+
+
+def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArray:
+    """Tell which touches, so far off the middle of their plays, are beyond all those reach."""
+    known = off[~np.isnan(off)]
+    usual = FAR * max(scatter(known), step) if len(known) else 0.0
+    return np.abs(off) > 2.0 * reach + usual
