@@ -17,6 +17,7 @@ from skiplatch.units import MM_PER_INCH
 AXES = "XYZABC"
 LINEAR = "XYZ"
 _TOUCH, _RELEASE = "G38.2", "G38.4"  # and G38.3, and G38.5
+_NO_MOTION = (4.0, 10.0, 28.0, 30.0, 43.0, 43.1, 43.2, 52.0, 92.0)  # whatever axes they name
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
 _WORD = re.compile(r"([A-Z])\s*([-+]?\s*(?:\d+\.?\d*|\.\d+)|#[<\w]+>?|\[)", re.IGNORECASE)
@@ -89,7 +90,7 @@ class Machine:
         words = self.words(text)
         is_absolute_here = self._set_modes(words)
         targets = {letter: value for letter, value in words if letter in AXES}
-        if any(letter == "G" and value in (4.0, 10.0, 92.0) for letter, value in words):
+        if any(letter == "G" and value in _NO_MOTION for letter, value in words):
             self._offsets_change(words)
             return None
         if not targets or self.motion not in {"G0", "G1", _TOUCH, _RELEASE}:
@@ -157,7 +158,7 @@ class Machine:
         return MM_PER_INCH if self.is_inch else 1.0
 
     def _offsets_change(self, words: list[tuple[str, float | None]]) -> None:
-        """Forget the coordinates that G10 or G92 have set anew."""
+        """Forget the coordinates that G10 or G92 have set anew, or that G28 went to."""
         if not any(letter == "G" and value == 4.0 for letter, value in words):
             for letter, _ in words:
                 self.position.pop(letter, None)
