@@ -8,9 +8,11 @@ from skiplatch.importing.gcode import ProbeMove
 from skiplatch.importing.log_lines import Line
 
 _COMMAND = re.compile(
-    r"(?:^|[\s\[:>\"'])((?:N\d+\s*)?(?:G|F|M|X|Y|Z|#)\s*[-+\d.\[#].*)", re.IGNORECASE
+    r"(?:^|[\s\[:>\"'])(\$J(?:og)?=.*|(?:N\d+\s*)?(?:G|F|M|X|Y|Z|#)\s*[-+\d.\[#].*)",
+    re.IGNORECASE,
 )
-_REPORT = re.compile(r"^\s*(?:<|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
+"""G-code, or a jog: other lines that begin with $ are no motion, even with G-code in them."""
+_REPORT = re.compile(r"^\s*(?:<|\$(?!J)|ok\b|error|ALARM|\[(?!\s*[GgFfXxYyZz]|echo)|\*\*\*)")
 _PROSE = re.compile(r"\berror\b|(?:[A-Za-z]+\W+){4}", re.IGNORECASE)
 """What stands before a command in a sentence about it; marks before a command are shorter."""
 _PROBES = re.compile(r"G38", re.IGNORECASE)
@@ -61,6 +63,11 @@ class Dialogue:
             if move := self._execute(*self._ahead.popleft()):
                 self._moves.append(move)
 
+    @property
+    def is_probing(self) -> bool:
+        """Whether a probing move was carried out whose touch has not come."""
+        return bool(self._moves)
+
     def touched(self) -> ProbeMove | None:
         """Give the move that a touch answers; all that was sent before it is answered too."""
         while self._unanswered and not probes(self._unanswered[0]):
@@ -82,12 +89,14 @@ class Dialogue:
                 self._unanswered.popleft()
         return None
 
-    def started(self, text: str) -> None:
-        """Forget what was sent before a controller started anew: it answers nothing of it."""
-        if _STARTED.search(text):
-            self._moves.clear()
-            self._ahead.clear()
-            self._unanswered.clear()
+    def started(self, text: str) -> bool:
+        """Tell whether a controller started anew; it answers nothing of what was sent before."""
+        if not _STARTED.search(text):
+            return False
+        self._moves.clear()
+        self._ahead.clear()
+        self._unanswered.clear()
+        return True
 
     def _refused(self) -> None:
         """Take back a probing move that the controller refused: no touch answers it.

@@ -1,0 +1,166 @@
+"""``skiplatch import grbl``: what is no probing move, units, overrides, and broken replies."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refusals import Program
+from skiplatch.campaign import Axis
+from test_import_logs import Run
+
+
+def read(folder: Path, text: str, *options: str) -> Run:
+    (folder / "s.log").write_text(text)
+    return Run(folder, "grbl", str(folder / "s.log"), *options)
+
+
+def probing(z: str, feed: str = "F100") -> str:
+    return f"G38.2 Z-9 {feed}\n[PRB:{z}:1]\nok\n"
+
+
+@pytest.mark.parametrize(
+    "between",
+    [
+        "$J=G91 X3 F1000\nok\n",
+        "> $Jog=G91 G20 X0.1 F40\nok\n",
+        "[14:05:11] [ $J=G91 X3 F1000 ] ok\n",
+        "[14:05:11] [ $J=G91G20X0.1F40 ] ok\n",
+        "[14:05:11] [ $N0=G20 G1 X3 F30 ] ok\n",
+        "$N0=G20 G1 X3 F30\nok\n",
+        "G43.1 Z3.2\nok\n",
+        "G91 G28 X0\nok\n",
+        "G30 X0\nok\n",
+    ],
+)
+def test_line_with_an_axis_that_does_not_probe_leaves_the_modes(
+    tmp_path: Path, between: str
+) -> None:
+    first, second = probing("-1.000,-1.000,-5.000"), probing("2.000,-1.000,-5.005", feed="")
+
+    touches = read(tmp_path, f"G21 G91\nok\n{first}{between}{second}").campaign.touches
+
+    assert touches.axis.tolist() == [Axis.Z, Axis.Z]
+    assert touches.sign.tolist() == [-1, -1]
+    assert touches.feed_mm_min.tolist() == [100.0, 100.0]
+
+
+@pytest.mark.parametrize("moved", ["$J=G91 Z2 F1000\nok\n", "$H\nok\n"])
+def test_start_is_not_known_after_a_jog_or_homing(tmp_path: Path, moved: str) -> None:
+    touch = probing("0.000,0.000,-5.000")
+
+    touches = read(tmp_path, f"G21 G91\n{touch}G0 Z1\nok\n{moved}{touch}").campaign.touches
+
+    assert np.isnan(touches.approach_mm[1])
+
+
+def test_place_in_machine_coordinates_tells_no_sense_without_a_space_either(
+    tmp_path: Path,
+) -> None:
+    text = "G90\nG0X10\nG53G0X-60\nG38.2X20F60\n[PRB:-50.000,0.000,0.000:1]\nok\n"
+
+    assert np.isnan(read(tmp_path, text).campaign.touches.sign).all()
+
+
+def test_last_touch_in_a_list_of_smoothie_is_no_further_one(tmp_path: Path) -> None:
+    listed = "[G92:0.0000,0.0000,0.0000]\n[TL0:0.0000]\n[PRB:0.0000,0.0000,-5.0000:1]\nok\n"
+
+    run = read(tmp_path, f"G21 G91\n{probing('0.000,0.000,-5.000')}$#\n{listed}")
+
+    assert run.coordinates() == [-5.0]
+
+
+IN_INCHES = probing("-3.2500,-4.1250,-1.2349", "F4") + probing("-3.2500,-4.1250,-1.2346", "F1")
+IN_MM = probing("-82.550,-104.775,-31.364", "F4")
+
+
+def test_four_decimals_are_inches(tmp_path: Path) -> None:
+    run = read(tmp_path, "G20 G91\nok\n" + IN_INCHES)
+
+    assert run.coordinates() == [round(-1.2349 * 25.4, 6), round(-1.2346 * 25.4, 6)]
+    assert run.campaign.touches.feed_mm_min.tolist() == [101.6, 25.4]
+    assert run.campaign.nominal.axis.resolution_um == pytest.approx(2.54)
+    assert "replies in inches, as they have four decimals and no $13" in run.text
+    assert "commands in mm" not in run.text
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "z", "said"),
+    [
+        ("G20 G91\nok\n" + IN_MM, (), -31.364, "replies in mm, as they have fewer than four"),
+        ("G21 G91\nok\n" + IN_MM, (), -31.364, ""),
+        ("$13=0\nG20\nok\n" + IN_INCHES, (), -1.2349, ""),
+        (IN_INCHES, (), -1.2349 * 25.4, "commands in mm, as the log has neither G20 nor G21"),
+        (IN_INCHES, ("--inch",), -1.2349 * 25.4, ""),
+        (IN_MM.replace("364", "3640"), (), -31.364, ""),  # typed by hand
+    ],
+)
+def test_unit_of_the_replies_is_said_where_nothing_tells_it(
+    tmp_path: Path, text: str, options: tuple[str, ...], z: float, said: str
+) -> None:
+    run = read(tmp_path, text, *options)
+
+    assert run.coordinates()[0] == pytest.approx(z, abs=1e-6)
+    about = [line for line in run.said["assumed"] if line.startswith(("replies", "commands"))]
+    assert said in " ".join(about)
+    assert bool(about) == bool(said)
+
+
+BROKEN = ["[PRB:0.000,0.000,-5.", "[PRB:0.000,0.000,-5.0l2:1]", "[PRB:", "[PRB:0.000,0.0.0,-5:1]"]
+
+
+@pytest.mark.parametrize("broken", BROKEN)
+@pytest.mark.parametrize("form", ["G38.2 Z-9 F30\n{}\nok\n", "[08:00:00] [ G38.2 Z-9 F30 ] {}\n"])
+def test_broken_reply_is_said_and_answers_its_own_move(
+    tmp_path: Path, broken: str, form: str
+) -> None:
+    rest = probing("0.000,0.000,-5.010", "F60") + probing("0.000,0.000,-5.015", "F90")
+
+    run = read(tmp_path, "G21 G91\nok\n" + form.format(broken) + rest)
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [60.0, 90.0]
+    assert run.said["could_not_be_read"] == ["replies ([PRB:…]) that are cut or garbled: 1"]
+
+
+def test_log_of_nothing_but_broken_replies_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "s.log").write_text("\n".join(BROKEN))
+
+    said = refused("import", "grbl", tmp_path / "s.log", "-o", tmp_path / "made")
+
+    assert "-5.123:1], got 4 cut or garbled" in said
+
+
+def with_status(status: str) -> str:
+    return f"G38.2 Z-9 F100\n<{status}>\n[PRB:0.000,0.000,-5.000:1]\nok\n"
+
+
+def test_feed_is_that_of_the_override_where_the_speed_shows_it(tmp_path: Path) -> None:
+    statuses = (
+        "Run|MPos:0.0,0.0,-2.0|FS:50,0|Ov:50,100,100",
+        "Run|FS:50,0",
+        "Run|F:100|Ov:100,1,1",
+    )
+
+    run = read(tmp_path, "G21 G91\nok\n" + "".join(map(with_status, statuses)))
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [50.0, 50.0, 100.0]
+    assert "feeds with the override (Ov:), as the speed shows (FS:): 2" in run.text
+
+
+@pytest.mark.parametrize("speed", ["|FS:100,0", "|FS:23,0", ""])
+def test_feed_is_as_programmed_where_no_speed_shows_the_override(
+    tmp_path: Path, speed: str
+) -> None:
+    run = read(tmp_path, f"G21 G91\nok\n{with_status(f'Run{speed}|Ov:50,100,100')}")
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [100.0]
+    is_assumed = "feeds as programmed in spite of an override (Ov:): 1; grbl leaves" in run.text
+    assert is_assumed == ("100" not in speed)
+
+
+def test_controller_that_starts_anew_takes_its_override_back(tmp_path: Path) -> None:
+    text = f"{with_status('Run|FS:50,0|Ov:50,100,100')}Grbl 1.1h ['$' for help]\n"
+
+    run = read(tmp_path, f"G21 G91\nok\n{text}{with_status('Run|FS:50,0')}")
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [50.0, 100.0]
