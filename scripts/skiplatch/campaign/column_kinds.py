@@ -25,7 +25,8 @@ LARGEST_SERIAL = 2**53 - 1  # what a float64, and so every spreadsheet, holds ex
 # these characters it takes decimal numbers only.
 _FOREIGN_TO_NUMBERS = re.compile(r"[^0-9eE+.-]")
 _FOREIGN_TO_SERIALS = re.compile(r"[^0-9]")
-_SAY_NOTHING = {"nan", "na", "n/a", "null", "none"}
+SAY_NOTHING = {"nan", "na", "n/a", "null", "none"}
+"""What stands for an empty cell, in small letters."""
 
 
 class CellError(Exception):
@@ -272,7 +273,7 @@ class LabelColumn(Column):
 
 def _tidy(cell: str) -> str:
     cell = cell.strip()
-    return "" if cell.lower() in _SAY_NOTHING else cell
+    return "" if cell.lower() in SAY_NOTHING else cell
 
 
 def _quoted_cell(text: str) -> str:

@@ -2,7 +2,7 @@
 
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain, count, islice
 from pathlib import Path
 from typing import TextIO
@@ -25,12 +25,24 @@ _UNDECODABLE = re.compile("[\udc80-\udcff]")
 Row = tuple[int, list[str]]
 
 
-def read_rows(path: Path, encoding: str = UTF8, *, after: int = 0) -> Iterator[Row]:
+def with_points(rows: Iterable[Row]) -> Iterator[Row]:
+    """Turn each decimal comma into a point, and 1.000,5 into 1000.5."""
+    return ((line, [_with_point(cell) for cell in row]) for line, row in rows)
+
+
+def read_rows(
+    path: Path,
+    encoding: str = UTF8,
+    *,
+    after: int = 0,
+    in_points: Callable[[Iterable[Row]], Iterable[Row]] = with_points,
+) -> Iterator[Row]:
     """Yield the line number and the cells of each row that is not blank.
 
     A byte order mark and any of the usual line ends are accepted, and semicolons or tabs between
     the columns, then with decimal commas. Lines that begin with # are comments. The line of a row
     that quoted line ends spread over several is its last one. `after` lines are passed over first.
+    Where no commas stand between the columns, `in_points` gives the numbers decimal points.
 
     Raises:
         InputError: The file cannot be read, is too large, or is no CSV text in that encoding.
@@ -38,7 +50,7 @@ def read_rows(path: Path, encoding: str = UTF8, *, after: int = 0) -> Iterator[R
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         with path.open(encoding=encoding, newline="") as file:
-            yield from _rows(path, file, after)
+            yield from _rows(path, file, after, in_points)
 
 
 def first_lines(path: Path, most: int, encoding: str = UTF8) -> list[str]:
@@ -64,7 +76,9 @@ def cells_of(line: str, head: str) -> list[str]:
         return []
 
 
-def _rows(path: Path, file: TextIO, after: int) -> Iterator[Row]:
+def _rows(
+    path: Path, file: TextIO, after: int, in_points: Callable[[Iterable[Row]], Iterable[Row]]
+) -> Iterator[Row]:
     try:
         lines = _lines(path, file)
         for _ in islice(lines, after):
@@ -72,7 +86,7 @@ def _rows(path: Path, file: TextIO, after: int) -> Iterator[Row]:
         lead = _lead(lines)
         delimiter = delimiter_of(lead[-1] if lead else "")
         rows = _parsed(path, chain(lead, lines), delimiter, after)
-        yield from rows if delimiter == "," else ((n, [with_point(c) for c in r]) for n, r in rows)
+        yield from rows if delimiter == "," else in_points(rows)
     except UnicodeDecodeError as error:
         raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
 
@@ -109,8 +123,7 @@ def _is_aside(row: list[str]) -> bool:
     return row[0].lstrip().startswith("#") or row[0].lower() == "sep="
 
 
-def with_point(cell: str) -> str:
-    """Turn a decimal comma into a point, and 1.000,5 into 1000.5."""
+def _with_point(cell: str) -> str:
     if _GROUPED.fullmatch(cell):
         cell = re.sub(r"[^-+0-9,]", "", cell)
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell

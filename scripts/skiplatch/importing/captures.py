@@ -13,9 +13,10 @@ from vcd.common import VarType
 from vcd.reader import Token, TokenKind, VCDParseError, tokenize
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign.csv_text import delimiter_of, with_point
+from skiplatch.campaign.csv_text import delimiter_of
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
+from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.encodings import in_utf8
 from skiplatch.importing.log_lines import read_text
 from skiplatch.units import NS_PER_S
@@ -75,7 +76,9 @@ def _read_csv(path: Path) -> Capture:
     except csv.Error as error:
         raise InputError(path, None, None, f"no CSV: {error}") from error
     if delimiter != ",":  # as a spreadsheet writes it that has a decimal comma
-        rows = [[with_point(cell) for cell in row] for row in rows]
+        marks = Marks()
+        rows = [row for _, row in marks.with_points((0, row) for row in rows)]
+        marks.refuse_doubtful(path, {0})
     head = [cell.strip() for cell in rows[0]] if rows else [""]
     if head[0].lower().startswith("time"):
         times = _times(path, [row[0] for row in rows[1:]])

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from skiplatch.errors import InputError
+
 _MARKS = {
     codecs.BOM_UTF32_LE: "utf-32",  # begins as that of UTF-16 does
     codecs.BOM_UTF32_BE: "utf-32",
@@ -14,6 +16,12 @@ _MARKS = {
     codecs.BOM_UTF16_BE: "utf-16",
     codecs.BOM_UTF8: "utf-8-sig",
 }
+_ZIP = b"PK\x03\x04"
+_COMPRESSED = (b"\x1f\x8b", _ZIP, b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf")
+"""First bytes of gzip, zip, bzip2, xz, zstd and 7-Zip."""
+_OLD_WORKBOOK = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"  # of .xls
+_WORKBOOKS = (".xlsx", ".xlsm", ".xlsb", ".ods")
+_IN_WORKBOOKS = (b"[Content_Types].xml", b"opendocument.spreadsheet")  # of .xlsx and .ods
 _LOOKED_AT = 400  # bytes
 _MOST_ZERO = 0.4  # of the bytes at odd or at even places of text that has two bytes a character
 
@@ -29,8 +37,23 @@ def encoding_of(data: bytes) -> str | None:
     return next((name for mark, name in _MARKS.items() if data.startswith(mark)), None)
 
 
-def looks_like_unmarked_utf16(data: bytes) -> bool:
-    """Tell whether text has two bytes a character, and no mark that says so."""
+def refuse_no_text(path: Path, data: bytes) -> None:
+    """Refuse what has no byte order mark and is no text of one byte a letter, or UTF-8.
+
+    Raises:
+        InputError: It is a workbook, compressed, or UTF-16; says what to do.
+    """
+    is_named = path.suffix.lower() in _WORKBOOKS or any(name in data for name in _IN_WORKBOOKS)
+    if (is_named and data.startswith(_ZIP)) or data.startswith(_OLD_WORKBOOK):
+        raise InputError(path, None, None, "a workbook of a spreadsheet: export the sheet as CSV")
+    if data.startswith(_COMPRESSED):
+        raise InputError(path, None, None, "a compressed file: unpack it first")
+    if _looks_like_unmarked_utf16(data):
+        message = "UTF-16 without a byte order mark: save it as UTF-8, or as UTF-16 with the mark"
+        raise InputError(path, None, None, message)
+
+
+def _looks_like_unmarked_utf16(data: bytes) -> bool:
     first = data[:_LOOKED_AT]
     return any(half.count(0) > _MOST_ZERO * len(half) for half in (first[::2], first[1::2]) if half)
 

@@ -2,11 +2,10 @@
 
 The first column holds the positions in mm. Each further column is a run; its head says the sense:
 an arrow, ``+`` or ``-``, ``up``/``down``, ``forward``/``reverse``, ``positive``/``negative``, or
-``vorwärts``/``rückwärts``. A head that says none is a run in the positive sense. Means and spreads
-that a spreadsheet works out beside or below the runs are left out.
+``vorwärts``/``rückwärts``. A head that says none is a run in the positive sense. Means, spreads and
+other results that stand beside or below the runs are left out.
 """
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -15,23 +14,11 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
+from skiplatch.importing.iso230_heads import is_negative, no_runs, says_mm
 from skiplatch.importing.model import Figure, Imported
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit
-from skiplatch.importing.table import UNITS
+from skiplatch.importing.spreadsheets import begins_with_a_word, read_spreadsheet, say_digit
 from skiplatch.units import UM_PER_MM
 
-_NEGATIVE = re.compile(
-    r"↓|←|-|−|\bdown\b|\brev|\bneg|\bback|\br(?:ü|ue)ck|\bzur(?:ü|ue)ck", re.IGNORECASE
-)
-_WORKED_OUT = re.compile(
-    r"\b(?:mean|average|mittel|std|stand(?:ard)? ?(?:dev|abw)|sigma|reversal|umkehr|spann)|σ|x̄",
-    re.IGNORECASE,
-)
-"""Heads of columns that are no runs."""
-_WORD = re.compile(r"\s*[^\W\d_]")
-_UNIT = re.compile(r"[\[(]\s*([^\])]*?)\s*[\])]\s*$")
-_OTHER_UNITS = set().union(*(UNITS[quantity] for quantity in ("s", "mm/min", "°C")))
-"""Of what is no deviation; none of them is a unit of length or of angle."""
 DECIMALS = 3  # of a deviation in a campaign
 LEAST_SIGMA_UM = 1e-3  # a campaign tells no less
 ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
@@ -52,13 +39,14 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     sheet = read_spreadsheet(path, _is_head)
     found = Imported(preset="plc-4ms")
     sheet.say(found)
+    sheet.marks.refuse_doubtful(path, range(len(sheet.rows[0][1]) if sheet.rows else 0))
     rows = _without_what_is_worked_out(sheet.rows, found)
     if len(rows) < 2 or len(rows[0][1]) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)
     heads = [head.strip() for head in rows[0][1][1:]]
-    _refuse_other_units(path, rows[0][0], rows[0][1])
-    signs = np.array([-1.0 if _NEGATIVE.search(head) else 1.0 for head in heads])
+    in_mm = _in_mm(path, rows[0], found, in_mm=in_mm)
+    signs = np.array([-1.0 if is_negative(head) else 1.0 for head in heads])
     positions, deviations = _numbers(path, rows[1:], len(heads))
     unit = UM_PER_MM if in_mm else 1.0
     order = np.array(
@@ -90,7 +78,6 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     found.assumed += [
         "runs one after the other, each along its sense, with no homing or zeroing in between",
         "deviations are actual minus target, so in the negative sense they count the other way",
-        f"deviations are in {'mm' if in_mm else 'µm'}; else give --unit",
     ]
     if zero:
         found.assumed.append(
@@ -119,32 +106,29 @@ def _is_head(cells: list[str], below: list[str]) -> bool:
 def _without_what_is_worked_out(rows: list[Row], found: Imported) -> list[Row]:
     """Leave out columns of means and spreads, and the lines of words below the table."""
     head = rows[0][1] if rows else []
-    dropped = {i for i in range(1, len(head)) if _WORKED_OUT.search(head[i])}
-    if dropped and len(dropped) < len(head) - 1:
+    if dropped := no_runs(head):
         names = ", ".join(head[i].strip() for i in sorted(dropped))
         found.unread.append(f"columns that are no runs: {names}")
         rows = [(n, [cell for i, cell in enumerate(r) if i not in dropped]) for n, r in rows]
     rows = [(n, row) for n, row in rows if any(cell.strip() for cell in row)]
     last = len(rows)
-    while last > 2 and _begins_with_a_word(rows[last - 1][1]):
+    while last > 2 and begins_with_a_word(rows[last - 1][1]):
         last -= 1
     if last < len(rows):
         found.unread.append(f"lines below the table: {len(rows) - last}")
     return rows[:last]
 
 
-def _begins_with_a_word(row: list[str]) -> bool:
-    return bool(_WORD.match(next((cell for cell in row if cell.strip()), "")))
-
-
-def _refuse_other_units(path: Path, line: int, heads: list[str]) -> None:
-    """Refuse a table with a unit in a head that no place or deviation is in, such as mm/min."""
-    for number, head in enumerate(heads):
-        unit = _UNIT.search(head)
-        if unit and unit[1] in _OTHER_UNITS:
-            what = "runs with deviations" if number else "positions"
-            message = f"expected {what}, got a column in {unit[1]}: {quoted(head.strip())}"
-            raise InputError(path, line, None, message)
+def _in_mm(path: Path, head: Row, found: Imported, *, in_mm: bool) -> bool:
+    """Tell whether deviations are in mm, by the heads of the runs, else by what is given."""
+    said = says_mm(path, *head)
+    if said is None:
+        found.assumed.append(f"deviations are in {'mm' if in_mm else 'µm'}; else give --unit")
+        return in_mm
+    if in_mm and not said:
+        raise InputError(path, head[0], None, "the heads of the runs say µm, and --unit says mm")
+    found.known.append(f"deviations in {'mm' if said else 'µm'}, as the heads of the runs say")
+    return said
 
 
 def _say_repeatability(

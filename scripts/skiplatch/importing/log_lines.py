@@ -13,16 +13,13 @@ from pathlib import Path
 
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
-from skiplatch.importing.encodings import encoding_of, looks_like_unmarked_utf16
+from skiplatch.importing.encodings import encoding_of, refuse_no_text
 
 MAX_BYTES = 500 * 2**20
 MAX_LINE_CHARACTERS = 10_000
 S_PER_DAY = 86_400.0
 TYPED = r"(?:\d+\.?\d*|\.\d+)"
 """A number as people type it, without a sign."""
-
-_COMPRESSED = (b"\x1f\x8b", b"PK\x03\x04", b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z\xbc\xaf")
-"""First bytes of gzip, zip, bzip2, xz, zstd and 7-Zip."""
 
 _TIME = (
     r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2}(?:[.,]\d+)?)(?:\s*(?P<half>[AaPp][Mm]))?"
@@ -82,11 +79,7 @@ def _decoded(path: Path) -> str:
         raise InputError(path, None, None, "an empty file")
     if encoding := encoding_of(data):
         return data.decode(encoding, errors="replace")
-    if data.startswith(_COMPRESSED):
-        raise InputError(path, None, None, "a compressed file: unpack it first")
-    if looks_like_unmarked_utf16(data):
-        message = "UTF-16 without a byte order mark: save it as UTF-8, or as UTF-16 with the mark"
-        raise InputError(path, None, None, message)
+    refuse_no_text(path, data)
     if b"\0" in data[:4096]:
         raise InputError(path, None, None, "no text: expected a log")
     return data.decode("utf-8", errors="replace")

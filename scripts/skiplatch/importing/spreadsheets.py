@@ -7,16 +7,25 @@ from itertools import pairwise
 from pathlib import Path
 
 from skiplatch.campaign import KEYS
+from skiplatch.campaign.column_kinds import SAY_NOTHING
 from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
-from skiplatch.importing.encodings import encoding_of
+from skiplatch.importing.decimal_marks import Marks
+from skiplatch.importing.encodings import encoding_of, refuse_no_text
 from skiplatch.importing.model import Imported
 
 WINDOWS = "cp1252"
 MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
 _PLAIN = re.compile(r"[+-]?\d+[.,]?(\d*)$")
-
+_WORD = re.compile(r"\s*[^\W\d_]")
+WORKED_OUT = re.compile(
+    r"(?<![^\W\d_])(?:mean|average|mittel|median|std|stand(?:ard)?[ _]?(?:dev|abw)|sigma|range"
+    r"|spann|reversal|umkehr|backlash|hyster|repeatab|wiederhol|accura|genau|(?:min|max)(?:imum)?"
+    r"(?![^\W\d_]))|σ|x\u0304",
+    re.IGNORECASE,
+)
+"""Heads of columns and of rows that a spreadsheet works out of the others."""
 
 IsHead = Callable[[list[str], list[str]], bool]
 """Tells the head of a table by its cells and those of the line after it."""
@@ -30,11 +39,13 @@ class Spreadsheet:
         rows: Line number and cells, the head first.
         encoding: That it is in.
         before: Lines before its head, such as a title.
+        marks: Of decimals and of thousands, where no commas stand between the columns.
     """
 
     rows: list[Row]
     encoding: str
     before: int
+    marks: Marks
 
     def say(self, found: Imported) -> None:
         """Say what the table does not name itself, and what of it was passed over."""
@@ -42,6 +53,10 @@ class Spreadsheet:
             found.assumed.append(
                 "no UTF-8: letters beyond ASCII were read as Windows-1252 has them"
             )
+        if self.marks.thousands:
+            first = self.marks.thousands[0]
+            whole = first.replace(".", "").replace(",", "")
+            found.assumed.append(f"thousands are parted: {quoted(first)} was read as {whole}")
         if self.before:
             found.unread.append(f"lines before the head of the table: {self.before}")
 
@@ -56,7 +71,9 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
     try:
         lines = first_lines(path, MOST_BEFORE_TABLE, encoding)
         before = _lines_before_head(lines, is_head)
-        return Spreadsheet(list(read_rows(path, encoding, after=before)), encoding, before)
+        marks = Marks()
+        rows = list(read_rows(path, encoding, after=before, in_points=marks.with_points))
+        return Spreadsheet(rows, encoding, before, marks)
     except UnicodeError as error:
         raise InputError(path, None, None, f"neither UTF-8 nor {encoding} text") from error
 
@@ -70,6 +87,50 @@ def _lines_before_head(lines: list[str], is_head: IsHead) -> int:
         if is_head(row, next_row):
             return number
     return 0
+
+
+def tells(cell: str) -> bool:
+    """Tell whether something stands in a cell, and no "n/a"."""
+    return bool(cell.strip()) and cell.strip().lower() not in SAY_NOTHING
+
+
+def begins_with_a_word(row: list[str]) -> bool:
+    """Tell whether the first cell of a row that is not empty begins with a letter."""
+    return _is_word(_first_cell(row))
+
+
+def without_lines_below(body: list[Row], found: Imported) -> list[Row]:
+    """Leave out lines below a table that have not its shape, such as means, and say which.
+
+    They begin with a word where the rows above them have none, or with that for a mean.
+    """
+    end = _end(body, begins_with_a_word)
+    above = {i for _, row in body[:end] for i, cell in enumerate(row) if _is_word(cell)}
+    first = [row.index(cell) for _, row in body[end:] if (cell := _first_cell(row))]
+    if end == 0 or above.intersection(first):
+        end = _end(body, lambda row: bool(WORKED_OUT.match(_first_cell(row).strip())))
+    if 0 < end < len(body):
+        below = [quoted(cell.strip()) for _, row in body[end:] if (cell := _first_cell(row))]
+        found.unread.append(f"lines below the table: {len(below)}, {', '.join(below[:5])}")
+        return body[:end]
+    return body
+
+
+def _end(body: list[Row], is_below: Callable[[list[str]], bool]) -> int:
+    """Give how many rows there are without those below, and without empty ones before these."""
+    end = rows = len(body)
+    while rows and (is_below(body[rows - 1][1]) or not _first_cell(body[rows - 1][1])):
+        rows -= 1
+        end = rows if is_below(body[rows][1]) else end
+    return end
+
+
+def _first_cell(row: list[str]) -> str:
+    return next((cell for cell in row if cell.strip()), "")
+
+
+def _is_word(cell: str) -> bool:
+    return bool(_WORD.match(cell)) and tells(cell)
 
 
 def say_digit(found: Imported, cells: Iterable[str], unit_um: float) -> None:
@@ -92,6 +153,7 @@ def _encoding(path: Path) -> str:
         data = path.read_bytes()
     if encoding := encoding_of(data):
         return encoding
+    refuse_no_text(path, data)
     try:
         data.decode(UTF8)
     except UnicodeDecodeError:

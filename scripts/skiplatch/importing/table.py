@@ -9,28 +9,19 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import COLUMNS, Axis, Kind, Touches
-from skiplatch.campaign.column_kinds import CellError, LabelColumn, NumberColumn
+from skiplatch.campaign.column_kinds import CellError, LabelColumn, NumberColumn, Values
 from skiplatch.campaign.columns import TIME, is_thermometer, place_of
+from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.model import Imported, Touch
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit
+from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, tells, without_lines_below
+from skiplatch.importing.units_in_heads import BRACKETS, UNITS, split_unit
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
-_UNIT = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<aside>[^)]*)\))$")
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
 
-UNITS: Mapping[str, Mapping[str, float]] = {
-    "mm": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3, "in": 25.4, "inch": 25.4, "mil": 0.0254},
-    "µm": {"µm": 1.0, "um": 1.0, "mm": 1e3, "m": 1e6, "nm": 1e-3, "in": 25400.0, "mil": 25.4},
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
-    "µs": {"µs": 1.0, "us": 1.0, "ms": 1e3, "s": 1e6, "ns": 1e-3},
-    "mm/min": {"mm/min": 1.0, "mm/s": 60.0, "m/min": 1e3, "m/s": 6e4, "in/min": 25.4, "ipm": 25.4},
-    "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "arcsec": 1.0 / 3600.0},
-    "arcsec": {"arcsec": 1.0, '"': 1.0, "deg": 3600.0, "rad": 180.0 * 3600.0 / np.pi},
-    "°C": {"°C": 1.0, "C": 1.0, "degC": 1.0, "K": 1.0, "F": 5.0 / 9.0, "°F": 5.0 / 9.0},
-}
 _DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)")
 """07.10.2025 08:15:00: with points the day comes first."""
 _LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
@@ -40,8 +31,9 @@ ALSO = (
     *("edge_us", "latch_us", "report_us", "status"),
 )
 """Columns that go along with coordinates as they are."""
+_OUTCOMES = {COORDINATE, "edge_us", *(name for name in COLUMNS if COLUMNS[name].is_outcome)}
+"""Columns that tell what came of a touch."""
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
-_GREEK_MU = "\u03bc"  # looks like the µ of UNITS
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
 
 
@@ -75,21 +67,12 @@ def parse_mapping(text: str) -> Mapped:
     known = (*COLUMNS, COORDINATE, TIME_NAME)
     if column not in known and not is_thermometer(column):
         raise ValueError(f"{quoted(column)} is no column of a campaign{hint(column, known)}")
-    name, unit = _split(column, head)
-    ending, units = _UNIT.match(head), UNITS.get(_unit_of(column))
+    name, unit = split_unit(head, _unit_of(column))
+    ending, units = BRACKETS.match(head), UNITS.get(_unit_of(column))
     if units and ending and ending["unit"] and not unit:
         named = quoted(ending["unit"])
         raise ValueError(f"{column}: unit {named} is none of {', '.join(units)}")
     return Mapped(column, head, name, unit)
-
-
-def _split(column: str, head: str) -> tuple[str, str]:
-    """Take the unit off a head, ``Error [mm]`` or ``Feed (in/min)``, where it is one."""
-    ending = _UNIT.match(head)
-    if ending is None:
-        return head, ""
-    unit = (ending["unit"] or ending["aside"] or "").strip().replace(_GREEK_MU, "µ")
-    return (ending["name"], unit) if unit in UNITS.get(_unit_of(column), {}) else (head, "")
 
 
 def read_table(
@@ -114,21 +97,23 @@ def read_table(
     Raises:
         InputError: It cannot be read, lacks a column, or holds a wrong cell.
     """
-    sheet = read_spreadsheet(path, lambda row, _: all(_found(row, m) for m in mapped))
+    sheet = read_spreadsheet(path, lambda row, _: all(_named(row, m) for m in mapped))
     rows = sheet.rows
     if not rows:
         raise InputError(path, None, None, "expected a header row, got an empty file")
     (header_line, header), body = rows[0], rows[1:]
     heads = [head.strip() for head in header]
     mapped = [_in_table(path, header_line, heads, m) for m in mapped]
+    sheet.marks.refuse_doubtful(path, {heads.index(m.head) for m in mapped})
+    found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
+    sheet.say(found)
+    body = _touched(without_lines_below(body, found), heads, mapped, found)
     columns = {m.column: _cells(path, heads, body, m) for m in mapped}
     lines = np.array([line for line, _ in body])
     if not body:
         raise InputError(path, header_line, None, "expected touches after the header, got none")
     if TIME_NAME in columns:
         columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
-    found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
-    sheet.say(found)
     for m in mapped:
         if m.column in _LENGTHS_UM:
             position, units = heads.index(m.head), UNITS[_unit_of(m.column)]
@@ -158,29 +143,60 @@ def _in(mapped: Mapped) -> str:
     return f" in {mapped.unit}" if mapped.unit else ""
 
 
-def _found(heads: list[str], m: Mapped) -> Mapped | None:
-    """Find a column by its head as given, else by the head without the unit of either."""
+def _touched(
+    body: list[Row], heads: list[str], mapped: Sequence[Mapped], found: Imported
+) -> list[Row]:
+    """Leave out rows that tell of no touch: they are empty where a column stands for something.
+
+    One without a coordinate would count as missed, so there an outcome has to be told.
+    """
+    telling = [m for m in mapped if m.column in _OUTCOMES]
+    if COORDINATE not in (m.column for m in mapped):
+        telling = list(mapped)
+    places = {heads.index(m.head) for m in telling}
+    kept = [row for row in body if any(tells(c) for i, c in enumerate(row[1]) if i in places)]
+    if len(kept) == len(body):
+        return body
+    lines = {line for line, _ in kept}
+    left_out = [line for line, _ in body if line not in lines]
+    said = f"{len(left_out)}, the first in line {left_out[0]}"
+    found.unread.append(f"rows that tell of no touch: {said}")
+    empty = [line for line, row in body if not any(cell.strip() for cell in row)]
+    below = sum(line > min(empty) for line in lines) if empty else 0
+    if below:
+        found.assumed.append(f"rows below an empty one are touches like those above: {below}")
+    return kept
+
+
+def _named(heads: list[str], m: Mapped) -> list[Mapped]:
+    """Give the columns with a head as given, else with that head without the unit of either."""
     if m.head in heads:
-        return m
+        return [m] * heads.count(m.head)
+    named = []
     for head in heads:
-        name, unit = _split(m.column, head)
-        if m.name in (head, name) and (not m.unit or unit in ("", m.unit)):
-            return Mapped(m.column, head, name, m.unit or unit)
-    return None
+        name, unit = split_unit(head, _unit_of(m.column))
+        is_bare = m.name == head and not BRACKETS.match(head)  # then what ends it may be no unit
+        if is_bare or (m.name in (head, name) and (not m.unit or unit in ("", m.unit))):
+            named.append(Mapped(m.column, head, name, m.unit or unit))
+    return named
 
 
 def _in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
     """Give a column as the table has it, or say which ones there are."""
-    if found := _found(heads, m):
-        return found
+    named = _named(heads, m)
+    if len(named) == 1:
+        return named[0]
+    if named:
+        those = {one.head for one in named}
+        numbers = [str(i) for i, head in enumerate(heads, 1) if head in those]
+        message = f"{quoted(m.head)} may be any of columns {', '.join(numbers)}: rename all but one"
+        raise InputError(path, line, None, message)
     there = ", ".join(head[:40] for head in heads[:20])
     message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {there}"
     raise InputError(path, line, None, message)
 
 
-def _cells(
-    path: Path, heads: list[str], body: list[tuple[int, list[str]]], m: Mapped
-) -> FloatArray:
+def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped) -> Values:
     position = heads.index(m.head)
     cells = [row[position] if position < len(row) else "" for _, row in body]
     if m.column == "sign":
