@@ -12,7 +12,9 @@ from skiplatch.units import UM_PER_MM
 _SAMPLE = re.compile(
     r"(?<!\d)(\d{1,6}) of (\d{1,6}):?\s*z:\s*(-?\d+\.?\d*)(?:.*?[Mm]ean:\s*(-?\d+\.?\d*))?"
 )
-_BED = re.compile(r"Bed X:\s*(-?\d+\.?\d*)\s*Y:\s*(-?\d+\.?\d*)\s*Z:\s*(-?\d+\.?\d*)")
+_BED = re.compile(  # in lower case until 2015
+    r"Bed X:\s*(-?\d+\.?\d*)\s*Y:\s*(-?\d+\.?\d*)\s*Z:\s*(-?\d+\.?\d*)", re.IGNORECASE
+)
 _FAILED = re.compile(r"Error:?\s*Probing failed", re.IGNORECASE)
 _PLACE = re.compile(rf"\bM48\b.*?\bX(-?{TYPED}).*?\bY(-?{TYPED})", re.IGNORECASE)
 _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
