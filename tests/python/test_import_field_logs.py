@@ -114,7 +114,7 @@ def nine(*coordinates: float) -> str:
 
 
 def test_branches_of_a_program_are_taken_as_if_the_probe_had_touched() -> None:
-    moves = list(run_program(RELEASING, touches=2))
+    moves = run_program(RELEASING, []).moves
 
     assert [(move.feed, move.is_release) for move in moves] == [(60, False), (30, True)] * 2
 
@@ -122,7 +122,7 @@ def test_branches_of_a_program_are_taken_as_if_the_probe_had_touched() -> None:
 def test_branch_whose_condition_is_not_known_is_taken() -> None:
     text = "o1 if [#<_there> EQ 1]\nG38.2 Z-1 F5\no1 else\nG38.2 Z-1 F6\no1 endif\nG38.2 Z-1 F7\n"
 
-    assert [move.feed for move in run_program(text, touches=2)] == [5, 7]
+    assert [move.feed for move in run_program(text, []).moves] == [5, 7]
 
 
 def test_where_the_probe_lets_go_is_no_touch_of_linuxcnc(tmp_path: Path) -> None:

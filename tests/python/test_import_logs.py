@@ -260,13 +260,15 @@ def test_linuxcnc_subroutine_gives_each_touch_its_feed_and_sense(tmp_path: Path)
     ],
 )
 def test_flow_of_a_program_is_carried_out(program: str, feeds: list[float | None]) -> None:
-    assert [move.feed for move in run_program(program, touches=9)] == feeds
+    assert [move.feed for move in run_program(program, [(0.0,) * 9] * 9).moves] == feeds
 
 
 def test_a_program_without_an_end_is_run_as_far_as_its_log_can_reach() -> None:
     endless = "o1 while [1]\nG0 Z5\nG38.2 Z-5 F100\no1 endwhile\n"
 
-    moves = {touches: len(list(run_program(endless, touches))) for touches in (5, 10_000)}
+    moves = {
+        touches: len(run_program(endless, [(0.0,) * 9] * touches).moves) for touches in (5, 10_000)
+    }
 
     assert 5 <= moves[5] <= 10_000 <= moves[10_000]
 

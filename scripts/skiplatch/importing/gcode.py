@@ -9,8 +9,8 @@ import functools
 import math
 import operator
 import re
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 from skiplatch.units import MM_PER_INCH
 
@@ -18,6 +18,10 @@ AXES = "XYZABC"
 LINEAR = "XYZ"
 _TOUCH, _RELEASE = "G38.2", "G38.4"  # and G38.3, and G38.5
 _NO_MOTION = (4.0, 10.0, 28.0, 30.0, 43.0, 43.1, 43.2, 52.0, 92.0)  # whatever axes they name
+LATCHED = [str(number) for number in range(5061, 5070)]  # parameters: the place of the last touch
+HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
+SHARE_DIGITS = 3  # no feed is truer than 0.1 %
+SHORTEST_REST = 0.01  # of a move, in mm or degrees, that tells its direction
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
 _WORD = re.compile(r"([A-Z])\s*([-+]?\s*(?:\d+\.?\d*|\.\d+)|#[<\w]+>?|\[)", re.IGNORECASE)
@@ -52,17 +56,41 @@ class ProbeMove:
         line: Number of the line, from 1.
         axis: That mostly moves; None where that is not known.
         sign: Its sense; None where it is not known.
+        share: Of the way, and so of the feed, that the axis has: 1 where it moves alone; None
+            where it is not known.
         start: Where the move begins, as far as known, by axis.
-        feed: None where it is not known.
+        feed: Along the way; None where it is not known.
+        targets: Where the move would end, by axis; None where it is not known.
         is_release: Whether it ends where the probe lets go, by G38.4 or G38.5.
     """
 
     line: int
     axis: str | None
     sign: int | None
+    share: float | None
     start: Mapping[str, float]
     feed: float | None
+    targets: Mapping[str, float | None] = field(default_factory=dict)
     is_release: bool = False
+
+    def along(self, ways: Mapping[str, float | None]) -> "ProbeMove":
+        """Give the move with the direction of these ways."""
+        axis, sign, share = _direction(ways)
+        return replace(self, axis=axis, sign=sign, share=share)
+
+    def latched_at(self, position: Mapping[str, float]) -> "ProbeMove":
+        """Give the move with the direction of what was left of it where it was latched.
+
+        That is the direction of all of it, which is needed where the start is not known.
+        """
+        if self.sign is not None:
+            return self
+        rest = {
+            axis: None if target is None or axis not in position else target - position[axis]
+            for axis, target in self.targets.items()
+        }
+        tells = any(abs(way or 0.0) > SHORTEST_REST for way in rest.values())
+        return self.along(rest) if tells else self
 
 
 @dataclass(slots=True)
@@ -97,9 +125,19 @@ class Machine:
             return None
         return self._move(targets, number, is_absolute_here=is_absolute_here)
 
-    def touched(self, position: Mapping[str, float]) -> None:
-        """Go on from where a probing move ended."""
-        self.position.update(position)
+    def touched(self, latched: Sequence[float]) -> None:
+        """Go on from where a probing move was latched.
+
+        Args:
+            latched: X Y Z A B C U V W as the program counts them, or nothing if not known.
+        """
+        for name in LATCHED:
+            self.parameters.pop(name, None)
+        self.parameters.update(zip(LATCHED, latched, strict=False))
+        self.parameters[HAS_TOUCHED] = 1.0
+        self.position |= {
+            axis: value * self._unit_of(axis) for axis, value in zip(AXES, latched, strict=False)
+        }
 
     def words(self, text: str) -> list[tuple[str, float | None]]:
         """Give letters and values of a line; None where a value is not known."""
@@ -157,6 +195,9 @@ class Machine:
     def _unit(self) -> float:
         return MM_PER_INCH if self.is_inch else 1.0
 
+    def _unit_of(self, axis: str) -> float:
+        return self._unit if axis in LINEAR else 1.0
+
     def _offsets_change(self, words: list[tuple[str, float | None]]) -> None:
         """Forget the coordinates that G10 or G92 have set anew, or that G28 went to."""
         if not any(letter == "G" and value == 4.0 for letter, value in words):
@@ -170,7 +211,7 @@ class Machine:
         ways: dict[str, float | None] = {}
         for axis, value in targets.items():
             here = start.get(axis)
-            unit = self._unit if axis in LINEAR else 1.0
+            unit = self._unit_of(axis)
             if value is None:
                 ways[axis] = None
                 self.position.pop(axis, None)
@@ -185,9 +226,10 @@ class Machine:
             self.position.clear()
         if self.motion not in (_TOUCH, _RELEASE):
             return None
-        probing, sign = _main_axis(ways)
+        ends = {axis: self.position.get(axis) for axis in targets}
         self.position = {k: v for k, v in start.items() if k not in targets}
-        return ProbeMove(number, probing, sign, start, self.feed, self.motion == _RELEASE)
+        is_release = self.motion == _RELEASE
+        return ProbeMove(number, *_direction(ways), start, self.feed, ends, is_release)
 
 
 def without_comments(line: str) -> str:
@@ -204,15 +246,18 @@ def bracketed(text: str) -> Iterator[str]:
         at = text.find("[", end + 1)
 
 
-def _main_axis(ways: Mapping[str, float | None]) -> tuple[str | None, int | None]:
+def _direction(ways: Mapping[str, float | None]) -> tuple[str | None, int | None, float | None]:
+    """Give the axis that goes the longest way, its sense, and its share of the way of all."""
     if len(ways) == 1:
         ((only, way),) = ways.items()
-        return only, None if not way else int(math.copysign(1, way))
+        return only, None if not way else int(math.copysign(1, way)), 1.0
     known = {axis: way for axis, way in ways.items() if way}
     if not known or None in ways.values():
-        return None, None
+        return None, None, None
     longest = max(known, key=lambda name: abs(known[name]))
-    return longest, int(math.copysign(1, known[longest]))
+    way = known[longest]
+    alike = (w for axis, w in known.items() if (axis in LINEAR) == (longest in LINEAR))
+    return longest, int(math.copysign(1, way)), round(abs(way) / math.hypot(*alike), SHARE_DIGITS)
 
 
 def _closing(text: str, start: int) -> int:

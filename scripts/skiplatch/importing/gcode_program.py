@@ -4,7 +4,9 @@ A probing move is taken for one that has touched, and a condition that is not kn
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
 
 from skiplatch.importing.gcode import Machine, ProbeMove, bracketed, without_comments
 
@@ -12,7 +14,6 @@ MOST_LINES = 10_000  # executed, and so many more a touch, so that a loop that n
 MOST_LINES_A_TOUCH = 100
 MOST_CALLS = 20  # within each other
 LAST_LOCAL = 30  # parameters from #1 to this belong to a subroutine
-HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
 BRANCHES = ("IF", "ELSEIF", "ELSE", "ENDIF")
 
 _INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
@@ -21,6 +22,22 @@ _FLOW = re.compile(
     r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN|IF|ELSEIF|ELSE|ENDIF)\b\s*(.*)$",
     re.IGNORECASE,
 )
+_LOGGING = re.compile(r"^[^;]*\(\s*PROBE(OPEN|CLOSE)\b", re.IGNORECASE)
+
+Row = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What a program does.
+
+    Attributes:
+        moves: The probing moves that are logged, loops and calls carried out.
+        not_found: Names of subroutines that are called and not in the program.
+    """
+
+    moves: Sequence[ProbeMove]
+    not_found: Sequence[str]
 
 
 def is_in_inches(text: str) -> bool:
@@ -28,24 +45,36 @@ def is_in_inches(text: str) -> bool:
     return any(_INCHES.search(without_comments(line)) for line in text.splitlines())
 
 
-def run(text: str, touches: int) -> Iterator[ProbeMove]:
-    """Run a program and give its probing moves, loops and calls carried out.
+def logs_parts(text: str) -> bool:
+    """Tell whether a program says which of its probing moves are logged."""
+    return any(_LOGGING.search(line) for line in text.splitlines())
+
+
+def run(text: str, log: Sequence[Row], *, inch: bool = False) -> Run:
+    """Run a program, where it has as many probing moves as its log has lines with these.
 
     Args:
         text: The program.
-        touches: How many its log has: what is executed is bounded by them.
+        log: Where its moves were latched, in its units. It bounds what is executed.
+        inch: Whether it begins in inches.
     """
-    most_lines = MOST_LINES + MOST_LINES_A_TOUCH * touches
-    yield from _Program(text.splitlines(), most_lines).run(Machine())
+    with_log = _Program(text, log, len(log)).run(Machine(is_inch=inch), len(log) + 1)
+    if len(with_log.moves) == len(log):
+        return with_log
+    return _Program(text, (), len(log)).run(Machine(is_inch=inch))
 
 
 class _Program:
     """Lines, and which of them belong together; lines are counted from 0."""
 
-    def __init__(self, lines: list[str], most_lines: int) -> None:
-        self._lines = lines
-        self._most_lines = most_lines
-        self._flow = [_FLOW.match(without_comments(line)) for line in lines]
+    def __init__(self, text: str, log: Sequence[Row], touches: int) -> None:
+        self._lines = text.splitlines()
+        self._most_lines = MOST_LINES + MOST_LINES_A_TOUCH * touches
+        self._log = iter(log)
+        self._logging = [_LOGGING.search(line) for line in self._lines]
+        self._is_logged = not any(self._logging)
+        self._not_found: list[str] = []
+        self._flow = [_FLOW.match(without_comments(line)) for line in self._lines]
         self._end_of: dict[int, int] = {}
         self._branch_after: dict[int, int] = {}
         self._subs: dict[str, int] = {}
@@ -73,9 +102,10 @@ class _Program:
                 if word == "SUB":
                     self._subs[name] = at
 
-    def run(self, machine: Machine) -> Iterator[ProbeMove]:
-        """Give the probing moves of the whole program."""
-        yield from self._stretch(machine, 0, len(self._lines), 0)
+    def run(self, machine: Machine, most_moves: int | None = None) -> Run:
+        """Carry out the whole program, once."""
+        moves = self._stretch(machine, 0, len(self._lines), 0)
+        return Run(list(islice(moves, most_moves)), self._not_found)
 
     def _stretch(self, machine: Machine, at: int, end: int, depth: int) -> Iterator[ProbeMove]:
         left: dict[int, int] = {}
@@ -83,9 +113,7 @@ class _Program:
             self._executed += 1
             flow = self._flow[at]
             if flow is None:
-                if move := machine.execute(self._lines[at], at + 1):
-                    machine.parameters[HAS_TOUCHED] = 1.0
-                    yield move
+                yield from self._execute(machine, at)
                 at += 1
                 continue
             word = flow[2].upper()
@@ -94,6 +122,17 @@ class _Program:
             if word == "CALL":
                 yield from self._call(machine, flow, depth)
             at = self._next(machine, at, flow, left)
+
+    def _execute(self, machine: Machine, at: int) -> Iterator[ProbeMove]:
+        """Carry out a line and give the probing move in it, if it is logged."""
+        if logging := self._logging[at]:
+            self._is_logged = logging[1].upper() == "OPEN"
+        move = machine.execute(self._lines[at], at + 1)
+        if move is None:
+            return
+        machine.touched(next(self._log, ()) if self._is_logged else ())
+        if self._is_logged:
+            yield move.latched_at(machine.position)
 
     def _next(self, machine: Machine, at: int, flow: re.Match[str], left: dict[int, int]) -> int:
         """Give the line to go on at."""
@@ -129,7 +168,12 @@ class _Program:
     def _call(self, machine: Machine, flow: re.Match[str], depth: int) -> Iterator[ProbeMove]:
         """Carry out a subroutine with parameters of its own."""
         begin = self._subs.get(flow[1].lower())
-        if begin is None or begin not in self._end_of or depth >= MOST_CALLS:
+        if begin is None or begin not in self._end_of:
+            machine.position.clear()
+            if flow[1] not in self._not_found:
+                self._not_found.append(flow[1])
+            return
+        if depth >= MOST_CALLS:
             return
         caller = machine.parameters
         values = [machine.value(text) for text in bracketed(flow[3])]

@@ -145,6 +145,7 @@ class _Reader:
                 sign=(move.sign if move else None) or (-1 if axis == "Z" else None),
                 place=tuple(v for i, v in enumerate(position) if i != index),
                 feed=feed or self._feed,
+                share=move.share if move else 1.0,
                 start=start if reply.has_touched else None,
                 time_s=line.time_s,
                 session=self._session_name(),
@@ -164,6 +165,7 @@ class _Reader:
                 sign=move.sign or (-1 if axis == "Z" else None),
                 place=tuple(v for i, v in enumerate(self._last or ()) if i != AXES.index(axis)),
                 feed=move.feed or self._feed,
+                share=move.share,
                 time_s=line.time_s,
                 session=self._session_name(),
                 is_false=True,
@@ -196,6 +198,7 @@ class _Reader:
         steps_per_mm = {name: self._settings.get(_STEPS + i, 0.0) for i, name in enumerate(LINEAR)}
         put_on_steps(self.touches, steps_per_mm)
         found.leave_out_releases()
+        found.share_feeds()
         has_settings = bool(found.figures)
         step = found.figures.get(("axis", "resolution_um"))
         digit_um = DIGIT_INCH * MM_PER_INCH * UM_PER_MM

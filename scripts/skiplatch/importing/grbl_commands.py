@@ -3,10 +3,8 @@
 What hangs on the offset between the program's coordinates and the machine's is not known.
 """
 
-import math
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 
 from skiplatch.importing.gcode import AXES, Machine, ProbeMove
 from skiplatch.importing.log_lines import Line
@@ -85,10 +83,8 @@ class Commands:
             self._machine.position.pop(letter, None)
         if move is None:
             return None
-        self._program.clear()  # it ends at the surface
-        way = senses.get(move.axis or "", 0.0)
-        fallback = -1 if move.axis == "Z" else None
-        return replace(move, sign=int(math.copysign(1, way)) if way else fallback)
+        self._program = {n: v for n, v in places.items() if senses.get(n) == 0.0}  # that stay
+        return move.along({n: senses.get(n) for n in places})
 
     def _note_unit(self, text: str) -> None:
         self.units |= {code.upper() for code in _UNIT.findall(text)}

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
-from skiplatch.importing.gcode_program import is_in_inches, run
+from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, run
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch
 from skiplatch.units import MM_PER_INCH
@@ -22,7 +22,6 @@ FEWEST = 3
 ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
 NEGLIGIBLE = 1e-4
 
-Row = tuple[float, ...]
 Value = TypeVar("Value", str, int, float)
 
 
@@ -43,25 +42,29 @@ def read_linuxcnc(
     """
     rows, broken = _rows(path)
     text = read_text(program) if program else ""
-    moves = list(run(text, len(rows)))
+    done = run(text, rows, inch=inch)
+    moves = done.moves
     inch = inch or is_in_inches(text)
     if program and not moves:
-        raise InputError(program, None, None, "expected moves by G38.2 to G38.5, found none")
+        raise InputError(program, None, None, _without_moves(text, done))
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
     if broken:
         found.unread.append(f"{broken} lines that do not hold {COLUMNS} numbers")
     unit = MM_PER_INCH if inch else 1.0
     matched = _matched(path, rows, moves, found)
-    fallback = axis or _only(move.axis for move in moves) or _probed_axis(rows)
-    if (
-        not axis
-        and not _only(move.axis for move in moves)
-        and not all(m and m.axis for m in matched)
-    ):
-        found.assumed.append(f"axis {fallback}, whose coordinates look touched; else give --axis")
+    fallback = axis or _probed_axis(rows)
+    guessed = sum(not (move and move.axis) for move in matched)
+    if guessed and not axis:
+        untold = f"the program does not tell the axis of {guessed} touches: " if moves else ""
+        found.assumed.append(
+            f"{untold}axis {fallback}, whose coordinates look touched; else give --axis"
+        )
+    if done.not_found:
+        found.assumed.append(f"{_subroutines(done)}: taken for without probing moves and feeds")
     for row, move in zip(rows, matched, strict=True):
         found.touches.append(_touch(row, move, fallback, feed, unit))
     found.leave_out_releases()
+    found.share_feeds()
     _say(found, moves, feed, inch=inch)
     return found
 
@@ -82,6 +85,18 @@ def _rows(path: Path) -> tuple[list[Row], int]:
         expected = f"expected lines of {COLUMNS} numbers, as (PROBEOPEN {path.name}) writes them"
         raise InputError(path, None, None, expected)
     return rows, broken
+
+
+def _without_moves(text: str, done: Run) -> str:
+    """Say that no probing move was found, and why that may be."""
+    where = ", between (PROBEOPEN …) and (PROBECLOSE)," if logs_parts(text) else ""
+    why = f"; {_subroutines(done)}: give --axis and --feed instead" if done.not_found else ""
+    return f"expected moves by G38.2 to G38.5{where} found none{why}"
+
+
+def _subroutines(done: Run) -> str:
+    names = ", ".join(f"o{name}" for name in done.not_found)
+    return f"the program calls {names}, not in its own file"
 
 
 def _matched(
@@ -106,11 +121,12 @@ def _matched(
             "writes no line for a touch that ends exactly where the one before did)"
         )
     same = ProbeMove(
-        0,
-        _only(move.axis for move in moves),
-        _only(move.sign for move in moves),
-        {},
-        _only(move.feed for move in moves),
+        line=0,
+        axis=_only(move.axis for move in moves),
+        sign=_only(move.sign for move in moves),
+        share=_only(move.share for move in moves),
+        start={},
+        feed=_only(move.feed for move in moves),
     )
     return [same if moves else None] * len(rows)
 
@@ -128,6 +144,7 @@ def _touch(
         sign=move.sign if move and move.sign else (-1 if axis == "Z" and not move else None),
         place=tuple(v * scale[i] for i, v in enumerate(row[: len(AXES)]) if i != number),
         feed=(move.feed if move else None) or feed,
+        share=move.share if move else 1.0,
         start=move.start.get(axis) if move else None,
         is_release=bool(move and move.is_release),
     )

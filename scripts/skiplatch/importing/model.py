@@ -24,6 +24,8 @@ class Touch:
     place: tuple[float, ...] = ()
     """What else tells this surface from others: the coordinates of the other axes."""
     feed: float | None = None
+    share: float | None = 1.0
+    """Of the feed that the axis has, less than 1 where others move with it; None: not known."""
     start: float | None = None
     """Where the axis began to move towards the surface."""
     approach: float | None = None
@@ -90,6 +92,24 @@ class Imported:
             self.known.append(
                 f"{left_out} moves away from the surface (G38.4, G38.5), which are left out: the "
                 "probe lets go elsewhere than it triggers"
+            )
+
+    def share_feeds(self) -> None:
+        """Give each touch the feed of its axis, in place of that along the way of all axes."""
+        shared = [t for t in self.touches if t.share is not None and t.share < 1.0]
+        for touch in shared:
+            touch.feed = None if touch.feed is None else touch.feed * (touch.share or 1.0)
+            touch.share = 1.0
+        unknown = sum(touch.share is None for touch in self.touches)
+        if shared:
+            self.known.append(
+                f"{len(shared)} touches by moves of several axes: deviation and feed are those of "
+                "the axis that moved most"
+            )
+        if unknown:
+            self.assumed.append(
+                f"{unknown} touches by moves of several axes in a direction that is not known: the "
+                "axis measured had the whole feed"
             )
 
     def reach(self, least_mm: float, greatest_mm: float, source: str) -> None:

@@ -1,0 +1,167 @@
+"""``skiplatch import linuxcnc --program``: what a program tells of the lines of its log."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refusals import Program
+from test_import_logs import Run
+
+BOTH_WORDS = """G21 G90
+G0 X0 Y0
+o<touch> sub
+  G38.2 X#1 Y#2 F300
+  G0 X[#5061 - #1 * 0.05] Y[#5062 - #2 * 0.05]
+  G38.2 X#1 Y#2 F60
+  G0 X0 Y0
+o<touch> endsub
+o<touch> call [20] [0]
+o<touch> call [-20] [0]
+o<touch> call [0] [20]
+"""
+
+
+def row(x: float, y: float = 0.0, z: float = 0.0) -> str:
+    return f"{x:.6f} {y:.6f} {z:.6f}" + " 0.0" * 6 + "\n"
+
+
+def read(folder: Path, program: str, log: str, *words: str) -> Run:
+    (folder / "p.ngc").write_text(program)
+    (folder / "p.txt").write_text(log)
+    return Run(
+        folder, "linuxcnc", str(folder / "p.txt"), "--program", str(folder / "p.ngc"), *words
+    )
+
+
+def told(run: Run) -> list[tuple[str, float, float]]:
+    """Axis, sense and feed of each touch."""
+    touches = run.campaign.touches
+    senses = np.nan_to_num(touches.sign)  # 0 where it is not known
+    columns = zip(touches.axis, senses, touches.feed_mm_min, strict=True)
+    return [("XYZ"[int(axis)], sign, round(feed, 6)) for axis, sign, feed in columns]
+
+
+def test_moves_from_where_the_probe_was_latched_are_followed_by_the_log(tmp_path: Path) -> None:
+    ways = [(1, 0), (-1, 0), (0, 1)]
+    log = "".join(row(x * c, y * c) for x, y in ways for c in (12.506, 12.5012))
+
+    run = read(tmp_path, BOTH_WORDS, log)
+
+    senses = [("X", 1), ("X", 1), ("X", -1), ("X", -1), ("Y", 1), ("Y", 1)]
+    feeds = [300, 60] * 3
+    assert told(run) == [(*sense, feed) for sense, feed in zip(senses, feeds, strict=True)]
+    assert run.campaign.touches.approach_mm[1] == pytest.approx(0.998)  # from 12.506 - 1
+    assert "look touched" not in run.text
+
+
+@pytest.mark.parametrize("words", ["Z-10", "X1 Y2 Z-10", "X[#<_x>] Y2 Z-10"])
+def test_start_that_is_not_known_leaves_the_direction_to_the_touch(
+    tmp_path: Path, words: str
+) -> None:
+    log = row(1, 2, -3.001) + row(1, 2, -3.002)
+
+    run = read(tmp_path, f"G38.2 {words} F50\nG0 Z[#<_above>]\n" * 2, log)
+
+    unknown = "_x" in words
+    assert told(run)[0][:2] == ("Z", 0 if unknown else -1)
+    assert ("does not tell the axis of 2 touches: axis Z, whose" in run.text) is unknown
+    assert ("direction that is not known: the axis measured had" in run.text) is unknown
+
+
+def test_end_of_a_move_that_missed_tells_no_direction(tmp_path: Path) -> None:
+    run = read(tmp_path, "G90\nG38.3 X5 F50\n", row(5.000001))
+
+    assert told(run)[0][:2] == ("X", 0)
+
+
+@pytest.mark.parametrize("before", ["", "G38.2 Z-10 F500\nG0 Z[#5063 + 1]\n"])
+@pytest.mark.parametrize("after", ["", "G38.2 Z-10 F700\n"])
+def test_moves_outside_of_probeopen_and_probeclose_are_not_logged(
+    tmp_path: Path, before: str, after: str
+) -> None:
+    logged = "(PROBEOPEN p.txt)\nG38.2 Z-10 F60\nG0 Z5\nG38.2 Z-10 F30\n(PROBECLOSE)\n"
+
+    run = read(tmp_path, "G90\nG0 Z5\n" + before + logged + after, row(0, 0, -3) + row(0, 0, -2.99))
+
+    assert told(run) == [("Z", -1, 60), ("Z", -1, 30)]
+
+
+def test_comment_that_is_commented_out_logs_nothing(tmp_path: Path) -> None:
+    run = read(tmp_path, ";(PROBEOPEN p.txt)\nG38.2 Z-1 F60\n", row(0, 0, -0.3))
+
+    assert told(run) == [("Z", -1, 60)]
+
+
+CALL = "(PROBEOPEN p.txt)\no<probe_z> call [10]\n"
+
+
+def test_subroutine_in_another_file_is_named(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "p.ngc").write_text(CALL)
+    (tmp_path / "p.txt").write_text(row(0, 0, -3))
+
+    said = refused(
+        *("import", "linuxcnc", tmp_path / "p.txt"),
+        *("--program", tmp_path / "p.ngc", "-o", tmp_path / "out"),
+    )
+
+    assert (
+        "between (PROBEOPEN …) and (PROBECLOSE), found none; the program calls o<probe_z>" in said
+    )
+    assert "give --axis and --feed instead" in said
+
+
+def test_subroutine_in_another_file_beside_moves_is_said(tmp_path: Path) -> None:
+    run = read(tmp_path, CALL * 2 + "G38.2 Z-9 F20\n", row(0, 0, -3))
+
+    assert told(run) == [("Z", -1, 20)]
+    assert "the program calls o<probe_z>, not in its own file: taken for without" in run.text
+
+
+@pytest.mark.parametrize("lines", [2, 3])
+def test_axis_of_a_diagonal_move_has_its_share_of_the_feed(tmp_path: Path, lines: int) -> None:
+    move = "G91\nG38.2 X-8 Y-6 F100\nG0 X2 Y1.5\n"
+
+    run = read(tmp_path, move * 2, "".join(row(5.8 + i / 1e3, 9.8) for i in range(lines)))
+
+    assert told(run) == [("X", -1, 80.0)] * lines
+    assert f"{lines} touches by moves of several axes: deviation and feed are those" in run.text
+
+
+def test_axis_of_a_diagonal_move_of_grbl_has_its_share_of_the_feed(tmp_path: Path) -> None:
+    touch = "G91 G38.2 X-8 Y-6 F100\n[PRB:5.80{},9.800,0.000:1]\nok\nG0 X2 Y1.5\nok\n"
+    (tmp_path / "s.log").write_text("".join(touch.format(i) for i in range(3)))
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert told(run) == [("X", -1, 80.0)] * 3
+    assert "3 touches by moves of several axes" in run.text
+
+
+def test_absolute_moves_of_grbl_with_a_word_that_stays_are_along_the_other_axis(
+    tmp_path: Path,
+) -> None:
+    touch = "G38.2 X20 Y0 F{}\n[PRB:-87.4{},-90.000,-5.000:1]\nok\nG0 X10\nok\n"
+    text = "G90\nok\nG0 X0 Y0\nok\n" + "".join(touch.format(f, i) for i, f in enumerate((300, 60)))
+    (tmp_path / "s.log").write_text(text)
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert told(run) == [("X", 1, 300), ("X", 1, 60)]
+    assert "no command before them" not in run.text
+
+
+def test_program_without_g20_is_in_inches_where_that_is_given(tmp_path: Path) -> None:
+    run = read(tmp_path, "G90\nG0 X0\nG38.2 X2 F4\n", row(1.5), "--inch")
+
+    assert told(run) == [("X", 1, 101.6)]
+    assert run.campaign.touches.approach_mm[0] == pytest.approx(38.1)
+
+
+def test_g29_of_old_marlin_is_read_in_lower_case(tmp_path: Path) -> None:
+    log = "G29 V4\nBed x: 40.00 y: 40.00 z: 8.41\nBed x: 190.00 y: 40.00 z: 9.05\n"
+    (tmp_path / "m.log").write_text(log)
+
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"), "--feed", "240")
+
+    assert run.coordinates() == [8.41, 9.05]
