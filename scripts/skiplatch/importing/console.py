@@ -1,16 +1,19 @@
 """Consoles of 3D printers: what those of Klipper and of Marlin have in common.
 
-Both touch the bed along Z from above, print temperatures as ``B:60.1 /60.0 T0:24.3 /0.0``, and know
-Z anew after homing.
+Both touch the bed along Z from above, print temperatures as ``B:60.1 /60.0 T0:24.3 /0.0``, and
+latch elsewhere once Z was homed anew, or the gantry or the bed was adjusted.
 """
 
 import re
+from collections.abc import Mapping
 
 from skiplatch.importing.log_lines import Line, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
 
 _TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?\d+\.?\d*)\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
+HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
+"""What begins a session, as the touches after it latch elsewhere than those before."""
 
 
 class Console:
@@ -20,16 +23,24 @@ class Console:
         self.touches: list[Touch] = []
         self.feed = feed
         self.temperatures: dict[str, float] = {}
-        self._session = 0
+        self._session = ""
+        self._sessions = 0
 
     def take_temperatures(self, text: str) -> None:
         """Remember the temperatures of a line, if there are some."""
         for name, value in _TEMPERATURE.findall(text):
             self.temperatures[_PLACES.get(name, name.lower())] = float(value)
 
-    def homed(self) -> None:
-        """Begin a session if something was touched before."""
-        self._session += bool(self.touches)
+    def take_moved(self, text: str, signs: Mapping[str, re.Pattern[str]]) -> str:
+        """Begin a session where a line tells that Z or the bed moved, and give by what.
+
+        Two of them with no touch in between begin one.
+        """
+        what = next((what for what, sign in signs.items() if sign.search(text)), "")
+        if what and self.touches and self.touches[-1].session == self._session:
+            self._sessions += 1
+            self._session = f"after {what} {self._sessions}"
+        return what
 
     def add(
         self,
@@ -55,7 +66,7 @@ class Console:
                 feed=feed,
                 start=start,
                 time_s=line.time_s if time_s is None else time_s,
-                session=f"after homing {self._session}" if self._session else "",
+                session=self._session,
                 temperatures=dict(self.temperatures),
                 is_false=is_false,
             )
@@ -80,6 +91,7 @@ class Console:
             touch.time_s = time_s
         found = Imported(preset=preset, touches=self.touches)
         self._say_failed(found)
+        self._say_adjusted(found)
         if all(time_s is None for time_s in times):
             found.assumed.append(NO_TIMES)
         return found
@@ -93,3 +105,14 @@ class Console:
             found.known.append(f"missed touches, as the probe did not trigger: {missed} {attempts}")
         if false:
             found.known.append(f"false triggers, before the axis moved: {false} {attempts}")
+
+    def _say_adjusted(self, found: Imported) -> None:
+        """Say which sessions begin where something moved, rather than was homed."""
+        sessions = {touch.session for touch in self.touches}
+        for what, why in (
+            (ADJUSTING, "an adjustment of Z, as it moves the gantry or the bed"),
+            (TURNING, "a list of how far to turn screws of the bed, as if they were turned"),
+        ):
+            times = sum(session.startswith(f"after {what}") for session in sessions)
+            if times:
+                found.assumed.append(f"sessions of their own after {why}: {times}")

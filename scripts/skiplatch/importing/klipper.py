@@ -1,10 +1,11 @@
 """Klipper: klippy.log, or a console with PROBE, PROBE_ACCURACY or another probing command."""
 
+import math
 import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import Console
+from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console
 from skiplatch.importing.log_lines import TYPED, Line, read_lines
 from skiplatch.importing.model import Imported
 from skiplatch.units import S_PER_MIN, UM_PER_MM
@@ -15,7 +16,7 @@ _PROBE = re.compile(
     re.IGNORECASE,
 )
 _ACCURACY = re.compile(
-    r"PROBE_ACCURACY at X:(-?\d+\.?\d*) Y:(-?\d+\.?\d*) Z:(-?\d+\.?\d*)\s*\((?P<options>[^)]*)\)"
+    r"PROBE_ACCURACY at X:(-?\d+\.?\d*) Y:(-?\d+\.?\d*) Z:(-?\d+\.?\d*)\s*\((?P<options>[^)]*)"
 )
 _MISSED = re.compile(r"No trigger on probe after full movement", re.IGNORECASE)
 _FALSE = re.compile(r"Probe triggered prior to movement", re.IGNORECASE)
@@ -26,9 +27,26 @@ _SECTION = re.compile(r"^\[([^\]]+)\]$")
 _NUMBER = re.compile(r"\d+\.?\d*", re.ASCII)
 _SIGNED = re.compile(rf"-?{_NUMBER.pattern}", re.ASCII)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
-_SPEED_WORD = re.compile(rf"\bPROBE(?:_ACCURACY)?\b.*?\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE)
-_HOMED = re.compile(r"^(?:G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE)
+_RESULTS = re.compile(r"^probe accuracy results", re.IGNORECASE)
+_PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE)
+_COMMAND = re.compile(
+    r"^(?:N\d+\s*)?(?:G\d+\b.*|(?:PROBE|[A-Z]\w*_\w+)(?:\s+\w+=\S+)*\s*(?:[;#*].*)?)$",
+    re.IGNORECASE,
+)
+_MOVED = {
+    HOMING: re.compile(
+        r"^(?:(?:N\d+\s*)?G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE
+    ),
+    ADJUSTING: re.compile(
+        r"Making the following (?:Z|Z tilt|gantry) adjustments|Probed points range", re.IGNORECASE
+    ),
+    TURNING: re.compile(r"\(base\)\s*:|Then run ACCEPT, ADJUSTED", re.IGNORECASE),
+}
+"""What begins a session: a homing or restart; what QUAD_GANTRY_LEVEL and Z_TILT_ADJUST print as
+they move Z; what SCREWS_TILT_CALCULATE and BED_SCREWS_ADJUST print before somebody turns screws."""
+_RULER = re.compile(r"^={5,}(?:( Config file )=*)?$")
 _PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}
+_HALF_DIGIT_MM_S = 0.0501  # of the speed that PROBE_ACCURACY prints
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
 
 
@@ -61,6 +79,7 @@ class _Reader(Console):
         self._last_z: float | None = None
         self._stats_s: float | None = None
         self._section = ""
+        self._is_config = False
         self._config: dict[tuple[str, str], str] = {}
         self._command_speed: float | None = None
         self._last_place: tuple[float, float] | None = None
@@ -75,9 +94,7 @@ class _Reader(Console):
         if match := _PROBE.search(text):
             self._touch(match, line)
         elif match := _ACCURACY.search(text):
-            self._options = {k: float(v) for k, v in _OPTION.findall(match["options"])}
-            self._start_z = float(match[3])
-            self._tested_place = (float(match[1]), float(match[2]))
+            self._test_begins(match)
         elif _MISSED.search(text) or _FALSE.search(text):
             self._failed(line)
         elif match := _STATS.match(text):
@@ -85,23 +102,48 @@ class _Reader(Console):
             self.temperatures |= {
                 name.strip(): float(value) for name, value in _TEMPERATURE.findall(text)
             }
-        elif _HOMED.match(text):
-            self.homed()
-            self._options, self._start_z = {}, None
-        elif match := _SPEED_WORD.search(text):
-            self._command_speed = float(match[1])
-        elif match := _SECTION.match(text):
+        elif match := _RULER.match(text):
+            self._is_config = match[1] is not None
+        else:
+            self._configured(text)
+            if not self._is_config:  # whose macros hold commands that nobody gave
+                self._happened(text)
+
+    def _configured(self, text: str) -> None:
+        if match := _SECTION.match(text):
             self._section = match[1].strip()
         elif match := _ENTRY.match(text):
             self._config[self._section, match[1]] = match[2].strip()
+
+    def _happened(self, text: str) -> None:
+        """Take a command, or what one prints beside touches."""
+        is_homed = self.take_moved(text, _MOVED) == HOMING
+        speed = _PROBE_SPEED.search(text)
+        if speed or is_homed or _COMMAND.match(text) or _RESULTS.match(text):
+            self._command_ends()
+            self._command_speed = float(speed[1]) if speed else None
+
+    def _command_ends(self) -> None:
+        """Forget what was said of a command, as the next one goes by its own words."""
+        self._options, self._command_speed = {}, None
+        self._start_z = self._tested_place = None
+
+    def _test_begins(self, match: re.Match[str]) -> None:
+        """Take what PROBE_ACCURACY says that it will do; its speed has one decimal only."""
+        self._options = {k: float(v) for k, v in _OPTION.findall(match["options"])}
+        typed = self._command_speed
+        if typed and abs(self._options.get("speed", math.inf) - typed) <= _HALF_DIGIT_MM_S:
+            self._options["speed"] = typed
+        self._start_z = float(match[3])
+        self._tested_place = (float(match[1]), float(match[2]))
 
     def _touch(self, match: re.Match[str], line: Line) -> None:
         x, y, z = (float(match[group]) for group in (1, 2, 4))
         if match[3] is not None:
             self._distance(float(match[3]) - z, (x, y), line)
             return
-        if self._last_place != (x, y):
-            self._forget_options_of_elsewhere()
+        if self._options and self._start_z is None and self._last_place != (x, y):
+            self._command_ends()  # a PROBE_ACCURACY stays at its place
         self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
         self._start_z, self._last_z, self._last_place = None, z, (x, y)
         self._tested_place = None
@@ -116,7 +158,8 @@ class _Reader(Console):
             time_s=self._stats_s,
             is_false=bool(_FALSE.search(line.text)),
         )
-        self._start_z = self._last_z = self._tested_place = None
+        self._command_ends()
+        self._last_z = None
 
     def _distance(self, z: float, place: tuple[float, float], line: Line) -> None:
         """Take what a probe reads that stands still: the bed lies so far below where it stands."""
@@ -128,11 +171,6 @@ class _Reader(Console):
         if self._start_z is None and self._last_z is not None and "retract" in self._options:
             return self._last_z + self._options["retract"]
         return self._start_z
-
-    def _forget_options_of_elsewhere(self) -> None:
-        """A PROBE_ACCURACY before counts only as long as the place stays the same."""
-        if self._start_z is None:
-            self._options = {}
 
     def _speed(self) -> float | None:
         """Give the feed in mm/min and remember where it is from."""

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import Console
+from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console
 from skiplatch.importing.log_lines import TYPED, Line, read_lines
 from skiplatch.importing.model import Imported
 from skiplatch.units import UM_PER_MM
@@ -21,7 +21,11 @@ _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({TYPED})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({TYPED})")
-_HOMED = re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE)
+_MOVED = {
+    HOMING: re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE),
+    ADJUSTING: re.compile(r"^G34\b", re.IGNORECASE),
+    TURNING: re.compile(r"^G35\b", re.IGNORECASE),
+}
 
 
 def read_marlin(path: Path, feed: float | None) -> Imported:
@@ -65,10 +69,7 @@ class _Reader(Console):
             self._place, self._in_test = (float(match[1]), float(match[2])), False
         elif match := _BED.search(text):
             self._bed(match, line)
-        elif _HOMED.match(text):
-            self.homed()
-            self._in_test = False
-        elif _TEST_ENDS.match(text):
+        elif self.take_moved(text, _MOVED) or _TEST_ENDS.match(text):
             self._in_test = False
         elif _FAILED.search(text):
             self.add(None, self._place, line, feed=self.feed)

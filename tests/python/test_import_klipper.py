@@ -1,0 +1,177 @@
+"""``skiplatch import klipper``: which command a touch belongs to, and what moves Z between touches.
+
+The wording is that of Klipper's probe.py, z_tilt.py, quad_gantry_level.py, screws_tilt_adjust.py
+and bed_screws.py, from 2018 on.
+"""
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+
+from skiplatch.cli import group
+from test_import_logs import Run
+
+TEST = (
+    "PROBE_ACCURACY at X:10.000 Y:10.000 Z:5.000 "
+    "(samples=2 retract=2.000 speed={} lift_speed=10.0)\n"
+)
+TOUCH = "probe at 10.000,10.000 is z={}\n"
+TOUCHES = TOUCH.format(1.0) + TOUCH.format(1.0025)
+RESULTS = "probe accuracy results: maximum 1.002500, minimum 1.000000\n"
+CONFIG = """===== Config file =====
+[probe]
+speed = 8.0
+[gcode_macro SLOWLY]
+gcode =
+	G28
+	PROBE PROBE_SPEED=1
+=======================
+"""
+
+
+def imported(folder: Path, text: str) -> Run:
+    (folder / "k.log").write_text(text)
+    return Run(folder, "klipper", str(folder / "k.log"))
+
+
+def feeds(run: Run) -> list[float]:
+    return [float(feed) for feed in run.campaign.touches.feed_mm_min]
+
+
+def sessions(run: Run) -> list[str]:
+    """The session of each touch, without where it was."""
+    touches = run.campaign.touches
+    return [touches.session_names[i].split(" Z-")[0] for i in touches.session]
+
+
+@pytest.mark.parametrize(
+    "command", ["PROBE", "$ probe samples=2", "Send: N7 G29*33", "BED_MESH_CALIBRATE METHOD=x ; m"]
+)
+def test_speed_of_a_command_does_not_stick_to_the_next(tmp_path: Path, command: str) -> None:
+    run = imported(
+        tmp_path,
+        f"PROBE_ACCURACY PROBE_SPEED=10\n{TEST.format('10.0')}{TOUCHES}{command}\n{TOUCHES}"
+        f"PROBE PROBE_SPEED=2\n{TOUCHES}{command}\n{TOUCHES}",
+    )
+
+    assert feeds(run) == [600.0] * 2 + [300.0] * 2 + [120.0] * 2 + [300.0] * 2
+    assert "feeds from PROBE_ACCURACY and PROBE_SPEED" in run.said["known"]
+    assert any(line.startswith("4 touches at Klipper's default") for line in run.said["assumed"])
+
+
+def test_speed_of_probe_accuracy_ends_with_its_results(tmp_path: Path) -> None:
+    run = imported(tmp_path, TEST.format("2.0") + TOUCHES + RESULTS + TOUCHES)
+
+    assert feeds(run) == [120.0] * 2 + [300.0] * 2
+    assert run.campaign.touches.approach_mm.tolist()[:2] == pytest.approx([4.0, 2.0], abs=0.01)
+
+
+def test_speed_holds_through_what_a_command_prints(tmp_path: Path) -> None:
+    printed = "Attaching Probe\nstepper_z = -0.1\nprobe: TRIGGERED\nok B:60.1 /60.0\n"
+    run = imported(
+        tmp_path,
+        f"QUAD_GANTRY_LEVEL PROBE_SPEED=2\n{TOUCHES}Making the following Z adjustments:\n{printed}"
+        f"Retries: 0/5 Probed points range: 0.390000 tolerance: 0.007500\n{TOUCHES}",
+    )
+
+    assert feeds(run) == [120.0] * 4
+
+
+def test_attempt_that_fails_ends_its_command(tmp_path: Path) -> None:
+    missed = "!! No trigger on probe after full movement\n"
+    test = f"{TEST.format('10.0')}{TOUCHES}"
+    run = imported(tmp_path, f"{test}{RESULTS}PROBE\n{missed}{test}{missed}{TOUCHES}")
+
+    assert feeds(run) == [600.0, 600.0, 300.0, 600.0, 600.0, 600.0, 300.0, 300.0]
+    assert (
+        run.campaign.touches.missed.tolist()
+        == [False] * 2 + [True, False, False, True] + [False] * 2
+    )
+
+
+def test_commands_in_macros_of_the_configuration_are_not_given(tmp_path: Path) -> None:
+    run = imported(tmp_path, f"{TOUCHES}{CONFIG}{TOUCHES}")
+
+    assert feeds(run)[2:] == [480.0] * 2
+    assert len(set(sessions(run))) == 1
+
+
+def test_speed_that_is_printed_with_one_decimal_is_taken_as_typed(tmp_path: Path) -> None:
+    typed = f"PROBE_ACCURACY PROBE_SPEED=.25\n{TEST.format('0.2')}{TOUCHES}"
+    run = imported(tmp_path, f"{typed}{RESULTS}{TEST.format('10.0')}{TOUCHES}")
+
+    assert feeds(run) == [15.0] * 2 + [600.0] * 2
+
+
+def test_speed_of_2019_is_read_without_a_closing_bracket(tmp_path: Path) -> None:
+    old = TEST.format("2.0").replace(" lift_speed=10.0)", "")
+    assert feeds(imported(tmp_path, old + TOUCHES)) == [120.0] * 2
+
+
+ADJUSTED = [
+    "Making the following Z adjustments:\nz = -0.2\nRetries: 0/5 Probed points range: 0.4\n",
+    "// Making the following Z tilt adjustments:\n// stepper_z = -0.2\n",
+    "Making the following gantry adjustments:\nz = -0.2\n",
+    "Recv: // Retries: 1/5 Probed points range: 0.390000 tolerance: 0.007500\n",
+]
+TURNED = [
+    "front left screw (base) : x=-5.0, y=30.0, z=2.48750\nrear : x=1, y=2, z=2.4 : adjust CW 0:15",
+    "front left (Base): X -5.0, Y 30.0, Z 2.48750\nrear : X 1.0, Y 2.0, Z 2.4 : Adjust -> CW 01:15",
+    "Adjust front left. Then run ACCEPT, ADJUSTED, or ABORT",
+]
+
+
+@pytest.mark.parametrize("printed", ADJUSTED)
+def test_adjustment_of_z_begins_a_session(tmp_path: Path, printed: str) -> None:
+    run = imported(tmp_path, TOUCHES + printed + TOUCHES + printed + TOUCHES + printed)
+
+    assert sessions(run)[2:] == ["after adjusting Z 1"] * 2 + ["after adjusting Z 2"] * 2
+    assert len(run.campaign.touches.session_names) == 3
+    assert any(
+        "after an adjustment of Z" in line and line.endswith(": 2") for line in run.said["assumed"]
+    )
+
+
+@pytest.mark.parametrize("printed", TURNED)
+def test_screws_that_were_to_be_turned_begin_a_session(tmp_path: Path, printed: str) -> None:
+    run = imported(tmp_path, f"{TOUCHES}{printed}\n{TOUCHES}")
+
+    assert sessions(run)[2:] == ["after turning screws 1"] * 2
+    assert any("how far to turn screws" in line for line in run.said["assumed"])
+
+
+def test_homing_after_an_adjustment_begins_no_session_more(tmp_path: Path) -> None:
+    run = imported(tmp_path, f"G28\n{TOUCHES}{ADJUSTED[0]}G28 Z\n{TOUCHES}G28\n{TOUCHES}")
+
+    assert sessions(run)[2:] == ["after adjusting Z 1"] * 2 + ["after homing 2"] * 2
+
+
+@pytest.mark.parametrize(
+    ("command", "session"), [("G34", "adjusting Z"), ("G35", "turning screws")]
+)
+def test_adjustments_of_marlin_begin_sessions(tmp_path: Path, command: str, session: str) -> None:
+    (tmp_path / "m.log").write_text(
+        "Bed X: 5.00 Y: 5.00 Z: 0.11\n" * 2
+        + f">>> {command}\n"
+        + "Bed X: 5.00 Y: 5.00 Z: 0.31\n" * 2
+    )
+
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"), "--feed", "120")
+
+    assert sessions(run)[2:] == [f"after {session} 1"] * 2
+
+
+def test_passes_of_levelling_are_no_scatter(tmp_path: Path) -> None:
+    """Touches of a levelling that goes on stand 60 µm from where the gantry was left."""
+    (tmp_path / "k.log").write_text(
+        "".join(TOUCH.format(z) + ADJUSTED[0] for z in (1.3, 1.06))
+        + TEST.format("5.0")
+        + "".join(TOUCH.format(1.0 + i) for i in (0.0, 0.0025, 0.005, 0.0, 0.0025))
+    )
+
+    result = CliRunner().invoke(group, ["repeat", str(tmp_path / "k.log")], catch_exceptions=False)
+
+    assert "5 touches of one surface" in result.output
+    assert "widest range, µm        5" in result.output
+    assert "after an adjustment of Z" in result.output
