@@ -189,7 +189,7 @@ def test_candump_is_read_as_people_write_it_down(tmp_path: Path, name: str) -> N
 
     touches = Run(tmp_path, "can", str(tmp_path / name)).campaign.touches
 
-    assert (touches.latch_us - touches.edge_us).tolist() == pytest.approx([64.5], abs=0.6)
+    assert (touches.latch_us - touches.edge_us).tolist() == pytest.approx([65.0])
 
 
 def test_candump_goes_straight_to_repeat(tmp_path: Path) -> None:

@@ -58,7 +58,8 @@ class Edge:
     """A leading edge that the injector drove.
 
     Attributes:
-        time_ns: CLOCK_MONOTONIC of the injector just before it drove the line.
+        time_ns: CLOCK_MONOTONIC of the injector just before it drove the line; stands for the edge
+            in every campaign, see docs/INJECTION.md.
         window_ns: The edge came within this time after `time_ns`.
         number: Counts edges, modulo 2¹⁶.
         level: The level that was driven.

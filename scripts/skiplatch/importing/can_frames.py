@@ -10,6 +10,7 @@ from pathlib import Path
 import can
 import numpy as np
 
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import InputPath, Kind, Touches
@@ -112,39 +113,51 @@ def _extended(latches: list[Latch], edges: list[Edge]) -> list[int]:
 
 
 def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
-    edge_ns = np.array([edge.time_ns + edge.window_ns / 2.0 for edge in traffic.edges])
+    edge_ns = np.array([edge.time_ns for edge in traffic.edges], dtype=float)
+    windows_ns = np.array([edge.window_ns for edge in traffic.edges], dtype=float)
     latch_ns = np.array(traffic.latch_ns, dtype=float)
     order = np.argsort(latch_ns, kind="stable")
-    index = np.searchsorted(latch_ns[order], edge_ns - max(e.window_ns for e in traffic.edges))
-    following = np.append(edge_ns[1:], np.inf)
-    padded = np.append(latch_ns[order], np.inf)
-    latched = padded[index]
-    missed = (latched >= following) | (latched - edge_ns > LATEST_NS)
+    # A scan that stamps its time and then reads the line latches a little before the edge.
+    begins = edge_ns - windows_ns.max()
+    index = np.searchsorted(latch_ns[order], begins)
+    latched = np.append(latch_ns[order], np.inf)[index]
+    missed = (latched >= np.append(begins[1:], np.inf)) | (latched - edge_ns > LATEST_NS)
     row = order[np.minimum(index, len(order) - 1)]
-    paths = np.array([_path(traffic.latches[i]) for i in row])
     zero = float(edge_ns[0])
+    _say_clocks(found, missed, len(latch_ns))
+    _say_windows(found, windows_ns / NS_PER_US)
+    return Touches.from_columns(
+        touch=np.arange(len(edge_ns)),
+        path=np.array([_path(traffic.latches[i]) for i in row]),
+        edge_us=(edge_ns - zero) / NS_PER_US,
+        latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
+        status=np.where(missed, 1, 0),
+    )
+
+
+def _say_clocks(found: Imported, missed: BoolArray, latches: int) -> None:
     if missed.any():
         found.known.append(f"edges without a latch: {int(missed.sum())}")
     if missed.mean() > MOST_MISSED:
         found.assumed.append(
             f"the ticks of the latch records are {TICK_NS} ns of the clock that stamps the edges, "
-            f"as of the Linux port: few of {len(latch_ns)} latches follow an edge, so it may be "
+            f"as of the Linux port: few of {latches} latches follow an edge, so it may be "
             "another clock or tick"
         )
-    windows = np.array([edge.window_ns for edge in traffic.edges]) / NS_PER_US
+    found.known.append("edges and latches, both by CLOCK_MONOTONIC of the rig")
+
+
+def _say_windows(found: Imported, windows_us: FloatArray) -> None:
+    middle_us = float(np.median(windows_us))
+    found.assumed.append(
+        "the beginning of its window stands for an edge, as for bench run: it came up to "
+        f"{middle_us:.4g} µs later"
+    )
     found.figure(
         "bench",
         "reference_jitter_us",
-        float(np.median(windows) / np.sqrt(12.0)),
+        middle_us / np.sqrt(12.0),
         "width of the window that edge reports give, over √12",
-    )
-    found.known.append("edges and latches, both by CLOCK_MONOTONIC of the rig")
-    return Touches.from_columns(
-        touch=np.arange(len(edge_ns)),
-        path=paths,
-        edge_us=(edge_ns - zero) / NS_PER_US,
-        latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
-        status=np.where(missed, 1, 0),
     )
 
 

@@ -1,0 +1,64 @@
+"""``skiplatch import can``: the campaign of a log is that of the bench that was heard live."""
+
+from pathlib import Path
+
+import pytest
+
+from bench_rig import c_frames
+from skiplatch.bench.latches import Latch
+from skiplatch.bench.listener import Arrival
+from skiplatch.bench.plan import read_plan
+from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge
+from skiplatch.bench.recording import Played, VirtualAxis, as_touches
+from skiplatch.campaign import InputPath
+from test_bench_plan import PLANS
+from test_import_logs import Run
+
+WINDOW_BITS = 13
+FEED_MM_MIN = 300.0
+
+
+def bus_log(folder: Path, edges_ns: list[int], latches_ns: list[int]) -> str:
+    """Write what candump -L does of edges that came within 2^13 ns, and of latches."""
+    edges = [f"edge {time} {i} {WINDOW_BITS} 1 {2 * i}" for i, time in enumerate(edges_ns)]
+    latches = [f"latch {time // 100} 0 {i} 0 8" for i, time in enumerate(latches_ns)]
+    frames = [(EDGE_ID, frame) for line in edges for frame in c_frames(line)]
+    frames += [(LATCH_ID, frame) for line in latches for frame in c_frames(line)]
+    lines = [f"(1.000000) can0 {number:03X}#{frame.hex().upper()}" for number, frame in frames]
+    (folder / "bus.log").write_text("\n".join(lines) + "\n")
+    return str(folder / "bus.log")
+
+
+def test_a_log_gives_the_edges_and_latches_of_bench_run(tmp_path: Path) -> None:
+    edges_ns = [5_000_000_000, 5_500_000_000, 6_000_000_000]
+    latches_ns = [5_000_040_000, 5_500_040_700, 6_000_041_300]
+    plan = read_plan(PLANS / "nominal.toml")
+    played = [
+        Played(
+            InputPath.SKIP,
+            FEED_MM_MIN,
+            edge_ns,
+            Edge(edge_ns, 1 << WINDOW_BITS, i, 1),
+            Arrival(Latch(latch_ns // 100, 0, i, 0), latch_ns, latch_ns + 100_000),
+        )
+        for i, (edge_ns, latch_ns) in enumerate(zip(edges_ns, latches_ns, strict=True))
+    ]
+
+    run = Run(tmp_path, "can", bus_log(tmp_path, edges_ns, latches_ns))
+
+    heard = as_touches(plan, plan.nominal, VirtualAxis(FEED_MM_MIN, 1.0), played)
+    read = run.campaign.touches
+    assert read.latch_us - read.edge_us == pytest.approx(heard.latch_us - heard.edge_us)
+    assert read.edge_us == pytest.approx(heard.edge_us - heard.edge_us[0])
+    said = "the beginning of its window stands for an edge, as for bench run: it came up to"
+    assert f"{said} 8.192 µs later" in run.said["assumed"]
+
+
+def test_a_latch_just_before_an_edge_is_of_that_edge_alone(tmp_path: Path) -> None:
+    edges_ns = [5_000_000_000, 5_100_000_000]
+
+    run = Run(tmp_path, "can", bus_log(tmp_path, edges_ns, [5_099_999_000]))
+
+    touches = run.campaign.touches
+    assert touches.missed.tolist() == [True, False]
+    assert touches.latch_us[1] - touches.edge_us[1] == pytest.approx(-1.0)
