@@ -334,9 +334,11 @@ def test_samples_of_sigrok_as_csv_have_their_rate(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("Time [s],a,b\n0,0,0\nlater,1,0\n", "expected times"),
-        ("Time [s],a,b\n0,0,0\n1,2,0\n", "expected levels 0 and 1"),
-        ("Time [s],a,b\n0,0\n", "expected"),
+        ("Time [s],a,b\n0,0,0\nlater,1,0\n", "x.csv:3: expected a time, got"),
+        ("Time [s],a,b\n0,0,0\n1,2,0\n", "x.csv:3: expected levels 0 and 1, got"),
+        ("Time [s],a,b\n0,0\n", "x.csv:2: expected levels of 2 channels, got 1"),
+        ("Time [ticks],a,b\n0,0,0\n", "x.csv:1: expected a unit of time such as [s] or [us]"),
+        ("\nmicroseconds,logic,logic\n0,0,0\n", 'x.csv:2: two channels are named "logic"'),
         ("Time [s]\n0\n", "expected"),
         ("; Samplerate: 0 Hz\na,b\n0,0\n1,0\n", "sample rate"),
         ("2024-01-01T00:00:00,0,0\n", "expected a header"),
@@ -454,8 +456,8 @@ def test_vcd_with_a_time_beyond_any_clock_is_refused(tmp_path: Path, refused: Pr
 @pytest.mark.parametrize(
     ("name", "function"),
     [
-        ("capture.vcd", "captures._changes"),
-        ("saleae.csv", "captures._times"),
+        ("capture.vcd", "captures.only_changes"),
+        ("saleae.csv", "capture_csv._times"),
         ("bus.log", "can_frames._extended"),
     ],
 )

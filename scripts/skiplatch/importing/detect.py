@@ -32,7 +32,9 @@ KINDS: Mapping[str, tuple[re.Pattern[str], Callable[[Path], Imported]]] = {
 }
 
 
-_CAPTURE = re.compile(r"^(?:Time ?\[s\][,;]|;.*(?:libsigrok|Samplerate))", re.MULTILINE)
+_CAPTURE = re.compile(
+    r"^(?:Time ?[\[(][mµun]?s[\])][,;]|;.*(?:libsigrok|Samplerate))", re.MULTILINE
+)
 _LOOKED_AT = 2000  # characters
 HOLDOFF_S = 1e-3
 

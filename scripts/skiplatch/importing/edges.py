@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import InputPath, Kind, Status, Touches
 from skiplatch.errors import InputError, hint, quoted
-from skiplatch.importing.captures import Capture
+from skiplatch.importing.analyser import Capture
 from skiplatch.importing.model import Imported
 from skiplatch.units import US_PER_S
 
@@ -154,6 +154,7 @@ def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed:
         found.figure("skip", "tick_us", step_us, "distance of two samples of the capture")
         noise_us = step_us / np.sqrt(12.0)
         found.figure("bench", "reference_jitter_us", noise_us, "a sample's width over √12")
+    found.assumed += capture.assumed
     found.assumed.append("the latch output changes at the latch itself, not some time later")
     if InputPath.PLC not in names.latches:
         found.assumed.append(

@@ -7,7 +7,8 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.files import foreign_reader
-from skiplatch.importing.captures import MOST_BYTES, Capture
+from skiplatch.importing.analyser import Capture
+from skiplatch.importing.captures import MOST_BYTES
 
 
 def read_mdf(path: Path) -> Capture:

@@ -20,6 +20,15 @@ BRACKETS = re.compile(r"^(?P<name>.*?)\s*(?:\[(?P<unit>[^\]]*)\]|\((?P<aside>[^)
 _GREEK_MU = "\u03bc"  # looks like the µ of UNITS
 
 
+def bracketed(head: str) -> tuple[str, str]:
+    """Take what stands in brackets off the end of a head; nothing where none do."""
+    ending = BRACKETS.match(head)
+    if ending is None:
+        return head, ""
+    unit = (ending["unit"] or ending["aside"] or "").strip()
+    return ending["name"], unit.replace(_GREEK_MU, "µ")
+
+
 def split_unit(head: str, unit: str) -> tuple[str, str]:
     """Take the unit off a head, in brackets or behind a blank or an underscore.
 
@@ -31,10 +40,10 @@ def split_unit(head: str, unit: str) -> tuple[str, str]:
         The name and the unit as `UNITS` has it; the head and nothing where it names none of them.
     """
     head = head.replace(_GREEK_MU, "µ")
-    if ending := BRACKETS.match(head):
-        found = (ending["unit"] or ending["aside"] or "").strip()
+    name, found = bracketed(head)
+    if found:
         named = [known for known in UNITS.get(unit, {}) if _same(found, known)]
-        return (ending["name"], named[0]) if named else (head, "")
+        return (name, named[0]) if named else (head, "")
     for known in sorted(UNITS.get(unit, {}), key=len, reverse=True):
         before = head[: -len(known)]
         if before.strip(" _") and before[-1] in " _" and _same(head[len(before) :], known):
