@@ -109,7 +109,7 @@ COLUMNS: Mapping[str, Column] = {
         unit="mm/min",
         constraint=FEED,
         decimals=6,
-        meaning="programmed measuring feed; of a rotary axis deg/min",
+        meaning="programmed measuring feed of the axis; of a rotary axis deg/min",
         example="100",
         lost="a delay from a length",
     ),
