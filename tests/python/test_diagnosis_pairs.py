@@ -155,10 +155,10 @@ def test_an_acceleration_that_only_short_and_fast_approaches_miss_is_found() -> 
 
 def test_what_slack_hides_on_an_emulated_board_goes_to_two_effects_that_need_none() -> None:
     # Another interrupt holds up edge and scans: a clock of any form would take all of it for slack.
-    # Some scans are late by up to its length, which is a jitter with scans on time, or an overrun.
+    # Some scans are late by up to its length: a jitter beside scans on time.
     named = groups(found(read_campaign(BOARD)))
 
-    assert any(group & {"scan_jitter", "scan_overrun"} for group in named)
+    assert any("scan_jitter" in group for group in named)
     assert any("isr_blocking" in group for group in named)
 
 

@@ -25,8 +25,7 @@ LARGEST_SERIAL = 2**53 - 1  # what a float64, and so every spreadsheet, holds ex
 # these characters it takes decimal numbers only.
 _FOREIGN_TO_NUMBERS = re.compile(r"[^0-9eE+.-]")
 _FOREIGN_TO_SERIALS = re.compile(r"[^0-9]")
-SAY_NOTHING = {"nan", "na", "n/a", "null", "none"}
-"""What stands for an empty cell, in small letters."""
+_SAY_NOTHING = {"nan", "na", "n/a", "null", "none"}
 
 
 class CellError(Exception):
@@ -121,7 +120,7 @@ class Column(ABC):
 
     def _tidied(self, cell: str) -> str:
         """Give a cell without what people and spreadsheets put about it."""
-        return _tidy(cell)
+        return tidy(cell)
 
     def _checked(self, cells: Sequence[str], required: bool) -> Values | None:  # noqa: FBT001
         try:
@@ -237,7 +236,7 @@ class ChoiceColumn(Column):
         return np.array([code_of[cell] for cell in cells], dtype=np.int8)
 
     def _tidied(self, cell: str) -> str:
-        cell = _tidy(cell)
+        cell = tidy(cell)
         return next((text for text in self.codes if text.lower() == cell.lower()), cell)
 
     def _fit(self, values: Values) -> BoolArray:
@@ -271,9 +270,10 @@ class LabelColumn(Column):
         return np.array(fit, dtype=bool)
 
 
-def _tidy(cell: str) -> str:
+def tidy(cell: str) -> str:
+    """Give what stands in a cell; nothing where that stands for an empty one, as "n/a" does."""
     cell = cell.strip()
-    return "" if cell.lower() in SAY_NOTHING else cell
+    return "" if cell.lower() in _SAY_NOTHING else cell
 
 
 def _quoted_cell(text: str) -> str:

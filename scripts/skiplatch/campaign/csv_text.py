@@ -25,7 +25,7 @@ _UNDECODABLE = re.compile("[\udc80-\udcff]")
 Row = tuple[int, list[str]]
 
 
-def with_points(rows: Iterable[Row]) -> Iterator[Row]:
+def _with_points(rows: Iterable[Row]) -> Iterator[Row]:
     """Turn each decimal comma into a point, and 1.000,5 into 1000.5."""
     return ((line, [_with_point(cell) for cell in row]) for line, row in rows)
 
@@ -35,7 +35,7 @@ def read_rows(
     encoding: str = UTF8,
     *,
     after: int = 0,
-    in_points: Callable[[Iterable[Row]], Iterable[Row]] = with_points,
+    in_points: Callable[[Iterable[Row]], Iterable[Row]] = _with_points,
 ) -> Iterator[Row]:
     """Yield the line number and the cells of each row that is not blank.
 

@@ -54,6 +54,7 @@ def hertz(path: Path, match: re.Match[str]) -> float:
     except ValueError:
         found = 0.0
     if not 0.0 < found <= MOST_HZ:
-        message = f"expected a sample rate above 0 and up to 1000 GHz, got {match[0]}"
+        most = f"{MOST_HZ / 1e9:g} GHz"
+        message = f"expected a sample rate above 0 and up to {most}, got {match[0]}"
         raise InputError(path, None, None, message)
     return found

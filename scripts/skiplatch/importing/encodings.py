@@ -43,14 +43,18 @@ def refuse_no_text(path: Path, data: bytes) -> None:
     Raises:
         InputError: It is a workbook, compressed, or UTF-16; says what to do.
     """
-    is_named = path.suffix.lower() in _WORKBOOKS or any(name in data for name in _IN_WORKBOOKS)
-    if (is_named and data.startswith(_ZIP)) or data.startswith(_OLD_WORKBOOK):
+    if data.startswith(_OLD_WORKBOOK) or (data.startswith(_ZIP) and _is_workbook(path, data)):
         raise InputError(path, None, None, "a workbook of a spreadsheet: export the sheet as CSV")
     if data.startswith(_COMPRESSED):
         raise InputError(path, None, None, "a compressed file: unpack it first")
     if _looks_like_unmarked_utf16(data):
         message = "UTF-16 without a byte order mark: save it as UTF-8, or as UTF-16 with the mark"
         raise InputError(path, None, None, message)
+
+
+def _is_workbook(path: Path, data: bytes) -> bool:
+    """Tell whether a zip holds a workbook."""
+    return path.suffix.lower() in _WORKBOOKS or any(name in data for name in _IN_WORKBOOKS)
 
 
 def _looks_like_unmarked_utf16(data: bytes) -> bool:

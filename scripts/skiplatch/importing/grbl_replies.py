@@ -54,12 +54,12 @@ class Unit:
     def __init__(self, *, inch: bool) -> None:
         self.is_inch = inch
         self._is_given = inch
-        self._told: bool | None = inch or None
+        self._is_told = inch
         self._taken: set[bool] = set()  # by the decimals
 
     def tell(self, *, inch: bool) -> None:
         """Take what $13 says."""
-        self._told = self.is_inch = inch
+        self._is_told, self.is_inch = True, inch
 
     @property
     def mm(self) -> float:
@@ -68,7 +68,7 @@ class Unit:
 
     def position(self, reply: Reply) -> tuple[float, ...]:
         """Give the coordinates of a reply in mm, those of rotary axes in degrees."""
-        if self._told is None:
+        if not self._is_told:
             self.is_inch = reply.decimals == _DECIMALS_INCH
             self._taken.add(self.is_inch)
         linear = (number * self.mm for number in reply.numbers[:_LINEAR_AXES])

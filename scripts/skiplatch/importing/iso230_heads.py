@@ -6,7 +6,7 @@ from pathlib import Path
 
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.spreadsheets import WORKED_OUT
-from skiplatch.importing.units_in_heads import BRACKETS, UNITS, split_unit
+from skiplatch.importing.units_in_heads import UNITS, bracketed, split_unit
 
 _NEGATIVE = re.compile(
     r"↓|←|(?<![^\W\d_])(?:down|rev|neg|back|minus|r(?:ü|ue)ck|zur(?:ü|ue)ck)", re.IGNORECASE
@@ -34,7 +34,7 @@ def no_runs(heads: Sequence[str]) -> set[int]:
 
     Letters are symbols of results only where the runs are not told apart by letters.
     """
-    names = [_without_unit(head) for head in heads]
+    names = [bracketed(head.strip())[0] for head in heads]
     worked_out = {i for i, name in enumerate(names) if i and WORKED_OUT.search(name)}
     symbols = {i for i, name in enumerate(names) if i and _SYMBOL.fullmatch(name)} - worked_out
     runs = set(range(1, len(heads))) - worked_out - symbols
@@ -50,22 +50,16 @@ def says_mm(path: Path, line: int, heads: Sequence[str]) -> bool | None:
     Raises:
         InputError: One of the columns is in another unit than can be.
     """
-    for number, head in enumerate(heads):
-        ending = BRACKETS.match(head.strip())
-        unit = (ending["unit"] or ending["aside"] or "").strip() if ending else ""
-        unit = unit or split_unit(head.strip(), "mm/min")[1]
-        lengths = {"mm"} if number == 0 else {"mm", "µm", "um"}
-        if unit in _OTHER_UNITS or (split_unit(head.strip(), "mm")[1] or "mm") not in lengths:
+    heads = [head.strip() for head in heads]
+    lengths = [split_unit(head, "mm")[1] for head in heads]
+    for number, (head, length) in enumerate(zip(heads, lengths, strict=True)):
+        unit = bracketed(head)[1] or split_unit(head, "mm/min")[1]
+        allowed = {"", "mm", "µm", "um"} if number else {"", "mm"}
+        if unit in _OTHER_UNITS or length not in allowed:
             what = "runs with deviations" if number else "positions"
-            named = unit or split_unit(head.strip(), "mm")[1]
-            message = f"expected {what}, got a column in {named}: {quoted(head.strip())}"
+            message = f"expected {what}, got a column in {unit or length}: {quoted(head)}"
             raise InputError(path, line, None, message)
-    named = {unit == "mm" for head in heads[1:] if (unit := split_unit(head.strip(), "mm")[1])}
+    named = {length == "mm" for length in lengths[1:] if length}
     if len(named) > 1:
         raise InputError(path, line, None, "expected all runs in one unit, got mm and µm")
     return next(iter(named), None)
-
-
-def _without_unit(head: str) -> str:
-    ending = BRACKETS.match(head.strip())
-    return ending["name"] if ending else head.strip()

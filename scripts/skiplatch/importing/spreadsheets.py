@@ -7,7 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from skiplatch.campaign import KEYS
-from skiplatch.campaign.column_kinds import SAY_NOTHING
+from skiplatch.campaign.column_kinds import tidy
 from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
@@ -91,7 +91,7 @@ def _lines_before_head(lines: list[str], is_head: IsHead) -> int:
 
 def tells(cell: str) -> bool:
     """Tell whether something stands in a cell, and no "n/a"."""
-    return bool(cell.strip()) and cell.strip().lower() not in SAY_NOTHING
+    return bool(tidy(cell))
 
 
 def begins_with_a_word(row: list[str]) -> bool:

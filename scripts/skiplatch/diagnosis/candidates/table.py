@@ -36,6 +36,8 @@ def _as_id_and_span(one: Candidate) -> tuple[Callable[[str, Span], Candidate], t
 copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another process
 
 
+_DELAYS = starts.later(*([sign * us, 0.0, 0.0] for us in (10.0, 300.0) for sign in (1.0, -1.0)))
+
 CANDIDATES: Mapping[str, Candidate] = {
     row.id: row
     for row in (
@@ -65,7 +67,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "trigger_delay",
             ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
-            starts.later(*([s * us, 0.0, 0.0] for us in (10.0, 300.0) for s in (1.0, -1.0))),
+            _DELAYS,
             on_machine,
             refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.probe.delay_us,
@@ -96,7 +98,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "input_filter",
             ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
-            starts.later(*([s * us, 0.0, 0.0] for us in (10.0, 300.0) for s in (1.0, -1.0))),
+            _DELAYS,
             refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
             believed_us=lambda nominal: nominal.input.filter_us,
         ),

@@ -267,6 +267,7 @@ class Look:
 
     def happened_in_turn(self) -> Iterator[Left]:
         """Look for touches that come every so many, to which something happened."""
+        # What happens to less than half of them takes these beyond a deviation of the mean.
         yield from self._in_turn(happens_in_turn(self._serial, np.abs(self._deviations) > 1.0))
 
     @property

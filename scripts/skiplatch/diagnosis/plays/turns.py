@@ -45,8 +45,8 @@ def in_turn(serial: IndexArray, scores: FloatArray) -> Turn | None:
         return None
     turns = _counted(serial, off)
     _, _, count, total = turns
-    explained = total**2 / (count * (1.0 - count / m) * float(off @ off))
-    return _best(serial, turns, stats.beta.sf(np.minimum(explained, 1.0), 0.5, 0.5 * (m - 2.0)))
+    explained = np.minimum(total**2 / (count * (1.0 - count / m) * float(off @ off)), 1.0)
+    return _best(serial, turns, np.asarray(stats.beta.sf(explained, 0.5, 0.5 * (m - 2.0))))
 
 
 def happens_in_turn(serial: IndexArray, happened: BoolArray) -> Turn | None:
@@ -58,7 +58,8 @@ def happens_in_turn(serial: IndexArray, happened: BoolArray) -> Turn | None:
     """
     turns = _counted(serial, happened.astype(float))
     _, _, count, met = turns
-    return _best(serial, turns, stats.hypergeom.sf(met - 1.0, len(serial), happened.sum(), count))
+    chance = stats.hypergeom.sf(met - 1.0, len(serial), happened.sum(), count)
+    return _best(serial, turns, np.asarray(chance))
 
 
 def _counted(serial: IndexArray, values: FloatArray) -> FloatArray:
@@ -72,8 +73,7 @@ def _counted(serial: IndexArray, values: FloatArray) -> FloatArray:
     return np.hstack(found)
 
 
-def _best(serial: IndexArray, turns: FloatArray, chances: object) -> Turn | None:
-    chance = np.asarray(chances, dtype=float)
+def _best(serial: IndexArray, turns: FloatArray, chance: FloatArray) -> Turn | None:
     if not len(chance):
         return None
     best = int(np.argmin(chance))
