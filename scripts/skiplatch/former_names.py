@@ -1,10 +1,7 @@
 """Parameters of effects that were called otherwise before 0.2.0; their old names are still read."""
 
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, TypeVar
-
-from skiplatch.files import read_json
 
 Value = TypeVar("Value")
 Json = Any
@@ -42,28 +39,24 @@ def present_names(values: Mapping[str, Value]) -> dict[str, Value]:
     return {present_name(name): value for name, value in values.items()}
 
 
-def read_diagnosis_json(path: Path) -> Json:
-    """Read the document of a diagnosis as `read_json` does, with the present names of parameters.
+def renewed(document: Json) -> Json:
+    """Give the document of a diagnosis with the present names of parameters.
 
     Raises:
-        InputError: See `read_json`.
+        ValueError: A parameter is given by its former name and by its present one.
     """
-    return _renewed(read_json(path))
-
-
-def _renewed(document: Json) -> Json:
     if isinstance(document, list):
-        return [_renewed(entry) for entry in document]
+        return [renewed(entry) for entry in document]
     if not isinstance(document, dict):
         return document
-    return {key: _by_present_names(key, _renewed(value)) for key, value in document.items()}
+    return {key: _by_present_names(key, renewed(value)) for key, value in document.items()}
 
 
 def _by_present_names(key: str, value: Json) -> Json:
     if not isinstance(value, dict):
         return value
     if key in BY_PARAMETER:
-        return {present_name(name): inner for name, inner in value.items()}
+        return present_names(value)
     if key == BY_BELIEF:
         parts = ((name.rpartition("."), inner) for name, inner in value.items())
         return {f"{head}{dot}{present_name(name)}": inner for (head, dot, name), inner in parts}

@@ -23,6 +23,7 @@ from skiplatch.compensation.speeds import read_speeds
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.experiment import models_from_json
 from skiplatch.diagnosis.reported.adoption import adopted
+from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import read_json
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, diagnosed
@@ -117,10 +118,7 @@ def _findings(path: Path) -> None:
 
 
 def _models(path: Path) -> None:
-    try:
-        models_from_json(read_json(path))
-    except (ValueError, KeyError, TypeError) as error:  # as `design` does
-        raise InputError(path, None, None, f"expected a diagnosis: {error}") from error
+    read_diagnosis_json(path, models_from_json)
 
 
 def _importers() -> Mapping[str, Reader]:

@@ -97,9 +97,9 @@ def test_what_ended_is_left_out_and_what_began_is_there_now(tmp_path: Path) -> N
         ({**LATENCY, "id": "gremlins"}, 'no effect is called "gremlins"'),
         ({**LATENCY, "params": {"latency": 1.0}}, "no such parameter; there are latency_us"),
         ({**LATENCY, "params": {"latency_us": -1e9}}, "expected"),
-        ({**LATENCY, "intervals": {"latency_us": [1.0]}}, "not a whole diagnosis"),
-        ({**LATENCY, "intervals": 3}, "not a whole diagnosis"),
-        ({"params": {}}, "not a whole diagnosis"),
+        ({**LATENCY, "intervals": {"latency_us": [1.0]}}, "latency_us: expected two numbers"),
+        ({**LATENCY, "intervals": 3}, "effects[0].intervals: expected an object, got 3"),
+        ({"params": {}}, "effects[0].id: missing from the diagnosis"),
     ],
 )
 def test_what_is_no_finding_is_refused(tmp_path: Path, effect: object, complaint: str) -> None:

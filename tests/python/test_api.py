@@ -149,13 +149,20 @@ def test_diagnosis_is_read_from_its_document() -> None:
     assert diagnosis.gaps["latch_after_edge_us"].reduction == 0.99
 
 
-@pytest.mark.parametrize("changes", [{"verdict": "sure"}, {"gap": {"a": {}}}, {"format": "1"}])
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"verdict": "sure"}, "verdict: expected no_gap, "),
+        ({"gap": {"a": {}}}, "gap.a.unit: missing from the diagnosis"),
+        ({"format": "1"}, "expected a diagnosis of the format "),
+    ],
+)
 def test_what_is_no_diagnosis_is_told_with_its_file(
-    changes: dict[str, Any], tmp_path: Path
+    changes: dict[str, Any], told: str, tmp_path: Path
 ) -> None:
     (tmp_path / "d.json").write_text(json.dumps(document(**changes)))
 
-    with pytest.raises(skiplatch.InputError, match=r"d\.json: expected a diagnosis"):
+    with pytest.raises(skiplatch.InputError, match=rf"d\.json: {told}"):
         skiplatch.read_diagnosis(tmp_path / "d.json")
 
 

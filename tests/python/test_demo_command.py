@@ -13,7 +13,7 @@ from skiplatch import cli
 from skiplatch.campaign import Campaign
 from skiplatch.commands import demo, demo_fleet
 from skiplatch.commands.diagnose_many import Told
-from skiplatch.diagnosis.reported.document import FORMATS
+from skiplatch.diagnosis.reported.schema import FORMATS
 from skiplatch.latch.effort import Effort
 
 PICTURES = (

@@ -11,7 +11,7 @@ from skiplatch import cli
 from skiplatch.campaign import read_nominal
 from skiplatch.commands.options import EffectType
 from skiplatch.errors import InputError
-from skiplatch.former_names import PRESENT, read_diagnosis_json
+from skiplatch.former_names import PRESENT, renewed
 from skiplatch.places import ROOT
 from skiplatch.simulator.effects import Effect, effects
 
@@ -81,19 +81,18 @@ def test_a_parameter_by_both_names_is_refused(tmp_path: Path) -> None:
         read_nominal(rig(tmp_path, table))
 
 
-def test_a_diagnosis_is_read_by_present_names(tmp_path: Path) -> None:
-    document = read_diagnosis_json(diagnosis(tmp_path))
+def test_a_diagnosis_is_read_by_present_names() -> None:
+    document = renewed(FOUND)
 
     assert document["effects"][0]["params"] == {"delay_us": 80.0, "unqueued_share": 0.25}
     assert document["effects"][0]["intervals"]["unqueued_share"] == [0.2, 0.3]
     assert document["models"][0][0]["params"] == {"unqueued_share": 0.25}
 
 
-def test_a_fitted_belief_is_read_by_its_present_name(tmp_path: Path) -> None:
-    path = tmp_path / "beliefs.json"
-    path.write_text('{"beliefs": {"link_retry.again": {"fitted": 0.5}}}', encoding="utf-8")
+def test_a_fitted_belief_is_read_by_its_present_name() -> None:
+    former = {"beliefs": {"link_retry.again": {"fitted": 0.5}}}
 
-    assert read_diagnosis_json(path) == {"beliefs": {"link_retry.retry_excess": {"fitted": 0.5}}}
+    assert renewed(former) == {"beliefs": {"link_retry.retry_excess": {"fitted": 0.5}}}
 
 
 def test_adopt_writes_the_present_name_of_what_an_older_diagnosis_found(tmp_path: Path) -> None:
@@ -111,7 +110,7 @@ def test_adopt_writes_the_present_name_of_what_an_older_diagnosis_found(tmp_path
 def test_predict_plays_what_an_older_diagnosis_found_as_the_present_one(tmp_path: Path) -> None:
     older = diagnosis(tmp_path)
     present = tmp_path / "present.json"
-    present.write_text(json.dumps(read_diagnosis_json(older)), encoding="utf-8")
+    present.write_text(json.dumps(renewed(FOUND)), encoding="utf-8")
 
     assert predicted(older) == predicted(present)
 

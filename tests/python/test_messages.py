@@ -96,8 +96,8 @@ def diagnosis_with(parameter: str) -> str:
 @pytest.mark.parametrize(
     ("parameter", "told"),
     [
-        ("1e15", "effect.isr_latency.latency_us: expected "),
-        ("NaN", "effect.isr_latency.latency_us: expected "),
+        ("1e15", "effects[0].params.latency_us: expected -1000 to 5000, got 1e+15"),
+        ("NaN", "effects[0].params.latency_us: expected a number from -1e+15 to 1e+15, got nan"),
         ("9" * 400, "no JSON: a whole number beyond 64 bits: "),
     ],
 )
@@ -124,8 +124,8 @@ def test_an_interval_without_bounds_is_not_adopted(tmp_path: Path) -> None:
 
     result = CliRunner().invoke(group, words)
 
-    told = "effect.isr_latency.latency_us: an interval without bounds says nothing"
-    assert str(result.exception) == f"{diagnosis}: {told}"
+    told = "effects[0].intervals.latency_us: expected two numbers from -1e+15 to 1e+15, low first"
+    assert str(result.exception) == f"{diagnosis}: {told}, got -1e+308 and 1e+308"
     assert not out.exists()
 
 

@@ -8,11 +8,20 @@ from typing import Any, Self
 
 from skiplatch.dataframes import DataFrame, Library, dataframe
 from skiplatch.diagnosis import Diagnosis as Found
-from skiplatch.diagnosis import Verdict, as_json, effects_from_json
+from skiplatch.diagnosis import as_json, effects_from_json
 from skiplatch.diagnosis.experiment import models_json, rivals
-from skiplatch.errors import InputError
-from skiplatch.former_names import read_diagnosis_json
+from skiplatch.diagnosis.reported.schema import need_intervals, read_diagnosis_json, whole
 from skiplatch.simulator.effects import Effect, effects
+
+NEEDED = (
+    *("verdict", "gap"),
+    *(f"effects.*.{name}" for name in ("stage", "confidence", "alternatives")),
+    *(
+        f"gap.*.{name}"
+        for name in ("unit", "before", "after", "noise_floor", "shrink", "shrink_interval")
+    ),
+)
+"""Keys of the document."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,17 +89,15 @@ class Diagnosis:
         Raises:
             ValueError: It is no diagnosis, or not whole.
         """
-        found = effects_from_json(document)
-        try:
-            return cls(
-                verdict=str(Verdict(document["verdict"])),
-                effects=tuple(map(_found_effect, found, document["effects"])),
-                gaps={name: _gap(entry) for name, entry in document["gap"].items()},
-                notes=tuple(document.get("notes", ())),
-                document=document,
-            )
-        except (LookupError, TypeError, AttributeError) as error:
-            raise ValueError(f"not a whole diagnosis: {error!r}") from error
+        read = whole(document, *NEEDED)
+        need_intervals(read)
+        return cls(
+            verdict=str(read["verdict"]),
+            effects=tuple(map(_found_effect, effects_from_json(read), read["effects"])),
+            gaps={name: _gap(entry) for name, entry in read["gap"].items()},
+            notes=tuple(read.get("notes", ())),
+            document=read,
+        )
 
     def to_dataframe(self, library: Library | None = None) -> DataFrame:
         """Give a row for each parameter of each effect: value, interval of 90 %, confidence.
@@ -134,11 +141,7 @@ def read_diagnosis(path: str | os.PathLike[str]) -> Diagnosis:
     Raises:
         InputError: It cannot be read, or is no diagnosis.
     """
-    file = Path(path)
-    try:
-        return Diagnosis.of_document(read_diagnosis_json(file))
-    except ValueError as error:
-        raise InputError(file, None, None, f"expected a diagnosis: {error}") from error
+    return read_diagnosis_json(Path(path), Diagnosis.of_document)
 
 
 def _found_effect(effect: Effect, entry: Mapping[str, Any]) -> FoundEffect:

@@ -150,8 +150,8 @@ def design(
     """
     recorded = playable(campaign)
     known = diagnosis or diagnose(recorded, seed=seed, jobs=jobs)
-    models = models_from_json(known.document)
-    return experiment_for(recorded, models, known.verdict, seed=seed, jobs=jobs, touches=touches)
+    models, verdict = models_from_json(known.document)
+    return experiment_for(recorded, models, verdict, seed=seed, jobs=jobs, touches=touches)
 
 
 def _asked(rig: Campaign | Nominal, conditions: Touches | None) -> Campaign:

@@ -1,20 +1,17 @@
 """``skiplatch adopt``: what a diagnosis found becomes part of what is believed of the rig."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from skiplatch.campaign import NOMINAL_FILE, BelievedEffect, read_nominal
-from skiplatch.campaign.constraints import LARGEST
+from skiplatch.campaign import NOMINAL_FILE, read_nominal
 from skiplatch.campaign.toml_text import read_toml_text
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis.reported.adoption import adopted, with_effects
-from skiplatch.errors import InputError
+from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
-from skiplatch.former_names import read_diagnosis_json
 from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
@@ -42,23 +39,9 @@ def command(campaign: Path, diagnosis: Path, out: Path, json_path: Path | None) 
     path = campaign / NOMINAL_FILE
     nominal = read_nominal(path)
     refuse_unplayable(path, nominal)
-    document = read_diagnosis_json(diagnosis)
-    try:
-        found = adopted(document)
-    except ValueError as error:
-        raise InputError(diagnosis, None, None, str(error)) from error
-    _refuse_unbounded(diagnosis, found)
+    found = read_diagnosis_json(diagnosis, adopted)
     refuse_unplayable(diagnosis, replace(nominal, believed_effects=tuple(found)))
     atomic_write_text(out, with_effects(read_toml_text(path), nominal, found))
     names = [effect.id for effect in found]
     click.echo(f"{out}: {', '.join(names) if names else 'nothing to adopt'}")
     write_json(json_path, {"out": str(out), "effects": names})
-
-
-def _refuse_unbounded(path: Path, found: Sequence[BelievedEffect]) -> None:
-    """Raise InputError for an interval too wide to be an uncertainty that nominal.toml takes."""
-    for effect in found:
-        for name, u in effect.uncertainty.items():
-            if u > LARGEST:
-                where = f"effect.{effect.id}.{name}"
-                raise InputError(path, None, where, "an interval without bounds says nothing")

@@ -8,7 +8,7 @@ import click
 from skiplatch.campaign import CONDITIONS, Campaign, format_touches
 from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
-from skiplatch.diagnosis import Verdict, diagnose
+from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import (
     Experiment,
     experiment_for,
@@ -19,9 +19,9 @@ from skiplatch.diagnosis.experiment import (
 )
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
+from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
-from skiplatch.former_names import read_diagnosis_json
 from skiplatch.probing_program import KINDS, program
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
@@ -118,11 +118,7 @@ def _left(
     if path is None:
         diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
         return rivals(diagnosis), str(diagnosis.verdict)
-    document = read_diagnosis_json(path)
-    try:
-        models, verdict = models_from_json(document), str(Verdict(document["verdict"]))
-    except (ValueError, KeyError, TypeError) as error:
-        raise InputError(path, None, None, f"expected a diagnosis: {error}") from error
+    models, verdict = read_diagnosis_json(path, models_from_json)
     for model in models:
         refuse_unplayable(path, recorded.nominal, model)
     return models, verdict

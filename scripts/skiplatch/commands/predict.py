@@ -10,9 +10,8 @@ from skiplatch.commands.options import CountType, jobs_option, json_option, seed
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.plays.playing import Rig
-from skiplatch.errors import InputError
+from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
-from skiplatch.former_names import read_diagnosis_json
 from skiplatch.stand_ins import refuse_unplayable, refuse_unplayable_touches
 
 EPILOG = """\b
@@ -28,11 +27,7 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
     """Give the rig that a diagnosis says it is, or the believed one."""
     if path is None:
         return Rig(nominal)
-    document = read_diagnosis_json(path)
-    try:
-        rig = rig_from_json(document, nominal)
-    except ValueError as error:
-        raise InputError(path, None, None, str(error)) from error
+    rig = read_diagnosis_json(path, lambda document: rig_from_json(document, nominal))
     refuse_unplayable(path, rig.nominal, rig.effects)
     return rig
 

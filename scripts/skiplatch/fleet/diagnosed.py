@@ -7,12 +7,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from skiplatch.diagnosis.reported.document import FORMATS
-from skiplatch.errors import InputError
-from skiplatch.former_names import read_diagnosis_json
+from skiplatch.diagnosis.reported.schema import need_intervals, read_diagnosis_json, whole
 from skiplatch.ways import LENGTH, Ways
 
 DIAGNOSIS_FILE = "diagnosis.json"
+NEEDED = (
+    *("verdict", "where.*.stage", "effects.*.stage", "effects.*.confidence"),
+    *(f"gap.*.{name}" for name in ("unit", "before", "after", "noise_floor")),
+)
+"""Keys of the document."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,25 +55,19 @@ def diagnosed(folder: Path, ways: Ways) -> Diagnosed:
     path = folder / DIAGNOSIS_FILE
     if not path.exists():
         return Diagnosed()
-    document = read_diagnosis_json(path)
-    if not isinstance(document, dict) or document.get("format") not in FORMATS:
-        message = f"expected a diagnosis of the format {' or '.join(FORMATS)}"
-        raise InputError(path, None, "format", message)
-    try:
-        return _figures(document, ways)
-    except (LookupError, TypeError, ValueError, AttributeError, OverflowError) as error:
-        raise InputError(path, None, None, f"not a whole diagnosis: {error!r}") from error
+    return read_diagnosis_json(path, lambda document: _figures(document, ways))
 
 
-def _figures(document: dict[str, Any], ways: Ways) -> Diagnosed:
+def _figures(given: Any, ways: Ways) -> Diagnosed:  # noqa: ANN401 - JSON is anything
+    document = whole(given, *NEEDED)
+    need_intervals(document)
     gaps = [_gap(str(name), gap, ways) for name, gap in document["gap"].items()]
     _, length = ways.told(0.0, LENGTH)
     largest = max((gap["before"] for gap in gaps if gap["unit"] == length), default=None)
     stages = [str(entry["stage"]) for entry in (*document["effects"], *document["where"])]
-    seed = document.get("seed")
     return Diagnosed(
         verdict=str(document["verdict"]),
-        seed=None if seed is None else int(seed),
+        seed=document.get("seed"),
         gap_um=None if ways is Ways.ROTARY else largest,
         gap_arcsec=largest if ways is Ways.ROTARY else None,
         stage=stages[0] if stages else None,

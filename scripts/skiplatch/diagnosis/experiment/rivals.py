@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from skiplatch.simulator.effects import Effect, effects
+from skiplatch.diagnosis.reported.schema import whole
+from skiplatch.simulator.effects import Effect
 
 if TYPE_CHECKING:
     from skiplatch.diagnosis.reported.diagnosis import Diagnosis
@@ -32,22 +33,15 @@ def models_json(models: list[Model]) -> list[list[dict[str, Any]]]:
     return [[{"id": e.id, "params": dict(e.parameters)} for e in model] for model in models]
 
 
-def models_from_json(document: Any) -> list[Model]:  # noqa: ANN401 - JSON is anything
-    """Read them back from the document of a diagnosis.
+def models_from_json(document: Any) -> tuple[list[Model], str]:  # noqa: ANN401 - JSON is anything
+    """Read them back from the document of a diagnosis, with its verdict.
 
     Raises:
         ValueError: They are not in it, or not whole.
     """
-    try:
-        return [tuple(_effect(entry) for entry in model) for model in document["models"]]
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"no models of a diagnosis: {error!r}") from error
-
-
-def _effect(entry: Any) -> Effect:  # noqa: ANN401
-    if entry["id"] not in effects():
-        raise ValueError(f"no effect is called {entry['id']!r}")
-    return Effect(entry["id"], {str(k): float(v) for k, v in entry["params"].items()})
+    read = whole(document, "models", "verdict")
+    models = [tuple(Effect(e["id"], e["params"]) for e in model) for model in read["models"]]
+    return models, str(read["verdict"])
 
 
 def _tied(diagnosis: "Diagnosis") -> Iterator[Model]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from skiplatch.campaign import FORMATS, BelievedEffect, Nominal, format_effect
 from skiplatch.diagnosis.reported.document import effects_from_json
+from skiplatch.diagnosis.reported.schema import whole
 
 Json = Any
 
@@ -25,10 +26,7 @@ def adopted(document: Json) -> list[BelievedEffect]:
         ValueError: It is no diagnosis.
     """
     found = effects_from_json(document)
-    try:
-        intervals = [_ends(entry.get("intervals", {})) for entry in document["effects"]]
-    except (TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"not a whole diagnosis: {error!r}") from error
+    intervals = [entry.get("intervals", {}) for entry in whole(document)["effects"]]
     return [
         BelievedEffect(effect.id, effect.parameters, _uncertainty(effect.parameters, ends))
         for effect, ends in zip(found, intervals, strict=True)
@@ -36,12 +34,8 @@ def adopted(document: Json) -> list[BelievedEffect]:
     ]
 
 
-def _ends(intervals: Mapping[str, Sequence[float]]) -> dict[str, tuple[float, float]]:
-    return {name: (float(low), float(high)) for name, (low, high) in intervals.items()}
-
-
 def _uncertainty(
-    values: Mapping[str, float], ends: Mapping[str, tuple[float, float]]
+    values: Mapping[str, float], ends: Mapping[str, Sequence[float]]
 ) -> dict[str, float]:
     """Give the standard uncertainty of each parameter whose interval has a width."""
     widths = {name: high - low for name, (low, high) in ends.items() if name in values}

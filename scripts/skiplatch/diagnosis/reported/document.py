@@ -4,17 +4,16 @@ from dataclasses import asdict
 from typing import Any
 
 from skiplatch.campaign import Nominal
+from skiplatch.campaign.constraints import LENGTH_UM
 from skiplatch.campaign.nominal import KEYS
 from skiplatch.diagnosis.fit.beliefs import believing
 from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
+from skiplatch.diagnosis.reported.schema import FORMAT, whole
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.simulator.effects import Effect
 from skiplatch.span import Span
 
-FORMAT = "skiplatch-diagnosis/2"
-FORMATS = ("skiplatch-diagnosis/1", FORMAT)
-"""Those that can be read."""
 Json = Any
 SURFACE, COORDINATE = "surface_um", "coordinate_um"
 """What is off of a datum."""
@@ -119,30 +118,14 @@ def effects_from_json(document: Json) -> list[Effect]:
     Raises:
         ValueError: It is no diagnosis.
     """
-    if not isinstance(document, dict) or document.get("format") not in FORMATS:
-        raise ValueError(f'expected a diagnosis of the format "{FORMAT}"')
-    try:
-        return [
-            Effect(
-                str(entry["id"]),
-                {str(k): float(v) for k, v in entry["params"].items()},
-                Span(_touch(entry.get("since")), _touch(entry.get("until"))),
-            )
-            for entry in document["effects"]
-        ]
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"not a whole diagnosis: {error!r}") from error
-
-
-def _touch(number: Json) -> int | None:
-    """Read the number of a touch, or none.
-
-    Raises:
-        TypeError: It is something else.
-    """
-    if number is None or (isinstance(number, int) and not isinstance(number, bool)):
-        return number
-    raise TypeError(f"expected the number of a touch or null, got {number!r}")
+    return [
+        Effect(
+            entry["id"],
+            {name: float(value) for name, value in entry["params"].items()},
+            Span(entry.get("since"), entry.get("until")),
+        )
+        for entry in whole(document)["effects"]
+    ]
 
 
 def rig_from_json(document: Json, nominal: Nominal) -> Rig:
@@ -153,24 +136,26 @@ def rig_from_json(document: Json, nominal: Nominal) -> Rig:
         nominal: What was believed.
 
     Raises:
-        ValueError: It is no diagnosis.
+        ValueError: It is no diagnosis, or one of another rig.
     """
-    found = effects_from_json(document)
-    try:
-        beliefs = {
-            str(name): float(entry["fitted"]) for name, entry in document.get("beliefs", {}).items()
-        }
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise ValueError(f"not a whole diagnosis: {error!r}") from error
     kinds: dict[str, dict[str, float]] = {SURFACE: {}, COORDINATE: {}}
-    values, believed = {}, {effect.id for effect in nominal.believed_effects}
-    for name, value in beliefs.items():
+    values = {}
+    believed = {(one.id, name) for one in nominal.believed_effects for name in one.values}
+    for name, entry in whole(document).get("beliefs", {}).items():
         first, _, rest = name.partition(".")
         datum, _, kind = rest.rpartition(".")
         if first == "datum" and kind in kinds:
-            kinds[kind][datum] = value
-        elif (first, rest) in KEYS or first in believed:
-            values[first, rest] = value
+            kinds[kind][datum] = _place_um(f"beliefs.{name}", entry["fitted"])
+        elif (first, rest) in KEYS or (first, rest) in believed:
+            values[first, rest] = entry["fitted"]
         else:
-            raise ValueError(f"no belief is called {name!r}")
-    return Rig(believing(nominal, values), found, FittedDatum(kinds[SURFACE], kinds[COORDINATE]))
+            raise ValueError(f"beliefs.{name}: no such belief about the rig in nominal.toml")
+    found = FittedDatum(kinds[SURFACE], kinds[COORDINATE])
+    return Rig(believing(nominal, values), effects_from_json(document), found)
+
+
+def _place_um(where: str, value: float) -> float:
+    low, high = LENGTH_UM.low, LENGTH_UM.high
+    if not low <= value <= high:
+        raise ValueError(f"{where}: expected {low:g} to {high:g} µm, got {value:g}")
+    return value
