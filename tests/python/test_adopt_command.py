@@ -163,3 +163,36 @@ def test_next_diagnosis_finds_what_is_left() -> None:
     # A delay this much shorter than a scan is as good as any behind the pin.
     assert "isr_latency" in {named.effect.id, *named.alternatives}
     assert next(iter(named.effect.parameters.values())) == pytest.approx(11.7, abs=0.5)
+
+
+def campaign_of(folder: Path, text: str) -> Path:
+    campaign = folder / "campaign"
+    campaign.mkdir()
+    (campaign / "nominal.toml").write_text(text)
+    return campaign
+
+
+@pytest.mark.parametrize("key", ["format", '"format"', "'format'"])
+def test_the_format_is_raised_where_it_stands_and_nowhere_else(tmp_path: Path, key: str) -> None:
+    line = 'format = "skiplatch-campaign/1"'
+    sample = (BENCH / "nominal.toml").read_text().replace("format", key, 1)
+    text = f"{sample}\n[notes]\n{line}\nwas = '''\n{line}\n'''\n# as bought\n"
+    out = tmp_path / "adopted.toml"
+
+    status, said = adopt(campaign_of(tmp_path, text), diagnosis(tmp_path, [LATENCY]), out)
+
+    assert status == 0, said
+    assert [effect.id for effect in read_nominal(out).believed_effects] == ["isr_latency"]
+    assert out.read_text().startswith(text.replace("campaign/1", "campaign/2", 1))
+
+
+@pytest.mark.parametrize("effects", ["[]", '[{id = "backlash", backlash_um = 2.0}]'])
+def test_a_list_that_no_table_can_be_added_to_is_refused(tmp_path: Path, effects: str) -> None:
+    campaign = campaign_of(tmp_path, f'format = "skiplatch-campaign/2"\neffect = {effects}\n')
+    out = tmp_path / "adopted.toml"
+
+    status, said = adopt(campaign, diagnosis(tmp_path, [LATENCY]), out)
+
+    told = "expected plain keys, and tables [[effect]], so that one can be added"
+    assert (status, said) == (2, f"{campaign / 'nominal.toml'}:2: {told}")
+    assert not out.exists()

@@ -44,7 +44,11 @@ def read_nominal(path: str | os.PathLike[str]) -> Nominal:
             unknown, or missing in version 1; a value is of the wrong type or makes no sense.
     """
     path = Path(path)
-    text = read_toml_text(path)
+    return parse_nominal(path, read_toml_text(path))
+
+
+def parse_nominal(path: Path, text: str) -> Nominal:
+    """Read the text of nominal.toml; see `read_nominal`."""
     document = _Document(path, _entries(parse_toml(path, text)), key_positions(text))
     version = document.version()
     document.check_keys(version)

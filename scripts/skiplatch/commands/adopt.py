@@ -6,7 +6,6 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import NOMINAL_FILE, read_nominal
-from skiplatch.campaign.toml_text import read_toml_text
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis.reported.adoption import adopted, with_effects
@@ -41,7 +40,7 @@ def command(campaign: Path, diagnosis: Path, out: Path, json_path: Path | None) 
     refuse_unplayable(path, nominal)
     found = read_diagnosis_json(diagnosis, adopted)
     refuse_unplayable(diagnosis, replace(nominal, believed_effects=tuple(found)))
-    atomic_write_text(out, with_effects(read_toml_text(path), nominal, found))
+    atomic_write_text(out, with_effects(path, nominal, found))
     names = [effect.id for effect in found]
     click.echo(f"{out}: {', '.join(names) if names else 'nothing to adopt'}")
     write_json(json_path, {"out": str(out), "effects": names})

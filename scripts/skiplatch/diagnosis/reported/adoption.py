@@ -1,13 +1,17 @@
 """A finding becomes a belief: its effects as tables of nominal.toml."""
 
-import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from statistics import NormalDist
 from typing import Any
 
 from skiplatch.campaign import FORMATS, BelievedEffect, Nominal, format_effect
+from skiplatch.campaign.nominal_toml import parse_nominal
+from skiplatch.campaign.toml_positions import key_positions
+from skiplatch.campaign.toml_text import read_toml_text
 from skiplatch.diagnosis.reported.document import effects_from_json
 from skiplatch.diagnosis.reported.schema import whole
+from skiplatch.errors import InputError
 
 Json = Any
 
@@ -42,19 +46,45 @@ def _uncertainty(
     return {name: float(f"{width / REACH:.3g}") for name, width in widths.items() if width > 0.0}
 
 
-def with_effects(text: str, nominal: Nominal, found: Sequence[BelievedEffect]) -> str:
+def with_effects(path: Path, nominal: Nominal, found: Sequence[BelievedEffect]) -> str:
     """Give the text of nominal.toml with more effects; comments and all else stay as they are.
 
     Args:
-        text: Of the file.
+        path: The file.
         nominal: What it says.
         found: Effects; one that it has just so already is not written again.
+
+    Raises:
+        InputError: The file is written in a way that no table can be added to.
     """
+    text = read_toml_text(path)
     known = [(effect.id, effect.values) for effect in nominal.believed_effects]
     new = [effect for effect in found if (effect.id, effect.values) not in known]
     if not new:
         return text
-    older, named = re.escape(FORMATS[1]), FORMATS[FIRST_WITH_EFFECTS]
-    text = re.sub(rf"""^(\s*format\s*=\s*)["']{older}["']""", rf'\1"{named}"', text, flags=re.M)
     tables = (line for effect in new for line in format_effect(effect))
-    return "\n".join([text.rstrip("\n"), *tables]) + "\n"
+    adopted_text = "\n".join([_in_version_2(text).rstrip("\n"), *tables]) + "\n"
+    _refuse_misread(path, adopted_text, (*nominal.believed_effects, *new))
+    return adopted_text
+
+
+def _in_version_2(text: str) -> str:
+    place = key_positions(text).get(("format",))
+    if place is None or place.value_column is None:
+        return text
+    lines = text.split("\n")
+    line, column = lines[place.line - 1], place.value_column - 1
+    value = line[column:].replace(FORMATS[1], FORMATS[FIRST_WITH_EFFECTS], 1)
+    lines[place.line - 1] = line[:column] + value
+    return "\n".join(lines)
+
+
+def _refuse_misread(path: Path, text: str, believed: Sequence[BelievedEffect]) -> None:
+    try:
+        read = parse_nominal(path, text).believed_effects
+    except InputError:
+        read = ()
+    if read != believed:
+        place = key_positions(text).get(("effect",)) or key_positions(text).get(("format",))
+        message = "expected plain keys, and tables [[effect]], so that one can be added"
+        raise InputError(path, place.line if place else None, None, message)
