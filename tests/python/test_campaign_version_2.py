@@ -329,3 +329,15 @@ def test_touches_that_version_1_cannot_hold_make_it_version_2(
 def test_sessions_without_a_name_are_refused() -> None:
     with pytest.raises(ValueError, match="sessions beyond"):
         Touches.from_columns(touch=np.arange(2), session=np.array([0, 1]), session_names=("only",))
+
+
+def test_an_axis_that_can_reach_nothing_is_refused_by_its_key(tmp_path: Path) -> None:
+    said = refusal(nominal, tmp_path, "[axis]\nmin_mm = 500\nmax_mm = 300\n", folder=tmp_path)
+
+    expected = "axis.max_mm: expected at least axis.min_mm = 500 in mm, got 300.0"
+    assert said == f"nominal.toml:4:10: {expected}"
+
+
+def test_an_axis_may_have_one_end_or_none(tmp_path: Path) -> None:
+    for ends in ("min_mm = 500", "max_mm = -500", "min_mm = 3\nmax_mm = 3", ""):
+        nominal(tmp_path, f"[axis]\n{ends}\n")

@@ -196,6 +196,12 @@ def test_columns_may_stand_in_any_order_among_others(
         ),
         ("head = []", "tool_mm = 3", "machine.toml:2:11: tool_mm: expected a list of 3"),
         ("head = []", "heads = []", "machine.toml:2:9: heads: unknown key; did you mean"),
+        (
+            "head = []",
+            'sphere = "blue"',
+            "machine.toml:2:10: sphere: unknown key; expected one of ",
+        ),
+        ("point_mm", "colour = 3\npoint_mm", "axes.A.colour: unknown key; expected one of direc"),
         ("head = []", "head = [", "machine.toml:4"),
         (
             "[axes.C]",

@@ -27,6 +27,7 @@ DATUM = "datum"
 EFFECT = "effect"
 NOTES = "notes"
 _TABLES = (*SECTIONS, DATUM)
+_LEAST, _GREATEST = ("axis", "min_mm"), ("axis", "max_mm")
 _FORMAT: KeyPath = ("format",)
 _KIND: KeyPath = ("kind",)
 _FREE: KeyPath = (DATUM, "free")
@@ -54,6 +55,7 @@ def parse_nominal(path: Path, text: str) -> Nominal:
     document.check_keys(version)
     given = {key: document.number(key, KEYS[key]) for key in KEYS if key in document.entries}
     numbers = {key: given[key][0] if key in given else KEYS[key].default for key in KEYS}
+    document.check_reach(numbers[_LEAST], numbers[_GREATEST])
     kind = document.kind()
     nominal = Nominal(
         kind=kind,
@@ -103,6 +105,12 @@ class _Document:
         missing = [key for key in (_KIND, *_in_version_1()) if key not in self.entries]
         if version == 1 and missing:
             raise self._missing(missing)
+
+    def check_reach(self, least_mm: float, greatest_mm: float) -> None:
+        """Complain of an axis that can reach nothing."""
+        if least_mm > greatest_mm:
+            expected = f"at least {'.'.join(_LEAST)} = {least_mm:g} in mm"
+            raise self._wrong(_GREATEST, expected, greatest_mm)
 
     def kind(self) -> Kind:
         """Give the kind or complain of it."""

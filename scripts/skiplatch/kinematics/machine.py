@@ -19,7 +19,9 @@ SPINDLE = "spindle_mm"
 PRESET = "preset_mm"
 TIP = "tip_shift_mm"
 GRID = "grid"
-TOP_KEYS = ("table", "head", "tool_mm", TIP, SPINDLE, PRESET, GRID, "axes")
+CONTROL = "control"  # see `read_control`
+NOTES = "notes"
+TOP_KEYS = ("table", "head", "tool_mm", TIP, SPINDLE, PRESET, GRID, "axes", CONTROL, NOTES)
 UNIT_TOLERANCE = 1e-4
 OWN_COSINE_MIN = 0.5
 FARTHEST_MM = 1e5
@@ -107,12 +109,13 @@ class _Reader:
             raise self.fail(key, f"expected coordinates of at most {FARTHEST_MM:g}")
         return x, y, z
 
-    def refuse_slips(
+    def refuse_unknown(
         self, table: Mapping[str, Any], prefix: KeyPath, known: tuple[str, ...]
     ) -> None:
-        for key in table.keys() - set(known):
-            if near := hint(key, known):
-                raise self.fail((*prefix, key), f"unknown key{near}")
+        for key in table:
+            if key not in known:
+                expected = hint(key, known) or f"; expected one of {', '.join(known)}"
+                raise self.fail((*prefix, key), f"unknown key{expected}")
 
 
 def _is_number(value: object) -> bool:
@@ -122,14 +125,14 @@ def _is_number(value: object) -> bool:
 
 
 def read_machine(path: Path) -> Machine:
-    """Read ``MACHINE.toml``; keys that it has beside those known are left to others.
+    """Read ``MACHINE.toml``; in a table ``[notes]`` anything may stand.
 
     Raises:
         InputError: The file cannot be read, or a value is wrong.
     """
     reader = _Reader(path)
     document = reader.document
-    reader.refuse_slips(document, (), TOP_KEYS)
+    reader.refuse_unknown(document, (), TOP_KEYS)
     table, head = reader.letters("table"), reader.letters("head")
     chain = [*table, *head]
     if not chain:
@@ -218,7 +221,7 @@ def _axes(reader: _Reader, chain: list[str]) -> dict[str, dict[str, Any]]:
 
 def _axis(reader: _Reader, table: Mapping[str, Any], letter: str, in_head: bool) -> RotaryAxis:  # noqa: FBT001
     section = ("axes", letter)
-    reader.refuse_slips(table, section, AXIS_KEYS)
+    reader.refuse_unknown(table, section, AXIS_KEYS)
     for key in ("direction", "point_mm"):
         if key not in table:
             raise reader.fail(section, f'missing key "{key}"')
