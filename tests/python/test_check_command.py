@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, Touches, read_campaign, write_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.steps import common_step
@@ -211,3 +212,91 @@ def test_a_rotary_axis_misses_no_column_of_a_linear_one(machine_sample: Path) ->
 
     assert not {"position_mm", "deviation_um"} & set(missing)
     assert "feed_mm_min" in missing
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1 / 60.0, 1 / 25.4])
+def test_a_feed_that_leaves_the_moves_no_time_is_told(machine_sample: Path, factor: float) -> None:
+    found = lines(
+        read_campaign(machine_sample), lambda t: replace(t, feed_mm_min=t.feed_mm_min * factor)
+    )
+
+    assert any(
+        re.match(r"the moves take \S+ s by feed_mm_min and approach_mm, and", f) for f in found
+    )
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda c: c + 273.15, "temp_c is not from -20 to 60 °C, as in a shop: kelvin?: touches"),
+        (lambda c: c * 1.8 + 32.0, "temp_c is not from -20 to 60 °C, as in a shop: touches"),
+    ],
+    ids=["kelvin", "fahrenheit"],
+)
+def test_a_temperature_of_no_shop_is_told(
+    machine_sample: Path, change: Callable[[FloatArray], FloatArray], told: str
+) -> None:
+    found = lines(
+        read_campaign(machine_sample), lambda t: replace(t, temp_c=change(np.full(len(t), 20.5)))
+    )
+
+    assert any(line.startswith(told) for line in found), found
+
+
+def test_a_thermometer_on_a_heated_bed_is_not_odd(machine_sample: Path) -> None:
+    bed = {"bed": np.full(len(read_campaign(machine_sample).touches), 110.0)}
+
+    assert lines(read_campaign(machine_sample), lambda t: replace(t, thermometers=bed)) == []
+
+
+def surfaces(places_mm: Sequence[float], deviations_um: Sequence[float]) -> Touches:
+    return Touches.from_columns(
+        touch=np.arange(len(places_mm)),
+        position_mm=np.asarray(places_mm),
+        deviation_um=np.asarray(deviations_um),
+    )
+
+
+def test_swapped_columns_are_told(machine_sample: Path) -> None:
+    places_mm = np.tile([-171.757, 40.0, 95.5], 6)
+    scatter_um = np.random.default_rng(3).normal(12.0, 1.5, 18)
+    campaign = read_campaign(machine_sample)
+
+    told = "deviation_um comes back to the digit, and position_mm scatters: swapped columns?"
+    assert told in lines(campaign, lambda _: surfaces(scatter_um, places_mm))
+    assert told not in lines(campaign, lambda _: surfaces(places_mm, scatter_um))
+
+
+def test_a_coarse_encoder_is_no_swap(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    coarse = replace(campaign.nominal, axis=replace(campaign.nominal.axis, resolution_um=8.8))
+    counts_um = np.tile([0.0, 8.8, 17.6], 6)
+    touches = surfaces(np.linspace(0.0, 100.0, 18), counts_um)
+
+    found = oddities(replace(campaign, nominal=coarse, touches=touches))
+
+    assert not any("swapped" in oddity.what for oddity in found)
+
+
+def test_what_an_axis_cannot_do_is_told(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    axis = replace(campaign.nominal.axis, min_mm=-300.0, max_mm=300.0)
+    touches = Touches.from_columns(
+        touch=np.arange(5),
+        axis=np.array([Axis.X, Axis.X, Axis.A, Axis.A, Axis.X], dtype=np.int8),
+        position_mm=np.array([0.0, 301.0, np.nan, np.nan, 0.0]),
+        position_deg=np.array([np.nan, np.nan, 10.0, 10.0, np.nan]),
+        approach_mm=np.full(5, 2.0),
+        deviation_um=np.array([1.0, 1.0, 1.0, 10.0, -2001.0]),
+        deviation_arcsec=np.array([5.0, np.nan, 3.6, 5.0, np.nan]),
+    )
+    bounded = replace(campaign.nominal, version=2, axis=axis)
+
+    found = [odd.line for odd in oddities(replace(campaign, nominal=bounded, touches=touches))]
+
+    assert found == [
+        "deviation_arcsec of an axis that does not turn: touch 0",
+        "deviation_arcsec is not deviation_um at 0.001° for 1 µm: of which is it?: touch 3",
+        "position_mm is not from axis.min_mm to axis.max_mm: touch 1",
+        "deviation_um lies before the start of the move, approach_mm from the surface: touch 4",
+    ]

@@ -78,6 +78,7 @@ PLACE_MM = Range("a number", low=-LONGEST_UM, high=LONGEST_UM)
 WAY_MM = Range("a number > 0", low=SMALLEST_POSITIVE, high=LONGEST_UM)
 FEED = Range("a number > 0", low=SMALLEST_POSITIVE, high=1e9)
 ANGLE = Range("a number", low=-LARGEST_ANGLE, high=LARGEST_ANGLE)
-TEMPERATURE = Range("a number >= -273.15", low=-273.15, high=1e4)
+TEMPERATURE = Range("a number from -273.15 to 2500", low=-273.15, high=2500.0)
+"""Hotter than any thermocouple stands, nothing was measured."""
 ELEVATION = Range("a number from -90 to 90", low=-90.0, high=90.0)
 SENSE = OneOf("1 or -1", (1.0, -1.0))

@@ -4,14 +4,22 @@ Each rule looks at recorded numbers alone, takes milliseconds, and names the tou
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign.columns import InputPath
 from skiplatch.campaign.folder import Campaign
+from skiplatch.campaign.impossible import (
+    latches_before_the_move,
+    moves_without_time,
+    places_beyond_reach,
+    swapped_columns,
+    temperatures,
+    ways_of_axes,
+)
 from skiplatch.campaign.kind import Kind
+from skiplatch.campaign.oddity import Oddity, serials
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.touches import SerialArray, Touches
 from skiplatch.units import S_PER_MIN, US_PER_S
@@ -30,44 +38,15 @@ FACTORS = {
 SLIP = 0.1  # share by which a factor may be missed: an offset shows beside it
 FEWEST = 5  # touches before their middle is looked at
 MANY_STEPS = 4  # as many different values show a scatter
-SHOWN = 6
 STAMPS_OF_AN_EDGE = ("time_s", "edge_us")
 """Which two touches share that are one edge, latched by both paths."""
 
 Rule = Callable[[Campaign], "Iterator[Oddity]"]
 
 
-@dataclass(frozen=True, slots=True)
-class Oddity:
-    """Something that cannot be as it stands.
-
-    Attributes:
-        what: One sentence without the touches.
-        touches: Serial numbers of the touches it is about; empty where it is about all.
-    """
-
-    what: str
-    touches: tuple[int, ...] = ()
-
-    @property
-    def line(self) -> str:
-        """The sentence with the touches, some of them where they are many."""
-        if not self.touches:
-            return self.what
-        shown = ", ".join(str(touch) for touch in self.touches[:SHOWN])
-        more = len(self.touches) - SHOWN
-        rest = f" and {more} more" if more > 0 else ""
-        return f"{self.what}: touch{'es' if len(self.touches) > 1 else ''} {shown}{rest}"
-
-
 def oddities(campaign: Campaign) -> list[Oddity]:
     """Find all that is odd, the gravest first."""
     return [oddity for rule in RULES for oddity in rule(campaign)]
-
-
-def _numbers(touches: Touches, rows: BoolArray) -> tuple[int, ...]:
-    found: SerialArray = touches.touch[rows]
-    return tuple(found.tolist())
 
 
 def _factor(ratio: float) -> str | None:
@@ -140,12 +119,12 @@ def _order_of_stamps(campaign: Campaign) -> Iterator[Oddity]:
     before = touches.edge_us < touches.time_s * US_PER_S
     if before.any():
         what = "edge_us lies before time_s, when the move began"
-        yield Oddity(what, _numbers(touches, before))
+        yield Oddity(what, serials(touches, before))
     tick = campaign.nominal.skip.tick_us + 6.0 * campaign.nominal.bench.reference_jitter_us
     for early, late in (("latch_us", "edge_us"), ("report_us", "latch_us")):
         wrong = getattr(touches, early) + tick < getattr(touches, late)
         if campaign.nominal.kind is Kind.BENCH and wrong.any():
-            yield Oddity(f"{early} lies before {late}", _numbers(touches, wrong))
+            yield Oddity(f"{early} lies before {late}", serials(touches, wrong))
 
 
 def _backwards(campaign: Campaign) -> Iterator[Oddity]:
@@ -155,7 +134,7 @@ def _backwards(campaign: Campaign) -> Iterator[Oddity]:
         is_same_session = np.diff(known.session, prepend=known.session[:1]) == 0
         back = np.diff(getattr(known, name), prepend=-np.inf) < 0
         if (back & is_same_session).any():
-            yield Oddity(f"{name} runs backwards", _numbers(known, back & is_same_session))
+            yield Oddity(f"{name} runs backwards", serials(known, back & is_same_session))
 
 
 def _equal_stamps(campaign: Campaign) -> Iterator[Oddity]:
@@ -173,7 +152,7 @@ def _equal_stamps(campaign: Campaign) -> Iterator[Oddity]:
             repeated[first] = False
             rows = np.zeros(len(touches), dtype=bool)
             rows[np.flatnonzero(known)[repeated]] = True
-            yield Oddity(f"{name} stands there more than once", _numbers(touches, rows))
+            yield Oddity(f"{name} stands there more than once", serials(touches, rows))
 
 
 def _no_scatter(campaign: Campaign) -> Iterator[Oddity]:
@@ -224,6 +203,12 @@ RULES: tuple[Rule, ...] = (
     _clock_units,
     _travel_units,
     _deviation_units,
+    moves_without_time,
+    temperatures,
+    swapped_columns,
+    ways_of_axes,
+    places_beyond_reach,
+    latches_before_the_move,
     _order_of_stamps,
     _backwards,
     _equal_stamps,

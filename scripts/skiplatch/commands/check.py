@@ -6,7 +6,8 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import NOMINAL_FILE, Campaign, read_campaign
-from skiplatch.campaign.plausibility import Oddity, oddities
+from skiplatch.campaign.oddity import Oddity
+from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
