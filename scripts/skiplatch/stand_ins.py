@@ -27,7 +27,7 @@ from skiplatch.campaign import (
 from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect, effects
-from skiplatch.simulator.rig import with_believed
+from skiplatch.simulator.rig import Controller, with_believed
 from skiplatch.units import S_PER_MIN, US_PER_S
 
 ARCSEC_PER_MILLIDEGREE = 3.6
@@ -89,6 +89,17 @@ def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
             _refuse_beyond(path, where, float(values[first]), (least, most))
 
 
+def refuse_endless_move(path: Path, nominal: Nominal, touches: Touches) -> None:
+    """Raise InputError for a rig, read from `path`, that comes to no stop within what is played."""
+    beyond_mm = Controller.for_campaign(nominal, touches).overtravel_mm
+    if beyond_mm > LENGTH[1]:
+        fastest = (
+            f"from {np.max(touches.feed_mm_min):g} mm/min it may stop after {beyond_mm:.3g} mm"
+        )
+        expected = f"expected so much that a move ends within {LENGTH[1]:g} mm of the surface"
+        raise InputError(path, None, "axis.accel_mm_s2", f"{expected}; {fastest}")
+
+
 def _refuse_beyond(path: Path, where: str, value: float, limits: tuple[float, float]) -> None:
     least, most = limits
     if not least <= value <= most:
@@ -143,6 +154,7 @@ def playable(campaign: Campaign) -> Campaign:
     stood_in = frozenset(name for name, rows in missing.items() if rows.any())
     if stood_in:
         touches = _stood_in(campaign, touches)
+    refuse_endless_move(campaign.path / NOMINAL_FILE, campaign.nominal, touches)
     return replace(campaign, touches=touches, stood_in=stood_in)
 
 

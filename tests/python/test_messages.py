@@ -163,3 +163,27 @@ def test_what_a_library_quotes_of_a_long_input_is_cut() -> None:
     assert message.startswith("log.csv:3: no number: 999")
     assert message.endswith("…")
     assert len(message) < 1100
+
+
+def test_a_stop_without_end_is_told_by_file_and_key(tmp_path: Path) -> None:
+    slow, conditions, out = tmp_path / "slow.toml", BENCH / "touches.csv", tmp_path / "out"
+    slow.write_text('format = "skiplatch-campaign/2"\nkind = "bench"\naxis.accel_mm_s2 = 1e-3\n')
+    words = ["simulate", "--nominal", str(slow), "--conditions", str(conditions), "-o", str(out)]
+
+    result = CliRunner().invoke(group, words)
+
+    assert isinstance(result.exception, InputError), result.exception
+    assert str(result.exception).startswith(f"{slow}: axis.accel_mm_s2: expected so much that ")
+    assert not out.exists()
+
+
+def test_a_campaign_of_one_touch_is_diagnosed_without_a_warning(tmp_path: Path) -> None:
+    (tmp_path / "nominal.toml").write_text('format = "skiplatch-campaign/2"\n')
+    row = "touch,time_s,path,axis,sign,feed_mm_min,approach_mm,position_mm,deviation_um\n"
+    (tmp_path / "touches.csv").write_text(f"{row}0,0,plc,X,1,300,3.5,10,1.5\n")
+
+    result = CliRunner().invoke(group, ["diagnose", str(tmp_path)])
+
+    assert result.exit_code == 0, result.exception
+    assert "Too few touches to tell whether there is a gap." in result.stdout
+    assert result.stderr == ""

@@ -12,7 +12,7 @@ from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
-from skiplatch.stand_ins import refuse_unplayable, refuse_unplayable_touches
+from skiplatch.stand_ins import refuse_endless_move, refuse_unplayable, refuse_unplayable_touches
 
 EPILOG = """\b
 Example:
@@ -66,6 +66,7 @@ def command(
     refuse_unplayable(campaign / NOMINAL_FILE, nominal)
     conditions = read_conditions(conditions_path)
     refuse_unplayable_touches(conditions_path, conditions)
+    refuse_endless_move(campaign / NOMINAL_FILE, nominal, conditions)
     rig = _rig(diagnosis, nominal)
     recorded = read_campaign(campaign).touches if diagnosis else None
     prediction = predicted(rig, recorded, conditions, replicates=replicates, seed=seed, jobs=jobs)

@@ -16,7 +16,7 @@ from skiplatch.commands.options import (
 )
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.simulator.effects import Effect
-from skiplatch.stand_ins import refuse_unplayable, refuse_unplayable_touches
+from skiplatch.stand_ins import refuse_endless_move, refuse_unplayable, refuse_unplayable_touches
 
 EPILOG = """\b
 Example:
@@ -72,6 +72,7 @@ def command(
     refuse_unplayable(nominal_path, nominal)
     conditions = read_conditions(conditions_path)
     refuse_unplayable_touches(conditions_path, conditions)
+    refuse_endless_move(nominal_path, nominal, conditions)
     touches = simulate(nominal, conditions, effects=switched_on, seed=seed, jobs=jobs).touches
     write_campaign(out, nominal, touches)
     missed = int(touches.missed.sum())

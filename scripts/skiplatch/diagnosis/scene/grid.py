@@ -43,6 +43,8 @@ def off_grid(stamps: FloatArray, period: float) -> FloatArray:
 
     The middle is the median, about the mean turn: a few stamps that are off leave the others on it.
     """
+    if not stamps.size:
+        return stamps
     turn = np.angle(mean_turn(stamps, period)) / (2.0 * np.pi) * period
     off = folded(stamps - turn[..., None], period)
     is_known = ~np.isnan(stamps).all(axis=-1, keepdims=True)
