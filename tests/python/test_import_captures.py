@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from refusals import Program
 from skiplatch.importing.detect import read_any
 from test_import_logs import Run
 
@@ -156,3 +157,68 @@ def test_vcd_without_a_timescale_is_said_to_be_taken_for_ns(tmp_path: Path) -> N
 
     assert waits_us(run) == pytest.approx([12.0, 14.0])
     assert "times are in ns, as the VCD has no $timescale" in run.said["assumed"]
+
+
+VCD = """$timescale {scale} $end
+$var wire 1 ! probe $end
+$var wire 1 " latch $end
+$enddefinitions $end
+#0
+0!
+0"
+#100
+1!
+#112
+1"
+{more}
+"""
+
+
+@pytest.mark.parametrize("option", ["--latch", "--report", "--plc-latch"])
+def test_channel_that_is_to_be_two_things_is_refused(
+    tmp_path: Path, refused: Program, option: str
+) -> None:
+    path = capture(tmp_path / "c.csv", "Time [us]", 1.0)
+
+    said = refused(
+        "import", "edges", path, "--probe", "Probe", option, "probe", "-o", tmp_path / "x"
+    )
+
+    assert f'c.csv: expected a channel each, got "probe" for --probe and {option}' in said
+
+
+@pytest.mark.parametrize(
+    ("time", "told"),
+    [
+        ("0.5", ":3: time goes back from 1 s to 0.5 s"),
+        ("1e300", ":3: expected a time of at most 1e+09 s, got 1e+300 s"),
+        ("-1e10", ":3: expected a time of at most 1e+09 s, got -1e+10 s"),
+    ],
+)
+def test_time_of_a_csv_that_cannot_be_is_refused(
+    tmp_path: Path, refused: Program, time: str, told: str
+) -> None:
+    (tmp_path / "c.csv").write_text(f"Time [s],probe,latch\n1,1,0\n{time},1,1\n2,0,0\n")
+
+    said = refused("import", "edges", tmp_path / "c.csv", "-o", tmp_path / "x")
+
+    assert f"c.csv{told}" in said
+
+
+@pytest.mark.parametrize(
+    ("scale", "more", "told"),
+    [
+        ("1 us", "#5\n0!", ":12: time goes back from 0.000112 s to 5e-06 s"),
+        ("100 s", "#99999999\n0!", ":12: expected a time of at most 1e+09 s, got 9.9999999e+09 s"),
+        ("0 us", "", ":1:1: expected a $timescale of 1, 10 or 100 units, got 0 us"),
+        ("3 us", "", ":1:1: expected a $timescale of 1, 10 or 100 units, got 3 us"),
+    ],
+)
+def test_time_of_a_vcd_that_cannot_be_is_refused(
+    tmp_path: Path, refused: Program, scale: str, more: str, told: str
+) -> None:
+    (tmp_path / "c.vcd").write_text(VCD.format(scale=scale, more=more))
+
+    said = refused("import", "edges", tmp_path / "c.vcd", "-o", tmp_path / "x")
+
+    assert f"c.vcd{told}" in said

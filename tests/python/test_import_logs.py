@@ -450,7 +450,7 @@ def test_vcd_with_a_time_beyond_any_clock_is_refused(tmp_path: Path, refused: Pr
 
     said = refused("import", "edges", tmp_path / "late.vcd", "-o", tmp_path / "x")
 
-    assert "late.vcd: expected times up to 2^63" in said
+    assert "late.vcd:22:1: expected times up to 2^63" in said
 
 
 @pytest.mark.parametrize(

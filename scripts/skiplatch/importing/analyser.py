@@ -1,13 +1,14 @@
 """What a logic analyser saw, and how its files say their sample rate."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from skiplatch.arrays import FloatArray
+from skiplatch.campaign.constraints import INSTANT_S
 from skiplatch.errors import InputError
 
 RATE = r"(\d+\.?\d*)\s*([kMG]?)Hz"
@@ -41,6 +42,32 @@ def only_changes(times: FloatArray, levels: FloatArray) -> tuple[FloatArray, Flo
     """Give the state at first and each change of a channel, both shape (n,)."""
     kept = np.concatenate([[True], np.diff(levels) != 0])
     return times[kept], levels[kept]
+
+
+def refuse_times(path: Path, times_s: FloatArray, lines: Sequence[int] | None = None) -> None:
+    """Refuse the first time, shape (n,), that goes back or that no clock reads.
+
+    Args:
+        path: The capture.
+        times_s: In the order of the file.
+        lines: Of each time; None where the file has none.
+
+    Raises:
+        InputError: There is one.
+    """
+    longest = INSTANT_S.high
+    beyond = ~(np.abs(times_s) <= longest)
+    wrong = np.flatnonzero(beyond | (np.diff(times_s, prepend=-np.inf) < 0.0))
+    if not len(wrong):
+        return
+    first = int(wrong[0])
+    found = f"{times_s[first]:.9g} s"
+    message = (
+        f"expected a time of at most {longest:g} s, got {found}"
+        if beyond[first]
+        else f"time goes back from {times_s[first - 1]:.9g} s to {found}"
+    )
+    raise InputError(path, lines[first] if lines else None, None, message)
 
 
 def hertz(path: Path, match: re.Match[str]) -> float:

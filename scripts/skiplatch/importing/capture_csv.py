@@ -10,7 +10,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign.csv_text import Row, delimiter_of
 from skiplatch.errors import InputError, quoted
-from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes
+from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
 from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.units_in_heads import UNITS, bracketed
@@ -63,6 +63,7 @@ def read_csv(path: Path) -> Capture:
     if _is_time(sheet.head[0]):
         names = sheet.names or sheet.head[1:]
         times, assumed = _times(path, sheet)
+        refuse_times(path, times, [line for line, _ in sheet.rows])
         levels = _levels(path, sheet, 1, len(names))
     elif sheet.rate_hz:
         names, assumed = sheet.names or sheet.head, ()

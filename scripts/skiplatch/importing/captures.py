@@ -13,7 +13,7 @@ from vcd.reader import Token, TokenKind, VCDParseError, tokenize
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
-from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes
+from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
 from skiplatch.importing.capture_csv import read_csv
 from skiplatch.importing.encodings import in_utf8
 
@@ -22,6 +22,8 @@ MOST_TICKS = 2**63
 _RATE = re.compile(RATE, re.IGNORECASE)
 _ACQUIRED = re.compile(f"Acquisition with .* at {RATE}", re.IGNORECASE)
 """How sigrok says its sample rate in the comment of a VCD."""
+_MAGNITUDES = (1, 10, 100)
+"""Of a $timescale, as IEEE 1364 has it."""
 _S_OF_UNIT = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "ps": 1e-12, "fs": 1e-15}
 
 
@@ -38,12 +40,12 @@ def read_capture(path: Path) -> Capture:
 def _read_vcd(path: Path) -> Capture:
     found: dict[str, list[tuple[float, float]]] = {}
     name_of: dict[str, str] = {}
+    stamps: list[tuple[int, int]] = []
     scale, now, step_s = 1e-9, 0, None
     assumed: tuple[str, ...] = ("times are in ns, as the VCD has no $timescale",)
     for token in _vcd_tokens(path):
         if token.kind is TokenKind.TIMESCALE:
-            magnitude, unit = int(token.timescale.magnitude), token.timescale.unit.value
-            scale, assumed = magnitude * _S_OF_UNIT[unit], ()
+            scale, assumed = _timescale(path, token), ()
         elif token.kind is TokenKind.COMMENT and (sampled := _ACQUIRED.search(token.comment)):
             step_s = 1.0 / hertz(path, sampled)
         elif token.kind is TokenKind.VAR and token.var.type_ in (VarType.wire, VarType.reg):
@@ -52,16 +54,27 @@ def _read_vcd(path: Path) -> Capture:
         elif token.kind is TokenKind.CHANGE_TIME:
             now = token.time_change
             if now > MOST_TICKS:
-                raise InputError(path, None, None, "expected times up to 2^63")
+                raise InputError(path, token.span.start.line, 1, "expected times up to 2^63")
+            stamps.append((now, token.span.start.line))
         elif token.kind is TokenKind.CHANGE_SCALAR:
             code, value = token.scalar_change.id_code, token.scalar_change.value
             if code in name_of and value in "01":
                 found[name_of[code]].append((now * scale, float(value)))
+    refuse_times(path, np.array([t for t, _ in stamps]) * scale, [line for _, line in stamps])
     channels = {name: np.array(pairs) for name, pairs in found.items() if pairs}
     if not channels:
         raise InputError(path, None, None, "expected wires that change, found none")
     changes = {n: only_changes(c[:, 0], c[:, 1]) for n, c in channels.items()}
     return Capture(changes, step_s, assumed)
+
+
+def _timescale(path: Path, token: Token) -> float:
+    """Give the unit of the times in s."""
+    magnitude, unit = int(token.timescale.magnitude), token.timescale.unit.value
+    if magnitude not in _MAGNITUDES:
+        message = f"expected a $timescale of 1, 10 or 100 units, got {magnitude} {unit}"
+        raise InputError(path, token.span.start.line, token.span.start.column, message)
+    return magnitude * _S_OF_UNIT[unit]
 
 
 def _vcd_tokens(path: Path) -> Iterator[Token]:

@@ -169,6 +169,7 @@ def _channels(path: Path, capture: Capture, wanted: Channels) -> _Named:
         for field in ("probe", "latch", "report", "plc_latch")
         if (name := getattr(wanted, field)) is not None
     }
+    _refuse_shared(path, given)
     probe, latch, plc = given.get("probe"), given.get("latch"), given.get("plc_latch")
     free = [
         name
@@ -184,6 +185,19 @@ def _channels(path: Path, capture: Capture, wanted: Channels) -> _Named:
         raise InputError(path, None, None, f"expected two channels that change; there are: {names}")
     latches = {InputPath.SKIP: latch, InputPath.PLC: plc}
     return _Named(probe, {p: n for p, n in latches.items() if n}, given.get("report"))
+
+
+def _refuse_shared(path: Path, given: Mapping[str, str]) -> None:
+    """Refuse a channel that is to be two things."""
+    option_of: dict[str, str] = {}
+    for field, name in given.items():
+        option = f"--{field.replace('_', '-')}"
+        if name in option_of:
+            message = (
+                f"expected a channel each, got {quoted(name)} for {option_of[name]} and {option}"
+            )
+            raise InputError(path, None, None, message)
+        option_of[name] = option
 
 
 def _like(names: list[str], words: tuple[str, ...]) -> str | None:

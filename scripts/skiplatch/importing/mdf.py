@@ -7,7 +7,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.files import foreign_reader
-from skiplatch.importing.analyser import Capture
+from skiplatch.importing.analyser import Capture, refuse_times
 from skiplatch.importing.captures import MOST_BYTES
 
 
@@ -29,6 +29,7 @@ def read_mdf(path: Path) -> Capture:
             samples = np.asarray(signal.samples)
             if samples.ndim == 1 and samples.dtype.kind in "biuf" and len(samples) > 1:
                 times_s = np.asarray(signal.timestamps, dtype=float)
+                refuse_times(path, times_s)
                 changes.setdefault(signal.name, _changes(times_s, samples.astype(float)))
                 steps_s.append(float(np.median(np.diff(times_s))))
     return Capture(changes, max(steps_s, default=0.0) or None)
