@@ -342,7 +342,7 @@ def test_slip_in_a_position_is_no_line_below_the_table(tmp_path: Path, refused: 
 
     said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
 
-    assert 'x.csv:4: expected a number, got "2OO"' in said
+    assert 'x.csv:4: mm: expected a number, got "2OO"' in said
 
 
 def test_what_comes_next_without_a_feed_is_to_give_it(tmp_path: Path) -> None:
@@ -433,7 +433,7 @@ def test_table_without_a_run_is_refused(tmp_path: Path, refused: Program, text: 
 
     said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
 
-    assert "x.csv: expected" in said or "x.csv:2: expected a number" in said
+    assert "x.csv: expected" in said or "x.csv:2: a: expected a number" in said
 
 
 def test_runs_that_are_all_alike_do_not_tell_how_they_repeat(tmp_path: Path) -> None:

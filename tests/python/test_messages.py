@@ -64,17 +64,17 @@ def test_a_log_that_cannot_be_repeated_is_told_by_its_own_name() -> None:
 
 @pytest.mark.parametrize("number", ["9" * 400 + ".5", "nan"])
 @pytest.mark.parametrize(
-    ("kind", "name", "line"),
+    ("kind", "name"),
     [
-        ("grbl", "grbl_serial.log", ""),
-        ("klipper", "klippy.log", ""),
-        ("marlin", "marlin_m48.log", ""),
-        ("linuxcnc", "linuxcnc_probe.txt", ""),
-        ("edges", "saleae.csv", ":2"),
+        ("grbl", "grbl_serial.log"),
+        ("klipper", "klippy.log"),
+        ("marlin", "marlin_m48.log"),
+        ("linuxcnc", "linuxcnc_probe.txt"),
+        ("edges", "saleae.csv"),
     ],
 )
 def test_a_log_of_numbers_without_bounds_is_refused(
-    kind: str, name: str, line: str, number: str, tmp_path: Path
+    kind: str, name: str, number: str, tmp_path: Path
 ) -> None:
     log, out = tmp_path / name, tmp_path / "out"
     log.write_text(re.sub(r"\d+\.\d+", number, (LOGS / name).read_text()))
@@ -82,7 +82,7 @@ def test_a_log_of_numbers_without_bounds_is_refused(
     result = CliRunner().invoke(group, ["import", kind, str(log), "--out", str(out)])
 
     assert isinstance(result.exception, InputError), result.exception
-    assert str(result.exception).startswith(f"{log}{line}: ")
+    assert re.match(re.escape(str(log)) + r"(?::\d+: |: expected )", str(result.exception))
     assert not out.exists()
 
 

@@ -95,7 +95,7 @@ class Column(ABC):
         values = self._checked(tidied, required)
         if values is None:
             index = next(i for i, c in enumerate(tidied) if self._checked([c], required) is None)
-            raise CellError(index, self._complaint(cells[index]))
+            raise CellError(index, self.complaint(cells[index]))
         return values
 
     @property
@@ -129,7 +129,8 @@ class Column(ABC):
             return None
         return values if self.admits(values, required=required).all() else None
 
-    def _complaint(self, cell: str) -> str:
+    def complaint(self, cell: str) -> str:
+        """Say what is expected instead of a cell that is not admitted."""
         unit = f" in {self.unit}" if self.unit else ""
         found = quoted(cell) if cell else "an empty cell"
         return f"expected {self._expected_instead_of(cell)}{unit}, got {found}"

@@ -6,7 +6,7 @@ from collections.abc import Collection
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign.column_kinds import Values
+from skiplatch.campaign.column_kinds import Column, Values
 from skiplatch.campaign.columns import (
     COLUMNS,
     REQUIRED,
@@ -21,12 +21,29 @@ from skiplatch.files import atomic_write_text
 CHUNK_ROWS = 2_000
 
 
+class InadmissibleError(ValueError):
+    """A value is none that the format admits.
+
+    Attributes:
+        row: Of the touch, from 0.
+        column: Its name.
+        message: What was expected and what is there.
+    """
+
+    def __init__(self, row: int, column: str, message: str) -> None:
+        super().__init__(f"{column}: {message}")
+        self.row = row
+        self.column = column
+        self.message = message
+
+
 def write_touches(path: str | os.PathLike[str], touches: Touches) -> None:
     """Write recorded touches, all columns, rounded to the decimals of the format.
 
     Raises:
         InputError: The file cannot be written.
-        ValueError: There are no touches, or some value is none that the format admits.
+        ValueError: There are no touches.
+        InadmissibleError: Some value is none that the format admits.
     """
     atomic_write_text(path, format_touches(touches))
 
@@ -76,8 +93,17 @@ def _refuse_inadmissible(touches: Touches) -> None:
     if not len(touches):
         raise ValueError("a campaign has at least one touch")
     for name, values in _written(touches).items():
-        if not COLUMNS[name].admits(values, required=name in REQUIRED).all():
-            raise ValueError(f"{name}: expected {COLUMNS[name].expected} throughout")
+        _refuse_first(name, COLUMNS[name], values, required=name in REQUIRED)
     for name, values in _thermometers(touches).items():
-        if not (is_thermometer(name) and THERMOMETER.admits(values).all()):
-            raise ValueError(f"{name}: expected {THERMOMETER.expected} throughout")
+        if not is_thermometer(name):
+            raise ValueError(f"{name}: no name of a thermometer")
+        _refuse_first(name, THERMOMETER, values, required=False)
+
+
+def _refuse_first(name: str, column: Column, values: Values, *, required: bool) -> None:
+    wrong = np.flatnonzero(~column.admits(values, required=required))
+    if len(wrong):
+        row = int(wrong[0])
+        value = values[row]
+        message = column.complaint(f"{value:g}" if isinstance(value, float) else str(value))
+        raise InadmissibleError(row, name, message)

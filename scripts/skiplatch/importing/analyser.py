@@ -10,8 +10,9 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign.constraints import INSTANT_S
 from skiplatch.errors import InputError
+from skiplatch.numbers import PLAIN
 
-RATE = r"(\d+\.?\d*)\s*([kMG]?)Hz"
+RATE = rf"(?<![\w.])({PLAIN})\s*([kMG]?)Hz"
 """Two groups, for `hertz`; in any case of letters."""
 MOST_HZ = 1e12
 _TIMES = {"": 1.0, "k": 1e3, "m": 1e6, "g": 1e9}

@@ -14,6 +14,7 @@ from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, ref
 from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.units_in_heads import UNITS, bracketed
+from skiplatch.numbers import number
 from skiplatch.units import NS_PER_S
 
 _SAMPLED = re.compile(rf"^;.*?Sample ?rate:\s*{RATE}", re.IGNORECASE | re.MULTILINE)
@@ -170,7 +171,7 @@ def _numbers(path: Path, rows: list[Row]) -> FloatArray:
     found = []
     for line, row in rows:
         try:
-            found.append(float(row[0]))
+            found.append(number(row[0]))
         except ValueError:
             found.append(np.nan)
         if not np.isfinite(found[-1]):

@@ -132,7 +132,7 @@ def _parts(archive: zipfile.ZipFile, stem: str) -> Iterator[tuple[int, str]]:
     for name in archive.namelist():
         if name == stem:
             yield 0, name
-        elif match := re.fullmatch(rf"{re.escape(stem)}-(\d+)", name):
+        elif match := re.fullmatch(rf"{re.escape(stem)}-([0-9]+)", name):
             yield int(match[1]), name
 
 

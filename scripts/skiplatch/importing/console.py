@@ -9,8 +9,9 @@ from collections.abc import Mapping
 
 from skiplatch.importing.log_lines import Line, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
+from skiplatch.numbers import NUMBER
 
-_TEMPERATURE = re.compile(r"\b(B|T\d?):\s*(-?\d+\.?\d*)\s*/")
+_TEMPERATURE = re.compile(rf"\b(B|T[0-9]?):\s*({NUMBER})\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
 HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
 """What begins a session, as the touches after it latch elsewhere than those before."""
@@ -68,6 +69,7 @@ class Console:
                 time_s=line.time_s if time_s is None else time_s,
                 session=self._session,
                 temperatures=dict(self.temperatures),
+                line=line.number,
                 is_false=is_false,
             )
         )

@@ -12,6 +12,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from skiplatch.numbers import PLAIN
 from skiplatch.units import MM_PER_INCH
 
 AXES = "XYZABC"
@@ -24,9 +25,9 @@ SHARE_DIGITS = 3  # no feed is truer than 0.1 %
 SHORTEST_REST = 0.01  # of a move, in mm or degrees, that tells its direction
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
-_WORD = re.compile(r"([A-Z])\s*([-+]?\s*(?:\d+\.?\d*|\.\d+)|#[<\w]+>?|\[)", re.IGNORECASE)
-_ASSIGNMENT = re.compile(r"^\s*#\s*(<[^>]*>|\d+)\s*=\s*(.+)$")
-_PARAMETER = re.compile(r"#\s*(<[^>]*>|\d+)")
+_WORD = re.compile(rf"([A-Z])\s*([-+]?\s*{PLAIN}|#[<\w]+>?|\[)", re.IGNORECASE)
+_ASSIGNMENT = re.compile(r"^\s*#\s*(<[^>]*>|[0-9]+)\s*=\s*(.+)$")
+_PARAMETER = re.compile(r"#\s*(<[^>]*>|[0-9]+)")
 _OPERATORS: Mapping[type[ast.AST], Callable[..., float]] = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -45,7 +46,8 @@ _OPERATORS: Mapping[type[ast.AST], Callable[..., float]] = {
 }
 _WORDS = {"LT": "<", "LE": "<=", "GT": ">", "GE": ">=", "EQ": "==", "NE": "!=", "MOD": "%"}
 _OPERATOR_WORD = re.compile(rf"\b(?:{'|'.join(_WORDS)})\b")
-_NUMBER = re.compile(r"[-+]? *(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)")
+_NUMBER = re.compile(rf"[-+]? *{PLAIN}")
+_PYTHONS_ALONE = re.compile(r"\d[A-Z_]", re.ASCII)  # 1_0, 1E3, 0X10 are none of G-code
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +170,7 @@ class Machine:
             return f"({value})"
 
         python = _PARAMETER.sub(parameter, python).replace("[", "(").replace("]", ")")
-        if not known:
+        if not known or _PYTHONS_ALONE.search(_PARAMETER.sub("", text.upper())):
             return None
         try:
             return _finite(_evaluated(_parsed(python.strip().replace(" ", ""))))

@@ -18,7 +18,7 @@ BRANCHES = ("IF", "ELSEIF", "ELSE", "ENDIF")
 
 _INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
 _FLOW = re.compile(
-    r"^\s*O\s*(<[^>]*>|\d+)\s*"
+    r"^\s*O\s*(<[^>]*>|[0-9]+)\s*"
     r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN|IF|ELSEIF|ELSE|ENDIF)\b\s*(.*)$",
     re.IGNORECASE,
 )

@@ -14,15 +14,16 @@ from skiplatch.importing.grbl_speed import Speeds
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
 from skiplatch.importing.presets import PRESETS, Preset
+from skiplatch.numbers import NUMBER
 from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
-_SETTING = re.compile(r"\$(\d{1,3})\s*=\s*(-?\d+\.?\d*)")
+_SETTING = re.compile(rf"\$([0-9]{{1,3}})\s*=\s*({NUMBER})")
 _MODES = re.compile(r"\[GC:([^\]]*)\]")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
 _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
 _PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TL[O0R]|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
-_RANGE = re.compile(r"\bAxis ([XYZABC]) \((-?\d+\.?\d*),\s*(-?\d+\.?\d*)\)", re.ASCII)
+_RANGE = re.compile(rf"\bAxis ([XYZABC]) \(({NUMBER}),\s*({NUMBER})\)")
 _HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
 _STEPS, _ACCEL, _INCHES = 100, 120, 13
 
@@ -149,6 +150,7 @@ class _Reader:
                 start=start if reply.has_touched else None,
                 time_s=line.time_s,
                 session=self._session_name(),
+                line=line.number,
                 is_release=bool(move and move.is_release),
             )
         )
@@ -168,6 +170,7 @@ class _Reader:
                 share=move.share,
                 time_s=line.time_s,
                 session=self._session_name(),
+                line=line.number,
                 is_false=True,
             )
         )

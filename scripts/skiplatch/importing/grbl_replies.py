@@ -4,12 +4,13 @@ import re
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
+from skiplatch.numbers import number
 from skiplatch.units import MM_PER_INCH
 
 _DECIMALS_INCH = 4
 _LINEAR_AXES = 3
 
-_PRB = re.compile(r"\[PRB:\s*([-\d.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
+_PRB = re.compile(r"\[PRB:\s*([-+0-9eE.,\s]+?):\s*([01])\s*\]", re.IGNORECASE)
 _BEGUN = re.compile(r"\[PRB:\s*(?:[-+.\d]|$)", re.IGNORECASE)
 
 
@@ -38,7 +39,7 @@ def reply_in(text: str) -> Reply | None:
         return Reply(begun.start()) if begun else None
     words = [word.strip() for word in whole[1].split(",")]
     try:
-        numbers = tuple(float(word) for word in words)
+        numbers = tuple(number(word) for word in words)
     except ValueError:
         return Reply(whole.start())
     decimals = min(len(word.partition(".")[2]) for word in words[:_LINEAR_AXES])

@@ -7,9 +7,11 @@ otherwise ($65 of grblHAL). So a feed is taken with the override only where the 
 import re
 from collections.abc import Iterator
 
+from skiplatch.numbers import NUMBER
+
 _STATUS = re.compile(r"<[A-Z]\w*(?::\d+)?\|[^>]*")
-_SPEED = re.compile(r"\|FS?:(\d+\.?\d*)")
-_OVERRIDE = re.compile(r"\|Ov:(\d+)")
+_SPEED = re.compile(rf"\|FS?:({NUMBER})")
+_OVERRIDE = re.compile(r"\|Ov:([0-9]+)(?!\w)")
 _HALF_A_DIGIT_MM = 0.51  # mm/min are printed without decimals, inches with one
 _HALF_A_DIGIT_INCH = 0.051
 

@@ -12,11 +12,19 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
+from skiplatch.campaign.column_kinds import CellError
 from skiplatch.campaign.csv_text import Row
-from skiplatch.errors import InputError, quoted
+from skiplatch.errors import InputError
 from skiplatch.importing.iso230_heads import is_negative, no_runs, says_mm
 from skiplatch.importing.model import Figure, Imported
-from skiplatch.importing.spreadsheets import begins_with_a_word, read_spreadsheet, say_digit
+from skiplatch.importing.spreadsheets import (
+    ANY_NUMBER,
+    begins_with_a_word,
+    read_spreadsheet,
+    say_digit,
+    tells,
+)
+from skiplatch.numbers import number
 from skiplatch.units import UM_PER_MM
 
 DECIMALS = 3  # of a deviation in a campaign
@@ -47,7 +55,7 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     heads = [head.strip() for head in rows[0][1][1:]]
     in_mm = _in_mm(path, rows[0], found, in_mm=in_mm)
     signs = np.array([-1.0 if is_negative(head) else 1.0 for head in heads])
-    positions, deviations = _numbers(path, rows[1:], len(heads))
+    positions, deviations = _numbers(path, rows)
     unit = UM_PER_MM if in_mm else 1.0
     order = np.array(
         [(p, run) for run in range(len(heads)) for p in _course(run, signs, positions)]
@@ -71,6 +79,7 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
         "feed_mm_min": np.full(len(point), np.nan if feed is None else feed),
     }
     found.columns = Touches.from_columns(**columns)
+    found.lines = [rows[1 + i][0] for i in point.tolist()]
     found.known.append(
         f"{len(positions)} positions, {int((signs > 0).sum())} runs in the positive sense, "
         f"{int((signs < 0).sum())} in the negative"
@@ -181,28 +190,24 @@ def _course(run: int, signs: np.typing.NDArray[np.float64], positions: np.ndarra
     return order if signs[run] > 0 else order[::-1]
 
 
-def _numbers(
-    path: Path, rows: list[tuple[int, list[str]]], runs: int
-) -> tuple[np.ndarray, np.ndarray]:
-    positions, deviations = [], []
-    for line, row in rows:
-        cells = [cell.strip() for cell in row]
+def _numbers(path: Path, rows: list[Row]) -> tuple[FloatArray, FloatArray]:
+    """Give positions, shape (n,), and deviations, shape (n, runs), NaN where there is none."""
+    (_, head), *body = rows
+    for line, row in body:
+        if len(row) != len(head):
+            raise InputError(path, line, None, f"expected {len(head)} cells, got {len(row)}")
+    columns = []
+    for i, name in enumerate(head):
         try:
-            positions.append(float(cells[0]))
-            values = [float(cell) if cell else np.nan for cell in cells[1:]]
-        except ValueError:
-            wrong = next((cell for cell in cells if not _is_number(cell)), cells[0])
-            raise InputError(path, line, None, f"expected a number, got {quoted(wrong)}") from None
-        if len(values) != runs:
-            message = f"expected {runs + 1} cells, got {len(cells)}"
-            raise InputError(path, line, None, message)
-        deviations.append(values)
-    return np.array(positions), np.array(deviations)
+            columns.append(ANY_NUMBER.parse([row[i] for _, row in body], required=i == 0))
+        except CellError as error:
+            raise InputError(path, body[error.index][0], name.strip(), error.message) from error
+    return columns[0], np.column_stack(columns[1:])
 
 
 def _is_number(cell: str) -> bool:
     try:
-        float(cell or "nan")
+        number(cell)
     except ValueError:
-        return False
+        return not tells(cell)
     return True

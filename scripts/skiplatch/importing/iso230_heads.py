@@ -52,6 +52,7 @@ def says_mm(path: Path, line: int, heads: Sequence[str]) -> bool | None:
     """
     heads = [head.strip() for head in heads]
     lengths = [split_unit(head, "mm")[1] for head in heads]
+    lengths[0] = split_unit(f"position {heads[0]}", "mm")[1]  # its head may be nothing but a unit
     for number, (head, length) in enumerate(zip(heads, lengths, strict=True)):
         unit = bracketed(head)[1] or split_unit(head, "mm/min")[1]
         allowed = {"", "mm", "µm", "um"} if number else {"", "mm"}

@@ -6,29 +6,29 @@ from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console
-from skiplatch.importing.log_lines import TYPED, Line, read_lines
+from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
+from skiplatch.numbers import NUMBER, number
 from skiplatch.units import S_PER_MIN, UM_PER_MM
 
 _PROBE = re.compile(
-    r"probe(?:: at| at) (-?\d+\.?\d*),\s*(-?\d+\.?\d*)(?:,\s*(-?\d+\.?\d*))? "
-    r"(?:is|bed will contact at) z=(-?\d+\.?\d*)",
+    rf"probe(?:: at| at) ({NUMBER}),\s*({NUMBER})(?:,\s*({NUMBER}))? "
+    rf"(?:is|bed will contact at) z=({NUMBER})",
     re.IGNORECASE,
 )
 _ACCURACY = re.compile(
-    r"PROBE_ACCURACY at X:(-?\d+\.?\d*) Y:(-?\d+\.?\d*) Z:(-?\d+\.?\d*)\s*\((?P<options>[^)]*)"
+    rf"PROBE_ACCURACY at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})\s*\((?P<options>[^)]*)"
 )
 _MISSED = re.compile(r"No trigger on probe after full movement", re.IGNORECASE)
 _FALSE = re.compile(r"Probe triggered prior to movement", re.IGNORECASE)
-_OPTION = re.compile(r"(\w+)=(\d+\.?\d*)")
-_STATS = re.compile(r"^Stats (\d+\.\d+):")
-_TEMPERATURE = re.compile(r"([A-Za-z_][\w ]*?): (?:target=-?\d+\.?\d* )?temp=(-?\d+\.?\d*)")
+_OPTION = re.compile(rf"(\w+)=({NUMBER})")
+_STATS = re.compile(rf"^Stats ({NUMBER}):")
+_TEMPERATURE = re.compile(rf"([A-Za-z_][\w ]*?): (?:target={NUMBER} )?temp=({NUMBER})")
 _SECTION = re.compile(r"^\[([^\]]+)\]$")
-_NUMBER = re.compile(r"\d+\.?\d*", re.ASCII)
-_SIGNED = re.compile(rf"-?{_NUMBER.pattern}", re.ASCII)
+_WHOLE = re.compile(NUMBER)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
 _RESULTS = re.compile(r"^probe accuracy results", re.IGNORECASE)
-_PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({TYPED})", re.IGNORECASE)
+_PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({NUMBER})", re.IGNORECASE)
 _COMMAND = re.compile(
     r"^(?:N\d+\s*)?(?:G\d+\b.*|(?:PROBE|[A-Z]\w*_\w+)(?:\s+\w+=\S+)*\s*(?:[;#*].*)?)$",
     re.IGNORECASE,
@@ -181,7 +181,7 @@ class _Reader(Console):
                 if name == "speed"
                 and section.split()[0:1]
                 and section.split()[0] in _PROBE_SECTIONS
-                and _NUMBER.fullmatch(value)
+                and _WHOLE.fullmatch(value)
             ),
             None,
         )
@@ -233,16 +233,16 @@ class _Reader(Console):
     def _reach(self, found: Imported) -> None:
         """Take the ends of Z from the configuration, so that no touch is asked for beyond them."""
         ends = [self._config.get(("stepper_z", f"position_{end}"), "") for end in ("min", "max")]
-        if all(_SIGNED.fullmatch(end) for end in ends):
+        if all(_WHOLE.fullmatch(end) for end in ends):
             found.reach(float(ends[0]), float(ends[1]), "[stepper_z] of the log")
 
     def _steps(self, found: Imported) -> None:
         """Work the step of Z out of the configuration that klippy.log begins with."""
         get = self._config.get
         try:
-            distance = float(get(("stepper_z", "rotation_distance"), ""))
-            microsteps = float(get(("stepper_z", "microsteps"), ""))
-            full = float(get(("stepper_z", "full_steps_per_rotation"), "200"))
+            distance = number(get(("stepper_z", "rotation_distance"), ""))
+            microsteps = number(get(("stepper_z", "microsteps"), ""))
+            full = number(get(("stepper_z", "full_steps_per_rotation"), "200"))
             ratio = _gear_ratio(get(("stepper_z", "gear_ratio"), "1:1"))
             step_um = UM_PER_MM * distance / (full * microsteps * ratio)
         except (ValueError, ZeroDivisionError):
@@ -250,7 +250,7 @@ class _Reader(Console):
         else:
             found.figure("axis", "resolution_um", step_um, "[stepper_z] of the log")
         accel = get(("printer", "max_z_accel"))
-        if accel is not None and _NUMBER.fullmatch(accel):
+        if accel is not None and _WHOLE.fullmatch(accel):
             found.figure("axis", "accel_mm_s2", float(accel), "[printer] max_z_accel of the log")
 
 
@@ -258,5 +258,5 @@ def _gear_ratio(text: str) -> float:
     ratio = 1.0
     for pair in text.split(","):
         driven, driving = pair.split(":")
-        ratio *= float(driven) / float(driving)
+        ratio *= number(driven) / number(driving)
     return ratio

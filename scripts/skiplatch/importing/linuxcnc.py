@@ -14,6 +14,7 @@ from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
 from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, run
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch
+from skiplatch.numbers import number
 from skiplatch.units import MM_PER_INCH
 
 COLUMNS = 9
@@ -40,7 +41,7 @@ def read_linuxcnc(
     Raises:
         InputError: A file cannot be read, or holds no touch.
     """
-    rows, broken = _rows(path)
+    rows, lines, broken = _rows(path)
     text = read_text(program) if program else ""
     done = run(text, rows, inch=inch)
     moves = done.moves
@@ -61,30 +62,33 @@ def read_linuxcnc(
         )
     if done.not_found:
         found.assumed.append(f"{_subroutines(done)}: taken for without probing moves and feeds")
-    for row, move in zip(rows, matched, strict=True):
+    for line, row, move in zip(lines, rows, matched, strict=True):
         found.touches.append(_touch(row, move, fallback, feed, unit))
+        found.touches[-1].line = line
     found.leave_out_releases()
     found.share_feeds()
     _say(found, moves, feed, inch=inch)
     return found
 
 
-def _rows(path: Path) -> tuple[list[Row], int]:
+def _rows(path: Path) -> tuple[list[Row], list[int], int]:
     rows: list[Row] = []
+    lines: list[int] = []
     broken = 0
-    for line in read_text(path).splitlines():
+    for place, line in enumerate(read_text(path).splitlines(), start=1):
         try:
-            numbers = tuple(float(word) for word in line.split())
+            numbers = tuple(number(word) for word in line.split())
         except ValueError:
             numbers = ()
         if len(numbers) in (COLUMNS, FEWEST) and all(map(math.isfinite, numbers)):
             rows.append(numbers)
+            lines.append(place)
         elif line.strip():
             broken += 1
     if not rows:
         expected = f"expected lines of {COLUMNS} numbers, as (PROBEOPEN {path.name}) writes them"
         raise InputError(path, None, None, expected)
-    return rows, broken
+    return rows, lines, broken
 
 
 def _without_moves(text: str, done: Run) -> str:

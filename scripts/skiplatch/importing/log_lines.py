@@ -18,15 +18,13 @@ from skiplatch.importing.encodings import encoding_of, refuse_no_text
 MAX_BYTES = 500 * 2**20
 MAX_LINE_CHARACTERS = 10_000
 S_PER_DAY = 86_400.0
-TYPED = r"(?:\d+\.?\d*|\.\d+)"
-"""A number as people type it, without a sign."""
 
 _TIME = (
     r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2}(?:[.,]\d+)?)(?:\s*(?P<half>[AaPp][Mm]))?"
     r"(?:Z|[+-]\d{2}:?\d{2})?"
 )
 _DATE = r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[,T ]?\s*)?"
-_STAMP = re.compile(rf"^\s*[\[(]?{_DATE}{_TIME}\s*[\])]?\s*[:|>-]*\s*")
+_STAMP = re.compile(rf"^\s*[\[(]?{_DATE}{_TIME}\s*[\])]?\s*[:|>-]*\s*", re.ASCII)
 _MARK = re.compile(
     r"^(?:\s|[-*•]\s|\$ |>>>|<<<|>(?!\s*$)|<(?![A-Za-z])|//|!!|echo:|"
     r"(?:Recv|Send|RX|TX|READ|SENT|SENDING|RECV|INFO|DEBUG)\s*:?\s*(?=\W|\w)|\|)+",

@@ -5,22 +5,23 @@ from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console
-from skiplatch.importing.log_lines import TYPED, Line, read_lines
+from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
+from skiplatch.numbers import NUMBER, PLAIN
 from skiplatch.units import UM_PER_MM
 
 _SAMPLE = re.compile(
-    r"(?<!\d)(\d{1,6}) of (\d{1,6}):?\s*z:\s*(-?\d+\.?\d*)(?:.*?[Mm]ean:\s*(-?\d+\.?\d*))?"
+    rf"(?<!\d)([0-9]{{1,6}}) of ([0-9]{{1,6}}):?\s*z:\s*({NUMBER})(?:.*?[Mm]ean:\s*({NUMBER}))?"
 )
 _BED = re.compile(  # in lower case until 2015
-    r"Bed X:\s*(-?\d+\.?\d*)\s*Y:\s*(-?\d+\.?\d*)\s*Z:\s*(-?\d+\.?\d*)", re.IGNORECASE
+    rf"Bed X:\s*({NUMBER})\s*Y:\s*({NUMBER})\s*Z:\s*({NUMBER})", re.IGNORECASE
 )
 _FAILED = re.compile(r"Error:?\s*Probing failed", re.IGNORECASE)
-_PLACE = re.compile(rf"\bM48\b.*?\bX(-?{TYPED}).*?\bY(-?{TYPED})", re.IGNORECASE)
+_PLACE = re.compile(rf"\bM48\b.*?\bX(-?{PLAIN}).*?\bY(-?{PLAIN})", re.IGNORECASE)
 _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
-_STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({TYPED})")
-_ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({TYPED})")
+_STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({PLAIN})")
+_ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({PLAIN})")
 _MOVED = {
     HOMING: re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE),
     ADJUSTING: re.compile(r"^G34\b", re.IGNORECASE),

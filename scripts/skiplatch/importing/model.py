@@ -1,6 +1,6 @@
 """What the readers of logs give."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from skiplatch.campaign import Kind, Touches
@@ -38,6 +38,8 @@ class Touch:
     """Columns of a campaign that a table has beside these, by name."""
     is_release: bool = False
     """Whether the probe let go there, by G38.4 or G38.5, rather than touched."""
+    line: int | None = None
+    """Of the log, where it stands in one."""
     is_false: bool = False
     """Whether the probe triggered before it could have touched anything; without a coordinate."""
 
@@ -59,6 +61,7 @@ class Imported:
         kind: Of the campaign.
         touches: What was touched, on a machine.
         columns: In place of touches: columns that need no reference surface.
+        lines: With columns: the line of each touch in the log, if it has lines.
         preset: Name of the figures that such a rig has where the log says nothing else.
         figures: What the log says of the rig.
         known: What is known, a sentence each.
@@ -69,6 +72,7 @@ class Imported:
     kind: Kind = Kind.MACHINE
     touches: list[Touch] = field(default_factory=list)
     columns: Touches | None = None
+    lines: Sequence[int] = ()
     preset: str
     path_is_plc: bool = False
     figures: dict[KeyPath, Figure] = field(default_factory=dict)

@@ -7,7 +7,8 @@ from itertools import pairwise
 from pathlib import Path
 
 from skiplatch.campaign import KEYS
-from skiplatch.campaign.column_kinds import tidy
+from skiplatch.campaign.column_kinds import NumberColumn, tidy
+from skiplatch.campaign.constraints import INSTANT_US
 from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
@@ -17,7 +18,7 @@ from skiplatch.importing.model import Imported
 
 WINDOWS = "cp1252"
 MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
-_PLAIN = re.compile(r"[+-]?\d+[.,]?(\d*)$")
+_PLAIN = re.compile(r"[+-]?[0-9]+[.,]?([0-9]*)$")
 _WORD = re.compile(r"\s*[^\W\d_]")
 WORKED_OUT = re.compile(
     r"(?<![^\W\d_])(?:mean|average|mittel|median|std|stand(?:ard)?[ _]?(?:dev|abw)|sigma|range"
@@ -26,6 +27,10 @@ WORKED_OUT = re.compile(
     re.IGNORECASE,
 )
 """Heads of columns and of rows that a spreadsheet works out of the others."""
+
+ANY_NUMBER = NumberColumn(constraint=INSTANT_US, decimals=9, meaning="any number")
+"""Of a table in its own unit; what it may be in that of a campaign is looked at when it is written.
+"""
 
 IsHead = Callable[[list[str], list[str]], bool]
 """Tells the head of a table by its cells and those of the line after it."""

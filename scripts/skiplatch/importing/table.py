@@ -15,14 +15,20 @@ from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.model import Imported, Touch
-from skiplatch.importing.spreadsheets import read_spreadsheet, say_digit, tells, without_lines_below
+from skiplatch.importing.spreadsheets import (
+    ANY_NUMBER,
+    read_spreadsheet,
+    say_digit,
+    tells,
+    without_lines_below,
+)
 from skiplatch.importing.units_in_heads import BRACKETS, UNITS, split_unit
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
 
-_DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)")
+_DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)", re.ASCII)
 """07.10.2025 08:15:00: with points the day comes first."""
 _LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
 """Columns that tell the resolution, and their unit in µm."""
@@ -97,6 +103,7 @@ def read_table(
     Raises:
         InputError: It cannot be read, lacks a column, or holds a wrong cell.
     """
+    _refuse_twice(path, mapped)
     sheet = read_spreadsheet(path, lambda row, _: all(_named(row, m) for m in mapped))
     rows = sheet.rows
     if not rows:
@@ -109,11 +116,11 @@ def read_table(
     sheet.say(found)
     body = _touched(without_lines_below(body, found), heads, mapped, found)
     columns = {m.column: _cells(path, heads, body, m) for m in mapped}
-    lines = np.array([line for line, _ in body])
+    found.lines = [line for line, _ in body]
     if not body:
         raise InputError(path, header_line, None, "expected touches after the header, got none")
     if TIME_NAME in columns:
-        columns["time_s"] = seconds(path, lines, columns.pop(TIME_NAME))
+        columns["time_s"] = seconds(path, np.array(found.lines), columns.pop(TIME_NAME))
     for m in mapped:
         if m.column in _LENGTHS_UM:
             position, units = heads.index(m.head), UNITS[_unit_of(m.column)]
@@ -127,10 +134,21 @@ def read_table(
     if ignored:
         found.unread.append(f"columns that no --map names: {', '.join(ignored[:20])}")
     if COORDINATE in columns:
-        _from_coordinates(found, columns, axis, sign, feed)
+        _from_coordinates(found, columns, found.lines, axis, sign, feed)
     else:
         _as_they_are(found, columns, len(body), axis, sign, feed)
     return found
+
+
+def _refuse_twice(path: Path, mapped: Sequence[Mapped]) -> None:
+    """Refuse two columns of the table for one of a campaign; there, a date is a time too."""
+    head_of: dict[str, str] = {}
+    for m in mapped:
+        column = "time_s" if m.column == TIME_NAME else m.column
+        if column in head_of:
+            message = f"expected one head, got {quoted(head_of[column])} and {quoted(m.head)}"
+            raise InputError(path, None, column, message)
+        head_of[column] = m.head
 
 
 def _unit_of(column: str) -> str:
@@ -205,28 +223,22 @@ def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped) -> Values:
         cells = [_DOTTED_DATE.sub(r"\3-\2-\1T", cell.strip()) for cell in cells]
     about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
     if about is None or isinstance(about, NumberColumn):
-        about = _LOOSE
+        about = ANY_NUMBER
     try:
         values = about.parse(cells)
     except CellError as error:
         raise InputError(path, body[error.index][0], m.head, error.message) from error
-    if isinstance(about, LabelColumn) or about is not _LOOSE:
+    if isinstance(about, LabelColumn) or about is not ANY_NUMBER:
         return values
     factor = UNITS.get(_unit_of(m.column), {}).get(m.unit, 1.0)
     scaled: FloatArray = values * factor + _ZEROS.get(m.unit, 0.0)
     return scaled
 
 
-_LOOSE = NumberColumn(
-    constraint=COLUMNS["latch_us"].constraint,  # type: ignore[attr-defined]
-    decimals=9,
-    meaning="any number",
-)
-
-
 def _from_coordinates(
     found: Imported,
     columns: Mapping[str, FloatArray],
+    lines: Sequence[int],
     axis: str,
     sign: int | None,
     feed: float | None,
@@ -257,6 +269,7 @@ def _from_coordinates(
                     for name in columns
                     if is_thermometer(name) and not np.isnan(columns[name][row])
                 },
+                line=lines[row],
                 also={name: float(columns[name][row]) for name in ALSO if name in columns},
             )
         )

@@ -5,6 +5,8 @@ from math import isinf
 from pathlib import Path
 from textwrap import wrap
 
+import numpy as np
+
 from skiplatch.campaign import (
     FORMATS,
     KEYS,
@@ -15,11 +17,13 @@ from skiplatch.campaign import (
     Touches,
     format_touches,
 )
+from skiplatch.campaign.constraints import PLACE_MM
 from skiplatch.campaign.datum import Datum
 from skiplatch.campaign.nominal import Key
+from skiplatch.campaign.writing import InadmissibleError
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
-from skiplatch.importing.model import Figure, Figures, Imported
+from skiplatch.importing.model import Figure, Figures, Imported, Touch
 from skiplatch.importing.placing import as_touches, machine_thermometer
 from skiplatch.importing.presets import PRESETS
 
@@ -35,10 +39,13 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
     """
     if imported.columns is not None:
         touches: Touches = imported.columns
+        lines: Sequence[int | None] = imported.lines
         free = Datum.of_kind(imported.kind).free
     else:
         _leave_out_unknown_feeds(imported)
         touches, free, surfaces = as_touches(imported.touches, is_plc=imported.path_is_plc)
+        lines = [touch.line for touch in imported.touches]
+        _refuse_impossible_places(sources[0], imported.touches)
         imported.known.append(_surfaces(surfaces))
         place = machine_thermometer(imported.touches)
         if place and not any("temp_c" in touch.also for touch in imported.touches):
@@ -49,6 +56,7 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
                 f"of {len(surfaces)} surfaces {single} touched once only, which deviate by nothing "
                 "and tell nothing of the scatter"
             )
+    _refuse_impossible(sources[0], imported.figures)
     figures = {**PRESETS[imported.preset].figures, **imported.figures}
     notes = {
         "made_from": ", ".join(path.name for path in sources),
@@ -59,9 +67,29 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
     toml = nominal_text(imported.kind, figures, free, notes)
     try:
         text = format_touches(touches)
-    except ValueError as error:  # a log can tell what is impossible
-        raise InputError(sources[0], None, None, str(error)) from error
+    except InadmissibleError as error:  # a log can tell what is impossible
+        line = lines[error.row] if lines else None
+        raise InputError(sources[0], line, error.column, error.message) from error
     atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: text})
+
+
+def _refuse_impossible_places(source: Path, touches: Sequence[Touch]) -> None:
+    """Refuse a place on the other axes that no machine reaches; no column holds them."""
+    for touch in touches:
+        for value in touch.place:
+            if not abs(value) <= PLACE_MM.high:
+                message = f"expected {PLACE_MM.words_against(value)} in mm, got {value:g}"
+                raise InputError(source, touch.line, "place of the touch", message)
+
+
+def _refuse_impossible(source: Path, figures: Figures) -> None:
+    """Refuse a figure of the rig that no campaign may hold."""
+    for (section, name), figure in figures.items():
+        constraint = KEYS[section, name].constraint
+        if not constraint.holds(np.array([figure.value])).all():
+            found = f"{figure.value:g} ({figure.source})"
+            message = f"expected {constraint.words_against(figure.value)}, got {found}"
+            raise InputError(source, None, f"{section}.{name}", message)
 
 
 def _leave_out_unknown_feeds(imported: Imported) -> None:
