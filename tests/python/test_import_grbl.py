@@ -7,7 +7,11 @@ import pytest
 
 from refusals import Program
 from skiplatch.campaign import Axis
+from skiplatch.importing.grbl_commands import Commands
+from skiplatch.importing.log_lines import Line
 from test_import_logs import Run
+
+LINE = Line(1, "", "", None)
 
 
 def read(folder: Path, text: str, *options: str) -> Run:
@@ -164,3 +168,13 @@ def test_controller_that_starts_anew_takes_its_override_back(tmp_path: Path) -> 
     run = read(tmp_path, f"G21 G91\nok\n{text}{with_status('Run|FS:50,0')}")
 
     assert run.campaign.touches.feed_mm_min.tolist() == [50.0, 100.0]
+
+
+def test_inches_of_a_move_in_machine_coordinates_are_those_of_linear_axes() -> None:
+    commands = Commands(inch=True)
+
+    commands.execute("G53 G0 Z1 A90", LINE)
+    move = commands.execute("G91 G38.2 A-10 F100", LINE)
+
+    assert move is not None
+    assert move.start == {"Z": pytest.approx(25.4), "A": 90.0}

@@ -96,7 +96,8 @@ def _refuse_inadmissible(touches: Touches) -> None:
         _refuse_first(name, COLUMNS[name], values, required=name in REQUIRED)
     for name, values in _thermometers(touches).items():
         if not is_thermometer(name):
-            raise ValueError(f"{name}: no name of a thermometer")
+            row = int(np.argmax(THERMOMETER.recorded(values)))
+            raise InadmissibleError(row, name, "expected temp_NAME_c, NAME of a-z, 0-9, _, . and -")
         _refuse_first(name, THERMOMETER, values, required=False)
 
 

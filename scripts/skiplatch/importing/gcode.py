@@ -138,7 +138,7 @@ class Machine:
         self.parameters.update(zip(LATCHED, latched, strict=False))
         self.parameters[HAS_TOUCHED] = 1.0
         self.position |= {
-            axis: value * self._unit_of(axis) for axis, value in zip(AXES, latched, strict=False)
+            axis: value * self.unit_of(axis) for axis, value in zip(AXES, latched, strict=False)
         }
 
     def words(self, text: str) -> list[tuple[str, float | None]]:
@@ -197,7 +197,8 @@ class Machine:
     def _unit(self) -> float:
         return MM_PER_INCH if self.is_inch else 1.0
 
-    def _unit_of(self, axis: str) -> float:
+    def unit_of(self, axis: str) -> float:
+        """Give how many mm or degrees a number of an axis counts."""
         return self._unit if axis in LINEAR else 1.0
 
     def _offsets_change(self, words: list[tuple[str, float | None]]) -> None:
@@ -213,7 +214,7 @@ class Machine:
         ways: dict[str, float | None] = {}
         for axis, value in targets.items():
             here = start.get(axis)
-            unit = self._unit_of(axis)
+            unit = self.unit_of(axis)
             if value is None:
                 ways[axis] = None
                 self.position.pop(axis, None)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 
 from skiplatch.importing.gcode import AXES, Machine, ProbeMove
 from skiplatch.importing.log_lines import Line
-from skiplatch.units import MM_PER_INCH
 
 _FEED_0 = re.compile(r"\bF0(?:\.0*)?\b")
 _IN_MACHINE = re.compile(r"G53(?!\d)", re.IGNORECASE)
@@ -52,8 +51,8 @@ class Commands:
         move = self._machine.execute(text, line.number)
         places = {n: v for n, v in self._machine.words(text) if n in AXES and v is not None}
         if _IN_MACHINE.search(text):
-            unit = MM_PER_INCH if self._machine.is_inch else 1.0
-            self._machine.position = before | {n: v * unit for n, v in places.items()}
+            reached = {n: v * self._machine.unit_of(n) for n, v in places.items()}
+            self._machine.position = before | reached
             self._program = {n: v for n, v in self._program.items() if n not in places}
         elif self._machine.is_relative or _OFFSETS.search(text):
             self._program.clear()
