@@ -19,10 +19,11 @@ from skiplatch.campaign import Campaign, InputPath, Touches
 from skiplatch.campaign.steps import common_step
 from skiplatch.errors import InputError
 from skiplatch.statistics import Interval
-from skiplatch.surface_fit import by_t, fit_surfaces, outlying, without_outliers
+from skiplatch.surface_fit import Grid, by_t, fit_surfaces, outlying, without_outliers
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
+ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 FEWEST = 3
 FEWEST_AFTER_FIRST = 4
 FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
@@ -135,7 +136,8 @@ def repeatability(campaign: Campaign) -> Repeatability:
         raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often), surface[often]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
-    worked_out = _of(touches, values[often], surface, unit)
+    grid = Grid(common_step(values[often]), _resolution(campaign, unit))
+    worked_out = _of(touches, values[often], surface, unit, grid)
     return replace(worked_out, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))
 
 
@@ -148,8 +150,16 @@ def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:
     return "µs", np.round(touches.latch_us - touches.edge_us, FINEST_WAIT)
 
 
+def _resolution(campaign: Campaign, unit: str) -> float:
+    """Give what the rig is believed to tell apart, in the unit of the figures."""
+    nominal = campaign.nominal
+    if unit == "µs":
+        return nominal.skip.tick_us
+    return nominal.axis.resolution_um * (ARCSEC_PER_MILLIDEGREE if unit == "arcsec" else 1.0)
+
+
 def _of(
-    touches: Touches, y: FloatArray, surface: np.typing.NDArray[np.intp], unit: str
+    touches: Touches, y: FloatArray, surface: np.typing.NDArray[np.intp], unit: str, grid: Grid
 ) -> Repeatability:
     is_first = _firsts(touches, surface)
     dummies = (surface[:, None] == np.arange(surface.max() + 1)).astype(float)
@@ -160,9 +170,8 @@ def _of(
         lines["speed"] = speed
     if np.ptp(touches.sign) > 0.0:  # NaN, where a sense is not known, is not
         lines["axis"] = (order - order.mean()) * touches.sign
-    step = common_step(y)
-    regular, fit = without_outliers(y, dummies, lines, ~is_first, step)
-    outliers = ~regular & ~is_first | outlying(fit.residuals, regular, step) & is_first
+    regular, fit = without_outliers(y, dummies, lines, ~is_first, grid)
+    outliers = ~regular & ~is_first | outlying(fit.residuals, regular, grid) & is_first
     offsets = y - dummies @ _means(y, dummies, regular)
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
@@ -178,7 +187,7 @@ def _of(
         per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
         slope=fit.interval("speed") if "speed" in lines else None,
         outliers=tuple(touches.touch[outliers].tolist()),
-        step=step,
+        step=grid.step,
     )
 
 

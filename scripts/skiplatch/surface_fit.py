@@ -47,6 +47,19 @@ class SurfaceFit:
         return np.asarray(slope * (values - values.mean()))
 
 
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """What figures are rounded to.
+
+    Attributes:
+        step: That they are multiples of, as they show; None where they show none.
+        resolution: As it is believed: where all but a few are the same, they show no step.
+    """
+
+    step: float | None
+    resolution: float
+
+
 def by_t(value: float, error: float, freedom: int) -> Interval:
     """Give a value with its interval by Student's t."""
     reach = float(stats.t.ppf(0.5 + CONFIDENCE / 2.0, max(freedom, 1))) * error
@@ -101,14 +114,14 @@ def without_outliers(
     dummies: FloatArray,
     lines: dict[str, FloatArray],
     rows: BoolArray,
-    step: float | None,
+    grid: Grid,
 ) -> tuple[BoolArray, SurfaceFit]:
     """Fit, leave out what lies far off, and fit again until that stays the same."""
     off = _off_the_middle(y, np.column_stack([dummies, *lines.values()]), rows)
-    regular = rows & ~outlying(off, rows, step, OUTLYING_SIGMAS * 2.0)
+    regular = rows & ~outlying(off, rows, grid, OUTLYING_SIGMAS * 2.0)
     fit = fit_surfaces(y, dummies, lines, regular)
     for _ in range(TURNS):
-        again = rows & ~outlying(fit.residuals, regular, step)
+        again = rows & ~outlying(fit.residuals, regular, grid)
         if (again == regular).all() or again.sum() <= dummies.shape[1] + len(lines):
             break
         regular = again
@@ -117,12 +130,13 @@ def without_outliers(
 
 
 def outlying(
-    residuals: FloatArray, rows: BoolArray, step: float | None, sigmas: float = OUTLYING_SIGMAS
+    residuals: FloatArray, rows: BoolArray, grid: Grid, sigmas: float = OUTLYING_SIGMAS
 ) -> BoolArray:
     """Tell what lies far off by the middle size of the others."""
     centre = float(np.median(residuals[rows]))
     scatter = NORMAL_PER_MAD * float(np.median(np.abs(residuals[rows] - centre)))
-    limit = max(sigmas * scatter, OUTLYING_STEPS * (step or 0.0), NOTHING)
+    step = grid.step or (0.0 if scatter else grid.resolution)
+    limit = max(sigmas * scatter, OUTLYING_STEPS * step, NOTHING)
     far = np.abs(residuals - centre) > limit
     if scatter == 0.0 and far[rows].mean() > MOST_OUTLYING:  # a coarse step hides what scatters
         far = np.abs(residuals - centre) > sigmas * float(np.std(residuals[rows]))

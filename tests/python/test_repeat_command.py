@@ -359,3 +359,15 @@ def test_attempts_that_failed_are_said_beside_the_figures(machine_sample: Path) 
     assert len(found.touches) == 20
     assert "besides, 2 were missed; besides, 1 was latched without a contact." in sentence(found)
     assert (as_json(found)["missed"], as_json(found)["false"]) == (2, 1)
+
+
+@pytest.mark.parametrize(("steps", "outliers"), [(1, ()), (2, ()), (4, (7,))])
+def test_a_step_of_the_resolution_is_no_outlier(
+    machine_sample: Path, steps: int, outliers: tuple[int, ...]
+) -> None:
+    y = np.full(20, 36.084)
+    y[7] += steps * read_campaign(machine_sample).nominal.axis.resolution_um
+
+    found = of(machine_sample, y)
+
+    assert found.outliers == outliers
