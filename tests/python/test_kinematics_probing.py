@@ -96,3 +96,28 @@ def test_another_number_of_points_is_refused(
 
     assert isinstance(result.exception, InputError)
     assert message in str(result.exception)
+
+
+@pytest.mark.parametrize(
+    ("line", "cells", "message"),
+    [
+        (4, "0,", "points.csv:4: run: expected the number of a run, from 1 on, got 0"),
+        (4, "1.5,", "points.csv:4: run: expected the number of a run, from 1 on, got 1.5"),
+        (4, "1_0,", 'points.csv:4: run: expected a number in run, at most 1e+06, got "1_0"'),
+        (4, None, "points.csv:4: expected 25 points of their own, got that of line 3 again"),
+    ],
+)
+def test_row_that_is_no_point_of_its_own_is_refused(
+    tmp_path: Path, line: int, cells: str | None, message: str
+) -> None:
+    run(tmp_path, [sphere(12.5)] * 3)
+    path = tmp_path / "points.csv"
+    rows = path.read_text().splitlines()
+    own = rows[line - 1]
+    rows[line - 1] = rows[line - 2] if cells is None else cells + own.partition(",")[2]
+    path.write_text("\n".join(rows) + "\n")
+
+    result = CliRunner().invoke(group, ["kinematics", "probing", str(path)])
+
+    assert isinstance(result.exception, InputError)
+    assert message in str(result.exception)

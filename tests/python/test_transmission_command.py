@@ -333,6 +333,8 @@ BAD = {
     "do not overlap": OVERLAP,
     "no pulse of the output": "channel,t_ns\n1,100\n1,200\n",
     ":3: expected whole numbers": "channel,t_ns\n1,100\n2,1x\n",
+    ':3: expected whole numbers, found "1.5': "channel,t_ns\n1,100\n1.5,200\n",
+    ':3: expected whole numbers, found "2,1_0': "channel,t_ns\n1,0\n2,1_0\n",
     ":3: expected 2 cells, found 1": "channel,t_ns\n1,100\n2",
     ":3: channel: expected 1": "channel,t_ns\n1,100\n7,200\n",
     ":2: t_ns: expected": "channel,t_ns\n1,-100\n2,200\n",

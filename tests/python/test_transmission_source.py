@@ -92,3 +92,11 @@ def test_a_diagnosis_names_the_shaft(tmp_path: Path, description: Path) -> None:
     assert named["part"] == "shaft 1 (input)"
     assert named["order"] == pytest.approx(2.5, rel=0.02)
     assert "order 2.5" in result.output
+
+
+@pytest.mark.parametrize("name", ["7", "['a']", "''", "' '", '"a\\u0007b"', f'"{"x" * 101}"'])
+def test_name_of_a_stage_that_is_none_is_refused(description: Path, name: str) -> None:
+    description.write_text(BELT_AND_SCREW.replace('"belt"', name))
+
+    with pytest.raises(InputError, match=r"train.toml: stage 1: expected a name, a text of at "):
+        read_axis_train(description)

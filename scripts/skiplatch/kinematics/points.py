@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skiplatch.campaign.csv_text import Row, read_rows
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.kinematics.machine import LETTERS, Machine
+from skiplatch.numbers import number
 
 POSITION_COLUMNS = ("x_mm", "y_mm", "z_mm")
 APPROACH, RADIUS = TOLD_COLUMNS = ("approach", "radius_mm")
@@ -54,11 +55,14 @@ def read_positions(path: Path) -> NDArray[np.float64]:
     Raises:
         InputError: The file cannot be read, a column is missing, or a value is no finite number.
     """
-    return read_columns(path, POSITION_COLUMNS)
+    return read_columns(path, POSITION_COLUMNS)[1]
 
 
-def read_columns(path: Path, wanted: Sequence[str]) -> NDArray[np.float64]:
-    """Read columns of numbers, shape (n, wanted); they may stand in any order, with others.
+def read_columns(path: Path, wanted: Sequence[str]) -> tuple[list[int], NDArray[np.float64]]:
+    """Read columns of numbers; they may stand in any order, with others.
+
+    Returns:
+        The line of each row, and the numbers, shape (n, wanted).
 
     Raises:
         InputError: The file cannot be read, a column is missing, or a value is no finite number.
@@ -66,8 +70,11 @@ def read_columns(path: Path, wanted: Sequence[str]) -> NDArray[np.float64]:
     rows = read_rows(path)
     line, names = _header(path, rows)
     places = _places_of(path, line, names, wanted)
-    values = [_values(path, number, cells, len(names), wanted, places) for number, cells in rows]
-    return np.array(values).reshape(-1, len(wanted))
+    lines, values = [], []
+    for row_line, cells in rows:
+        lines.append(row_line)
+        values.append(_values(path, row_line, cells, len(names), wanted, places))
+    return lines, np.array(values).reshape(-1, len(wanted))
 
 
 def read_points(path: Path, machine: Machine) -> Points:
@@ -84,7 +91,7 @@ def read_points(path: Path, machine: Machine) -> Points:
     wanted = (*columns_of(machine), *told)
     places += [names.index(name) for name in told]
     values = np.array(
-        [_values(path, number, cells, len(names), wanted, places) for number, cells in rows]
+        [_values(path, row_line, cells, len(names), wanted, places) for row_line, cells in rows]
     ).reshape(-1, len(wanted))
     count = len(machine.axes)
     more = dict(zip(told, values[:, count + 3 :].T, strict=True))
@@ -140,7 +147,7 @@ def _values(
 
 def _value(path: Path, line: int, name: str, cell: str) -> float:
     try:
-        value = float(cell)
+        value = number(cell)
     except ValueError:
         value = math.nan
     if name == APPROACH and value not in (-1.0, 0.0, 1.0):

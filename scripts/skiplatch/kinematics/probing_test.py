@@ -68,7 +68,8 @@ def read_test(path: Path) -> list[FloatArray]:
     Raises:
         InputError: The file cannot be read, or is not of three runs of 25 points.
     """
-    rows = read_columns(path, ("run", *POSITION_COLUMNS))
+    lines, rows = read_columns(path, ("run", *POSITION_COLUMNS))
+    _refuse_rows(path, lines, rows)
     numbers = np.unique(rows[:, 0])
     if len(numbers) != RUNS:
         raise InputError(path, None, "run", f"expected {RUNS} runs, got {len(numbers)}")
@@ -78,6 +79,19 @@ def read_test(path: Path) -> list[FloatArray]:
             message = f"run {number:g}: expected {POINTS} points, got {len(points)}"
             raise InputError(path, None, "run", message)
     return runs
+
+
+def _refuse_rows(path: Path, lines: list[int], rows: FloatArray) -> None:
+    """Refuse what is no number of a run, and a point that stands there twice in one."""
+    line_of: dict[tuple[float, ...], int] = {}
+    for line, row in zip(lines, rows.tolist(), strict=True):
+        if row[0] < 1.0 or row[0] % 1.0:
+            message = f"expected the number of a run, from 1 on, got {row[0]:g}"
+            raise InputError(path, line, "run", message)
+        first = line_of.setdefault(tuple(row), line)
+        if first != line:
+            message = f"expected {POINTS} points of their own, got that of line {first} again"
+            raise InputError(path, line, None, message)
 
 
 def probing_test(runs: list[FloatArray], expected_mm: float | None) -> ProbingTest:

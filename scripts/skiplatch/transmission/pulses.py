@@ -6,6 +6,7 @@ binary file has a head of 16 bytes and 8 bytes a pulse.
 """
 
 import os
+import re
 import struct
 import warnings
 from collections.abc import Iterable, Iterator
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.numbers import number
 
 INPUT, OUTPUT, INPUT_INDEX, OUTPUT_INDEX = 1, 2, 3, 4
 BACKWARD = 128
@@ -41,6 +43,7 @@ LATEST_NS = (1 << TIME_BITS) - 1
 BLOCK_PULSES = 1 << 19
 BLOCK_BYTES = 8 << 20
 COLUMNS = ("channel", "t_ns")
+_WHOLE = re.compile(r"[-+]?[0-9]{1,20}")  # exact, where a float is not
 SENSE, EDGE = "sense", "edge"
 MOST_HEADER_BYTES = 4096
 MOST_BYTES = 64 << 30
@@ -165,7 +168,7 @@ def _csv(path: Path, file: BinaryIO) -> Iterator[Pulses]:
     line = 2
     while text := file.read(BLOCK_BYTES):
         text += file.readline()
-        table = _table(path, text, places.width, line)
+        table = _table(path, text, places, line)
         yield _checked(path, table, places, line)
         line += text.count(b"\n")
 
@@ -193,8 +196,9 @@ def _names(header: str) -> list[str]:
     return [name.strip().strip('"') for name in header.split(",")]
 
 
-def _table(path: Path, text: bytes, width: int, first_line: int) -> NDArray[np.int64]:
+def _table(path: Path, text: bytes, places: _Places, first_line: int) -> NDArray[np.int64]:
     """Parse rows of whole numbers; shape (n, width). What is not so plain goes row by row."""
+    width = places.width
     plain = text.replace(b"\r", b"").strip(b"\n")
     rows = plain.count(b"\n") + 1 if plain else 0
     with warnings.catch_warnings():
@@ -206,31 +210,31 @@ def _table(path: Path, text: bytes, width: int, first_line: int) -> NDArray[np.i
     commas = plain.count(b",")
     if len(flat) == rows * width and commas == rows * (width - 1):
         return flat.reshape(rows, width)
-    return _row_by_row(path, text, width, first_line)
+    return _row_by_row(path, text, places, first_line)
 
 
-def _row_by_row(path: Path, text: bytes, width: int, first_line: int) -> NDArray[np.int64]:
+def _row_by_row(path: Path, text: bytes, places: _Places, first_line: int) -> NDArray[np.int64]:
     rows = []
     for line, raw in enumerate(text.splitlines(), first_line):
         cells = raw.decode("utf-8", "replace").split(",")
         if cells == [""]:
             continue
-        if len(cells) != width:
-            message = f"expected {width} cells, found {len(cells)}: truncated?"
+        if len(cells) != places.width:
+            message = f"expected {places.width} cells, found {len(cells)}: truncated?"
             raise InputError(path, line, None, message)
         try:
-            rows.append([_whole(cell) for cell in cells])
+            rows.append([_whole(cell, may_round=i == places.t_ns) for i, cell in enumerate(cells)])
         except (ValueError, OverflowError):
             message = f"expected whole numbers, found {quoted(','.join(cells))}"
             raise InputError(path, line, None, message) from None
-    return np.array(rows, dtype=np.int64).reshape(-1, width)
+    return np.array(rows, dtype=np.int64).reshape(-1, places.width)
 
 
-def _whole(cell: str) -> int:
-    try:
-        value = int(cell)
-    except ValueError:
-        value = round(float(cell))  # fractions of a nanosecond are nothing to any capture unit
+def _whole(cell: str, *, may_round: bool) -> int:
+    """Give a whole number; fractions of a nanosecond are nothing to any capture unit."""
+    value = int(cell) if _WHOLE.fullmatch(cell.strip()) else round(number(cell))
+    if not may_round and value != number(cell):
+        raise ValueError
     if not -LATEST_NS <= value <= LATEST_NS:
         raise OverflowError
     return value

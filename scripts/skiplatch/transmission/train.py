@@ -20,6 +20,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
+
+from skiplatch.campaign.column_kinds import LabelColumn
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, quoted
 
@@ -31,6 +34,7 @@ AXIS_NEAR = 0.02
 """The same of a period along an axis, which touches tell less sharply."""
 NEAR_ABSOLUTE = 2e-3
 KEYS = {"driver_teeth", "driven_teeth", "name"}
+_NAME = LabelColumn(meaning="of a stage")
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,9 +151,11 @@ def _stage(path: Path, number: int, table: object) -> Stage:
         if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= 10_000:
             message = f"expected teeth from 1 to 10000, found {quoted(str(value))}"
             raise InputError(path, None, None, f"stage {number}: {message}")
-    return Stage(
-        table["driver_teeth"], table["driven_teeth"], str(table.get("name", f"stage {number}"))
-    )
+    name = table.get("name", f"stage {number}")
+    if not isinstance(name, str) or not name.strip() or not _NAME.admits(np.array([name])).all():
+        message = f"stage {number}: expected a name, {_NAME.expected}, found {quoted(str(name))}"
+        raise InputError(path, None, None, message)
+    return Stage(table["driver_teeth"], table["driven_teeth"], name)
 
 
 def _lead(path: Path, table: object) -> float | None:
