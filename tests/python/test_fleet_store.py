@@ -11,6 +11,7 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
+import duckdb
 import numpy as np
 import pytest
 
@@ -322,6 +323,61 @@ def test_a_lost_bit_of_a_folder_is_told_or_costs_nothing(filled: Path, tmp_path:
             assert set(files(out).values()) == set(files(tmp_path / "whole").values())
 
     assert told > 150
+
+
+@pytest.mark.parametrize("flips", [8, pytest.param(200, marks=pytest.mark.long)])
+@pytest.mark.parametrize("pattern", ["campaigns.parquet", "touches/*/*/*"])
+def test_a_lost_bit_of_a_table_is_told_or_changes_no_answer(
+    filled: Path, pattern: str, flips: int
+) -> None:
+    def answers() -> list[list[tuple[Any, ...]]]:
+        with opened(filled) as reader:
+            told = [reader.query(f"FROM {table}").rows for table in ("campaigns", "touches")]
+            return [*told, reader.history("mill-7").rows]
+
+    path = next(filled.glob(pattern))
+    data, whole = path.read_bytes(), answers()
+    places = np.random.default_rng(8).choice(len(data), flips, replace=False)
+    told = 0
+    for place, bit in zip(places.tolist(), np.arange(flips) % 8, strict=False):
+        path.write_bytes(data[:place] + bytes([data[place] ^ 1 << bit]) + data[place + 1 :])
+        try:
+            assert answers() == whole
+        except InputError:
+            told += 1
+
+    assert told == flips if pattern.startswith("touches") else told > flips // 4
+
+
+def rewritten(index: Path, columns: str) -> None:
+    """Put the index in its place as other columns of it say."""
+    other = index.with_name("other.parquet")
+    duckdb.read_parquet(str(index)).project(columns).write_parquet(str(other))
+    other.replace(index)
+
+
+def test_an_index_that_is_not_whole_is_not_written_anew(filled: Path, campaign: Path) -> None:
+    rewritten(filled / "campaigns.parquet", "* REPLACE (touches + 1 AS touches)")
+
+    for call in (lambda: ask(filled, "SELECT 1"), lambda: add(filled, another(campaign))):
+        assert "campaigns.parquet: damaged: its contents" in refusal(call)
+
+
+def test_a_store_without_digests_is_read_and_gets_them(filled: Path, campaign: Path) -> None:
+    rewritten(filled / "campaigns.parquet", "* EXCLUDE (touches_sha256, index_sha256)")
+    add(filled, another(campaign))
+
+    assert ask(filled, "SELECT count(DISTINCT index_sha256) FROM campaigns") == [(1,)]
+    assert ask(filled, "SELECT count(touches_sha256) FROM campaigns") == [(1,)]
+    assert ask(filled, "SELECT count(*) FROM touches") == [(59,)]
+
+
+def test_a_name_in_a_kept_folder_that_lost_a_bit_is_told(filled: Path, tmp_path: Path) -> None:
+    archive = next(filled.glob("folders/*/*/*"))
+    archive.write_bytes(archive.read_bytes().replace(b"touches.csv", b"touches.csw"))
+
+    assert f"{archive}: damaged: a name" in refusal(export, filled, "monday", tmp_path / "back")
+    assert not (tmp_path / "back").exists()
 
 
 @pytest.mark.parametrize("place", ["campaigns.parquet", "lock", "touches/*/*/*", "folders/*/*/*"])

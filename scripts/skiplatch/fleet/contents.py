@@ -111,8 +111,13 @@ def pack(contents: Contents, target: Path) -> None:
         os.fsync(file.fileno())
 
 
-def unpack(archive_path: Path, out: Path) -> None:
+def unpack(archive_path: Path, out: Path, digest: str | None = None) -> None:
     """Make the folder that was packed, all of it or nothing.
+
+    Args:
+        archive_path: The archive.
+        out: The folder to make.
+        digest: That its `Contents` had.
 
     Raises:
         InputError: Something stands there already, or the archive is damaged.
@@ -127,6 +132,8 @@ def unpack(archive_path: Path, out: Path) -> None:
         try:
             temporary.mkdir()
             _extract(archive_path, packed, temporary)
+            if digest is not None and look_at(temporary).digest != digest:
+                raise InputError(archive_path, None, None, "damaged: a name or a file is another")
             replace(temporary, target)
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)

@@ -11,7 +11,7 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.fleet import layout
 from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.engine import Connection, connect, failures_told, literal
-from skiplatch.fleet.tables import CAMPAIGNS
+from skiplatch.fleet.wholeness import load_index, whole_touches
 
 CAMPAIGN_VIEWS = """
 CREATE VIEW gaps AS SELECT campaign, rig, recorded_at, unnest(gaps, recursive := true)
@@ -45,7 +45,7 @@ FROM campaigns JOIN (
     ) GROUP BY campaign
 ) USING (campaign) WHERE rig = $rig ORDER BY recorded_at, campaign
 """
-PLACES = "SELECT rig, month, campaign FROM campaigns WHERE rig = $rig"
+PLACES = "SELECT rig, month, campaign, touches_sha256 FROM campaigns"
 FOUND = """
 SELECT campaign, rig, month, content FROM campaigns
 WHERE starts_with(campaign, $name) OR folder = $name
@@ -88,11 +88,10 @@ class Reader:
         Raises:
             InputError: There is no such rig.
         """
-        places = self._ask(PLACES, {"rig": rig}).rows
+        places = self._ask(f"{PLACES} WHERE rig = $rig", {"rig": rig}).rows
         if not places:
             raise InputError(self.path, None, None, f"no rig {quoted(rig)} in this store")
-        files = [str(layout.place(self.path, layout.TOUCHES, *place)) for place in places]
-        return self._ask(HISTORY, {"rig": rig, "files": files})
+        return self._ask(HISTORY, {"rig": rig, "files": whole_touches(self.path, places)})
 
     def query(self, sql: str) -> Answer:
         """Give what one SELECT says.
@@ -123,7 +122,7 @@ class Reader:
             many = f"{len(found)} campaigns are" if found else "no campaign is"
             raise InputError(self.path, None, None, f"{many} called {quoted(name)}")
         key, rig, month, content = found[0]
-        unpack(layout.place(self.path, layout.FOLDERS, rig, month, content), out)
+        unpack(layout.place(self.path, layout.FOLDERS, rig, month, content), out, content)
         return str(key)
 
     def _ask(
@@ -148,14 +147,8 @@ def opened(path: Path, *, with_touches: bool = True) -> Iterator[Reader]:
     path = Path(os.path.realpath(path))
     layout.refuse_foreign(path)
     with connect(path) as engine:
-        with failures_told(path / layout.INDEX_FILE):
-            index = path / layout.INDEX_FILE
-            columns = ", ".join(f'"{name}" {kind}' for name, kind in CAMPAIGNS.items())
-            engine.execute(f"CREATE TABLE campaigns ({columns})")
-            if index.exists():  # else an add was killed before anything was in
-                # By name: a store of an older version has fewer columns.
-                engine.execute("INSERT INTO campaigns BY NAME FROM read_parquet(?)", [str(index)])
-            engine.execute(CAMPAIGN_VIEWS)
+        load_index(path, engine)
+        engine.execute(CAMPAIGN_VIEWS)
         _refuse_empty(path, engine)
         if with_touches:
             with failures_told(path / layout.TOUCHES):
@@ -169,8 +162,8 @@ def _refuse_empty(path: Path, engine: Connection) -> None:
 
 
 def _view_touches(path: Path, engine: Connection) -> None:
-    kept = engine.execute("SELECT rig, month, campaign FROM campaigns").fetchall()
-    files = ", ".join(literal(str(layout.place(path, layout.TOUCHES, *row))) for row in kept)
+    kept = whole_touches(path, engine.execute(PLACES).fetchall())
+    files = ", ".join(map(literal, kept))
     engine.execute(
         f"CREATE VIEW kept AS FROM read_parquet([{files}], hive_partitioning = true,"
         " hive_types = {'rig': VARCHAR, 'month': VARCHAR})"

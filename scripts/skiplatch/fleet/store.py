@@ -15,17 +15,18 @@ from skiplatch import undo
 from skiplatch.campaign import refuse_no_campaign
 from skiplatch.files import failures_named
 from skiplatch.fleet import layout
-from skiplatch.fleet.contents import look_at, pack
+from skiplatch.fleet.contents import digest_of, look_at, pack
 from skiplatch.fleet.engine import Connection, connect, failures_told
 from skiplatch.fleet.intake import Intake, key_of, read_intake
 from skiplatch.fleet.lock import written_alone
 from skiplatch.fleet.origin import rig_of
 from skiplatch.fleet.tables import CAMPAIGNS, write_touches
+from skiplatch.fleet.wholeness import index_digest, load_index
 
-KNOWN = "SELECT campaign, content, recorded_at FROM read_parquet(?)"
-MERGED = """
-SELECT * FROM read_parquet(?) WHERE campaign NOT IN (SELECT campaign FROM fresh)
-UNION ALL BY NAME SELECT * FROM fresh ORDER BY rig, recorded_at, campaign
+KNOWN = "SELECT campaign, content, recorded_at, touches_sha256 FROM campaigns"
+MERGE = """
+DELETE FROM campaigns WHERE campaign IN (SELECT campaign FROM fresh);
+INSERT INTO campaigns FROM fresh;
 """
 
 
@@ -35,14 +36,14 @@ class Writer:
 
     Attributes:
         path: The store.
-        engine: With a table `fresh` of the rows that the index does not have yet.
-        known: Digest of the contents and time of each campaign, by its key.
+        engine: With tables `campaigns`, the index, and `fresh`, rows that it does not have yet.
+        known: Digest of the contents, time, and digest of the touches of each campaign, by its key.
         superseded: Files that no row refers to after the next `commit`.
     """
 
     path: Path
     engine: Connection
-    known: dict[str, tuple[str, datetime]] = field(default_factory=dict)
+    known: dict[str, tuple[str, datetime, str | None]] = field(default_factory=dict)
     superseded: list[Path] = field(default_factory=list)
     _waits: bool = False
 
@@ -64,7 +65,7 @@ class Writer:
         name = rig_of(folder, rig)
         with failures_named(folder, "read"):
             key = key_of(folder, name)
-            digest, time = self.known.get(key, (None, None))
+            digest, time, _ = self.known.get(key, (None, None, None))
             if digest == contents.digest:
                 return None
             intake = read_intake(folder, name, contents)
@@ -76,11 +77,12 @@ class Writer:
 
     def begin(self) -> None:
         """Read the index, or make an empty one, so that one that is missing later is seen."""
-        index = self.path / layout.INDEX_FILE
-        if not index.exists():
+        load_index(self.path, self.engine)
+        self.engine.execute("CREATE TABLE fresh AS FROM campaigns LIMIT 0")
+        if not (self.path / layout.INDEX_FILE).exists():
             self._write_index()
-        rows = self.engine.execute(KNOWN, [str(index)]).fetchall()
-        self.known = {key: (digest, time) for key, digest, time in rows}
+        rows = self.engine.execute(KNOWN).fetchall()
+        self.known = {key: (content, time, touches) for key, content, time, touches in rows}
 
     def commit(self) -> None:
         """Let what was added count, and stand whatever comes."""
@@ -95,19 +97,22 @@ class Writer:
         self._waits = False
 
     def _write_index(self) -> None:
-        index = self.path / layout.INDEX_FILE
-        rows = (
-            self.engine.sql(MERGED, params=[str(index)])
-            if index.exists()
-            else self.engine.table("fresh")
+        self.engine.execute(MERGE)
+        digest = index_digest(self.engine)
+        self.engine.execute("UPDATE campaigns SET index_sha256 = ?", [digest])
+        rows = self.engine.table("campaigns").order("rig, recorded_at, campaign")
+        self._write(
+            self.path / layout.INDEX_FILE,
+            lambda target: rows.write_parquet(str(target), compression="zstd"),
         )
-        self._write(index, lambda target: rows.write_parquet(str(target), compression="zstd"))
 
     def _keep(self, intake: Intake) -> None:
         folder = self._place(layout.FOLDERS, intake, intake.contents.digest)
         self._write(folder, lambda target: pack(intake.contents, target))
         intake.contents.refuse_changed()
-        if intake.key not in self.known:
+        if intake.key in self.known:
+            *_, digest = self.known[intake.key]
+        else:
             touches = self._place(layout.TOUCHES, intake, intake.key)
             self._write(
                 touches,
@@ -115,14 +120,15 @@ class Writer:
                     self.engine, intake.key, intake.recorded.touches, target
                 ),
             )
-        row = intake.row()
+            digest = digest_of(touches).hex()
+        row = {**intake.row(), "touches_sha256": digest, "index_sha256": None}
         marks = ", ".join("?" for _ in CAMPAIGNS)
         self.engine.execute("DELETE FROM fresh WHERE campaign = ?", [intake.key])
         self.engine.execute(
             f"INSERT INTO fresh VALUES ({marks})",  # noqa: S608 - nothing but marks
             [row[name] for name in CAMPAIGNS],
         )
-        self.known[intake.key] = intake.contents.digest, intake.time
+        self.known[intake.key] = intake.contents.digest, intake.time, digest
         self._waits = True
 
     def _place(self, table: str, intake: Intake, name: str) -> Path:
@@ -177,8 +183,6 @@ def opened_for_writing(path: Path) -> Iterator[Writer]:
         layout.create(path)
     layout.refuse_foreign(path)
     with written_alone(path), failures_told(path / layout.INDEX_FILE), engine:
-        columns = ", ".join(f'"{name}" {kind}' for name, kind in CAMPAIGNS.items())
-        engine.execute(f"CREATE TABLE fresh ({columns})")
         writer = Writer(path, engine)
         writer.begin()
         yield writer

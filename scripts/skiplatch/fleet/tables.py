@@ -32,6 +32,8 @@ CAMPAIGNS: Mapping[str, str] = {
     " noise_floor DOUBLE)[]",
     "effects": "STRUCT(effect VARCHAR, stage VARCHAR, confidence DOUBLE, parameter VARCHAR,"
     ' "value" DOUBLE, low DOUBLE, high DOUBLE)[]',
+    "touches_sha256": "VARCHAR",
+    "index_sha256": "VARCHAR",
 }
 """Columns of the index, one row a campaign, and their types; docs/FLEET.md says what they mean."""
 
