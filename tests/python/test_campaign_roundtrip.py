@@ -88,6 +88,8 @@ def nominals_of_any_kind(draw: st.DrawFn) -> Nominal:
     unknown = draw(st.frozensets(st.sampled_from(list(KEYS)), max_size=5))
     for section, name in unknown:
         sections[section][name] = KEYS[section, name].default
+    reach = sections["axis"]
+    reach["min_mm"], reach["max_mm"] = sorted((reach["min_mm"], reach["max_mm"]))
     tables: dict[str, Any] = {name: SECTIONS[name](**table) for name, table in sections.items()}
     known = st.sampled_from(sorted(KEYS.keys() - unknown))
     u = st.floats(0, 1e15)

@@ -341,3 +341,10 @@ def test_an_axis_that_can_reach_nothing_is_refused_by_its_key(tmp_path: Path) ->
 def test_an_axis_may_have_one_end_or_none(tmp_path: Path) -> None:
     for ends in ("min_mm = 500", "max_mm = -500", "min_mm = 3\nmax_mm = 3", ""):
         nominal(tmp_path, f"[axis]\n{ends}\n")
+
+
+def test_an_axis_that_can_reach_nothing_is_not_written(tmp_path: Path) -> None:
+    read = nominal(tmp_path)
+
+    with pytest.raises(ValueError, match=r"axis\.max_mm: expected at least axis\.min_mm"):
+        format_nominal(replace(read, axis=replace(read.axis, min_mm=500.0, max_mm=300.0)))

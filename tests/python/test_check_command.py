@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -249,11 +249,11 @@ def test_a_thermometer_on_a_heated_bed_is_not_odd(machine_sample: Path) -> None:
     assert lines(read_campaign(machine_sample), lambda t: replace(t, thermometers=bed)) == []
 
 
-def surfaces(places_mm: Sequence[float], deviations_um: Sequence[float]) -> Touches:
+def surfaces(places_mm: FloatArray, deviations_um: FloatArray) -> Touches:
     return Touches.from_columns(
         touch=np.arange(len(places_mm)),
-        position_mm=np.asarray(places_mm),
-        deviation_um=np.asarray(deviations_um),
+        position_mm=places_mm,
+        deviation_um=deviations_um,
     )
 
 

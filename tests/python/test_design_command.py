@@ -61,7 +61,8 @@ def test_a_campaign_that_is_not_there_is_one_line(tmp_path: Path) -> None:
 
 
 def left_by_a_diagnosis(path: Path, *models: Mapping[str, object]) -> Path:
-    path.write_text(json.dumps({"verdict": "explained", "models": [[model] for model in models]}))
+    found = {"format": "skiplatch-diagnosis/2", "verdict": "explained", "effects": []}
+    path.write_text(json.dumps({**found, "models": [[model] for model in models]}))
     return path
 
 

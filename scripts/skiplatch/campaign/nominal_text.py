@@ -22,6 +22,8 @@ def write_nominal(path: str | os.PathLike[str], nominal: Nominal) -> None:
 
 def format_nominal(nominal: Nominal) -> str:
     """Give the text of nominal.toml, in its version of the format."""
+    if nominal.axis.min_mm > nominal.axis.max_mm:
+        raise ValueError("axis.max_mm: expected at least axis.min_mm")
     lines = [f'format = "{FORMATS[nominal.version]}"', f'kind = "{nominal.kind}"']
     previous = None
     for (section, name), text in _numbers(nominal):
