@@ -348,3 +348,19 @@ def test_an_axis_that_can_reach_nothing_is_not_written(tmp_path: Path) -> None:
 
     with pytest.raises(ValueError, match=r"axis\.max_mm: expected at least axis\.min_mm"):
         format_nominal(replace(read, axis=replace(read.axis, min_mm=500.0, max_mm=300.0)))
+
+
+@pytest.mark.parametrize(
+    ("rows", "line"),
+    [("0;100;1.200\n1;100;2,5\n", 2), ("0;100;2,5\n1;100;1.200\n", 3), ("0;0,5;1.200\n", 2)],
+)
+def test_number_that_may_be_in_thousands_is_refused(tmp_path: Path, rows: str, line: int) -> None:
+    said = refusal(touches, tmp_path, f"touch;feed_mm_min;deviation_um\n{rows}", folder=tmp_path)
+
+    assert said.startswith(f'touches.csv:{line}: column 3: "1.200" may be 1200 or 1,200')
+
+
+def test_decimal_points_alone_tell_no_thousands(tmp_path: Path) -> None:
+    read = touches(tmp_path, "touch;deviation_um\n0;1.200\n1;2.5\n")
+
+    assert read.deviation_um.tolist() == [1.2, 2.5]

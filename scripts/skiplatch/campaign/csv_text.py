@@ -3,11 +3,12 @@
 import csv
 import re
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from itertools import chain, count, islice
 from pathlib import Path
 from typing import TextIO
 
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
 
 MAX_BYTES = 2 * 2**30
@@ -20,14 +21,32 @@ _SEPARATOR = re.compile(r"sep=([,;\t])\s*$", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
 _GROUPED = re.compile(r"\s*[-+]?[0-9]{1,3}(?:[.'\u2019\u00a0\u202f][0-9]{3})+,[0-9]+\s*")
 """1.000,5: with a decimal comma behind it, what stands before each three digits parts groups."""
+_EITHER = re.compile(r"\s*[-+]?[1-9][0-9]{0,2}\.[0-9]{3}\s*")
+"""1.200: beside decimal commas it may be 1200 as well as 1.2."""
 _UNDECODABLE = re.compile("[\udc80-\udcff]")
 
 Row = tuple[int, list[str]]
 
 
-def _with_points(rows: Iterable[Row]) -> Iterator[Row]:
-    """Turn each decimal comma into a point, and 1.000,5 into 1000.5."""
-    return ((line, [_with_point(cell) for cell in row]) for line, row in rows)
+def _with_points(path: Path, rows: Iterable[Row]) -> Iterator[Row]:
+    """Turn each decimal comma into a point, and 1.000,5 into 1000.5; refuse 1.200 beside them."""
+    has_commas, doubt = False, None
+    for line, row in rows:
+        has_commas = has_commas or any(map(_DECIMAL_COMMA.fullmatch, row))
+        doubt = doubt or _doubt(path, line, row)
+        if has_commas and doubt:
+            raise doubt
+        yield line, [_with_point(cell) for cell in row]
+
+
+def _doubt(path: Path, line: int, row: list[str]) -> InputError | None:
+    """Give what is to be said of the first 1.200 in a row."""
+    for column, cell in enumerate(row, start=1):
+        if _EITHER.fullmatch(cell):
+            whole, parts = (cell.strip().replace(".", mark) for mark in ("", ","))
+            message = f"{quoted(cell)} may be {whole} or {parts}, as other numbers have commas"
+            return InputError(path, line, f"column {column}", message)
+    return None
 
 
 def read_rows(
@@ -35,7 +54,7 @@ def read_rows(
     encoding: str = UTF8,
     *,
     after: int = 0,
-    in_points: Callable[[Iterable[Row]], Iterable[Row]] = _with_points,
+    in_points: Callable[[Iterable[Row]], Iterable[Row]] | None = None,
 ) -> Iterator[Row]:
     """Yield the line number and the cells of each row that is not blank.
 
@@ -50,7 +69,7 @@ def read_rows(
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         with path.open(encoding=encoding, newline="") as file:
-            yield from _rows(path, file, after, in_points)
+            yield from _rows(path, file, after, in_points or partial(_with_points, path))
 
 
 def first_lines(path: Path, most: int, encoding: str = UTF8) -> list[str]:
