@@ -168,6 +168,32 @@ def test_what_was_done_is_not_done_again(
     assert not (tmp_path / "out.json.part").exists()
 
 
+@pytest.mark.parametrize("name", ["notes.txt", "f" * 64 + "/x", "nominal.toml"])
+def test_a_folder_of_others_is_refused_before_the_work(
+    name: str, tmp_path: Path, folders: list[Path], counted: list[int]
+) -> None:
+    theirs = tmp_path / "out.json.part" / name
+    theirs.parent.mkdir(parents=True)
+    theirs.write_text("theirs")
+
+    result = run("diagnose", *folders, "--json", tmp_path / "out.json")
+
+    told = "expected nothing, or answers of an earlier diagnosis and no other file"
+    assert str(result.exception) == f"{tmp_path / 'out.json.part'}: {told}"
+    assert not counted
+    assert theirs.read_text() == "theirs"
+
+
+def test_what_others_put_among_the_answers_is_left(tmp_path: Path) -> None:
+    kept = Kept.beside(tmp_path / "out.json")
+    kept.put("f" * 64, {})
+    (tmp_path / "out.json.part" / "theirs").write_text("theirs")
+
+    kept.drop()
+
+    assert [path.name for path in (tmp_path / "out.json.part").iterdir()] == ["theirs"]
+
+
 def test_an_answer_is_that_of_its_bytes_question_and_software(folders: list[Path]) -> None:
     keys = {
         key_of(folder, Asked(seed=seed), software)

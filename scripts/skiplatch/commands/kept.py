@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-import shutil
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -16,6 +16,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text, failures_named, read_json
 
 ENDING = ".part"
+ANSWER = re.compile(r"[0-9a-f]{64}|\.skiplatch-[0-9a-f]{16}\.tmp")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,10 +31,20 @@ class Kept:
 
     @classmethod
     def beside(cls, document: Path | None) -> "Kept":
-        """Give the folder of a document."""
+        """Give the folder of a document.
+
+        Raises:
+            InputError: Something lies there that is no such folder, or holds other files.
+        """
         if document is None or document == STDOUT:
             return cls(None)
-        return cls(document.with_name(document.name + ENDING))
+        folder = document.with_name(document.name + ENDING)
+        with failures_named(folder, "read"):
+            is_own = not folder.exists() or all(map(_is_answer, folder.iterdir()))
+        if folder.is_symlink() or not is_own:
+            message = "expected nothing, or answers of an earlier diagnosis and no other file"
+            raise InputError(folder, None, None, message)
+        return cls(folder)
 
     def get(self, key: str) -> Mapping[str, Any] | None:
         """Give an answer; None if it is not there."""
@@ -54,9 +65,18 @@ class Kept:
         undo.keep_outputs()
 
     def drop(self) -> None:
-        """Take the folder away once the document is written."""
-        if self.folder is not None:
-            shutil.rmtree(self.folder, ignore_errors=True)
+        """Take the answers away once the document is written, and their folder if it is empty."""
+        if self.folder is None:
+            return
+        with suppress(OSError):
+            for answer in filter(_is_answer, self.folder.iterdir()):
+                answer.unlink()
+            self.folder.rmdir()
+
+
+def _is_answer(path: Path) -> bool:
+    """Tell an answer, or what a kill left of one, from a file of others."""
+    return ANSWER.fullmatch(path.name) is not None and path.is_file()
 
 
 def key_of(campaign: Path, asked: object, software: str) -> str:
