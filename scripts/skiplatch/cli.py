@@ -1,5 +1,6 @@
 """The command line: ``skiplatch COMMAND``."""
 
+import errno
 import os
 import signal
 import sys
@@ -17,6 +18,8 @@ from skiplatch.simulator.library import SimulationError
 from skiplatch.undo import INTERRUPTED, taken_back_on_failure
 
 BAD_INPUT = 2
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
+"""Of a file that takes no more: each is named where it is written, and only stdout is not."""
 NO_READER = 128 + signal.SIGPIPE
 """Exit status of a tool whose output nobody reads any longer, as a shell gives it."""
 
@@ -140,6 +143,8 @@ def main() -> None:
     except (InputError, SimulationError) as error:
         _refuse(str(error))
     except (OSError, MemoryError, RecursionError) as error:
+        if isinstance(error, OSError) and error.errno in FULL and error.filename is None:
+            _refuse(f"stdout: cannot write: {error.strerror}")
         _refuse(one_line(f"{type(error).__name__}: {error}"))
 
 

@@ -87,6 +87,9 @@ def refuse_unwritable(path: str | os.PathLike[str], *, makes_folders: bool = Fal
             raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
         if not os.access(target if target.exists() else folder, os.W_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        if target.is_char_device():
+            with target.open("wb", buffering=0) as device:
+                device.write(b"")  # to which a full one says already that it is full
 
 
 @contextmanager

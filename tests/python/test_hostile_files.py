@@ -102,4 +102,4 @@ def test_a_full_disk_behind_stdout_is_one_line() -> None:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
 
     assert done.returncode == 2
-    assert done.stderr == "skiplatch: OSError: [Errno 28] No space left on device\n"
+    assert done.stderr == "skiplatch: stdout: cannot write: No space left on device\n"

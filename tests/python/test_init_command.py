@@ -45,6 +45,13 @@ def test_presets_are_listed() -> None:
     assert [line.split()[0] for line in run().splitlines()] == list(PRESETS)
 
 
+def test_a_file_without_a_preset_is_refused(tmp_path: Path) -> None:
+    result = CliRunner().invoke(group, ["init", "--out", str(tmp_path / "nominal.toml")])
+
+    assert result.exit_code == 2
+    assert result.stderr.endswith("Error: --out needs --preset\n")
+
+
 def test_file_that_is_there_is_kept(tmp_path: Path, refused: Program) -> None:
     (tmp_path / "nominal.toml").write_text("mine")
 

@@ -94,6 +94,17 @@ def test_a_damaged_store_is_one_line_of_the_command(tmp_path: Path) -> None:
     assert run(program, tmp_path, "--discard-damaged").exit_code == 0
 
 
+def test_a_store_is_made_by_a_program_that_saves_or_ends_well(tmp_path: Path) -> None:
+    fails = '12 TCH PROBE 450 X ~\n QS409="B" ~\n Q410=+1\n'
+    saves = '12 TCH PROBE 450 X ~\n QS409="A" ~\n Q410=+0\n'
+    store = tmp_path / "store.bin"
+
+    assert isinstance(run(program_of(tmp_path, fails), tmp_path).exception, InputError)
+    assert not store.exists()
+    assert isinstance(run(program_of(tmp_path, saves + fails), tmp_path).exception, InputError)
+    assert Memory(store).names() == ["A"]
+
+
 def full_store(size: int) -> bytes:
     """Give a store whose slots all hold a number, which no store of ours does."""
     slots = 18

@@ -31,6 +31,8 @@ def command(preset: str | None, out: Path | None, json_path: Path | None) -> Non
     Without options it lists the presets; without --out it prints the text.
     """
     if preset is None:
+        if out is not None:
+            raise click.UsageError("--out needs --preset")
         click.echo(listing([(name, rig.about) for name, rig in PRESETS.items()]))
         write_json(json_path, {"presets": [_as_json(name) for name in PRESETS]})
         return

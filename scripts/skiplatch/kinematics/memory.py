@@ -17,7 +17,7 @@ from skiplatch.kinematics.grid import format_grid
 from skiplatch.kinematics.machine import Machine, RotaryAxis, Vector, is_possible
 from skiplatch.kinematics.program import Cycle, Program, Value
 from skiplatch.simulator.library import SimulationError, connection
-from skiplatch.undo import keep_outputs
+from skiplatch.undo import keep_outputs, make_folders
 
 CData = Any
 MODE, DESIGNATION = 410, 409
@@ -49,9 +49,8 @@ class Memory:
             is_there = path.exists()
         if not is_there:
             with failures_named(path.parent, "write"):
-                path.parent.mkdir(parents=True, exist_ok=True)
+                make_folders(path.parent)
             atomic_write_bytes(path, bytes(size))
-            keep_outputs()  # it is the machine's: what a program saved stays if it fails then
         with failures_named(path, "read"):
             refuse_special_or_large(path, size)
             if path.stat().st_size != size:
@@ -101,6 +100,8 @@ class Memory:
             _refuse(lib.sim_450_start(handle, mode, number, name))
             self._carry_out(handle)
             length = lib.sim_450_active(handle, payload)
+        if mode != SHOW:
+            keep_outputs()  # it is the machine's: what a program saved stays if it fails then
         return unpack(bytes(ffi.buffer(payload, length)))
 
     def names(self) -> list[str]:
