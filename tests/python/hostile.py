@@ -109,15 +109,16 @@ WRITTEN = {
 """Options that name what is written; any other is read, new ones too."""
 
 
-def _commands(
-    command: click.Command, words: tuple[str, ...] = ()
+def commands(
+    command: click.Command = group, words: tuple[str, ...] = ()
 ) -> Iterator[tuple[tuple[str, ...], click.Command]]:
+    """Give every command that does something, and its words."""
     if isinstance(command, click.Group):
         context = click.Context(command)
         for name in command.list_commands(context):
             inner = command.get_command(context, name)
             assert inner is not None
-            yield from _commands(inner, (*words, name))
+            yield from commands(inner, (*words, name))
     else:
         yield words, command
 
@@ -125,7 +126,7 @@ def _commands(
 def places() -> list[Place]:
     """Find every parameter of every command that takes a path."""
     found = []
-    for words, command in _commands(group):
+    for words, command in commands():
         arguments = [p for p in command.params if isinstance(p, click.Argument)]
         for parameter in command.params:
             if isinstance(parameter.type, click.Path):
@@ -192,7 +193,7 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
             [str(SAMPLES)],
             {"--store": written, "--settle-s": "1e9", "--once": ""},
         ),
-        ("fleet", "export"): (["bench"], {"--store": written, "--out": f"{written}/new"}),
+        ("fleet", "export"): (["bench"], {"--store": written, "--out": f"{written}.new"}),
         ("demo",): ([], {"--out": written}),
         ("init",): ([], {"--preset": "bench", "--out": written}),
         ("repeat",): ([str(CAMPAIGN)], {}),

@@ -158,9 +158,9 @@ def test_refusal_leaves_no_file_at_all(
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--tau", "0"], "'--tau': expected a number above 0, got \"0\""),
-        (["--tau", "-3"], "'--tau': expected a number above 0, got \"-3\""),
-        (["--tau", "nan"], "'--tau': expected a number above 0, got \"nan\""),
+        (["--tau", "0"], "'--tau': expected a number from 1e-06 to 10000, got \"0\""),
+        (["--tau", "-3"], "'--tau': expected a number from 1e-06 to 10000, got \"-3\""),
+        (["--tau", "nan"], "'--tau': expected a number from 1e-06 to 10000, got \"nan\""),
         ([], "expected --tau or --tau-from"),
         (["--tau", "1", "--tau-from", "s.csv"], "expected either --tau or --tau-from, not both"),
         (["--tau", "1", "--from-campaign", "d"], "expected either RADII or --from-campaign"),

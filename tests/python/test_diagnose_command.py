@@ -137,7 +137,8 @@ def test_a_bad_threshold_is_refused(option: str, value: str) -> None:
     result = CliRunner().invoke(cli.group, ["diagnose", str(BENCH), option, value])
 
     assert result.exit_code == 2
-    assert f'expected a number above 0, got "{value}"' in result.output
+    assert f"Invalid value for '{option}': expected a number from 1e-06 to " in result.output
+    assert f', got "{value}"' in result.output
 
 
 @pytest.mark.parametrize(

@@ -125,10 +125,10 @@ def test_picture_is_drawn_where_it_is_wanted(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["--feed", "0"], "'--feed': expected a number from 1 to 100000, got 0"),
-        (["--feed", "nan"], "'--feed': expected a number from 1 to 100000, got nan"),
-        (["--scan-us", "fast"], "'--scan-us': expected a number from 100 to 20000, got fast"),
-        (["--tick-us", "0"], "'--tick-us': expected a number from 0.001 to 1000, got 0"),
+        (["--feed", "0"], "'--feed': expected a number from 1 to 100000, got \"0\""),
+        (["--feed", "nan"], "'--feed': expected a number from 1 to 100000, got \"nan\""),
+        (["--scan-us", "fast"], "'--scan-us': expected a number from 100 to 20000, got \"fast\""),
+        (["--tick-us", "0"], "'--tick-us': expected a number from 0.001 to 1000, got \"0\""),
         (["--touches", "3"], "'--touches': 3 is not in the range"),
         (["--path", "can"], "'--path': 'can' is not one of 'skip', 'plc', 'both'"),
         (["--jobs", "0"], "'--jobs': 0 is not in the range"),

@@ -75,7 +75,7 @@ def test_json_does_not_depend_on_the_number_of_threads(tmp_path: Path) -> None:
         (["--path", "plc"], "Missing option '--uncertainty-um'"),
         (
             ["--path", "plc", "--uncertainty-um", "-1"],
-            "'--uncertainty-um': expected a number from 0.001 to 1000000, got -1",
+            "'--uncertainty-um': expected a number from 0.001 to 1000000, got \"-1\"",
         ),
         (
             ["--path", "plc", "--uncertainty-um", "2", "--min-feed", "50", "--max-feed", "40"],

@@ -24,9 +24,9 @@ from skiplatch.commands.bench_options import (
     key_option,
     latch_id_option,
 )
+from skiplatch.commands.numbers import CountType, NumberType
 from skiplatch.commands.options import json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile, OutputFolder
-from skiplatch.commands.rig_options import within
 from skiplatch.errors import InputError, one_line
 from skiplatch.files import atomic_write_text
 from skiplatch.statistics import Interval
@@ -163,8 +163,8 @@ def _as_json(written: dict[Path, Recording], seed: int, *, is_complete: bool) ->
 
 @command.command(epilog=MONITOR_EPILOG)
 @click.argument("interface", metavar="IFACE")
-@click.option("--seconds", type=within(0.01, 1e9), help="End after so long.")
-@click.option("--latches", type=click.IntRange(1), help="End after so many latches.")
+@click.option("--seconds", type=NumberType(0.01, 1e9), help="End after so long.")
+@click.option("--latches", type=CountType(1, 10**9), help="End after so many latches.")
 @click.option(
     "--quiet-injector", is_flag=True, help="Send nothing: leave out the injector's counters."
 )

@@ -1,5 +1,6 @@
 """Options of the commands of a bench: its rig, its bus, its key."""
 
+import re
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
@@ -10,8 +11,11 @@ import click
 from skiplatch.bench.bus import SOCKETCAN
 from skiplatch.bench.protocol import LATCH_ID
 from skiplatch.bench.run import Rig
+from skiplatch.commands.numbers import CountType
+from skiplatch.errors import quoted
 
 FILE = click.Path(path_type=Path, dir_okay=False)
+CAN_ID = re.compile(r"0[xX][0-9a-fA-F]{1,3}|0|[1-9][0-9]{0,3}")
 
 can_backend_option = click.option(
     "--can-backend",
@@ -30,12 +34,10 @@ class _CanId(click.ParamType[int]):
         self, value: str | int, param: click.Parameter | None, ctx: click.Context | None
     ) -> int:
         """See `click.ParamType.convert`."""
-        try:
-            number = int(str(value), 0)
-        except ValueError:
-            number = -1
+        text = str(value)
+        number = int(text, 0) if CAN_ID.fullmatch(text) else -1
         if not 0 <= number <= 0x7FF:
-            self.fail(f"expected a CAN id from 0 to 0x7FF, got {value}", param, ctx)
+            self.fail(f"expected a CAN id from 0 to 0x7FF, got {quoted(text)}", param, ctx)
         return number
 
 
@@ -59,7 +61,7 @@ def bench_rig_options(function: Callable[..., Any]) -> Callable[..., Any]:
     options = [
         click.option("--can", "interface", required=True, help="CAN interface: can0, vcan0."),
         click.option("--chip", help="GPIO chip of the watched line: gpiochip0, a path or a label."),
-        click.option("--line", type=click.IntRange(0, 65535), help="Offset of the watched line."),
+        click.option("--line", type=CountType(0, 65535), help="Offset of the watched line."),
         click.option("--active-low", is_flag=True, help="The line is low while deflected."),
         click.option("--inject-line", metavar="CHIP:OFFSET", help="Output line to drive."),
         click.option("--sim-pull", type=FILE, help="Or: pull file of a gpio-sim line to drive."),
@@ -68,11 +70,9 @@ def bench_rig_options(function: Callable[..., Any]) -> Callable[..., Any]:
             is_flag=True,
             help="Start neither controller nor injector: both are on the bus already.",
         ),
-        click.option("--cpu", type=click.IntRange(0), help="Processor of controller and load."),
-        click.option("--fifo", type=click.IntRange(1, 99), help="Priority of the controller."),
-        click.option(
-            "--injector-fifo", type=click.IntRange(1, 99), help="Priority of the injector."
-        ),
+        click.option("--cpu", type=CountType(0, 1023), help="Processor of controller and load."),
+        click.option("--fifo", type=CountType(1, 99), help="Priority of the controller."),
+        click.option("--injector-fifo", type=CountType(1, 99), help="Priority of the injector."),
         latch_id_option,
         key_option,
     ]

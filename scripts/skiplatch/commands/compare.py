@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import (
     html_option,
     jobs_option,
@@ -26,7 +27,7 @@ Example:
 @click.argument("campaign", type=click.Path(path_type=Path))
 @click.option(
     "--alpha",
-    type=click.FloatRange(0.005, 0.5),
+    type=NumberType(0.005, 0.5),
     default=DEFAULT_ALPHA,
     show_default=True,
     help="Accepted rate of false alarms, over all cells together.",

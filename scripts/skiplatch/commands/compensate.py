@@ -1,6 +1,5 @@
 """``skiplatch compensate``: a probe's map in, measuring feeds for every direction out."""
 
-import math
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,8 +8,17 @@ from typing import Any
 import click
 
 from skiplatch.commands.compensate_inputs import Result, result_of
+from skiplatch.commands.numbers import (
+    ACCEL_MM_S2,
+    FEED_MM_MIN,
+    LENGTH_MM,
+    LENGTH_UM,
+    PERCENT,
+    TIME_MS,
+    CountType,
+    number,
+)
 from skiplatch.commands.options import (
-    SizeType,
     html_option,
     json_option,
     json_text,
@@ -40,10 +48,10 @@ Example:
 """
 
 FILE = click.Path(path_type=Path, dir_okay=False)
-SIZE = SizeType()
 PATHS = ("skip", "plc")
 DIVISIONS = (2, 4, 8, 16, 32)
 DEFAULT_DIVISIONS = 16
+LARGEST_RADIUS_UM = 1e6
 FIRST_VARIABLE = 500
 
 
@@ -61,11 +69,8 @@ class TargetType(click.ParamType[Target]):
         rules = {"mean": Rule.MEAN, "max": Rule.MAX, "min": Rule.MIN}
         if value in rules:
             return Target(rules[value])
-        try:
-            radius_um = float(value)
-        except ValueError:
-            radius_um = math.nan
-        if not math.isfinite(radius_um):
+        radius_um = number(value)
+        if not abs(radius_um) <= LARGEST_RADIUS_UM:
             expected = "expected mean, max, min or a radius in µm"
             self.fail(f"{expected}, got {quoted(value)}", param, ctx)
         return Target(Rule.GIVEN, radius_um)
@@ -79,17 +84,17 @@ class TargetType(click.ParamType[Target]):
     type=click.Path(path_type=Path, file_okay=False),
     help="Take map and delay from a recorded campaign in place of RADII.",
 )
-@click.option("--v0", type=SIZE, required=True, metavar="MM/MIN", help="Feed of the map.")
+@click.option("--v0", type=FEED_MM_MIN, required=True, metavar="MM/MIN", help="Feed of the map.")
 @click.option(
     "--previous",
     type=FILE,
     metavar="TABLE.csv",
     help="The map was measured at the feeds of this table: iterate.",
 )
-@click.option("--tau", type=SIZE, metavar="MS", help="The delay.")
+@click.option("--tau", type=TIME_MS, metavar="MS", help="The delay.")
 @click.option(
     "--tau-uncertainty",
-    type=SIZE,
+    type=TIME_MS,
     metavar="MS",
     help="Standard uncertainty of --tau, which counts as exact without.",
 )
@@ -134,24 +139,24 @@ class TargetType(click.ParamType[Target]):
     help="The radius that all directions shall have: the mean, that of the largest or the smallest "
     "pretravel, or a number.",
 )
-@click.option("--max-feed", type=SIZE, metavar="MM/MIN", help="Fastest measuring feed.")
-@click.option("--accel", type=SIZE, metavar="MM/S²", help="Acceleration of the axes.")
-@click.option("--approach", type=SIZE, metavar="MM", help="From where the feed is set.")
+@click.option("--max-feed", type=FEED_MM_MIN, metavar="MM/MIN", help="Fastest measuring feed.")
+@click.option("--accel", type=ACCEL_MM_S2, metavar="MM/S²", help="Acceleration of the axes.")
+@click.option("--approach", type=LENGTH_MM, metavar="MM", help="From where the feed is set.")
 @click.option(
     "--overtravel",
-    type=SIZE,
+    type=LENGTH_MM,
     metavar="MM",
     help="How far the tip may go on after the contact: delay, reaction and braking.",
 )
-@click.option("--reaction-ms", type=SIZE, metavar="MS", help="From the latch to the braking.")
+@click.option("--reaction-ms", type=TIME_MS, metavar="MS", help="From the latch to the braking.")
 @click.option(
     "--repeatability",
-    type=SIZE,
+    type=LENGTH_UM,
     metavar="UM",
     help="Standard deviation of one touch.  [default: from the runs]",
 )
-@click.option("--resolution", type=SIZE, metavar="UM", help="Step of the latched position.")
-@click.option("--feed-error", type=SIZE, metavar="PERCENT", help="Largest error of the feed.")
+@click.option("--resolution", type=LENGTH_UM, metavar="UM", help="Step of the latched position.")
+@click.option("--feed-error", type=PERCENT, metavar="PERCENT", help="Largest error of the feed.")
 @seed_option
 @click.option(
     "-o", "--out", type=OutputFile(), required=True, metavar="TABLE.csv", help="The speed table."
@@ -172,7 +177,7 @@ class TargetType(click.ParamType[Target]):
 )
 @click.option(
     "--nc-first",
-    type=click.IntRange(1),
+    type=CountType(1, 10**6),
     default=FIRST_VARIABLE,
     show_default=True,
     help="Number of the first of these variables.",

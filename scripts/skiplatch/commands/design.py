@@ -6,7 +6,8 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import CONDITIONS, Campaign, format_touches
-from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.numbers import CountType
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import (

@@ -8,9 +8,9 @@ from skiplatch.campaign import Campaign
 from skiplatch.commands.diagnose_many import Told, tell_all, told_of
 from skiplatch.commands.examining import Asked, Examined, examine
 from skiplatch.commands.kept import Kept
+from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import (
     EffectType,
-    SizeType,
     html_option,
     jobs_option,
     json_option,
@@ -49,7 +49,7 @@ Example:
 @html_option
 @click.option(
     "--material-fraction",
-    type=SizeType(),
+    type=NumberType(1e-6, 1e6),
     metavar="SHARE",
     default=DEFAULT.fraction,
     show_default=True,
@@ -58,13 +58,13 @@ Example:
 )
 @click.option(
     "--material-us",
-    type=SizeType(),
+    type=NumberType(1e-6, 1e9),
     metavar="µs",
     help="From how many µs on a gap counts, in what was recorded as times, in place of the share.",
 )
 @click.option(
     "--material-um",
-    type=SizeType(),
+    type=NumberType(1e-6, 1e9),
     metavar="µm",
     help="From how many µm on a gap counts, in what was recorded as lengths, in place of the "
     "share.",

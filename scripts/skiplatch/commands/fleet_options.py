@@ -9,7 +9,8 @@ from typing import Any
 
 import click
 
-from skiplatch.commands.options import Decorator, SizeType
+from skiplatch.commands.numbers import NumberType
+from skiplatch.commands.options import Decorator
 from skiplatch.fleet.budget import ALARMS_A_MONTH
 from skiplatch.fleet.reading import Answer
 from skiplatch.tables import NOTHING, number, table
@@ -26,7 +27,7 @@ store_option: Decorator = click.option(
 
 days_option: Decorator = click.option(
     "--days",
-    type=SizeType(),
+    type=NumberType(1e-3, 36_525.0),
     default=31.0,
     show_default=True,
     help="How long before the newest campaign of the fleet a change was seen at most.",
@@ -34,7 +35,7 @@ days_option: Decorator = click.option(
 rate_option: Decorator = click.option(
     "--false-alarms-per-month",
     "alarms_a_month",
-    type=SizeType(),
+    type=NumberType(1e-6, 1e6),
     default=ALARMS_A_MONTH,
     show_default=True,
     help="How many false alarms of the whole fleet may be expected in a month.",

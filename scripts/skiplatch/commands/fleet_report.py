@@ -5,6 +5,7 @@ from pathlib import Path
 import click
 
 from skiplatch.commands.fleet_options import days_option, plain, rate_option, store_option
+from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.fleet.findings import as_json, find
 from skiplatch.fleet.history import read_history
@@ -23,7 +24,7 @@ Example:
 @json_option
 @click.option(
     "--weeks",
-    type=click.IntRange(1, 520),
+    type=CountType(1, 520),
     default=52,
     show_default=True,
     help="How many of the newest weeks the page shows.",

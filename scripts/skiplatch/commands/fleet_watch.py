@@ -12,8 +12,8 @@ from skiplatch.campaign import Campaign
 from skiplatch.commands.diagnose_many import Told, told_as_done, told_of
 from skiplatch.commands.examining import Asked, examine
 from skiplatch.commands.fleet_options import store_option
+from skiplatch.commands.numbers import TIME_S
 from skiplatch.commands.options import (
-    SizeType,
     jobs_option,
     json_option,
     json_text,
@@ -140,7 +140,7 @@ def _named(folder: Path, error: InputError | OSError) -> InputError:
 )
 @click.option(
     "--settle-s",
-    type=SizeType(),
+    type=TIME_S,
     default=10.0,
     show_default=True,
     metavar="s",

@@ -8,6 +8,7 @@ import click
 
 from skiplatch.campaign import Kind
 from skiplatch.commands.imported import finish
+from skiplatch.commands.numbers import FEED_MM_MIN, NumberType
 from skiplatch.commands.options import Decorator, json_option
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.importing.model import Imported
@@ -26,7 +27,7 @@ out_option: Decorator = click.option(
 )
 feed_option: Decorator = click.option(
     "--feed",
-    type=click.FloatRange(0.0, min_open=True),
+    type=FEED_MM_MIN,
     metavar="MM/MIN",
     help="Measuring feed, where the log does not say it.",
 )
@@ -176,7 +177,7 @@ EDGE_OPTIONS = (
     ),
     click.option(
         "--scan-us",
-        type=click.FloatRange(0.0, min_open=True),
+        type=NumberType(1.0, 1e6),
         help="Scan period that the PLC task is believed to have; 1000 where it is not given.",
     ),
     click.option(
@@ -184,7 +185,7 @@ EDGE_OPTIONS = (
     ),
     click.option(
         "--holdoff-us",
-        type=click.FloatRange(0.0),
+        type=NumberType(0.0, 1e9),
         default=1000.0,
         show_default=True,
         help="Edges of the probe within this time of one before are its bounces.",

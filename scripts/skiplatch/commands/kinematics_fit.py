@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.kinematics.circles import Circle, circles
@@ -69,7 +70,7 @@ Example:
 )
 @click.option(
     "--touches",
-    type=click.IntRange(*TOUCHES),
+    type=CountType(*TOUCHES),
     help="A centre comes from so many touches around the sphere (Q423) and one on its pole, and "
     "scatters the more along the tool.  [default: alike in all directions]",
 )

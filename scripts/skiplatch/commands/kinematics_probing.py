@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.kinematics.probing_test import ProbingTest, probing_test, read_test
@@ -16,7 +17,7 @@ Example:
   skiplatch kinematics probing build/sphere.csv --radius 12.4997 --json build/probing.json
 """
 NEAR_DEG = 5.0
-LENGTH = click.FloatRange(0.0, 1e4)
+LENGTH = NumberType(0.0, 1e4)
 
 
 @click.command(epilog=EPILOG)

@@ -6,9 +6,10 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import InputPath, Nominal
-from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.numbers import CountType, NumberType
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
-from skiplatch.commands.rig_options import rig_json, rig_options, within
+from skiplatch.commands.rig_options import rig_json, rig_options
 from skiplatch.commands.worker_options import cluster_if_named, cluster_option, limit_option
 from skiplatch.latch import Effort, as_json, as_text, examine
 
@@ -43,7 +44,7 @@ PATHS = {
 @click.option(
     "--feed",
     "feed_mm_min",
-    type=within(1.0, 1e5),
+    type=NumberType(1.0, 1e5),
     default=3000.0,
     show_default=True,
     help="Measuring feed, mm/min.",

@@ -1,7 +1,6 @@
 """Options that several commands share, and what they stand for."""
 
 import json
-import math
 import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -13,6 +12,7 @@ import click
 
 from skiplatch.campaign import Kind
 from skiplatch.campaign.kind import NOT_ON_A_BENCH
+from skiplatch.commands.numbers import CountType, number
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
@@ -30,7 +30,7 @@ def _usable_cores() -> int:
 
 seed_option: Decorator = click.option(
     "--seed",
-    type=click.IntRange(0, SEED_MAX),
+    type=CountType(0, SEED_MAX),
     default=1,
     show_default=True,
     help="Picks the random numbers; the same seed gives the same result.",
@@ -38,7 +38,7 @@ seed_option: Decorator = click.option(
 
 jobs_option: Decorator = click.option(
     "--jobs",
-    type=click.IntRange(1, 1024),
+    type=CountType(1, 1024),
     default=_usable_cores,
     show_default="all cores",
     help="Threads to work on; the result does not depend on it.",
@@ -93,10 +93,24 @@ class EffectType(click.ParamType[Effect]):
             self.fail(f"{quoted(effect_id)} is no effect{hint(effect_id, effects())}", param, ctx)
         pairs = [pair.partition("=") for pair in rest.split(",") if pair]
         try:
-            named = present_names({name: text for name, _, text in pairs})
+            named = present_names(_once_each((name, text) for name, _, text in pairs))
             return Effect(effect_id, dict(_parameter(effect_id, *pair) for pair in named.items()))
         except ValueError as error:
             self.fail(str(error), param, ctx)
+
+
+def _once_each(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Give texts by name.
+
+    Raises:
+        ValueError: A name comes twice.
+    """
+    texts: dict[str, str] = {}
+    for name, text in pairs:
+        if name in texts:
+            raise ValueError(f"{quoted(name)} is given twice")
+        texts[name] = text
+    return texts
 
 
 def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
@@ -106,13 +120,9 @@ def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
     if name not in known:
         raise ValueError(f"{effect_id} has no parameter {quoted(name)}{hint(name, known)}")
     low, high = known[name].low, known[name].high
-    expected = f"{name}: expected a number from {low:g} to {high:g}, got {quoted(text)}"
-    try:
-        value = float(text)
-    except ValueError:
-        raise ValueError(expected) from None
+    value = number(text)
     if not low <= value <= high:
-        raise ValueError(expected)
+        raise ValueError(f"{name}: expected a number from {low:g} to {high:g}, got {quoted(text)}")
     return name, value
 
 
@@ -123,41 +133,6 @@ def refuse_idle(switched_on: Iterable[Effect], kind: Kind) -> None:
         if kind is Kind.BENCH and stage in NOT_ON_A_BENCH:
             idle = f"{effect.id} is an effect of the {stage}, which a bench has none of"
             raise click.UsageError(f"{idle}: it does nothing")
-
-
-class CountType(click.IntRange):
-    """A whole number, which may be written as 1e6."""
-
-    name = "count"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:  # noqa: ANN401
-        """See `click.ParamType.convert`."""
-        try:
-            number = float(value)
-        except (TypeError, ValueError):
-            number = math.nan
-        if not number.is_integer():
-            self.fail(f"expected a whole number, got {quoted(str(value))}", param, ctx)
-        is_short = isinstance(value, str) and not value.lstrip("+-").isdigit()
-        return int(super().convert(int(number) if is_short else value, param, ctx))
-
-
-class SizeType(click.ParamType[float]):
-    """A finite number above 0."""
-
-    name = "size"
-
-    def convert(
-        self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float:
-        """See `click.ParamType.convert`."""
-        try:
-            size = float(value)
-        except ValueError:
-            size = math.nan
-        if not 0.0 < size < math.inf:
-            self.fail(f"expected a number above 0, got {quoted(str(value))}", param, ctx)
-        return size
 
 
 def json_text(result: Mapping[str, Any] | Sequence[Any]) -> str:

@@ -5,8 +5,9 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import InputPath, Nominal
+from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import Decorator, jobs_option, json_option, seed_option, write_json
-from skiplatch.commands.rig_options import rig_options, within
+from skiplatch.commands.rig_options import rig_options
 from skiplatch.latch import Effort
 from skiplatch.planner import Limits, as_json, as_text, make_plan
 
@@ -20,7 +21,7 @@ CYCLES = 100_000  # of the plan, simulated
 
 def _limit(flag: str, low: float, high: float, default: float, meaning: str) -> Decorator:
     return click.option(
-        flag, type=within(low, high), default=default, show_default=f"{default:g}", help=meaning
+        flag, type=NumberType(low, high), default=default, show_default=f"{default:g}", help=meaning
     )
 
 
@@ -34,7 +35,7 @@ def _limit(flag: str, low: float, high: float, default: float, meaning: str) -> 
 @click.option(
     "--uncertainty-um",
     "wanted_um",
-    type=within(1e-3, 1e6),
+    type=NumberType(1e-3, 1e6),
     required=True,
     help="Wanted uncertainty as a full range, greatest minus least: reaction width × feed.",
 )

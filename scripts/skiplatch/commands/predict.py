@@ -6,7 +6,8 @@ import click
 
 from skiplatch.api.predicted import predicted
 from skiplatch.campaign import NOMINAL_FILE, Nominal, read_campaign, read_conditions, read_nominal
-from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.numbers import CountType
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.plays.playing import Rig

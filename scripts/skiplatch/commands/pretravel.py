@@ -6,7 +6,8 @@ import click
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
-from skiplatch.commands.options import CountType, jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.numbers import CountType
+from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.commands.worker_options import cluster_if_named, cluster_option, limit_option
 from skiplatch.compensation import campaigns, paper
@@ -43,7 +44,7 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
 )
 @click.option(
     "--iterations",
-    type=click.IntRange(1, 10),
+    type=CountType(1, 10),
     default=1,
     show_default=True,
     help="How often the feeds are worked out and measured again.",

@@ -7,41 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import click
-import numpy as np
 
 from skiplatch.campaign import KEYS, Nominal, read_nominal
-from skiplatch.campaign.constraints import Range
+from skiplatch.commands.numbers import NumberType
 from skiplatch.latch.probing import DEFAULT_RIG, on_bench
 from skiplatch.stand_ins import refuse_unplayable
-
-
-class Quantity(click.ParamType[float]):
-    """A number within a range, NaN never."""
-
-    name = "number"
-
-    def __init__(self, constraint: Range) -> None:
-        self._constraint = constraint
-
-    def convert(
-        self,
-        value: str | float,
-        param: click.Parameter | None,
-        ctx: click.Context | None,
-    ) -> float:
-        """Turn the text into a number, or end with a line that says what is expected."""
-        try:
-            converted = float(value)
-        except ValueError:
-            converted = float("nan")
-        if not self._constraint.holds(np.array(converted)):
-            self.fail(f"expected {self._constraint.words}, got {value}", param, ctx)
-        return converted
-
-
-def within(low: float, high: float) -> Quantity:
-    """Give the type of a number from `low` to `high`."""
-    return Quantity(Range(f"a number from {low:.15g} to {high:.15g}", low, high))
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +33,7 @@ class RigOption:
         known = KEYS[self.section, self.key]
         option = click.option(
             flag,
-            type=within(self.low, self.high),
+            type=NumberType(self.low, self.high),
             show_default=f"{self.default:g}",
             help=f"{known.meaning[0].upper()}{known.meaning[1:]}, {known.unit}.",
         )

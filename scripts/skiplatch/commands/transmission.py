@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.numbers import CountType, NumberType
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.errors import quoted
 from skiplatch.transmission.firmware import Method
@@ -18,7 +19,7 @@ Example:
   skiplatch transmission PULSES.csv --lines1 1024 --lines2 3600 --ratio 407/10 --json build/te.json
 """
 MOST_LINES = 1 << 24
-SHORT_NUMBER = re.compile(r"[+-]?\d{1,12}(\.\d{1,12}|/\d{1,12})?")
+SHORT_NUMBER = re.compile(r"[+-]?\d{1,12}(\.\d{1,12}|/\d{1,12})?", re.ASCII)
 
 
 class RatioType(click.ParamType[Fraction]):
@@ -44,10 +45,10 @@ class RatioType(click.ParamType[Fraction]):
 @click.command(epilog=EPILOG)
 @click.argument("pulses", type=click.Path(path_type=Path))
 @click.option(
-    "--lines1", type=click.IntRange(1, MOST_LINES), required=True, help="Of the input encoder."
+    "--lines1", type=CountType(1, MOST_LINES), required=True, help="Of the input encoder."
 )
 @click.option(
-    "--lines2", type=click.IntRange(1, MOST_LINES), required=True, help="Of the output encoder."
+    "--lines2", type=CountType(1, MOST_LINES), required=True, help="Of the output encoder."
 )
 @click.option(
     "--ratio",
@@ -67,7 +68,7 @@ class RatioType(click.ParamType[Fraction]):
 )
 @click.option(
     "--meter-ms",
-    type=click.FloatRange(1e-3, 1e4),
+    type=NumberType(1e-3, 1e4),
     default=10.0,
     show_default=True,
     help="Time constant of the meter of analog phase comparison.",

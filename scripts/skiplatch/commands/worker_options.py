@@ -7,11 +7,13 @@ from typing import Any
 
 import click
 
-from skiplatch.commands.options import Decorator, SizeType
+from skiplatch.commands.numbers import TIME_S
+from skiplatch.commands.options import Decorator
 from skiplatch.errors import quoted
 from skiplatch.workers import LIMIT_S, Workers, opened
 
 LOCAL = "local:"
+LOCAL_WORKERS = re.compile(r"[0-9]{1,4}")
 MOST_LOCAL = 1024
 ADDRESS = re.compile(r"(?:[a-z]+://)?[^\s/:]+:[0-9]{1,5}")
 
@@ -26,7 +28,7 @@ class ClusterType(click.ParamType[str]):
         text = str(value)
         number = text.removeprefix(LOCAL)
         if text.startswith(LOCAL):
-            is_good = number.isdecimal() and 1 <= int(number) <= MOST_LOCAL
+            is_good = LOCAL_WORKERS.fullmatch(number) is not None and 1 <= int(number) <= MOST_LOCAL
         else:
             is_good = ADDRESS.fullmatch(text) is not None
         if not is_good:
@@ -46,7 +48,7 @@ cluster_option: Decorator = click.option(
 limit_option: Decorator = click.option(
     "--task-limit-s",
     "limit_s",
-    type=SizeType(),
+    type=TIME_S,
     metavar="s",
     default=LIMIT_S,
     show_default=True,
