@@ -19,7 +19,14 @@ BEYOND_MM = 2.0
 """How far behind the surface a probing move would end."""
 LIFT_MM_MIN = 600.0
 MS_PER_S = 1e3
-KINDS = ("linuxcnc", "grbl", "klipper", "heidenhain")
+FILES: Mapping[str, Sequence[str]] = {
+    "linuxcnc": (".ngc",),
+    "grbl": (".nc",),
+    "klipper": (".gcode",),
+    "heidenhain": (".h", "_head.a", "_row.a"),
+}
+"""What the names of a controller's files have behind that of the program."""
+KINDS = tuple(FILES)
 LOGGED = ("axis", "sign", "feed_mm_min", "approach_mm", "position_mm", "coordinate_mm")
 """Columns that a Heidenhain control writes by FN 16, by which ``import csv`` calls them."""
 

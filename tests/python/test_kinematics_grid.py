@@ -99,10 +99,9 @@ def test_the_sample_is_compensated_after_its_axes_are_corrected(tmp_path: Path) 
 
 def test_the_table_goes_on_in_the_next_program(tmp_path: Path) -> None:
     runs_of(tmp_path, play(tmp_path, cycle(1)))
+    corrected = (tmp_path / "corrected.toml").rename(tmp_path / "next.toml")
 
-    (checked,) = runs_of(
-        tmp_path, play(tmp_path, cycle(0), "--seed", "2", machine=tmp_path / "corrected.toml")
-    )
+    (checked,) = runs_of(tmp_path, play(tmp_path, cycle(0), "--seed", "2", machine=corrected))
 
     assert checked["deviation_um"] < 1.5  # type: ignore[operator]
 

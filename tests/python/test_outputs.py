@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from hostile import Place, places
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
+from skiplatch.commands.outputs import OutputFolder
 from skiplatch.errors import InputError
 
 LOG = Path(__file__).parent / "data" / "logs" / "klippy.log"
@@ -51,6 +52,25 @@ def test_no_work_is_done_for_an_output_that_cannot_be(tmp_path: Path, option: st
 
     assert isinstance(result.exception, InputError)
     assert "x: cannot write" in str(result.exception)
+
+
+@pytest.mark.parametrize("place", WRITTEN, ids=str)
+@pytest.mark.parametrize("name", ["", "a/"])
+def test_what_names_no_file_is_no_output(name: str, place: Place) -> None:
+    option = next(o for o in leaf(place.command).params if place.option in o.opts)
+    if name and isinstance(option.type, OutputFolder):
+        return
+
+    with pytest.raises(click.BadParameter, match=r"expected the name of a "):
+        option.type.convert(name, option, None)
+
+
+def test_a_full_device_is_refused_before_the_work(tmp_path: Path) -> None:
+    words = ["repeat", str(tmp_path / "absent.log"), "--json", "/dev/full"]
+
+    result = CliRunner().invoke(group, words)
+
+    assert str(result.exception) == "/dev/full: cannot write: No space left on device"
 
 
 def test_whatever_is_written_with_out_has_a_short_name() -> None:

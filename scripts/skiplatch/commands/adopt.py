@@ -6,6 +6,7 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import NOMINAL_FILE, read_nominal
+from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis.reported.adoption import adopted, with_effects
@@ -20,11 +21,9 @@ Example:
       --diagnosis build/diagnosis.json --out build/adopted.toml
 """
 
-FILE = click.Path(path_type=Path, dir_okay=False)
-
 
 @click.command(epilog=EPILOG)
-@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("campaign", type=Source())
 @click.option("--diagnosis", type=FILE, required=True, help="JSON of a diagnosis of the campaign.")
 @click.option("-o", "--out", type=OutputFile(), required=True, help="nominal.toml to write.")
 @json_option

@@ -18,12 +18,12 @@ from skiplatch.bench.seal import read_key
 from skiplatch.bench.station import Station
 from skiplatch.campaign import format_nominal, read_campaign, write_campaign
 from skiplatch.commands.bench_options import (
-    FILE,
     bench_rig_options,
     can_backend_option,
     key_option,
     latch_id_option,
 )
+from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.numbers import CountType, NumberType
 from skiplatch.commands.options import json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile, OutputFolder
@@ -205,7 +205,7 @@ def monitor(
 
 
 @command.command(epilog=BELIEVE_EPILOG)
-@click.argument("campaign_path", metavar="CAMPAIGN", type=click.Path(path_type=Path))
+@click.argument("campaign_path", metavar="CAMPAIGN", type=Source())
 @click.option(
     "-o", "--out", type=OutputFile(), required=True, help="nominal.toml to write; an old one goes."
 )

@@ -11,10 +11,10 @@ import click
 from skiplatch.bench.bus import SOCKETCAN
 from skiplatch.bench.protocol import LATCH_ID
 from skiplatch.bench.run import Rig
+from skiplatch.commands.inputs import FILE
 from skiplatch.commands.numbers import CountType
 from skiplatch.errors import quoted
 
-FILE = click.Path(path_type=Path, dir_okay=False)
 CAN_ID = re.compile(r"0[xX][0-9a-fA-F]{1,3}|0|[1-9][0-9]{0,3}")
 
 can_backend_option = click.option(

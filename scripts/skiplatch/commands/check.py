@@ -9,6 +9,7 @@ from skiplatch.campaign import NOMINAL_FILE, Campaign, read_campaign
 from skiplatch.campaign.oddity import Oddity
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.stand_ins import refuse_unplayable
@@ -20,7 +21,7 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("campaign", type=Source())
 @json_option
 def command(campaign: Path, json_path: Path | None) -> None:
     """Say in a second what in a CAMPAIGN is odd, what is missing, and what it cannot tell."""

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import (
     html_option,
@@ -24,7 +25,7 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("campaign", type=Source())
 @click.option(
     "--alpha",
     type=NumberType(0.005, 0.5),

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from skiplatch.commands.compensate_inputs import Result, result_of
+from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.numbers import (
     ACCEL_MM_S2,
     FEED_MM_MIN,
@@ -16,7 +17,7 @@ from skiplatch.commands.numbers import (
     PERCENT,
     TIME_MS,
     CountType,
-    number,
+    number_or_nan,
 )
 from skiplatch.commands.options import (
     html_option,
@@ -46,13 +47,11 @@ Example:
       --out build/table.csv --json build/table.json --html build/table.html
   skiplatch compensate --from-campaign build/campaign --v0 100 --out build/table.csv
 """
-
-FILE = click.Path(path_type=Path, dir_okay=False)
 PATHS = ("skip", "plc")
 DIVISIONS = (2, 4, 8, 16, 32)
 DEFAULT_DIVISIONS = 16
-LARGEST_RADIUS_UM = 1e6
 FIRST_VARIABLE = 500
+LARGEST_RADIUS_UM = 1e6
 
 
 class TargetType(click.ParamType[Target]):
@@ -69,7 +68,7 @@ class TargetType(click.ParamType[Target]):
         rules = {"mean": Rule.MEAN, "max": Rule.MAX, "min": Rule.MIN}
         if value in rules:
             return Target(rules[value])
-        radius_um = number(value)
+        radius_um = number_or_nan(value)
         if not abs(radius_um) <= LARGEST_RADIUS_UM:
             expected = "expected mean, max, min or a radius in µm"
             self.fail(f"{expected}, got {quoted(value)}", param, ctx)
@@ -81,7 +80,7 @@ class TargetType(click.ParamType[Target]):
 @click.option(
     "--from-campaign",
     "campaign",
-    type=click.Path(path_type=Path, file_okay=False),
+    type=Source(is_folder=True),
     help="Take map and delay from a recorded campaign in place of RADII.",
 )
 @click.option("--v0", type=FEED_MM_MIN, required=True, metavar="MM/MIN", help="Feed of the map.")
@@ -185,7 +184,7 @@ class TargetType(click.ParamType[Target]):
 @html_option
 @click.option(
     "--after",
-    type=click.Path(path_type=Path),
+    type=Source(),
     metavar="RADII.csv|DIR",
     help="Radii measured with a table, or a campaign of them, to be shown beside the predicted.",
 )
@@ -206,7 +205,6 @@ def command(radii: Path | None, json_path: Path | None, **given: Any) -> None:  
     found = text.as_json(result.done, result.figures, result.known, result.after)
     if json_path is not None:
         texts.append((json_path, json_text(found)))
-    _refuse_clashes([path for path, _ in texts if path != STDOUT], radii, given)
     for path, content in sorted(texts, key=lambda pair: pair[0] == STDOUT):
         write_document(path, content)
     click.echo(text.as_text(result.done, result.figures, result.known, result.after))
@@ -285,15 +283,3 @@ def _page(result: Result, name: str) -> str:
     if result.after_map is not None and result.after is not None:
         after = After(result.after_map, result.after)
     return as_html(result.done, result.figures, result.known, after, name=name)
-
-
-def _refuse_clashes(outputs: list[Path], radii: Path | None, given: Mapping[str, Any]) -> None:
-    """Refuse a file that is named for two outputs, or that was read."""
-    inputs = [radii, *(given[name] for name in ("tau_from", "previous", "after"))]
-    read = [path.resolve() for path in inputs if path is not None]
-    written = [path.resolve() for path in outputs]
-    for path, resolved in zip(outputs, written, strict=True):
-        if written.count(resolved) > 1:
-            raise click.UsageError(f"{path} is named for two outputs")
-        if resolved in read:
-            raise click.UsageError(f"{path} is an input, and would be overwritten")

@@ -6,6 +6,8 @@ from pathlib import Path
 import click
 
 from skiplatch.campaign import CONDITIONS, Campaign, format_touches
+from skiplatch.commands.claims import claim_output
+from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
@@ -23,7 +25,7 @@ from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
-from skiplatch.probing_program import KINDS, program
+from skiplatch.probing_program import FILES, KINDS, program
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
 
@@ -35,7 +37,7 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("campaign", type=Source())
 @click.option(
     "-o",
     "--out",
@@ -53,7 +55,7 @@ Example:
 @click.option(
     "--diagnosis",
     "diagnosis_path",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="JSON of 'skiplatch diagnose' of this campaign, in place of diagnosing it anew.",
 )
 @click.option(
@@ -90,6 +92,8 @@ def command(
     those are written that are expected to tell most. Where another surface would tell more, it
     says which.
     """
+    for ending in FILES[gcode] if gcode else ():
+        claim_output(out.with_name(out.stem + ending))
     recorded = read_playable(campaign)
     models, verdict = _left(recorded, diagnosis_path, seed, jobs)
     experiment = experiment_for(

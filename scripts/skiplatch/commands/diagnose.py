@@ -7,6 +7,7 @@ import click
 from skiplatch.campaign import Campaign
 from skiplatch.commands.diagnose_many import Told, tell_all, told_of
 from skiplatch.commands.examining import Asked, Examined, examine
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.kept import Kept
 from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import (
@@ -38,9 +39,7 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument(
-    "campaigns", metavar="CAMPAIGN…", nargs=-1, required=True, type=click.Path(path_type=Path)
-)
+@click.argument("campaigns", metavar="CAMPAIGN…", nargs=-1, required=True, type=Source())
 @seed_option
 @jobs_option
 @cluster_option
@@ -80,7 +79,7 @@ Example:
 @click.option(
     "--train",
     "train_path",
-    type=click.Path(path_type=Path),
+    type=Source(),
     help="Description of the drive in TOML (docs/TRANSMISSION.md); a transmission error that is "
     "found is then given its order and its shaft.",
 )

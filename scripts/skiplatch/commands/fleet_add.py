@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from skiplatch.commands.fleet_options import store_option
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.fleet.intake import Intake
@@ -22,7 +23,7 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="DIR…")
+@click.argument("folders", nargs=-1, required=True, type=Source(is_whole=True), metavar="DIR…")
 @store_option
 @click.option(
     "--rig",

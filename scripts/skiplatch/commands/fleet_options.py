@@ -4,11 +4,11 @@ import math
 from collections.abc import Iterable
 from datetime import date, datetime, timedelta
 from decimal import Decimal
-from pathlib import Path
 from typing import Any
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import Decorator
 from skiplatch.fleet.budget import ALARMS_A_MONTH
@@ -20,7 +20,7 @@ KEY_DIGITS = 12
 
 store_option: Decorator = click.option(
     "--store",
-    type=click.Path(path_type=Path),
+    type=Source(is_whole=True),
     required=True,
     help="The folder of the store.",
 )

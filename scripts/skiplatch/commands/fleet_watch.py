@@ -12,6 +12,7 @@ from skiplatch.campaign import Campaign
 from skiplatch.commands.diagnose_many import Told, told_as_done, told_of
 from skiplatch.commands.examining import Asked, examine
 from skiplatch.commands.fleet_options import store_option
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import TIME_S
 from skiplatch.commands.options import (
     jobs_option,
@@ -133,7 +134,7 @@ def _named(folder: Path, error: InputError | OSError) -> InputError:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=Source(is_whole=True))
 @store_option
 @click.option(
     "--rig", help="Where the campaigns come from; see skiplatch fleet add for what else says it."

@@ -8,6 +8,7 @@ import click
 
 from skiplatch.campaign import Kind
 from skiplatch.commands.imported import finish
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import FEED_MM_MIN, NumberType
 from skiplatch.commands.options import Decorator, json_option
 from skiplatch.commands.outputs import OutputFolder
@@ -31,7 +32,7 @@ feed_option: Decorator = click.option(
     metavar="MM/MIN",
     help="Measuring feed, where the log does not say it.",
 )
-log_argument: Decorator = click.argument("log", type=click.Path(path_type=Path))
+log_argument: Decorator = click.argument("log", type=Source())
 axis_option: Decorator = click.option(
     "--axis", type=click.Choice(list("XYZABC"), case_sensitive=False), help="The axis that probed."
 )
@@ -49,7 +50,7 @@ def command() -> None:
 @log_argument
 @click.option(
     "--program",
-    type=click.Path(path_type=Path),
+    type=Source(),
     help="The G-code whose G38.x moves made the log: feeds, axes, senses.",
 )
 @axis_option
@@ -114,7 +115,7 @@ def marlin(log: Path, feed: float | None, out: Path, json_path: Path | None) -> 
 @command.command(
     epilog='Example: skiplatch import csv t.csv --map "deviation_um=Error [mm]" --out build/table'
 )
-@click.argument("table", type=click.Path(path_type=Path))
+@click.argument("table", type=Source())
 @click.option(
     "--map",
     "mappings",
@@ -166,7 +167,7 @@ def edge_options(function: Callable[..., None]) -> Callable[..., None]:
 
 
 EDGE_OPTIONS = (
-    click.argument("capture", type=click.Path(path_type=Path)),
+    click.argument("capture", type=Source()),
     click.option("--probe", metavar="CHANNEL", help="Channel of the injected edge."),
     click.option("--latch", metavar="CHANNEL", help="Channel that changes at the latch."),
     click.option("--report", metavar="CHANNEL", help="Channel that changes at the report."),
@@ -247,7 +248,7 @@ def can(log: Path, out: Path, json_path: Path | None) -> None:
 
 
 @command.command(epilog="Example: skiplatch import iso230 x_axis.csv --axis X --out build/x")
-@click.argument("table", type=click.Path(path_type=Path))
+@click.argument("table", type=Source())
 @axis_option
 @click.option("--unit", type=click.Choice(["um", "mm"]), default="um", show_default=True)
 @feed_option

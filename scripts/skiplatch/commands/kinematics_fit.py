@@ -7,6 +7,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
@@ -54,12 +55,12 @@ Example:
 
 
 @click.command(name="fit", help=HELP, epilog=EPILOG)
-@click.argument("points_path", metavar="POINTS", type=click.Path(path_type=Path))
+@click.argument("points_path", metavar="POINTS", type=Source())
 @click.option(
     "--machine",
     "machine_path",
     required=True,
-    type=click.Path(path_type=Path),
+    type=Source(),
     help="The rotary axes as believed.",
 )
 @click.option(

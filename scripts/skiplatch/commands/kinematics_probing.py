@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
@@ -21,7 +22,7 @@ LENGTH = NumberType(0.0, 1e4)
 
 
 @click.command(epilog=EPILOG)
-@click.argument("points_path", metavar="POINTS", type=click.Path(path_type=Path))
+@click.argument("points_path", metavar="POINTS", type=Source())
 @click.option(
     "--radius", "radius_mm", type=LENGTH, help="Calibrated radius of the sphere, mm: for the size."
 )

@@ -11,6 +11,8 @@ import click
 import numpy as np
 
 from skiplatch.campaign import InputPath
+from skiplatch.commands.claims import claim_input, claim_output
+from skiplatch.commands.inputs import FILE
 from skiplatch.commands.kinematics_fit import tell
 from skiplatch.commands.options import (
     EffectType,
@@ -48,7 +50,6 @@ from skiplatch.simulator.effects import Effect
 LOG_NAME = "TCHPRAUTO.html"
 MEMORY_NAME = "kinematics.bin"
 DEFAULT_MACHINE = ROOT / "scripts" / "samples" / "kinematics" / "machine_bc.toml"
-FILE = click.Path(path_type=Path, dir_okay=False)
 
 EPILOG = """\b
 Example:
@@ -157,6 +158,7 @@ def command(
     lines. Every measurement of the sphere is made of touches that the firmware latches, on a
     simulated machine with errors of its own; what is found is fitted by the firmware too.
     """
+    memory_path, html_path = _beside(program_path, memory_path, html_path)
     program = read_program(program_path)
     machine = read_machine(machine_path)
     recorded = None if recorded_path is None else read_points(recorded_path, machine)
@@ -180,17 +182,14 @@ def command(
         changed=None if changed_path is None else read_truth(changed_path, machine),
         preset_mm=read_preset(machine_path),
     )
-    memory = Memory(
-        memory_path or program_path.parent / MEMORY_NAME, discards_damaged=discards_damaged
-    )
+    memory = Memory(memory_path, discards_damaged=discards_damaged)
     outcome = run_program(program, setup, memory)
-    log_path = html_path or program_path.parent / LOG_NAME
     if outcome.runs:
-        log = _log(program, machine_path, log_path, outcome)
-        if log_path != STDOUT:
+        log = _log(program, machine_path, html_path, outcome)
+        if html_path != STDOUT:
             for name, chart in log.charts.items():
-                atomic_write_text(log_path.with_name(name), chart)
-        write_document(log_path, log.html)
+                atomic_write_text(html_path.with_name(name), chart)
+        write_document(html_path, log.html)
     if points_path is not None:
         atomic_write_text(points_path, _points(machine, outcome))
     if corrected_path is not None:
@@ -199,12 +198,23 @@ def command(
         as_json(outcome) if recorded is not None else {**as_json(outcome), "truth": asdict(truth)}
     )
     click.echo("\n".join([*outcome.said, *map(run_text, outcome.runs)]))
-    if outcome.runs and log_path != STDOUT:
-        click.echo(f"log: {log_path}")
+    if outcome.runs and html_path != STDOUT:
+        click.echo(f"log: {html_path}")
     fitted = [e.fit for run in outcome.runs if isinstance(e := run.evaluation, Evaluation)]
     if recorded is not None and fitted:
         result |= tell(machine, recorded, fitted[-1])
     write_json(json_path, result)
+
+
+def _beside(program: Path, memory: Path | None, log: Path | None) -> tuple[Path, Path]:
+    """Give store and log, which are beside the program where no option names them."""
+    if memory is None:
+        memory = program.parent / MEMORY_NAME
+        claim_input(memory)
+    if log is None:
+        log = program.parent / LOG_NAME
+        claim_output(log)
+    return memory, log
 
 
 def _log(program: Program, machine_path: Path, log_path: Path, outcome: Outcome) -> Log:

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.kinematics.sphere import NoSphereError, Sphere, fit_sphere, read_sphere_points
@@ -17,7 +18,7 @@ FIRST_ROW = 2
 
 
 @click.command(epilog=EPILOG)
-@click.argument("points_path", metavar="POINTS", type=click.Path(path_type=Path))
+@click.argument("points_path", metavar="POINTS", type=Source())
 @json_option
 def command(points_path: Path, json_path: Path | None) -> None:
     """Fit a sphere to six or more points, wherever on it they lie.

@@ -1,21 +1,19 @@
 """Numbers that options take: written in plain digits, finite, and within what can be meant."""
 
 import math
-import re
 
 import click
 
 from skiplatch.errors import quoted
+from skiplatch.numbers import number
 
-WRITTEN = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
-
-def number(text: str) -> float:
-    """Read a number; NaN for what is none, be it one to Python (``1_0``, digits of other scripts).
-
-    One that is too large for a float is infinite.
-    """
-    return float(text) if WRITTEN.fullmatch(text) else math.nan
+def number_or_nan(text: str) -> float:
+    """Read a number; NaN for what is none, and infinity for one too large for a float."""
+    try:
+        return number(text)
+    except ValueError:
+        return math.nan
 
 
 class NumberType(click.FloatRange):
@@ -31,7 +29,7 @@ class NumberType(click.FloatRange):
         self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
         """See `click.ParamType.convert`."""
-        converted = number(str(value))
+        converted = number_or_nan(str(value))
         if not self.low <= converted <= self.high:
             expected = f"expected a number from {self.low:.15g} to {self.high:.15g}"
             self.fail(f"{expected}, got {quoted(str(value))}", param, ctx)
@@ -51,7 +49,7 @@ class CountType(click.IntRange):
     ) -> int:
         """See `click.ParamType.convert`."""
         text = str(value)
-        if not number(text).is_integer():
+        if not number_or_nan(text).is_integer():
             self.fail(f"expected a whole number, got {quoted(text)}", param, ctx)
         is_short = not text.lstrip("+-").isdigit()
         return int(super().convert(int(float(text)) if is_short else int(text), param, ctx))

@@ -12,7 +12,7 @@ import click
 
 from skiplatch.campaign import Kind
 from skiplatch.campaign.kind import NOT_ON_A_BENCH
-from skiplatch.commands.numbers import CountType, number
+from skiplatch.commands.numbers import CountType, number_or_nan
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
 from skiplatch.files import atomic_write_text
@@ -120,7 +120,7 @@ def _parameter(effect_id: str, name: str, text: str) -> tuple[str, float]:
     if name not in known:
         raise ValueError(f"{effect_id} has no parameter {quoted(name)}{hint(name, known)}")
     low, high = known[name].low, known[name].high
-    value = number(text)
+    value = number_or_nan(text)
     if not low <= value <= high:
         raise ValueError(f"{name}: expected a number from {low:g} to {high:g}, got {quoted(text)}")
     return name, value

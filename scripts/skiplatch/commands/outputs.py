@@ -6,6 +6,8 @@ from typing import Any
 
 import click
 
+from skiplatch.commands.claims import claim_output
+from skiplatch.commands.inputs import refuse_nameless
 from skiplatch.files import refuse_occupied, refuse_unwritable
 
 STDOUT = Path("-")
@@ -27,9 +29,14 @@ class OutputFile(click.Path):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401
         """See `click.ParamType.convert`."""
+        refuse_nameless(value, self, param, ctx)
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
-        if not (self.allow_dash and path == STDOUT):
-            refuse_unwritable(path, makes_folders=self.makes_folders)
+        if self.allow_dash and path == STDOUT:
+            return path
+        if os.fspath(value).endswith(os.sep):
+            self.fail(f"expected the name of a file, got that of a folder, {value}", param, ctx)
+        refuse_unwritable(path, makes_folders=self.makes_folders)
+        claim_output(path, param)
         return path
 
 
@@ -48,8 +55,10 @@ class OutputFolder(click.Path):
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:  # noqa: ANN401
         """See `click.ParamType.convert`."""
+        refuse_nameless(value, self, param, ctx)
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
         if self.is_new:
             refuse_occupied(path)
         refuse_unwritable(path, makes_folders=True)
+        claim_output(path, param, is_whole=self.is_new)
         return path

@@ -6,6 +6,7 @@ import click
 
 from skiplatch.api.predicted import predicted
 from skiplatch.campaign import NOMINAL_FILE, Nominal, read_campaign, read_conditions, read_nominal
+from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFile
@@ -21,8 +22,6 @@ Example:
       --conditions scripts/samples/bench_isr_latency/touches.csv
 """
 
-FILE = click.Path(path_type=Path, dir_okay=False)
-
 
 def _rig(path: Path | None, nominal: Nominal) -> Rig:
     """Give the rig that a diagnosis says it is, or the believed one."""
@@ -34,7 +33,7 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("campaign", type=click.Path(path_type=Path))
+@click.argument("campaign", type=Source())
 @click.option("--diagnosis", type=FILE, help="JSON of a diagnosis; without it, the nominal chain.")
 @click.option("--conditions", "conditions_path", type=FILE, required=True, help="Touches to play.")
 @click.option(

@@ -6,6 +6,8 @@ import click
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath
+from skiplatch.commands.claims import claim_output
+from skiplatch.commands.inputs import FILE
 from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.commands.outputs import OutputFolder
@@ -52,7 +54,7 @@ PATHS = {"skip": InputPath.SKIP, "plc": InputPath.PLC}
 @click.option(
     "--table",
     "table_path",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     metavar="TABLE.csv",
     help="Measure at the feeds of this table of 'skiplatch compensate' afterwards.",
 )
@@ -98,6 +100,9 @@ def command(
     if folder is not None:
         for part in (campaigns.BEFORE, campaigns.AFTER):
             refuse_occupied(folder / part)
+            claim_output(folder / part, is_whole=True)
+        for part in (campaigns.RADII_BEFORE, campaigns.RADII_AFTER, campaigns.SPEEDS):
+            claim_output(folder / part)
     rig = RIGS[name]
     table = None if table_path is None else campaigns.read_feeds(table_path, rig.directions)
     seeds = range(seed, seed + trials)

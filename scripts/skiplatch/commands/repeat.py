@@ -10,6 +10,7 @@ import click
 import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath, read_campaign
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.importing.detect import read_any
@@ -29,7 +30,7 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("source", type=click.Path(path_type=Path), metavar="FILE|DIR")
+@click.argument("source", type=Source(), metavar="FILE|DIR")
 @click.option(
     "--picture",
     type=OutputFile(makes_folders=True),

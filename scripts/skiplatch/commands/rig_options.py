@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from skiplatch.campaign import KEYS, Nominal, read_nominal
+from skiplatch.commands.inputs import FILE
 from skiplatch.commands.numbers import NumberType
 from skiplatch.latch.probing import DEFAULT_RIG, on_bench
 from skiplatch.stand_ins import refuse_unplayable
@@ -83,6 +84,6 @@ def rig_json(rig: Nominal) -> dict[str, float]:
 _nominal_option = click.option(
     "--nominal",
     "nominal_path",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=FILE,
     help="Take the rig from this nominal.toml, without its probe; the options above overrule it.",
 )

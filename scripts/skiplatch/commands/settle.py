@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import Standing, outcome, rivals
@@ -22,8 +23,8 @@ Example:
 
 
 @click.command(epilog=EPILOG)
-@click.argument("campaign", type=click.Path(path_type=Path))
-@click.argument("made", type=click.Path(path_type=Path))
+@click.argument("campaign", type=Source())
+@click.argument("made", type=Source())
 @seed_option
 @jobs_option
 @json_option

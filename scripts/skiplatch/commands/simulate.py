@@ -6,6 +6,7 @@ import click
 
 from skiplatch.api.work import simulate
 from skiplatch.campaign import read_conditions, read_nominal, write_campaign
+from skiplatch.commands.inputs import FILE
 from skiplatch.commands.options import (
     EffectType,
     jobs_option,
@@ -23,8 +24,6 @@ Example:
   skiplatch simulate --nominal scripts/samples/machine_no_gap/nominal.toml \\
       --conditions scripts/samples/machine_no_gap/touches.csv --out build/simulated
 """
-
-FILE = click.Path(path_type=Path, dir_okay=False)
 
 
 @click.command(epilog=EPILOG)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import CountType, NumberType
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.errors import quoted
@@ -43,7 +44,7 @@ class RatioType(click.ParamType[Fraction]):
 
 
 @click.command(epilog=EPILOG)
-@click.argument("pulses", type=click.Path(path_type=Path))
+@click.argument("pulses", type=Source())
 @click.option(
     "--lines1", type=CountType(1, MOST_LINES), required=True, help="Of the input encoder."
 )
@@ -76,7 +77,7 @@ class RatioType(click.ParamType[Fraction]):
 @click.option(
     "--train",
     "train_path",
-    type=click.Path(path_type=Path),
+    type=Source(),
     help="Description of the train in TOML: orders are then given their shaft, and the tooth "
     "pitch is that of its last stage instead of a turn of the input.",
 )

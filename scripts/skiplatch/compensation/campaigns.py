@@ -29,6 +29,9 @@ from skiplatch.units import US_PER_MS
 
 BEFORE = "before"
 AFTER = "after"
+RADII_BEFORE = "radii_before.csv"
+RADII_AFTER = "radii_after.csv"
+SPEEDS = "speeds.csv"
 
 
 def record(folder: Path, result: Result) -> None:
@@ -47,9 +50,9 @@ def record(folder: Path, result: Result) -> None:
     write_campaign(folder / BEFORE, _believed(result, pretravel_um, tau_ms), touches)
     after_um = float(result.after.mean_um.mean())
     write_campaign(folder / AFTER, _believed(result, after_um, 0.0), _map(result.after))
-    atomic_write_text(folder / "radii_before.csv", _radii_csv(result.before))
-    atomic_write_text(folder / "radii_after.csv", _radii_csv(result.after))
-    atomic_write_text(folder / "speeds.csv", _speeds_csv(result))
+    atomic_write_text(folder / RADII_BEFORE, _radii_csv(result.before))
+    atomic_write_text(folder / RADII_AFTER, _radii_csv(result.after))
+    atomic_write_text(folder / SPEEDS, _speeds_csv(result))
 
 
 def read_feeds(path: Path, directions: Directions) -> FloatArray:
