@@ -9,7 +9,7 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch.cli import group
-from skiplatch.commands.options import CountType
+from skiplatch.commands.numbers import CountType
 from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
