@@ -61,11 +61,24 @@ def _ended_by_closed_pipe() -> Iterator[None]:
         sys.exit(NO_READER)
 
 
+@contextmanager
+def _refused_in_one_line() -> Iterator[None]:
+    """Say what is wrong with a command line without the usage above it, as of any bad input."""
+    try:
+        yield
+    except click.exceptions.NoArgsIsHelpError:
+        raise
+    except click.UsageError as error:
+        refusal = click.ClickException(one_line(error.format_message().replace("\n\t", " ")))
+        refusal.exit_code = BAD_INPUT
+        raise refusal from error
+
+
 class _LazyGroup(click.Group):
     """A group whose commands live in ``skiplatch.commands``, one module each."""
 
     def make_context(self, *args: Any, **kwargs: Any) -> click.Context:  # noqa: ANN401
-        with _ended_by_closed_pipe():  # --help writes here
+        with _ended_by_closed_pipe(), _refused_in_one_line():  # --help writes here
             return super().make_context(*args, **kwargs)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
@@ -80,7 +93,7 @@ class _LazyGroup(click.Group):
 
     def invoke(self, ctx: click.Context) -> object:
         try:
-            with _ended_by_closed_pipe(), taken_back_on_failure():
+            with _refused_in_one_line(), _ended_by_closed_pipe(), taken_back_on_failure():
                 result = super().invoke(ctx)
                 sys.stdout.flush()
         except KeyboardInterrupt:

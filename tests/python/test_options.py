@@ -33,10 +33,8 @@ def test_what_is_no_finite_number_in_plain_digits_is_refused(
     result = call(*option[:-1], f"{option[-1]}={text}")
 
     assert result.exit_code == 2, repr(result.exception)
-    said = [line for line in result.stderr.splitlines() if line.startswith("Error: ")]
-    assert len(said) == 1
-    assert said[0] == result.stderr.splitlines()[-1]
-    assert said[0].startswith(f"Error: Invalid value for '{option[-1]}'")
+    assert result.stderr.startswith(f"Error: Invalid value for '{option[-1]}'")
+    assert result.stderr.count("\n") == 1
     assert not result.stdout
 
 
