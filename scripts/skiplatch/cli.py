@@ -61,6 +61,12 @@ def _ended_by_closed_pipe() -> Iterator[None]:
         sys.exit(NO_READER)
 
 
+class _Refusal(click.ClickException):
+    """What is wrong with a command line."""
+
+    exit_code = BAD_INPUT
+
+
 @contextmanager
 def _refused_in_one_line() -> Iterator[None]:
     """Say what is wrong with a command line without the usage above it, as of any bad input."""
@@ -69,9 +75,7 @@ def _refused_in_one_line() -> Iterator[None]:
     except click.exceptions.NoArgsIsHelpError:
         raise
     except click.UsageError as error:
-        refusal = click.ClickException(one_line(error.format_message().replace("\n\t", " ")))
-        refusal.exit_code = BAD_INPUT
-        raise refusal from error
+        raise _Refusal(one_line(error.format_message().replace("\n\t", " "))) from error
 
 
 class _LazyGroup(click.Group):
