@@ -61,8 +61,9 @@ def test_lobes_in_unknown_directions_are_scatter_and_a_datum_of_each_sense() -> 
 def test_a_sound_probe_with_lobes_shows_no_gap_without_directions() -> None:
     """It had a gap of the size of its lobes, which were all played in one direction."""
     campaign = without_directions(played_again(with_lobes(read_campaign(MACHINE), 6.0)))
+    every_third = campaign.touches.select(np.arange(len(campaign.touches)) % 3 == 0)
 
-    found = diagnose(campaign, seed=1)
+    found = diagnose(replace(campaign, touches=every_third), seed=1)
 
     assert found.verdict is Verdict.NO_GAP
     assert UNDIRECTED in found.notes
