@@ -175,3 +175,30 @@ def test_passes_of_levelling_are_no_scatter(tmp_path: Path) -> None:
     assert "5 touches of one surface" in result.output
     assert "widest range, µm        5" in result.output
     assert "after an adjustment of Z" in result.output
+
+
+def test_reading_far_off_at_one_place_is_of_the_same_surface(tmp_path: Path) -> None:
+    run = imported(tmp_path, TOUCHES + TOUCH.format(1.001) + TOUCH.format(2.24))
+
+    assert len(run.campaign.touches.session_names) == 1
+    assert run.campaign.touches.deviation_um.min() < -1200.0
+    assert any("more than 0.5 mm from the others" in line for line in run.said["odd"])
+
+
+def test_z_that_rises_with_each_g30_is_of_one_surface(tmp_path: Path) -> None:
+    touched = [f"Recv: Bed X: 40.00 Y: 50.00 Z: {z:.2f}\n" for z in (1.1, 2.1, 3.1)]
+    (tmp_path / "m.log").write_text("".join(touched))
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"))
+
+    assert list(run.campaign.touches.deviation_um) == [1000.0, 0.0, -1000.0]
+
+
+def test_reading_of_grbl_that_is_far_off_is_said_to_be_another_surface(tmp_path: Path) -> None:
+    heights = (-5.001, -5.002, -5.0, -3.8, -5.001)
+    (tmp_path / "g.log").write_text("".join(f"[PRB:1.000,2.000,{z:.3f}:1]\n" for z in heights))
+    run = Run(tmp_path, "grbl", str(tmp_path / "g.log"), "--feed", "100")
+
+    said = "met something 1.2 mm away at the same place (Z- at 1 2): taken for another surface"
+    assert any(line == f"{said}: touch 3" for line in run.said["assumed"])
+    checked = CliRunner().invoke(group, ["check", str(tmp_path / "campaign")])
+    assert said in checked.output

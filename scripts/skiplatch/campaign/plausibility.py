@@ -9,6 +9,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign.columns import InputPath
+from skiplatch.campaign.far_off import far_from_the_others, surfaces_apart
 from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.impossible import (
     latches_before_the_move,
@@ -209,6 +210,8 @@ RULES: tuple[Rule, ...] = (
     ways_of_axes,
     places_beyond_reach,
     latches_before_the_move,
+    far_from_the_others,
+    lambda campaign: surfaces_apart(campaign.touches),
     _order_of_stamps,
     _backwards,
     _equal_stamps,

@@ -20,7 +20,8 @@ def finish(
     write_imported(out, imported, sources)
     campaign = read_campaign(out)
     untold = cannot_be_told(campaign)
-    odd = [oddity.line for oddity in oddities(campaign)]
+    lines = [oddity.line for oddity in oddities(campaign)]
+    odd = [line for line in lines if line not in imported.assumed]
     parts = (
         ("Known", imported.known),
         ("Assumed", imported.assumed),

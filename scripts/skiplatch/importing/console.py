@@ -91,7 +91,7 @@ class Console:
         times = spread_times([touch.time_s for touch in self.touches])
         for touch, time_s in zip(self.touches, times, strict=True):
             touch.time_s = time_s
-        found = Imported(preset=preset, touches=self.touches)
+        found = Imported(preset=preset, touches=self.touches, place_is_surface=True)
         self._say_failed(found)
         self._say_adjusted(found)
         if all(time_s is None for time_s in times):

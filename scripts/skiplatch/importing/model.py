@@ -62,6 +62,8 @@ class Imported:
         touches: What was touched, on a machine.
         columns: In place of touches: columns that need no reference surface.
         lines: With columns: the line of each touch in the log, if it has lines.
+        place_is_surface: Whether touches at one place in one session met one surface, however far
+            apart they were latched.
         preset: Name of the figures that such a rig has where the log says nothing else.
         figures: What the log says of the rig.
         known: What is known, a sentence each.
@@ -75,6 +77,7 @@ class Imported:
     lines: Sequence[int] = ()
     preset: str
     path_is_plc: bool = False
+    place_is_surface: bool = False
     figures: dict[KeyPath, Figure] = field(default_factory=dict)
     known: list[str] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)

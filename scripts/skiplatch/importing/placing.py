@@ -19,7 +19,8 @@ from skiplatch.importing.model import Touch
 from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
 SAME_SURFACE_MM = 0.6
-"""Touches of one place that are closer than this have touched one surface."""
+"""Touches of one place that are closer than this have touched one surface, where the log does not
+say where the probe was sent."""
 STILL_K = 1.0
 """By which a temperature may vary and still be steady, as a heater keeps it."""
 NEAREST_TO_FRAME = ("frame", "chamber", "machine", "bed")
@@ -29,11 +30,11 @@ Key = tuple[str, str, int, tuple[float, ...], int]
 
 @np.errstate(invalid="ignore", over="ignore")  # what is infinite is refused when it is written
 def as_touches(
-    touches: Sequence[Touch], *, is_plc: bool
+    touches: Sequence[Touch], *, is_plc: bool, place_is_surface: bool = False
 ) -> tuple[Touches, DatumFreedom, dict[str, int]]:
     """Give columns, what the datum shares, and how often each surface was latched."""
     touches = [_with_sense(touch, touches) for touch in touches]
-    surfaces = _surfaces(touches)
+    surfaces = _surfaces(touches, place_is_surface=place_is_surface)
     names = {key: _name(key, surfaces) for key in surfaces}
     number_of = {id(touch): key for key, group in surfaces.items() for touch in group}
     keys = [number_of[id(touch)] for touch in touches]
@@ -137,14 +138,18 @@ def _approach(touch: Touch, reference: float) -> float | None:
     return way or None
 
 
-def _surfaces(touches: Sequence[Touch]) -> dict[Key, list[Touch]]:
-    """Group touches: of one session, axis, sense and place, and near to each other."""
+def _surfaces(touches: Sequence[Touch], *, place_is_surface: bool) -> dict[Key, list[Touch]]:
+    """Group touches: of one session, axis, sense and place, and else near to each other.
+
+    Where the place is that to which the probe was sent, no reading makes another surface: a probe
+    that is far off would else hide its fault.
+    """
     grouped: dict[tuple[str, str, int, tuple[float, ...]], list[Touch]] = defaultdict(list)
     for touch in touches:
         grouped[touch.session, touch.axis, touch.sign or 0, _place(touch)].append(touch)
     surfaces: dict[Key, list[Touch]] = {}
     for key, group in grouped.items():
-        for number, near in enumerate(_near(group)):
+        for number, near in enumerate([group] if place_is_surface else _near(group)):
             surfaces[*key, number] = near
     return surfaces
 

@@ -19,10 +19,12 @@ from skiplatch.campaign import (
 )
 from skiplatch.campaign.constraints import PLACE_MM
 from skiplatch.campaign.datum import Datum
+from skiplatch.campaign.far_off import surfaces_apart
 from skiplatch.campaign.nominal import Key
 from skiplatch.campaign.writing import InadmissibleError
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
+from skiplatch.importing.gcode import LINEAR
 from skiplatch.importing.model import Figure, Figures, Imported, Touch
 from skiplatch.importing.placing import as_touches, machine_thermometer
 from skiplatch.importing.presets import PRESETS
@@ -43,13 +45,18 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         free = Datum.of_kind(imported.kind).free
     else:
         _leave_out_unknown_feeds(imported)
-        touches, free, surfaces = as_touches(imported.touches, is_plc=imported.path_is_plc)
+        touches, free, surfaces = as_touches(
+            imported.touches,
+            is_plc=imported.path_is_plc,
+            place_is_surface=imported.place_is_surface,
+        )
         lines = [touch.line for touch in imported.touches]
         _refuse_impossible_places(sources[0], imported.touches)
         imported.known.append(_surfaces(surfaces))
         place = machine_thermometer(imported.touches)
         if place and not any("temp_c" in touch.also for touch in imported.touches):
             imported.assumed.append(f"the temperature of the machine, temp_c, is that of {place}")
+        imported.assumed += [apart.line for apart in surfaces_apart(touches)]
         single = sum(1 for n in surfaces.values() if n == 1)
         if single:
             imported.assumed.append(
@@ -74,12 +81,18 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
 
 
 def _refuse_impossible_places(source: Path, touches: Sequence[Touch]) -> None:
-    """Refuse a place on the other axes that no machine reaches; no column holds them."""
+    """Refuse a place that no machine reaches, by the line of its touch.
+
+    No column holds those on the other axes, and the middle of a surface hides the one measured.
+    """
     for touch in touches:
-        for value in touch.place:
+        places = [("place of the touch", value) for value in touch.place]
+        if touch.axis in LINEAR and touch.coordinate is not None:
+            places.append(("position_mm", touch.coordinate))
+        for name, value in places:
             if not abs(value) <= PLACE_MM.high:
                 message = f"expected {PLACE_MM.words_against(value)} in mm, got {value:g}"
-                raise InputError(source, touch.line, "place of the touch", message)
+                raise InputError(source, touch.line, name, message)
 
 
 def _refuse_impossible(source: Path, figures: Figures) -> None:

@@ -1,0 +1,59 @@
+"""Readings so far off that a probe, an axis or the surface must have changed between them."""
+
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+
+import numpy as np
+
+from skiplatch.campaign.folder import Campaign
+from skiplatch.campaign.kind import Kind
+from skiplatch.campaign.oddity import Oddity, serials
+from skiplatch.campaign.touches import Touches
+from skiplatch.units import UM_PER_MM
+
+FAR_MM = 0.5
+"""Farther from the others no probe latches that works: it slipped, or the axis lost steps."""
+FEWEST = 3  # touches that make a surface of what was met elsewhere
+_PART = re.compile(r"^(?P<place>.* at .*?)(?: #\d+)?$")
+"""How an importer names surfaces at one place: the first by the place, others by a number too."""
+
+
+def far_from_the_others(campaign: Campaign) -> Iterator[Oddity]:
+    """Touches of one surface are near to their middle.
+
+    Those before the start of their move are told by that.
+    """
+    touches = campaign.touches
+    if campaign.nominal.kind is Kind.BENCH:
+        return
+    far = np.zeros(len(touches), dtype=bool)
+    sign = np.nan_to_num(touches.sign)
+    kinds = np.column_stack([touches.session, touches.axis, sign, touches.path])
+    for kind in np.unique(kinds, axis=0):
+        rows = (kinds == kind).all(axis=1) & np.isfinite(touches.deviation_um)
+        middle = np.median(touches.deviation_um[rows]) if rows.any() else 0.0
+        far |= rows & (np.abs(touches.deviation_um - middle) > FAR_MM * UM_PER_MM)
+    far &= ~(-touches.deviation_um > touches.approach_mm * UM_PER_MM)
+    if far.any():
+        what = f"deviation_um lies more than {FAR_MM:g} mm from the others of its surface"
+        yield Oddity(f"{what}: lost steps, a loose probe?", serials(touches, far))
+
+
+def surfaces_apart(touches: Touches) -> Iterator[Oddity]:
+    """What was met far from the surface at its place may be a fault rather than a surface."""
+    places: dict[str, dict[int, int]] = defaultdict(dict)
+    for number, name in enumerate(touches.session_names):
+        if match := _PART.match(name):
+            places[match["place"]][number] = int((touches.session == number).sum())
+    for place, parts in places.items():
+        most = max(parts, key=lambda number: parts[number])
+        for number in (n for n in parts if n != most and parts[n] < FEWEST):
+            way = _position_mm(touches, number) - _position_mm(touches, most)
+            what = f"met something {abs(way):.3g} mm away at the same place ({place})"
+            rows = touches.session == number
+            yield Oddity(f"{what}: taken for another surface", serials(touches, rows))
+
+
+def _position_mm(touches: Touches, session: int) -> float:
+    return float(touches.position_mm[touches.session == session][0])
