@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from bench_rig import c_frames
 from refusals import Program
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
-from skiplatch.campaign import Axis, Campaign, DatumFreedom, InputPath, Kind, read_campaign
+from skiplatch.campaign import Axis, Campaign, DatumFreedom, InputPath, Kind, Status, read_campaign
 from skiplatch.cli import group
 from skiplatch.errors import CampaignWarning
 from skiplatch.importing.gcode_program import run as run_program
@@ -35,10 +35,11 @@ class Run:
         self.toml = (out / "nominal.toml").read_text()
 
     def coordinates(self) -> list[float]:
-        """Where each touch was latched."""
+        """Where each touch was latched; one alone is where its surface is."""
         t = self.campaign.touches
-        sense = np.nan_to_num(t.sign, nan=1.0)
-        return [round(v, 6) for v in (t.position_mm + sense * t.deviation_um / 1e3).tolist()]
+        is_alone = np.isnan(t.deviation_um) & (t.status == Status.OK)
+        beyond_um = np.nan_to_num(t.sign, nan=1.0) * np.where(is_alone, 0.0, t.deviation_um)
+        return [round(v, 6) for v in (t.position_mm + beyond_um / 1e3).tolist()]
 
 
 def log(name: str) -> str:
@@ -51,7 +52,7 @@ def test_klipper_console_keeps_places_feeds_and_approaches(tmp_path: Path) -> No
     assert run.coordinates() == [1.32, 1.3175, 1.325, 1.32, 1.3025, 1.315]
     assert set(run.campaign.touches.feed_mm_min) == {600.0}
     assert run.campaign.touches.approach_mm == pytest.approx(
-        [1.996, 2.001, 1.9985, 2.006, 2.001, 1.9835]
+        [1.99625, 2.00125, 1.99875, 2.00625, 2.00125, 1.98375]
     )
     assert (run.campaign.touches.sign == -1).all()
     assert "one feed: a delay and a length look alike; touch at a second feed" in run.text
@@ -131,7 +132,7 @@ def test_grbl_absolute_moves_give_the_sense_and_g53_the_approach(tmp_path: Path)
 
     assert touches.sign.tolist() == [1.0, -1.0, -1.0]
     assert np.isnan(touches.approach_mm[:2]).all()
-    assert touches.approach_mm[2] == pytest.approx(5.001)
+    assert touches.approach_mm[2] == pytest.approx(5.0005)
 
 
 def test_grbl_echoes_within_the_marks_of_a_page_are_read(tmp_path: Path) -> None:
@@ -217,7 +218,7 @@ def test_linuxcnc_log_gets_feeds_and_senses_from_its_program(tmp_path: Path) -> 
     assert touches.feed_mm_min.tolist() == [100, 400] * 3
     assert (touches.path == InputPath.PLC).all()
     assert run.campaign.nominal.plc.scan_us == 1000.0
-    assert touches.approach_mm[1] == pytest.approx(5.001)  # to the reference
+    assert touches.approach_mm[1] == pytest.approx(5.001205)  # to the reference
     assert run.coordinates()[:2] == [0.001234, -0.006321]
     assert run.said["could_not_be_read"] == ["1 lines that do not hold 9 numbers"]
 
@@ -639,3 +640,24 @@ def test_latches_alone_are_read_with_what_they_cannot_tell(
 
     assert run.campaign.touches.latch_us.tolist() == [0.0, 400.0]
     assert any(line.startswith("no edge reports on the bus") for line in run.said["assumed"])
+
+
+def test_surface_touched_once_tells_nothing_of_the_scatter(tmp_path: Path) -> None:
+    heights = (-3.21249, -3.21351, -3.2195, -3.21376, -3.21028, -3.2)
+    rows = [f"{10.0 * i:.6f} 0.000000 {z:.6f}\n" for i, z in enumerate(heights)]
+    (tmp_path / "grid.txt").write_text("".join(rows))
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "grid.txt"), "--feed", "60")
+
+    assert run.campaign.touches.position_mm.tolist() == list(heights)
+    assert np.isnan(run.campaign.touches.deviation_um).all()
+    assert run.said["odd"] == []
+    assert any("6 touched once only, whose deviation" in line for line in run.said["assumed"])
+
+
+def test_deviation_is_from_the_place_as_written(tmp_path: Path) -> None:
+    rows = ["0.000000 0.000000 -0.071362\n"] * 5
+    (tmp_path / "same.txt").write_text("".join(rows))
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "same.txt"), "--feed", "60")
+
+    assert set(run.campaign.touches.position_mm) == {-0.071362}
+    assert set(run.campaign.touches.deviation_um) == {0.0}

@@ -124,7 +124,7 @@ COLUMNS: Mapping[str, Column] = {
     "position_mm": NumberColumn(
         unit="mm",
         constraint=PLACE_MM,
-        decimals=3,
+        decimals=6,
         meaning="axis coordinate of the nominal surface",
         example="-171.757",
         lost="errors along the axis: scale, screw, encoder",

@@ -24,7 +24,7 @@ say where the probe was sent."""
 STILL_K = 1.0
 """By which a temperature may vary and still be steady, as a heater keeps it."""
 NEAREST_TO_FRAME = ("frame", "chamber", "machine", "bed")
-DECIMALS = 3
+DECIMALS = 6
 Key = tuple[str, str, int, tuple[float, ...], int]
 
 
@@ -42,7 +42,8 @@ def as_touches(
     reference = np.array([references[key] for key in keys])
     coordinate = _column(touch.coordinate for touch in touches)
     sense = np.array([float(touch.sign or 1) for touch in touches])
-    beyond = sense * (coordinate - reference)
+    tells = np.array([_is_held(surfaces[key]) for key in keys])
+    beyond = np.where(tells, sense * (coordinate - reference), np.nan)
     axes = np.array([Axis[touch.axis] for touch in touches])
     turns = axes >= Axis.A
     places = sorted({name for touch in touches for name in touch.temperatures})
@@ -172,6 +173,11 @@ def _near(group: Sequence[Touch]) -> list[list[Touch]]:
 def _reference(group: Sequence[Touch]) -> float:
     known = [touch.coordinate for touch in group if touch.coordinate is not None]
     return round(median(known), DECIMALS) if known else 0.0
+
+
+def _is_held(surface: Sequence[Touch]) -> bool:
+    """Tell whether touches hold each other: one alone is where its surface is, and no more."""
+    return sum(touch.coordinate is not None for touch in surface) > 1
 
 
 def _freedom(surfaces: dict[Key, list[Touch]]) -> DatumFreedom:

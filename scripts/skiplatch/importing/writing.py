@@ -60,8 +60,8 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         single = sum(1 for n in surfaces.values() if n == 1)
         if single:
             imported.assumed.append(
-                f"of {len(surfaces)} surfaces {single} touched once only, which deviate by nothing "
-                "and tell nothing of the scatter"
+                f"of {len(surfaces)} surfaces {single} touched once only, whose deviation is "
+                "left empty: they tell nothing of the scatter"
             )
     _refuse_impossible(sources[0], imported.figures)
     figures = {**PRESETS[imported.preset].figures, **imported.figures}
