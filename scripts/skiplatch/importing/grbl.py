@@ -111,7 +111,8 @@ class _Reader:
     def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
         """Tell the last touch in the list of parameters that $# asks for."""
         if is_reply:
-            return self._lists_parameters or bool(_ASKS.match(line.text))
+            is_listed = self._lists_parameters or bool(_PARAMETERS.search(line.text))
+            return is_listed or bool(_ASKS.match(line.text))
         self._lists_parameters = bool(_PARAMETERS.match(line.text))
         return False
 
