@@ -16,6 +16,7 @@ from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
 from skiplatch.cli import group
+from skiplatch.stand_ins import playable
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 
@@ -276,6 +277,22 @@ def test_a_coarse_encoder_is_no_swap(machine_sample: Path) -> None:
     found = oddities(replace(campaign, nominal=coarse, touches=touches))
 
     assert not any("swapped" in oddity.what for oddity in found)
+
+
+@pytest.mark.filterwarnings("ignore:.*time_s")
+def test_times_that_stand_in_are_held_against_no_move(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    touches = Touches.from_columns(
+        touch=np.arange(8),
+        sign=np.full(8, -1, dtype=np.int8),
+        feed_mm_min=np.full(8, 420.0),
+        approach_mm=np.array([150.0, *[10.0] * 7]),
+        deviation_um=np.array([1.0, 2.0, 0.0, 3.0, 1.5, 2.5, 0.5, 4.0]),
+    )
+
+    found = oddities(playable(replace(campaign, touches=touches)))
+
+    assert not any("the moves take" in oddity.what for oddity in found)
 
 
 def test_what_an_axis_cannot_do_is_told(machine_sample: Path) -> None:
