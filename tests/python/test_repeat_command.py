@@ -280,6 +280,34 @@ def test_what_cannot_be_told_is_refused(tmp_path: Path, refused: Program) -> Non
     assert said.startswith(f"skiplatch: {tmp_path}/few.log: expected a surface that was touched 3")
 
 
+@pytest.mark.parametrize(
+    ("text", "kind", "said"),
+    [
+        ("Send: M48\nRecv: M48 Z-Probe Repeatability Test\nRecv: Finished!\n", "marlin", "M48 V4"),
+        ("// probe accuracy results: maximum 0.9, minimum 0.8\n", "klipper", "the lines above"),
+        (">>> G38.2 Z-3 F25\nok\n", "grbl", "log what the controller answers, too"),
+    ],
+)
+def test_log_without_touches_is_told_as_import_tells_it(
+    tmp_path: Path, refused: Program, text: str, kind: str, said: str
+) -> None:
+    (tmp_path / "a.log").write_text(text)
+
+    told = refused("repeat", tmp_path / "a.log")
+
+    assert said in told
+    assert told == refused("import", kind, tmp_path / "a.log", "-o", tmp_path / "x")
+
+
+def test_old_g29_goes_straight_to_repeat(tmp_path: Path) -> None:
+    touched = "".join(f"12:26:5{i}.3 : Bed x: 40.00 y: 40.00 z: 8.4{i}\n" for i in range(4))
+    (tmp_path / "m.log").write_text(touched)
+
+    result = CliRunner().invoke(group, ["repeat", str(tmp_path / "m.log")])
+
+    assert "log of marlin, 4 touches" in result.output
+
+
 def test_slip_in_the_name_of_a_command_is_told() -> None:
     result = CliRunner().invoke(group, ["diagnoze", "x"])
 

@@ -22,7 +22,7 @@ KINDS: Mapping[str, tuple[re.Pattern[str], Callable[[Path], Imported]]] = {
         lambda path: read_klipper(path, None),
     ),
     "marlin": (
-        re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|Bed X:"),
+        re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|(?i:Bed X:)"),
         lambda path: read_marlin(path, None),
     ),
     "linuxcnc": (
@@ -30,6 +30,15 @@ KINDS: Mapping[str, tuple[re.Pattern[str], Callable[[Path], Imported]]] = {
         lambda path: read_linuxcnc(path, None, None, None, inch=False),
     ),
 }
+WITHOUT_TOUCHES: Mapping[str, re.Pattern[str]] = {
+    "klipper": re.compile(
+        r"probe accuracy results|\bPROBE_ACCURACY\b|=== Config file ===|\bKlipper state:",
+        re.IGNORECASE,
+    ),
+    "marlin": re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE),
+    "grbl": re.compile(r"\bGrbl \d|^ALARM:|^.*\bG38\.[2-5](?!\d)", re.IGNORECASE | re.MULTILINE),
+}
+"""What is clearly of a kind, though no touch shows; its reader says what is missing."""
 
 
 _CAPTURE = re.compile(
@@ -55,6 +64,9 @@ def read_any(path: Path) -> tuple[str, Imported]:
     for kind, (sign, read) in KINDS.items():
         if sign.search(text):
             return kind, read(path)
+    for kind, sign in WITHOUT_TOUCHES.items():
+        if sign.search(text):
+            return kind, KINDS[kind][1](path)
     kinds = ", ".join(KINDS)
     message = f"expected a campaign or a log of {kinds}; for others see skiplatch import"
     raise InputError(path, None, None, message)

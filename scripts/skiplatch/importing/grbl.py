@@ -44,6 +44,8 @@ def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported
         reader.take(line)
     if not reader.touches:
         broken = f", got {reader.broken} cut or garbled" if reader.broken else ""
+        if reader.is_probing and not broken:
+            broken = ", got probing commands without them: log what the controller answers, too"
         message = f"expected replies such as [PRB:0.000,0.000,-5.123:1]{broken}"
         raise InputError(path, None, None, message)
     if all(touch.coordinate is None for touch in reader.touches):
@@ -107,6 +109,11 @@ class _Reader:
             self._dialogue.catch_up()
         elif move := self._dialogue.answered(line.text):
             self._not_begun(move, line)
+
+    @property
+    def is_probing(self) -> bool:
+        """Whether a probing command waits for its reply."""
+        return self._dialogue.is_probing
 
     def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
         """Tell the last touch in the list of parameters that $# asks for."""

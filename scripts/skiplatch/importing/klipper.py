@@ -65,6 +65,8 @@ def read_klipper(path: Path, feed: float | None) -> Imported:
         reader.take(line)
     if not reader.has_touched:
         expected = 'expected lines such as "probe at 97.000,2.000 is z=1.320000"'
+        if reader.has_results:
+            expected += ", got results of PROBE_ACCURACY alone: keep the lines above them too"
         raise InputError(path, None, None, expected)
     return reader.result()
 
@@ -74,6 +76,7 @@ class _Reader(Console):
 
     def __init__(self, feed: float | None) -> None:
         super().__init__(feed)
+        self.has_results = False
         self._options: dict[str, float] = {}
         self._start_z: float | None = None
         self._last_z: float | None = None
@@ -119,7 +122,9 @@ class _Reader(Console):
         """Take a command, or what one prints beside touches."""
         is_homed = self.take_moved(text, _MOVED) == HOMING
         speed = _PROBE_SPEED.search(text)
-        if speed or is_homed or _COMMAND.match(text) or _RESULTS.match(text):
+        is_result = bool(_RESULTS.match(text))
+        self.has_results = self.has_results or is_result
+        if speed or is_homed or _COMMAND.match(text) or is_result:
             self._command_ends()
             self._command_speed = float(speed[1]) if speed else None
 

@@ -44,6 +44,8 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
         reader.take(line)
     if not reader.has_touched:
         expected = 'expected lines such as "1 of 10: z: 0.185" of M48 V4, or "Bed X: … Z: …" of G30'
+        if reader.has_tested:
+            expected += ", got M48 without samples: type M48 V4"
         raise InputError(path, None, None, expected)
     return reader.result()
 
@@ -53,6 +55,7 @@ class _Reader(Console):
 
     def __init__(self, feed: float | None) -> None:
         super().__init__(feed)
+        self.has_tested = False
         self._place: tuple[float, ...] = ()
         self._in_test = False
         self._sum = 0.0
@@ -79,7 +82,7 @@ class _Reader(Console):
         elif match := _ACCEL.search(text):
             self._accel = float(match[1])
         if _TEST.search(text):
-            self._in_test = True
+            self._in_test = self.has_tested = True
 
     def _sample(self, match: re.Match[str], line: Line) -> None:
         """Take z, with more digits where the running mean gives them."""
