@@ -26,6 +26,30 @@ def test_distance_that_a_probe_reads_at_rest_grows_as_the_bed_sinks(tmp_path: Pa
     assert np.diff(run.campaign.touches.deviation_um).tolist() == pytest.approx([1.0] * 3)
     assert np.isnan(run.campaign.touches.feed_mm_min).all()
     assert "4 distances that a probe read at rest" in run.text
+    assert "diagnose needs a feed all the same: give --feed" in run.text
+
+
+def test_distance_read_at_rest_takes_the_feed_that_is_given(tmp_path: Path) -> None:
+    lines = "Recv: // probe at 150.000,150.000,2.000 is z=2.00{}000\n"
+    (tmp_path / "o.log").write_text("".join(lines.format(i) for i in range(1, 5)))
+
+    run = Run(tmp_path, "klipper", str(tmp_path / "o.log"), "--feed", "300")
+
+    assert set(run.campaign.touches.feed_mm_min) == {300.0}
+    assert "diagnose needs a feed" not in run.text
+
+
+@pytest.mark.parametrize("unit", ["i;1;2;3\nP [mm]", "mm"])
+def test_table_with_positions_in_columns_is_told_to_be_transposed(
+    tmp_path: Path, refused: Program, unit: str
+) -> None:
+    runs = "".join(f"{i} {arrow};0,01{i};0,02;0,0{i}\n" for i in (1, 2) for arrow in "↑↓")
+    (tmp_path / "t.csv").write_text(f"{unit};-4,0;0,0;4,0\n{runs}")
+
+    said = refused("import", "iso230", tmp_path / "t.csv", "-o", tmp_path / "x")
+
+    assert "t.csv:2: expected positions in the first column, got runs in rows: transpose" in said
+    assert not (tmp_path / "x").exists()
 
 
 def test_contact_of_an_eddy_probe_counts_once(tmp_path: Path) -> None:

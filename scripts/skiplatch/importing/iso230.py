@@ -15,7 +15,7 @@ from skiplatch.campaign import Axis, Touches
 from skiplatch.campaign.column_kinds import CellError
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError
-from skiplatch.importing.iso230_heads import is_negative, no_runs, says_mm
+from skiplatch.importing.iso230_heads import is_negative, no_runs, says_mm, says_sense
 from skiplatch.importing.model import Figure, Imported
 from skiplatch.importing.spreadsheets import (
     ANY_NUMBER,
@@ -201,6 +201,9 @@ def _numbers(path: Path, rows: list[Row]) -> tuple[FloatArray, FloatArray]:
         try:
             columns.append(ANY_NUMBER.parse([row[i] for _, row in body], required=i == 0))
         except CellError as error:
+            if i == 0 and sum(says_sense(row[0]) for _, row in body) > 1:
+                message = "expected positions in the first column, got runs in rows: transpose it"
+                raise InputError(path, body[error.index][0], None, message) from error
             raise InputError(path, body[error.index][0], name.strip(), error.message) from error
     return columns[0], np.column_stack(columns[1:])
 

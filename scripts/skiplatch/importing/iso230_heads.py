@@ -29,6 +29,11 @@ def is_negative(head: str) -> bool:
     return bool(_MINUS.search(head)) and not _POSITIVE.search(head)
 
 
+def says_sense(head: str) -> bool:
+    """Tell whether words or an arrow name a sense; a sign alone may be that of a number."""
+    return bool(_NEGATIVE.search(head) or _POSITIVE.search(head))
+
+
 def no_runs(heads: Sequence[str]) -> set[int]:
     """Give which columns hold what was worked out of the runs; the first holds positions.
 

@@ -169,7 +169,7 @@ class _Reader(Console):
     def _distance(self, z: float, place: tuple[float, float], line: Line) -> None:
         """Take what a probe reads that stands still: the bed lies so far below where it stands."""
         self._standing += 1
-        self.add(z, place, line, feed=None, time_s=self._stats_s)
+        self.add(z, place, line, feed=self.feed, time_s=self._stats_s)
 
     def _start(self) -> float | None:
         """Give where PROBE_ACCURACY begins, and later so far above the touch before."""
@@ -223,6 +223,10 @@ class _Reader(Console):
                 f"{self._standing} distances that a probe read at rest, such as Beacon: no feed, "
                 "and nothing of a delay"
             )
+            if self.feed is None:
+                found.assumed.append(
+                    "diagnose needs a feed all the same: give --feed, by which nothing is found"
+                )
             return
         unknown = [touch for touch in self.touches if touch.feed is None]
         for touch in unknown:
