@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Axis, Campaign, Touches, read_campaign, write_campaign
+from skiplatch.campaign import Axis, InputPath, Campaign, Touches, read_campaign, write_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
@@ -317,3 +317,22 @@ def test_what_an_axis_cannot_do_is_told(machine_sample: Path) -> None:
         "position_mm is not from axis.min_mm to axis.max_mm: touch 1",
         "deviation_um lies before the start of the move, approach_mm from the surface: touch 4",
     ]
+
+
+@pytest.mark.parametrize(("path", "told"), [("skip", ["0"]), ("plc", [])])
+def test_a_touch_far_from_the_others_is_told_but_for_a_late_scan(
+    machine_sample: Path, path: str, told: list[str]
+) -> None:
+    campaign = read_campaign(machine_sample)
+    slow = replace(campaign.nominal, plc=replace(campaign.nominal.plc, scan_us=20_000.0))
+    touches = Touches.from_columns(
+        touch=np.arange(2),
+        path=np.full(2, InputPath[path.upper()], dtype=np.int8),
+        feed_mm_min=np.full(2, 3000.0),
+        approach_mm=np.full(2, 5.0),
+        deviation_um=np.array([900.0, 0.0]),  # a scan takes 1 mm
+    )
+
+    found = oddities(replace(campaign, nominal=slow, touches=touches))
+
+    assert [odd.line.rpartition(" ")[2] for odd in found if "0.5 mm" in odd.what] == told

@@ -6,11 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign.columns import InputPath
 from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.oddity import Oddity, serials
 from skiplatch.campaign.touches import Touches
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 
 FAR_MM = 0.5
 """Farther from the others no probe latches that works: it slipped, or the axis lost steps."""
@@ -20,7 +22,7 @@ _PART = re.compile(r"^(?P<place>.* at .*?)(?: #\d+)?$")
 
 
 def far_from_the_others(campaign: Campaign) -> Iterator[Oddity]:
-    """Touches of one surface are near to their middle.
+    """Touches of one surface are near to their middle, but for the way that a late latch takes.
 
     Those before the start of their move are told by that.
     """
@@ -28,16 +30,26 @@ def far_from_the_others(campaign: Campaign) -> Iterator[Oddity]:
     if campaign.nominal.kind is Kind.BENCH:
         return
     far = np.zeros(len(touches), dtype=bool)
+    near_um = (FAR_MM + _late_mm(campaign)) * UM_PER_MM
     sign = np.nan_to_num(touches.sign)
     kinds = np.column_stack([touches.session, touches.axis, sign, touches.path])
     for kind in np.unique(kinds, axis=0):
         rows = (kinds == kind).all(axis=1) & np.isfinite(touches.deviation_um)
-        middle = np.median(touches.deviation_um[rows]) if rows.any() else 0.0
-        far |= rows & (np.abs(touches.deviation_um - middle) > FAR_MM * UM_PER_MM)
+        if rows.any():  # the middle one itself: of two, one is far from the other
+            middle = np.quantile(touches.deviation_um[rows], 0.5, method="lower")
+            far |= rows & (np.abs(touches.deviation_um - middle) > near_um)
     far &= ~(-touches.deviation_um > touches.approach_mm * UM_PER_MM)
     if far.any():
         what = f"deviation_um lies more than {FAR_MM:g} mm from the others of its surface"
         yield Oddity(f"{what}: lost steps, a loose probe?", serials(touches, far))
+
+
+def _late_mm(campaign: Campaign) -> FloatArray:
+    """Give the way that touches, shape (n,), go at most until they are latched, as believed."""
+    nominal, touches = campaign.nominal, campaign.touches
+    scans_us = np.where(touches.path == InputPath.PLC, nominal.plc.scan_us, 0.0)
+    late_s = (nominal.probe.delay_us + nominal.input.filter_us + scans_us) / US_PER_S
+    return np.asarray(np.nan_to_num(touches.feed_mm_min) / S_PER_MIN * late_s)
 
 
 def surfaces_apart(touches: Touches) -> Iterator[Oddity]:
