@@ -3,6 +3,7 @@
 A rule looks at the evidence alone: made-up evidence tries it without playing a campaign.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -12,6 +13,7 @@ from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
 from skiplatch.diagnosis.plays.leftover import streams_of
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.shrink import Gap
+from skiplatch.tables import number
 
 CHANCE = 4.0
 """Standard errors from which on something is kept as evidence."""
@@ -55,7 +57,9 @@ class Rule:
 def _seen_enough(evidence: Evidence, threshold: float) -> str:
     if evidence.hidden <= threshold:
         return ""
-    return f"a gap of {evidence.hidden:.2g} times the noise could have hidden"
+    if not math.isfinite(evidence.hidden):
+        return "too few touches were made to tell any noise"
+    return f"a gap of {number(evidence.hidden, 2)} times the noise could have hidden"
 
 
 def _few_false(evidence: Evidence, threshold: float) -> str:
