@@ -4,9 +4,9 @@ What repeats is the deviation in µm, of rotary axes in arcsec; on a bench witho
 from edge to latch in µs.
 
 Deviations are held against the middle of their surface, and one straight line each in the number
-of the touch and in the feed is fitted to all of them together. First touches of a series and
-outliers are looked at apart and do not enter. Each input path has figures of its own: a PLC task
-scatters by its scan.
+of the touch and in the feed is fitted to all of them together. A line that is not shown is not
+taken out, and first touches of a series that are not told from the others are touches like them.
+Outliers do not enter. Each input path has figures of its own: a PLC task scatters by its scan.
 """
 
 from collections.abc import Sequence
@@ -15,11 +15,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.campaign import Campaign, InputPath, Touches
+from skiplatch.campaign import Axis, Campaign, InputPath, Touches
 from skiplatch.campaign.steps import common_step
 from skiplatch.errors import InputError
+from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
-from skiplatch.surface_fit import Grid, by_t, fit_surfaces, outlying, without_outliers
+from skiplatch.surface_fit import Grid, by_t, fit_surfaces
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
@@ -40,7 +41,8 @@ class Repeatability:
         off: Each less the middle of its surface and feed; shape (n,).
         surfaces: How many surfaces were touched.
         mean: Of all touches.
-        sigma: Standard deviation about lines and middles.
+        sigma: Standard deviation about middles and the lines that are shown, without outliers.
+        plain: Standard deviation of all touches about the means of their surfaces, by n - 1.
         range: Widest range of a surface.
         first: How far the first touches of series are off the others; None for want of any.
         drift: From touch to touch, along the approach; None where the order tells nothing.
@@ -50,6 +52,10 @@ class Repeatability:
         slope: Against the feed in ms: a delay; None where there is one feed.
         outliers: Serial numbers.
         step: What figures are multiples of, if they are.
+        told: Which of ``first``, ``order``, ``axis`` and ``speed`` are shown and no rounding: the
+            first touches, the drifts and the slope. Only these are taken out of `sigma`.
+        coordinate: Of the axis that all moved; empty where there are several.
+        sense: In which all moved it, 1 or -1; 0 where it is not known or differs.
         missed: Touches that were not latched; they enter no figure.
         false: Latches without a contact; likewise.
     """
@@ -60,6 +66,7 @@ class Repeatability:
     surfaces: int
     mean: Interval
     sigma: Interval
+    plain: float
     range: float
     first: Interval | None
     drift: Interval | None
@@ -68,6 +75,9 @@ class Repeatability:
     slope: Interval | None
     outliers: tuple[int, ...]
     step: float | None
+    told: frozenset[str]
+    coordinate: str
+    sense: int
     missed: int = 0
     false: int = 0
 
@@ -170,8 +180,11 @@ def _of(
         lines["speed"] = speed
     if np.ptp(touches.sign) > 0.0:  # NaN, where a sense is not known, is not
         lines["axis"] = (order - order.mean()) * touches.sign
-    regular, fit = without_outliers(y, dummies, lines, ~is_first, grid)
-    outliers = ~regular & ~is_first | outlying(fit.residuals, regular, grid) & is_first
+    first = first_off(y, dummies, lines, is_first, grid)
+    is_off = is_shown(first) and first is not None and abs(first.value) > grid.finest(y)
+    rows = ~is_first if is_off else np.ones(len(y), dtype=bool)
+    found = settle(y, dummies, lines, rows, ~is_first, grid)
+    regular, fit = found.regular, found.fit
     offsets = y - dummies @ _means(y, dummies, regular)
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
@@ -180,15 +193,34 @@ def _of(
         surfaces=dummies.shape[1],
         mean=_mean(y),
         sigma=fit.sigma,
+        plain=_plain(y, dummies),
         range=max(float(np.ptp(y[surface == s])) for s in range(dummies.shape[1])),
-        first=_first(fit.residuals, is_first, regular, fit.freedom),
-        drift=fit.interval("order"),
-        axis_drift=fit.interval("axis"),
+        first=first,
+        drift=found.intervals.get("order"),
+        axis_drift=found.intervals.get("axis"),
         per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
-        slope=fit.interval("speed") if "speed" in lines else None,
-        outliers=tuple(touches.touch[outliers].tolist()),
+        slope=found.intervals.get("speed"),
+        outliers=tuple(touches.touch[rows & ~regular].tolist()),
         step=grid.step,
+        told=frozenset(fit.lines) | ({"first"} if is_off else set()),
+        coordinate=_coordinate(touches),
+        sense=_sense(touches),
     )
+
+
+def _coordinate(touches: Touches) -> str:
+    axes = np.unique(touches.axis)
+    return Axis(int(axes[0])).name if len(axes) == 1 and axes[0] >= 0 else ""
+
+
+def _sense(touches: Touches) -> int:
+    senses = np.unique(touches.sign)
+    return int(senses[0]) if len(senses) == 1 and np.isfinite(senses[0]) else 0
+
+
+def _plain(y: FloatArray, dummies: FloatArray) -> float:
+    off = y - dummies @ _means(y, dummies, np.ones(len(y), dtype=bool))
+    return float(np.sqrt(np.sum(off**2) / max(len(y) - dummies.shape[1], 1)))
 
 
 def _surfaces(touches: Touches) -> np.typing.NDArray[np.intp]:
@@ -229,20 +261,6 @@ def _means(y: FloatArray, dummies: FloatArray, rows: BoolArray) -> FloatArray:
 def _mean(y: FloatArray) -> Interval:
     error = float(np.std(y, ddof=1) / np.sqrt(len(y)))
     return by_t(float(y.mean()), error, len(y) - 1)
-
-
-def _first(
-    residuals: FloatArray, is_first: BoolArray, regular: BoolArray, freedom: int
-) -> Interval | None:
-    """Give how far first touches are off, each a new draw of the common scatter."""
-    n = int(is_first.sum())
-    if n == 0 or not regular.any():
-        return None
-    variance = float(np.sum(residuals[regular] ** 2) / freedom)
-    if n > 1:
-        variance = max(variance, float(np.var(residuals[is_first], ddof=1)))
-    error = np.sqrt(variance * (1.0 / n + 1.0 / regular.sum()))
-    return by_t(float(residuals[is_first].mean()), float(error), freedom)
 
 
 def _per_kelvin(

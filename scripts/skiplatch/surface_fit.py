@@ -12,9 +12,7 @@ NORMAL_PER_MAD = 1.4826
 OUTLYING_SIGMAS = 5.0  # one in a million of a normal scatter
 OUTLYING_STEPS = 2.5
 MOST_OUTLYING = 0.1  # of the touches, where more than half are the same
-REWEIGHTINGS = 30  # of a fit of least absolute values
-NEGLIGIBLE = 1e-6  # of the range; a smaller residual counts as this
-TURNS = 5  # of leaving outliers out until they stay the same
+FINEST = 6  # decimals of a µm or µs
 NOTHING = 1e-9  # µm or µs; less is what floating-point sums leave
 
 
@@ -27,12 +25,16 @@ class SurfaceFit:
         lines: Slope and its standard error, by name.
         freedom: Degrees of freedom.
         sigma: Of the residuals.
+        design: Surfaces and lines, scaled; shape (n, k).
+        inverse: Of its normal matrix over the touches that were fitted; shape (k, k).
     """
 
     residuals: FloatArray
     lines: dict[str, tuple[float, float]]
     freedom: int
     sigma: Interval
+    design: FloatArray
+    inverse: FloatArray
 
     def interval(self, name: str) -> Interval | None:
         """Give a slope with its interval."""
@@ -46,6 +48,16 @@ class SurfaceFit:
         slope = self.lines.get(name, (0.0, 0.0))[0]
         return np.asarray(slope * (values - values.mean()))
 
+    def errors(self) -> FloatArray:
+        """Give the standard error of each touch against the fit, if it is none of those fitted."""
+        leverage = np.einsum("ij,jk,ik->i", self.design, self.inverse, self.design)
+        return np.asarray(self.sigma.value * np.sqrt(1.0 + np.maximum(leverage, 0.0)))
+
+    def error_of_mean(self, rows: BoolArray, variance: float) -> float:
+        """Give that of the mean of touches that were not fitted, where they scatter so much."""
+        row = self.design[rows].mean(axis=0)
+        return float(np.sqrt(variance * (1.0 / rows.sum() + row @ self.inverse @ row)))
+
 
 @dataclass(frozen=True, slots=True)
 class Grid:
@@ -58,6 +70,19 @@ class Grid:
 
     step: float | None
     resolution: float
+
+    def finest(self, values: FloatArray) -> float:
+        """Give what nothing smaller is told than: the step, if these fall on one.
+
+        Where they are too few to show it, it is that of those that come again, or else as believed.
+        """
+        if self.step is not None:
+            return self.step
+        known, counts = np.unique(np.round(values, FINEST), return_counts=True)
+        if counts[counts > 1].sum() <= len(values) / 2.0:
+            return NOTHING
+        often = known[counts > 1]
+        return float(np.diff(often).min()) if len(often) > 1 else self.resolution
 
 
 def by_t(value: float, error: float, freedom: int) -> Interval:
@@ -87,7 +112,8 @@ def fit_surfaces(
     residuals[np.abs(residuals) < NOTHING] = 0.0
     freedom = max(int(rows.sum() - rank), 1)
     variance = float(np.sum(residuals[rows] ** 2) / freedom)
-    covariance = variance * np.linalg.pinv(scaled[rows].T @ scaled[rows])
+    inverse = np.linalg.pinv(scaled[rows].T @ scaled[rows])
+    covariance = variance * inverse
     first = dummies.shape[1]
     slopes = {
         name: (
@@ -96,7 +122,7 @@ def fit_surfaces(
         )
         for i, name in enumerate(used)
     }
-    return SurfaceFit(residuals, slopes, freedom, _sigma(variance, freedom))
+    return SurfaceFit(residuals, slopes, freedom, _sigma(variance, freedom), scaled, inverse)
 
 
 def _sigma(variance: float, freedom: int) -> Interval:
@@ -107,26 +133,6 @@ def _sigma(variance: float, freedom: int) -> Interval:
         float(np.sqrt(variance * freedom / low)),
         float(np.sqrt(variance * freedom / high)),
     )
-
-
-def without_outliers(
-    y: FloatArray,
-    dummies: FloatArray,
-    lines: dict[str, FloatArray],
-    rows: BoolArray,
-    grid: Grid,
-) -> tuple[BoolArray, SurfaceFit]:
-    """Fit, leave out what lies far off, and fit again until that stays the same."""
-    off = _off_the_middle(y, np.column_stack([dummies, *lines.values()]), rows)
-    regular = rows & ~outlying(off, rows, grid, OUTLYING_SIGMAS * 2.0)
-    fit = fit_surfaces(y, dummies, lines, regular)
-    for _ in range(TURNS):
-        again = rows & ~outlying(fit.residuals, regular, grid)
-        if (again == regular).all() or again.sum() <= dummies.shape[1] + len(lines):
-            break
-        regular = again
-        fit = fit_surfaces(y, dummies, lines, regular)
-    return regular, fit
 
 
 def outlying(
@@ -141,25 +147,3 @@ def outlying(
     if scatter == 0.0 and far[rows].mean() > MOST_OUTLYING:  # a coarse step hides what scatters
         far = np.abs(residuals - centre) > sigmas * float(np.std(residuals[rows]))
     return np.asarray(far)
-
-
-def _off_the_middle(y: FloatArray, design: FloatArray, rows: BoolArray) -> FloatArray:
-    """Give the residuals of a fit of least absolute values, which outliers hardly move.
-
-    Lines are fitted along: where one surface was touched mostly slowly and another mostly fast,
-    the medians of both hide what goes with the feed.
-
-    Args:
-        y: Shape (n,).
-        design: Surfaces and lines; shape (n, k).
-        rows: The touches that are fitted; shape (n,).
-    """
-    scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
-    least = max(NEGLIGIBLE * float(np.ptp(y[rows])), NOTHING)
-    root = rows.astype(float)
-    residuals = y
-    for _ in range(REWEIGHTINGS):
-        beta = np.linalg.lstsq(scaled * root[:, None], y * root, rcond=None)[0]
-        residuals = y - scaled @ beta
-        root = rows / np.sqrt(np.maximum(np.abs(residuals), least))
-    return np.asarray(residuals)

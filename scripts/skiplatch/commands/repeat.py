@@ -18,10 +18,12 @@ from skiplatch.importing.writing import write_imported
 from skiplatch.latch.text import TITLES
 from skiplatch.repeatability import FEWEST, OfPath, Repeatability, by_path
 from skiplatch.statistics import Interval
-from skiplatch.tables import table, with_interval
+from skiplatch.tables import number, table, with_interval
 
 SHOWN = 12
 MOST_OUTSIDE = 0.25  # of the touches; more of them are no outliers
+DIFFERS = 0.1  # of the plain standard deviation; less makes no other figure
+_TOLD = {"first": "first_touch", "order": "drift", "axis": "axis_drift", "speed": "slope"}
 EPILOG = """\b
 Example:
   skiplatch repeat tests/python/data/logs/klipper_octoprint.log
@@ -45,8 +47,9 @@ def command(
 
     Nothing is believed of the rig: mean, scatter, drift from touch to touch and per kelvin, the
     first touch apart, outliers by number, and the slope with the feed in ms, which is a delay. With
-    95 % intervals. Of a bench without motion, the times from edge to latch. Where touches were
-    latched by a skip input and by a PLC task, each has figures of its own.
+    95 % intervals. Positive is further along the approach. Of a bench without motion, the times
+    from edge to latch. Where touches were latched by a skip input and by a PLC task, each has
+    figures of its own.
     """
     campaign, head, assumed = _read(source)
     shown = _shown(campaign)
@@ -124,22 +127,54 @@ def sentence(found: Repeatability) -> str:
     if found.is_limited_by_resolution:
         step = f" of {found.step:.4g} {unit}" if found.step else ""
         parts.append(f"that is limited by the resolution{step}")
-    if _shows(found.slope):
-        sense = "later" if found.slope is None or found.slope.value > 0.0 else "earlier"
+    if found.slope is not None and "speed" in found.told:
+        sense = "later" if found.slope.value > 0.0 else "earlier"
         parts.append(f"they come {sense} with the feed, by {_words(found.slope, 'ms')}")
-    if _shows(found.first):
-        parts.append(f"the first of a series is off by {_words(found.first, unit)}")
-    if _shows(found.drift):
-        parts.append(f"they drift by {_words(found.drift, unit)} a touch")
-    if _shows(found.axis_drift):
-        parts.append(f"the axis drifts by {_words(found.axis_drift, unit)} a touch")
+    if found.first is not None and "first" in found.told:
+        way = way_of(found, found.first.value, ("higher", "lower"))
+        parts.append(f"the first of a series is off by {_words(found.first, unit)}, {way}")
+    if found.drift is not None and "order" in found.told:
+        way = way_of(found, found.drift.value, ("rises", "falls"))
+        parts.append(f"they drift by {_words(found.drift, unit)} a touch, {way}")
+    if found.axis_drift is not None and "axis" in found.told:
+        way = "up" if found.axis_drift.value > 0.0 else "down"
+        parts.append(f"the axis drifts {way}, by {_words(found.axis_drift, unit)} a touch")
     if found.outliers:
         parts.append(_outside(len(found.outliers), len(found.touches)))
+    parts += _all_in(found)
     if found.missed:
         parts.append(f"besides, {found.missed} {_were(found.missed)} missed")
     if found.false:
         parts.append(f"besides, {found.false} {_were(found.false)} latched without a contact")
     return "; ".join(parts) + "."
+
+
+def _all_in(found: Repeatability) -> list[str]:
+    """Give the plain standard deviation where it is another one, as controllers print it."""
+    if not differs(found):
+        return []
+    return [f"all touches as they are scatter by {number(found.plain, 3)} {found.unit}"]
+
+
+def differs(found: Repeatability) -> bool:
+    """Tell whether lines, first touches or outliers make the scatter another one."""
+    return abs(found.plain - found.sigma.value) > DIFFERS * found.plain
+
+
+def way_of(found: Repeatability, value: float, words: tuple[str, str]) -> str:
+    """Say in words which way a figure along the approach goes; of an axis that is known, its own.
+
+    Args:
+        found: Of which touches.
+        value: Positive is further along the approach, or later.
+        words: Of the axis where its coordinate is larger, and smaller.
+    """
+    if found.unit == "µs":
+        return "later" if value > 0.0 else "earlier"
+    way = "further along the approach" if value > 0.0 else "less far along the approach"
+    if not found.coordinate or not found.sense:
+        return way
+    return f"{way} ({found.coordinate} {words[0 if value * found.sense > 0.0 else 1]})"
 
 
 def _were(n: int) -> str:
@@ -163,15 +198,9 @@ def _what(found: Repeatability) -> str:
     return f"{n} touches of {surfaces} scatter"
 
 
-def _words(figure: Interval | None, unit: str) -> str:
-    if figure is None:
-        return "an unknown amount"
+def _words(figure: Interval, unit: str) -> str:
     value, interval = with_interval(figure)
     return f"{value} {unit} ({interval})"
-
-
-def _shows(figure: Interval | None) -> bool:
-    return figure is not None and (figure.low > 0.0 or figure.high < 0.0)
 
 
 def _rows(found: Repeatability) -> list[tuple[str, ...]]:
@@ -189,6 +218,8 @@ def _rows(found: Repeatability) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = [
         (name, *with_interval(figure)) for name, figure in figures if figure is not None
     ]
+    if differs(found):
+        rows.insert(2, (f"σ of all as they are, {unit}", number(found.plain, 3), ""))
     rows.insert(2, (f"widest range, {unit}", f"{found.range:.4g}", ""))
     return rows
 
@@ -219,6 +250,8 @@ def as_json(found: Repeatability) -> dict[str, Any]:
         document[f"{name}_interval"] = None if figure is None else [figure.low, figure.high]
     return document | {
         f"range_{unit}": found.range,
+        f"plain_sigma_{unit}": found.plain,
+        "told": sorted(_TOLD[name] for name in found.told),
         "outliers": list(found.outliers),
         "missed": found.missed,
         "false": found.false,
