@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Axis, InputPath, Campaign, Touches, read_campaign, write_campaign
+from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign, write_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
