@@ -102,3 +102,9 @@ def test_a_rule_says_what_it_misses(name: str, evidence: Evidence, words: str) -
     (failure,) = failures([RULES[name]], evidence)
 
     assert failure.words == words
+
+
+def test_effects_with_a_parameter_at_a_limit_are_told_by_their_ids() -> None:
+    evidence = Evidence(at_limit=["backlash.backlash_um", "link_retry.period_us"])
+
+    assert evidence.effects_at_limit == {"backlash", "link_retry"}
