@@ -21,10 +21,10 @@ from skiplatch.errors import InputError
 from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
 from skiplatch.surface_fit import Grid, by_t, fit_surfaces
+from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
-ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 FEWEST = 3
 FEWEST_AFTER_FIRST = 4
 FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step

@@ -28,9 +28,8 @@ from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect, effects
 from skiplatch.simulator.rig import Controller, with_believed
-from skiplatch.units import S_PER_MIN, US_PER_S
+from skiplatch.units import ARCSEC_PER_MILLIDEGREE, S_PER_MIN, US_PER_S
 
-ARCSEC_PER_MILLIDEGREE = 3.6
 FEED_MM_MIN = 60.0
 BEYOND_THE_RAMP_MM = {Kind.MACHINE: 1.0, Kind.BENCH: 0.01}  # a bench may begin with an edge
 BETWEEN_TOUCHES_S = 1.0

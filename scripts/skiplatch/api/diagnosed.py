@@ -8,8 +8,9 @@ from typing import Any, Self
 
 from skiplatch.dataframes import DataFrame, Library, dataframe
 from skiplatch.diagnosis import Diagnosis as Found
-from skiplatch.diagnosis import as_json, effects_from_json
+from skiplatch.diagnosis import as_json
 from skiplatch.diagnosis.experiment import models_json, rivals
+from skiplatch.diagnosis.reported.document import effects_of
 from skiplatch.diagnosis.reported.schema import need_intervals, read_diagnosis_json, whole
 from skiplatch.simulator.effects import Effect, effects
 
@@ -93,7 +94,7 @@ class Diagnosis:
         need_intervals(read)
         return cls(
             verdict=str(read["verdict"]),
-            effects=tuple(map(_found_effect, effects_from_json(read), read["effects"])),
+            effects=tuple(map(_found_effect, effects_of(read), read["effects"])),
             gaps={name: _gap(entry) for name, entry in read["gap"].items()},
             notes=tuple(read.get("notes", ())),
             document=read,

@@ -28,7 +28,8 @@ from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.library import SimulationError, connection
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
-from skiplatch.stand_ins import ARCSEC_PER_MILLIDEGREE, playable, refuse_unplayable
+from skiplatch.stand_ins import playable, refuse_unplayable
+from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 SIMULATED = Path("simulated")
 """Stands for the folder of a campaign that has none."""

@@ -45,6 +45,8 @@ class Axis(IntEnum):
 
 
 LINEAR_AXES = (Axis.X, Axis.Y, Axis.Z)
+PLACE_DECIMALS = 6
+"""Of `position_mm`: deviations are counted from a place as it is written."""
 
 
 class Status(IntEnum):
@@ -124,7 +126,7 @@ COLUMNS: Mapping[str, Column] = {
     "position_mm": NumberColumn(
         unit="mm",
         constraint=PLACE_MM,
-        decimals=6,
+        decimals=PLACE_DECIMALS,
         meaning="axis coordinate of the nominal surface",
         example="-171.757",
         lost="errors along the axis: scale, screw, encoder",

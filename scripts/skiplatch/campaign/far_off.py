@@ -9,6 +9,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign.columns import InputPath
 from skiplatch.campaign.folder import Campaign
+from skiplatch.campaign.impossible import before_the_move
 from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.oddity import Oddity, serials
 from skiplatch.campaign.touches import Touches
@@ -38,7 +39,7 @@ def far_from_the_others(campaign: Campaign) -> Iterator[Oddity]:
         if rows.any():  # the middle one itself: of two, one is far from the other
             middle = np.quantile(touches.deviation_um[rows], 0.5, method="lower")
             far |= rows & (np.abs(touches.deviation_um - middle) > near_um)
-    far &= ~(-touches.deviation_um > touches.approach_mm * UM_PER_MM)
+    far &= ~before_the_move(touches)
     if far.any():
         what = f"deviation_um lies more than {FAR_MM:g} mm from the others of its surface"
         yield Oddity(f"{what}: lost steps, a loose probe?", serials(touches, far))

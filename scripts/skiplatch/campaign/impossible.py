@@ -67,11 +67,15 @@ def places_beyond_reach(campaign: Campaign) -> Iterator[Oddity]:
 
 def latches_before_the_move(campaign: Campaign) -> Iterator[Oddity]:
     """A touch cannot be latched farther from the surface than where it began."""
-    touches = campaign.touches
-    early = -touches.deviation_um > touches.approach_mm * UM_PER_MM
+    early = before_the_move(campaign.touches)
     if early.any():
         what = "deviation_um lies before the start of the move, approach_mm from the surface"
-        yield Oddity(what, serials(touches, early))
+        yield Oddity(what, serials(campaign.touches, early))
+
+
+def before_the_move(touches: Touches) -> BoolArray:
+    """Tell which touches, shape (n,), are latched before the start of their move."""
+    return np.asarray(-touches.deviation_um > touches.approach_mm * UM_PER_MM)
 
 
 def ways_of_axes(campaign: Campaign) -> Iterator[Oddity]:

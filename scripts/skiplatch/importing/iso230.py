@@ -25,11 +25,10 @@ from skiplatch.importing.spreadsheets import (
     tells,
 )
 from skiplatch.numbers import number
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import ARCSEC_PER_MILLIDEGREE, UM_PER_MM
 
 DECIMALS = 3  # of a deviation in a campaign
 LEAST_SIGMA_UM = 1e-3  # a campaign tells no less
-ARCSEC_PER_MILLIDEGREE = 3.6  # a degree counts as a millimetre
 
 
 def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Imported:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, DatumFreedom, InputPath, Status, Touches
+from skiplatch.campaign.columns import PLACE_DECIMALS
 from skiplatch.importing.model import Touch
 from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
@@ -24,7 +25,6 @@ say where the probe was sent."""
 STILL_K = 1.0
 """By which a temperature may vary and still be steady, as a heater keeps it."""
 NEAREST_TO_FRAME = ("frame", "chamber", "machine", "bed")
-DECIMALS = 6
 Key = tuple[str, str, int, tuple[float, ...], int]
 
 
@@ -172,7 +172,7 @@ def _near(group: Sequence[Touch]) -> list[list[Touch]]:
 
 def _reference(group: Sequence[Touch]) -> float:
     known = [touch.coordinate for touch in group if touch.coordinate is not None]
-    return round(median(known), DECIMALS) if known else 0.0
+    return round(median(known), PLACE_DECIMALS) if known else 0.0
 
 
 def _is_held(surface: Sequence[Touch]) -> bool:

@@ -9,7 +9,7 @@ from skiplatch.campaign import FORMATS, BelievedEffect, Nominal, format_effect
 from skiplatch.campaign.nominal_toml import parse_nominal
 from skiplatch.campaign.toml_positions import key_positions
 from skiplatch.campaign.toml_text import read_toml_text
-from skiplatch.diagnosis.reported.document import effects_from_json
+from skiplatch.diagnosis.reported.document import effects_of
 from skiplatch.diagnosis.reported.schema import whole
 from skiplatch.errors import InputError
 
@@ -29,11 +29,11 @@ def adopted(document: Json) -> list[BelievedEffect]:
     Raises:
         ValueError: It is no diagnosis.
     """
-    found = effects_from_json(document)
-    intervals = [entry.get("intervals", {}) for entry in whole(document)["effects"]]
+    read = whole(document)
+    intervals = [entry.get("intervals", {}) for entry in read["effects"]]
     return [
         BelievedEffect(effect.id, effect.parameters, _uncertainty(effect.parameters, ends))
-        for effect, ends in zip(found, intervals, strict=True)
+        for effect, ends in zip(effects_of(read), intervals, strict=True)
         if effect.span.until is None
     ]
 

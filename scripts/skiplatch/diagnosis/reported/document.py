@@ -1,5 +1,6 @@
 """A diagnosis as a JSON document: written, and read back."""
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any
 
@@ -118,13 +119,18 @@ def effects_from_json(document: Json) -> list[Effect]:
     Raises:
         ValueError: It is no diagnosis.
     """
+    return effects_of(whole(document))
+
+
+def effects_of(read: Mapping[str, Json]) -> list[Effect]:
+    """Give the same of a document that `whole` has read."""
     return [
         Effect(
             entry["id"],
             {name: float(value) for name, value in entry["params"].items()},
             Span(entry.get("since"), entry.get("until")),
         )
-        for entry in whole(document)["effects"]
+        for entry in read["effects"]
     ]
 
 
@@ -138,10 +144,11 @@ def rig_from_json(document: Json, nominal: Nominal) -> Rig:
     Raises:
         ValueError: It is no diagnosis, or one of another rig.
     """
+    read = whole(document)
     kinds: dict[str, dict[str, float]] = {SURFACE: {}, COORDINATE: {}}
     values = {}
     believed = {(one.id, name) for one in nominal.believed_effects for name in one.values}
-    for name, entry in whole(document).get("beliefs", {}).items():
+    for name, entry in read.get("beliefs", {}).items():
         first, _, rest = name.partition(".")
         datum, _, kind = rest.rpartition(".")
         if first == "datum" and kind in kinds:
@@ -151,7 +158,7 @@ def rig_from_json(document: Json, nominal: Nominal) -> Rig:
         else:
             raise ValueError(f"beliefs.{name}: no such belief about the rig in nominal.toml")
     found = FittedDatum(kinds[SURFACE], kinds[COORDINATE])
-    return Rig(believing(nominal, values), effects_from_json(document), found)
+    return Rig(believing(nominal, values), effects_of(read), found)
 
 
 def _place_um(where: str, value: float) -> float:

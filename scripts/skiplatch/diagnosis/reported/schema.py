@@ -5,6 +5,7 @@ is there has to be as the table says.
 """
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar
 
@@ -165,26 +166,19 @@ def _verdict(where: str, value: Json) -> None:
 
 def _each(check: Check) -> Check:
     """Make a check of a list from that of an entry."""
-
-    def checked(where: str, value: Json) -> None:
-        if not isinstance(value, list):
-            _refuse(where, "a list", value)
-        for place, inner in _entries(where, value):
-            check(place, inner)
-
-    return checked
+    return partial(_all_in, list, "a list", check)
 
 
 def _by_name(check: Check) -> Check:
     """Make a check of an object with any keys from that of a value."""
+    return partial(_all_in, dict, "an object", check)
 
-    def checked(where: str, value: Json) -> None:
-        if not isinstance(value, dict):
-            _refuse(where, "an object", value)
-        for place, inner in _entries(where, value):
-            check(place, inner)
 
-    return checked
+def _all_in(kind: type, words: str, check: Check, where: str, value: Json) -> None:
+    if not isinstance(value, kind):
+        _refuse(where, words, value)
+    for place, inner in _entries(where, value):
+        check(place, inner)
 
 
 def _record(has_to: Mapping[str, Check], may: Mapping[str, Check]) -> Check:
