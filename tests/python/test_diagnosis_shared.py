@@ -5,8 +5,9 @@ import pytest
 
 from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.plays import look as looking
 from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
-from skiplatch.diagnosis.plays.leftover import PLAYS
+from skiplatch.diagnosis.plays.leftover import NOTICED, PLAYS
 from skiplatch.diagnosis.plays.look import Look
 from skiplatch.diagnosis.plays.scores import go_together, normal_scores
 from skiplatch.diagnosis.plays.setting import Setting
@@ -79,3 +80,23 @@ def test_plays_may_miss_touches_that_were_recorded(scene: Scene, seed: int) -> N
     is_missed = np.random.default_rng(seed).random(plays.shape) < 0.05
 
     assert told(scene, recorded, np.where(is_missed, np.nan, plays)) == []
+
+
+@pytest.mark.parametrize("late", [0.0, 1.0, 2.0])
+def test_nothing_is_missed_by_holding_no_chance_against_plays(
+    scene: Scene, late: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What goes with a condition is told alike, whether what is no more than chance is held too."""
+    _, plays = turning(scene, 0, together=True)
+    recorded, _ = turning(scene, 5, together=False)
+    feeds = scene.touches.feed_mm_min
+    recorded = recorded + late * (feeds > np.median(feeds))
+
+    def noticed() -> list[Left]:
+        look = Look(Setting(scene, 1), "grid", "plc", scene.plc, recorded, plays)
+        return [one for one in look.told() if one.z > NOTICED]
+
+    found = noticed()
+    monkeypatch.setattr(looking, "CHANCE", -np.inf)
+    assert found == noticed()
+    assert bool(found) is (late >= 2.0)

@@ -133,6 +133,18 @@ def test_a_record_that_scatters_less_than_the_plays_is_close_to_them_by_no_luck(
     assert shrunk(played(BENCH, often), hardly)["latch_after_edge_us"].tightness >= 1.0
 
 
+@pytest.mark.parametrize(("late_us", "is_hidden"), [(3.0, False), (60.0, True)])
+def test_scatter_that_is_little_beside_the_gap_hides_none_of_it(
+    late_us: float, is_hidden: bool
+) -> None:
+    bounce = Effect("contact_bounce", {"probability": 0.5, "mean_us": late_us})
+
+    gap = shrunk(played(BENCH, LATE), LATE, bounce)["latch_after_edge_us"]
+
+    assert gap.noise_floor > 1.0
+    assert (gap.tightness < 0.5) is is_hidden
+
+
 def test_a_rig_that_is_calmer_than_believed_is_no_fault_of_an_effect() -> None:
     late = Effect("isr_latency", {"latency_us": 40.0})
     calm = read_campaign(BENCH).nominal

@@ -39,6 +39,8 @@ SELDOM = 1e-3
 """Share of touches that a rig that is right may have far off."""
 HELD_AGAINST = 6
 """Plays that are looked at as the record is."""
+CHANCE = 2.0
+"""Standard errors up to which a look is not held against plays: it tells no more than chance."""
 FARTHEST = 3.0
 """Standard deviations off the mean of its plays that a touch counts for at most."""
 IN_WORDS = {"shift": "", "scatter": " in size"}
@@ -115,8 +117,12 @@ class Look:
 
     def _beside_plays(self, look: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
         """Count standard errors from what the same look tells of plays."""
+        recorded = list(look(self))
+        if all(left.z <= CHANCE for left in recorded):
+            yield from recorded
+            return
         played = [list(look(one)) for one in self._plays_as_recorded]
-        for left in look(self):
+        for left in recorded:
             usual = [max((o.z for o in one if o.kind == left.kind), default=0.0) for one in played]
             yield replace(left, z=(left.z - float(np.mean(usual))) / max(1.0, float(np.std(usual))))
 

@@ -9,6 +9,8 @@ MOST_LUCKY = 60
 """Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
 ADDED = 1.2
 """Times the noise floor of the believed rig, from which on effects add scatter."""
+PART_OF_ALL = 0.1
+"""Share of what the believed rig scores, up to which a noise floor is none that hides a gap."""
 AS_LOW = 0.1
 """Share of the noise floor that tells no score from another: what comes seldom may not have come,
 and what is left is little beside that floor."""
@@ -28,16 +30,18 @@ def tightness(cells: Sequence[Cell], least: float) -> float:
 
     What comes now and then may not have come. A floor of no more than rounding is none to be below.
     Effects answer for the scatter that they add: a rig that is calmer than believed is no fault.
+    Nor is scatter that is little beside a gap: what is gone of that is not gone for it.
     """
-    seen, floor, believed = (
+    seen, floor, believed, before = (
         _in_units(cells, least, scores)
         for scores in (
             [c.after.scores for c in cells],
             [c.after.floor for c in cells],
             [c.before.floor for c in cells],
+            [c.before.scores for c in cells],
         )
     )
-    if floor <= ADDED * believed:
+    if floor <= max(ADDED * believed, PART_OF_ALL * before):
         return 1.0
     scored = ([cell.beside(k) for cell in cells] for k in _lots(cells))
     for own, by_luck in (_both(cells, least, one) for one in scored):
