@@ -1,5 +1,6 @@
 """Touches far off all that their rig plays are listed, if they are few; and what could hide."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,12 +8,13 @@ import numpy as np
 import pytest
 
 from played_campaigns import BENCH, MACHINE, played
-from skiplatch.campaign import Campaign
+from skiplatch.arrays import BoolArray
+from skiplatch.campaign import Campaign, Touches, read_campaign
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.plays.hidden import could_hide
 from skiplatch.diagnosis.plays.leftover import Beside
 from skiplatch.diagnosis.plays.look import Look
-from skiplatch.diagnosis.plays.outliers import outliers
+from skiplatch.diagnosis.plays.outliers import gone_with, outliers
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Verdict
@@ -74,6 +76,54 @@ def test_what_one_touch_in_a_hundred_meets_is_no_outlier() -> None:
 
     assert listed(campaign), "without the effect they are"
     assert outliers(Scene.of(campaign), Rig(campaign.nominal, [late]), seed=1) == []
+
+
+def at_azimuths(touches: Touches) -> BoolArray:
+    """One touch in twenty-five."""
+    return np.asarray(touches.alpha_deg < np.quantile(touches.alpha_deg, 0.04))
+
+
+def every_twentieth(touches: Touches) -> BoolArray:
+    return np.asarray(touches.touch % 20 == 3)
+
+
+@pytest.mark.parametrize(
+    ("happens", "told"), [(at_azimuths, "azimuth"), (every_twentieth, "every 20 touches")]
+)
+def test_what_tells_which_touches_are_far_off_is_said(
+    happens: Callable[[Touches], BoolArray], told: str
+) -> None:
+    touches = read_campaign(MACHINE).touches
+    numbers = touches.touch[happens(touches)].tolist()
+
+    assert told in gone_with(Scene.of(read_campaign(MACHINE)), numbers, seed=1)
+
+
+def test_chance_may_be_why_accidents_fall_where_they_do() -> None:
+    """The level is one in 300,000, and the law of so few is not quite normal."""
+    scene = Scene.of(read_campaign(MACHINE))
+    rng = np.random.default_rng(1)
+    for count in (5, 10, 20, 20):
+        numbers = rng.choice(scene.touches.touch, count, replace=False).tolist()
+        assert gone_with(scene, numbers, seed=1) == ""
+
+
+def test_what_a_feed_shows_of_accidents_is_no_cause_of_them() -> None:
+    scene = Scene.of(read_campaign(MACHINE))
+    fast = scene.touches.feed_mm_min == scene.touches.feed_mm_min.max()
+    numbers = np.random.default_rng(1).choice(scene.touches.touch[fast], 15, replace=False)
+
+    assert gone_with(scene, numbers.tolist(), seed=1) == ""
+
+
+def test_touches_far_off_for_a_cause_are_a_gap_and_none_of_them_is_listed() -> None:
+    campaign = played(MACHINE)
+
+    found = diagnose(thrown(campaign, at_azimuths(campaign.touches)), seed=1, jobs=2)
+
+    assert found.verdict is Verdict.UNKNOWN
+    assert found.outliers == []
+    assert any("azimuth" in failure for failure in map(str, found.failures))
 
 
 @pytest.mark.long

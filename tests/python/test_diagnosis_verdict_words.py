@@ -40,6 +40,11 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
         ),
         ("leaves_nothing", LEAVING, IS_LEFT),
         ("few_outliers", FAR_OFF, ARE_FAR_OFF),
+        (
+            "few_outliers",
+            Evidence(outlying=6, outlying_with="azimuth", touches=200),
+            "6 of 200 touches are far off all plays and go with azimuth: that is no accident",
+        ),
         ("has_form", Evidence(is_loose=True), "its form is as far off as can be"),
         (
             "held_out",

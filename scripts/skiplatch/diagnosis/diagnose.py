@@ -24,7 +24,6 @@ from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.conclude import Conclusion, concluded
 from skiplatch.diagnosis.verdict.named import sure
 from skiplatch.diagnosis.verdict.reliability import standing
-from skiplatch.diagnosis.verdict.rules import may_be_accidents
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide
 from skiplatch.diagnosis.verdict.work import Work
 from skiplatch.simulator.effects import Effect
@@ -104,7 +103,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
         rig=rig,
         materiality=work.materiality,
         beliefs=_values(work, rig),
-        outliers=found.outliers if may_be_accidents(len(found.outliers), evidence.touches) else [],
+        outliers=found.accidents,
         failures=failures,
         ways=Ways.of(scene.touches),
         ways_of_paths=Ways.of_paths(scene.touches),

@@ -20,7 +20,7 @@ from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
 from skiplatch.diagnosis.plays.look import Look
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.setting import Setting
-from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_by_forest
+from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_which
 from skiplatch.diagnosis.scene.covariates import varying
 from skiplatch.diagnosis.scene.observed import observed
 from skiplatch.diagnosis.scene.pitches import is_on_grid, kept_pitch
@@ -37,7 +37,6 @@ MOST_PLAYED = 4_000
 NOTICED = 3.5
 """Standard errors from which on something may be worth a search, which then decides."""
 MISSED = "missed"
-FEWEST_MISSED = 5
 USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
 
@@ -253,25 +252,12 @@ def _missing(setting: Setting, path: str, here: BoolArray, outcomes: Outcomes) -
             0.0,
             _errors_of_count(int(missed.sum()), n, max(expected, USUALLY_MISSED)),
         )
-    if FEWEST_MISSED <= missed.sum() <= n - FEWEST_MISSED:
-        columns = varying(setting.known, here)
-        predicted, names = told_by_forest(columns, missed.astype(float), setting.seed)
-        if np.ptp(predicted) > 0.0:
-            correlation = float(np.corrcoef(predicted, missed)[0, 1])
-            high = predicted > np.median(predicted)
-            apart = float(missed[high].mean() - missed[~high].mean()) if high.any() else 0.0
-            yield Left(
-                MISSED,
-                path,
-                "share",
-                names,
-                abs(apart) / 2.0,
-                "1",
-                abs(apart),
-                0.0,
-                0.0,
-                correlation * np.sqrt(n),
-            )
+    told = told_which(varying(setting.known, here), missed, setting.seed)
+    if told is not None:
+        predicted, names, z = told
+        high = predicted > np.median(predicted)
+        apart = float(missed[high].mean() - missed[~high].mean()) if high.any() else 0.0
+        yield Left(MISSED, path, "share", names, abs(apart) / 2.0, "1", abs(apart), 0.0, 0.0, z)
 
 
 def _errors_of_count(count: int, n: int, rate: float) -> float:

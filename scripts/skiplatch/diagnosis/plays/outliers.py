@@ -1,12 +1,21 @@
-"""Touches far off all that their rig plays: they measure no gap, and no finding rests on them."""
+"""Touches far off all that their rig plays: they measure no gap, and no finding rests on them.
+
+They are accidents, then, and accidents go with nothing: what tells which touches they are is left.
+"""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.plays.left import SIGNIFICANT
 from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.size import far_off
-from skiplatch.diagnosis.plays.telling import FEWEST
+from skiplatch.diagnosis.plays.telling import FEWEST, told_which
+from skiplatch.diagnosis.plays.turns import happens_in_turn
+from skiplatch.diagnosis.scene.covariates import in_words, varying
 from skiplatch.diagnosis.scene.observed import UNITS, observed, step
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -15,6 +24,8 @@ PLAYS = 500
 MOST = 0.5
 """Share of touches from which on those far off are what is usual."""
 OUTLYING = frozenset({"edge", "latch", "position", "report"})
+SEEN_BY = ("feed", "path")
+"""What an accident goes with as it is seen: a time is a longer way at a higher feed."""
 
 
 def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> list[int]:
@@ -33,6 +44,20 @@ def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed
                 values = recorded[name][here], played[name][:, here]
                 far[here] |= _are_far(*values, step(scene, name), materiality, UNITS[name])
     return [] if far.mean() > MOST else scene.touches.touch[far].tolist()
+
+
+def gone_with(scene: Scene, numbers: Sequence[int], *, seed: int) -> str:
+    """Say what tells which touches, by serial number, are far off; nothing where chance may."""
+    setting, far = Setting(scene, seed), np.isin(scene.touches.touch, numbers)
+    turn = happens_in_turn(setting.order.serial, far)
+    if turn is not None and turn.z > SIGNIFICANT:
+        return f"every {turn.apart} touches"
+    known = {name: values for name, values in setting.known.items() if name not in SEEN_BY}
+    told = told_which(varying(known, np.full(len(far), fill_value=True)), far, seed)
+    if told is None or told[-1] <= SIGNIFICANT:
+        return ""
+    _, names, _ = told
+    return " and ".join(dict.fromkeys(map(in_words, names)))
 
 
 def _are_far(

@@ -7,7 +7,7 @@ import numpy as np
 from scipy import stats
 from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.scene.periodogram import explained_by_sines
 from skiplatch.statistics import errors_of
 
@@ -20,6 +20,8 @@ LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
 FEWEST = 8
 """Touches from which on anything can be seen."""
+FEWEST_HAPPENED = 5
+"""Touches to which something happened, or not, from which on it is told to which."""
 SMALLEST = 1e-4
 
 
@@ -37,6 +39,22 @@ def told_by_forest(
     names = list(columns)
     strongest = [names[i] for i in np.argsort(-forest.feature_importances_)]
     return np.reshape(forest.oob_prediction_, targets.shape), tuple(strongest[:NAMED])
+
+
+def told_which(
+    columns: Mapping[str, FloatArray], happened: BoolArray, seed: int
+) -> tuple[FloatArray, tuple[str, ...], float] | None:
+    """Predict to which touches something happened, shape (m,): how likely, by what, and errors.
+
+    None where it happened to too few or too many of them, or nothing is known that tells.
+    """
+    n, count = len(happened), int(happened.sum())
+    if not columns or not FEWEST_HAPPENED <= count <= n - FEWEST_HAPPENED:
+        return None
+    predicted, names = told_by_forest(columns, happened.astype(float), seed)
+    if np.ptp(predicted) == 0.0:
+        return None
+    return predicted, names, float(np.corrcoef(predicted, happened)[0, 1] * np.sqrt(n))
 
 
 def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[float, str] | None:

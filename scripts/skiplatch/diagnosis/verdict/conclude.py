@@ -12,7 +12,7 @@ from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.plays.hidden import Hidden, could_hide
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import STREAMS
-from skiplatch.diagnosis.plays.outliers import outliers
+from skiplatch.diagnosis.plays.outliers import gone_with, outliers
 from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation
@@ -42,6 +42,12 @@ class Conclusion:
     hidden: Mapping[str, Hidden]
     outliers: Sequence[int]
     evidence: Evidence
+
+    @property
+    def accidents(self) -> Sequence[int]:
+        """The outliers, if they are not too many for accidents, nor anything tells which."""
+        few = may_be_accidents(self.evidence.outlying, self.evidence.touches)
+        return self.outliers if few and not self.evidence.outlying_with else []
 
 
 def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
@@ -85,9 +91,11 @@ def _conclusion(
     found = named(scene.with_nominal(rig.nominal), finding)
     true_rig = None if truth is None else replace(rig, effects=truth)
     odd = outliers(scene, known, work.materiality, seed=work.seed)
-    # What is far off all plays says nothing of one rig or the other, nor for a finding. Too many to
-    # be accidents are what is left of the believed chain.
-    is_left = finding.model is None and not may_be_accidents(len(odd), len(scene))
+    # What is far off all plays says nothing of one rig or the other, nor for a finding. What tells
+    # which touches are, no accident does; and too many of them are what the believed chain leaves.
+    odd_with = gone_with(scene, odd, seed=work.seed)
+    are_many = finding.model is None and not may_be_accidents(len(odd), len(scene))
+    is_left = bool(odd_with) or are_many
     usual = ~np.isin(scene.touches.touch, [] if is_left else odd)
     seen = scene if usual.all() else scene.select(usual)
     after = before if known is believed else work.left(seen, known)
@@ -119,6 +127,7 @@ def _conclusion(
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
         outlying=len(odd),
+        outlying_with=odd_with,
         touches=len(scene),
     )
     if fit and shows_too_little(evidence):

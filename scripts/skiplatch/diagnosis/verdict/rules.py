@@ -30,7 +30,6 @@ MOST = 0.5
 PART_OF_ALL = 0.1
 """Share of the variance of an observable's gap that what is left of one kind has to be to count:
 no real effect has just the form that is fitted, and what its form leaves may be of another kind."""
-
 MOST_OUTLIERS = 0.05
 """Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
 RARELY = 0.01
@@ -67,10 +66,11 @@ def _few_false(evidence: Evidence, threshold: float) -> str:
 
 
 def _few_outliers(evidence: Evidence, threshold: float) -> str:
-    far, touches = evidence.outlying, evidence.touches
-    if may_be_accidents(far, touches, threshold):
+    told = f" and go with {evidence.outlying_with}" if evidence.outlying_with else ""
+    if not told and may_be_accidents(evidence.outlying, evidence.touches, threshold):
         return ""
-    return f"{far} of {touches} touches are far off all plays: that is no accident"
+    far = f"{evidence.outlying} of {evidence.touches} touches"
+    return f"{far} are far off all plays{told}: that is no accident"
 
 
 def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS) -> bool:
