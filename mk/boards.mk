@@ -20,6 +20,7 @@
 #   TOUCHES, RIG_OPTIONS        how many on each path, and options of the rig; also ….BUILD
 #   NEEDS        a program that the board wants besides; setup.sh in its folder sees to it
 #   MEASURE      a command more to run in `make board`
+#   SOAK         Python module that plays its builds at random in `make soak`, as SECONDS SEED say
 
 PORTS := $(patsubst hal/ports/%/board.mk,%,$(wildcard hal/ports/*/board.mk))
 

@@ -35,3 +35,6 @@ RIG_OPTIONS.$(board).pin_change-critical_section := --corrected --pin-change
 
 # How fast and how well the second program measures.
 MEASURE.$(board) = $(VENV_PYTHON) -m hal.ports.$(TARGET).tests.transmission_rig $(OUT)/transmission.elf
+
+# For as long as it is let, beside the simulated rig.
+SOAK.$(board) := hal.ports.$(board).tests.soak
