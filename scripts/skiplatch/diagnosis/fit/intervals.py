@@ -10,6 +10,7 @@ too: a jitter that is said to be none may be small, and the delay it comes with 
 """
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -57,15 +58,18 @@ def settled(scene: Scene, found: Fit) -> Fit:
     return replace(found, parameters=surface.parts(surface.values))
 
 
-def estimates(scene: Scene, found: Fit, admitted: Sequence[Effect]) -> list[Estimate]:
+def estimates(
+    scene: Scene, found: Fit, admitted: Sequence[Effect], executor: Executor | None = None
+) -> list[Estimate]:
     """Settle the parameters of effects on touches, and tell what each may be.
 
     Args:
         scene: The touches.
         found: The fit.
         admitted: The same effects, their parameters brought into the ranges of the table.
+        executor: Samples side by side.
     """
-    surface = Surface(scene, found, admitted)
+    surface = Surface(scene, found, admitted, executor)
     held = np.array([slot.is_held for slot in surface.slots])
     values, low, high = _about(surface, ~held)
     for _ in range(CLIMBS):

@@ -1,6 +1,8 @@
 """The log-likelihood over the parameters of all effects, and its top."""
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +13,7 @@ from skiplatch.diagnosis.candidates.surrogates import SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.side_by_side import side_by_side
 from skiplatch.simulator.effects import Effect, Parameter, effects
 
 CONFIDENCE = 0.9
@@ -18,6 +21,8 @@ A_STEP = 1.0
 """Nats from the peak that make a step, of somewhat more than a standard deviation."""
 EVALUATIONS = 25  # of a climb, a parameter
 WORST = -1e300
+PARTS = 8
+"""That many points are taken in, to be looked at side by side."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +75,14 @@ class Slot:
 class Surface:
     """The log-likelihood over the parameters of all effects, within their ranges."""
 
-    def __init__(self, scene: Scene, found: Fit, admitted: Sequence[Effect]) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        found: Fit,
+        admitted: Sequence[Effect],
+        executor: Executor | None = None,
+    ) -> None:
+        self._executor = executor
         self._scene = scene
         self._found = found
         self._ends = np.cumsum([len(effect.parameters) for effect in admitted])[:-1]
@@ -106,9 +118,25 @@ class Surface:
         reached = self._found.reached
         change = replace(self._found, parameters=self.parts(values)).change(self._scene)
         total = likelihood(self._scene, change, reached).total
+        if not np.isfinite(total):
+            return WORST
         if total > self.top:
             self.top, self.highest = total, values
-        return total if np.isfinite(total) else WORST
+        return total
+
+    def at_each(self, points: FloatArray) -> FloatArray:
+        """Give it at points, shape (k, p), side by side; shape (k,)."""
+        alone = copy(self)
+        alone._executor = None  # noqa: SLF001 - it does not travel
+        parts = side_by_side(self._executor, alone._in_turn, np.array_split(points, PARTS))  # noqa: SLF001
+        heights = np.concatenate(parts)
+        best = int(np.argmax(heights))
+        if heights[best] > self.top:
+            self.top, self.highest = float(heights[best]), points[best]
+        return heights
+
+    def _in_turn(self, points: FloatArray) -> FloatArray:
+        return np.array([self(point) for point in points])
 
     def parts(self, values: FloatArray) -> tuple[FloatArray, ...]:
         """Take parameters, shape (p,), apart by effect."""

@@ -60,7 +60,9 @@ def sampled(
         if not len(drawn):
             break
         points = drawn
-        heights = np.array([surface.along(free, steps * point) for point in points])
+        moved = np.tile(surface.values, (len(points), 1))
+        moved[:, free] += steps * points
+        heights = surface.at_each(moved)
         logs = heights - surface.peak - proposal.logpdf(points).reshape(len(points))
         weights = _weights(logs)
         calm = _weights(logs, LEAST_SAMPLES * (1 + len(free)))

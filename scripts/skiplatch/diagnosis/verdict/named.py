@@ -1,6 +1,7 @@
 """Effects that were found, as they are reported: sizes, intervals, when they act."""
 
 from collections.abc import Mapping
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -36,8 +37,14 @@ class Named:
     """Parameters by which no touch of the campaign differs."""
 
 
-def named(scene: Scene, finding: Finding) -> list[Named]:
-    """Give the effects of a finding on a scene; none if nothing was found."""
+def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> list[Named]:
+    """Give the effects of a finding on a scene; none if nothing was found.
+
+    Args:
+        scene: The touches.
+        finding: What was found.
+        executor: Works on the intervals side by side.
+    """
     if finding.model is None:
         return []
     fit = finding.model.fit
@@ -52,7 +59,7 @@ def named(scene: Scene, finding: Finding) -> list[Named]:
             when=_when(scene, estimate.effect.span),
             idle=idle(scene.touches, estimate.effect),
         )
-        for i, estimate in enumerate(estimates(scene, fit, as_effects(fit)))
+        for i, estimate in enumerate(estimates(scene, fit, as_effects(fit), executor))
     ]
 
 
