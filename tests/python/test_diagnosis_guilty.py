@@ -14,7 +14,8 @@ from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.guilty import without_guilty
-from skiplatch.simulator.effects import Effect
+from skiplatch.diagnosis.verdict.named import _at_limit
+from skiplatch.simulator.effects import Effect, effects
 from verdict_evidence import left
 
 LATE = Effect("isr_latency", {"latency_us": 6.0, "jitter_us": 5.0})
@@ -91,3 +92,12 @@ def test_what_acts_elsewhere_stands_in_for_none_that_is_kept(judged: tuple[Judge
     assert found is not None
     assert REPORT.id not in {name for names in found.alternatives for name in names}
     assert REPORT.id not in {name for model in found.ranking for name in model.ids}
+
+
+@pytest.mark.parametrize(("share", "is_end"), [(0.3, False), (0.6, True), (0.0, False)])
+def test_a_share_stands_at_a_limit_where_its_search_ends(share: float, is_end: bool) -> None:
+    """What happens to more than six touches in ten is another effect."""
+    none = {parameter.name: 0.0 for parameter in effects()["contact_bounce"].parameters}
+    effect = Effect("contact_bounce", {**none, "probability": share, "mean_us": 50.0})
+
+    assert ("probability" in _at_limit(effect)) is is_end

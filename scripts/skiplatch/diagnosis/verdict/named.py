@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiplatch.diagnosis.candidates.axes import idle
+from skiplatch.diagnosis.candidates.surrogates import highest
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.scene.scene import Scene
@@ -75,12 +76,12 @@ def _when(scene: Scene, span: Span) -> str:
 
 
 def _at_limit(effect: Effect) -> frozenset[str]:
-    """Name the sizes that stand at an end of their range; no angle does, none, or all."""
+    """Name the sizes that stand where their search ends; no angle does, none, or all."""
 
     def is_end(p: Parameter) -> bool:
         value = effect.parameters[p.name]
         is_natural = value == 0.0 or p.unit == "deg" or (p.unit == "1" and value == 1.0)
-        return value in (p.low, p.high) and not is_natural
+        return value in (p.low, p.high, highest(effect.id, p)) and not is_natural
 
     return frozenset(p.name for p in effects()[effect.id].parameters if is_end(p))
 
