@@ -31,7 +31,7 @@ def test_a_short_one_accounts_for_each_record() -> None:
 
     assert played.runs == RUNS
     assert min(played.disturbed, played.reports.lost) > 0
-    assert played.edges - RUNS * 10 < played.sent <= played.edges
+    assert 0.9 * played.edges < played.sent <= played.edges
 
 
 def test_the_power_fails_before_the_end() -> None:
@@ -72,5 +72,6 @@ def test_an_edge_that_was_not_latched_is_a_fall(events: Events) -> None:
     )
 
     check_edges(events, blocks, prescaler=1)
-    with pytest.raises(FallError, match="was not latched"):
-        check_edges(deaf, blocks, prescaler=1)
+    for may_miss_scans in (True, False):  # those of the skip path are not excused
+        with pytest.raises(FallError, match="was not latched"):
+            check_edges(deaf, blocks, prescaler=1, may_miss_scans=may_miss_scans)
