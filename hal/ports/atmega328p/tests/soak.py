@@ -35,7 +35,7 @@ PRESCALERS = {
 }
 """Of the builds whose stamps are proof against what they are disturbed by."""
 LATE_SCANS = "scan_body"
-"""Build whose PLC task sleeps through some edges: the line changes twice within its longest scan."""
+"""Build whose PLC task misses some edges: the line changes twice within its longest scan."""
 FEWEST, MOST = 60, 1_000
 """Touches of a run on each path."""
 EARLIEST = 0.7
