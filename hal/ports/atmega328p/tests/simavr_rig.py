@@ -70,15 +70,20 @@ def nominal_of(*, pin_change: bool, corrected: bool) -> Nominal:
     return believed(change if pin_change else CAPTURED, report)
 
 
+def frames_of(events: Events) -> list[bytes]:
+    """Give the frames that have left the board whole."""
+    sent = bytes(value for _, value in events.received)
+    return [sent[i : i + FRAME_BYTES] for i in range(0, len(sent) - FRAME_BYTES + 1, FRAME_BYTES)]
+
+
 def latches(events: Events) -> list[tuple[Latch, int]]:
     """Give the records, and the cycle at which the last byte of each had come."""
     reports = LatchReports()
     found = []
-    data = bytes(value for _, value in events.received)
-    for start in range(0, len(data) - FRAME_BYTES + 1, FRAME_BYTES):
-        latch = reports.take(data[start : start + FRAME_BYTES])
+    for number, frame in enumerate(frames_of(events), start=1):
+        latch = reports.take(frame)
         if latch is not None:
-            found.append((latch, events.received[start + FRAME_BYTES - 1][0]))
+            found.append((latch, events.received[FRAME_BYTES * number - 1][0]))
     if reports.lost or reports.damaged or reports.unpaired:
         raise RuntimeError("a record was lost on an emulated wire")
     return found

@@ -21,7 +21,7 @@ import numpy as np
 
 from hal.ports.atmega328p.tests.edges import Block, plan
 from hal.ports.atmega328p.tests.emulator import CYCLES_PER_US, Events, Stimulus, run
-from hal.ports.atmega328p.tests.simavr_rig import FRAME_BYTES, latches, recorded
+from hal.ports.atmega328p.tests.simavr_rig import FRAME_BYTES, frames_of, latches, recorded
 from skiplatch.bench.latches import FRAMES_PER_RECORD, Latch, LatchReports
 from skiplatch.campaign import InputPath
 
@@ -155,12 +155,6 @@ def check_edges(
                 raise FallError(f"the edge at {touch.edge_us:.4f} µs was not latched")
         elif is_skip and not -tick_us <= late_us <= 1.0 / CYCLES_PER_US:
             raise FallError(f"the edge at {touch.edge_us:.4f} µs is stamped {late_us:.4f} µs late")
-
-
-def frames_of(events: Events) -> list[bytes]:
-    """Give the frames that have left the board whole."""
-    sent = bytes(value for _, value in events.received)
-    return [sent[i : i + FRAME_BYTES] for i in range(0, len(sent) - FRAME_BYTES + 1, FRAME_BYTES)]
 
 
 def main() -> int:

@@ -5,8 +5,8 @@ import pytest
 
 from hal.ports.atmega328p.tests.edges import plan
 from hal.ports.atmega328p.tests.emulator import Events, run
-from hal.ports.atmega328p.tests.simavr_rig import latches
-from hal.ports.atmega328p.tests.soak import FallError, Soak, check_edges, cut_off, frames_of
+from hal.ports.atmega328p.tests.simavr_rig import frames_of, latches
+from hal.ports.atmega328p.tests.soak import FallError, Soak, check_edges, cut_off
 from hal.ports.atmega328p.tests.test_board_atmega328p import program
 
 TOUCHES = 30

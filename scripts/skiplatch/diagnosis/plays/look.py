@@ -89,7 +89,8 @@ class Look:
         # lot (Smith, Journal of Forecasting 4 (1985) 283), it scatters alike whatever is played.
         lot = np.random.default_rng(setting.seed).random(len(self.recorded))
         self._sizes = np.abs(normal_scores(self.recorded, self.played, lot))
-        self.off = recorded[rows] - np.nanmedian(self.played, axis=0)
+        middle = np.nanmedian(self.played, axis=0)
+        self.off, self._plays_off = recorded[rows] - middle, self.played - middle
         self._noise = np.maximum(np.nanstd(self.played, axis=0), self._step / np.sqrt(12.0))
         self.scale = np.maximum(self._noise, setting.repeats_to(name))
 
@@ -149,8 +150,7 @@ class Look:
     def _scores_of_plays(self) -> FloatArray:
         """Rank each play among the others; shape (r, m)."""
         others = (np.delete(self.played, k, axis=0) for k in range(len(self.played)))
-        scores = map(normal_scores, self.played, others)
-        return np.array(list(scores))
+        return np.array(list(map(normal_scores, self.played, others)))
 
     def everywhere(self) -> Iterator[Left]:
         """Compare middle and scatter of the scores with those of plays among the others."""
@@ -163,16 +163,14 @@ class Look:
             if kind == "scatter" and self.name == NEVER_ERRS:
                 # Ranks do not tell how far off.
                 z = max(z, errors_of_excess(int(self.far.sum()), len(self.off), SELDOM))
-            everything = np.full(len(self.off), fill_value=True)
-            yield self._left(kind, (EVERYWHERE,), everything, z)
+            yield self._left(kind, (EVERYWHERE,), np.full(len(self.off), fill_value=True), z)
         if self._setting.is_mostly_wait(self.name, self.path, self._noise, self._rows):
             yield self._shape()
 
     @property
     def far(self) -> BoolArray:
         """Tell which touches are far off the plays of all; shape (m,)."""
-        reach = np.nanmax(np.abs(self.played - np.nanmedian(self.played, axis=0)))
-        return far_off(self.off, float(reach), self._step)
+        return far_off(self.off, float(np.nanmax(np.abs(self._plays_off))), self._step)
 
     def _shape(self) -> Left:
         """Compare where in the scan touches fall with where plays do (Cramér and von Mises' test).
@@ -293,11 +291,6 @@ class Look:
         else:
             size, relative = (apart(self.off / scale, high, kind) for scale in scales)
         return self._of(kind, names, size, relative, z)
-
-    @cached_property
-    def _plays_off(self) -> FloatArray:
-        """Give by how much each play is off the middle of them all; shape (r, m)."""
-        return np.asarray(self.played - np.nanmedian(self.played, axis=0))
 
     def _of(
         self, kind: str, names: tuple[str, ...], size: float, relative: float, z: float

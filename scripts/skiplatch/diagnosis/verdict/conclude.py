@@ -46,8 +46,9 @@ class Conclusion:
     @property
     def accidents(self) -> Sequence[int]:
         """The outliers, if they are not too many for accidents, nor anything tells which."""
-        few = may_be_accidents(self.evidence.outlying, self.evidence.touches)
-        return self.outliers if few and not self.evidence.outlying_with else []
+        seen = self.evidence
+        are = may_be_accidents(seen.outlying, seen.touches, told=seen.outlying_with)
+        return self.outliers if are else []
 
 
 def concluded(work: Work, truth: Sequence[Effect] | None) -> Conclusion:

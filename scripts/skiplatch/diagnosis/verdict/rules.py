@@ -66,16 +66,16 @@ def _few_false(evidence: Evidence, threshold: float) -> str:
 
 
 def _few_outliers(evidence: Evidence, threshold: float) -> str:
-    told = f" and go with {evidence.outlying_with}" if evidence.outlying_with else ""
-    if not told and may_be_accidents(evidence.outlying, evidence.touches, threshold):
+    far, touches, told = evidence.outlying, evidence.touches, evidence.outlying_with
+    if may_be_accidents(far, touches, threshold, told):
         return ""
-    far = f"{evidence.outlying} of {evidence.touches} touches"
-    return f"{far} are far off all plays{told}: that is no accident"
+    told = told and f" and go with {told}"
+    return f"{far} of {touches} touches are far off all plays{told}: that is no accident"
 
 
-def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS) -> bool:
-    """Tell whether so many touches may be far off where such a share of all is, in the mean."""
-    return bool(far <= stats.binom.ppf(1.0 - RARELY, touches, share))
+def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS, told: str = "") -> bool:
+    """Tell whether so many may be far off where such a share is, in the mean; none that is told."""
+    return bool(not told and far <= stats.binom.ppf(1.0 - RARELY, touches, share))
 
 
 def _clear(gaps: Mapping[str, Gap]) -> Mapping[str, Gap]:
