@@ -11,10 +11,12 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.grid import (
     APART,
+    grid_told,
     kept_grid,
 )
 from skiplatch.diagnosis.scene.pitches import MANY_STEPS, odd_pitch, whole_pitches
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import effects
 from skiplatch.simulator.library import connection
 from skiplatch.units import DEG_PER_TURN, UM_PER_MM
 
@@ -40,12 +42,13 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         return usual
     width = _box_of(sigma, tick)
     seen = [[width, mean + 0.5 * width, 0.0]]
-    if width > connection()[1].SIM_LINES_APART * tick:
-        stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
-        for pitch, turn in (_coarsest(stamps, *grid) for grid in _grids_kept(stamps, width)):
-            line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
-            whole = np.rint((mean + 0.5 * pitch - line) / pitch)
-            seen.append([pitch, line + whole * pitch, 0.0])
+    stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
+    grid = grid_told(np.sort(stamps), tick, _coarsest_tick_us())
+    if grid and grid[0] > connection()[1].SIM_LINES_APART * tick:
+        pitch, turn = _coarsest(stamps, *grid)
+        line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
+        whole = np.rint((mean + 0.5 * pitch - line) / pitch)
+        seen.append([pitch, line + whole * pitch, 0.0])
     return [*seen, *usual]
 
 
@@ -123,6 +126,11 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
     where_um = where_um[~np.isnan(where_um)]
     return [[pitch, 1.0, turn] for pitch, turn in _grids_kept(where_um, seen_um)]
+
+
+def _coarsest_tick_us() -> float:
+    ticks = (p for p in effects()["timer_quantisation"].parameters if p.name == "tick_us")
+    return next(ticks).high
 
 
 def _box_of(sigma: float, known: float = 0.0) -> float:

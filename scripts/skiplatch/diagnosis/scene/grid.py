@@ -29,6 +29,12 @@ FITTED = 2
 """Stamps that the period and the place of a grid are fitted to."""
 SMALLEST = 1e-9
 FINER = np.linspace(-1.0, 1.0, 9)
+ROUNDS = 6
+"""Differences of differences that are taken before the steps of a grid are left."""
+ROUNDED = 3.0
+"""Standard deviations of rounding up to which two values are the same."""
+ALIKE = 1.5
+"""Times the smallest difference up to which differences are one step."""
 NEAR = 6.0
 """Median deviations from the middle of a grid within which stamps are on it."""
 
@@ -128,6 +134,35 @@ def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, floa
     if max(len(stamps) * np.abs(turn) ** 2, all_in_it) < np.log(tries / ACCIDENT):
         return None
     return period, float(np.angle(turn)) / (2.0 * np.pi) % 1.0
+
+
+def grid_told(stamps: FloatArray, fine: float, widest: float) -> tuple[float, float] | None:
+    """Find the grid of lines apart by more than rounding that stamps keep by no accident.
+
+    No guess is needed: differences of whole steps are whole steps, as are differences of those.
+    Taken between neighbours by size they get small soon, until single steps are left. That is
+    Euclid's algorithm, on all of the stamps at once; each time adds to what rounding leaves open.
+
+    Args:
+        stamps: Shape (n,), sorted.
+        fine: What they are rounded to, in the same unit.
+        widest: No coarser grid is looked for.
+
+    Returns:
+        Its period, and where it lies, a share of it; None for none.
+    """
+    values, sigma = stamps, fine / math.sqrt(12.0)
+    for _ in range(ROUNDS):
+        steps = np.diff(np.unique(values))
+        sigma *= math.sqrt(2.0)
+        values = steps[steps > ROUNDED * sigma]
+        if len(values) < FIRST:
+            return None
+        step = float(np.median(values[values < ALIKE * values.min()]))
+        found = kept_grid(stamps, step, FIRST) if step < widest else None
+        if found:
+            return found
+    return None
 
 
 def sharpened(stamps: FloatArray, period: float) -> float:

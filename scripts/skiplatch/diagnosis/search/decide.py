@@ -91,7 +91,7 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     judge.believe_beside(pairs[0].fit)
     model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
     while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
-        further = judge.pairs(model, noticed(model))
+        further = _extended(judge, model, noticed(model))
         if not further or not _is_further(judge, further[0], model, noticed):
             break
         judge.believe_beside(further[0].fit)
@@ -204,6 +204,19 @@ def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
     return pairs
 
 
+def _extended(judge: Judge, model: Scored, streams: frozenset[str]) -> list[Scored]:
+    """Search a further effect of several, with and without the slack that they have.
+
+    That may stand for the further one, which then gains nothing beside it.
+    """
+    larger = judge.pairs(model, streams)
+    if model.fit.slack > 0.0:
+        stiff = judge.score(replace(model.fit, slack=0.0))
+        near = [one for one in without_twins(judge.on_top(stiff, streams)) if one.fit.slack == 0.0]
+        larger = _better(larger, judge.jointly(near[:MOST_TURNED]))
+    return larger
+
+
 def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
     """Take the better one of each pair that was fitted twice; by falling score."""
     by_ids = {pair.ids: pair for pair in others}
@@ -249,8 +262,16 @@ def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:
         for i, others in enumerate(in_place)
     ]
     names, confidences = zip(*groups, strict=True)
-    ranking = sorted([model, *(s for s in tried if s.ids != model.ids)], key=lambda s: -s.score)
+    ranking = _best_of_each([model, *tried, *(other for others in in_place for other in others)])
     return Finding(model, names, confidences, tuple(ranking))
+
+
+def _best_of_each(models: Iterable[Scored]) -> list[Scored]:
+    """Keep the best model of each set of effects; by falling score, the first of equal ones."""
+    best: dict[frozenset[str], Scored] = {}
+    for model in sorted(models, key=lambda model: -model.score):
+        best.setdefault(frozenset(model.ids), model)
+    return list(best.values())
 
 
 def reduced(judge: Judge, model: Scored) -> Finding:

@@ -17,6 +17,7 @@ from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation
 from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.instead import instead
 from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
@@ -70,13 +71,22 @@ def _is_of_outliers(work: Work, found: Conclusion) -> bool:
 
 
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
-    """Search, and take out what keeps others from being named, if these then are."""
+    """Search; what cannot be named gives way to what comes near it, or is taken out.
+
+    Either is worth it only if the rest then can be named.
+    """
     finding, confirmed = work.search()
     whole = found = _conclusion(work, finding, confirmed, truth)
-    while kept := without_guilty(work.judge, found.finding, found.evidence):
-        finding, confirmed = work.confirmed(kept)
-        found = _conclusion(work, finding, confirmed, truth)
-    return whole if failures(NAMES, found.evidence) else found
+    while failures(NAMES, found.evidence):
+        for other in instead(found.finding):
+            rival = _conclusion(work, *work.standing(other), truth)
+            if not failures(NAMES, rival.evidence):
+                return rival
+        kept = without_guilty(work.judge, found.finding, found.evidence)
+        if kept is None:
+            return whole
+        found = _conclusion(work, *work.confirmed(kept), truth)
+    return found
 
 
 def _conclusion(

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -145,6 +146,13 @@ class Work:
     def finds_any(self, likely: Collection[str]) -> bool:
         """Tell whether a search would begin with any effect, the likely ones tried first."""
         return finds_any(self.judge, self.noticed, likely)
+
+    def standing(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
+        """Play a finding without the models near it: it stays."""
+        model = finding.model
+        alone = replace(finding, ranking=(model,) if model else ())
+        _, confirmation = self.confirmed(alone)
+        return finding, confirmation
 
     def confirmed(self, finding: Finding) -> tuple[Finding, Confirmation | None]:
         """Let plain simulation choose among a finding and what is near it."""

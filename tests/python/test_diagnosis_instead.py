@@ -1,0 +1,68 @@
+"""What cannot be named gives way to models that come near it."""
+
+import pytest
+
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.instead import MOST_INSTEAD, instead
+from skiplatch.diagnosis.search.scored import Scored
+
+LATE, LOCK, BLOCKED, BOUNCE = "scan_jitter", "scan_phase_lock", "isr_blocking", "contact_bounce"
+
+
+def scored(*ids: str, nats: float) -> Scored:
+    """Give a model of effects with what it gains."""
+    candidates = tuple(catalogue()[name] for name in ids)
+    return Scored(Fit(candidates, (), frozenset()), nats / 2.0, nats / 2.0)
+
+
+def found(*others: Scored, nats: float = 100.0) -> Finding:
+    """Give a finding of late scans and a blocked interrupt, with others that were tried."""
+    model = scored(LATE, BLOCKED, nats=nats)
+    ranking = tuple(sorted([model, *others], key=lambda one: -one.score))
+    return Finding(model, ((LOCK,), (BOUNCE,)), (0.9, 0.8), ranking)
+
+
+def test_an_effect_is_exchanged_for_one_that_is_not_told_from_it() -> None:
+    (other,) = instead(found(scored(BLOCKED, LOCK, nats=97.0)))
+
+    assert other.model is not None
+    assert other.model.ids == (BLOCKED, LOCK)
+    assert other.alternatives == ((BOUNCE,), (LATE,))
+    assert other.confidences == (0.8, 0.9)
+
+
+def test_what_is_told_by_less_than_a_surrogate_is_off_by_stands_alone() -> None:
+    """3 % of a thousand nats; it is no alternative, and has none."""
+    (other,) = instead(found(scored(BLOCKED, "scan_overrun", nats=975.0), nats=1000.0))
+
+    assert other.alternatives == ((BOUNCE,), ())
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        scored(BLOCKED, LOCK, nats=93.0),  # behind by more than a tie, and more than 3 %
+        scored(LATE, nats=99.0),
+        scored(LOCK, BOUNCE, nats=99.0),  # both are others
+    ],
+)
+def test_what_is_far_off_or_another_model_is_not_tried(other: Scored) -> None:
+    assert not list(instead(found(other)))
+
+
+def test_what_does_just_the_same_is_not_tried() -> None:
+    delay, twin = scored("trigger_delay", nats=50.0), scored("input_filter", nats=50.0)
+
+    assert not list(instead(Finding(delay, (("input_filter",),), (0.9,), (delay, twin))))
+
+
+def test_only_the_best_few_are_tried_and_nothing_in_place_of_nothing() -> None:
+    names = ("scan_overrun", "scan_phase_lock", "scan_period", "input_image_delay", "servo_hold")
+    others = [scored(BLOCKED, name, nats=99.0 - at) for at, name in enumerate(names)]
+
+    tried = [one.model.ids[-1] for one in instead(found(*others)) if one.model]
+
+    assert tried == list(names[:MOST_INSTEAD])
+    assert not list(instead(Finding(None)))

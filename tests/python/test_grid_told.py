@@ -1,0 +1,42 @@
+"""A grid that stamps keep is found without a guess of how coarse it is."""
+
+import numpy as np
+import pytest
+
+from skiplatch.diagnosis.scene.grid import grid_told
+
+WIDEST = 10_000.0
+
+
+def stamps(period: float, fine: float, count: int, seed: int) -> np.ndarray:
+    """Give moments of a campaign of hours, on a grid and then rounded."""
+    rng = np.random.default_rng(seed)
+    times = np.sort(rng.uniform(0.0, 6e9, count))
+    return np.asarray(np.rint((np.floor(times / period) * period + 3.7) / fine) * fine)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize(
+    ("period", "fine", "count"),
+    [(54.742174, 0.25, 300), (9.87, 0.25, 300), (20.0, 1.0, 200), (1234.567, 0.0625, 40)],
+)
+def test_a_coarse_clock_is_told_to_a_part_of_its_tick(
+    period: float, fine: float, count: int, seed: int
+) -> None:
+    """Over hours, a period that is off by a millionth puts the stamps anywhere."""
+    found = grid_told(stamps(period, fine, count, seed), fine, WIDEST)
+
+    assert found is not None
+    assert found[0] == pytest.approx(period, rel=fine / period * 1e-5)
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("fine", [0.25, 1.0])
+def test_stamps_that_keep_no_coarser_grid_tell_none(fine: float, seed: int) -> None:
+    assert grid_told(stamps(fine, fine, 300, seed), fine, WIDEST) is None
+
+
+def test_no_grid_is_coarser_than_the_widest_and_none_is_told_by_a_few() -> None:
+    assert grid_told(stamps(54.7, 0.25, 300, 1), 0.25, 50.0) is None
+    assert grid_told(stamps(54.7, 0.25, 5, 1), 0.25, WIDEST) is None
+    assert grid_told(np.full(300, 54.7), 0.25, WIDEST) is None
