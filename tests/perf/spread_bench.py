@@ -7,7 +7,8 @@ byte for byte. `make bench` does a size that takes minutes. What the goal asks f
   python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30 --killed-touches 16
 
 ``--figures docs/spread.json`` writes what docs/FLEET.md shows; with ``--only-killed``, of the
-workers that are killed alone.
+workers that are killed alone. What a start costs shows in few campaigns, what each campaign costs
+in many small ones: ``--size 4x400 --size 24x16``.
 """
 
 import argparse
@@ -35,7 +36,9 @@ from skiplatch.files import atomic_write_text, read_json
 from skiplatch.workers import Workers, finished, opened
 
 EMPTY = (1_000, 10_000)
-CAMPAIGNS, TOUCHES, ROUNDS = 4, 400, 3
+SIZE = 4, 400
+"""Campaigns for each worker, and touches of each."""
+ROUNDS = 3
 KILLED, KILLED_TOUCHES, KILL_EVERY_S = 24, 60, 10.0
 """A task that dies three times is given up: most have to end between two kills of their worker."""
 WORKERS = (1, 2)
@@ -192,19 +195,28 @@ def measure_killed(count: int, touches: int, every_s: float) -> Killed | None:
         return bench_killed(Path(folder), count, touches, every_s)
 
 
-def measure_beside(campaigns: int, touches: int) -> list[Campaigns]:
-    """Measure campaigns beside plain loops, on each number of workers."""
+def measure_beside(sizes: Sequence[tuple[int, int]]) -> list[Campaigns]:
+    """Measure campaigns beside plain loops, of each size on each number of workers."""
     with tempfile.TemporaryDirectory() as folder:
         return [
             row
+            for size in sizes
             for workers in WORKERS
-            for row in bench_campaigns(Path(folder, str(workers)), workers, campaigns, touches)
+            for row in bench_campaigns(Path(folder, str(workers)), workers, *size)
         ]
+
+
+def _size(text: str) -> tuple[int, int]:
+    """Read CAMPAIGNSxTOUCHES."""
+    campaigns, touches = map(int, text.split("x"))
+    if campaigns < FEWEST or touches < 1:
+        raise ValueError(text)
+    return campaigns, touches
 
 
 def bench_spread() -> None:
     """Run everything in the size of `make bench`."""
-    beside = measure_beside(CAMPAIGNS, TOUCHES)
+    beside = measure_beside([SIZE])
     killed = measure_killed(KILLED, KILLED_TOUCHES, KILL_EVERY_S)
     print(Figures(beside, killed, bench_empty()).as_text())
 
@@ -214,25 +226,34 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="for each worker")
-    parser.add_argument("--touches", type=int, default=TOUCHES, help="of such a campaign")
-    parser.add_argument("--killed", type=int, default=KILLED, help="campaigns while workers die")
+    parser.add_argument(
+        "--size",
+        type=_size,
+        action="append",
+        metavar="CAMPAIGNSxTOUCHES",
+        help=f"campaigns for each worker, at least {FEWEST}; may be given several times",
+    )
+    parser.add_argument(
+        "--killed",
+        type=int,
+        default=KILLED,
+        help="campaigns while workers die; 0 leaves the figures of these as they are",
+    )
     parser.add_argument("--killed-touches", type=int, default=KILLED_TOUCHES, help="of each")
     parser.add_argument("--kill-every-s", type=float, default=KILL_EVERY_S)
     parser.add_argument("--only-killed", action="store_true", help="leave the other figures")
     parser.add_argument("--figures", type=Path, help="write what docs/FLEET.md shows")
     given = parser.parse_args()
-    if min(given.campaigns, given.killed) < FEWEST or given.kill_every_s <= 0.0:
+    if (given.killed and given.killed < FEWEST) or given.kill_every_s <= 0.0:
         parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
-    before = Figures.read(read_json(FIGURES)) if given.only_killed else Figures([], None, [])
-    killed = measure_killed(given.killed, given.killed_touches, given.kill_every_s)
-    if given.only_killed:
-        print(Figures([], killed, []).as_text())
-        figures = replace(before, killed=killed)
-    else:
-        beside = measure_beside(given.campaigns, given.touches)
-        figures = Figures(beside, killed, bench_empty())
-        print(figures.as_text())
+    figures = Figures.read(read_json(FIGURES))
+    if given.killed:
+        killed = measure_killed(given.killed, given.killed_touches, given.kill_every_s)
+        figures = replace(figures, killed=killed)
+    if not given.only_killed:
+        beside = measure_beside(given.size or [SIZE])
+        figures = replace(figures, campaigns=beside, empty=bench_empty())
+    print(figures.as_text())
     if given.figures:
         atomic_write_text(given.figures, figures.as_json())
 

@@ -1,16 +1,18 @@
-"""A pair that is found from one of its effects has to be one that the other leads to as well."""
+"""In which order several effects are found, and what else is kept in mind."""
 
+from dataclasses import replace
 from typing import cast
 
 import pytest
 
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.fit.fit import Fit
-from skiplatch.diagnosis.search.decide import from_next_best
+from skiplatch.diagnosis.search.decide import _extended, from_next_best, several
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Scored
 
 SCALE, WAVE, LAG = "scale_error", "transmission_error", "following_error"
+HOLD, STEPS, LATE = "servo_hold", "encoder_quantisation", "scan_jitter"
 
 
 def scored(*ids: str, nats: float) -> Scored:
@@ -62,3 +64,54 @@ def test_a_pair_passes_in_any_order_of_its_effects(
     found = from_next_best(judge, [best, wave], best, lambda _model: frozenset({"position"}))
 
     assert found == ([pair] if is_found else [])
+
+
+class Slackened(Judged):
+    """Finds a further effect without the slack of others, which takes its place."""
+
+    def __init__(self, with_slack: Scored, without: Scored) -> None:
+        self._with_slack, self._without = with_slack, without
+
+    def pairs(self, _model: Scored, _streams: frozenset[str]) -> list[Scored]:
+        return [self._with_slack, replace(self._without, fitted=1.0, checked=1.0)]
+
+    def score(self, model: Fit) -> Scored:
+        assert model.slack == 0.0
+        return Scored(model, 1.0, 1.0)
+
+    def on_top(self, _stiff: Scored, _streams: frozenset[str]) -> list[Scored]:
+        return [self._without]
+
+    def jointly(self, models: list[Scored]) -> list[Scored]:
+        return models
+
+
+def test_slack_does_not_stand_for_a_further_effect() -> None:
+    model = scored(STEPS, LATE, nats=300.0)
+    model = replace(model, fit=replace(model.fit, slack=0.4))
+    with_slack, hold = scored(STEPS, LATE, LAG, nats=310.0), scored(STEPS, LATE, HOLD, nats=400.0)
+    judge = cast(Judge, Slackened(with_slack, hold))
+
+    assert _extended(judge, model, frozenset())[0] is hold
+
+
+class InPlace(Judged):
+    """Has one other model for each effect of one, the effects in another order."""
+
+    def __init__(self, *others: Scored) -> None:
+        self._others = others
+
+    def in_place(self, _model: Scored, position: int) -> list[Scored]:
+        return [self._others[position]]
+
+
+def test_what_would_stand_in_place_of_each_effect_is_kept() -> None:
+    """Not only of the one that was found last; plays choose among them."""
+    model = scored(LATE, LAG, nats=100.0)
+    first, last = scored(LAG, HOLD, nats=98.0), scored(LATE, STEPS, nats=95.0)
+    again = scored(HOLD, LAG, nats=97.0)  # the same effects as the first
+
+    found = several(cast(Judge, InPlace(first, last)), model, [model, again])
+
+    assert found.ranking == (model, first, last)
+    assert found.alternatives == ((HOLD,), (STEPS,))

@@ -12,7 +12,7 @@ from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.plays.playing import Rig
-from skiplatch.diagnosis.search.decide import TIED
+from skiplatch.diagnosis.search.groups import TIED
 
 
 @dataclass(frozen=True, slots=True)

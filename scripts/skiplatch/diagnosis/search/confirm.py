@@ -15,7 +15,8 @@ from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import as_recorded
 from skiplatch.diagnosis.scene.observed import observed, step
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.decide import TEMPER, Finding
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.groups import TEMPER
 from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.search.separation import Separation, inseparable

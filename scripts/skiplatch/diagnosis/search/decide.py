@@ -9,8 +9,7 @@ Several first effects are kept open, for the best of them may be one that takes 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-
+from skiplatch.diagnosis.search.groups import TIED, group_of, ranked_group
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import ENOUGH_FIT, Scored, without_twins, worth
 
@@ -30,10 +29,6 @@ BEAM = 2
 MOST_TURNED = 3
 """Pairs that are searched from their second effect as well."""
 MOST_SWAPS = 2
-TEMPER = 0.5
-"""How far differences in nats are believed: no real effect has just the form that is fitted."""
-TIED = 6.0
-"""Nats of difference that do not tell two effects apart: tempered, one in twenty."""
 
 Noticed = Callable[[Scored | None], frozenset[str]]
 """Names the streams in which something can still be seen once a model, or nothing, is played."""
@@ -132,21 +127,18 @@ def _first(judge: Judge, noticed: Noticed) -> list[Scored]:
     """
     judge.believe_beside(None)
     ranked = judge.singles()
-    if not ranked or not (judge.may_begin(ranked) or _leaves(judge, ranked[0], noticed)):
+    best = ranked[0] if ranked and judge.is_significant(ranked[0]) else None
+    if not ranked or not (judge.may_begin(ranked) or noticed(best)):
         return ranked
     least = ranked[0].score + TIED  # one that lasts will do as well
     begun = [one for one in judge.passing(ranked) if one.score > least]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)
 
 
-def _leaves(judge: Judge, best: Scored, noticed: Noticed) -> bool:
-    return bool(noticed(best if judge.is_significant(best) else None))
-
-
 def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:
     if not judge.is_material(best):
         return Finding(None, ranking=tuple(ranked), small=best)
-    group, confidence = _ranked_group(ranked, 0)
+    group, confidence = ranked_group(ranked, 0)
     return Finding(best, (group,), (confidence,), tuple(ranked))
 
 
@@ -195,10 +187,7 @@ def _pairs(judge: Judge, best: Scored, streams: frozenset[str]) -> list[Scored]:
     pairs = judge.pairs(best, streams)
     if best.fit.slack > 0.0:
         stiff = judge.score(replace(best.fit, slack=0.0))
-        near = [
-            pair for pair in without_twins(judge.on_top(stiff, streams)) if pair.fit.slack == 0.0
-        ]
-        near = [*pairs[:1], *near]
+        near = [*pairs[:1], *_stiff(judge.on_top(stiff, streams))]
         models = [(pair, judge.alone(pair, position=1)) for pair in near[:MOST_TURNED]]
         pairs = _better(pairs, judge.turned(models))
     return pairs
@@ -212,9 +201,14 @@ def _extended(judge: Judge, model: Scored, streams: frozenset[str]) -> list[Scor
     larger = judge.pairs(model, streams)
     if model.fit.slack > 0.0:
         stiff = judge.score(replace(model.fit, slack=0.0))
-        near = [one for one in without_twins(judge.on_top(stiff, streams)) if one.fit.slack == 0.0]
-        larger = _better(larger, judge.jointly(near[:MOST_TURNED]))
+        near = _stiff(judge.on_top(stiff, streams))[:MOST_TURNED]
+        larger = _better(larger, judge.jointly(near))
     return larger
+
+
+def _stiff(models: Sequence[Scored]) -> list[Scored]:
+    """Keep one each of those that do just the same, without slack."""
+    return [model for model in without_twins(models) if model.fit.slack == 0.0]
 
 
 def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
@@ -258,7 +252,9 @@ def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:
     else:
         in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
     groups = [
-        _group(model.ids[i], [(model.ids[i], model.score), *((o.ids[-1], o.score) for o in others)])
+        group_of(
+            model.ids[i], [(model.ids[i], model.score), *((o.ids[-1], o.score) for o in others)]
+        )
         for i, others in enumerate(in_place)
     ]
     names, confidences = zip(*groups, strict=True)
@@ -279,26 +275,3 @@ def reduced(judge: Judge, model: Scored) -> Finding:
     if len(model.ids) > 1:
         return several(judge, model, ())
     return _single(judge, model, [model, *judge.in_place(model, 0)])
-
-
-def _ranked_group(ranked: Sequence[Scored], position: int) -> tuple[tuple[str, ...], float]:
-    """Name the effects tied with that of the best model, the first one, at its position."""
-    own = ranked[0].ids[position]
-    return _group(own, [(scored.ids[position], scored.score) for scored in ranked])
-
-
-def _group(own: str, tried: Iterable[tuple[str, float]]) -> tuple[tuple[str, ...], float]:
-    """Name the effects tied with one, and how sure the group is.
-
-    Args:
-        own: The effect.
-        tried: It and those tried in its place, with the scores of the models; some more than once.
-    """
-    scores: dict[str, float] = {}
-    for name, score in sorted(tried, key=lambda one: -one[1]):
-        scores.setdefault(name, score)
-    below = {name: min(score - scores[own], 0.0) for name, score in scores.items()}
-    tied = [name for name, nats in below.items() if nats > -TIED]
-    weights = {name: float(np.exp(TEMPER * nats)) for name, nats in below.items()}
-    confidence = sum(weights[name] for name in tied) / sum(weights.values())
-    return tuple(name for name in tied if name != own), confidence

@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import islice
 
-from skiplatch.diagnosis.search.decide import FAINTEST, TIED, Finding
+from skiplatch.diagnosis.search.decide import FAINTEST, Finding
+from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.diagnosis.search.scored import Scored
 
 MOST_INSTEAD = 2

@@ -12,7 +12,7 @@ from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import replayed
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.decide import TIED
+from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.side_by_side import side_by_side
 
