@@ -110,8 +110,9 @@ def test_what_would_stand_in_place_of_each_effect_is_kept() -> None:
     model = scored(LATE, LAG, nats=100.0)
     first, last = scored(LAG, HOLD, nats=98.0), scored(LATE, STEPS, nats=95.0)
     again = scored(HOLD, LAG, nats=97.0)  # the same effects as the first
+    anew = scored(LAG, LATE, nats=101.0)  # and as the model, hardly better
 
-    found = several(cast(Judge, InPlace(first, last)), model, [model, again])
+    found = several(cast(Judge, InPlace(first, last)), model, [model, again, anew])
 
     assert found.ranking == (model, first, last)
     assert found.alternatives == ((HOLD,), (STEPS,))

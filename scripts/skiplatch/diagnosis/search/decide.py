@@ -258,20 +258,20 @@ def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:
         for i, others in enumerate(in_place)
     ]
     names, confidences = zip(*groups, strict=True)
-    ranking = _best_of_each([model, *tried, *(other for others in in_place for other in others)])
-    return Finding(model, names, confidences, tuple(ranking))
+    ranking = [model, *_others(model, [*tried, *(one for others in in_place for one in others)])]
+    return Finding(model, names, confidences, tuple(sorted(ranking, key=lambda s: -s.score)))
 
 
-def _best_of_each(models: Iterable[Scored]) -> list[Scored]:
-    """Keep the best model of each set of effects; by falling score, the first of equal ones."""
+def _others(model: Scored, tried: Iterable[Scored]) -> list[Scored]:
+    """Keep the best model of each other set of effects, by falling score."""
     best: dict[frozenset[str], Scored] = {}
-    for model in sorted(models, key=lambda model: -model.score):
-        best.setdefault(frozenset(model.ids), model)
-    return list(best.values())
+    for other in sorted(tried, key=lambda other: -other.score):
+        best.setdefault(frozenset(other.ids), other)
+    return [other for ids, other in best.items() if ids != frozenset(model.ids)]
 
 
 def reduced(judge: Judge, model: Scored) -> Finding:
     """Give a finding with a model that has fewer effects than were found."""
     if len(model.ids) > 1:
         return several(judge, model, ())
-    return _single(judge, model, [model, *judge.in_place(model, 0)])
+    return _single(judge, model, [model, *_others(model, judge.in_place(model, 0))])
