@@ -7,8 +7,8 @@ byte for byte. `make bench` does a size that takes minutes. What the goal asks f
   python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30 --killed-touches 16
 
 ``--figures docs/spread.json`` writes what docs/FLEET.md shows; with ``--only-killed``, of the
-workers that are killed alone. What a start costs shows in few campaigns, what each campaign costs
-in many small ones: ``--size 4x400 --size 24x16``.
+workers that are killed alone. Two sizes with as many touches part what a start costs from what each
+campaign does: ``--size 4x16 --size 28x16``.
 """
 
 import argparse

@@ -60,7 +60,23 @@ def test_more_a_campaign_is_what_its_worker_takes_more() -> None:
 
     assert "8 campaigns of 400 touches, processes, 2 workers\n  plain loops          30.0" in text
     assert "of plain loops       0.97" in text
-    assert "more a campaign       +20 ms   aim: at most 50 ms" in text
+    assert "more a campaign       +20 ms, with the start" in text
+    assert "aim: at most 50 ms" not in text  # one size does not tell the start from the rest
+
+
+def test_two_sizes_tell_the_start_from_what_each_campaign_costs() -> None:
+    """Half a second at first, and 30 ms for each of a worker's 4 or 24 campaigns."""
+    few = Campaigns("processes", 2, 8, 16, plain_s=4.0, share=0.9, more_s=0.62)
+    many = Campaigns("processes", 2, 48, 16, plain_s=24.0, share=0.95, more_s=1.22)
+    figures = Figures([few, *MADE_UP.campaigns, many], None, [])
+
+    (cost,) = spread_figures.costs(figures.campaigns)
+
+    assert (cost.place, cost.workers) == ("processes", 2)
+    assert cost.start_s == pytest.approx(0.5)
+    assert cost.each_ms == pytest.approx(30.0)
+    assert "each campaign         +30 ms   aim: at most 50 ms" in figures.as_text()
+    assert "| `--jobs 2` | +0.5 s | +30 ms |" in spread_figures.tables(written(figures))
 
 
 def test_what_was_not_measured_is_not_told() -> None:
