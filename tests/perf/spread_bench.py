@@ -19,7 +19,7 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -197,13 +197,12 @@ def measure_killed(count: int, touches: int, every_s: float) -> Killed | None:
 
 def measure_beside(sizes: Sequence[tuple[int, int]]) -> list[Campaigns]:
     """Measure campaigns beside plain loops, of each size on each number of workers."""
-    with tempfile.TemporaryDirectory() as folder:
-        return [
-            row
-            for size in sizes
-            for workers in WORKERS
-            for row in bench_campaigns(Path(folder, str(workers)), workers, *size)
-        ]
+    found = []
+    for size in sizes:
+        for workers in WORKERS:
+            with tempfile.TemporaryDirectory() as folder:
+                found += bench_campaigns(Path(folder), workers, *size)
+    return found
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -246,16 +245,16 @@ def main() -> None:
     given = parser.parse_args()
     if (given.killed and given.killed < FEWEST) or given.kill_every_s <= 0.0:
         parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
-    figures = Figures.read(read_json(FIGURES))
+    killed, beside, empty = None, list[Campaigns](), list[Empty]()
     if given.killed:
         killed = measure_killed(given.killed, given.killed_touches, given.kill_every_s)
-        figures = replace(figures, killed=killed)
     if not given.only_killed:
-        beside = measure_beside(given.size or [SIZE])
-        figures = replace(figures, campaigns=beside, empty=bench_empty())
-    print(figures.as_text())
+        beside, empty = measure_beside(given.size or [SIZE]), bench_empty()
+    print(Figures(beside, killed, empty).as_text())
     if given.figures:
-        atomic_write_text(given.figures, figures.as_json())
+        before = Figures.read(read_json(FIGURES)) if FIGURES.exists() else Figures([], None, [])
+        kept = beside or before.campaigns, killed or before.killed, empty or before.empty
+        atomic_write_text(given.figures, Figures(*kept).as_json())
 
 
 if __name__ == "__main__":

@@ -2,19 +2,12 @@
 
 import pytest
 
-from skiplatch.diagnosis.candidates.simulated import catalogue
-from skiplatch.diagnosis.fit.fit import Fit
+from scored_models import scored
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.instead import MOST_INSTEAD, instead
 from skiplatch.diagnosis.search.scored import Scored
 
 LATE, LOCK, BLOCKED, BOUNCE = "scan_jitter", "scan_phase_lock", "isr_blocking", "contact_bounce"
-
-
-def scored(*ids: str, nats: float) -> Scored:
-    """Give a model of effects with what it gains."""
-    candidates = tuple(catalogue()[name] for name in ids)
-    return Scored(Fit(candidates, (), frozenset()), nats / 2.0, nats / 2.0)
 
 
 def found(*others: Scored, nats: float = 100.0) -> Finding:

@@ -5,7 +5,7 @@ from typing import cast
 
 import pytest
 
-from skiplatch.diagnosis.candidates.simulated import catalogue
+from scored_models import scored
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.search.decide import _extended, from_next_best, several
 from skiplatch.diagnosis.search.judge import Judge
@@ -13,12 +13,6 @@ from skiplatch.diagnosis.search.scored import Scored
 
 SCALE, WAVE, LAG = "scale_error", "transmission_error", "following_error"
 HOLD, STEPS, LATE = "servo_hold", "encoder_quantisation", "scan_jitter"
-
-
-def scored(*ids: str, nats: float) -> Scored:
-    """Give a model of effects with what it gains."""
-    candidates = tuple(catalogue()[name] for name in ids)
-    return Scored(Fit(candidates, (), frozenset()), nats / 2.0, nats / 2.0)
 
 
 class Judged:
