@@ -268,13 +268,16 @@ def test_swapped_columns_are_told(machine_sample: Path) -> None:
     assert told not in lines(campaign, lambda _: surfaces(places_mm, scatter_um))
 
 
-def test_a_coarse_encoder_is_no_swap(machine_sample: Path) -> None:
+@pytest.mark.parametrize("believed_um", [8.8, 0.5])
+def test_a_coarse_encoder_is_no_swap(machine_sample: Path, believed_um: float) -> None:
     campaign = read_campaign(machine_sample)
-    coarse = replace(campaign.nominal, axis=replace(campaign.nominal.axis, resolution_um=8.8))
+    axis = replace(campaign.nominal.axis, resolution_um=believed_um)
     counts_um = np.tile([0.0, 8.8, 17.6], 6)
     touches = surfaces(np.linspace(0.0, 100.0, 18), counts_um)
 
-    found = oddities(replace(campaign, nominal=coarse, touches=touches))
+    found = oddities(
+        replace(campaign, nominal=replace(campaign.nominal, axis=axis), touches=touches)
+    )
 
     assert not any("swapped" in oddity.what for oddity in found)
 

@@ -40,16 +40,14 @@ def test_distance_read_at_rest_takes_the_feed_that_is_given(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("unit", ["i;1;2;3\nP [mm]", "mm"])
-def test_table_with_positions_in_columns_is_told_to_be_transposed(
-    tmp_path: Path, refused: Program, unit: str
-) -> None:
+def test_table_with_positions_in_columns_is_read(tmp_path: Path, unit: str) -> None:
     runs = "".join(f"{i} {arrow};0,01{i};0,02;0,0{i}\n" for i in (1, 2) for arrow in "↑↓")
     (tmp_path / "t.csv").write_text(f"{unit};-4,0;0,0;4,0\n{runs}")
 
-    said = refused("import", "iso230", tmp_path / "t.csv", "-o", tmp_path / "x")
+    touches = Run(tmp_path, "iso230", str(tmp_path / "t.csv")).campaign.touches
 
-    assert "t.csv:2: expected positions in the first column, got runs in rows: transpose" in said
-    assert not (tmp_path / "x").exists()
+    assert sorted(set(touches.position_mm.tolist())) == [-4.0, 0.0, 4.0]
+    assert touches.sign.tolist() == [1.0] * 3 + [-1.0] * 3 + [1.0] * 3 + [-1.0] * 3
 
 
 def test_contact_of_an_eddy_probe_counts_once(tmp_path: Path) -> None:
@@ -356,8 +354,8 @@ def test_german_protocol_of_iso_230_is_read(tmp_path: Path, encoding: str) -> No
     assert reversal_um == pytest.approx(6.0)
     assert run.said["could_not_be_read"][:3] == [
         "lines before the head of the table: 4",
-        "columns that are no runs: Mittelwert [µm]",
         "lines below the table: 1",
+        "columns that are no runs: Mittelwert [µm]",
     ]
 
 

@@ -19,6 +19,7 @@ UTF8 = "utf-8-sig"
 
 _SEPARATOR = re.compile(r"sep=([,;\t])\s*$", re.IGNORECASE)
 _DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
+_BETWEEN_DIGITS = re.compile(r"(?<=[0-9]),(?=[0-9])")
 _GROUPED = re.compile(r"\s*[-+]?[0-9]{1,3}(?:[.'\u2019\u00a0\u202f][0-9]{3})+,[0-9]+\s*")
 """1.000,5: with a decimal comma behind it, what stands before each three digits parts groups."""
 _EITHER = re.compile(r"\s*[-+]?[1-9][0-9]{0,2}\.[0-9]{3}\s*")
@@ -134,6 +135,8 @@ def delimiter_of(line: str) -> str:
     """Give what stands between the columns; spreadsheets may say so in a line of its own."""
     if match := _SEPARATOR.match(line):
         return match[1]
+    if any(mark in line for mark in DELIMITERS[1:]):
+        line = _BETWEEN_DIGITS.sub("", line)  # of numbers in the head, as of positions
     return max(DELIMITERS, key=line.count)
 
 

@@ -94,15 +94,19 @@ def ways_of_axes(campaign: Campaign) -> Iterator[Oddity]:
 
 
 def swapped_columns(campaign: Campaign) -> Iterator[Oddity]:
-    """A place is chosen and comes back to the digit; what is measured there scatters."""
+    """A place is chosen and comes back to the digit; what is measured there scatters, by less.
+
+    What a coarse encoder measures comes back as well.
+    """
     touches, resolution_um = campaign.touches, campaign.nominal.axis.resolution_um
     known = np.isfinite(touches.position_mm) & np.isfinite(touches.deviation_um)
     if known.sum() < FEWEST or not _comes_back(touches, "deviation_um", known):
         return
     step = common_step(touches.deviation_um)
     is_encoder = step is not None and step <= resolution_um * (1.0 + SPARE)
-    places = len(np.unique(touches.position_mm[known]))
-    if not is_encoder and places > known.sum() / 2.0:
+    places_mm, off_um = touches.position_mm[known], touches.deviation_um[known]
+    is_finer = np.ptp(places_mm) < np.ptp(off_um)
+    if not is_encoder and is_finer and len(np.unique(places_mm)) > known.sum() / 2.0:
         what = "deviation_um comes back to the digit, and position_mm scatters: swapped columns?"
         yield Oddity(what)
 

@@ -8,7 +8,6 @@
 
 #define OFF_GRID 1e-3 /* share of values that may lie off a coarse grid */
 #define MOSTLY   0.5  /* share from which on values that keep no grid say that there is none */
-#define KNOWN_TO 2.0  /* believed ticks to which lines of a foreign clock are known: rounded so */
 #define FAR_OFF  0.01 /* of the mean density of a law, beyond which a value is none of it */
 
 /* Values, and the lines that they may lie on. */
@@ -16,7 +15,8 @@ typedef struct {
     const double *values; /* of all touches; NaN if not known */
     sim_number_t  line;   /* where one of them is; 0 for all where the believed grid has it, too */
     double        coarse; /* distance of the lines */
-    double        fine;   /* what values are rounded to, to the nearest or down */
+    double        fine;   /* what values are rounded to */
+    bool          is_down; /* they are rounded down; else perhaps to the nearest */
     double        gridless; /* what speaks against each if they say that they keep no lines */
 } lines_t;
 
@@ -76,7 +76,7 @@ static kept_t count_kept(const lines_t *lines, const sim_member_t *member)
 static void weigh_by_lines(const lines_t *lines, const sim_member_t *member, double *bonus)
 {
     kept_t   kept = count_kept(lines, member);
-    bool     to_nearest = kept.nearest >= kept.down;
+    bool     to_nearest = !lines->is_down && kept.nearest >= kept.down;
     uint64_t on = to_nearest ? kept.nearest : kept.down;
     double   anywhere = OFF_GRID;
     if (kept.is_told) {
@@ -103,7 +103,8 @@ static void weigh_by_ticks(const sim_touches_t *of, const sim_member_t *member, 
         .values = of->latch_us,
         .line = {.all = change->tick_line_us},
         .coarse = change->coarse_us,
-        .fine = is_foreign ? KNOWN_TO * of->tick_us : of->tick_us,
+        .fine = of->tick_us,
+        .is_down = is_foreign, /* half a tick either way is in where its ticks are */
         .gridless = log(OFF_GRID), /* a clock has one grid: these were not rounded to it */
     };
     bool is_seen = !is_foreign || change->coarse_us >= (double)SIM_LINES_APART * of->tick_us;

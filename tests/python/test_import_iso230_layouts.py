@@ -1,0 +1,118 @@
+"""``skiplatch import iso230``: runs in columns, runs in rows, or a touch a line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refusals import Program
+from skiplatch.campaign import Touches
+from skiplatch.importing.iso230_layout import columns_of_list
+from test_import_logs import Run
+
+WIDE = "mm,1 up [µm],1 down [µm],2 up [µm],2 down [µm]\n0,0.1,-3,0.2,-3.1\n100,2,-1,2.1,-1.2\n"
+IN_ROWS = (
+    "Machine,M7\n"
+    "Position [mm],0,100\n"
+    "1 up [µm],0.1,2\n"
+    "1 down [µm],-3,-1\n"
+    "2 up [µm],0.2,2.1\n"
+    "2 down [µm],-3.1,-1.2\n"
+    "Mean up [µm],0.15,2.05\n"
+)
+UNIT_IN_CORNER = "Error [µm];0;100\n1 ↑;0,1;2\n1 ↓;-3;-1\n2 ↑;0,2;2,1\n2 ↓;-3,1;-1,2\n"
+LIST = (
+    "Run,Target [mm],Direction,Deviation [µm],Air\n"
+    "1,0,+,0.1,20\n1,100,+,2,20\n1,100,-,-1,20\n1,0,-,-3,20\n"
+    "2,0,+,0.2,20\n2,100,+,2.1,20\n2,100,-,-1.2,20\n2,0,-,-3.1,20\n"
+)
+WITHOUT_RUNS = (
+    "Soll [mm];Richtung;Ist [mm]\n0;hin;0,0001\n100;hin;100,002\n100;zurück;99,999\n"
+    "0;zurück;-0,003\n0;hin;0,0002\n100;hin;100,0021\n100;zurück;99,9988\n0;zurück;-0,0031\n"
+)
+
+
+def read(folder: Path, text: str) -> Run:
+    """Import a table."""
+    folder.mkdir()
+    (folder / "x.csv").write_text(text)
+    return Run(folder, "iso230", str(folder / "x.csv"), "--axis", "X")
+
+
+def told(touches: Touches) -> np.ndarray:
+    """Give what touches are told by."""
+    return np.column_stack([touches.position_mm, touches.sign, touches.deviation_um])
+
+
+@pytest.mark.parametrize("text", [IN_ROWS, UNIT_IN_CORNER, LIST, WITHOUT_RUNS])
+def test_layouts_of_the_same_runs_make_the_same_campaign(tmp_path: Path, text: str) -> None:
+    wide, other = read(tmp_path / "wide", WIDE), read(tmp_path / "other", text)
+
+    digit_um = 1e-3  # to which the zero of the instrument is told
+    found, expected = told(other.campaign.touches), told(wide.campaign.touches)
+    assert found == pytest.approx(expected, abs=1.01 * digit_um)
+
+
+def test_means_among_runs_in_rows_are_left_out(tmp_path: Path) -> None:
+    said = read(tmp_path / "rows", IN_ROWS).said
+
+    assert "columns that are no runs: Mean up [µm]" in said["could_not_be_read"]
+    assert "runs are in rows, positions in the head" in said["assumed"]
+
+
+def test_list_keeps_the_order_of_its_touches(tmp_path: Path) -> None:
+    lines = LIST.splitlines()
+    turned = "\n".join([lines[0], *lines[:0:-1]]) + "\n"
+
+    touches = read(tmp_path / "list", turned).campaign.touches
+
+    assert touches.position_mm.tolist() == [0.0, 100.0, 100.0, 0.0] * 2
+    assert touches.sign.tolist() == [-1.0, -1.0, 1.0, 1.0] * 2
+
+
+def test_list_says_what_it_does_not_need(tmp_path: Path) -> None:
+    said = read(tmp_path / "list", LIST).said
+
+    assert "columns that are not needed: Air" in said["could_not_be_read"]
+    assert "a touch in each line, in the order in which they were made" in said["known"]
+
+
+def test_touch_that_is_missing_from_a_list_is_none(tmp_path: Path) -> None:
+    text = "".join(line for line in LIST.splitlines(keepends=True) if not line.startswith("2,0,-"))
+
+    assert len(read(tmp_path / "list", text).campaign.touches) == 7
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (LIST.replace("1,100,-", "1,100,both"), 'x.csv:4: expected a sense of motion, got "both"'),
+        (LIST.replace("2,0,+", "1,0,+"), "x.csv:6: run 1 meets 0 in this sense twice"),
+        (LIST.replace("2,0,+", "2,here,+"), 'x.csv:6: Target [mm]: expected a number, got "here"'),
+        (WITHOUT_RUNS.replace("-0,003\n", "here\n"), "x.csv:5: Ist [mm]: expected a number"),
+        (LIST.replace("0.2,20", "word,20"), 'x.csv:6: run 2 + [µm]: expected a number, got "word"'),
+        (IN_ROWS.replace("-3.1,-1.2", "-3.1"), "x.csv:6: expected 3 cells, got 2"),
+        (IN_ROWS.replace("-3.1", "word"), 'x.csv:6: 2 down [µm]: expected a number, got "word"'),
+        ("Target,Direction,Deviation\n", "expected positions in the first column and a run"),
+    ],
+)
+def test_wrong_cell_is_refused_with_its_line(
+    tmp_path: Path, refused: Program, text: str, message: str
+) -> None:
+    (tmp_path / "x.csv").write_text(text)
+
+    assert message in refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
+
+
+@pytest.mark.parametrize(
+    ("heads", "kinds"),
+    [
+        (["Position", "Sense", "Position error"], {"position", "sense", "deviation"}),
+        (["Zyklus", "Soll", "Richtung", "Abweichung"], {"run", "position", "sense", "deviation"}),
+        (["Position", "Run 1 forward", "Run 1 reverse"], set()),
+        (["Target", "Direction + dev", "Direction - dev"], set()),
+        (["Position", "Run", "Deviation"], set()),
+    ],
+)
+def test_list_is_told_by_its_heads(heads: list[str], kinds: set[str]) -> None:
+    assert set(columns_of_list(heads)) == kinds
