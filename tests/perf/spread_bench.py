@@ -6,9 +6,9 @@ byte for byte. `make bench` does a size that takes minutes. What the goal asks f
 
   python tests/perf/spread_bench.py --killed 1000 --kill-every-s 30 --killed-touches 16
 
-``--figures docs/spread.json`` writes what docs/FLEET.md shows; with ``--only-killed``, of the
-workers that are killed alone. Two sizes with as many touches part what a start costs from what each
-campaign does: ``--size 4x16 --size 28x16``.
+``--figures docs/spread.json`` writes what docs/FLEET.md shows; with ``--only killed``, or another
+kind of figures, of that alone. What each campaign costs beside its diagnosis is measured with the
+answer ready: the difference of two diagnoses that take seconds would not tell it.
 """
 
 import argparse
@@ -17,23 +17,28 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
+from operator import getitem
 from pathlib import Path
 from statistics import median
 from typing import Any
 
 from diagnosis_bench import SKIPLATCH
 from fleet_bench import record
-from spread_figures import FIGURES, Campaigns, Empty, Figures, Killed
+from spread_figures import FIGURES, Campaigns, Empty, Figures, Handed, Killed
 
+from skiplatch.commands.diagnose_many import tell
+from skiplatch.commands.examining import Asked
+from skiplatch.commands.kept import Kept, key_of
 from skiplatch.commands.options import json_text
-from skiplatch.executors import client_of
-from skiplatch.files import atomic_write_text, read_json
-from skiplatch.workers import Workers, finished, opened
+from skiplatch.executors import client_of, software
+from skiplatch.files import atomic_write_text
+from skiplatch.stand_ins import read_playable
+from skiplatch.workers import Failed, Workers, finished, opened
 
 EMPTY = (1_000, 10_000)
 SIZE = 4, 400
@@ -41,7 +46,10 @@ SIZE = 4, 400
 ROUNDS = 3
 KILLED, KILLED_TOUCHES, KILL_EVERY_S = 24, 60, 10.0
 """A task that dies three times is given up: most have to end between two kills of their worker."""
+HANDED, HANDED_TOUCHES = 200, 400
 WORKERS = (1, 2)
+KINDS = ("beside", "handed", "killed", "empty")
+"""Of figures."""
 FEWEST = 2
 """Campaigns, for an answer of one is no list."""
 PLAIN_LOOP = Path(__file__).with_name("plain_loop.py")
@@ -167,14 +175,41 @@ def kill_workers(process: "subprocess.Popen[bytes]", every_s: float, since: Path
     return kills
 
 
+def workers_here() -> dict[str, Workers]:
+    """Name two workers each of the kinds there are."""
+    workers = max(WORKERS)
+    found = {"processes": Workers(jobs=workers)}
+    if find_spec("distributed") is not None:
+        found["cluster"] = Workers(cluster=f"local:{workers}")
+    return found
+
+
+def bench_handed(folder: Path) -> list[Handed]:
+    """Time all that is done for a campaign beside its diagnosis: it goes there with its answer."""
+    paths = recorded(folder, HANDED, HANDED_TOUCHES)
+    campaigns, asked = [read_playable(path) for path in paths], Asked(seed=1)
+    told = tell(campaigns[0], asked)
+    found = []
+    for name, place in workers_here().items():
+        kept = Kept(folder / f"{name}.part")
+        with opened(place) as executor:
+            list(finished(executor, abs, [(0,)] * max(WORKERS)))
+            begin = time.perf_counter()
+            keys = [key_of(path, asked, software()) for path in paths]
+            tasks = [((campaign, told), 1) for campaign in campaigns]
+            for number, answer in finished(executor, getitem, tasks):
+                if isinstance(answer, Failed):
+                    raise SystemExit(f"spread_bench: {name}: {answer.why}")
+                kept.put(keys[number], {"text": answer.text, "document": answer.document})
+            each_ms = 1e3 * (time.perf_counter() - begin) / HANDED
+        found.append(Handed(name, HANDED, HANDED_TOUCHES, each_ms))
+    return found
+
+
 def bench_empty() -> list[Empty]:
     """Time tasks that do nothing; of the cluster, client and scheduler are of this process."""
     found = []
-    workers = max(WORKERS)
-    kinds = {"processes": Workers(jobs=workers), "cluster": Workers(cluster=f"local:{workers}")}
-    if find_spec("distributed") is None:
-        del kinds["cluster"]
-    for name, place in kinds.items():
+    for name, place in workers_here().items():
         with opened(place) as executor:
             list(finished(executor, abs, [(0,)]))
             for count in EMPTY:
@@ -213,11 +248,17 @@ def _size(text: str) -> tuple[int, int]:
     return campaigns, touches
 
 
+def measure_handed() -> list[Handed]:
+    """Measure what a campaign costs beside its diagnosis."""
+    with tempfile.TemporaryDirectory() as folder:
+        return bench_handed(Path(folder))
+
+
 def bench_spread() -> None:
     """Run everything in the size of `make bench`."""
     beside = measure_beside([SIZE])
     killed = measure_killed(KILLED, KILLED_TOUCHES, KILL_EVERY_S)
-    print(Figures(beside, killed, bench_empty()).as_text())
+    print(Figures(beside, killed, bench_empty(), measure_handed()).as_text())
 
 
 def main() -> None:
@@ -232,29 +273,32 @@ def main() -> None:
         metavar="CAMPAIGNSxTOUCHES",
         help=f"campaigns for each worker, at least {FEWEST}; may be given several times",
     )
-    parser.add_argument(
-        "--killed",
-        type=int,
-        default=KILLED,
-        help="campaigns while workers die; 0 leaves the figures of these as they are",
-    )
+    parser.add_argument("--killed", type=int, default=KILLED, help="campaigns while workers die")
     parser.add_argument("--killed-touches", type=int, default=KILLED_TOUCHES, help="of each")
     parser.add_argument("--kill-every-s", type=float, default=KILL_EVERY_S)
-    parser.add_argument("--only-killed", action="store_true", help="leave the other figures")
+    parser.add_argument(
+        "--only", choices=KINDS, action="append", help="leave the other figures as they are"
+    )
     parser.add_argument("--figures", type=Path, help="write what docs/FLEET.md shows")
     given = parser.parse_args()
-    if (given.killed and given.killed < FEWEST) or given.kill_every_s <= 0.0:
+    if given.killed < FEWEST or given.kill_every_s <= 0.0:
         parser.error(f"expected at least {FEWEST} campaigns each, and a time above 0")
-    killed, beside, empty = None, list[Campaigns](), list[Empty]()
-    if given.killed:
-        killed = measure_killed(given.killed, given.killed_touches, given.kill_every_s)
-    if not given.only_killed:
-        beside, empty = measure_beside(given.size or [SIZE]), bench_empty()
-    print(Figures(beside, killed, empty).as_text())
+    measures: dict[str, Callable[[], Any]] = {
+        "beside": lambda: measure_beside(given.size or [SIZE]),
+        "killed": lambda: measure_killed(given.killed, given.killed_touches, given.kill_every_s),
+        "empty": bench_empty,
+        "handed": measure_handed,
+    }
+    found = {kind: measures[kind]() for kind in given.only or KINDS}
+    measured = Figures(
+        found.get("beside", []),
+        found.get("killed"),
+        found.get("empty", []),
+        found.get("handed", []),
+    )
+    print(measured.as_text())
     if given.figures:
-        before = Figures.read(read_json(FIGURES)) if FIGURES.exists() else Figures([], None, [])
-        kept = beside or before.campaigns, killed or before.killed, empty or before.empty
-        atomic_write_text(given.figures, Figures(*kept).as_json())
+        atomic_write_text(given.figures, measured.or_before(FIGURES).as_json())
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """The tables of what spreading costs, in docs/FLEET.md, are what their figures make of them."""
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 import spread_figures
-from spread_figures import Campaigns, Empty, Figures, Killed
+from spread_figures import Campaigns, Empty, Figures, Handed, Killed
 
 from skiplatch.places import ROOT
 
@@ -14,6 +15,7 @@ MADE_UP = Figures(
     [Campaigns("processes", 2, 8, 400, plain_s=16.0, share=0.97, more_s=0.08)],
     Killed(24, 60, 5.0, kills=7, slower=2.0, is_same=True),
     [Empty("cluster", 1_000, 3.0, 2.0), Empty("cluster", 10_000, 3.0, 10.0)],
+    [Handed("cluster", 200, 400, 12.34)],
 )
 
 
@@ -50,6 +52,7 @@ def test_the_figures_hold_both_places_one_and_two_workers_and_what_was_killed(
     assert {(row.place, row.tasks) for row in figures.empty} == {
         (place, tasks) for place in both for tasks in (1_000, 10_000)
     }
+    assert {row.place for row in figures.handed} == both
     assert figures.killed is not None
     assert figures.killed.kills > 0
     assert figures.killed.is_same
@@ -61,33 +64,34 @@ def test_more_a_campaign_is_what_its_worker_takes_more() -> None:
     assert "8 campaigns of 400 touches, processes, 2 workers\n  plain loops          30.0" in text
     assert "of plain loops       0.97" in text
     assert "more a campaign       +20 ms, with the start" in text
-    assert "aim: at most 50 ms" not in text  # one size does not tell the start from the rest
 
 
-def test_two_sizes_tell_the_start_from_what_each_campaign_costs() -> None:
-    """Half a second at first, and 30 ms for each of a worker's 4 or 24 campaigns."""
-    few = Campaigns("processes", 2, 8, 16, plain_s=4.0, share=0.9, more_s=0.62)
-    many = Campaigns("processes", 2, 48, 16, plain_s=24.0, share=0.95, more_s=1.22)
-    figures = Figures([few, *MADE_UP.campaigns, many], None, [])
+def test_what_is_done_beside_a_diagnosis_is_told() -> None:
+    text, page = MADE_UP.as_text(), spread_figures.tables(written(MADE_UP))
 
-    (cost,) = spread_figures.costs(figures.campaigns)
+    assert "200 campaigns of 400 touches handed to cluster\n  each                 12.3 ms" in text
+    assert "| `--cluster local:2` | 200 of 400 touches | 12 ms |" in page
 
-    assert (cost.place, cost.workers) == ("processes", 2)
-    assert cost.start_s == pytest.approx(0.5)
-    assert cost.each_ms == pytest.approx(30.0)
-    assert "each campaign         +30 ms   aim: at most 50 ms" in figures.as_text()
-    assert "| `--jobs 2` | +0.5 s | +30 ms |" in spread_figures.tables(written(figures))
+
+def test_what_is_not_measured_anew_stays(tmp_path: Path) -> None:
+    (tmp_path / "before.json").write_text(MADE_UP.as_json())
+    again = Figures([], None, [], [Handed("processes", 200, 400, 3.0)])
+
+    kept = again.or_before(tmp_path / "before.json")
+
+    assert kept == Figures(MADE_UP.campaigns, MADE_UP.killed, MADE_UP.empty, again.handed)
+    assert again.or_before(tmp_path / "none.json") is again
 
 
 def test_what_was_not_measured_is_not_told() -> None:
-    text = Figures([], MADE_UP.killed, []).as_text()
+    text = Figures([], MADE_UP.killed, [], []).as_text()
 
     assert text.startswith("24 campaigns of 60 touches, a worker killed every 5 s")
     assert "empty tasks" not in text
 
 
 def test_other_bytes_are_told() -> None:
-    same, other = MADE_UP, Figures([], Killed(24, 60, 5.0, 7, 2.0, is_same=False), [])
+    same, other = MADE_UP, Figures([], Killed(24, 60, 5.0, 7, 2.0, is_same=False), [], [])
 
     assert "7 in all: the same bytes" in same.as_text()
     assert "7 in all: OTHER BYTES" in other.as_text()
