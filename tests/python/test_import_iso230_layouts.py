@@ -8,24 +8,12 @@ import pytest
 from refusals import Program
 from skiplatch.campaign import Touches
 from skiplatch.importing.iso230_layout import columns_of_list
-from test_import_logs import Run
+from test_import_logs import Run, log
 
 WIDE = "mm,1 up [µm],1 down [µm],2 up [µm],2 down [µm]\n0,0.1,-3,0.2,-3.1\n100,2,-1,2.1,-1.2\n"
-IN_ROWS = (
-    "Machine,M7\n"
-    "Position [mm],0,100\n"
-    "1 up [µm],0.1,2\n"
-    "1 down [µm],-3,-1\n"
-    "2 up [µm],0.2,2.1\n"
-    "2 down [µm],-3.1,-1.2\n"
-    "Mean up [µm],0.15,2.05\n"
-)
+IN_ROWS = Path(log("iso230_rows.csv")).read_text(encoding="utf-8")
 UNIT_IN_CORNER = "Error [µm];0;100\n1 ↑;0,1;2\n1 ↓;-3;-1\n2 ↑;0,2;2,1\n2 ↓;-3,1;-1,2\n"
-LIST = (
-    "Run,Target [mm],Direction,Deviation [µm],Air\n"
-    "1,0,+,0.1,20\n1,100,+,2,20\n1,100,-,-1,20\n1,0,-,-3,20\n"
-    "2,0,+,0.2,20\n2,100,+,2.1,20\n2,100,-,-1.2,20\n2,0,-,-3.1,20\n"
-)
+LIST = Path(log("iso230_list.csv")).read_text(encoding="utf-8")
 WITHOUT_RUNS = (
     "Soll [mm];Richtung;Ist [mm]\n0;hin;0,0001\n100;hin;100,002\n100;zurück;99,999\n"
     "0;zurück;-0,003\n0;hin;0,0002\n100;hin;100,0021\n100;zurück;99,9988\n0;zurück;-0,0031\n"

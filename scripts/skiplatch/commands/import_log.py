@@ -262,7 +262,10 @@ def iso230(
     out: Path,
     json_path: Path | None,
 ) -> None:
-    """Read a TABLE of positions × runs × senses, as ISO 230-2 has it."""
+    """Read a TABLE of positions × runs × senses, as ISO 230-2 has it.
+
+    Runs stand in columns or in rows, or each touch in a line with its position and sense.
+    """
     from skiplatch.importing.iso230 import read_iso230  # noqa: PLC0415
 
     found = read_iso230(table, (axis or "X").upper(), in_mm=unit == "mm", feed=feed)
