@@ -181,7 +181,8 @@ def _of(
     if np.ptp(touches.sign) > 0.0:  # NaN, where a sense is not known, is not
         lines["axis"] = (order - order.mean()) * touches.sign
     first = first_off(y, dummies, lines, is_first, grid)
-    is_off = is_shown(first) and first is not None and abs(first.value) > grid.finest(y)
+    freedom = int((~is_first).sum()) - dummies.shape[1]
+    is_off = first is not None and is_shown(first, freedom) and abs(first.value) > grid.finest(y)
     rows = ~is_first if is_off else np.ones(len(y), dtype=bool)
     found = settle(y, dummies, lines, rows, ~is_first, grid)
     regular, fit = found.regular, found.fit

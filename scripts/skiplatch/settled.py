@@ -1,9 +1,9 @@
 """What touches show for certain: lines, first touches that are off, and outliers.
 
 A line is taken out only where touches show it, else it stays in the scatter. What is told is told
-at a level: an interval of 95 % for a line and for first touches; of an outlier a test at 1 % for
-all touches, which the choice of lines and touches raises, to less than 5 %. Nothing below a step of
-the readings is told.
+at a level of 1 %: of each line and of first touches, several of which are looked at in any log; of
+an outlier for all touches, which the choice of lines and touches raises, to less than 5 %. Nothing
+below a step of the readings is told.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.statistics import Interval
+from skiplatch.statistics import CONFIDENCE, Interval
 from skiplatch.surface_fit import (
     NOTHING,
     OUTLYING_SIGMAS,
@@ -25,6 +25,8 @@ from skiplatch.surface_fit import (
 
 CONDITION = "speed"
 """The line in the feed, which readings differ by as they do by their surface."""
+TOLD_BY_CHANCE = 0.01
+"""Chance with which a figure that is 0 is told; its interval, of 95 %, leaves 0 out more often."""
 OUTLIER_BY_CHANCE = 0.01
 """Chance with which any touch of a campaign is called an outlier, by a fit chosen beforehand."""
 FEWEST_SAME = 20
@@ -55,9 +57,16 @@ class Settled:
     intervals: dict[str, Interval]
 
 
-def is_shown(figure: Interval | None) -> bool:
-    """Tell whether an interval says that a figure is not 0."""
-    return figure is not None and (figure.low > 0.0 or figure.high < 0.0)
+def is_shown(figure: Interval | None, freedom: int) -> bool:
+    """Tell whether a figure is not 0, by an interval about it of so many degrees of freedom."""
+    if figure is None or figure.low <= 0.0 <= figure.high:
+        return False
+    near = figure.low if figure.low > 0.0 else figure.high
+    told, usual = (
+        float(stats.t.isf(chance / 2.0, max(freedom, 1)))
+        for chance in (TOLD_BY_CHANCE, 1.0 - CONFIDENCE)
+    )
+    return abs(figure.value - near) * told < abs(figure.value) * usual
 
 
 def fit_shown(
@@ -80,7 +89,8 @@ def fit_shown(
         weak = {
             name: abs(each.value) / max(each.high - each.low, NOTHING)
             for name, each in found.items()
-            if not is_shown(each) or abs(each.value) * np.ptp(kept[name][rows]) <= least
+            if not is_shown(each, fit.freedom)
+            or abs(each.value) * np.ptp(kept[name][rows]) <= least
         }
         if not weak:
             return Settled(fit, rows, found | dropped)
@@ -167,7 +177,7 @@ def first_off(
         found.append(_first(fit, is_first))
     if all(each.low > 0.0 for each in found) or all(each.high < 0.0 for each in found):
         return found[0] if "order" in kept else found[1]
-    if all(map(is_shown, found)):  # to either side
+    if not any(each.low <= 0.0 <= each.high for each in found):  # to either side
         low, high = min(each.low for each in found), max(each.high for each in found)
         return Interval(found[0].value, low, high)
     return min(found, key=lambda each: abs(each.value) / max(each.high - each.low, NOTHING))

@@ -8,6 +8,7 @@ import pytest
 
 from played_campaigns import MACHINE, played, thinned
 from skiplatch.campaign import Axis, Campaign, Touches, read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.scene.scene import Scene
@@ -187,6 +188,27 @@ def test_units_of_rotary_axes_are_said() -> None:
     said = [notes(scene, Verdict.NO_GAP, [], []) for scene in (rotary, linear)]
 
     assert ["3.6″" in " ".join(lines) for lines in said] == [True, False]
+
+
+@pytest.mark.parametrize(
+    ("free", "u_um", "is_said"),
+    [("session", None, True), ("axis", None, False), ("session", 1.0, False)],
+)
+def test_surfaces_met_in_one_sense_each_show_no_backlash(
+    free: str, u_um: float | None, is_said: bool
+) -> None:
+    campaign = played(MACHINE)
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom(free), u_um))
+    touches = Touches.from_columns(
+        touch=np.arange(40),
+        axis=np.full(40, Axis.X),
+        sign=np.tile([1.0, -1.0], 20),
+        session=np.tile(["one wall", "the other"], 20),
+    )
+
+    said = notes(Scene(nominal, touches), Verdict.NO_GAP, [], [])
+
+    assert any("a backlash looks like where they lie" in line for line in said) == is_said
 
 
 @pytest.mark.parametrize(("off_um", "series_said"), [(25.0, 200), (0.0, 0)])

@@ -11,6 +11,8 @@ from skiplatch.bench.plan import read_plan
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge
 from skiplatch.bench.recording import Played, VirtualAxis, as_touches
 from skiplatch.campaign import InputPath
+from skiplatch.errors import CampaignWarning
+from skiplatch.importing.can_frames import read_can
 from test_bench_plan import PLANS
 from test_import_logs import Run
 
@@ -62,3 +64,15 @@ def test_a_latch_just_before_an_edge_is_of_that_edge_alone(tmp_path: Path) -> No
     touches = run.campaign.touches
     assert touches.missed.tolist() == [True, False]
     assert touches.latch_us[1] - touches.edge_us[1] == pytest.approx(-1.0)
+
+
+def test_log_that_was_cut_is_read_up_to_there(tmp_path: Path) -> None:
+    edges_ns = [5_000_000_000 + i * 500_000_000 for i in range(3)]
+    path = Path(bus_log(tmp_path, edges_ns, [time + 40_000 for time in edges_ns]))
+    path.write_text(path.read_text() + "(1.000000) can0 1\n")
+
+    with pytest.warns(CampaignWarning, match="nothing was read after the 12 frames before it"):
+        found = read_can(path)
+
+    assert found.columns is not None
+    assert len(found.columns) == 3

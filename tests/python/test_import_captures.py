@@ -222,3 +222,33 @@ def test_time_of_a_vcd_that_cannot_be_is_refused(
     said = refused("import", "edges", tmp_path / "c.vcd", "-o", tmp_path / "x")
 
     assert f"c.vcd{told}" in said
+
+
+def inverted(path: Path) -> str:
+    """Contacts at falling edges, latches 40 µs later, release after 3 ms."""
+    rows = ["Time [s],0,1", "0.0,1,0"]
+    for i in range(1, 21):
+        begin = 0.1 * i
+        rows += [f"{begin:.7f},0,0", f"{begin + 40e-6:.7f},0,1"]
+        rows += [f"{begin + 3e-3:.7f},1,1", f"{begin + 6e-3:.7f},1,0"]
+    path.write_text("\n".join(rows) + "\n")
+    return str(path)
+
+
+def test_probe_that_idles_high_is_pointed_out(tmp_path: Path) -> None:
+    path = inverted(tmp_path / "c.csv")
+    folders = [tmp_path / "plain", tmp_path / "falling"]
+    for folder in folders:
+        folder.mkdir()
+
+    plain, falling = (
+        Run(folder, "edges", path, "--probe", "0", "--latch", "1", *words)
+        for folder, words in zip(folders, ([], ["--falling"]), strict=True)
+    )
+
+    hint = "if it idles high, import edges with --falling"
+    assert [any(hint in line for line in run.said["assumed"]) for run in (plain, falling)] == [
+        True,
+        False,
+    ]
+    assert waits_us(falling) == pytest.approx([40.0] * 20)

@@ -201,3 +201,60 @@ def test_list_of_a_rotary_axis_is_told_without_its_program(tmp_path: Path) -> No
 
     assert set(run.campaign.touches.axis.tolist()) == {Axis.A}
     assert "axis A, whose coordinates look touched; else give --axis" in run.text
+
+
+def test_alarm_that_names_homing_homes_nothing(tmp_path: Path) -> None:
+    """After a probe that met nothing grbl still knows where it is."""
+    locked = "ALARM:5\n[MSG:'$H'|'$X' to unlock]\n>>> $X\n[MSG:Caution: Unlocked]\nok\n"
+    (tmp_path / "p.log").write_text(two_feeds(3) + UGS_FAILED + locked + two_feeds(3))
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "p.log"))
+
+    assert "12 touches of one surface" in run.said["known"]
+    assert len(np.unique(run.campaign.touches.session)) == 1
+
+
+@pytest.mark.parametrize("start", ["$H", "Grbl 1.1h ['$' for help]", "GrblHAL 1.1f ['$' for help]"])
+def test_what_homes_or_starts_begins_a_session(tmp_path: Path, start: str) -> None:
+    (tmp_path / "p.log").write_text(f"{two_feeds(3)}{start}\nok\n{two_feeds(3)}")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "p.log"))
+
+    assert len(np.unique(run.campaign.touches.session)) == 2
+
+
+@pytest.mark.parametrize("stamp", ["Apr 02 20:11:{:02}", "Thu, Apr  2, 2026, 20:11:{:02}"])
+def test_stamps_of_syslog_are_times(tmp_path: Path, stamp: str) -> None:
+    lines = two_feeds(2).splitlines()
+    text = "".join(f"{stamp.format(i)} {line}\n" for i, line in enumerate(lines))
+    (tmp_path / "p.log").write_text(text)
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "p.log"))
+
+    assert np.diff(run.campaign.touches.time_s).tolist() == [7.0] * 3
+
+
+SCAN = "G21 G90\n(PROBEOPEN p.txt)\no1 repeat [{n}]\nG0 X0\nG38.3 X10 F80\no1 endrepeat\nM2\n"
+
+
+def test_probing_move_of_linuxcnc_that_met_nothing_is_missed(tmp_path: Path) -> None:
+    places = [7.2476, 10.0, 7.2513, 10.00003, 7.2454]
+    (tmp_path / "p.ngc").write_text(SCAN.format(n=len(places)))
+    (tmp_path / "p.txt").write_text("".join(f"{x:.6f} 0 0 0 0 0 0 0 0\n" for x in places))
+
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))
+
+    assert run.campaign.touches.missed.tolist() == [False, True, False, True, False]
+    assert "missed touches, as the move ended at its target: 2" in run.said["known"]
+    assert "3 touches of one surface" in run.said["known"]
+
+
+def test_miss_of_linuxcnc_is_told_where_repeats_are_left_out(tmp_path: Path) -> None:
+    """Of five moves to one target four wrote a line."""
+    (tmp_path / "p.ngc").write_text(SCAN.format(n=5))
+    places = [7.2476, 7.2513, 10.0, 7.2454]
+    (tmp_path / "p.txt").write_text("".join(f"{x:.6f} 0 0 0 0 0 0 0 0\n" for x in places))
+
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))
+
+    assert run.campaign.touches.missed.tolist() == [False, False, True, False]

@@ -7,7 +7,7 @@ import pytest
 
 from refusals import Program
 from skiplatch.campaign import Touches
-from skiplatch.importing.iso230_layout import columns_of_list
+from skiplatch.importing.iso230_list import columns_of_list
 from test_import_logs import Run, log
 
 WIDE = "mm,1 up [µm],1 down [µm],2 up [µm],2 down [µm]\n0,0.1,-3,0.2,-3.1\n100,2,-1,2.1,-1.2\n"
@@ -104,3 +104,96 @@ def test_wrong_cell_is_refused_with_its_line(
 )
 def test_list_is_told_by_its_heads(heads: list[str], kinds: set[str]) -> None:
     assert set(columns_of_list(heads)) == kinds
+
+
+FORM = (
+    "Test report\n"
+    "i,1,,2,\n"
+    "Target position Pi (mm),0,,100,\n"
+    "Approach direction,↑,↓,↑,↓\n"
+    "j = 1,0.1,-3,2,-1\n"
+    "j = 2,0.2,-3.1,2.1,-1.2\n"
+    "Mean deviation,0.15,-3.05,2.05,-1.1\n"
+)
+MERGED = "Target;Forward;;Backward;\nmm;1;2;1;2\n0;0,1;0,2;-3;-3,1\n100;2;2,1;-1;-1,2\n"
+NUMBERED = (
+    WIDE.replace("mm,", "No.,Position [mm],")
+    .replace("\n0,", "\n1,0,")
+    .replace("\n100,", "\n2,100,")
+)
+IN_MM = (
+    "X axis; all values in mm\n\nPosition;1 up;1 down;2 up;2 down\n"
+    "0;0.0001;-0.003;0.0002;-0.0031\n100;0.002;-0.001;0.0021;-0.0012\n"
+)
+MEASURED = (
+    "Target [mm],1 up,1 down,2 up,2 down\n"
+    "0,0.0001,-0.003,0.0002,-0.0031\n100,100.002,99.999,100.0021,99.9988\n"
+)
+CORNER_IN_MM = (
+    "Error [mm],0,100\n1 up,0.0001,0.002\n1 down,-0.003,-0.001\n"
+    "2 up,0.0002,0.0021\n2 down,-0.0031,-0.0012\n"
+)
+
+
+@pytest.mark.parametrize("text", [FORM, MERGED, NUMBERED, IN_MM, MEASURED, CORNER_IN_MM])
+def test_forms_of_protocols_make_the_same_campaign(tmp_path: Path, text: str) -> None:
+    wide, other = read(tmp_path / "wide", WIDE), read(tmp_path / "other", text)
+
+    digit_um = 1e-3
+    found, expected = (
+        np.array(sorted(told(run.campaign.touches).tolist())) for run in (other, wide)
+    )
+    assert found == pytest.approx(expected, abs=1.01 * digit_um)
+
+
+def test_lines_of_a_form_that_are_no_runs_are_named(tmp_path: Path) -> None:
+    said = read(tmp_path / "form", FORM).said
+
+    assert "lines that are no runs: Mean deviation" in said["could_not_be_read"]
+
+
+def test_positions_in_place_of_deviations_are_told(tmp_path: Path) -> None:
+    said = read(tmp_path / "measured", MEASURED).said
+
+    assert "positions in place of deviations: the targets were taken off" in said["known"]
+
+
+@pytest.mark.parametrize(
+    ("heads", "values", "words"),
+    [
+        ("Position (deg),1 cw (deg),1 ccw (deg)", ("0.001", "0.002"), []),
+        ("Position (deg),1 +,1 -", ("3.6", "7.2"), []),
+        ("Position [°],1 + [″],1 - [″]", ("3.6", "7.2"), []),
+        ("Position,1 +,1 -", ("0.001", "0.002"), ["--unit", "deg"]),
+    ],
+)
+def test_deviations_of_a_rotary_axis_are_angles(
+    tmp_path: Path, heads: str, values: tuple[str, str], words: list[str]
+) -> None:
+    (tmp_path / "c.csv").write_text(f"{heads}\n0,{values[0]},{values[1]}\n90,0,0\n")
+
+    touches = Run(
+        tmp_path, "iso230", str(tmp_path / "c.csv"), "--axis", "C", *words
+    ).campaign.touches
+
+    level = touches.deviation_arcsec[touches.position_deg == 0.0]
+    assert np.ptp(level * touches.sign[touches.position_deg == 0.0]) == pytest.approx(3.6)
+    assert sorted(touches.sign.tolist()) == [-1.0, -1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("axis", "unit", "heads", "message"),
+    [
+        ("X", "deg", "mm,1+,1-", "--unit deg: expected one of µm, um, mm"),
+        ("C", "mm", "deg,1+,1-", "--unit mm: expected one of arcsec"),
+        ("C", "deg", "deg,1+ [arcsec],1- [arcsec]", "the heads of the runs say arcsec"),
+        ("C", "deg", "mm,1+,1-", 'expected positions, got a column in mm: "mm"'),
+    ],
+)
+def test_units_of_another_kind_of_axis_are_refused(
+    tmp_path: Path, refused: Program, axis: str, unit: str, heads: str, message: str
+) -> None:
+    (tmp_path / "x.csv").write_text(f"{heads}\n0,0,-3\n100,2,-1\n")
+
+    words = ("--axis", axis, "--unit", unit, "-o", tmp_path / "made")
+    assert message in refused("import", "iso230", tmp_path / "x.csv", *words)

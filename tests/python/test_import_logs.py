@@ -505,7 +505,10 @@ def test_last_digit_of_a_table_is_its_resolution(words: tuple[str, ...], tmp_pat
 
 
 def test_rotary_table_is_in_degrees(tmp_path: Path) -> None:
-    run = Run(tmp_path, "iso230", log("iso230_x.csv"), "--axis", "B")
+    text = Path(log("iso230_x.csv")).read_text(encoding="utf-8")
+    (tmp_path / "b.csv").write_text(text.replace("mm", "deg", 1))
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "b.csv"), "--axis", "B")
 
     assert run.campaign.touches.position_deg.tolist()[:3] == [0, 100, 200]
     assert np.diff(run.campaign.touches.deviation_arcsec).tolist()[:2] == pytest.approx([1, 1])

@@ -218,7 +218,7 @@ def test_unit_of_the_runs_is_that_of_their_heads(tmp_path: Path) -> None:
     run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X")
 
     assert run.campaign.touches.deviation_um.tolist() == pytest.approx([0.0, 2.0, 1.0, 3.0])
-    assert "deviations in mm, as the heads of the runs say" in run.said["known"]
+    assert "deviations in mm, as the table says" in run.said["known"]
 
 
 @pytest.mark.parametrize(
@@ -258,3 +258,23 @@ def test_what_is_no_text_is_named(
     assert message in refused(
         "import", "csv", tmp_path / "t.csv", "--map", "deviation_um=Err", "-o", tmp_path / "made"
     )
+
+
+def test_thousands_in_quotes_are_read_where_commas_part_columns(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text('F,Err\n"1,250.500",3.2\n300,-1.1\n')
+    maps = ("--map", "deviation_um=Err", "--map", "feed_mm_min=F")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *maps)
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [1250.5, 300.0]
+
+
+def test_date_with_halves_of_the_day_has_the_month_first(tmp_path: Path) -> None:
+    stamps = ["03/12/2026 11:59:58 AM", "03/12/2026 12:00:08 PM", "3/12/2026, 1:00 PM"]
+    rows = "".join(f'"{stamp}",{i}.5\n' for i, stamp in enumerate(stamps))
+    (tmp_path / "t.csv").write_text(f"When,Err\n{rows}")
+    maps = ("--map", "deviation_um=Err", "--map", "time=When")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *maps)
+
+    assert run.campaign.touches.time_s.tolist() == [0.0, 10.0, 3602.0]

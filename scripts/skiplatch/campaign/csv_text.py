@@ -3,7 +3,6 @@
 import csv
 import re
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
 from itertools import chain, count, islice
 from pathlib import Path
 from typing import TextIO
@@ -62,7 +61,7 @@ def read_rows(
     A byte order mark and any of the usual line ends are accepted, and semicolons or tabs between
     the columns, then with decimal commas. Lines that begin with # are comments. The line of a row
     that quoted line ends spread over several is its last one. `after` lines are passed over first.
-    Where no commas stand between the columns, `in_points` gives the numbers decimal points.
+    `in_points` gives the numbers decimal points; without it, where no commas stand between columns.
 
     Raises:
         InputError: The file cannot be read, is too large, or is no CSV text in that encoding.
@@ -70,7 +69,7 @@ def read_rows(
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         with path.open(encoding=encoding, newline="") as file:
-            yield from _rows(path, file, after, in_points or partial(_with_points, path))
+            yield from _rows(path, file, after, in_points)
 
 
 def first_lines(path: Path, most: int, encoding: str = UTF8) -> list[str]:
@@ -97,7 +96,10 @@ def cells_of(line: str, head: str) -> list[str]:
 
 
 def _rows(
-    path: Path, file: TextIO, after: int, in_points: Callable[[Iterable[Row]], Iterable[Row]]
+    path: Path,
+    file: TextIO,
+    after: int,
+    in_points: Callable[[Iterable[Row]], Iterable[Row]] | None,
 ) -> Iterator[Row]:
     try:
         lines = _lines(path, file)
@@ -106,7 +108,10 @@ def _rows(
         lead = _lead(lines)
         delimiter = delimiter_of(lead[-1] if lead else "")
         rows = _parsed(path, chain(lead, lines), delimiter, after)
-        yield from rows if delimiter == "," else in_points(rows)
+        if in_points:
+            yield from in_points(rows)
+        else:
+            yield from rows if delimiter == "," else _with_points(path, rows)
     except UnicodeDecodeError as error:
         raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
 

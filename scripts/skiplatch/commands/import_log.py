@@ -250,14 +250,18 @@ def can(log: Path, out: Path, json_path: Path | None) -> None:
 @command.command(epilog="Example: skiplatch import iso230 x_axis.csv --axis X --out build/x")
 @click.argument("table", type=Source())
 @axis_option
-@click.option("--unit", type=click.Choice(["um", "mm"]), default="um", show_default=True)
+@click.option(
+    "--unit",
+    type=click.Choice(["um", "mm", "arcsec", "deg"]),
+    help="Of the deviations, where the table names none; um, or arcsec of a rotary axis.",
+)
 @feed_option
 @out_option
 @json_option
 def iso230(
     table: Path,
     axis: str | None,
-    unit: str,
+    unit: str | None,
     feed: float | None,
     out: Path,
     json_path: Path | None,
@@ -268,5 +272,5 @@ def iso230(
     """
     from skiplatch.importing.iso230 import read_iso230  # noqa: PLC0415
 
-    found = read_iso230(table, (axis or "X").upper(), in_mm=unit == "mm", feed=feed)
+    found = read_iso230(table, (axis or "X").upper(), unit=unit, feed=feed)
     finish(found, (table,), out, json_path)

@@ -102,7 +102,8 @@ def _text(shown: OfPath) -> str:
         return text
     listed = ", ".join(str(touch) for touch in found.outliers[:SHOWN])
     more = len(found.outliers) - SHOWN
-    return f"{text}\n\noutliers: touches {listed}{f' and {more} more' if more > 0 else ''}"
+    listed += f" and {more} more" if more > 0 else ""
+    return f"{text}\n\noutliers: touches {listed}; the first touch is {min(found.touches)}"
 
 
 def _read(source: Path) -> tuple[Campaign, str, list[str]]:

@@ -3,6 +3,7 @@
 candump -L, ASC, BLF and what else python-can reads.
 """
 
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +15,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import InputPath, Kind, Touches
-from skiplatch.errors import InputError
+from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import foreign_reader
 from skiplatch.importing.candump import is_logged, is_shown, shown_frames
 from skiplatch.importing.encodings import in_utf8
@@ -91,8 +92,27 @@ def _frames(path: Path) -> Iterator[tuple[int, bytes]]:
             yield from shown_frames(path)
             return
         with in_utf8(path) as plain, _reader(plain) as reader:
-            for message in reader:
+            for message in _up_to_a_break(path, reader):
                 yield message.arbitration_id, bytes(message.data)
+
+
+def _up_to_a_break(path: Path, reader: can.io.generic.MessageReader) -> Iterator[can.Message]:
+    """Give the frames up to a line that holds none, as the last one of a log that was cut."""
+    read = 0
+    messages = iter(reader)
+    while True:
+        try:
+            message = next(messages, None)
+        except ValueError:
+            if not read:
+                raise
+            said = f"a line holds no frame: nothing was read after the {read} frames before it"
+            warnings.warn(CampaignWarning(path, None, None, said), stacklevel=2)
+            return
+        if message is None:
+            return
+        read += 1
+        yield message
 
 
 def _reader(path: Path) -> can.io.generic.MessageReader:

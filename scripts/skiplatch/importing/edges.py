@@ -16,6 +16,8 @@ from skiplatch.importing.model import Imported
 from skiplatch.units import US_PER_S
 
 LONGEST_WAIT_S = 1.0  # from an edge to its latch
+SOONER = 0.2
+"""Of the wait after the edges that count, within which latches come after the others instead."""
 CHANGES_SIDES = (
     1.5  # as many touches answered by both polarities as by one; 2 where each alternates
 )
@@ -75,7 +77,25 @@ def read_edges(
         for p, (_, own) in answers.items()
         if own != sense
     ]
+    others = capture.edges(names.probe, falling=not falling)
+    others = others[np.diff(others, prepend=-np.inf) > holdoff_s]
+    for p, name in names.latches.items():
+        own_us = _after_us(edges, latches[p])
+        soon_us = _after_us(others, _answers(capture, name, others)[0])
+        if soon_us < SOONER * own_us:
+            idle, option = ("low", "without") if falling else ("high", "with")
+            found.assumed.append(
+                f"the {sense} edges of {names.probe} are contacts, though latches come "
+                f"{own_us:.4g} µs after them and {soon_us:.4g} µs after the others: if it idles "
+                f"{idle}, import edges {option} --falling"
+            )
     return found
+
+
+def _after_us(edges: FloatArray, latches: FloatArray) -> float:
+    """Give how long after edges latches come, in the middle; never where none does."""
+    waits = _following(edges, latches) - edges
+    return float(np.nanmedian(waits)) * US_PER_S if np.isfinite(waits).any() else np.inf
 
 
 def _answers(capture: Capture, name: str, edges: FloatArray) -> tuple[FloatArray, str]:

@@ -24,7 +24,8 @@ _GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
 _PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TL[O0R]|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
 _RANGE = re.compile(rf"\bAxis ([XYZABC]) \(({NUMBER}),\s*({NUMBER})\)")
-_HOMED = re.compile(r"\$H\b|Grbl \d|FluidNC v", re.IGNORECASE)
+_HOMED = re.compile(r"(?<!')\$H[XYZABC]?\b(?!')|Grbl(?:HAL)? \d|FluidNC v", re.IGNORECASE)
+"""Homed or switched on; an alarm only names '$H' among what would unlock."""
 _STEPS, _ACCEL, _INCHES = 100, 120, 13
 
 

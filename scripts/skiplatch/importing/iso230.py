@@ -15,23 +15,31 @@ from skiplatch.arrays import FloatArray, IndexArray
 from skiplatch.campaign import Axis, Touches
 from skiplatch.campaign.column_kinds import CellError
 from skiplatch.errors import InputError
-from skiplatch.importing.iso230_heads import is_negative, no_runs, says_mm
-from skiplatch.importing.iso230_layout import RunTable, is_head, laid_out
+from skiplatch.importing.iso230_heads import (
+    RUN_UNITS,
+    is_negative,
+    no_runs,
+    unit_in_title,
+    unit_said,
+)
+from skiplatch.importing.iso230_layout import is_head, laid_out
+from skiplatch.importing.iso230_run_table import RunTable
 from skiplatch.importing.model import Figure, Imported
 from skiplatch.importing.spreadsheets import ANY_NUMBER, read_spreadsheet, say_digit
-from skiplatch.units import ARCSEC_PER_MILLIDEGREE, UM_PER_MM
+from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 DECIMALS = 3  # of a deviation in a campaign
+CLOSE = 0.01  # of the span of the targets, within which what was measured is a position
 LEAST_SIGMA_UM = 1e-3  # a campaign tells no less
 
 
-def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Imported:
+def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) -> Imported:
     """Read the table.
 
     Args:
         path: The table.
         axis: The axis it is of.
-        in_mm: Whether deviations are in mm rather than µm.
+        unit: Of the deviations where the table names none: µm, mm; of a rotary axis arcsec, deg.
         feed: In mm/min.
 
     Raises:
@@ -45,23 +53,28 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     if not table.rows or len(table.heads) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)
-    in_mm = _in_mm(path, sheet.rows[0][0], table.heads, found, in_mm=in_mm)
+    turns = axis in "ABC"
+    title = unit_in_title(sheet.title, turns=turns)
+    said = unit_said(path, sheet.rows[0][0], table.heads, turns=turns) or title
     signs = np.array([-1.0 if is_negative(head) else 1.0 for head in table.heads[1:]])
     positions, deviations = _numbers(path, table)
     lines = np.array(table.lines)[:, 1:]
-    unit = UM_PER_MM if in_mm else 1.0
+    if _are_positions(positions, deviations):
+        found.known.append("positions in place of deviations: the targets were taken off")
+        deviations, said = deviations - positions[:, None], "deg" if turns else "mm"
+    scale = _scale(path, sheet.rows[0][0], said, unit, found, turns=turns)
+    deviations = deviations * scale
     point, run = _order(positions, signs)
     known = ~np.isnan(deviations[point, run])
     point, run = point[known], run[known]
     if table.in_order:
         as_made = np.argsort(lines[point, run])
         point, run = point[as_made], run[as_made]
-    turns = axis in "ABC"
     zero = _zero(positions[point], deviations[point, run], signs[run])
-    zero = round(zero * unit, DECIMALS) / unit  # so that the table's own steps stay what they are
+    zero = round(zero, DECIMALS)  # so that the table's own steps stay what they are
     cells = (cell for row in table.rows for cell in row[1:])
-    place, beyond = positions[point], (deviations[point, run] - zero) * unit * signs[run]
-    say_digit(found, cells, unit / ARCSEC_PER_MILLIDEGREE if turns else unit)
+    place, beyond = positions[point], (deviations[point, run] - zero) * signs[run]
+    say_digit(found, cells, scale / ARCSEC_PER_MILLIDEGREE if turns else scale)
     _say_repeatability(found, np.column_stack([place, signs[run]]), beyond, turns=turns)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
@@ -84,8 +97,8 @@ def read_iso230(path: Path, axis: str, *, in_mm: bool, feed: float | None) -> Im
     ]
     if zero:
         found.assumed.append(
-            f"the zero of the instrument tells nothing: {zero:.4g} {'mm' if in_mm else 'µm'}, at "
-            "which the runs in the positive sense meet position 0, was taken off every deviation"
+            f"the zero of the instrument tells nothing: {zero:.4g} {'arcsec' if turns else 'µm'}, "
+            "at which the runs in the positive sense meet position 0, was taken off every deviation"
         )
     if (signs > 0).all():
         found.assumed.append("no head of a column says the negative sense (-, ↓, down, reverse)")
@@ -103,16 +116,37 @@ def _without_what_is_worked_out(table: RunTable, found: Imported) -> RunTable:
     return table
 
 
-def _in_mm(path: Path, line: int, heads: list[str], found: Imported, *, in_mm: bool) -> bool:
-    """Tell whether deviations are in mm, by the heads of the runs, else by what is given."""
-    said = says_mm(path, line, heads)
+def _are_positions(positions: FloatArray, deviations: FloatArray) -> bool:
+    """Tell whether what was measured is where the axis was, and not how far off its target.
+
+    Args:
+        positions: Targets; shape (n,).
+        deviations: Shape (n, runs).
+    """
+    span = float(np.ptp(positions))
+    if span == 0.0 or np.isnan(deviations).all():
+        return False
+    off = np.nanmedian(np.abs(deviations - positions[:, None]))
+    return bool(off < CLOSE * span < float(np.nanmax(np.abs(deviations))))
+
+
+def _scale(
+    path: Path, line: int, said: str | None, given: str | None, found: Imported, *, turns: bool
+) -> float:
+    """Give how many µm, or arcsec, the unit of the deviations is."""
+    usual = "arcsec" if turns else "µm"
+    units = RUN_UNITS[usual]
+    given = "µm" if given == "um" else given
+    if given and given not in units:
+        raise InputError(path, None, None, f"--unit {given}: expected one of {', '.join(units)}")
     if said is None:
-        found.assumed.append(f"deviations are in {'mm' if in_mm else 'µm'}; else give --unit")
-        return in_mm
-    if in_mm and not said:
-        raise InputError(path, line, None, "the heads of the runs say µm, and --unit says mm")
-    found.known.append(f"deviations in {'mm' if said else 'µm'}, as the heads of the runs say")
-    return said
+        found.assumed.append(f"deviations are in {given or usual}; else give --unit")
+        return units[given or usual]
+    if given and said != given:
+        message = f"the heads of the runs say {said}, and --unit says {given}"
+        raise InputError(path, line, None, message)
+    found.known.append(f"deviations in {said}, as the table says")
+    return units[said]
 
 
 def _say_repeatability(

@@ -7,19 +7,30 @@ from pathlib import Path
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.spreadsheets import WORKED_OUT
 from skiplatch.importing.units_in_heads import UNITS, bracketed, split_unit
+from skiplatch.units import UM_PER_MM
 
 _NEGATIVE = re.compile(
-    r"↓|←|(?<![^\W\d_])(?:down|rev|neg|back|minus|r(?:ü|ue)ck|zur(?:ü|ue)ck)", re.IGNORECASE
+    r"↓|←|(?<![^\W\d_])(?:down|rev|neg|back|minus|r(?:ü|ue)ck|zur(?:ü|ue)ck|ccw|anti|counter)",
+    re.IGNORECASE,
 )
-_POSITIVE = re.compile(r"↑|→|(?<![^\W\d_])(?:up|fwd|forw|pos|plus|vor|hin)", re.IGNORECASE)
+_POSITIVE = re.compile(
+    r"↑|→|(?<![^\W\d_])(?:up|fwd|forw|pos|plus|vor|hin|cw|clockw)", re.IGNORECASE
+)
 _MINUS = re.compile(r"(?<!\w)[-\u2212]|[-\u2212](?!\w)")
 """No hyphen, as that of run-1 is."""
 _SENSE = r"[ _]?(?:[↑↓+\-\u2212]|up|down|fwd|rev)?"
 _SYMBOL = re.compile(rf"[24]?[ABEMRSUs]\u0304?_?[i\u1d62]?{_SENSE}")
 """Of results, as ISO 230-2 names them: of reversal, scatter, repeatability, accuracy."""
 _LETTERED = re.compile(rf"[A-Za-z]{_SENSE}")
-_OTHER_UNITS = set().union(*(UNITS[quantity] for quantity in ("s", "mm/min", "°C")))
-"""Of what is no deviation; none of them is a unit of length or of angle."""
+_ANY_UNIT = set().union(*UNITS.values())
+POSITION_UNITS = {"mm": {"mm"}, "deg": {"deg", "°"}}
+RUN_UNITS = {
+    "µm": {"µm": 1.0, "um": 1.0, "mm": UM_PER_MM},
+    "arcsec": UNITS["arcsec"],
+}
+"""What deviations may be in, and how many µm or arcsec that is."""
+SAME_UNIT = {"um": "µm", "°": "deg", '"': "arcsec", "″": "arcsec", "sec": "arcsec"}
+"""Other names of units."""
 
 
 def is_negative(head: str) -> bool:
@@ -49,23 +60,51 @@ def no_runs(heads: Sequence[str]) -> set[int]:
     return dropped if len(dropped) < len(heads) - 1 else set()
 
 
-def says_mm(path: Path, line: int, heads: Sequence[str]) -> bool | None:
-    """Tell whether the heads of the runs say mm rather than µm; None where they name no unit.
+def unit_said(path: Path, line: int, heads: Sequence[str], *, turns: bool) -> str | None:
+    """Give the unit that the heads of the runs name; None where they name none.
+
+    Args:
+        path: Of the table.
+        line: Of its head.
+        heads: Of the positions and of the runs.
+        turns: Whether the axis is a rotary one.
 
     Raises:
         InputError: One of the columns is in another unit than can be.
     """
-    heads = [head.strip() for head in heads]
-    lengths = [split_unit(head, "mm")[1] for head in heads]
-    lengths[0] = split_unit(f"position {heads[0]}", "mm")[1]  # its head may be nothing but a unit
-    for number, (head, length) in enumerate(zip(heads, lengths, strict=True)):
-        unit = bracketed(head)[1] or split_unit(head, "mm/min")[1]
-        allowed = {"", "mm", "µm", "um"} if number else {"", "mm"}
-        if unit in _OTHER_UNITS or length not in allowed:
+    of_runs, of_positions = ("arcsec", "deg") if turns else ("µm", "mm")
+    named = set()
+    for number, head in enumerate(heads):
+        # The head of the positions may be nothing but a unit.
+        of, text = (of_runs, head) if number else (of_positions, f"position {head}")
+        found = _unit_of(text, of)
+        if found and found not in (RUN_UNITS[of] if number else POSITION_UNITS[of]):
             what = "runs with deviations" if number else "positions"
-            message = f"expected {what}, got a column in {unit or length}: {quoted(head)}"
+            message = f"expected {what}, got a column in {found}: {quoted(head)}"
             raise InputError(path, line, None, message)
-    named = {length == "mm" for length in lengths[1:] if length}
+        if number and found:
+            named.add(SAME_UNIT.get(found, found))
     if len(named) > 1:
-        raise InputError(path, line, None, "expected all runs in one unit, got mm and µm")
+        units = " and ".join(sorted(named))
+        raise InputError(path, line, None, f"expected all runs in one unit, got {units}")
     return next(iter(named), None)
+
+
+def _unit_of(head: str, expected: str) -> str:
+    """Give the unit that a head ends with, expected or not; else nothing."""
+    stated = bracketed(head)[1]
+    units = (split_unit(head, of)[1] for of in (expected, "mm", "mm/min"))
+    return next(filter(None, units), stated if stated in _ANY_UNIT else "")
+
+
+def unit_in_title(title: Sequence[str], *, turns: bool) -> str | None:
+    """Give the unit that a title names, as in "all values in mm"; None where it names none."""
+    units = "|".join(map(re.escape, RUN_UNITS["arcsec" if turns else "µm"]))
+    words = rf"\b(?:in|unit|units|einheit)\W{{1,3}}(?P<unit>{units}|micromet\w+)(?!\w)"
+    found = {
+        SAME_UNIT.get(
+            match["unit"].lower(), "µm" if match["unit"][:5] == "micro" else match["unit"]
+        )
+        for match in re.finditer(words, "\n".join(title), re.IGNORECASE)
+    }
+    return found.pop() if len(found) == 1 else None

@@ -1,69 +1,35 @@
-"""How a table as ISO 230-2 has it is laid out: runs in columns, runs in rows, or a touch a line.
+"""How a table as ISO 230-2 has it is laid out, each turned into positions × runs.
 
-Each is turned into positions × runs.
+Runs stand in columns, their senses in the heads or in a line above these; or in rows, as in the
+form of the standard; or each touch in a line.
 """
 
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 
-from skiplatch.campaign.column_kinds import CellError
 from skiplatch.campaign.csv_text import Row
-from skiplatch.errors import InputError, quoted
-from skiplatch.importing.iso230_heads import is_negative, says_sense
+from skiplatch.importing.iso230_heads import says_sense
+from skiplatch.importing.iso230_list import columns_of_list, gathered
+from skiplatch.importing.iso230_run_table import COLUMNS_BY_HEAD, RunTable, rectangular
 from skiplatch.importing.model import Imported
-from skiplatch.importing.spreadsheets import ANY_NUMBER, begins_with_a_word, tells
-from skiplatch.importing.units_in_heads import bracketed, split_unit
+from skiplatch.importing.spreadsheets import begins_with_a_word, tells
+from skiplatch.importing.units_in_heads import split_unit
 from skiplatch.numbers import number
 
 FEWEST_CELLS = 3  # of a line: a position and a run in either sense, or a sense beside both
-_SIGN = re.compile(r"[A-Z]?[+-]|[+-]?1(?:\.0*)?", re.ASCII)
-_COLUMNS: Mapping[str, re.Pattern[str]] = {
-    name: re.compile(rf"(?<![^\W\d_])(?:{words})", re.IGNORECASE)
-    for name, words in {
-        "deviation": "dev|err|abw|fehler",
-        "actual": r"actual|meas|ist(?![^\W\d_])|mess",
-        "sense": r"sense|sign|dir(?:ection)?(?![^\W\d_])|richtung|sinn",
-        "run": r"run|cycle|lauf|zyklus|repe|wiederhol|series|serie|no\.?$|nr\.?$",
-        "position": r"pos|target|soll|nominal|ziel",
-    }.items()
-}
-"""Of a list, by the words that begin in their heads; the first that holds counts."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RunTable:
-    """Positions × runs.
-
-    Attributes:
-        heads: Of the positions, and of each run.
-        rows: The cells below them.
-        lines: Where each of these stands in the file.
-        in_order: Touches were made in the order of the lines.
-    """
-
-    heads: list[str]
-    rows: list[list[str]]
-    lines: list[list[int]]
-    in_order: bool = False
-
-    def without(self, dropped: set[int]) -> "RunTable":
-        """Leave columns out."""
-        kept = [i for i in range(len(self.heads)) if i not in dropped]
-        heads, *rows = ([cells[i] for i in kept] for cells in (self.heads, *self.rows))
-        return RunTable(heads, rows, [[own[i] for i in kept] for own in self.lines], self.in_order)
+_PLACE = re.compile(r"position|target|soll", re.IGNORECASE)
+_NUMBERED = re.compile(r"\d\s*$", re.ASCII)  # of a run
 
 
 def is_head(cells: list[str], below: list[str]) -> bool:
     """Tell the head of a table of any layout by the line after it."""
     if len(cells) < 2 or len(below) != len(cells) or not any(below[1:]):
         return False
-    if columns_of_list(cells):
+    if columns_of_list(cells) or _is_above_senses(cells, below) or _are_merged_senses(cells, below):
         return True
     if _are_numbers(cells[1:]):
-        return len(cells) >= FEWEST_CELLS and says_sense(below[0]) and _are_numbers(below[1:])
+        return len(cells) >= FEWEST_CELLS and _names_a_run(below[0]) and _are_numbers(below[1:])
     return bool(below[0]) and _are_numbers(below) and not _are_numbers(cells[:1])
 
 
@@ -78,25 +44,19 @@ def laid_out(path: Path, rows: list[Row], found: Imported) -> RunTable:
     if not rows:
         return RunTable([], [], [])
     if columns := columns_of_list(rows[0][1]):
-        return _from_list(path, rows, columns, found)
+        return gathered(path, rows, columns, found)
+    if len(rows) > 1 and _is_above_senses(rows[0][1], rows[1][1]):
+        return _from_form(rectangular(path, rows), found)
+    if len(rows) > 1 and _are_merged_senses(rows[0][1], rows[1][1]):
+        rows = _with_senses(rows)
     if _are_in_rows(rows):
         found.assumed.append("runs are in rows, positions in the head")
-        return _from_rows(_rectangular(path, rows))
-    return _from_columns(_rectangular(path, _without_lines_below(rows, found)))
-
-
-def columns_of_list(heads: Sequence[str]) -> Mapping[str, int]:
-    """Give which columns a list of touches has, by what they hold; none if it is no such list."""
-    found: dict[str, int] = {}
-    for i, head in enumerate(heads):
-        name = bracketed(head)[0]
-        kind = next((kind for kind, words in _COLUMNS.items() if words.search(name)), None)
-        if kind in found:
-            return {}
-        if kind:
-            found[kind] = i
-    is_list = {"position", "sense"} <= found.keys() and found.keys() & {"deviation", "actual"}
-    return found if is_list else {}
+        return _from_rows(rectangular(path, rows))
+    table = _from_columns(rectangular(path, _without_lines_below(rows, found)))
+    if _is_numbered(table):
+        found.unread.append(f"a column that numbers the positions: {table.heads[0]}")
+        return table.without({0})
+    return table
 
 
 def _are_in_rows(rows: list[Row]) -> bool:
@@ -104,7 +64,72 @@ def _are_in_rows(rows: list[Row]) -> bool:
     return (
         len(head) >= FEWEST_CELLS
         and _are_numbers(head[1:])
-        and any(says_sense(row[0]) for _, row in body)
+        and any(_names_a_run(row[0]) for _, row in body)
+    )
+
+
+def _is_above_senses(cells: Sequence[str], below: Sequence[str]) -> bool:
+    """Tell a line of positions above one of senses, as the form of ISO 230-2 has them."""
+    return (
+        len(below) == len(cells) >= FEWEST_CELLS
+        and any(cells[1:])
+        and _are_numbers(cells[1:])
+        and all(map(says_sense, below[1:]))
+    )
+
+
+def _are_merged_senses(cells: Sequence[str], below: Sequence[str]) -> bool:
+    """Tell a line of senses, each over several columns, above the heads of these."""
+    over = [cell for cell in cells[1:] if cell]
+    return (
+        len(below) == len(cells) > len(over) + 1
+        and bool(over)
+        and all(map(says_sense, over))
+        and all(below[1:])
+        and not any(map(says_sense, below[1:]))
+    )
+
+
+def _filled(cells: Sequence[str]) -> list[str]:
+    """Fill cells that were merged with the one before."""
+    filled = list(cells[:1])
+    for cell in cells[1:]:
+        filled.append(cell or (filled[-1] if len(filled) > 1 else ""))
+    return filled
+
+
+def _with_senses(rows: list[Row]) -> list[Row]:
+    """Join a line of senses with the heads below it."""
+    (_, senses), (line, heads), *body = rows
+    joined = [f"{head} {sense}" for head, sense in zip(heads, _filled(senses), strict=True)]
+    return [(line, [heads[0], *joined[1:]]), *body]
+
+
+def _from_form(rows: list[Row], found: Imported) -> RunTable:
+    """Read the form of ISO 230-2: a line of positions, one of senses, and then a line a run."""
+    (_, positions), (_, senses), *body = rows
+    places = _filled(positions)
+    runs = [row for row in body if _NUMBERED.search(row[1][0])]
+    if others := [row[0] for _, row in body if not _NUMBERED.search(row[0])]:
+        found.unread.append(f"lines that are no runs: {', '.join(others)}")
+    kinds = list(dict.fromkeys(senses[1:]))
+    heads = [f"{row[0]} {kind}" for _, row in runs for kind in kinds]
+    at = {(place, kind): i for i, (place, kind) in enumerate(zip(places, senses, strict=True)) if i}
+    table, lines = [], []
+    for place in dict.fromkeys(places[1:]):
+        cells = [at.get((place, kind)) for kind in kinds]
+        table.append([place, *(row[i] if i else "" for _, row in runs for i in cells)])
+        lines.append([rows[0][0], *(line for line, _ in runs for _ in kinds)])
+    return RunTable([places[0], *heads], table, lines)
+
+
+def _is_numbered(table: RunTable) -> bool:
+    """Tell whether the first column numbers the rows, and the next one holds the positions."""
+    numbers = [row[0] for row in table.rows]
+    return (
+        len(table.heads) >= FEWEST_CELLS
+        and bool(COLUMNS_BY_HEAD["position"].search(table.heads[1]))
+        and numbers == [str(i) for i in range(1, len(numbers) + 1)]
     )
 
 
@@ -117,14 +142,6 @@ def _without_lines_below(rows: list[Row], found: Imported) -> list[Row]:
     return rows[:last]
 
 
-def _rectangular(path: Path, rows: list[Row]) -> list[Row]:
-    width = len(rows[0][1])
-    for line, row in rows:
-        if len(row) != width:
-            raise InputError(path, line, None, f"expected {width} cells, got {len(row)}")
-    return rows
-
-
 def _from_columns(rows: list[Row]) -> RunTable:
     (_, heads), *body = rows
     return RunTable(heads, [row for _, row in body], [[line] * len(row) for line, row in body])
@@ -135,89 +152,14 @@ def _from_rows(rows: list[Row]) -> RunTable:
     columns = list(zip(*(row for _, row in rows), strict=True))
     heads, lines = [*columns[0]], [line for line, _ in rows]
     unit = split_unit(heads[0], "µm")[1]
-    if unit and unit != "mm":
+    if unit and (unit != "mm" or COLUMNS_BY_HEAD["deviation"].search(heads[0])):
         heads = ["", *(f"{head} [{unit}]" for head in heads[1:])]
     return RunTable(heads, [[*cells] for cells in columns[1:]], [lines] * (len(columns) - 1))
 
 
-@dataclass(frozen=True, slots=True)
-class _TouchLine:
-    """A line of a list, with one touch.
-
-    Attributes:
-        path: Of the list.
-        line: Of the file.
-        heads: Of the columns.
-        row: The cells.
-        columns: Which of them are there, by what they hold.
-    """
-
-    path: Path
-    line: int
-    heads: Sequence[str]
-    row: Sequence[str]
-    columns: Mapping[str, int]
-
-    def number(self, kind: str) -> float:
-        """Read a cell that has to be a number."""
-        column = self.columns[kind]
-        try:
-            return float(ANY_NUMBER.parse([self.row[column]], required=True)[0])
-        except CellError as error:
-            raise InputError(self.path, self.line, self.heads[column], error.message) from error
-
-    @property
-    def is_negative(self) -> bool:
-        """Tell whether the cell of the sense says the negative one."""
-        cell = self.row[self.columns["sense"]]
-        if not says_sense(cell) and not _SIGN.fullmatch(cell.replace("\u2212", "-")):
-            message = f"expected a sense of motion, got {quoted(cell)}"
-            raise InputError(self.path, self.line, None, message)
-        return is_negative(cell)
-
-    @property
-    def deviation(self) -> str:
-        """Give the deviation as it stands, or the way from the target to what was measured."""
-        if "deviation" in self.columns:
-            return self.row[self.columns["deviation"]]
-        if not tells(self.row[self.columns["actual"]]):
-            return ""
-        return f"{self.number('actual') - self.number('position'):.9f}"
-
-
-def _from_list(
-    path: Path, rows: list[Row], columns: Mapping[str, int], found: Imported
-) -> RunTable:
-    """Gather touches that stand one in a line, a run and sense a column.
-
-    Where no column numbers the runs, a place that is touched again begins the next one.
-    """
-    heads = rows[0][1]
-    found.known.append("a touch in each line, in the order in which they were made")
-    if ignored := [head for i, head in enumerate(heads) if i not in columns.values() and head]:
-        found.unread.append(f"columns that are not needed: {', '.join(ignored)}")
-    unit = split_unit(heads[columns["deviation"]], "µm")[1] if "deviation" in columns else "mm"
-    met: Counter[tuple[float, bool]] = Counter()
-    places: dict[float, dict[str, tuple[str, int]]] = {}
-    runs: dict[str, None] = {}
-    for line, row in _rectangular(path, rows)[1:]:
-        touch = _TouchLine(path, line, heads, row, columns)
-        place, negative = touch.number("position"), touch.is_negative
-        met[place, negative] += 1
-        run = row[columns["run"]] if "run" in columns else str(met[place, negative])
-        name = f"run {run} {'-' if negative else '+'}{f' [{unit}]' if unit else ''}"
-        if name in places.setdefault(place, {}):
-            message = f"run {run} meets {place:g} in this sense twice"
-            raise InputError(path, line, None, message)
-        places[place][name] = touch.deviation, line
-        runs[name] = None
-    nothing = "", 0
-    at = [[of.get(run, nothing) for run in runs] for of in places.values()]
-    cells = [
-        [repr(place), *(cell for cell, _ in row)] for place, row in zip(places, at, strict=True)
-    ]
-    lines = [[0, *(line for _, line in row)] for row in at]
-    return RunTable([heads[columns["position"]], *runs], cells, lines, in_order=True)
+def _names_a_run(cell: str) -> bool:
+    """Tell whether a line is a run, by its sense; a position is none, though it begins as one."""
+    return says_sense(cell) and not _PLACE.search(cell)
 
 
 def _are_numbers(cells: Sequence[str]) -> bool:

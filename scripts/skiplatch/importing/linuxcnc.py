@@ -1,7 +1,8 @@
 """LinuxCNC: the file that ``(PROBEOPEN …)`` makes, and the program that made it.
 
 A line a touch, nine coordinates X Y Z A B C U V W in units of the program. LinuxCNC writes no line
-for a touch that ends exactly where the one before did.
+for a touch that ends exactly where the one before did. A move by G38.3 that meets nothing has a
+line as well, with its target.
 """
 
 import math
@@ -22,6 +23,8 @@ LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
 FEWEST = 3
 ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
 NEGLIGIBLE = 1e-4
+AT_TARGET_MM = 2e-3
+"""From the target of a move, within which nothing was met: it ended there to the last count."""
 
 Value = TypeVar("Value", str, int, float)
 
@@ -131,6 +134,7 @@ def _matched(
         share=_only(move.share for move in moves),
         start={},
         feed=_only(move.feed for move in moves),
+        targets={axis: _only(move.targets.get(axis) for move in moves) for axis in AXES},
     )
     return [same if moves else None] * len(rows)
 
@@ -142,9 +146,11 @@ def _touch(
     number = AXES.index(axis)
     scale = [unit if letter in LINEAR else 1.0 for letter in AXES]
     coordinate = row[number] * scale[number]
+    target = move.targets.get(axis) if move and not move.is_release else None
+    is_missed = target is not None and abs(coordinate - target) < AT_TARGET_MM
     return Touch(
         axis=axis,
-        coordinate=coordinate,
+        coordinate=None if is_missed else coordinate,
         sign=move.sign if move and move.sign else (-1 if axis == "Z" and not move else None),
         place=tuple(v * scale[i] for i, v in enumerate(row[: len(AXES)]) if i != number),
         feed=(move.feed if move else None) or feed,
@@ -173,6 +179,9 @@ def _only(values: Iterable[Value | None]) -> Value | None:
 
 def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inch: bool) -> None:
     found.known.append("where each touch was latched, in the order of the touches; no times")
+    missed = sum(touch.coordinate is None for touch in found.touches)
+    if missed:
+        found.known.append(f"missed touches, as the move ended at its target: {missed}")
     if not moves:
         found.assumed.append("no program was given (--program FILE.ngc), so no senses are known")
         if any(touch.axis == "Z" for touch in found.touches):

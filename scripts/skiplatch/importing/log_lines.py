@@ -23,7 +23,12 @@ _TIME = (
     r"(?P<h>\d{1,2}):(?P<m>\d{2}):(?P<s>\d{2}(?:[.,]\d+)?)(?:\s*(?P<half>[AaPp][Mm]))?"
     r"(?:Z|[+-]\d{2}:?\d{2})?"
 )
-_DATE = r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[,T ]?\s*)?"
+_DATE = (
+    r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[,T ]?\s*"
+    r"|(?:(?:Mon|Tue|Wed|Thu|Fri|Sat|Sun),?\s+)?"
+    r"(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)\s+\d{1,2},?\s+(?:\d{4},?\s+)?)?"
+)
+"""In figures, or as ts and syslog write it: Apr 02."""
 _STAMP = re.compile(rf"^\s*[\[(]?{_DATE}{_TIME}\s*[\])]?\s*[:|>-]*\s*", re.ASCII)
 _MARK = re.compile(
     r"^(?:\s|[-*•]\s|\$ |>>>|<<<|>(?!\s*$)|<(?![A-Za-z])|//|!!|echo:|"

@@ -43,13 +43,13 @@ class Spreadsheet:
     Attributes:
         rows: Line number and cells, the head first.
         encoding: That it is in.
-        before: Lines before its head, such as a title.
-        marks: Of decimals and of thousands, where no commas stand between the columns.
+        title: Lines before its head.
+        marks: Of decimals and of thousands.
     """
 
     rows: list[Row]
     encoding: str
-    before: int
+    title: list[str]
     marks: Marks
 
     def say(self, found: Imported) -> None:
@@ -62,8 +62,8 @@ class Spreadsheet:
             first = self.marks.thousands[0]
             whole = first.replace(".", "").replace(",", "")
             found.assumed.append(f"thousands are parted: {quoted(first)} was read as {whole}")
-        if self.before:
-            found.unread.append(f"lines before the head of the table: {self.before}")
+        if self.title:
+            found.unread.append(f"lines before the head of the table: {len(self.title)}")
 
 
 def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
@@ -78,7 +78,7 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
         before = _lines_before_head(lines, is_head)
         marks = Marks()
         rows = list(read_rows(path, encoding, after=before, in_points=marks.with_points))
-        return Spreadsheet(rows, encoding, before, marks)
+        return Spreadsheet(rows, encoding, lines[:before], marks)
     except UnicodeError as error:
         raise InputError(path, None, None, f"neither UTF-8 nor {encoding} text") from error
 

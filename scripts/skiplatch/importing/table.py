@@ -14,6 +14,7 @@ from skiplatch.campaign.columns import TIME, is_thermometer, place_of
 from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, hint, quoted
+from skiplatch.importing.dates import iso_of
 from skiplatch.importing.model import Imported, Touch
 from skiplatch.importing.spreadsheets import (
     ANY_NUMBER,
@@ -28,8 +29,6 @@ _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
 
-_DOTTED_DATE = re.compile(r"^(\d{2})\.(\d{2})\.(\d{4})[ T]+(?=\d)", re.ASCII)
-"""07.10.2025 08:15:00: with points the day comes first."""
 _LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
 """Columns that tell the resolution, and their unit in µm."""
 ALSO = (
@@ -220,7 +219,7 @@ def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped) -> Values:
     if m.column == "sign":
         cells = [_SENSES.get(cell.strip(), cell) for cell in cells]
     if m.column == TIME_NAME:
-        cells = [_DOTTED_DATE.sub(r"\3-\2-\1T", cell.strip()) for cell in cells]
+        cells = [iso_of(cell.strip()) for cell in cells]
     about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
     if about is None or isinstance(about, NumberColumn):
         about = ANY_NUMBER

@@ -12,7 +12,17 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "µs": {"µs": 1.0, "us": 1.0, "ms": 1e3, "s": 1e6, "ns": 1e-3},
     "mm/min": {"mm/min": 1.0, "mm/s": 60.0, "m/min": 1e3, "m/s": 6e4, "in/min": 25.4, "ipm": 25.4},
     "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / np.pi, "arcsec": 1.0 / 3600.0},
-    "arcsec": {"arcsec": 1.0, '"': 1.0, "deg": 3600.0, "rad": 180.0 * 3600.0 / np.pi},
+    "arcsec": {
+        "arcsec": 1.0,
+        '"': 1.0,
+        "″": 1.0,
+        "sec": 1.0,
+        "deg": 3600.0,
+        "°": 3600.0,
+        "rad": 180.0 * 3600.0 / np.pi,
+        "mdeg": 3.6,
+        "µrad": 0.18 * 3.6 / np.pi,
+    },
     "°C": {"°C": 1.0, "C": 1.0, "degC": 1.0, "K": 1.0, "F": 5.0 / 9.0, "°F": 5.0 / 9.0},
 }
 """By the unit of a campaign: what others are of it."""

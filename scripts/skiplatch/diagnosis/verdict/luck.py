@@ -9,8 +9,8 @@ MOST_LUCKY = 60
 """Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
 ADDED = 1.2
 """Times the noise floor of the believed rig, from which on effects add scatter."""
-PART_OF_ALL = 0.1
-"""Share of what the believed rig scores, up to which a noise floor is none that hides a gap."""
+HIDES_A_GAP = 0.1
+"""Share of what the believed rig scores, beyond which a noise floor hides a gap."""
 AS_LOW = 0.1
 """Share of the noise floor that tells no score from another: what comes seldom may not have come,
 and what is left is little beside that floor."""
@@ -41,7 +41,7 @@ def tightness(cells: Sequence[Cell], least: float) -> float:
             [c.before.scores for c in cells],
         )
     )
-    if floor <= max(ADDED * believed, PART_OF_ALL * before):
+    if floor <= max(ADDED * believed, HIDES_A_GAP * before):
         return 1.0
     scored = ([cell.beside(k) for cell in cells] for k in _lots(cells))
     for own, by_luck in (_both(cells, least, one) for one in scored):
