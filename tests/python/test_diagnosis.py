@@ -191,19 +191,19 @@ def test_units_of_rotary_axes_are_said() -> None:
 
 
 @pytest.mark.parametrize(
-    ("free", "u_um", "is_said"),
-    [("session", None, True), ("axis", None, False), ("session", 1.0, False)],
+    ("walls", "u_um", "is_said"),
+    [(["one", "the other"], None, True), (["one", "one"], None, False), (["a", "b"], 1.0, False)],
 )
 def test_surfaces_met_in_one_sense_each_show_no_backlash(
-    free: str, u_um: float | None, is_said: bool
+    walls: list[str], u_um: float | None, is_said: bool
 ) -> None:
     campaign = played(MACHINE)
-    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom(free), u_um))
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.SESSION, u_um))
     touches = Touches.from_columns(
         touch=np.arange(40),
         axis=np.full(40, Axis.X),
         sign=np.tile([1.0, -1.0], 20),
-        session=np.tile(["one wall", "the other"], 20),
+        session=np.tile(walls, 20),
     )
 
     said = notes(Scene(nominal, touches), Verdict.NO_GAP, [], [])
