@@ -19,19 +19,19 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from operator import getitem
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, cast
 
 from diagnosis_bench import SKIPLATCH
 from fleet_bench import record
 from spread_figures import FIGURES, Campaigns, Empty, Figures, Handed, Killed
 
-from skiplatch.commands.diagnose_many import tell
+from skiplatch.commands.diagnose_many import Told, tell
 from skiplatch.commands.examining import Asked
 from skiplatch.commands.kept import Kept, key_of
 from skiplatch.commands.options import json_text
@@ -200,7 +200,7 @@ def bench_handed(folder: Path) -> list[Handed]:
             for number, answer in finished(executor, getitem, tasks):
                 if isinstance(answer, Failed):
                     raise SystemExit(f"spread_bench: {name}: {answer.why}")
-                kept.put(keys[number], {"text": answer.text, "document": answer.document})
+                kept.put(keys[number], asdict(cast(Told, answer)))
             each_ms = 1e3 * (time.perf_counter() - begin) / HANDED
         found.append(Handed(name, HANDED, HANDED_TOUCHES, each_ms))
     return found

@@ -12,10 +12,10 @@
 
 /* Values, and the lines that they may lie on. */
 typedef struct {
-    const double *values; /* of all touches; NaN if not known */
-    sim_number_t  line;   /* where one of them is; 0 for all where the believed grid has it, too */
-    double        coarse; /* distance of the lines */
-    double        fine;   /* what values are rounded to */
+    const double *values;  /* of all touches; NaN if not known */
+    sim_number_t  line;    /* where one of them is; 0 for all where the believed grid has it, too */
+    double        coarse;  /* distance of the lines */
+    double        fine;    /* what values are rounded to */
     bool          is_down; /* they are rounded down; else perhaps to the nearest */
     double        gridless; /* what speaks against each if they say that they keep no lines */
 } lines_t;
@@ -104,7 +104,7 @@ static void weigh_by_ticks(const sim_touches_t *of, const sim_member_t *member, 
         .line = {.all = change->tick_line_us},
         .coarse = change->coarse_us,
         .fine = of->tick_us,
-        .is_down = is_foreign, /* half a tick either way is in where its ticks are */
+        .is_down = is_foreign,     /* half a tick either way is in where its ticks are */
         .gridless = log(OFF_GRID), /* a clock has one grid: these were not rounded to it */
     };
     bool is_seen = !is_foreign || change->coarse_us >= (double)SIM_LINES_APART * of->tick_us;
