@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign, write_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.steps import common_step
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
@@ -339,3 +340,46 @@ def test_a_touch_far_from_the_others_is_told_but_for_a_late_scan(
     found = oddities(replace(campaign, nominal=slow, touches=touches))
 
     assert [odd.line.rpartition(" ")[2] for odd in found if "0.5 mm" in odd.what] == told
+
+
+def test_touches_without_an_outcome_vary_nothing(machine_sample: Path) -> None:
+    """A mesh probed at a speed of its own, each place once, tells no delay from a length."""
+    campaign = read_campaign(machine_sample)
+    touches = Touches.from_columns(
+        touch=np.arange(4),
+        feed_mm_min=np.array([300.0, 300.0, 120.0, 120.0]),
+        deviation_um=np.array([np.nan, np.nan, 1.0, 2.0]),
+    )
+
+    said = cannot_be_told(replace(campaign, touches=touches))
+
+    assert any(line.startswith("one feed: a delay and a length look alike") for line in said)
+
+
+@pytest.mark.parametrize(
+    ("free", "u_um", "walls", "is_said"),
+    [
+        ("session", None, ["left", "right"], True),
+        ("axis", None, ["left", "right"], True),
+        ("axis_sense", None, ["bore", "bore"], True),
+        ("axis", None, ["bore", "bore"], False),
+        ("session", 2.0, ["left", "right"], False),
+        ("none", None, ["left", "right"], False),
+    ],
+)
+def test_walls_that_may_lie_anywhere_hide_a_backlash(
+    machine_sample: Path, free: str, u_um: float | None, walls: list[str], is_said: bool
+) -> None:
+    campaign = read_campaign(machine_sample)
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom(free), u_um))
+    touches = Touches.from_columns(
+        touch=np.arange(8),
+        axis=np.full(8, Axis.X),
+        sign=np.tile([1.0, -1.0], 4),
+        deviation_um=np.arange(8.0),
+        session=np.tile(walls, 4),
+    )
+
+    said = cannot_be_told(replace(campaign, nominal=nominal, touches=touches))
+
+    assert any(line.startswith("each surface is met in one sense") for line in said) == is_said

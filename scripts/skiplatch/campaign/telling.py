@@ -4,6 +4,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign.columns import COLUMNS
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.nominal import KEYS
@@ -16,6 +17,10 @@ _ROTARY = {"position_mm": "position_deg", "deviation_um": "deviation_arcsec"}
 """What stands in place of a column of a linear axis."""
 _RARE = {"rotary_deg", "session", "status"}
 _FEW_TOUCHES = 20
+HIDES_BACKLASH = (
+    "each surface is met in one sense and may lie anywhere: a backlash looks like where they lie; "
+    "touch one from both sides, or give their places ([datum])"
+)
 
 
 def missing_columns(campaign: Campaign) -> dict[str, str]:
@@ -58,17 +63,39 @@ def missing_keys(campaign: Campaign) -> dict[str, str]:
 
 def cannot_be_told(campaign: Campaign) -> list[str]:
     """Say what was not varied, and which touches would help."""
-    touches = campaign.touches
+    touches = _with_an_outcome(campaign.touches)
     said = []
     if _one_value(touches.feed_mm_min):
         said.append("one feed: a delay and a length look alike; touch at a second feed")
     if campaign.nominal.kind is Kind.MACHINE:
         said += _not_varied_on_a_machine(touches)
+        said += _apart_by_sense(touches, campaign.nominal.datum)
     if _one_value(touches.temp_c):
         said.append("one temperature: growth with it does not show; touch while the rig warms up")
     if len(touches) < _FEW_TOUCHES:
         said.append(f"{len(touches)} touches: only what stands far out of the scatter shows")
     return said + _order_lost(touches)
+
+
+def _with_an_outcome(touches: Touches) -> Touches:
+    """Leave touches out that tell nothing; all stay where none does."""
+    outcomes = (touches.deviation_um, touches.deviation_arcsec, touches.latch_us)
+    known = np.any([np.isfinite(values) for values in outcomes], axis=0)
+    return touches.select(known) if known.any() else touches
+
+
+def _apart_by_sense(touches: Touches, datum: Datum) -> list[str]:
+    """Say so where touches of both senses share no place of a surface that is known."""
+    senses = touches.sign[np.isfinite(touches.sign)]
+    if datum.free is DatumFreedom.NONE or datum.u_um is not None or len(np.unique(senses)) < 2:
+        return []
+    places = np.column_stack([touches.axis, touches.session])
+    if datum.free is not DatumFreedom.AXIS_SENSE and any(
+        len(np.unique(touches.sign[(places == place).all(axis=1)])) > 1
+        for place in np.unique(places, axis=0)
+    ):
+        return []
+    return [HIDES_BACKLASH]
 
 
 def _not_varied_on_a_machine(touches: Touches) -> list[str]:
