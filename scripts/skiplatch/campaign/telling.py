@@ -72,9 +72,10 @@ def cannot_be_told(campaign: Campaign) -> list[str]:
         said += _apart_by_sense(touches, campaign.nominal.datum)
     if _one_value(touches.temp_c):
         said.append("one temperature: growth with it does not show; touch while the rig warms up")
-    if len(touches) < _FEW_TOUCHES:
-        said.append(f"{len(touches)} touches: only what stands far out of the scatter shows")
-    return said + _order_lost(touches)
+    count = len(campaign.touches)
+    if count < _FEW_TOUCHES:
+        said.append(f"{count} touches: only what stands far out of the scatter shows")
+    return said + _order_lost(campaign.touches)
 
 
 def _with_an_outcome(touches: Touches) -> Touches:
