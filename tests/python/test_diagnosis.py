@@ -1,5 +1,6 @@
 """Diagnoses of campaigns whose effect is known: recorded ones, and such as the simulator plays."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -83,7 +84,9 @@ def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from()
     (named,) = diagnosis.effects
     group = {named.effect.id, *named.alternatives}
     assert {"trigger_delay", "input_filter", "following_error"} <= group
-    assert "cannot be told from" in as_text(diagnosis)
+    text = as_text(diagnosis)
+    assert "cannot be told from" in text
+    assert re.search(r"confidence 0\.\d{3} that it is one of these\n", text)
 
 
 @pytest.mark.long

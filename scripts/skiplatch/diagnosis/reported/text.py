@@ -73,9 +73,10 @@ def _effect_text(named: Named, diagnosis: Diagnosis) -> str:
         )
     if named.when:
         lines.append(f"  {named.when}")
-    lines.append(f"  confidence {named.confidence:.3f}")
     if named.alternatives:
         lines.append(f"  cannot be told from: {', '.join(named.alternatives)}")
+    of_which = " that it is one of these" if named.alternatives else ""
+    lines.append(f"  confidence {named.confidence:.3f}{of_which}")
     return "\n".join(lines)
 
 
