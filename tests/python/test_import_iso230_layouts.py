@@ -7,6 +7,7 @@ import pytest
 
 from refusals import Program
 from skiplatch.campaign import Touches
+from skiplatch.importing.iso230_heads import unit_in_title
 from skiplatch.importing.iso230_list import columns_of_list
 from test_import_logs import Run, log
 
@@ -144,6 +145,21 @@ def test_forms_of_protocols_make_the_same_campaign(tmp_path: Path, text: str) ->
         np.array(sorted(told(run.campaign.touches).tolist())) for run in (other, wide)
     )
     assert found == pytest.approx(expected, abs=1.01 * digit_um)
+
+
+@pytest.mark.parametrize(
+    ("title", "unit"),
+    [
+        ("ALL VALUES IN MM", "mm"),
+        ("Deviations in micrometres", "µm"),
+        ("Einheit: \u03bcm", "µm"),
+        ("Unit [mm]; Temperature in C", "mm"),
+        ("mm in x, in mm or in µm", None),
+        ("Machine 12", None),
+    ],
+)
+def test_unit_may_stand_in_the_title(title: str, unit: str | None) -> None:
+    assert unit_in_title(["ISO 230-2", title], turns=False) == unit
 
 
 def test_lines_of_a_form_that_are_no_runs_are_named(tmp_path: Path) -> None:

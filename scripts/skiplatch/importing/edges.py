@@ -83,13 +83,18 @@ def read_edges(
         own_us = _after_us(edges, latches[p])
         soon_us = _after_us(others, _answers(capture, name, others)[0])
         if soon_us < SOONER * own_us:
-            idle, option = ("low", "without") if falling else ("high", "with")
-            found.assumed.append(
-                f"the {sense} edges of {names.probe} are contacts, though latches come "
-                f"{own_us:.4g} µs after them and {soon_us:.4g} µs after the others: if it idles "
-                f"{idle}, import edges {option} --falling"
-            )
+            found.assumed.append(_idles(names.probe, own_us, soon_us, falling=falling))
     return found
+
+
+def _idles(probe: str, own_us: float, soon_us: float, *, falling: bool) -> str:
+    """Say that latches come sooner after the edges of the probe that do not count."""
+    sense, idle, option = ("falling", "low", "without") if falling else ("rising", "high", "with")
+    return (
+        f"the {sense} edges of {probe} are contacts, though latches come {own_us:.4g} µs after "
+        f"them and {soon_us:.4g} µs after the others: if it idles {idle}, import edges {option} "
+        "--falling"
+    )
 
 
 def _after_us(edges: FloatArray, latches: FloatArray) -> float:

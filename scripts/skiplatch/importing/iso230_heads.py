@@ -101,10 +101,7 @@ def unit_in_title(title: Sequence[str], *, turns: bool) -> str | None:
     """Give the unit that a title names, as in "all values in mm"; None where it names none."""
     units = "|".join(map(re.escape, RUN_UNITS["arcsec" if turns else "µm"]))
     words = rf"\b(?:in|unit|units|einheit)\W{{1,3}}(?P<unit>{units}|micromet\w+)(?!\w)"
-    found = {
-        SAME_UNIT.get(
-            match["unit"].lower(), "µm" if match["unit"][:5] == "micro" else match["unit"]
-        )
-        for match in re.finditer(words, "\n".join(title), re.IGNORECASE)
-    }
+    text = "\n".join(title).replace("\u03bc", "µ")
+    named = (match["unit"].lower() for match in re.finditer(words, text, re.IGNORECASE))
+    found = {"µm" if unit.startswith("micro") else SAME_UNIT.get(unit, unit) for unit in named}
     return found.pop() if len(found) == 1 else None
