@@ -258,3 +258,13 @@ def test_miss_of_linuxcnc_is_told_where_repeats_are_left_out(tmp_path: Path) -> 
     run = Run(tmp_path, "linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))
 
     assert run.campaign.touches.missed.tolist() == [False, False, True, False]
+
+
+def test_log_of_linuxcnc_without_a_touch_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "p.ngc").write_text(SCAN.format(n=2))
+    (tmp_path / "p.txt").write_text(2 * "10.000000 0 0 0 0 0 0 0 0\n")
+    words = ("--program", tmp_path / "p.ngc", "-o", tmp_path / "made")
+
+    said = refused("import", "linuxcnc", tmp_path / "p.txt", *words)
+
+    assert "expected a touch, got 2 probing moves that ended without one" in said

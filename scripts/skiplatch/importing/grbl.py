@@ -12,7 +12,7 @@ from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
 from skiplatch.importing.grbl_speed import Speeds
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
-from skiplatch.importing.model import NO_TIMES, Imported, Touch
+from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
 from skiplatch.importing.presets import PRESETS, Preset
 from skiplatch.numbers import NUMBER
 from skiplatch.units import MM_PER_INCH, UM_PER_MM
@@ -49,11 +49,7 @@ def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported
             broken = ", got probing commands without them: log what the controller answers, too"
         message = f"expected replies such as [PRB:0.000,0.000,-5.123:1]{broken}"
         raise InputError(path, None, None, message)
-    if all(touch.coordinate is None for touch in reader.touches):
-        message = (
-            f"expected a touch, got {len(reader.touches)} probing moves that ended without one"
-        )
-        raise InputError(path, None, None, message)
+    refuse_all_missed(path, reader.touches)
     return reader.result()
 
 

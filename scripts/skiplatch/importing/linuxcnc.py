@@ -14,7 +14,7 @@ from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
 from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, run
 from skiplatch.importing.log_lines import read_text
-from skiplatch.importing.model import Imported, Touch
+from skiplatch.importing.model import Imported, Touch, refuse_all_missed
 from skiplatch.numbers import number
 from skiplatch.units import MM_PER_INCH
 
@@ -68,6 +68,7 @@ def read_linuxcnc(
     for line, row, move in zip(lines, rows, matched, strict=True):
         found.touches.append(_touch(row, move, fallback, feed, unit))
         found.touches[-1].line = line
+    refuse_all_missed(path, found.touches)
     found.leave_out_releases()
     found.share_feeds()
     _say(found, moves, feed, inch=inch)

@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 
 from skiplatch.campaign import Kind, Touches
+from skiplatch.errors import InputError
 
 KeyPath = tuple[str, str]
 NO_TIMES = "no times in the log: the order of the lines is that of the touches"
@@ -127,3 +129,14 @@ class Imported:
 
 
 Figures = Mapping[KeyPath, Figure]
+
+
+def refuse_all_missed(path: Path, touches: Sequence[Touch]) -> None:
+    """Refuse a log none of whose moves met anything.
+
+    Raises:
+        InputError: It is one.
+    """
+    if all(touch.coordinate is None for touch in touches):
+        message = f"expected a touch, got {len(touches)} probing moves that ended without one"
+        raise InputError(path, None, None, message)
