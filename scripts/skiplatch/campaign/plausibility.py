@@ -166,8 +166,8 @@ def _no_scatter(campaign: Campaign) -> Iterator[Oddity]:
             continue
         for rows in alike(touches, np.isfinite(values)):
             different = len(np.unique(values[rows]))
-            apart = np.ptp(values[rows]) / step + 1.0 if step else 1.0
-            if len(rows) >= FEWEST and apart < MANY_STEPS - 0.5:
+            apart = round(float(np.ptp(values[rows])) / step) if step else 0
+            if len(rows) >= FEWEST and apart + 1 < MANY_STEPS:
                 how = f"steps of {step:g}" if step else f"one value, {values[rows[0]]:g}"
                 where = (
                     f"{name}: {len(rows)} touches in the same conditions have {different} values"

@@ -57,7 +57,7 @@ def read_edges(
     names = _channels(path, capture, wanted)
 
     edges = capture.edges(names.probe, falling=falling)
-    rested = edges[np.diff(edges, prepend=-np.inf) > holdoff_s]
+    rested = _rested(edges, holdoff_s)
     answers = {p: _answers(capture, name, rested) for p, name in names.latches.items()}
     latches = {p: times for p, (times, _) in answers.items()}
     first = _begins_touch(edges, np.sort(np.concatenate(list(latches.values()))), holdoff_s)
@@ -77,14 +77,18 @@ def read_edges(
         for p, (_, own) in answers.items()
         if own != sense
     ]
-    others = capture.edges(names.probe, falling=not falling)
-    others = others[np.diff(others, prepend=-np.inf) > holdoff_s]
+    others = _rested(capture.edges(names.probe, falling=not falling), holdoff_s)
     for p, name in names.latches.items():
         own_us = _after_us(edges, latches[p])
         soon_us = _after_us(others, _answers(capture, name, others)[0])
         if soon_us < SOONER * own_us:
             found.assumed.append(_idles(names.probe, own_us, soon_us, falling=falling))
     return found
+
+
+def _rested(edges: FloatArray, holdoff_s: float) -> FloatArray:
+    """Keep the edges that no other one came shortly before."""
+    return edges[np.diff(edges, prepend=-np.inf) > holdoff_s]
 
 
 def _idles(probe: str, own_us: float, soon_us: float, *, falling: bool) -> str:

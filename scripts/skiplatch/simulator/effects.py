@@ -79,6 +79,11 @@ def _description(ffi: CData, index: int, row: CData) -> EffectDescription:
     )
 
 
+def parameter_of(effect_id: str, name: str) -> Parameter:
+    """Give a parameter of an effect by its name."""
+    return next(p for p in effects()[effect_id].parameters if p.name == name)
+
+
 def refuse_unknown(effect: Effect) -> None:
     """Raise if the table does not know an effect, or a parameter of it.
 

@@ -16,7 +16,7 @@ from skiplatch.diagnosis.scene.grid import (
 )
 from skiplatch.diagnosis.scene.pitches import MANY_STEPS, odd_pitch, whole_pitches
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.simulator.effects import effects
+from skiplatch.simulator.effects import parameter_of
 from skiplatch.simulator.library import connection
 from skiplatch.units import DEG_PER_TURN, UM_PER_MM
 
@@ -43,7 +43,7 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     width = _box_of(sigma, tick)
     seen = [[width, mean + 0.5 * width, 0.0]]
     stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
-    grid = grid_told(np.sort(stamps), tick, _coarsest_tick_us())
+    grid = grid_told(np.sort(stamps), tick, parameter_of("timer_quantisation", "tick_us").high)
     if grid and grid[0] > connection()[1].SIM_LINES_APART * tick:
         pitch, turn = _coarsest(stamps, *grid)
         line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
@@ -126,11 +126,6 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
     where_um = where_um[~np.isnan(where_um)]
     return [[pitch, 1.0, turn] for pitch, turn in _grids_kept(where_um, seen_um)]
-
-
-def _coarsest_tick_us() -> float:
-    ticks = (p for p in effects()["timer_quantisation"].parameters if p.name == "tick_us")
-    return next(ticks).high
 
 
 def _box_of(sigma: float, known: float = 0.0) -> float:

@@ -3,8 +3,6 @@
 The simulator has its own, exact form of every effect; these are the surrogates that propose.
 """
 
-from functools import cache
-
 import numpy as np
 from scipy import linalg
 
@@ -14,7 +12,7 @@ from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.nominal_chain import LOBES
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.motion import contact_at
-from skiplatch.simulator.effects import Parameter, effects
+from skiplatch.simulator.effects import Parameter, parameter_of
 from skiplatch.units import DEG_PER_TURN, MM_PER_M, S_PER_MIN, UM_PER_MM, US_PER_H
 
 Parameters = FloatArray
@@ -185,16 +183,10 @@ def scaled(scene: Scene, p: Parameters) -> Change:
 
     Where it was latched has what it is off by in it: a scale of 100 % would explain anything so.
     """
-    most_ppm = _most_scale_ppm()
+    most_ppm = parameter_of("scale_error", "scale_ppm").high
     scale_ppm = np.clip(p[0] * scene.over_x(p[1], p[2]), -most_ppm, most_ppm)
     error_um = scale_ppm / UM_PER_MM * np.nan_to_num(scene.latched_mm)
     return Change(position_um=scene.sign * error_um)
-
-
-@cache
-def _most_scale_ppm() -> float:
-    """Give the largest scale error of the table: it leaves the place known to half a percent."""
-    return next(p.high for p in effects()["scale_error"].parameters if p.name == "scale_ppm")
 
 
 def warmed(scene: Scene, p: Parameters) -> Change:

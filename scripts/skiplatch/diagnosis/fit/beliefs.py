@@ -16,7 +16,7 @@ from skiplatch.diagnosis.candidates.scan_starts import scan_periods
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.likelihood import Likelihood, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.simulator.effects import effects
+from skiplatch.simulator.effects import parameter_of
 
 Key = tuple[str, str]
 
@@ -173,8 +173,8 @@ def believing(nominal: Nominal, values: Mapping[Key, float]) -> Nominal:
 
 def _admitted(effect_id: str, name: str, value: float) -> float:
     """Bring a parameter into its range."""
-    parameters = {p.name: p for p in effects()[effect_id].parameters}
-    return min(max(value, parameters[name].low), parameters[name].high)
+    parameter = parameter_of(effect_id, name)
+    return min(max(value, parameter.low), parameter.high)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
