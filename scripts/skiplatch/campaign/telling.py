@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign.columns import COLUMNS
-from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.campaign.datum_names import datum_names
 from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.kind import Kind
-from skiplatch.campaign.nominal import KEYS
+from skiplatch.campaign.nominal import KEYS, Nominal
 from skiplatch.campaign.touches import Touches
 
 # What a column or a key is for; where there is none of that, nobody misses it.
@@ -69,7 +69,7 @@ def cannot_be_told(campaign: Campaign) -> list[str]:
         said.append("one feed: a delay and a length look alike; touch at a second feed")
     if campaign.nominal.kind is Kind.MACHINE:
         said += _not_varied_on_a_machine(touches)
-        said += _apart_by_sense(touches, campaign.nominal.datum)
+        said += [HIDES_BACKLASH] if hides_backlash(campaign.nominal, touches) else []
     if _one_value(touches.temp_c):
         said.append("one temperature: growth with it does not show; touch while the rig warms up")
     count = len(campaign.touches)
@@ -85,18 +85,20 @@ def _with_an_outcome(touches: Touches) -> Touches:
     return touches.select(known) if known.any() else touches
 
 
-def _apart_by_sense(touches: Touches, datum: Datum) -> list[str]:
-    """Say so where touches of both senses share no place of a surface that is known."""
-    senses = touches.sign[np.isfinite(touches.sign)]
-    if datum.free is DatumFreedom.NONE or datum.u_um is not None or len(np.unique(senses)) < 2:
-        return []
-    places = np.column_stack([touches.axis, touches.session])
-    if datum.free is not DatumFreedom.AXIS_SENSE and any(
-        len(np.unique(touches.sign[(places == place).all(axis=1)])) > 1
-        for place in np.unique(places, axis=0)
-    ):
-        return []
-    return [HIDES_BACKLASH]
+def hides_backlash(nominal: Nominal, touches: Touches) -> bool:
+    """Tell whether an axis meets no place in both senses, and each place may lie anywhere."""
+    names = datum_names(nominal, touches)
+    if names is None or nominal.datum.u_um is not None:
+        return False
+    places = np.char.add(names, touches.axis.astype(str))
+
+    def has_both(rows: BoolArray) -> bool:
+        return {-1.0, 1.0} <= set(touches.sign[rows].tolist())
+
+    return any(
+        has_both(here) and not any(has_both(places == place) for place in np.unique(places[here]))
+        for here in (touches.axis == axis for axis in np.unique(touches.axis))
+    )
 
 
 def _not_varied_on_a_machine(touches: Touches) -> list[str]:

@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
+from skiplatch.campaign.datum_names import datum_names
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
-from skiplatch.diagnosis.scene.scene import Scene, datum_names
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced
 from skiplatch.simulator.rig import Controller

@@ -4,8 +4,8 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath
+from skiplatch.campaign.telling import hides_backlash
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.verdict import Failure, Verdict
@@ -91,27 +91,15 @@ def _untold(scene: Scene) -> list[str]:
     if len(np.unique(touches.feed_mm_min)) == 1:
         found.append("One feed: a delay and a length look alike; touch at a second feed.")
     for axis in np.unique(touches.axis):
-        here = touches.axis == axis
-        if len(np.unique(scene.sign[here])) == 1:
+        if len(np.unique(scene.sign[touches.axis == axis])) == 1:
             found.append("One sense of motion on an axis: no backlash can be seen there.")
             break
-        if not _meets_both_senses(scene, here):
-            found.append(
-                "No surface, or place that surfaces share, is met in both senses, and each may lie "
-                "anywhere ([datum] of nominal.toml): a backlash looks like where they lie."
-            )
-            break
+    if hides_backlash(scene.nominal, touches):
+        found.append(
+            "No surface, or place that surfaces share, is met in both senses, and each may lie "
+            "anywhere ([datum] of nominal.toml): a backlash looks like where they lie."
+        )
     return found
-
-
-def _meets_both_senses(scene: Scene, here: BoolArray) -> bool:
-    """Tell whether some touches of a mask, of shape (n,), that share a datum differ in sense."""
-    groups = scene.datum_groups
-    if groups is None or scene.datum_u_um is not None:
-        return True
-    return any(
-        len(np.unique(scene.sign[here & (groups == group)])) > 1 for group in np.unique(groups)
-    )
 
 
 def first_touch(campaign: Campaign) -> list[str]:

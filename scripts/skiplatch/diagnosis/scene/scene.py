@@ -6,15 +6,15 @@ edges the stretches come apart, and the likelihood is a product over them.
 
 import pickle
 from dataclasses import dataclass, fields, replace
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
-from skiplatch.campaign import Axis, Campaign, Nominal, Touches
-from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.campaign import Campaign, Nominal
+from skiplatch.campaign.datum_names import datum_names
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import SHIFTED
 from skiplatch.diagnosis.density.law import Law
@@ -175,24 +175,3 @@ def rounding_step(scene: Scene, stream: Stream) -> float:
     if stream.unit == "µs":
         return scene.nominal.skip.tick_us
     return scene.nominal.axis.resolution_um
-
-
-def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
-    """Name the datum of each touch, the same in every part of a campaign; shape (n,).
-
-    None where it is known.
-    """
-    if nominal.datum.free is DatumFreedom.NONE:
-        return None
-    axes = np.array([*(axis.name for axis in Axis), "axis"])[touches.axis]
-    parts = {
-        DatumFreedom.CAMPAIGN: [np.full(len(touches), "campaign")],
-        DatumFreedom.AXIS: [axes],
-        DatumFreedom.AXIS_SENSE: [axes, np.where(touches.sign < 0.0, "-", "+")],
-        DatumFreedom.SESSION: [axes],
-    }[nominal.datum.free]
-    # What was homed or clamped anew has a datum of its own.
-    if len(touches.session_names) > 1:
-        sessions = np.array([f" session {name}" for name in touches.session_names])
-        parts.append(sessions[touches.session])
-    return reduce(np.char.add, parts)

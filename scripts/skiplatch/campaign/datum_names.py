@@ -1,0 +1,32 @@
+"""Which touches share one unknown place of the surface."""
+
+from functools import reduce
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skiplatch.campaign.columns import Axis
+from skiplatch.campaign.datum import DatumFreedom
+from skiplatch.campaign.nominal import Nominal
+from skiplatch.campaign.touches import Touches
+
+
+def datum_names(nominal: Nominal, touches: Touches) -> NDArray[np.str_] | None:
+    """Name the datum of each touch, the same in every part of a campaign; shape (n,).
+
+    None where it is known.
+    """
+    if nominal.datum.free is DatumFreedom.NONE:
+        return None
+    axes = np.array([*(axis.name for axis in Axis), "axis"])[touches.axis]
+    parts = {
+        DatumFreedom.CAMPAIGN: [np.full(len(touches), "campaign")],
+        DatumFreedom.AXIS: [axes],
+        DatumFreedom.AXIS_SENSE: [axes, np.where(touches.sign < 0.0, "-", "+")],
+        DatumFreedom.SESSION: [axes],
+    }[nominal.datum.free]
+    # What was homed or clamped anew has a datum of its own.
+    if len(touches.session_names) > 1:
+        sessions = np.array([f" session {name}" for name in touches.session_names])
+        parts.append(sessions[touches.session])
+    return reduce(np.char.add, parts)
