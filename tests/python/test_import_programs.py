@@ -70,7 +70,7 @@ def test_start_that_is_not_known_leaves_the_direction_to_the_touch(
 
 
 def test_end_of_a_move_that_missed_tells_no_direction(tmp_path: Path) -> None:
-    run = read(tmp_path, "G90\nG38.3 X5 F50\n", row(5.000001))
+    run = read(tmp_path, "G90\nG38.3 X5 F50\nG38.3 Y5 F50\n", row(5.000001) + row(5.000001, 2))
 
     assert told(run)[0][:2] == ("X", 0)
 
