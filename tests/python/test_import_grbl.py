@@ -178,3 +178,29 @@ def test_inches_of_a_move_in_machine_coordinates_are_those_of_linear_axes() -> N
 
     assert move is not None
     assert move.start == {"Z": pytest.approx(25.4), "A": 90.0}
+
+
+def test_list_of_parameters_ends_with_the_last_touch(tmp_path: Path) -> None:
+    """A console may hide each ``ok``."""
+    listed = "[G92:0.000,0.000,0.000]\n[TLO:0.000]\n[PRB:0.000,0.000,-5.000:1]\n[GC:G0 G21]\n"
+    run = read(tmp_path, listed + "[PRB:0.000,0.000,-5.1:1]\n[PRB:0.000,0.000,-5.2:1]\n")
+
+    assert run.coordinates() == [-5.1, -5.2]
+
+
+def test_log_that_only_lists_its_last_touch_is_told(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "s.log").write_text("$#\n[TLO:0.000]\n[PRB:0.000,0.000,-5.000:1]\nok\n")
+
+    said = refused("import", "grbl", tmp_path / "s.log", "-o", tmp_path / "out")
+
+    assert "got only the last one again, as $# lists it" in said
+
+
+def test_first_touch_without_a_command_is_of_the_axis_that_then_moves(tmp_path: Path) -> None:
+    rows = [f"[PRB:1.000,{y:.3f},-10.000:1]\n" for y in (52.383, 52.387, 52.386)]
+
+    touches = read(tmp_path, "".join(rows), "--feed", "100").campaign.touches
+
+    assert touches.axis.tolist() == [Axis.Y] * 3
+    assert np.isnan(touches.sign).all()
+    assert touches.deviation_um.tolist() == pytest.approx([-3.0, 1.0, 0.0])

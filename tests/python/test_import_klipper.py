@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from refusals import Program
 from skiplatch.cli import group
 from test_import_logs import Run
 
@@ -202,3 +203,91 @@ def test_reading_of_grbl_that_is_far_off_is_said_to_be_another_surface(tmp_path:
     assert any(line == f"{said}: touch 3" for line in run.said["assumed"])
     checked = CliRunner().invoke(group, ["check", str(tmp_path / "campaign")])
     assert said in checked.output
+
+
+STATS = (
+    "Stats 100.5: gcodein=0 mcu: mcu_awake=0.001 freq=520 adj=521 raspi: temp=50.5 "
+    "EBB_NTC: temp=31.5 5V_Monitor: temp=5.0 unread: temp=0.0 "
+    "heater_bed: target=60 temp=59.5 pwm=0\n"
+)
+SENSORS = """===== Config file =====
+[temperature_sensor raspi]
+sensor_type = temperature_host
+[temperature_sensor EBB_NTC]
+sensor_type = Generic 3950
+=======================
+"""
+
+
+def test_sensors_are_called_as_columns_may_be_and_those_of_processors_left_out(
+    tmp_path: Path,
+) -> None:
+    run = imported(tmp_path, SENSORS + (STATS + TOUCH.format(1.0)) * 3)
+
+    found = {name: values[0] for name, values in run.campaign.touches.thermometers.items()}
+    assert found == {"ebb_ntc": 31.5, "5v_monitor": 5.0, "heater_bed": 59.5}
+
+
+def test_speed_on_a_line_of_its_own_is_read(tmp_path: Path) -> None:
+    """As probe.py printed until 2020."""
+    head = "// probe accuracy: at X:10.0 Y:10.0 Z:5.0\n// and read 10 times with speed of 2 mm/s\n"
+    run = imported(tmp_path, head + TOUCHES + RESULTS)
+
+    assert feeds(run) == [120.0] * 2
+    assert run.campaign.touches.approach_mm[0] == pytest.approx(4.0, abs=0.01)
+
+
+def test_tap_that_retracts_by_itself_tells_no_approach(tmp_path: Path) -> None:
+    run = imported(tmp_path, TEST.format("5.0").replace("retract=2.000", "retract=0.000") + TOUCHES)
+
+    assert run.campaign.touches.approach_mm[1:].tolist() == pytest.approx(
+        [float("nan")], nan_ok=True
+    )
+
+
+def test_lines_that_a_page_glued_together_are_read_apart(tmp_path: Path) -> None:
+    glued = f"Send: PROBE_ACCURACYRecv: // {TEST.format('2.0')[:-1]}Send: M105Recv: // {TOUCHES}"
+    run = imported(tmp_path, glued.replace(" lift_speed=10.0)", ""))
+
+    assert feeds(run) == [120.0] * 2
+
+
+@pytest.mark.parametrize(("lowest", "is_told"), [("1.000000", False), ("0.997500", True)])
+def test_touches_that_the_results_count_and_the_log_lacks_are_told(
+    tmp_path: Path,
+    lowest: str,
+    is_told: bool,
+) -> None:
+    results = RESULTS.replace("1.000000", lowest)
+    run = imported(tmp_path, TOUCHES + TEST.format("2.0") + TOUCHES + results)
+
+    said = "touches that the log's own minimum and maximum count, line 6"
+    assert any(line.startswith(said) for line in run.said.get("could_not_be_read", [])) is is_told
+
+
+def test_times_are_spread_no_further_than_touches_usually_are_apart(tmp_path: Path) -> None:
+    seconds = (0, 0, 1, 1, 2, 9, 9)
+    log = "".join(f"10:00:0{second} {TOUCH.format(1.0)}" for second in seconds)
+    run = imported(tmp_path, log)
+
+    assert run.campaign.touches.time_s.tolist() == [0.0, 0.5, 1.0, 1.5, 2.0, 9.0, 9.5]
+
+
+def test_first_result_of_marlin_is_counted_once(tmp_path: Path) -> None:
+    """As a log shows it that was cut below the title of the test."""
+    (tmp_path / "m.log").write_text(
+        "Bed X: 1.0 Y: 5.0 Z: -0.0050\n1 of 2: z: -0.005 mean: -0.0050\n"
+        "2 of 2: z: -0.003 mean: -0.0038\nFinished!\nMean: -0.003800 Min: -0.009 Max: -0.003\n"
+    )
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"), "--feed", "120")
+
+    assert len(run.campaign.touches) == 2
+    assert any(
+        "minimum and maximum count, line 5" in line for line in run.said["could_not_be_read"]
+    )
+
+
+def test_summaries_of_marlin_alone_ask_for_samples(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "m.log").write_text("Mean: 0.007667 Min: -0.002 Max: 0.018 Range: 0.020\n")
+
+    assert "type M48 V4" in refused("import", "marlin", tmp_path / "m.log", "-o", tmp_path / "out")

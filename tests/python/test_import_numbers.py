@@ -155,12 +155,3 @@ def test_log_without_any_number_that_is_one_is_refused(tmp_path: Path) -> None:
 
     with pytest.raises(InputError):
         read_any(tmp_path / "a.txt")
-
-
-def test_thermometer_of_a_name_that_is_none_is_refused(tmp_path: Path, refused: Program) -> None:
-    log = (LOGS / "klippy.log").read_text(encoding="utf-8")
-    (tmp_path / "a.log").write_text(log.replace("heater_bed:", "t01 heater_bed:"))
-
-    said = refused("import", "klipper", tmp_path / "a.log", "-o", tmp_path / "x")
-
-    assert ": temp_t01 heater_bed_c: expected temp_NAME_c" in said

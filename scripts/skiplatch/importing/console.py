@@ -17,6 +17,22 @@ HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
 """What begins a session, as the touches after it latch elsewhere than those before."""
 
 
+_NOT_IN_NAMES = re.compile(r"[^a-z0-9_.-]")
+_LONGEST_NAME = 60
+NAMED = 5
+"""Lines that are named at most."""
+
+
+def thermometer_name(name: str) -> str:
+    """Give what a column temp_NAME_c calls a thermometer that somebody named."""
+    return _NOT_IN_NAMES.sub("_", name.lower())[:_LONGEST_NAME]
+
+
+def decimals(text: str) -> int:
+    """Count those that a number is printed with."""
+    return len(text.partition(".")[2])
+
+
 class Console:
     """Touches that a console tells, with the temperatures and the homing before each."""
 
@@ -26,6 +42,8 @@ class Console:
         self.temperatures: dict[str, float] = {}
         self._session = ""
         self._sessions = 0
+        self._tested: list[float] = []
+        self._disagreeing: list[int] = []
 
     def take_temperatures(self, text: str) -> None:
         """Remember the temperatures of a line, if there are some."""
@@ -43,6 +61,19 @@ class Console:
             self._session = f"after {what} {self._sessions}"
         return what
 
+    def test_begins(self) -> None:
+        """Begin a series of touches, whose extremes the log may tell once more."""
+        self._tested = []
+
+    def take_extremes(self, low: str, high: str, line: Line) -> None:
+        """Hold what the log itself says of a series against its touches."""
+        told = [(float(text), 0.51 * 10.0 ** -decimals(text)) for text in (low, high)]
+        if self._tested:
+            found = min(self._tested), max(self._tested)
+            if any(abs(f - z) > half for f, (z, half) in zip(found, told, strict=True)):
+                self._disagreeing.append(line.number)
+        self._tested = []
+
     def add(
         self,
         z: float | None,
@@ -58,6 +89,8 @@ class Console:
 
         Without z it is an attempt that latched nothing, or that triggered before it moved.
         """
+        if z is not None:
+            self._tested.append(z)
         self.touches.append(
             Touch(
                 axis="Z",
@@ -94,6 +127,13 @@ class Console:
         found = Imported(preset=preset, touches=self.touches, place_is_surface=True)
         self._say_failed(found)
         self._say_adjusted(found)
+        if self._disagreeing:
+            lines = ", ".join(map(str, self._disagreeing[:NAMED]))
+            more = ", …" if len(self._disagreeing) > NAMED else ""
+            found.unread.append(
+                f"touches that the log's own minimum and maximum count, line {lines}{more}: those "
+                "above are cut, or not read"
+            )
         if all(time_s is None for time_s in times):
             found.assumed.append(NO_TIMES)
         return found

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
@@ -20,7 +21,7 @@ from skiplatch.units import MM_PER_INCH, UM_PER_MM
 _SETTING = re.compile(rf"\$([0-9]{{1,3}})\s*=\s*({NUMBER})")
 _MODES = re.compile(r"\[GC:([^\]]*)\]")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
-_GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[MSG:INFO", re.IGNORECASE)
+_GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[(?:MSG:INFO|NEWOPT:|BOARD:)", re.IGNORECASE)
 _PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TL[O0R]|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
 _RANGE = re.compile(rf"\bAxis ([XYZABC]) \(({NUMBER}),\s*({NUMBER})\)")
@@ -44,10 +45,7 @@ def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported
     for line in read_lines(path):
         reader.take(line)
     if not reader.touches:
-        broken = f", got {reader.broken} cut or garbled" if reader.broken else ""
-        if reader.is_probing and not broken:
-            broken = ", got probing commands without them: log what the controller answers, too"
-        message = f"expected replies such as [PRB:0.000,0.000,-5.123:1]{broken}"
+        message = f"expected replies such as [PRB:0.000,0.000,-5.123:1]{reader.instead}"
         raise InputError(path, None, None, message)
     refuse_all_missed(path, reader.touches)
     return reader.result()
@@ -69,6 +67,7 @@ class _Reader:
         self._session = 0
         self._is_hal = False
         self._lists_parameters = False
+        self._listed = 0
         self._ranges: dict[str, tuple[float, float]] = {}
         self._guessed = 0
 
@@ -108,15 +107,24 @@ class _Reader:
             self._not_begun(move, line)
 
     @property
-    def is_probing(self) -> bool:
-        """Whether a probing command waits for its reply."""
-        return self._dialogue.is_probing
+    def instead(self) -> str:
+        """What a log without a touch holds in its place, for a message; empty if nothing."""
+        if self.broken:
+            return f", got {self.broken} cut or garbled"
+        if self._listed:
+            return ", got only the last one again, as $# lists it: log the probing itself"
+        if self._dialogue.is_probing:
+            return ", got probing commands without them: log what the controller answers, too"
+        return ""
 
     def _repeats_the_last(self, line: Line, *, is_reply: bool) -> bool:
         """Tell the last touch in the list of parameters that $# asks for."""
         if is_reply:
             is_listed = self._lists_parameters or bool(_PARAMETERS.search(line.text))
-            return is_listed or bool(_ASKS.match(line.text))
+            is_listed = is_listed or bool(_ASKS.match(line.text))
+            self._lists_parameters = False  # it ends with the last touch
+            self._listed += is_listed
+            return is_listed
         self._lists_parameters = bool(_PARAMETERS.match(line.text))
         return False
 
@@ -184,12 +192,31 @@ class _Reader:
         return f"after homing {self._session}" if self._session else ""
 
     def _guess(self, position: Sequence[float]) -> str:
-        """Take the axis that moved since the touch before, or Z."""
+        """Take the axis that moved since the touch before, or Z.
+
+        A first touch, with none before it, is of the axis that alone moved up to the second one.
+        """
         self._guessed += 1
         if self._last is None or len(self._last) != len(position):
             return "Z"
         ways = [abs(a - b) for a, b in zip(position, self._last, strict=True)]
-        return AXES[ways.index(max(ways))] if max(ways) > 0 else self.touches[-1].axis
+        if max(ways) == 0:
+            return self.touches[-1].axis
+        axis = AXES[ways.index(max(ways))]
+        if self._guessed == len(self.touches) + 1 == 2 and sum(way > 0 for way in ways) == 1:
+            self.touches[0] = self._guessed_touch(self.touches[0], axis, self._last)
+        return axis
+
+    def _guessed_touch(self, touch: Touch, axis: str, position: Sequence[float]) -> Touch:
+        """Give a touch without a command as one of another axis."""
+        index = AXES.index(axis)
+        return replace(
+            touch,
+            axis=axis,
+            sign=-1 if axis == "Z" else None,
+            coordinate=None if touch.coordinate is None else position[index],
+            place=tuple(v for i, v in enumerate(position) if i != index),
+        )
 
     def result(self) -> Imported:
         """Say what was found."""

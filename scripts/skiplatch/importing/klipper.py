@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console
+from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, thermometer_name
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, number
@@ -17,17 +17,24 @@ _PROBE = re.compile(
     re.IGNORECASE,
 )
 _ACCURACY = re.compile(
-    rf"PROBE_ACCURACY at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})\s*\((?P<options>[^)]*)"
+    rf"PROBE[_ ]ACCURACY:? at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})(?:\s*\((?P<options>[^)]*))?",
+    re.IGNORECASE,
 )
+_ACCURACY_SPEED = re.compile(rf"^and read \d+ times with speed of ({NUMBER}) mm/s")
+"""What stood on a line of its own up to 2020."""
 _MISSED = re.compile(r"No trigger on probe after full movement", re.IGNORECASE)
 _FALSE = re.compile(r"Probe triggered prior to movement", re.IGNORECASE)
 _OPTION = re.compile(rf"(\w+)=({NUMBER})")
 _STATS = re.compile(rf"^Stats ({NUMBER}):")
-_TEMPERATURE = re.compile(rf"([A-Za-z_][\w ]*?): (?:target={NUMBER} )?temp=({NUMBER})")
+_TEMPERATURE = re.compile(rf"([^\s:=]+): (?:target={NUMBER} )?temp=({NUMBER})")
+_ELECTRONICS = {"temperature_mcu", "temperature_host", "temperature_combined"}
+"""Sensors within a processor, which tell nothing of the machine."""
 _SECTION = re.compile(r"^\[([^\]]+)\]$")
 _WHOLE = re.compile(NUMBER)
 _ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
-_RESULTS = re.compile(r"^probe accuracy results", re.IGNORECASE)
+_RESULTS = re.compile(
+    rf"^probe accuracy results(?:: maximum ({NUMBER}), minimum ({NUMBER}))?", re.IGNORECASE
+)
 _PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({NUMBER})", re.IGNORECASE)
 _COMMAND = re.compile(
     r"^(?:N\d+\s*)?(?:G\d+\b.*|(?:PROBE|[A-Z]\w*_\w+)(?:\s+\w+=\S+)*\s*(?:[;#*].*)?)$",
@@ -98,19 +105,27 @@ class _Reader(Console):
             self._touch(match, line)
         elif match := _ACCURACY.search(text):
             self._test_begins(match)
+        elif match := _ACCURACY_SPEED.match(text):
+            self._options["speed"] = float(match[1])
         elif _MISSED.search(text) or _FALSE.search(text):
             self._failed(line)
         elif match := _STATS.match(text):
             self._stats_s = float(match[1])
-            self.temperatures |= {
-                name.strip(): float(value) for name, value in _TEMPERATURE.findall(text)
-            }
+            self._take_sensors(text)
         elif match := _RULER.match(text):
             self._is_config = match[1] is not None
         else:
             self._configured(text)
             if not self._is_config:  # whose macros hold commands that nobody gave
                 self._happened(text)
+                self._tested_to_end(line)
+
+    def _take_sensors(self, text: str) -> None:
+        """Take the temperatures of a statistics line; 0 is that of a sensor not read yet."""
+        for name, value in _TEMPERATURE.findall(text):
+            kind = self._config.get((f"temperature_sensor {name}", "sensor_type"))
+            if kind not in _ELECTRONICS and float(value) != 0.0:
+                self.temperatures[thermometer_name(name)] = float(value)
 
     def _configured(self, text: str) -> None:
         if match := _SECTION.match(text):
@@ -122,11 +137,18 @@ class _Reader(Console):
         """Take a command, or what one prints beside touches."""
         is_homed = self.take_moved(text, _MOVED) == HOMING
         speed = _PROBE_SPEED.search(text)
-        is_result = bool(_RESULTS.match(text))
-        self.has_results = self.has_results or is_result
-        if speed or is_homed or _COMMAND.match(text) or is_result:
+        if speed or is_homed or _COMMAND.match(text):
             self._command_ends()
             self._command_speed = float(speed[1]) if speed else None
+
+    def _tested_to_end(self, line: Line) -> None:
+        """Take the results of PROBE_ACCURACY."""
+        if not (results := _RESULTS.match(line.text)):
+            return
+        self.has_results = True
+        if results[1]:
+            self.take_extremes(results[2], results[1], line)
+        self._command_ends()
 
     def _command_ends(self) -> None:
         """Forget what was said of a command, as the next one goes by its own words."""
@@ -135,10 +157,11 @@ class _Reader(Console):
 
     def _test_begins(self, match: re.Match[str]) -> None:
         """Take what PROBE_ACCURACY says that it will do; its speed has one decimal only."""
-        self._options = {k: float(v) for k, v in _OPTION.findall(match["options"])}
+        self._options = {k: float(v) for k, v in _OPTION.findall(match["options"] or "")}
         typed = self._command_speed
         if typed and abs(self._options.get("speed", math.inf) - typed) <= _HALF_DIGIT_MM_S:
             self._options["speed"] = typed
+        self.test_begins()
         self._start_z = float(match[3])
         self._tested_place = (float(match[1]), float(match[2]))
 
@@ -173,8 +196,9 @@ class _Reader(Console):
 
     def _start(self) -> float | None:
         """Give where PROBE_ACCURACY begins, and later so far above the touch before."""
-        if self._start_z is None and self._last_z is not None and "retract" in self._options:
-            return self._last_z + self._options["retract"]
+        retract = self._options.get("retract")  # a tap retracts by itself, and says 0
+        if self._start_z is None and self._last_z is not None and retract:
+            return self._last_z + retract
         return self._start_z
 
     def _speed(self) -> float | None:
@@ -209,12 +233,12 @@ class _Reader(Console):
         self._steps(found)
         self._reach(found)
         found.known.append("where each touch was latched, and at which X and Y")
-        if self._stats_s is not None:
+        if any(touch.time_s is not None for touch in self.touches) and self._stats_s is not None:
             found.assumed.append(
                 "times are those of the statistics lines before, 1 s apart, spread evenly"
             )
         if not self.say_temperatures(found):
-            found.assumed.append("no temperatures in the log: those of klippy.log are not here")
+            found.assumed.append("no temperatures before a touch: klippy.log has them")
         return found
 
     def _feeds(self, found: Imported) -> None:

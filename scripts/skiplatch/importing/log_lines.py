@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
+from statistics import median
 
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
@@ -34,6 +35,9 @@ _MARK = re.compile(
     r"^(?:\s|[-*•]\s|\$ |>>>|<<<|>(?!\s*$)|<(?![A-Za-z])|//|!!|echo:|"
     r"(?:Recv|Send|RX|TX|READ|SENT|SENDING|RECV|INFO|DEBUG)\s*:?\s*(?=\W|\w)|\|)+",
 )
+
+_GLUED = re.compile(r"(?<=[\w.)\]])(?=(?:Recv|Send): )")
+"""Where a page lost the end of a line."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,13 +105,13 @@ def read_lines(path: Path) -> list[Line]:
 def _lines(text: str) -> Iterator[Line]:
     time_s: float | None = None
     for number, raw in enumerate(text.splitlines(), 1):
-        rest = raw.replace("\u00a0", " ")
-        rest = _without_marks(rest)
-        if stamp := _STAMP.match(rest):
-            time_s = _seconds(stamp)
-            rest = _without_marks(rest[stamp.end() :])
-        if rest.strip():
-            yield Line(number, rest.strip(), raw, time_s)
+        for part in _GLUED.split(raw.replace("\u00a0", " ")):
+            rest = _without_marks(part)
+            if stamp := _STAMP.match(rest):
+                time_s = _seconds(stamp)
+                rest = _without_marks(rest[stamp.end() :])
+            if rest.strip():
+                yield Line(number, rest.strip(), raw, time_s)
 
 
 def _without_marks(text: str) -> str:
@@ -143,8 +147,13 @@ def _oldest_first(lines: list[Line]) -> list[Line]:
 
 
 def spread_times(times: list[float | None]) -> list[float | None]:
-    """Spread times that stand there more than once evenly up to the next one."""
+    """Spread times that stand there more than once evenly up to the next one.
+
+    Where that is farther than between others, there was a pause before it.
+    """
     found = list(times)
+    steps = [b - a for a, b in pairwise(t for t in times if t is not None) if b > a]
+    usual = median(steps) if steps else 1.0
     start = 0
     while start < len(times):
         end = start
@@ -153,7 +162,8 @@ def spread_times(times: list[float | None]) -> list[float | None]:
         first = times[start]
         if first is not None and end - start > 1:
             following = times[end] if end < len(times) else None
-            span = following - first if following is not None and following > first else 1.0
+            pause = following - first if following is not None else 0.0
+            span = min(pause, usual) if pause > 0.0 else usual
             for i in range(start, end):
                 found[i] = first + span * (i - start) / (end - start)
         start = end

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console
+from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, decimals
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
@@ -19,6 +19,9 @@ _BED = re.compile(  # in lower case until 2015
 _FAILED = re.compile(r"Error:?\s*Probing failed", re.IGNORECASE)
 _PLACE = re.compile(rf"\bM48\b.*?\bX(-?{PLAIN}).*?\bY(-?{PLAIN})", re.IGNORECASE)
 _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
+_RESULTS = re.compile(
+    rf"^Mean:\s*{NUMBER}\s*Z?Min:\s*({NUMBER})\s*Z?Max:\s*({NUMBER})", re.IGNORECASE
+)
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({PLAIN})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({PLAIN})")
@@ -62,6 +65,7 @@ class _Reader(Console):
         self._steps: float | None = None
         self._accel: float | None = None
         self._from_means = 0
+        self._is_bed_last = False
 
     def take(self, line: Line) -> None:
         """Take in a line."""
@@ -73,6 +77,9 @@ class _Reader(Console):
             self._place, self._in_test = (float(match[1]), float(match[2])), False
         elif match := _BED.search(text):
             self._bed(match, line)
+        elif match := _RESULTS.match(text):
+            self.has_tested = True
+            self.take_extremes(match[1], match[2], line)
         elif self.take_moved(text, _MOVED) or _TEST_ENDS.match(text):
             self._in_test = False
         elif _FAILED.search(text):
@@ -89,15 +96,25 @@ class _Reader(Console):
         number, z = int(match[1]), float(match[3])
         if number == 1:
             self._sum = 0.0
+            self._begins_with(z, _half(match[3]))
         if match[4] is not None:
             total = float(match[4]) * number
             exact = total - self._sum
             self._sum = total
-            if _decimals(match[4]) > _decimals(match[3]) + 1 and abs(exact - z) < _half(match[3]):
-                digit = 0.5 * 10.0 ** -_decimals(match[4]) * (2 * number - 1)
+            if decimals(match[4]) > decimals(match[3]) + 1 and abs(exact - z) < _half(match[3]):
+                digit = 0.5 * 10.0 ** -decimals(match[4]) * (2 * number - 1)
                 if digit < _half(match[3]):
                     z, self._from_means = round(exact, 6), self._from_means + 1
         self.add(z, self._place, line, feed=self.feed)
+        self._is_bed_last = False
+
+    def _begins_with(self, z: float, half: float) -> None:
+        """Begin a series; a result right before it, in a log without its title, is its first."""
+        last = self.touches[-1] if self.touches else None
+        if self._is_bed_last and last and abs((last.coordinate or 0.0) - z) < half:
+            self.touches.pop()
+            self._place = last.place
+        self.test_begins()
 
     def _bed(self, match: re.Match[str], line: Line) -> None:
         """Take a result of G30; in a test it only repeats the first sample."""
@@ -106,6 +123,7 @@ class _Reader(Console):
             self._place = place
         else:
             self.add(float(match[3]), place, line, feed=self.feed)
+        self._is_bed_last = not self._in_test
 
     def result(self) -> Imported:
         """Say what was found."""
@@ -128,9 +146,5 @@ class _Reader(Console):
         return found
 
 
-def _decimals(text: str) -> int:
-    return len(text.partition(".")[2])
-
-
 def _half(text: str) -> float:
-    return 0.51 * 10.0 ** -_decimals(text)
+    return 0.51 * 10.0 ** -decimals(text)
