@@ -8,6 +8,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import Axis, InputPath, Kind, Nominal, Status, Touches
+from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.motion import Contact, expected_contact
 from skiplatch.units import UM_PER_MM, UM_US_PER_MM_S
 
@@ -94,6 +95,12 @@ class NominalChain:
         probe = self.nominal.probe
         azimuth = LOBES * (self.alpha - np.deg2rad(probe.lobe_phase_deg))
         return np.asarray(probe.lobe_um * self.cos_beta * np.cos(azimuth))
+
+    @cached_property
+    def off_grid_us(self) -> FloatArray:
+        """PLC stamps off the grid of scans, whose phase they tell; NaN for others; shape (n,)."""
+        stamps = np.where(self.plc & self.has_stamps, self.touches.latch_us, np.nan)
+        return off_grid(stamps, self.nominal.plc.scan_us)
 
     @property
     def least_pretravel_um(self) -> float:

@@ -7,7 +7,6 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.nominal_chain import NominalChain
 
 
@@ -44,14 +43,11 @@ def _latch(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
 
 
 def _lattice(chain: NominalChain) -> Stream:
-    """PLC stamps off the grid of scans, whose phase is taken from the stamps themselves."""
-    period, tick = chain.nominal.plc.scan_us, chain.nominal.skip.tick_us
-    stamps = chain.touches.latch_us
+    """PLC stamps off the grid of scans."""
+    tick = chain.nominal.skip.tick_us
+    law = (-tick / 2.0, tick / 4.0, tick, 0.0)
     rows = chain.plc & chain.has_stamps
-    residuals = off_grid(np.where(rows, stamps, np.nan), period)
-    return _stream(
-        chain, "lattice", "µs", ("scan",), residuals, (-tick / 2.0, tick / 4.0, tick, 0.0), rows
-    )
+    return _stream(chain, "lattice", "µs", ("scan",), chain.off_grid_us, law, rows)
 
 
 def _position(chain: NominalChain) -> Stream:

@@ -31,6 +31,8 @@ OF_TOUCHES = frozenset(
 """Cached properties of a scene that no number of nominal.toml changes."""
 OF_MOTION = frozenset({"contact", "speed"})
 """Those that depend on the axis alone, beside the touches."""
+OF_SCANS = frozenset({"off_grid_us"})
+"""Those that depend on the period of the scans alone."""
 OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count"})
 """Those that depend on how the datum is free."""
 KEPT = 16
@@ -95,10 +97,12 @@ class Scene(NominalChain):
         kept = set(OF_TOUCHES)
         if nominal.axis == self.nominal.axis:
             kept |= OF_MOTION
+        if nominal.plc.scan_us == self.nominal.plc.scan_us:
+            kept |= OF_SCANS
         if nominal.datum == self.nominal.datum:
             kept |= OF_DATUM
-        # What was derived from what stays the same; beliefs are tried out by the hundred.
-        moved.__dict__.update({n: v for n, v in self.__dict__.items() if n in kept})
+        # Derived once from what stays the same; beliefs are tried out by the hundred.
+        moved.__dict__.update({name: getattr(self, name) for name in kept})
         return moved
 
     def with_datum_moved(self, touch: int) -> "Scene":
