@@ -13,12 +13,18 @@ from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machi
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Touches, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.density.law import Extra, Law
+from skiplatch.diagnosis.fit.fit import fit
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
 from skiplatch.diagnosis.plays.playing import FittedDatum
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.verdict.named import named
+from skiplatch.simulator.effects import effects
 from skiplatch.simulator.library import connection
 
 OFF_UM = 12.0
@@ -131,6 +137,36 @@ def test_a_datum_of_each_sense_takes_up_backlash_and_one_of_each_axis_does_not()
     for name, value in found.items():
         assert value == pytest.approx(1.0 if name.endswith("+") else -1.0, abs=0.15)
     assert nats(moved(quiet(), backlash_um)) < nats(quiet()) - 100.0
+
+
+def with_senses(campaign: Campaign, axis: Axis, sense: float) -> Campaign:
+    """The same touches, those of an axis all made in one sense."""
+    touches = campaign.touches
+    sign = np.where(touches.axis == axis, sense, touches.sign)
+    return replace(campaign, touches=replace(touches, sign=sign))
+
+
+@pytest.mark.parametrize(
+    ("freedom", "like_datum"),
+    [
+        (DatumFreedom.NONE, set()),
+        (DatumFreedom.CAMPAIGN, {"positive_um"}),
+        (DatumFreedom.AXIS, {"positive_um", "z_excess_ratio"}),
+        (DatumFreedom.AXIS_SENSE, {"positive_um", "y_excess_ratio", "z_excess_ratio"}),
+    ],
+)
+def test_play_of_an_axis_that_is_met_in_one_sense_is_like_where_its_surface_lies(
+    freedom: DatumFreedom, like_datum: set[str]
+) -> None:
+    scene = Scene.of(free(with_senses(quiet(), Axis.Z, -1.0), freedom))
+    play = CANDIDATES["backlash"]
+    found = fit(scene, [play], [[2.0, 0.0, 0.0, 0.0]])
+
+    assert {play.names[number] for number in play.taken_up(scene)} == like_datum
+    (told,) = named(scene, Finding(Scored(found, 50.0, 50.0), ((),), (0.9,)))
+    ranges = {p.name: (p.low, p.high) for p in effects()["backlash"].parameters}
+    open_to_all = {name for name, ends in told.intervals.items() if ends == ranges[name]}
+    assert open_to_all == told.idle == like_datum
 
 
 def test_a_datum_of_each_session_takes_up_what_changes_between_them() -> None:

@@ -45,6 +45,21 @@ def idle(touches: Touches, effect: Effect) -> frozenset[str]:
     )
 
 
+def like_datum(scene: Scene) -> frozenset[str]:
+    """Name the parameters of a backlash that move all touches of a datum alike.
+
+    So does what an axis has more than X, where each datum of it is met by that axis in one sense.
+    """
+    if scene.datum_groups is None:
+        return frozenset()
+    moves = np.column_stack([scene.datum_groups, scene.touches.axis, scene.sign]).astype(int)
+    groups, axes, _ = np.unique(moves, axis=0).T
+    shared = set(axes[np.bincount(groups)[groups] > 1].tolist())
+    ratios = {"y_excess_ratio", "z_excess_ratio"}
+    alone = {name for name in ratios if OF_AN_AXIS[name] not in shared}
+    return frozenset({"positive_um", *alone})
+
+
 def each_axis(
     change: Callable[[Scene, FloatArray], Change],
     shapes: Sequence[Sequence[float]],

@@ -42,8 +42,8 @@ class Candidate:
     """What makes other forms of the effect."""
     believed_us: Callable[[Nominal], float] | None = None
     """Of a delay, the first parameter of which adds to it: what it is believed to take already."""
-    like_datum: frozenset[str] = frozenset()
-    """Parameters beside which a datum that may be anywhere makes another of the same."""
+    like_datum: Callable[[Scene], frozenset[str]] = lambda _: frozenset()
+    """Parameters that do to the touches what a datum does that may be anywhere."""
     span: Span = ALWAYS
     """The touches at which it acts."""
 
@@ -59,7 +59,7 @@ class Candidate:
         """
         is_free = scene.datum_groups is not None and scene.datum_u_um is None
         is_anywhere = is_free and self.span == ALWAYS
-        return frozenset(map(self.names.index, self.like_datum if is_anywhere else ()))
+        return frozenset(map(self.names.index, self.like_datum(scene) if is_anywhere else ()))
 
     def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
         """Tell whether no size is beyond its range, and nothing comes before its cause."""

@@ -17,7 +17,7 @@ from skiplatch.diagnosis.candidates import (
     surrogates,
 )
 from skiplatch.diagnosis.candidates.applicable import on_machine, shows_lobes, shows_waves, varies
-from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis
+from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis, like_datum
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.waves import transmissions
 from skiplatch.diagnosis.density.change import Change
@@ -222,7 +222,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             ),
             applies=varies("sign"),
             refinements=({0: 0.1}, {1: 0.1}, *axes_of_their_own(2)),
-            like_datum=frozenset({"positive_um"}),
+            like_datum=like_datum,
         ),
         Candidate(
             "transmission_error",

@@ -12,6 +12,7 @@ from skiplatch.campaign.toml_text import read_toml_text
 from skiplatch.diagnosis.reported.document import effects_of
 from skiplatch.diagnosis.reported.schema import whole
 from skiplatch.errors import InputError
+from skiplatch.simulator.effects import Effect, effects
 
 Json = Any
 
@@ -32,17 +33,24 @@ def adopted(document: Json) -> list[BelievedEffect]:
     read = whole(document)
     intervals = [entry.get("intervals", {}) for entry in read["effects"]]
     return [
-        BelievedEffect(effect.id, effect.parameters, _uncertainty(effect.parameters, ends))
+        BelievedEffect(effect.id, effect.parameters, _uncertainty(effect, ends))
         for effect, ends in zip(effects_of(read), intervals, strict=True)
         if effect.span.until is None
     ]
 
 
-def _uncertainty(
-    values: Mapping[str, float], ends: Mapping[str, Sequence[float]]
-) -> dict[str, float]:
-    """Give the standard uncertainty of each parameter whose interval has a width."""
-    widths = {name: high - low for name, (low, high) in ends.items() if name in values}
+def _uncertainty(effect: Effect, ends: Mapping[str, Sequence[float]]) -> dict[str, float]:
+    """Give the standard uncertainty of each parameter whose interval has a width.
+
+    One that may be anywhere in its range moves no touch, and stays as it is.
+    """
+    widths = {
+        p.name: high - low
+        for p in effects()[effect.id].parameters
+        if p.name in ends and p.name in effect.parameters
+        for low, high in [ends[p.name]]
+        if (low, high) != (p.low, p.high)
+    }
     return {name: float(f"{width / REACH:.3g}") for name, width in widths.items() if width > 0.0}
 
 

@@ -1,6 +1,6 @@
 """Effects that were found, as they are reported: sizes, intervals, when they act."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -35,7 +35,7 @@ class Named:
     when: str = ""
     """Since or until which touch it acts, in words; empty for one that always does."""
     idle: frozenset[str] = frozenset()
-    """Parameters by which no touch of the campaign differs."""
+    """Parameters by which no touch of the campaign differs, or none that one datum has."""
 
 
 def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> list[Named]:
@@ -49,19 +49,29 @@ def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> l
     if finding.model is None:
         return []
     fit = finding.model.fit
-    return [
-        Named(
-            effect=estimate.effect,
-            stage=effects()[estimate.effect.id].stage,
-            intervals=estimate.intervals,
+    found = []
+    for i, estimate in enumerate(estimates(scene, fit, as_effects(fit), executor)):
+        effect, candidate = estimate.effect, fit.candidates[i]
+        taken_up = {candidate.names[number] for number in candidate.taken_up(scene)}
+        moves_nothing = idle(scene.touches, effect) | taken_up
+        one = Named(
+            effect=effect,
+            stage=effects()[effect.id].stage,
+            intervals={**estimate.intervals, **_anywhere(effect, moves_nothing)},
             alternatives=finding.alternatives[i],
             confidence=finding.confidences[i],
-            at_limit=_at_limit(estimate.effect),
-            when=_when(scene, estimate.effect.span),
-            idle=idle(scene.touches, estimate.effect),
+            at_limit=_at_limit(effect),
+            when=_when(scene, effect.span),
+            idle=moves_nothing,
         )
-        for i, estimate in enumerate(estimates(scene, fit, as_effects(fit), executor))
-    ]
+        found.append(one)
+    return found
+
+
+def _anywhere(effect: Effect, names: Collection[str]) -> dict[str, tuple[float, float]]:
+    """Give the range of each parameter of which the touches tell nothing."""
+    parameters = effects()[effect.id].parameters
+    return {p.name: (p.low, p.high) for p in parameters if p.name in names}
 
 
 def _when(scene: Scene, span: Span) -> str:
