@@ -22,6 +22,7 @@ from skiplatch.campaign import (
     Kind,
     Nominal,
     Touches,
+    fingerprint,
     read_campaign,
 )
 from skiplatch.errors import CampaignWarning, InputError, quoted
@@ -154,7 +155,8 @@ def playable(campaign: Campaign) -> Campaign:
     if stood_in:
         touches = _stood_in(campaign, touches)
     refuse_endless_move(campaign.path / NOMINAL_FILE, campaign.nominal, touches)
-    return replace(campaign, touches=touches, stood_in=stood_in)
+    known_as = fingerprint(campaign.touches)
+    return replace(campaign, touches=touches, stood_in=stood_in, fingerprint=known_as)
 
 
 def _stood_in(campaign: Campaign, touches: Touches) -> Touches:

@@ -5,18 +5,19 @@ import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
 from types import FrameType
 
 import fuzz_campaign
 import fuzz_import
+import numpy as np
 from mutations import expect_one_line
 
 from skiplatch.api.diagnosed import read_diagnosis
 from skiplatch.bench.plan import read_plan
-from skiplatch.campaign import InputPath, read_nominal
+from skiplatch.campaign import Axis, InputPath, read_campaign, read_nominal
 from skiplatch.compensation.formats import read_table
 from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
@@ -38,7 +39,6 @@ from skiplatch.kinematics.truth import read_truth
 from skiplatch.simulator.library import connection
 from skiplatch.transmission.pulses import read_pulses
 from skiplatch.transmission.source import read_axis_train
-from skiplatch.ways import Ways
 
 FUZZ = Path(__file__).parent
 KEPT = FUZZ / "corpus" / "readers"
@@ -98,8 +98,9 @@ def _store(path: Path) -> None:
 
 
 def _stored(path: Path) -> None:
-    for ways in Ways:
-        diagnosed(path.parent, ways)
+    touches = read_campaign(SAMPLES / "bench_isr_latency").touches
+    for axes in ([Axis.X], [Axis.A], [Axis.X, Axis.A]):
+        diagnosed(path.parent, replace(touches, axis=np.resize(axes, len(touches))))
 
 
 def _findings(path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,13 +12,14 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch import cli
-from skiplatch.campaign import BelievedEffect, read_campaign, read_nominal
+from skiplatch.campaign import BelievedEffect, fingerprint, read_campaign, read_nominal
 from skiplatch.diagnosis import Diagnosis, diagnose
 from skiplatch.diagnosis.candidates.table import candidate
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.beliefs import believing, uncertain, value_of
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.reported.adoption import adopted
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.errors import InputError
 
@@ -196,3 +198,33 @@ def test_a_list_that_no_table_can_be_added_to_is_refused(tmp_path: Path, effects
     told = "expected plain keys, and tables [[effect]], so that one can be added"
     assert (status, said) == (2, f"{campaign / 'nominal.toml'}:2: {told}")
     assert not out.exists()
+
+
+@pytest.mark.parametrize("is_of_others", [False, True])
+def test_a_diagnosis_of_other_touches_is_told(tmp_path: Path, *, is_of_others: bool) -> None:
+    campaign = tmp_path / "campaign"
+    shutil.copytree(BENCH, campaign)
+    path = diagnosis(tmp_path, [LATENCY])
+    known_as = fingerprint(read_campaign(BENCH).touches)
+    path.write_text(json.dumps({**json.loads(path.read_text()), "fingerprint": known_as}))
+    if is_of_others:
+        rows = (campaign / "touches.csv").read_text().splitlines(keepends=True)
+        (campaign / "touches.csv").write_text("".join(rows[:-1]))
+
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        adopt(campaign, path, tmp_path / "out.toml")
+
+    said = [str(one.message) for one in told]
+    assert (
+        any("a diagnosis of other touches than those of" in line for line in said) is is_of_others
+    )
+
+
+def test_parameter_of_which_nothing_is_known_stays_as_it_is(tmp_path: Path) -> None:
+    intervals = {"backlash_um": [2.9, 3.1], "z_excess_ratio": [-1000.0, 1000.0]}
+    found = {"id": "backlash", "params": dict.fromkeys(intervals, 0.0), "intervals": intervals}
+
+    (believed,) = adopted({"format": "skiplatch-diagnosis/2", "effects": [found]})
+
+    assert believed.uncertainty.keys() == {"backlash_um"}

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from conftest import SAMPLES
 from refusals import refusal
 from skiplatch.api.diagnosed import read_diagnosis
-from skiplatch.campaign import read_nominal
+from skiplatch.campaign import read_campaign, read_nominal
 from skiplatch.cli import group
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.experiment import models_from_json
@@ -21,15 +21,15 @@ from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.fleet.diagnosed import diagnosed
 from skiplatch.places import ROOT
-from skiplatch.ways import Ways
 
 WRITTEN = ROOT / "tests" / "fuzz" / "corpus" / "readers" / "diagnosis" / "seed.json"
 NOMINAL = read_nominal(SAMPLES / "bench_isr_latency" / "nominal.toml")
+TOUCHES = read_campaign(SAMPLES / "bench_isr_latency").touches
 READERS: dict[str, Callable[[Path], object]] = {
     "adopt": lambda path: read_diagnosis_json(path, adopted),
     "predict": lambda path: read_diagnosis_json(path, lambda read: rig_from_json(read, NOMINAL)),
     "design": lambda path: read_diagnosis_json(path, models_from_json),
-    "fleet add": lambda path: diagnosed(path.parent, Ways.LINEAR),
+    "fleet add": lambda path: diagnosed(path.parent, TOUCHES),
     "read_diagnosis": read_diagnosis,
 }
 NUMBER = "a number from -1e+15 to 1e+15"

@@ -146,6 +146,16 @@ def test_a_diagnosis_that_came_later_replaces_the_row(
     assert files(export(store, "monday", tmp_path / "back")) == files(campaign)
 
 
+def test_a_diagnosis_of_other_touches_is_refused(campaign: Path, store: Path) -> None:
+    (campaign / "diagnosis.json").write_text(json.dumps(DIAGNOSIS | {"fingerprint": "0" * 64}))
+
+    said = refusal(add, store, campaign)
+
+    assert said.endswith(
+        "diagnosis.json: a diagnosis of other touches than those that lie beside it"
+    )
+
+
 def test_history_has_the_diagnoses_in_the_order_of_time(campaign: Path, store: Path) -> None:
     (campaign / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
     later = another(campaign)

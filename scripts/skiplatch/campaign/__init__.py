@@ -41,7 +41,7 @@ from skiplatch.campaign.nominal_text import format_effect, format_nominal, write
 from skiplatch.campaign.nominal_toml import read_nominal
 from skiplatch.campaign.reading import read_conditions, read_touches
 from skiplatch.campaign.touches import Touches
-from skiplatch.campaign.writing import format_touches, write_touches
+from skiplatch.campaign.writing import fingerprint, format_touches, write_touches
 
 __all__ = [
     "COLUMNS",
@@ -70,6 +70,7 @@ __all__ = [
     "SkipNominal",
     "Status",
     "Touches",
+    "fingerprint",
     "format_effect",
     "format_nominal",
     "format_touches",

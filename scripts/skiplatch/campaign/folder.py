@@ -33,12 +33,14 @@ class Campaign:
         touches: The recorded touches.
         path: The folder, as it was named.
         stood_in: Columns with values that nobody recorded, so that the touches can be played.
+        fingerprint: Of the touches as they were recorded, where they may not be that any more.
     """
 
     nominal: Nominal
     touches: Touches
     path: Path
     stood_in: frozenset[str] = frozenset()
+    fingerprint: str = ""
 
 
 def read_campaign(path: str | os.PathLike[str]) -> Campaign:

@@ -1,12 +1,13 @@
 """Writing touches.csv."""
 
+import hashlib
 import os
 from collections.abc import Collection
 
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign.column_kinds import Column, Values
+from skiplatch.campaign.column_kinds import Column, NumberColumn, Values
 from skiplatch.campaign.columns import (
     COLUMNS,
     REQUIRED,
@@ -62,6 +63,20 @@ def format_touches(touches: Touches, names: Collection[str] = tuple(COLUMNS)) ->
         cells += [THERMOMETER.format(t[rows]) for t in _thermometers(touches).values()]
         parts += [",".join(row) + "\n" for row in zip(*cells, strict=True)]
     return "".join(parts)
+
+
+def fingerprint(touches: Touches) -> str:
+    """Give a digest of all that would be written, by which the same touches are known again."""
+    digest = hashlib.sha256()
+    for name, values in (_written(touches) | _thermometers(touches)).items():
+        column = COLUMNS.get(name, THERMOMETER)
+        digest.update(f"{name} ".encode())
+        if isinstance(column, NumberColumn):
+            rounded = np.round(values.astype(float), column.decimals) + 0.0  # no -0
+            digest.update(np.where(np.isnan(rounded), np.nan, rounded).tobytes())
+        else:
+            digest.update("\n".join(column.format(values)).encode())
+    return digest.hexdigest()
 
 
 def needs_version_2(touches: Touches) -> bool:

@@ -10,6 +10,7 @@ from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis.reported.adoption import adopted, with_effects
+from skiplatch.diagnosis.reported.belonging import warn_if_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
 from skiplatch.stand_ins import refuse_unplayable
@@ -38,6 +39,7 @@ def command(campaign: Path, diagnosis: Path, out: Path, json_path: Path | None) 
     nominal = read_nominal(path)
     refuse_unplayable(path, nominal)
     found = read_diagnosis_json(diagnosis, adopted)
+    warn_if_of_others(diagnosis, campaign)
     refuse_unplayable(diagnosis, replace(nominal, believed_effects=tuple(found)))
     atomic_write_text(out, with_effects(path, nominal, found))
     names = [effect.id for effect in found]

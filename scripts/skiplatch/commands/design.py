@@ -22,6 +22,7 @@ from skiplatch.diagnosis.experiment import (
 )
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
+from skiplatch.diagnosis.reported.belonging import warn_if_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
@@ -124,6 +125,7 @@ def _left(
         diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
         return rivals(diagnosis), str(diagnosis.verdict)
     models, verdict = read_diagnosis_json(path, models_from_json)
+    warn_if_of_others(path, recorded.path)
     for model in models:
         refuse_unplayable(path, recorded.nominal, model)
     return models, verdict

@@ -25,7 +25,7 @@ from skiplatch.commands.worker_options import cluster_option, limit_option
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.fleet.arrivals import Arrivals, noticed
-from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE
+from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, is_diagnosed
 from skiplatch.fleet.lock import BusyError
 from skiplatch.fleet.store import opened_for_writing, refuse_unusable
 from skiplatch.simulator.library import SimulationError
@@ -80,8 +80,9 @@ class Intake:
         recorded: dict[int, Campaign] = {}
         for number, folder in enumerate(folders):
             try:
-                if not (folder / DIAGNOSIS_FILE).exists():
-                    recorded[number] = read_playable(folder)
+                campaign = read_playable(folder)
+                if not is_diagnosed(folder, campaign.fingerprint):
+                    recorded[number] = campaign
                     continue
             except (InputError, OSError) as error:
                 yield number, _named(folder, error)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from skiplatch.campaign import Campaign
+from skiplatch.campaign import Campaign, fingerprint
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.beliefs import Belief, value_of
@@ -61,7 +61,12 @@ def diagnose(
     if not whole.is_directed:
         odd.append(UNDIRECTED)
     odd += first_touch(campaign)
-    return replace(found, touches=len(whole), notes=[*odd, *found.notes])
+    return replace(
+        found,
+        touches=len(whole),
+        notes=[*odd, *found.notes],
+        fingerprint=campaign.fingerprint or fingerprint(campaign.touches),
+    )
 
 
 def _drawn(scene: Scene, seed: int) -> Scene:

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from skiplatch.campaign import Touches, fingerprint
+from skiplatch.diagnosis.reported.belonging import is_of
 from skiplatch.diagnosis.reported.schema import need_intervals, read_diagnosis_json, whole
 from skiplatch.ways import LENGTH, Ways
 
@@ -42,25 +44,41 @@ class Diagnosed:
     effects: list[dict[str, Any]] = field(default_factory=list)
 
 
-def diagnosed(folder: Path, ways: Ways) -> Diagnosed:
+def diagnosed(folder: Path, touches: Touches) -> Diagnosed:
     """Read the diagnosis that lies in a campaign's folder, if one does.
 
     Args:
         folder: Of the campaign.
-        ways: What its axes do.
+        touches: Which lie there.
 
     Raises:
-        InputError: It is no whole diagnosis.
+        InputError: It is no whole diagnosis, or one of other touches.
     """
     path = folder / DIAGNOSIS_FILE
     if not path.exists():
         return Diagnosed()
-    return read_diagnosis_json(path, lambda document: _figures(document, ways))
+    return read_diagnosis_json(path, lambda document: _figures(document, touches))
 
 
-def _figures(given: Any, ways: Ways) -> Diagnosed:  # noqa: ANN401 - JSON is anything
-    document = whole(given, *NEEDED)
+def is_diagnosed(folder: Path, known_as: str) -> bool:
+    """Tell whether a diagnosis lies in a campaign's folder that is not of other touches.
+
+    Args:
+        folder: Of the campaign.
+        known_as: Fingerprint of its touches.
+
+    Raises:
+        InputError: It cannot be read.
+    """
+    path = folder / DIAGNOSIS_FILE
+    return path.exists() and is_of(read_diagnosis_json(path, whole), known_as)
+
+
+def _figures(given: Any, touches: Touches) -> Diagnosed:  # noqa: ANN401 - JSON is anything
+    document, ways = whole(given, *NEEDED), Ways.of(touches)
     need_intervals(document)
+    if not is_of(document, fingerprint(touches)):
+        raise ValueError("a diagnosis of other touches than those that lie beside it")
     gaps = [_gap(str(name), gap, ways) for name, gap in document["gap"].items()]
     _, length = ways.told(0.0, LENGTH)
     largest = max((gap["before"] for gap in gaps if gap["unit"] == length), default=None)

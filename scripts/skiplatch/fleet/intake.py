@@ -80,7 +80,7 @@ def read_intake(folder: Path, rig: str, contents: Contents) -> Intake:
         time=recorded_at(folder),
         recorded=recorded,
         contents=contents,
-        found=diagnosed(folder, Ways.of(recorded.touches)),
+        found=diagnosed(folder, recorded.touches),
     )
     contents.refuse_changed()
     return intake

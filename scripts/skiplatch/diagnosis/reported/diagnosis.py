@@ -59,6 +59,8 @@ class Diagnosis:
     """What the axes do; of rotary ones a µm stands for 0.001°."""
     ways_of_paths: Mapping[str, Ways] = field(default_factory=dict)
     """The same of the touches of "skip" and of "plc"."""
+    fingerprint: str = ""
+    """Of all touches of the campaign: `campaign.fingerprint`."""
 
     def ways_of(self, paths: str) -> Ways:
         """Give what the axes do that touch on "skip", on "plc" or on "both"."""

@@ -67,6 +67,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "failed": [asdict(failure) for failure in diagnosis.failures],
         "material": asdict(diagnosis.materiality),
         "touches": diagnosis.touches,
+        "fingerprint": diagnosis.fingerprint,
         "touches_searched": diagnosis.used,
         "notes": list(diagnosis.notes),
     }

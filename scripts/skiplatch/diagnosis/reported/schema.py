@@ -256,6 +256,7 @@ DOCUMENT = _record(
         "beliefs": _by_name(_record({"fitted": _number}, {})),
         "models": _each(_effects),
         "notes": _each(_text),
+        "fingerprint": _text,
         "seed": _whole,
     },
 )
