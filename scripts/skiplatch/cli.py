@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib import import_module
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, NoReturn, TextIO
 
@@ -148,6 +149,7 @@ def _show_warning(
 def main() -> None:
     """Run the command line; bad input is one line on stderr and exit status 2."""
     _open_what_was_closed()
+    _show_what_no_terminal_has()
     warnings.showwarning = _show_warning
     try:
         try:
@@ -169,6 +171,12 @@ def _open_what_was_closed() -> None:
     """Give a process that was started without stdout or stderr one that goes nowhere."""
     sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115
     sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
+
+
+def _show_what_no_terminal_has() -> None:
+    """Let a question mark stand for what the encoding of stdout has no character for."""
+    if isinstance(sys.stdout, TextIOWrapper) and sys.stdout.errors == "strict":
+        sys.stdout.reconfigure(errors="replace")
 
 
 def _refuse(message: str) -> NoReturn:

@@ -25,7 +25,10 @@ from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
-FEWEST = 3
+FEWEST = 2
+"""Touches of a surface from which on it tells a scatter."""
+FEWEST_FREE = 2
+"""Degrees of freedom, of all surfaces together, from which on that is told."""
 FEWEST_AFTER_FIRST = 4
 FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
@@ -56,6 +59,7 @@ class Repeatability:
             first touches, the drifts and the slope. Only these are taken out of `sigma`.
         coordinate: Of the axis that all moved; empty where there are several.
         sense: In which all moved it, 1 or -1; 0 where it is not known or differs.
+        is_directed: Whether any sense is known; where none is, positive is a larger coordinate.
         missed: Touches that were not latched; they enter no figure.
         false: Latches without a contact; likewise.
     """
@@ -78,6 +82,7 @@ class Repeatability:
     told: frozenset[str]
     coordinate: str
     sense: int
+    is_directed: bool = True
     missed: int = 0
     false: int = 0
 
@@ -140,10 +145,10 @@ def repeatability(campaign: Campaign) -> Repeatability:
     touches, values = ordered.select(known), values[known]
     surface = _surfaces(touches)
     often = np.bincount(surface, minlength=1)[surface] >= FEWEST if len(surface) else surface > 0
-    if not often.any():
-        found = f"{len(touches)} touches with a figure of {len(set(surface.tolist()))} surfaces"
-        message = f"expected a surface that was touched {FEWEST} times or more, got {found}"
-        raise InputError(campaign.path, None, None, message)
+    if often.sum() - len(set(surface[often].tolist())) < FEWEST_FREE:
+        expected = "a surface that was touched 3 times, or two that were twice"
+        got = "one that was twice" if often.any() else "none that was"
+        raise InputError(campaign.path, None, None, f"expected {expected}, got {got}")
     touches, surface = touches.select(often), surface[often]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
     grid = Grid(common_step(values[often]), _resolution(campaign, unit))
@@ -201,12 +206,19 @@ def _of(
         axis_drift=found.intervals.get("axis"),
         per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
         slope=found.intervals.get("speed"),
-        outliers=tuple(touches.touch[rows & ~regular].tolist()),
+        outliers=tuple(touches.touch[_with_pairs(rows & ~regular, surface)].tolist()),
         step=grid.step,
         told=frozenset(fit.lines) | ({"first"} if is_off else set()),
         coordinate=_coordinate(touches),
         sense=_sense(touches),
+        is_directed=bool(np.isfinite(touches.sign).any()),
     )
+
+
+def _with_pairs(far: BoolArray, surface: np.typing.NDArray[np.intp]) -> BoolArray:
+    """Add the other touch of a surface that was touched twice: nobody knows which is the one."""
+    is_pair = np.bincount(surface)[surface] == 2
+    return np.asarray(far | (is_pair & np.isin(surface, surface[far])))
 
 
 def _coordinate(touches: Touches) -> str:
@@ -274,7 +286,7 @@ def _per_kelvin(
     found = {}
     for name, values in warmth.items():
         rows = regular & ~np.isnan(values)
-        if rows.sum() > surfaces + FEWEST and np.ptp(values[rows]) > 0.0:
+        if rows.sum() > surfaces + FEWEST_FREE and np.ptp(values[rows]) > 0.0:
             line = {"order": values - values[rows].mean()}
             fit = fit_surfaces(
                 np.nan_to_num(offsets), np.ones((len(offsets), 1)), _filled(line), rows

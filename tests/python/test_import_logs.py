@@ -395,7 +395,7 @@ def test_bounces_are_one_edge(tmp_path: Path) -> None:
     run = Run(tmp_path, "edges", log("saleae.csv"))
 
     assert run.campaign.touches.edge_us.tolist() == [0.0, 1e6, 2e6]
-    assert "1 edges so near to one before are its bounces (--holdoff)" in run.said["assumed"]
+    assert "1 edges so near to one before are its bounces (--holdoff-us)" in run.said["assumed"]
 
 
 def test_channels_are_named_or_numbered(tmp_path: Path, refused: Program) -> None:

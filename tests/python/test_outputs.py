@@ -81,9 +81,20 @@ def test_whatever_is_written_with_out_has_a_short_name() -> None:
         assert "-o" in option.opts, place
 
 
-def skiplatch(*words: str) -> subprocess.CompletedProcess[str]:
+def skiplatch(*words: str, encoding: str = "utf-8") -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "skiplatch", *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False)
+    environment = os.environ | {"PYTHONIOENCODING": encoding}
+    return subprocess.run(
+        command, capture_output=True, encoding=encoding, env=environment, check=False
+    )
+
+
+def test_characters_that_a_terminal_lacks_end_no_command() -> None:
+    done = skiplatch("repeat", str(LOG), encoding="latin-1")
+
+    assert done.returncode == 0
+    assert "scatter by ? = " in done.stdout
+    assert " µm" in done.stdout
 
 
 def test_page_goes_to_stdout_alone() -> None:

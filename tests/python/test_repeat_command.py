@@ -22,6 +22,7 @@ from skiplatch.campaign import (
 )
 from skiplatch.cli import group
 from skiplatch.commands.repeat import as_json, sentence
+from skiplatch.errors import InputError
 from skiplatch.repeatability import Repeatability, repeatability
 from skiplatch.statistics import Interval
 
@@ -375,7 +376,7 @@ def test_a_path_with_too_few_touches_hides_no_other(both_paths: Path, tmp_path: 
     result = CliRunner().invoke(group, ["repeat", str(few)], catch_exceptions=False)
 
     assert "Skip input: 60 latches come" in result.output
-    assert "PLC task: no surface was touched 3 times or more" in result.output
+    assert "PLC task: no surface was touched often enough" in result.output
 
 
 def test_attempts_that_failed_are_said_beside_the_figures(machine_sample: Path) -> None:
@@ -399,3 +400,43 @@ def test_a_step_of_the_resolution_is_no_outlier(
     found = of(machine_sample, y)
 
     assert found.outliers == outliers
+
+
+def pairs(machine_sample: Path, deviation_um: np.ndarray) -> Repeatability:
+    """Each surface touched twice, as a printer's bed is with two samples."""
+    places = np.repeat(np.arange(len(deviation_um) // 2), 2).astype(float)
+    return of(machine_sample, deviation_um + 100.0 * np.sin(places), position_mm=places)
+
+
+def test_surfaces_that_were_touched_twice_tell_the_scatter(machine_sample: Path) -> None:
+    found = pairs(machine_sample, noise(80))
+
+    assert (len(found.touches), found.surfaces) == (80, 40)
+    assert holds(found.sigma, SIGMA_UM)
+    assert found.outliers == ()
+
+
+def test_nobody_knows_which_of_two_touches_is_the_outlier(machine_sample: Path) -> None:
+    off_um = noise(80)
+    off_um[31] += 50.0 * SIGMA_UM
+
+    assert pairs(machine_sample, off_um).outliers == (30, 31)
+
+
+@pytest.mark.parametrize(("touched", "got"), [([2, 1], "one that was twice"), ([1], "none that")])
+def test_too_few_touches_for_a_scatter_are_refused(
+    machine_sample: Path, touched: list[int], got: str
+) -> None:
+    places = np.repeat(np.arange(len(touched)), touched).astype(float)
+
+    with pytest.raises(InputError, match=f"touched 3 times, or two that were twice, got {got}"):
+        of(machine_sample, noise(len(places)), position_mm=places)
+
+
+def test_drift_of_unknown_sense_is_one_of_the_coordinate(machine_sample: Path) -> None:
+    rising = 10.0 * np.arange(30.0) + noise(30)
+
+    found = of(machine_sample, rising, axis=np.full(30, Axis.Y), sign=np.full(30, np.nan))
+
+    assert "a touch, Y rises" in sentence(found)
+    assert "approach" not in sentence(found)

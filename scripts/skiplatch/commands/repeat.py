@@ -16,7 +16,7 @@ from skiplatch.commands.outputs import OutputFile
 from skiplatch.importing.detect import read_any
 from skiplatch.importing.writing import write_imported
 from skiplatch.latch.text import TITLES
-from skiplatch.repeatability import FEWEST, OfPath, Repeatability, by_path
+from skiplatch.repeatability import OfPath, Repeatability, by_path
 from skiplatch.statistics import Interval
 from skiplatch.tables import number, table, with_interval
 
@@ -57,7 +57,7 @@ def command(
     for one in shown:
         click.echo(f"\n{_text(one)}")
     for path in _untold(campaign, shown):
-        click.echo(f"\n{path}: no surface was touched {FEWEST} times or more")
+        click.echo(f"\n{path}: no surface was touched often enough")
     if assumed:
         click.echo("\n".join(("", "Assumed", *(f"  {line}" for line in assumed))))
     write_json(json_path, {"source": str(source), **document(shown), "assumed": assumed})
@@ -172,6 +172,8 @@ def way_of(found: Repeatability, value: float, words: tuple[str, str]) -> str:
     """
     if found.unit == "µs":
         return "later" if value > 0.0 else "earlier"
+    if found.coordinate and not found.is_directed:
+        return f"{found.coordinate} {words[0 if value > 0.0 else 1]}"
     way = "further along the approach" if value > 0.0 else "less far along the approach"
     if not found.coordinate or not found.sense:
         return way

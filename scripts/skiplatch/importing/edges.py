@@ -13,6 +13,7 @@ from skiplatch.campaign import InputPath, Kind, Status, Touches
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.analyser import Capture
 from skiplatch.importing.model import Imported
+from skiplatch.stand_ins import PLAYED
 from skiplatch.units import US_PER_S
 
 LONGEST_WAIT_S = 1.0  # from an edge to its latch
@@ -55,7 +56,7 @@ def read_edges(
         InputError: A channel is not in it, or has no edge.
     """
     names = _channels(path, capture, wanted)
-
+    _refuse_coarse(path, capture)
     edges = capture.edges(names.probe, falling=falling)
     rested = _rested(edges, holdoff_s)
     answers = {p: _answers(capture, name, rested) for p, name in names.latches.items()}
@@ -84,6 +85,14 @@ def read_edges(
         if soon_us < SOONER * own_us:
             found.assumed.append(_idles(names.probe, own_us, soon_us, falling=falling))
     return found
+
+
+def _refuse_coarse(path: Path, capture: Capture) -> None:
+    """Refuse samples that are farther apart than any clock that can be simulated ticks."""
+    step_us, most_us = (capture.step_s or 0.0) * US_PER_S, PLAYED["skip", "tick_us"][1]
+    if step_us > most_us:
+        expected = f"expected samples at most {most_us:g} µs apart, got {step_us:g} µs"
+        raise InputError(path, None, None, expected)
 
 
 def _rested(edges: FloatArray, holdoff_s: float) -> FloatArray:
@@ -177,7 +186,9 @@ def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed:
     if missed:
         found.known.append(f"edges without a latch within {LONGEST_WAIT_S:g} s: {missed}")
     if bounces:
-        found.assumed.append(f"{bounces} edges so near to one before are its bounces (--holdoff)")
+        found.assumed.append(
+            f"{bounces} edges so near to one before are its bounces (--holdoff-us)"
+        )
     if capture.step_s:
         step_us = capture.step_s * US_PER_S
         found.figure("skip", "tick_us", step_us, "distance of two samples of the capture")

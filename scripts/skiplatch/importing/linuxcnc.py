@@ -6,6 +6,7 @@ line as well, with its target.
 """
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
@@ -26,6 +27,7 @@ NEGLIGIBLE = 1e-4
 AT_TARGET_MM = 2e-3
 """From the target of a move, within which nothing was met: it ended there to the last count."""
 
+_PROBES = re.compile(r"G38\.[2-5]", re.IGNORECASE)
 Value = TypeVar("Value", str, int, float)
 
 
@@ -98,8 +100,11 @@ def _rows(path: Path) -> tuple[list[Row], list[int], int]:
 def _without_moves(text: str, done: Run) -> str:
     """Say that no probing move was found, and why that may be."""
     where = ", between (PROBEOPEN …) and (PROBECLOSE)," if logs_parts(text) else ""
-    why = f"; {_subroutines(done)}: give --axis and --feed instead" if done.not_found else ""
-    return f"expected moves by G38.2 to G38.5{where} found none{why}"
+    why = _subroutines(done) if done.not_found else ""
+    if not why and _PROBES.search(text):
+        why = "no part of the program that is carried out has one"
+    instead = f"; {why}: give --axis and --feed instead" if why else ""
+    return f"expected moves by G38.2 to G38.5{where or ','} found none{instead}"
 
 
 def _subroutines(done: Run) -> str:

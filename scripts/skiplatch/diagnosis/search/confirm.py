@@ -136,8 +136,11 @@ def _interval(values: FloatArray, errors: float) -> Interval:
     that chance in the plays does not average out over touches.
     """
     touches, batches = values.mean(axis=0), values.mean(axis=1)
+    value = float(values.mean())
+    if len(touches) < 2:
+        return Interval(value, -np.inf, np.inf)
     variance = np.var(touches, ddof=1) / len(touches) + np.var(batches, ddof=1) / len(batches)
-    value, half = float(values.mean()), errors * float(np.sqrt(variance))
+    half = errors * float(np.sqrt(variance))
     return Interval(value, value - half, value + half)
 
 
