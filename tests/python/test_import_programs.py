@@ -165,3 +165,51 @@ def test_g29_of_old_marlin_is_read_in_lower_case(tmp_path: Path) -> None:
     run = Run(tmp_path, "marlin", str(tmp_path / "m.log"), "--feed", "240")
 
     assert run.coordinates() == [8.41, 9.05]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("G20 G90 G55 G43 H7", "G55, G43"),
+        ("g90 g59.3\nG43.1 Z0.2\nG55 (G57)\n;G58", "G59.3, G43.1, G55"),
+        ("G10 L20 P1 Z0 G92 X0", "G92"),
+    ],
+)
+def test_coordinates_that_the_program_selects_are_assumed(
+    tmp_path: Path, words: str, said: str
+) -> None:
+    run = read(tmp_path, f"{words}\nG38.2 Z-1 F60\n", row(0, 0, -0.3))
+
+    assert f"coordinates by the program's {said}: a program for the same" in run.text
+
+
+def test_a_program_that_selects_no_coordinates_is_assumed_nothing_of(tmp_path: Path) -> None:
+    assert "coordinates by" not in read(tmp_path, "G21 G38.2 Z-1 F60\n", row(0, 0, -0.3)).text
+
+
+def test_several_logs_are_one_campaign(tmp_path: Path) -> None:
+    words, programs = [], []
+    for name, feed in (("a", 60), ("b", 90)):
+        (tmp_path / f"{name}.ngc").write_text(f"G0 Z5\nG38.2 Z-9 F{feed}\n" * 2)
+        (tmp_path / f"{name}.txt").write_text(row(feed, 0, -3) + row(feed, 0, -3.01))
+        words.append(str(tmp_path / f"{name}.txt"))
+        programs += ["--program", str(tmp_path / f"{name}.ngc")]
+
+    run = Run(tmp_path, "linuxcnc", *words, *programs)
+
+    assert told(run) == [("Z", -1, 60)] * 2 + [("Z", -1, 90)] * 2
+    assert run.said["known"].count("4 touches of 2 surfaces") == 1
+    assert 'made_from = "a.txt, b.txt, a.ngc, b.ngc"' in run.toml
+
+
+def test_a_program_too_few_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "p.ngc").write_text("G38.2 Z-1 F60\n")
+    logs = [tmp_path / "a.txt", tmp_path / "b.txt"]
+    for log in logs:
+        log.write_text(row(0, 0, -0.3))
+
+    said = refused(
+        *("import", "linuxcnc", *logs), *("--program", tmp_path / "p.ngc", "-o", tmp_path / "out")
+    )
+
+    assert "expected a program for each of 2 logs, got 1" in said

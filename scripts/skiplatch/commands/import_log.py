@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from skiplatch.campaign import Kind
-from skiplatch.commands.imported import finish
+from skiplatch.commands.imported import finish, nominal_option, path_option
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import FEED_MM_MIN, NumberType
 from skiplatch.commands.options import Decorator, json_option
@@ -47,69 +47,79 @@ def command() -> None:
 
 
 @command.command(epilog="Example: skiplatch import linuxcnc probe.txt --program probe.ngc -o mill")
-@log_argument
+@click.argument("logs", nargs=-1, required=True, metavar="LOG...", type=Source())
 @click.option(
     "--program",
+    "programs",
+    multiple=True,
     type=Source(),
-    help="The G-code whose G38.x moves made the log: feeds, axes, senses.",
+    help="The G-code whose G38.x moves made the log: feeds, axes, senses. One for each LOG.",
 )
 @axis_option
 @feed_option
 @click.option("--inch", is_flag=True, help="The program's unit was the inch.")
+@path_option
+@nominal_option
 @out_option
 @json_option
 def linuxcnc(
     *,
-    log: Path,
-    program: Path | None,
+    logs: tuple[Path, ...],
+    programs: tuple[Path, ...],
     axis: str | None,
     feed: float | None,
     inch: bool,
-    out: Path,
-    json_path: Path | None,
+    **written: Any,  # noqa: ANN401
 ) -> None:
-    """Read the LOG that (PROBEOPEN …) made."""
-    from skiplatch.importing.linuxcnc import read_linuxcnc  # noqa: PLC0415
+    """Read the LOG that (PROBEOPEN …) made, or several of one rig in their order."""
+    from skiplatch.importing.linuxcnc import read_linuxcnc_logs  # noqa: PLC0415
 
-    found = read_linuxcnc(log, program, axis.upper() if axis else None, feed, inch=inch)
-    finish(found, (log,) if program is None else (log, program), out, json_path)
+    probed = axis.upper() if axis else None
+    found = read_linuxcnc_logs(logs, programs, probed, feed, inch=inch)
+    finish(found, (*logs, *programs), **written)
 
 
 @command.command(epilog="Example: skiplatch import grbl serial.log --out build/router")
 @log_argument
 @feed_option
 @click.option("--inch", is_flag=True, help="Commands and replies are in inches.")
+@path_option
+@nominal_option
 @out_option
 @json_option
-def grbl(*, log: Path, feed: float | None, inch: bool, out: Path, json_path: Path | None) -> None:
+def grbl(*, log: Path, feed: float | None, inch: bool, **written: Any) -> None:  # noqa: ANN401
     """Read the LOG of a serial line with grbl, grblHAL, FluidNC or Grbl_Esp32."""
     from skiplatch.importing.grbl import read_grbl  # noqa: PLC0415
 
-    finish(read_grbl(log, feed, inch=inch), (log,), out, json_path)
+    finish(read_grbl(log, feed, inch=inch), (log,), **written)
 
 
 @command.command(epilog="Example: skiplatch import klipper klippy.log --out build/printer")
 @log_argument
 @feed_option
+@path_option
+@nominal_option
 @out_option
 @json_option
-def klipper(log: Path, feed: float | None, out: Path, json_path: Path | None) -> None:
+def klipper(log: Path, feed: float | None, **written: Any) -> None:  # noqa: ANN401
     """Read klippy.log or a copied console as LOG."""
     from skiplatch.importing.klipper import read_klipper  # noqa: PLC0415
 
-    finish(read_klipper(log, feed), (log,), out, json_path)
+    finish(read_klipper(log, feed), (log,), **written)
 
 
 @command.command(epilog="Example: skiplatch import marlin m48.log --feed 120 --out build/printer")
 @log_argument
 @feed_option
+@path_option
+@nominal_option
 @out_option
 @json_option
-def marlin(log: Path, feed: float | None, out: Path, json_path: Path | None) -> None:
+def marlin(log: Path, feed: float | None, **written: Any) -> None:  # noqa: ANN401
     """Read the console of M48 V4 or G30 as LOG."""
     from skiplatch.importing.marlin import read_marlin  # noqa: PLC0415
 
-    finish(read_marlin(log, feed), (log,), out, json_path)
+    finish(read_marlin(log, feed), (log,), **written)
 
 
 @command.command(
@@ -129,6 +139,7 @@ def marlin(log: Path, feed: float | None, out: Path, json_path: Path | None) -> 
 @axis_option
 @click.option("--sign", type=click.Choice(["1", "-1"]), help="Sense of the motion.")
 @feed_option
+@nominal_option
 @out_option
 @json_option
 def csv(
@@ -138,8 +149,7 @@ def csv(
     axis: str | None,
     sign: str | None,
     feed: float | None,
-    out: Path,
-    json_path: Path | None,
+    **written: Any,  # noqa: ANN401
 ) -> None:
     """Read any TABLE; units are converted."""
     from skiplatch.importing.table import parse_mapping, read_table  # noqa: PLC0415
@@ -156,7 +166,7 @@ def csv(
         sign=int(sign) if sign else None,
         feed=feed,
     )
-    finish(found, (table,), out, json_path)
+    finish(found, (table,), **written)
 
 
 def edge_options(function: Callable[..., None]) -> Callable[..., None]:

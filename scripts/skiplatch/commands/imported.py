@@ -5,19 +5,41 @@ from pathlib import Path
 import click
 import numpy as np
 
-from skiplatch.campaign import Campaign, Kind, read_campaign
+from skiplatch.campaign import Campaign, InputPath, Kind, read_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.telling import cannot_be_told
-from skiplatch.commands.options import write_json
+from skiplatch.commands.inputs import FILE
+from skiplatch.commands.options import Decorator, write_json
 from skiplatch.importing.model import Imported
 from skiplatch.importing.writing import write_imported
 
+path_option: Decorator = click.option(
+    "--path",
+    type=click.Choice([path.name.lower() for path in InputPath]),
+    help="What latched: the skip input, or a PLC task that polls; else as such controllers do.",
+)
+nominal_option: Decorator = click.option(
+    "--nominal",
+    "nominal_path",
+    type=FILE,
+    help="nominal.toml of a campaign of the same rig: what is believed of it, in place of what "
+    "the log and the kind of controller say.",
+)
+
 
 def finish(
-    imported: Imported, sources: tuple[Path, ...], out: Path, json_path: Path | None
+    imported: Imported,
+    sources: tuple[Path, ...],
+    out: Path,
+    json_path: Path | None,
+    *,
+    path: str | None = None,
+    nominal_path: Path | None = None,
 ) -> None:
     """Write the campaign and say what is in it."""
-    write_imported(out, imported, sources)
+    if path is not None:
+        imported.path_is_plc = path == InputPath.PLC.name.lower()
+    write_imported(out, imported, sources, nominal_path)
     campaign = read_campaign(out)
     untold = cannot_be_told(campaign)
     lines = [oddity.line for oddity in oddities(campaign)]

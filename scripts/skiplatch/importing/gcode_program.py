@@ -17,6 +17,9 @@ LAST_LOCAL = 30  # parameters from #1 to this belong to a subroutine
 BRANCHES = ("IF", "ELSEIF", "ELSE", "ENDIF")
 
 _INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
+_OFFSETS = re.compile(
+    r"(?<![A-Z#<])G\s*0*(5[4-9]|59\.[123]|43|43\.[12]|49|52|92|92\.[123])(?![\d.])", re.IGNORECASE
+)
 _FLOW = re.compile(
     r"^\s*O\s*(<[^>]*>|[0-9]+)\s*"
     r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN|IF|ELSEIF|ELSE|ENDIF)\b\s*(.*)$",
@@ -43,6 +46,13 @@ class Run:
 def is_in_inches(text: str) -> bool:
     """Tell whether a program calls for inches."""
     return any(_INCHES.search(without_comments(line)) for line in text.splitlines())
+
+
+def offsets_of(text: str) -> list[str]:
+    """Give the words by which a program selects offsets, G54 and G43 among them."""
+    lines = map(without_comments, text.splitlines())
+    words = (match for line in lines for match in _OFFSETS.finditer(line))
+    return list(dict.fromkeys(f"G{match[1]}" for match in words))
 
 
 def logs_parts(text: str) -> bool:

@@ -8,12 +8,13 @@ line as well, with its target.
 import math
 import re
 from collections.abc import Iterable, Sequence
+from itertools import zip_longest
 from pathlib import Path
 from typing import TypeVar
 
 from skiplatch.errors import InputError
 from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
-from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, run
+from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, offsets_of, run
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
 from skiplatch.numbers import number
@@ -29,6 +30,29 @@ AT_TARGET_MM = 2e-3
 
 _PROBES = re.compile(r"G38\.[2-5]", re.IGNORECASE)
 Value = TypeVar("Value", str, int, float)
+
+
+def read_linuxcnc_logs(
+    logs: Sequence[Path],
+    programs: Sequence[Path],
+    axis: str | None,
+    feed: float | None,
+    *,
+    inch: bool,
+) -> Imported:
+    """Read logs of one rig in their order, each with its program where programs are given.
+
+    Raises:
+        InputError: As of `read_linuxcnc`, or there is not a program for each log.
+    """
+    if programs and len(programs) != len(logs):
+        expected = f"expected a program for each of {len(logs)} logs, got {len(programs)}"
+        raise InputError(logs[0], None, None, expected)
+    pairs = zip_longest(logs, programs)
+    first, *others = (read_linuxcnc(log, of, axis, feed, inch=inch) for log, of in pairs)
+    for other in others:
+        first.add(other)
+    return first
 
 
 def read_linuxcnc(
@@ -70,6 +94,7 @@ def read_linuxcnc(
     for line, row, move in zip(lines, rows, matched, strict=True):
         found.touches.append(_touch(row, move, fallback, feed, unit))
         found.touches[-1].line = line
+    _say_offsets(found, text)
     refuse_all_missed(path, found.touches)
     found.leave_out_releases()
     found.share_feeds()
@@ -181,6 +206,14 @@ def _only(values: Iterable[Value | None]) -> Value | None:
     """Give the value that all are, or None."""
     found = set(values)
     return found.pop() if len(found) == 1 else None
+
+
+def _say_offsets(found: Imported, text: str) -> None:
+    if offsets := offsets_of(text):
+        found.assumed.append(
+            f"coordinates by the program's {', '.join(offsets)}: a program for the same surfaces "
+            "needs the same"
+        )
 
 
 def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inch: bool) -> None:

@@ -1,7 +1,7 @@
 """What the readers of logs give."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from skiplatch.campaign import Kind, Touches
@@ -88,6 +88,17 @@ class Imported:
     def figure(self, section: str, name: str, value: float, source: str) -> None:
         """Note what the log says of the rig."""
         self.figures[section, name] = Figure(value, source)
+
+    def add(self, other: "Imported") -> None:
+        """Take what a further log of the same rig holds; its lines are those of another file."""
+        self.touches += [replace(touch, line=None) for touch in other.touches]
+        self.figures |= other.figures
+        for said, more in (
+            (self.known, other.known),
+            (self.assumed, other.assumed),
+            (self.unread, other.unread),
+        ):
+            said += [line for line in more if line not in said]
 
     def leave_out_releases(self) -> None:
         """Leave out where the probe let go, as that is another place than where it triggers.

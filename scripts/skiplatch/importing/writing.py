@@ -1,6 +1,7 @@
 """Writing what was read as a campaign whose nominal.toml says where each figure is from."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from math import isinf
 from pathlib import Path
 from textwrap import wrap
@@ -21,6 +22,8 @@ from skiplatch.campaign.constraints import PLACE_MM
 from skiplatch.campaign.datum import Datum
 from skiplatch.campaign.far_off import surfaces_apart
 from skiplatch.campaign.nominal import Key
+from skiplatch.campaign.nominal_text import format_nominal
+from skiplatch.campaign.nominal_toml import read_nominal
 from skiplatch.campaign.writing import InadmissibleError
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
@@ -32,8 +35,16 @@ from skiplatch.importing.presets import PRESETS
 WIDTH = 98
 
 
-def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> None:
+def write_imported(
+    out: Path, imported: Imported, sources: Sequence[Path], nominal: Path | None = None
+) -> None:
     """Write a campaign folder, all of it or nothing.
+
+    Args:
+        out: The folder.
+        imported: What the log holds.
+        sources: The log first.
+        nominal: The nominal.toml of the rig, in place of what the log and the preset say.
 
     Raises:
         InputError: The folder cannot be written, or something stands there already, or the log
@@ -64,6 +75,16 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
                 "left empty: they tell nothing of the scatter"
             )
     _refuse_impossible(sources[0], imported.figures)
+    toml = _toml(imported, sources, free) if nominal is None else _given(nominal, imported, free)
+    try:
+        text = format_touches(touches)
+    except InadmissibleError as error:  # a log can tell what is impossible
+        line = lines[error.row] if lines else None
+        raise InputError(sources[0], line, error.column, error.message) from error
+    atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: text})
+
+
+def _toml(imported: Imported, sources: Sequence[Path], free: DatumFreedom) -> str:
     figures = {**PRESETS[imported.preset].figures, **imported.figures}
     notes = {
         "made_from": ", ".join(path.name for path in sources),
@@ -71,13 +92,18 @@ def write_imported(out: Path, imported: Imported, sources: Sequence[Path]) -> No
         "assumed": imported.assumed,
         "unread": imported.unread,
     }
-    toml = nominal_text(imported.kind, figures, free, notes)
-    try:
-        text = format_touches(touches)
-    except InadmissibleError as error:  # a log can tell what is impossible
-        line = lines[error.row] if lines else None
-        raise InputError(sources[0], line, error.column, error.message) from error
-    atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: text})
+    return nominal_text(imported.kind, figures, free, notes)
+
+
+def _given(path: Path, imported: Imported, free: DatumFreedom) -> str:
+    """Give the nominal.toml of the rig, with the datum of these touches: it goes with them."""
+    nominal = read_nominal(path)
+    if nominal.kind is not imported.kind:
+        expected = f"expected that of a {imported.kind}, as the log is of one, got a {nominal.kind}"
+        raise InputError(path, None, "kind", expected)
+    said = f"what is believed of the rig is that of {path}, whatever is said of it here"
+    imported.known.append(said)
+    return format_nominal(replace(nominal, datum=Datum(free)))
 
 
 def _refuse_impossible_places(source: Path, touches: Sequence[Touch]) -> None:
