@@ -12,11 +12,21 @@ from click.testing import CliRunner
 
 from effects_rig import MACHINE, mixed_touches
 from skiplatch import cli
-from skiplatch.campaign import Campaign, Nominal, Status, Touches, write_campaign
+from skiplatch.campaign import (
+    Campaign,
+    DatumFreedom,
+    Nominal,
+    Status,
+    Touches,
+    read_campaign,
+    write_campaign,
+)
+from skiplatch.campaign.datum import Datum
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.experiment import outcome, rivals
 from skiplatch.diagnosis.reported.diagnosis import Ranked
-from skiplatch.errors import InputError
+from skiplatch.diagnosis.search.groups import TIED
+from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import play
 from skiplatch.simulator.rig import Controller
@@ -97,9 +107,46 @@ def test_touches_of_another_rig_are_refused(tmp_path: Path) -> None:
     tied = made(LAG, ("deviation_um",), 40, seed=3)
     other = replace(MACHINE, plc=replace(MACHINE.plc, scan_us=MACHINE.plc.scan_us + 1.0))
 
-    with pytest.raises(InputError, match="another rig"):
+    with pytest.raises(InputError, match=r"another rig; .* with --nominal .*tied/nominal\.toml"):
         run(
             "settle",
             written(tmp_path / "tied", MACHINE, tied.touches),
             written(tmp_path / "made", other, tied.touches),
         )
+
+
+def test_the_same_touches_twice_are_refused(tmp_path: Path) -> None:
+    tied = made(LAG, ("deviation_um",), 40, seed=3)
+    folder = written(tmp_path / "tied", MACHINE, tied.touches)
+
+    with pytest.raises(InputError, match="the touches are those of"):
+        run("settle", folder, folder)
+
+
+def test_a_log_imported_with_the_nominal_of_the_rig_is_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its datum goes with its own surfaces."""
+    tied = made(LAG, ("deviation_um",), 40, seed=3)
+    rig = written(tmp_path / "tied", replace(MACHINE, datum=Datum(DatumFreedom.NONE)), tied.touches)
+    (tmp_path / "p.ngc").write_text("G0 Z1\nG38.2 Z-5 F100\nG0 Z1\nG38.2 Z-5 F200\n")
+    (tmp_path / "p.txt").write_text("0 0 -3 0 0 0 0 0 0\n0 0 -3.01 0 0 0 0 0 0\n")
+    log = ("linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))
+    nominal, out = ("--nominal", f"{rig}/nominal.toml"), str(tmp_path / "made")
+
+    said = run("import", *log, *nominal, "--path", "skip", "-o", out)
+
+    assert "what is believed of the rig is that of" in said
+    assert read_campaign(out).touches.on_skip.all()
+    assert read_campaign(out).nominal.datum.free is DatumFreedom.AXIS
+    monkeypatch.setattr("skiplatch.commands.settle.diagnose", lambda *_, **__: None)
+    monkeypatch.setattr("skiplatch.commands.settle.rivals", lambda _: [])
+    with pytest.warns(CampaignWarning, match="time_s: not recorded"):
+        assert "nothing to settle" in run("settle", rig, out)
+
+
+def test_the_documents_say_how_much_a_tie_is() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "DIAGNOSIS.md").read_text()
+
+    assert f"ruled out if it falls behind the best one by {TIED:g} nats" in " ".join(text.split())
+    assert "nats" not in run("settle", "--help")

@@ -1,10 +1,15 @@
 """``skiplatch settle``: what the touches of a recommended experiment leave of a tie."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
+import numpy as np
 
+from skiplatch.campaign import COLUMNS, NOMINAL_FILE, Campaign, Nominal
+from skiplatch.campaign.datum import Datum
+from skiplatch.campaign.nominal import in_version
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.diagnosis import diagnose
@@ -33,16 +38,38 @@ def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | 
 
     MADE is a campaign of its own, on the same rig: the touches that `skiplatch design`
     recommends, with the column that it recommends. The models that the diagnosis of CAMPAIGN does
-    not tell apart are fitted to both; one that expects the touches of MADE by 3 nats less than
-    the best one does is ruled out, if the simulation expects such touches to do so.
+    not tell apart are fitted to both; one that falls behind the best one by a tie is ruled out,
+    if the simulation expects such touches to do so. docs/DIAGNOSIS.md says how much a tie is.
     """
     recorded, further = read_playable(campaign), read_playable(made)
-    if recorded.nominal != further.nominal:
-        raise InputError(made, None, None, f"nominal.toml is not that of {campaign}: another rig")
+    _refuse_another_rig(campaign, recorded, made, further)
+    _refuse_the_same(campaign, recorded, made, further)
     models = rivals(diagnose(recorded, seed=seed, jobs=jobs))
     standings = outcome(recorded, further, models, seed=seed, jobs=jobs) if models else []
     click.echo(_text(standings))
     write_json(json_path, _json(standings))
+
+
+def _refuse_another_rig(campaign: Path, recorded: Campaign, made: Path, further: Campaign) -> None:
+    """Refuse other beliefs; a datum is of the touches, and goes with them."""
+    if _of_the_rig(recorded.nominal) != _of_the_rig(further.nominal):
+        nominal = campaign / NOMINAL_FILE
+        message = (
+            f"nominal.toml is not that of {campaign}: another rig; a log of the same rig is "
+            f"imported with --nominal {nominal}"
+        )
+        raise InputError(made, None, None, message)
+
+
+def _of_the_rig(nominal: Nominal) -> Nominal:
+    return in_version(replace(nominal, datum=Datum.of_kind(nominal.kind)), 2)
+
+
+def _refuse_the_same(campaign: Path, recorded: Campaign, made: Path, further: Campaign) -> None:
+    mine, theirs = recorded.touches.columns(), further.touches.columns()
+    if all(np.array_equal(mine[name], theirs[name], equal_nan=True) for name in COLUMNS):
+        message = f"the touches are those of {campaign}; expected what was touched since"
+        raise InputError(made, None, None, message)
 
 
 def _text(standings: Sequence[Standing]) -> str:
