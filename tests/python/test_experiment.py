@@ -26,6 +26,7 @@ from skiplatch.diagnosis.experiment.conditions import elsewhere, spread_out
 from skiplatch.diagnosis.experiment.evidence import exponents, log_likelihoods
 from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
+from skiplatch.diagnosis.experiment.words import STILL_OF_USE
 from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect
@@ -173,8 +174,10 @@ def test_two_delays_in_a_row_are_said_to_be_inseparable(
     assert not experiment.resolves
     assert experiment.record is None
     assert experiment.touches_needed is None
-    assert experiment.expected_bits < 0.2
+    assert experiment.expected_bits == experiment.bits_per_touch == 0.0
+    assert "Expected:" not in experiment_text(experiment)
     assert "cannot be separated" in experiment.words
+    assert experiment.words.endswith(STILL_OF_USE)
     assert "between the stages probe and input" in experiment.words
 
 

@@ -55,7 +55,8 @@ class Experiment:
         words: Why, for the reader.
         record: The column to record in addition, or None.
         touches: The touches to make, the most telling first, with no outcomes.
-        bits_per_touch: Expected information on the model in a touch alone.
+        bits_per_touch: Expected information on the model in a touch alone; 0 if nothing is told
+            apart.
         expected_bits: The same in all touches together.
         touches_needed: After so many the groups of `separates` are told apart with a probability
             of 0.95; None if nothing is told apart.
@@ -272,12 +273,13 @@ def _recommended(options: Sequence[_Option], models: Sequence[Model]) -> Experim
         for g in range(chosen.trial.count)
     ]
     tried = {option.setting: option.trial for option in options}
+    told = len(groups) > 1  # the bits take for known what the rehearsal fits
     return Experiment(
         words=words.with_rivals(groups, models, chosen.setting, tried),
-        record=chosen.setting.column if len(groups) > 1 else None,
+        record=chosen.setting.column if told else None,
         touches=chosen.conditions.touches,
-        bits_per_touch=chosen.trial.bits_per_touch,
-        expected_bits=chosen.trial.bits,
+        bits_per_touch=chosen.trial.bits_per_touch if told else 0.0,
+        expected_bits=chosen.trial.bits if told else 0.0,
         touches_needed=chosen.trial.touches_needed,
         separates=tuple(groups),
     )

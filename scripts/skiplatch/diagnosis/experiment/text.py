@@ -41,7 +41,7 @@ def remarks(experiment: Experiment) -> list[str]:
     """Say what is not in the table, and what is expected of all touches."""
     more = len(_distinct(experiment.touches)) - SHOWN
     said = [f"… and {more} other conditions"] if more > 0 else []
-    if experiment.separates:
+    if experiment.touches_needed is not None:
         said.append(
             f"Expected: {compact(experiment.expected_bits, 3)} bits in all touches, "
             f"{compact(experiment.bits_per_touch, 2)} bits in one."

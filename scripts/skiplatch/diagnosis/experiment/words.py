@@ -7,6 +7,7 @@ from skiplatch.diagnosis.experiment.trial import SURE, Trial
 from skiplatch.simulator.effects import Effect, effects
 
 Group = Sequence[str]
+STILL_OF_USE = "The touches that follow say how large the error is, and not which of them it is."
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +94,7 @@ def _nothing_separates(
     also = f", nor does recording {' or '.join(columns)} help" if columns else ""
     return (
         f"{_listed(group)} cannot be separated: no touches on this rig are expected to tell them "
-        f"apart{also}. {_elsewhere(models)}"
+        f"apart{also}. {_elsewhere(models)} {STILL_OF_USE}"
     )
 
 
