@@ -1,165 +1,220 @@
-"""Touches as a program for a controller, which logs them so that ``skiplatch import`` reads them.
+"""Touches as programs for a controller, which logs them so that ``skiplatch import`` reads them.
 
-Touches of one surface run one after the other, the surfaces in the order of their first touch.
-Only the axis that probes is moved. Before each further surface the program stops by M0, so that a
-gauge, or the probe, can be set in front of it.
+Each surface has a program of its own, as no controller knows a safe way to another one. It moves
+along the axis that probes only. From where the operator has set the probe it finds the surface by
+a slow touch; where it meets nothing, it ends.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+import re
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
+from textwrap import wrap
 
-import numpy as np
-
-from skiplatch.campaign import Axis, Touches
+from skiplatch.campaign import NOMINAL_FILE, Touches
+from skiplatch.errors import quoted
+from skiplatch.probing_klartext import LOGGED, klartext, masks
+from skiplatch.probing_touches import (
+    BEYOND_MM,
+    LOCATING_MM,
+    Touch,
+    as_made,
+    by_surface,
+    locating_mm_min,
+    path_of,
+)
 from skiplatch.units import S_PER_MIN
 
-SAME_SURFACE_MM = 0.5
-BEYOND_MM = 2.0
-"""How far behind the surface a probing move would end."""
 LIFT_MM_MIN = 600.0
 MS_PER_S = 1e3
+WIDTH = 100
 FILES: Mapping[str, Sequence[str]] = {
     "linuxcnc": (".ngc",),
     "grbl": (".nc",),
     "klipper": (".gcode",),
-    "heidenhain": (".h", "_head.a", "_row.a"),
+    "heidenhain": (".h", "_head.a", "_row.a", "_miss.a"),
 }
 """What the names of a controller's files have behind that of the program."""
 KINDS = tuple(FILES)
-LOGGED = ("axis", "sign", "feed_mm_min", "approach_mm", "position_mm", "coordinate_mm")
-"""Columns that a Heidenhain control writes by FN 16, by which ``import csv`` calls them."""
+_NAME = re.compile(r"[A-Za-z0-9_-]+")
+_UNSAFE = re.compile(r"[^ -~]|[!?]")  # in a comment too: grbl obeys some bytes wherever they stand
+_PROBED = {"X": "#5061", "Y": "#5062", "Z": "#5063"}  # parameters of LinuxCNC
 
 
 @dataclass(frozen=True, slots=True)
-class _Touch:
-    """One touch: places in mm along its axis, feed in mm/min, rest before it in s."""
+class Programs:
+    """What a controller is given.
 
-    axis: str
-    sign: int
-    start: float
-    surface: float
-    end: float
-    feed: float
-    rest_s: float
+    Attributes:
+        texts: Of the programs and of what they need, by the name of the file.
+        then: The command that imports what it logs.
+    """
+
+    texts: Mapping[str, str]
+    then: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """The program of one surface.
+
+    Attributes:
+        touches: Of the surface.
+        stem: Name of all programs without ending.
+        name: Of this one.
+        then: The command that imports what all log.
+        path: That latches, skip or plc.
+        is_first: Whether it is the first one.
+    """
+
+    touches: Sequence[Touch]
+    stem: str
+    name: str
+    then: str
+    path: str
+    is_first: bool
 
     @property
-    def title(self) -> str:
-        """Say which surface it is."""
-        return f"surface {self.axis}{'+' if self.sign > 0 else '-'} at {self.surface:g} mm"
+    def head(self) -> list[str]:
+        """Say where the probe has to be, and what comes afterwards."""
+        first = self.touches[0]
+        side = "smaller" if first.sign > 0 else "greater"
+        return [
+            first.title,
+            f"before the start: set the probe in front of it, at {side} {first.axis},",
+            f"nearer than {LOCATING_MM:g} mm; a slow touch finds the surface",
+            *_then(self.then),
+        ]
 
-    def is_of(self, other: "_Touch") -> bool:
-        """Tell whether it touches the same surface."""
-        near = abs(self.surface - other.surface) <= SAME_SURFACE_MM
-        return near and (self.axis, self.sign) == (other.axis, other.sign)
+
+def refuse_name(stem: str) -> None:
+    """Raise ValueError for a name of a program that a controller cannot hold."""
+    if not _NAME.fullmatch(stem):
+        expected = "expected a name of A-Z, a-z, 0-9, _ and - alone, which controllers hold"
+        raise ValueError(f"{expected}, got {quoted(stem)}")
 
 
-def program(
-    kind: str, touches: Touches, rest_s: Sequence[float], reach_mm: tuple[float, float], stem: str
-) -> dict[str, str]:
-    """Give the texts of the program and of what it needs, by the name of the file.
+def programs(
+    kind: str,
+    touches: Touches,
+    rest_s: Sequence[float],
+    reach_mm: tuple[float, float],
+    stem: str,
+    campaign: Path,
+) -> Programs:
+    """Give a program for each surface, or the one that Klipper needs.
 
     Args:
         kind: One of `KINDS`.
         touches: n touches to make.
         rest_s: How long to wait before each; n values.
         reach_mm: Least and greatest coordinate of the axis.
-        stem: Name of the program without its ending.
+        stem: Name of the program without its ending; a number follows where there are several.
+        campaign: What the touches are to settle; its nominal.toml is that of their log, too.
 
     Raises:
         ValueError: The controller cannot make one of the touches, or too little is known of it.
     """
-    made = [_touch(touches, i, float(rest_s[i]), reach_mm) for i in range(len(touches))]
+    refuse_name(stem)
+    path, made = path_of(touches), as_made(touches, rest_s, reach_mm)
     if kind == "klipper" and any((touch.axis, touch.sign) != ("Z", -1) for touch in made):
         raise ValueError("Klipper's PROBE touches along Z from above only, other touches are asked")
-    return _WRITERS[kind](_by_surface(made), stem)
+    groups = by_surface(made)
+    several = len(groups) > 1 and kind != "klipper"
+    names = [f"{stem}-{i}" for i in range(1, len(groups) + 1)] if several else [stem]
+    then = _import(kind, stem, names, path, campaign / NOMINAL_FILE)
+    if kind == "klipper":
+        return Programs({f"{stem}.gcode": _text(_klipper(groups, then))}, then)
+    texts = masks(stem, path) if kind == "heidenhain" else {}
+    programs: dict[str, str] = {}
+    for touches_of_one, name in zip(groups, names, strict=True):
+        part = _Part(touches_of_one, stem, name, then, path, name == names[0])
+        programs[name + FILES[kind][0]] = _WRITERS[kind](part)
+    return Programs(programs | texts, then)
 
 
-def _touch(touches: Touches, i: int, rest_s: float, reach_mm: tuple[float, float]) -> _Touch:
-    known = (
-        touches.sign[i],
-        touches.position_mm[i],
-        touches.approach_mm[i],
-        touches.feed_mm_min[i],
-    )
-    if touches.axis[i] not in (Axis.X, Axis.Y, Axis.Z) or np.isnan(known).any():
-        raise ValueError(f"touch {i}: a program needs linear axis, sense, place, approach and feed")
-    sign, surface, approach, feed = (float(value) for value in known)
-    start, end = np.clip([surface - sign * approach, surface + sign * BEYOND_MM], *reach_mm)
-    axis = Axis(int(touches.axis[i])).name
-    return _Touch(axis, int(sign), float(start), surface, float(end), feed, rest_s)
+def _import(kind: str, stem: str, names: Sequence[str], path: str, nominal: Path) -> str:
+    """Give the command that imports the log of all programs."""
+    rig = ["--nominal", str(nominal), "-o", "made"]
+    if kind == "linuxcnc":
+        of = [word for name in names for word in ("--program", f"{name}.ngc")]
+        words = ["linuxcnc", *(f"{name}.txt" for name in names), *of, "--path", path]
+    elif kind == "heidenhain":
+        maps = [word for name in LOGGED for word in ("--map", f"{name}={name}")]
+        words = ["csv", f"{stem}.txt", *maps]
+    else:
+        log = "klippy.log" if kind == "klipper" else f"{stem}.log"
+        words = [kind, log, "--path", path]
+    return shlex.join(["skiplatch", "import", *words, *rig])
 
 
-def _by_surface(touches: Sequence[_Touch]) -> list[_Touch]:
-    groups: list[list[_Touch]] = []
-    for touch in touches:
-        for group in groups:
-            if touch.is_of(group[0]):
-                group.append(touch)
-                break
-        else:
-            groups.append([touch])
-    return [touch for group in groups for touch in group]
+def _then(command: str) -> list[str]:
+    lines = wrap(f"then: {command}", WIDTH, break_long_words=False, break_on_hyphens=False)
+    return [_UNSAFE.sub("_", line) for line in lines]
 
 
-def _with_stops(touches: Sequence[_Touch]) -> Iterator[tuple[_Touch, bool]]:
-    """Give each touch, and whether its surface is another than that of the one before."""
-    yield touches[0], False
-    for before, touch in pairwise(touches):
-        yield touch, not touch.is_of(before)
-
-
-def _moves(touches: Sequence[_Touch], move: Callable[[_Touch], tuple[str, ...]]) -> Iterator[str]:
-    """Give the G-code of all touches, with a stop before each other surface."""
-    for touch, is_other in _with_stops(touches):
-        if is_other:
-            yield f"(MSG, {touch.title})"
-            yield "M0"
-        yield f"G4 P{touch.rest_s:.1f}"
-        yield from move(touch)
-
-
-def _text(lines: Iterable[str]) -> str:
+def _text(lines: Iterator[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _linuxcnc(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
-    """Log by PROBEOPEN, in the program's coordinates."""
-    yield f"(begin in front of {touches[0].title})"
-    yield f"(then: skiplatch import linuxcnc {stem}.txt --program {stem}.ngc -o made)"
-    yield f"(PROBEOPEN {stem}.txt)"
-    yield "G21 G90 G94 G40 G49"
-
-    def move(touch: _Touch) -> tuple[str, ...]:
-        start = f"G0 {touch.axis}{touch.start:.3f}"
-        return start, f"G38.2 {touch.axis}{touch.end:.3f} F{touch.feed:g}", start
-
-    yield from _moves(touches, move)
+def _linuxcnc(part: _Part) -> Iterator[str]:
+    """Log by PROBEOPEN, in the program's coordinates: neither G49 nor G54 is for it to say."""
+    first = part.touches[0]
+    yield from (f"; {line}" for line in part.head)
+    yield "; in the coordinates of the log that the campaign was imported from:"
+    yield "; with the same G54 to G59.3, G92 and tool offset (G43) as its program"
+    yield "G21 G90 G94 G40"
+    yield from _located(part.touches)
+    yield f"o1 if [ABS[{_PROBED[first.axis]} - [{first.surface:.3f}]] GT {BEYOND_MM:g}]"
+    yield f"(MSG, this is not {first.title}, or not in its coordinates)"
+    yield "M2"
+    yield "o1 endif"
+    yield f"(PROBEOPEN {part.name}.txt)"
+    for touch in part.touches:
+        yield f"G4 P{touch.rest_s:.1f}"
+        yield f"G0 {touch.axis}{touch.start:.3f}"
+        yield f"G38.2 {touch.axis}{touch.end:.3f} F{touch.feed:g}"
+        yield f"G0 {touch.axis}{touch.start:.3f}"
     yield "(PROBECLOSE)"
     yield "M2"
 
 
-def _grbl(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
+def _located(touches: Sequence[Touch]) -> Iterator[str]:
+    """Find the surface from where the probe stands; without a contact the controller stops."""
+    way = touches[0].sign * LOCATING_MM
+    yield f"G91 G38.2 {touches[0].axis}{way:g} F{locating_mm_min(touches):g}"
+    yield "G90"
+
+
+def _grbl(part: _Part) -> Iterator[str]:
     """Reply in the machine's coordinates, so G53 goes to starts and probing moves are relative."""
-    yield f"(begin in front of {touches[0].title}, and log the serial line with its commands)"
-    yield f"(then: skiplatch import grbl {stem}.log -o made)"
+    first = part.touches[0]
+    slow = f"F{locating_mm_min(part.touches):g}"
+    yield from (f"; {line}" for line in part.head)
+    yield "; log the serial line with commands and jogs, all programs in one log"
+    yield "; in the coordinates of the machine, homed as for the campaign"
     yield "G21 G94"
-
-    def move(touch: _Touch) -> tuple[str, ...]:
+    yield from _located(part.touches)
+    yield f"G90 G53 G1 {first.axis}{first.start:.3f} {slow}"
+    for touch in part.touches:
         start = f"G90 G53 G0 {touch.axis}{touch.start:.3f}"
-        way = touch.end - touch.start
-        return start, f"G91 G38.2 {touch.axis}{way:.3f} F{touch.feed:g}", start
-
-    yield from _moves(touches, move)
+        yield f"G4 P{touch.rest_s:.1f}"
+        yield start
+        yield f"G91 G38.2 {touch.axis}{touch.end - touch.start:.3f} F{touch.feed:g}"
+        yield start
     yield "M2"
 
 
-def _klipper(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
-    yield f"; home, and go to where the bed is to be touched; {stem}"
-    yield "; then: skiplatch import klipper klippy.log -o made"
+def _klipper(groups: Sequence[Sequence[Touch]], then: str) -> Iterator[str]:
+    """Stop before each further surface: a printer can be jogged while it pauses."""
+    touches = [touch for group in groups for touch in group]
+    yield "; home, and go to where the bed is to be touched"
+    yield from (f"; {line}" for line in _then(then))
     yield "G90"
-    for touch, is_other in _with_stops(touches):
-        if is_other:
+    for before, touch in pairwise([touches[0], *touches]):
+        if not touch.is_of(before):
             yield f"M117 {touch.title}"
             yield "PAUSE"
         yield f"G4 P{touch.rest_s * MS_PER_S:.0f}"
@@ -171,55 +226,15 @@ def _klipper(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
         )
 
 
-def _heidenhain(touches: Sequence[_Touch], stem: str) -> Iterator[str]:
-    """Touch by cycle 4, whose feed is programmed, and write a row of a table by FN 16."""
-    maps = " ".join(f"--map {name}={name}" for name in LOGGED)
-    yield f"; begin in front of {touches[0].title}"
-    yield f"; copy {stem}_head.a and {stem}_row.a to TNC:\\"
-    yield f"; then: skiplatch import csv {stem}.txt {maps} -o made"
-    yield rf"FN 16: F-PRINT TNC:\{stem}_head.a/TNC:\{stem}.txt"
-    for touch, is_other in _with_stops(touches):
-        if is_other:
-            yield f"; {touch.title}"
-            yield "STOP"
-        yield "CYCL DEF 9.0 DWELL TIME"
-        yield f"CYCL DEF 9.1 DWELL {touch.rest_s:.1f}"
-        yield from _cycle_4(touch)
-        yield rf"FN 16: F-PRINT TNC:\{stem}_row.a/TNC:\{stem}.txt"
+def _heidenhain(part: _Part) -> str:
+    copied = " and ".join(f"{part.stem}{ending}" for ending in FILES["heidenhain"][1:])
+    order = [] if part.is_first else [f"after {part.stem}-1, whose log it goes on with"]
+    head = [*part.head, f"copy {copied} to TNC:\\", "with the datum of the campaign", *order]
+    return klartext(part.touches, part.stem, part.name, head, is_first=part.is_first)
 
 
-def _cycle_4(touch: _Touch) -> Iterator[str]:
-    approach = abs(touch.surface - touch.start)
-    way = " ".join(f"I{axis}{touch.sign * (axis == touch.axis):+d}" for axis in "XYZ")
-    yield f"L {touch.axis}{touch.start:+.3f} R0 FMAX"
-    yield "TCH PROBE 4.0 MEASURING IN 3-D"
-    yield "TCH PROBE 4.1 Q1"
-    yield f"TCH PROBE 4.2 {way}"
-    yield (
-        f"TCH PROBE 4.3 ABST{abs(touch.end - touch.start):+.3f} F{touch.feed:g} "
-        f"MB{approach:.3f} REFERENCE SYSTEM:0"
-    )
-    yield f'QS1 = "{touch.axis}"'
-    values = (touch.sign, touch.feed, approach, touch.surface)
-    for number, value in enumerate(values, 11):
-        yield f"Q{number} = {value:+.3f}"
-    yield f"Q15 = Q{'XYZ'.index(touch.axis) + 1}"
-
-
-def _heidenhain_files(touches: Sequence[_Touch], stem: str) -> dict[str, str]:
-    """Give the program with its blocks numbered, and the masks of the header and of a row."""
-    blocks = [f"BEGIN PGM {stem} MM", *_heidenhain(touches, stem), f"END PGM {stem} MM"]
-    row = '"%S,%.0lf,%.3lf,%.3lf,%.3lf,%.4lf",QS1,Q11,Q12,Q13,Q14,Q15;'
-    return {
-        f"{stem}.h": _text(f"{number} {block}" for number, block in enumerate(blocks)),
-        f"{stem}_head.a": _text([f'"{",".join(LOGGED)}";']),
-        f"{stem}_row.a": _text(["M_APPEND;", row]),
-    }
-
-
-_WRITERS: Mapping[str, Callable[[Sequence[_Touch], str], dict[str, str]]] = {
-    "linuxcnc": lambda touches, stem: {f"{stem}.ngc": _text(_linuxcnc(touches, stem))},
-    "grbl": lambda touches, stem: {f"{stem}.nc": _text(_grbl(touches, stem))},
-    "klipper": lambda touches, stem: {f"{stem}.gcode": _text(_klipper(touches, stem))},
-    "heidenhain": _heidenhain_files,
+_WRITERS: Mapping[str, Callable[[_Part], str]] = {
+    "linuxcnc": lambda part: _text(_linuxcnc(part)),
+    "grbl": lambda part: _text(_grbl(part)),
+    "heidenhain": _heidenhain,
 }

@@ -3,7 +3,7 @@
 import csv
 import json
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from skiplatch import cli
-from skiplatch.campaign import format_touches, read_conditions
+from skiplatch.campaign import Touches, format_touches, read_conditions
 from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -77,6 +77,7 @@ def test_a_diagnosis_that_is_there_is_not_made_anew(
     nominal = machine / "nominal.toml"
     text = nominal.read_text().replace("skiplatch-campaign/1", "skiplatch-campaign/2")
     nominal.write_text(text.replace("[axis]", "[axis]\nmin_mm = 20.0\nmax_mm = 60.0"))
+    keep_path(machine, "plc")
     out = tmp_path / "next.csv"
     words = ("--diagnosis", str(believed), "--gcode", "linuxcnc", "--touches", "25")
 
@@ -86,8 +87,40 @@ def test_a_diagnosis_that_is_there_is_not_made_anew(
     start = made.position_mm - made.sign * made.approach_mm
     assert ((made.position_mm >= 20.0) & (made.position_mm <= 60.0)).all()
     assert ((start >= 20.0 - 1e-9) & (start <= 60.0 + 1e-9)).all()
-    assert (tmp_path / "next.ngc").read_text().count("G38.2") == 25
-    assert f"{tmp_path / 'next.ngc'}: 25 touches" in said
+    texts = [path.read_text() for path in tmp_path.glob("next-*.ngc")]
+    assert sum(text.count("\nG38.2") for text in texts) == 25
+    assert len(texts) == len({(axis, sign, place) for axis, sign, place in surfaces(made)})
+    assert f"next-{len(texts)}.ngc: 25 touches\nThen: skiplatch import linuxcnc next-1.txt" in said
+    assert f"--path plc --nominal {machine / 'nominal.toml'} -o made" in said
+
+
+def keep_path(machine: Path, path: str) -> None:
+    """Leave only the touches that this path latched."""
+    head, *rows = (machine / "touches.csv").read_text().splitlines()
+    column = head.split(",").index("path")
+    kept = [row for row in rows if row.split(",")[column] == path]
+    (machine / "touches.csv").write_text("\n".join([head, *kept]) + "\n")
+
+
+def surfaces(touches: Touches) -> Iterator[tuple[float, float, float]]:
+    yield from zip(touches.axis, touches.sign, touches.position_mm, strict=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("pa(ren).csv", 'expected a name of A-Z, a-z, 0-9, _ and - alone, which .*"pa\\(ren\\)"'),
+        ("next.csv", "no program for grbl: expected touches of one path"),
+    ],
+)
+def test_what_no_program_can_be_is_refused_before_the_diagnosis(
+    name: str, message: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("skiplatch.commands.design.diagnose", None)
+    machine = str(SAMPLES / "machine_no_gap")
+
+    with pytest.raises(InputError, match=message):
+        run("design", machine, "--gcode", "grbl", "-o", str(tmp_path / name))
 
 
 @pytest.mark.parametrize("text", ["{}", "[]", '{"verdict": "sure", "models": []}', '{"models": 3}'])

@@ -1,7 +1,9 @@
 """Programs of probing moves: what a controller logs of them is imported as what was asked for."""
 
 import re
-from collections.abc import Callable
+import shlex
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +12,7 @@ from click.testing import CliRunner
 
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign
 from skiplatch.cli import group
-from skiplatch.probing_program import KINDS, LOGGED, program
+from skiplatch.probing_program import FILES, KINDS, Programs, programs
 
 N = 24
 REACH_MM = (-40.0, 100.0)
@@ -31,25 +33,31 @@ def asked(axis: Axis = Axis.X, *, senses: tuple[float, ...] = (1.0, -1.0)) -> To
     )
 
 
-def text_of(kind: str, touches: Touches, reach_mm: tuple[float, float] = REACH_MM) -> str:
-    return next(iter(files_of(kind, touches, reach_mm).values()))
+def made_of(
+    kind: str, touches: Touches, reach_mm: tuple[float, float] = REACH_MM, stem: str = "next"
+) -> Programs:
+    return programs(kind, touches, [1.5] * len(touches), reach_mm, stem, Path("mill"))
 
 
-def files_of(
+def texts_of(
     kind: str, touches: Touches, reach_mm: tuple[float, float] = REACH_MM
 ) -> dict[str, str]:
-    return program(kind, touches, [1.5] * len(touches), reach_mm, "next")
+    """Give the programs alone, by their names without ending."""
+    ending = FILES[kind][0]
+    texts = made_of(kind, touches, reach_mm).texts.items()
+    return {name.removesuffix(ending): text for name, text in texts if name.endswith(ending)}
 
 
 class Controller:
     """Carries out a program line by line: moves of one axis, and a surface for each sense."""
 
-    def __init__(self, delay_ms: float) -> None:
+    def __init__(self, delay_ms: float = 3.0, *, off_mm: float = 0.0) -> None:
         self.delay_ms = delay_ms
+        self.off_mm = off_mm
         self.at: dict[str, float] = {}
 
     def surface(self, sense: int) -> float:
-        return 12.5 if sense > 0 else -7.25
+        return self.off_mm + (12.5 if sense > 0 else -7.25)
 
     def probe(self, axis: str, target: float, feed: float) -> float:
         """Go towards the target; give where the surface was latched, late by the delay."""
@@ -59,54 +67,90 @@ class Controller:
         self.at[axis] = latched
         return latched
 
+    def probe_from_here(self, axis: str, way: float, feed: float) -> float:
+        """Go that way, the first time from where the operator has set the probe."""
+        self.at.setdefault(axis, self.surface(1 if way > 0 else -1) - 0.8 * way)
+        return self.probe(axis, self.at[axis] + way, feed)
+
     def touches(self, text: str) -> list[tuple[str, float | None]]:
         """Give each line and what was latched in it."""
         done: list[tuple[str, float | None]] = []
         for line in text.splitlines():
             latched = None
             if move := re.match(r"(G91 )?G38\.2 ([XYZ])(\S+) F(\S+)$", line):
-                from_here = self.at[move[2]] if move[1] else 0.0
-                latched = self.probe(move[2], from_here + float(move[3]), float(move[4]))
-            elif move := re.match(r"(?:G90 G53 )?G0 ([XYZ])(\S+)$", line):
+                go = self.probe_from_here if move[1] else self.probe
+                latched = go(move[2], float(move[3]), float(move[4]))
+            elif move := re.match(r"(?:G90 G53 )?G[01] ([XYZ])(\S+)(?: F\S+)?$", line):
                 self.at[move[1]] = float(move[2])
             done.append((line, latched))
+            check = re.match(r"o1 if \[ABS\[#5061 - \[(\S+)\]\] GT (\S+)\]$", line)
+            if check and abs(self.at["X"] - float(check[1])) > float(check[2]):
+                break
         return done
 
 
-def linuxcnc_log(text: str, folder: Path) -> list[str]:
-    (folder / "next.ngc").write_text(text)
-    rows = [z for _, z in Controller(3.0).touches(text) if z is not None]
-    lines = [f"{x:f} 30.0 -5.0 0.0 0.0 0.0 0.0 0.0 0.0" for x in rows]
-    (folder / "next.txt").write_text("\n".join(lines) + "\n")
-    return ["linuxcnc", str(folder / "next.txt"), "--program", str(folder / "next.ngc")]
+def linuxcnc_log(folder: Path) -> list[str]:
+    texts = texts_of("linuxcnc", asked())
+    for name, text in texts.items():
+        (folder / f"{name}.ngc").write_text(text)
+        done = Controller().touches(text)
+        opened = [line for line, _ in done].index(f"(PROBEOPEN {name}.txt)")
+        rows = [f"{x:f} 30.0 -5.0 0.0 0.0 0.0 0.0 0.0 0.0\n" for _, x in done[opened:] if x]
+        (folder / f"{name}.txt").write_text("".join(rows))
+    return command_in(folder, made_of("linuxcnc", asked()).then)
 
 
-def grbl_log(text: str, folder: Path) -> list[str]:
+def grbl_log(folder: Path) -> list[str]:
     said = "Grbl 1.1h ['$' for help]\n"
-    for line, x in Controller(3.0).touches(text):
-        said += f">>> {line}\n"
-        said += f"[PRB:{x:.3f},30.000,-5.000:1]\nok\n" if x is not None else "ok\n"
+    for text in texts_of("grbl", asked()).values():
+        said += ">>> $J=G91 X-3 F600\nok\n"  # the operator, to the next surface
+        for line, x in Controller().touches(text):
+            said += f">>> {line}\n"
+            said += f"[PRB:{x:.3f},30.000,-5.000:1]\nok\n" if x is not None else "ok\n"
     (folder / "next.log").write_text(said)
-    return ["grbl", str(folder / "next.log")]
+    return command_in(folder, made_of("grbl", asked()).then)
+
+
+def command_in(folder: Path, then: str) -> list[str]:
+    """Give the words of an import behind ``skiplatch import``, its files in the folder."""
+    words = shlex.split(then)
+    assert words[:2] == ["skiplatch", "import"]
+    assert words[-4:] == ["--nominal", "mill/nominal.toml", "-o", "made"]
+    is_file = re.compile(r"next.*\.")
+    return [str(folder / w) if is_file.match(w) else w for w in words[2:-4]]
 
 
 class Heidenhain(Controller):
-    """Carries out Klartext as far as it is written: cycle 4, Q parameters, and FN 16."""
+    """Carries out Klartext as far as it is written: cycle 4, jumps, Q parameters, and FN 16."""
 
-    def __init__(self, files: dict[str, str]) -> None:
-        super().__init__(3.0)
-        self.files = files
+    def __init__(self, texts: Mapping[str, str], *, missed: int = 0, off_mm: float = 0.0) -> None:
+        super().__init__(off_mm=off_mm)
+        self.texts = texts
+        self.missed = missed
         self.values: dict[str, str | float] = {}
         self.direction: dict[str, int] = {}
         self.printed = ""
+        self.probed = 0
 
-    def carry_out(self) -> str:
-        """Run the program and give what FN 16 has printed."""
-        for number, block in enumerate(self.files["next.h"].splitlines()):
-            count, text = block.split(" ", 1)
-            assert int(count) == number
-            self.block(text)
-        return self.printed
+    def carry_out(self, program: str) -> None:
+        """Run a program."""
+        blocks = self.texts[program].splitlines()
+        texts = [block.split(" ", 1)[1] for block in blocks]
+        assert [block.split(" ", 1)[0] for block in blocks] == list(map(str, range(len(blocks))))
+        self.at, at, back = {}, 0, -1
+        while texts[at] != "M30":
+            if jump := re.match(r"FN (9|11|12): IF \+(\S+) (\w+) (\S+) GOTO (LBL \d)$", texts[at]):
+                value = float(self.values.get(jump[2], 0.0))
+                other = float(jump[4])
+                holds = {"9": value == other, "11": value > other, "12": value < other}[jump[1]]
+                at = texts.index(jump[5]) if holds else at + 1
+            elif texts[at] == "CALL LBL 1":
+                at, back = texts.index("LBL 1"), at + 1
+            elif texts[at] == "LBL 0":
+                at = back
+            else:
+                self.block(texts[at])
+                at += 1
 
     def block(self, text: str) -> None:
         if move := re.match(r"L ([XYZ])(\S+) R0 FMAX$", text):
@@ -116,15 +160,23 @@ class Heidenhain(Controller):
             self.direction = {axis: way for axis, way in ways.items() if way}
         elif measure := re.match(r"TCH PROBE 4\.3 ABST\+(\S+) F(\S+) MB\S+ ", text):
             ((axis, way),) = self.direction.items()
-            target = self.at[axis] + way * float(measure[1])
-            self.probe(axis, target, float(measure[2]))
-            self.values |= {f"Q{i}": self.at.get(a, 0.0) for i, a in enumerate("XYZ", 1)}
+            self.measure(axis, way * float(measure[1]), float(measure[2]))
         elif assigned := re.match(r"(Q\w+) = (.*)$", text):
             value = assigned[2]
             known = self.values.get(value, value.strip('"'))
             self.values[assigned[1]] = known if assigned[1] == "QS1" else float(known)
         elif printing := re.match(r"FN 16: F-PRINT TNC:\\(.*)/TNC:\\next\.txt$", text):
-            self.print(self.files[printing[1]])
+            self.print(self.texts[printing[1]])
+
+    def measure(self, axis: str, way: float, feed: float) -> None:
+        """Probe, or go to the end of the way where nothing is met."""
+        self.probed += 1
+        if self.probed == self.missed:
+            self.at[axis] = self.at.get(axis, 0.0) + way
+            self.values["Q4"] = -1.0
+        else:
+            self.probe_from_here(axis, way, feed)
+        self.values |= {f"Q{i}": self.at.get(a, 0.0) for i, a in enumerate("XYZ", 1)}
 
     def print(self, mask: str) -> None:
         appends = mask.startswith("M_APPEND;")
@@ -134,18 +186,19 @@ class Heidenhain(Controller):
         self.printed = self.printed + text if appends else text
 
 
-def heidenhain_log(folder: Path) -> list[str]:
-    files = files_of("heidenhain", asked())
-    (folder / "next.txt").write_text(Heidenhain(files).carry_out())
-    maps = [word for name in LOGGED for word in ("--map", f"{name}={name}")]
-    assert f"csv next.txt {' '.join(maps)} -o made" in files["next.h"]
-    return ["csv", str(folder / "next.txt"), *maps]
+def heidenhain_log(folder: Path, missed: int = 0) -> list[str]:
+    made = made_of("heidenhain", asked())
+    control = Heidenhain(made.texts, missed=missed)
+    for name in texts_of("heidenhain", asked()):
+        control.carry_out(f"{name}.h")
+    (folder / "next.txt").write_text(control.printed)
+    return command_in(folder, made.then)
 
 
-LOGS: dict[str, Callable[[str, Path], list[str]]] = {
+LOGS: dict[str, Callable[[Path], list[str]]] = {
     "linuxcnc": linuxcnc_log,
     "grbl": grbl_log,
-    "heidenhain": lambda _, folder: heidenhain_log(folder),
+    "heidenhain": heidenhain_log,
 }
 
 
@@ -166,8 +219,10 @@ def test_log_of_the_program_is_what_was_asked_for(kind: str, tmp_path: Path) -> 
     touches = asked()
     order = np.argsort(-touches.sign, kind="stable")  # surface by surface
 
-    made = imported(LOGS[kind](text_of(kind, touches), tmp_path), tmp_path).touches
+    made = imported(LOGS[kind](tmp_path), tmp_path).touches
+    made = made.select(~np.isnan(made.approach_mm))  # grbl logs the touch that finds a surface too
 
+    assert made.path.tolist() == touches.path.tolist()
     assert made.axis.tolist() == [Axis.X] * N
     assert made.sign.tolist() == touches.sign[order].tolist()
     assert made.feed_mm_min.tolist() == touches.feed_mm_min[order].tolist()
@@ -179,7 +234,7 @@ def test_log_of_the_program_is_what_was_asked_for(kind: str, tmp_path: Path) -> 
 def test_klipper_makes_each_touch_a_series_of_one(tmp_path: Path) -> None:
     touches = asked(Axis.Z, senses=(-1.0,))
     said, at = "", 0.0
-    for line in text_of("klipper", touches).splitlines():
+    for line in texts_of("klipper", touches)["next"].splitlines():
         if move := re.match(r"G1 Z(\S+)", line):
             at = float(move[1])
         elif call := re.match(r"PROBE_ACCURACY PROBE_SPEED=(\S+) SAMPLES=1 \w+=(\S+)$", line):
@@ -197,19 +252,101 @@ def test_klipper_makes_each_touch_a_series_of_one(tmp_path: Path) -> None:
     assert slope_ms(made) == pytest.approx(3.0, abs=0.05)
 
 
-def test_program_stops_before_each_other_surface_only() -> None:
-    text = text_of("linuxcnc", asked())
+@pytest.mark.parametrize("kind", list(LOGS))
+def test_each_surface_has_a_program_that_keeps_to_its_side(kind: str) -> None:
+    """Of a boss, too: no rapid move leads through it, wherever the probe was left."""
+    plus, minus = (touched_from_outside(sense) for sense in (1.0, -1.0))
+    texts = texts_of(kind, joined(plus, minus), (-60.0, 60.0))
 
-    assert text.count("\nM0\n") == 1
-    assert text.count("G38.2") == N
-    assert text.index("(PROBEOPEN next.txt)") < text.index("G38.2")
+    assert list(texts) == ["next-1", "next-2"]
+    for text, touches in zip(texts.values(), (plus, minus), strict=True):
+        sense = touches.sign[0]
+        rapid = re.findall(r"(?:G0|G1|\d L) ([XYZ])(\S+)", text)
+        assert {axis for axis, _ in rapid} == {"X"}
+        assert all(sense * float(x) < sense * touches.position_mm[0] for _, x in rapid)
+        first = re.search(r"G91 G38\.2|TCH PROBE|G0|\d L ", text)
+        assert first
+        assert first[0] in ("G91 G38.2", "TCH PROBE")
+
+
+def touched_from_outside(sense: float) -> Touches:
+    touches = asked(senses=(sense,))
+    return replace(touches, position_mm=np.full(N, -40.0 * sense))
+
+
+def joined(one: Touches, other: Touches) -> Touches:
+    both = {name: np.concatenate([c, other.columns()[name]]) for name, c in one.columns().items()}
+    return Touches.from_columns(**both)
+
+
+def test_a_surface_of_its_own_needs_no_number() -> None:
+    assert list(texts_of("grbl", asked(senses=(1.0,)))) == ["next"]
+
+
+@pytest.mark.parametrize("kind", ["linuxcnc", "heidenhain"])
+def test_a_surface_that_is_elsewhere_is_left_alone(kind: str) -> None:
+    """A tool offset that is not active shows in the touch that finds the surface."""
+    made = made_of(kind, asked(senses=(1.0,)))
+    if kind == "linuxcnc":
+        done = Controller(off_mm=5.0).touches(made.texts["next.ngc"])
+        assert not any(line.startswith("G0") for line, _ in done)
+    else:
+        control = Heidenhain(made.texts, off_mm=5.0)
+        control.carry_out("next.h")
+        assert control.probed == 1
+
+
+def test_linuxcnc_sets_no_offset_of_its_own() -> None:
+    (text,) = texts_of("linuxcnc", asked(senses=(1.0,))).values()
+
+    code = [line for line in text.splitlines() if not line.startswith(";")]
+    assert not re.search(r"G(49|43|5[4-9]|92)", "\n".join(code))
+    assert "with the same G54 to G59.3, G92 and tool offset (G43)" in text
+    assert text.index("(PROBEOPEN next.txt)") > text.index("G91 G38.2")
     assert text.rstrip().endswith("(PROBECLOSE)\nM2")
 
 
-def test_moves_stay_within_reach() -> None:
-    text = text_of("linuxcnc", asked(), (-8.0, 13.0))
+def test_heidenhain_logs_a_miss_as_one(tmp_path: Path) -> None:
+    made = imported(heidenhain_log(tmp_path, missed=4), tmp_path).touches
 
-    places = [float(value) for value in re.findall(r"X(-?[\d.]+)", text)]
+    assert np.flatnonzero(made.missed).tolist() == [2]  # the first measures nothing but the place
+    assert np.isnan(made.deviation_um[2])
+    assert abs(np.delete(made.deviation_um, 2)).max() < 20.0
+
+
+def test_heidenhain_ends_where_it_finds_no_surface() -> None:
+    made = made_of("heidenhain", asked(senses=(1.0,)))
+    control = Heidenhain(made.texts, missed=1)
+    control.carry_out("next.h")
+
+    assert control.probed == 1
+
+
+@pytest.mark.parametrize("stem", ["pa(ren)", "ä b", "a.b", "a!", ""])
+def test_a_name_that_no_controller_holds_is_refused(stem: str) -> None:
+    with pytest.raises(ValueError, match="expected a name of A-Z, a-z, 0-9, _ and - alone"):
+        made_of("grbl", asked(), stem=stem)
+
+
+def test_comments_are_plain_and_the_command_is_quoted() -> None:
+    made = programs("grbl", asked(), [1.5] * N, REACH_MM, "next", Path("Fräse (1)!"))
+
+    assert shlex.split(made.then)[-3] == "Fräse (1)!/nominal.toml"
+    assert all(text.isascii() and "!" not in text for text in made.texts.values())
+
+
+def test_touches_of_both_paths_are_refused() -> None:
+    mixed = replace(asked(), path=np.arange(N, dtype=np.int8) % 2)
+
+    with pytest.raises(ValueError, match="touches of one path"):
+        made_of("grbl", mixed)
+
+
+def test_moves_stay_within_reach() -> None:
+    texts = texts_of("linuxcnc", asked(), (-8.0, 13.0))
+
+    moves = re.findall(r"^(?:G0|G38\.2) X(-?[\d.]+)", "".join(texts.values()), re.MULTILINE)
+    places = [float(value) for value in moves]
     assert min(places) == -8.0
     assert max(places) == 13.0
 
@@ -224,7 +361,7 @@ def test_moves_stay_within_reach() -> None:
 )
 def test_what_a_controller_cannot_do_is_refused(kind: str, touches: Touches, message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        text_of(kind, touches)
+        made_of(kind, touches)
 
 
 def test_log_of_every_kind_is_tried() -> None:

@@ -26,7 +26,8 @@ from skiplatch.diagnosis.reported.belonging import warn_if_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
-from skiplatch.probing_program import FILES, KINDS, program
+from skiplatch.probing_program import FILES, KINDS, Programs, programs, refuse_name
+from skiplatch.probing_touches import path_of
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
 
@@ -62,8 +63,8 @@ Example:
 @click.option(
     "--gcode",
     type=click.Choice(KINDS),
-    help="Also write the touches as a program for this controller, beside --out; its log is what "
-    "'skiplatch import' reads.",
+    help="Also write the touches as programs for this controller, one a surface, beside --out; "
+    "'skiplatch import' reads what they log.",
 )
 @click.option(
     "--as-recorded",
@@ -93,9 +94,9 @@ def command(
     those are written that are expected to tell most. Where another surface would tell more, it
     says which.
     """
-    for ending in FILES[gcode] if gcode else ():
-        claim_output(out.with_name(out.stem + ending))
     recorded = read_playable(campaign)
+    if gcode is not None:
+        _refuse_early(gcode, campaign, recorded, out)
     models, verdict = _left(recorded, diagnosis_path, seed, jobs)
     experiment = experiment_for(
         recorded,
@@ -107,14 +108,30 @@ def command(
         as_recorded=as_recorded or gcode is not None,
     )
     texts = {out: format_touches(experiment.touches, CONDITIONS)}
+    then = ""
     if gcode is not None:
-        made = _program(gcode, campaign, recorded, experiment, out)
-        texts |= {out.with_name(name): text for name, text in made.items()}
+        made = _programs(gcode, campaign, recorded, experiment, out)
+        texts |= {out.with_name(name): text for name, text in made.texts.items()}
+        then = f"\nThen: {made.then}"
     for path, text in texts.items():
         atomic_write_text(path, text)
     click.echo(experiment_text(experiment))
-    click.echo(f"{', '.join(map(str, texts))}: {len(experiment.touches)} touches")
+    click.echo(f"{', '.join(map(str, texts))}: {len(experiment.touches)} touches{then}")
     write_json(json_path, experiment_json(experiment))
+
+
+def _refuse_early(kind: str, campaign: Path, recorded: Campaign, out: Path) -> None:
+    """Refuse before the diagnosis what no program can be written for."""
+    for ending in FILES[kind]:
+        claim_output(out.with_name(out.stem + ending))
+    try:
+        refuse_name(out.stem)
+    except ValueError as error:
+        raise InputError(out, None, None, str(error)) from error
+    try:
+        path_of(recorded.touches)
+    except ValueError as error:
+        raise InputError(campaign, None, None, f"no program for {kind}: {error}") from error
 
 
 def _left(
@@ -131,12 +148,16 @@ def _left(
     return models, verdict
 
 
-def _program(
+def _programs(
     kind: str, campaign: Path, recorded: Campaign, experiment: Experiment, out: Path
-) -> dict[str, str]:
-    axis, made = recorded.nominal.axis, experiment.touches
-    rests = rests_s(made).tolist()
+) -> Programs:
+    axis, touches = recorded.nominal.axis, experiment.touches
+    reach_mm = (axis.min_mm, axis.max_mm)
     try:
-        return program(kind, made, rests, (axis.min_mm, axis.max_mm), out.stem)
+        made = programs(kind, touches, rests_s(touches).tolist(), reach_mm, out.stem, campaign)
     except ValueError as error:
         raise InputError(campaign, None, None, f"no program for {kind}: {error}") from error
+    claimed = {out.stem + ending for ending in FILES[kind]}
+    for name in made.texts.keys() - claimed:
+        claim_output(out.with_name(name))
+    return made

@@ -1,0 +1,99 @@
+"""Touches that a controller is to make, by the surface that they touch."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from skiplatch.campaign import Axis, InputPath, Touches
+
+SAME_SURFACE_MM = 0.5
+BEYOND_MM = 2.0
+"""How far behind the surface a probing move would end, and how far off the surface may be."""
+LOCATING_MM = 10.0
+"""How far in front of its surface the probe may stand before a program begins."""
+LOCATING_MM_MIN = 100.0
+"""The feed of the touch that finds the surface, where no touch asked for is slower."""
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """One touch: places in mm along its axis, feed in mm/min, rest before it in s."""
+
+    axis: str
+    sign: int
+    start: float
+    surface: float
+    end: float
+    feed: float
+    rest_s: float
+
+    @property
+    def title(self) -> str:
+        """Say which surface it is."""
+        return f"surface {self.axis}{'+' if self.sign > 0 else '-'} at {self.surface:g} mm"
+
+    @property
+    def approach(self) -> float:
+        """Give the way from the start to the surface."""
+        return abs(self.surface - self.start)
+
+    def is_of(self, other: "Touch") -> bool:
+        """Tell whether it touches the same surface."""
+        near = abs(self.surface - other.surface) <= SAME_SURFACE_MM
+        return near and (self.axis, self.sign) == (other.axis, other.sign)
+
+
+def as_made(
+    touches: Touches, rest_s: Sequence[float], reach_mm: tuple[float, float]
+) -> list[Touch]:
+    """Give touches as a controller makes them.
+
+    Raises:
+        ValueError: Too little is known of one.
+    """
+    return [_touch(touches, i, float(rest_s[i]), reach_mm) for i in range(len(touches))]
+
+
+def path_of(touches: Touches) -> str:
+    """Give the path that latches all touches, skip or plc.
+
+    Raises:
+        ValueError: Both do: no log of a controller tells them apart.
+    """
+    if len(set(touches.path.tolist())) > 1:
+        raise ValueError("expected touches of one path, as a log names none, got skip and plc")
+    return InputPath(int(touches.path[0])).name.lower()
+
+
+def by_surface(touches: Sequence[Touch]) -> list[list[Touch]]:
+    """Put touches of one surface together, the surfaces in the order of their first touch."""
+    groups: list[list[Touch]] = []
+    for touch in touches:
+        for group in groups:
+            if touch.is_of(group[0]):
+                group.append(touch)
+                break
+        else:
+            groups.append([touch])
+    return groups
+
+
+def locating_mm_min(touches: Sequence[Touch]) -> float:
+    """Give the feed of the touch that finds a surface."""
+    return min(LOCATING_MM_MIN, *(touch.feed for touch in touches))
+
+
+def _touch(touches: Touches, i: int, rest_s: float, reach_mm: tuple[float, float]) -> Touch:
+    known = (
+        touches.sign[i],
+        touches.position_mm[i],
+        touches.approach_mm[i],
+        touches.feed_mm_min[i],
+    )
+    if touches.axis[i] not in (Axis.X, Axis.Y, Axis.Z) or np.isnan(known).any():
+        raise ValueError(f"touch {i}: a program needs linear axis, sense, place, approach and feed")
+    sign, surface, approach, feed = (float(value) for value in known)
+    start, end = np.clip([surface - sign * approach, surface + sign * BEYOND_MM], *reach_mm)
+    axis = Axis(int(touches.axis[i])).name
+    return Touch(axis, int(sign), float(start), surface, float(end), feed, rest_s)
