@@ -74,7 +74,7 @@ NOWHERE = {
     "cd build/packages/linuxcnc": "installs into LinuxCNC as root; make linuxcnc compiles it",
     "diagnose build/boards/": "make boards records it in an emulator, for minutes",
     "diagnose build/haas/before": "takes minutes; of fewer runs it is diagnosed in " + EXPERIMENT,
-    "import linuxcnc next.txt": "what a machine logs of its touches is missing",
+    "import linuxcnc next-1.txt": "what a machine logs of its touches is missing",
     "modprobe vcan": "needs root and a module of the kernel",
     "python3.11 -m venv /srv": "installs on a node of a cluster",
     "settle mill made": "what a machine logs of its touches is missing",
