@@ -10,6 +10,8 @@ from skiplatch.probing_touches import BEYOND_MM, LOCATING_MM, Touch, locating_mm
 COLUMNS = ("axis", "path", "sign", "feed_mm_min", "approach_mm", "position_mm")
 LOGGED = (*COLUMNS, "coordinate_mm", "status")
 """Columns of the table that FN 16 writes, by which ``import csv`` calls them."""
+LOCATED_BACK_MM = 1.0
+"""How far cycle 4 goes back from a surface that is not yet known for the right one."""
 _VALUES = "%S,{path},%.0lf,%.3lf,%.3lf,%.3lf"
 
 
@@ -51,7 +53,7 @@ def _located(touches: Sequence[Touch]) -> Iterator[str]:
     """Find the surface from where the probe stands, or end the program."""
     first = touches[0]
     result = f"+Q{_number(first)}"
-    yield from _cycle_4(first, LOCATING_MM, locating_mm_min(touches))
+    yield from _cycle_4(first, LOCATING_MM, locating_mm_min(touches), LOCATED_BACK_MM)
     yield "FN 9: IF +Q4 EQU -1 GOTO LBL 9"
     yield f"FN 11: IF {result} GT {first.surface + BEYOND_MM:+.3f} GOTO LBL 9"
     yield f"FN 12: IF {result} LT {first.surface - BEYOND_MM:+.3f} GOTO LBL 9"
@@ -61,7 +63,7 @@ def _touched(touch: Touch) -> Iterator[str]:
     yield "CYCL DEF 9.0 DWELL TIME"
     yield f"CYCL DEF 9.1 DWELL {touch.rest_s:.1f}"
     yield f"L {touch.axis}{touch.start:+.3f} R0 FMAX"
-    yield from _cycle_4(touch, abs(touch.end - touch.start), touch.feed)
+    yield from _cycle_4(touch, abs(touch.end - touch.start), touch.feed, touch.approach)
     yield f'QS1 = "{touch.axis}"'
     values = (touch.sign, touch.feed, touch.approach, touch.surface)
     for number, value in enumerate(values, 11):
@@ -70,16 +72,13 @@ def _touched(touch: Touch) -> Iterator[str]:
     yield "CALL LBL 1"
 
 
-def _cycle_4(touch: Touch, way_mm: float, feed_mm_min: float) -> Iterator[str]:
+def _cycle_4(touch: Touch, way_mm: float, feed_mm_min: float, back_mm: float) -> Iterator[str]:
     way = " ".join(f"I{axis}{touch.sign * (axis == touch.axis):+d}" for axis in "XYZ")
     yield "Q4 = +0"
     yield "TCH PROBE 4.0 MEASURING IN 3-D"
     yield "TCH PROBE 4.1 Q1"
     yield f"TCH PROBE 4.2 {way}"
-    yield (
-        f"TCH PROBE 4.3 ABST{way_mm:+.3f} F{feed_mm_min:g} "
-        f"MB{touch.approach:.3f} REFERENCE SYSTEM:0"
-    )
+    yield (f"TCH PROBE 4.3 ABST{way_mm:+.3f} F{feed_mm_min:g} MB{back_mm:.3f} REFERENCE SYSTEM:0")
 
 
 def _end(stem: str) -> Iterator[str]:

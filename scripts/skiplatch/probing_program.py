@@ -65,7 +65,6 @@ class _Part:
         stem: Name of all programs without ending.
         name: Of this one.
         then: The command that imports what all log.
-        path: That latches, skip or plc.
         is_first: Whether it is the first one.
     """
 
@@ -73,7 +72,6 @@ class _Part:
     stem: str
     name: str
     then: str
-    path: str
     is_first: bool
 
     @property
@@ -122,17 +120,21 @@ def programs(
     if kind == "klipper" and any((touch.axis, touch.sign) != ("Z", -1) for touch in made):
         raise ValueError("Klipper's PROBE touches along Z from above only, other touches are asked")
     groups = by_surface(made)
-    several = len(groups) > 1 and kind != "klipper"
-    names = [f"{stem}-{i}" for i in range(1, len(groups) + 1)] if several else [stem]
+    names = _names(kind, stem, len(groups))
     then = _import(kind, stem, names, path, campaign / NOMINAL_FILE)
     if kind == "klipper":
         return Programs({f"{stem}.gcode": _text(_klipper(groups, then))}, then)
-    texts = masks(stem, path) if kind == "heidenhain" else {}
-    programs: dict[str, str] = {}
-    for touches_of_one, name in zip(groups, names, strict=True):
-        part = _Part(touches_of_one, stem, name, then, path, name == names[0])
-        programs[name + FILES[kind][0]] = _WRITERS[kind](part)
-    return Programs(programs | texts, then)
+    texts = {
+        name + FILES[kind][0]: _WRITERS[kind](_Part(group, stem, name, then, name == names[0]))
+        for group, name in zip(groups, names, strict=True)
+    }
+    return Programs(texts | (masks(stem, path) if kind == "heidenhain" else {}), then)
+
+
+def _names(kind: str, stem: str, surfaces: int) -> list[str]:
+    if surfaces == 1 or kind == "klipper":
+        return [stem]
+    return [f"{stem}-{number}" for number in range(1, surfaces + 1)]
 
 
 def _import(kind: str, stem: str, names: Sequence[str], path: str, nominal: Path) -> str:

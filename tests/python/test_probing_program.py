@@ -294,6 +294,7 @@ def test_a_surface_that_is_elsewhere_is_left_alone(kind: str) -> None:
         control = Heidenhain(made.texts, off_mm=5.0)
         control.carry_out("next.h")
         assert control.probed == 1
+        assert "F60 MB1.000" in made.texts["next.h"]  # nor is the way back from it known
 
 
 def test_linuxcnc_sets_no_offset_of_its_own() -> None:
