@@ -162,17 +162,15 @@ def _text(lines: Iterator[str]) -> str:
 
 
 def _linuxcnc(part: _Part) -> Iterator[str]:
-    """Log by PROBEOPEN, in the program's coordinates: neither G49 nor G54 is for it to say."""
+    """Log by PROBEOPEN, in the coordinates that are active: M2 would go back to those of G54."""
     first = part.touches[0]
+    yield "%"
     yield from (f"; {line}" for line in part.head)
     yield "; in the coordinates of the log that the campaign was imported from:"
     yield "; with the same G54 to G59.3, G92 and tool offset (G43) as its program"
     yield "G21 G90 G94 G40"
     yield from _located(part.touches)
-    yield f"o1 if [ABS[{_PROBED[first.axis]} - [{first.surface:.3f}]] GT {BEYOND_MM:g}]"
-    yield f"(MSG, this is not {first.title}, or not in its coordinates)"
-    yield "M2"
-    yield "o1 endif"
+    yield f"o1 if [ABS[{_PROBED[first.axis]} - [{first.surface:.3f}]] LE {BEYOND_MM:g}]"
     yield f"(PROBEOPEN {part.name}.txt)"
     for touch in part.touches:
         yield f"G4 P{touch.rest_s:.1f}"
@@ -180,7 +178,10 @@ def _linuxcnc(part: _Part) -> Iterator[str]:
         yield f"G38.2 {touch.axis}{touch.end:.3f} F{touch.feed:g}"
         yield f"G0 {touch.axis}{touch.start:.3f}"
     yield "(PROBECLOSE)"
-    yield "M2"
+    yield "o1 else"
+    yield f"(MSG, this is not {first.title}, or not in its coordinates)"
+    yield "o1 endif"
+    yield "%"
 
 
 def _located(touches: Sequence[Touch]) -> Iterator[str]:
@@ -206,7 +207,6 @@ def _grbl(part: _Part) -> Iterator[str]:
         yield start
         yield f"G91 G38.2 {touch.axis}{touch.end - touch.start:.3f} F{touch.feed:g}"
         yield start
-    yield "M2"
 
 
 def _klipper(groups: Sequence[Sequence[Touch]], then: str) -> Iterator[str]:

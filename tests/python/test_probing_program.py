@@ -83,7 +83,7 @@ class Controller:
             elif move := re.match(r"(?:G90 G53 )?G[01] ([XYZ])(\S+)(?: F\S+)?$", line):
                 self.at[move[1]] = float(move[2])
             done.append((line, latched))
-            check = re.match(r"o1 if \[ABS\[#5061 - \[(\S+)\]\] GT (\S+)\]$", line)
+            check = re.match(r"o1 if \[ABS\[#5061 - \[(\S+)\]\] LE (\S+)\]$", line)
             if check and abs(self.at["X"] - float(check[1])) > float(check[2]):
                 break
         return done
@@ -304,7 +304,8 @@ def test_linuxcnc_sets_no_offset_of_its_own() -> None:
     assert not re.search(r"G(49|43|5[4-9]|92)", "\n".join(code))
     assert "with the same G54 to G59.3, G92 and tool offset (G43)" in text
     assert text.index("(PROBEOPEN next.txt)") > text.index("G91 G38.2")
-    assert text.rstrip().endswith("(PROBECLOSE)\nM2")
+    assert not re.search(r"^M(2|30)$", text, re.MULTILINE)  # they select G54
+    assert text.splitlines()[0] == text.splitlines()[-1] == "%"
 
 
 def test_heidenhain_logs_a_miss_as_one(tmp_path: Path) -> None:
