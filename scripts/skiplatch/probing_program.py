@@ -65,14 +65,16 @@ class _Part:
         stem: Name of all programs without ending.
         name: Of this one.
         then: The command that imports what all log.
-        is_first: Whether it is the first one.
+        number: Of this one, from 1.
+        of: How many there are.
     """
 
     touches: Sequence[Touch]
     stem: str
     name: str
     then: str
-    is_first: bool
+    number: int
+    of: int
 
     @property
     def head(self) -> list[str]:
@@ -80,7 +82,7 @@ class _Part:
         first = self.touches[0]
         side = "smaller" if first.sign > 0 else "greater"
         return [
-            first.title,
+            f"{first.title}, program {self.number} of {self.of}",
             f"before the start: set the probe in front of it, at {side} {first.axis},",
             f"nearer than {LOCATING_MM:g} mm; a slow touch finds the surface",
             *_then(self.then),
@@ -125,8 +127,8 @@ def programs(
     if kind == "klipper":
         return Programs({f"{stem}.gcode": _text(_klipper(groups, then))}, then)
     texts = {
-        name + FILES[kind][0]: _WRITERS[kind](_Part(group, stem, name, then, name == names[0]))
-        for group, name in zip(groups, names, strict=True)
+        name + FILES[kind][0]: _WRITERS[kind](_Part(group, stem, name, then, number, len(names)))
+        for number, (group, name) in enumerate(zip(groups, names, strict=True), 1)
     }
     return Programs(texts | (masks(stem, path) if kind == "heidenhain" else {}), then)
 
@@ -230,9 +232,10 @@ def _klipper(groups: Sequence[Sequence[Touch]], then: str) -> Iterator[str]:
 
 def _heidenhain(part: _Part) -> str:
     copied = " and ".join(f"{part.stem}{ending}" for ending in FILES["heidenhain"][1:])
-    order = [] if part.is_first else [f"after {part.stem}-1, whose log it goes on with"]
+    is_first = part.number == 1
+    order = [] if is_first else [f"after {part.stem}-1, whose log it goes on with"]
     head = [*part.head, f"copy {copied} to TNC:\\", "with the datum of the campaign", *order]
-    return klartext(part.touches, part.stem, part.name, head, is_first=part.is_first)
+    return klartext(part.touches, part.stem, part.name, head, is_first=is_first)
 
 
 _WRITERS: Mapping[str, Callable[[_Part], str]] = {

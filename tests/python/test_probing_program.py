@@ -259,6 +259,7 @@ def test_each_surface_has_a_program_that_keeps_to_its_side(kind: str) -> None:
     texts = texts_of(kind, joined(plus, minus), (-60.0, 60.0))
 
     assert list(texts) == ["next-1", "next-2"]
+    assert "; surface X- at 40 mm, program 2 of 2\n" in texts["next-2"]
     for text, touches in zip(texts.values(), (plus, minus), strict=True):
         sense = touches.sign[0]
         rapid = re.findall(r"(?:G0|G1|\d L) ([XYZ])(\S+)", text)
