@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import chdir
 from pathlib import Path
 
 import click
 import pytest
 from click.testing import CliRunner
 
+from conftest import SAMPLES
 from hostile import Place, places
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
@@ -95,6 +97,17 @@ def test_characters_that_a_terminal_lacks_end_no_command() -> None:
     assert done.returncode == 0
     assert "scatter by ? = " in done.stdout
     assert " µm" in done.stdout
+
+
+def test_what_does_not_go_to_stdout_makes_no_file_of_that_name(tmp_path: Path) -> None:
+    with chdir(tmp_path):
+        result = CliRunner().invoke(
+            group, ["predict", str(SAMPLES / "bench_isr_latency"), "-o", "-"]
+        )
+
+    assert result.exit_code == 2
+    assert "this is not written to stdout" in result.stderr
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_page_goes_to_stdout_alone() -> None:

@@ -31,7 +31,9 @@ class OutputFile(click.Path):
         """See `click.ParamType.convert`."""
         refuse_nameless(value, self, param, ctx)
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
-        if self.allow_dash and path == STDOUT:
+        if path == STDOUT:
+            if not self.allow_dash:
+                self.fail("expected the name of a file: this is not written to stdout", param, ctx)
             return path
         if os.fspath(value).endswith(os.sep):
             self.fail(f"expected the name of a file, got that of a folder, {value}", param, ctx)
