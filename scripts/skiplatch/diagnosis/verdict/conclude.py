@@ -150,10 +150,14 @@ def _conclusion(
 
 
 def _of_chance(work: Work, fit: Fit | None, rig: Rig) -> tuple[bool, list[Left]]:
-    """Tell whether a finding leaves anything to chance, and give what tells how that fell."""
+    """Tell whether a finding leaves anything to chance, and give what tells how that fell.
+
+    Effects answer for what they add to the beliefs that they were found with: without them a larger
+    noise may be believed, in place of theirs.
+    """
     if fit is None:
         return False, []
-    found, believed = (work.beside(work.scene, one) for one in (rig, work.rig(None)))
+    found, believed = (work.beside(work.scene, one) for one in (rig, replace(rig, effects=())))
     return is_chancy(found, believed), chance_of(found, believed, fit.slack, work.pool)
 
 
