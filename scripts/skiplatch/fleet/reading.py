@@ -11,6 +11,7 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.fleet import layout
 from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.engine import Connection, connect, failures_told, literal
+from skiplatch.fleet.tables import kept_touches
 from skiplatch.fleet.wholeness import load_index, whole_touches
 
 CAMPAIGN_VIEWS = """
@@ -32,7 +33,7 @@ SELECT * EXCLUDE (gap), gap.um AS gap_um, gap.arcsec AS gap_arcsec FROM (
     FROM campaigns GROUP BY rig
 ) ORDER BY rig
 """
-HISTORY = """
+HISTORY = f"""
 SELECT campaign, recorded_at, folder, campaigns.touches AS touches, deviation_um, deviation_sd_um,
     deviation_arcsec, deviation_sd_arcsec, verdict, gap_um, gap_arcsec, stage,
     coalesce(axes, 'linear') AS axes, effects
@@ -41,10 +42,10 @@ FROM campaigns JOIN (
         avg(deviation_arcsec) AS deviation_arcsec, stddev(deviation_arcsec) AS deviation_sd_arcsec
     FROM (
         SELECT *, CASE WHEN axis IN ('A', 'B', 'C') THEN NULL ELSE deviation_um END AS moved_um
-        FROM read_parquet($files, hive_partitioning = false)
+        FROM ({kept_touches("$files, hive_partitioning = false")})
     ) GROUP BY campaign
 ) USING (campaign) WHERE rig = $rig ORDER BY recorded_at, campaign
-"""
+"""  # noqa: S608 - names of the product's own
 PLACES = "SELECT rig, month, campaign, touches_sha256 FROM campaigns"
 FOUND = """
 SELECT campaign, rig, month, content FROM campaigns
@@ -164,8 +165,6 @@ def _refuse_empty(path: Path, engine: Connection) -> None:
 def _view_touches(path: Path, engine: Connection) -> None:
     kept = whole_touches(path, engine.execute(PLACES).fetchall())
     files = ", ".join(map(literal, kept))
-    engine.execute(
-        f"CREATE VIEW kept AS FROM read_parquet([{files}], hive_partitioning = true,"
-        " hive_types = {'rig': VARCHAR, 'month': VARCHAR})"
-    )
+    partitioned = "hive_partitioning = true, hive_types = {'rig': VARCHAR, 'month': VARCHAR}"
+    engine.execute(f"CREATE VIEW kept AS {kept_touches(f'[{files}], {partitioned}')}")
     engine.execute(TOUCHES_VIEW)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from skiplatch.campaign import COLUMNS, NOT_RECORDED, Touches
-from skiplatch.campaign.column_kinds import ChoiceColumn, NumberColumn
+from skiplatch.campaign.column_kinds import ChoiceColumn, LabelColumn, NumberColumn
 from skiplatch.fleet.engine import Connection
 
 CAMPAIGNS: Mapping[str, str] = {
@@ -36,6 +36,24 @@ CAMPAIGNS: Mapping[str, str] = {
     "index_sha256": "VARCHAR",
 }
 """Columns of the index, one row a campaign, and their types; docs/FLEET.md says what they mean."""
+
+TEXTS = tuple(
+    name for name, column in COLUMNS.items() if isinstance(column, ChoiceColumn | LabelColumn)
+)
+"""Columns of touches that hold texts: of one without any, the engine cannot guess that."""
+
+
+def kept_touches(files: str) -> str:
+    """Give SQL for touches of campaigns, whatever each of them has recorded.
+
+    Files of skiplatch 0.2.0 have a column without texts as one of another type, so neither the
+    type of the first file holds for all, nor is that of all together a text.
+
+    Args:
+        files: What `read_parquet` is given, in SQL.
+    """
+    texts = ", ".join(f"{name}::VARCHAR AS {name}" for name in TEXTS)
+    return f"SELECT * REPLACE ({texts}) FROM read_parquet({files}, union_by_name = true)"  # noqa: S608 - names of the product's own
 
 
 def write_touches(engine: Connection, campaign: str, touches: Touches, target: Path) -> None:
@@ -77,7 +95,9 @@ def _column(name: str) -> Any:  # noqa: ANN401
     from duckdb import ColumnExpression  # noqa: PLC0415 - see `engine.connect`
 
     column = ColumnExpression(name)
-    return _nan_is_null(column).alias(name) if isinstance(COLUMNS[name], NumberColumn) else column
+    if isinstance(COLUMNS[name], NumberColumn):
+        return _nan_is_null(column).alias(name)
+    return column.cast("VARCHAR").alias(name) if name in TEXTS else column
 
 
 def _nan_is_null(column: Any) -> Any:  # noqa: ANN401
