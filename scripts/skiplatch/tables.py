@@ -20,6 +20,11 @@ LEAST_COMPACT = 1e-6
 EXACT_DIGITS = 5  # of a number without an interval
 
 
+def counted(number: int, noun: str) -> str:
+    """Give a number of things in words: 1 rig, 2 rigs."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Lay out rows under a header: the first column to the left, the others to the right.
 

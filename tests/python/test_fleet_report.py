@@ -189,8 +189,8 @@ def test_command_writes_the_page_of_a_store(tmp_path: Path) -> None:
     result = runner.invoke(group, words, catch_exceptions=False)
 
     assert result.exit_code == 0, result.output
-    assert "1 rigs, 0 changed" in result.output
-    assert "1 campaigns are not diagnosed" in prose(out.read_text())
+    assert "1 rig, 0 changed" in result.output
+    assert "1 campaign is not diagnosed" in prose(out.read_text())
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -159,7 +159,8 @@ def test_a_diagnosis_of_other_touches_is_refused(campaign: Path, store: Path) ->
 def test_history_has_the_diagnoses_in_the_order_of_time(campaign: Path, store: Path) -> None:
     (campaign / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
     later = another(campaign)
-    os.utime(later / "touches.csv", (2e9, 2e9))
+    os.utime(campaign / "touches.csv", (1e9, 1e9))
+    os.utime(later / "touches.csv", (1.5e9, 1.5e9))
     add(store, later, campaign)
 
     with opened(store, with_touches=False) as reader:
@@ -167,7 +168,7 @@ def test_history_has_the_diagnoses_in_the_order_of_time(campaign: Path, store: P
     assert (first.folder, first.verdict, first.gap_um) == ("monday", "explained", 2.5)
     assert first.gaps["latch error"] == Gap("latch error", "µs", 41.0, 0.4)
     assert second.parameters == [Parameter("isr_latency", "latch", "latency_us", 41.7, 41.5, 41.8)]
-    assert second.time.isoformat() == "2033-05-18T03:33:20"
+    assert second.time.isoformat() == "2017-07-14T02:40:00"
 
 
 def test_thermometers_and_sessions_are_kept(campaign: Path, store: Path) -> None:

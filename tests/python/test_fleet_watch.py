@@ -169,6 +169,36 @@ def test_a_bad_campaign_is_one_line_and_costs_no_other(
     assert kept(store) == {"monday": "explained"}
 
 
+def linked(folder: Path) -> None:
+    (folder / "link").symlink_to("/etc/passwd")
+
+
+def to_come(folder: Path) -> None:
+    nominal = (folder / "nominal.toml").read_text().replace("campaign/1", "campaign/2")
+    (folder / "nominal.toml").write_text(f'{nominal}[notes]\nrecorded_at = "2999-01-01"\n')
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [(linked, "link: neither a file nor a folder"), (to_come, "nominal.toml: recorded_at: ")],
+)
+def test_what_no_store_keeps_is_not_diagnosed(
+    inbox: Path,
+    store: Path,
+    diagnosed: list[Path | None],
+    refused: Program,
+    spoil: Callable[[Path], None],
+    words: str,
+) -> None:
+    spoil(put(inbox / "monday"))
+
+    said = refused("fleet", "watch", inbox, "--store", store, "--once", "--settle-s", AT_ONCE_S)
+
+    assert f"monday/{words}" in said
+    assert diagnosed == []
+    assert not list(inbox.glob("*/diagnosis.json"))
+
+
 def test_a_store_that_is_none_ends_the_watch(
     inbox: Path, store: Path, diagnosed: list[Path | None], refused: Program
 ) -> None:

@@ -12,12 +12,14 @@ from skiplatch.fleet.findings import (
     as_json,
     change_text,
     find,
+    left_out_text,
     shared_text,
     unlike_text,
 )
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.machine_texts import junit_xml, open_metrics
 from skiplatch.fleet.reading import opened
+from skiplatch.tables import counted
 
 CHANGED = 1
 """Exit status if a rig has changed."""
@@ -78,5 +80,6 @@ def _say(findings: Findings, days: float) -> None:
     for unlike in findings.unlike:
         click.echo(f"unlike the others: {unlike_text(unlike)}")
     changed = len({change.rig for change in findings.recent})
-    left = f"; {findings.undiagnosed} campaigns are not diagnosed" if findings.undiagnosed else ""
-    click.echo(f"{len(findings.history)} rigs, {changed} changed in the last {days:g} days{left}")
+    rigs, left = counted(len(findings.history), "rig"), left_out_text(findings)
+    words = f"{rigs}, {changed} changed in the last {days:g} days"
+    click.echo("; ".join(filter(None, (words, left))))

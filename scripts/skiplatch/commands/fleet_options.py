@@ -30,7 +30,7 @@ days_option: Decorator = click.option(
     type=NumberType(1e-3, 36_525.0),
     default=31.0,
     show_default=True,
-    help="How long before the newest campaign of the fleet a change was seen at most.",
+    help="How long before the newest diagnosed campaign a change was seen at most.",
 )
 rate_option: Decorator = click.option(
     "--false-alarms-per-month",

@@ -10,6 +10,7 @@ from skiplatch.commands.options import html_option, json_option, write_document,
 from skiplatch.fleet.findings import as_json, find
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.reading import opened
+from skiplatch.tables import counted
 
 EPILOG = """\b
 Example:
@@ -54,4 +55,5 @@ def command(
     if html_path is not None:
         write_document(html_path, as_html(findings, store=store.resolve().name, weeks=weeks))
         changed = len({change.rig for change in findings.recent})
-        click.echo(f"{html_path}: {len(history)} rigs, {changed} changed in the last {days:g} days")
+        rigs = counted(len(findings.history), "rig")
+        click.echo(f"{html_path}: {rigs}, {changed} changed in the last {days:g} days")

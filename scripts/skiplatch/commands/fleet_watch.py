@@ -26,6 +26,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.fleet.arrivals import Arrivals, noticed
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, is_diagnosed
+from skiplatch.fleet.intake import refuse_unfit
 from skiplatch.fleet.lock import BusyError
 from skiplatch.fleet.store import opened_for_writing, refuse_unusable
 from skiplatch.simulator.library import SimulationError
@@ -80,9 +81,9 @@ class Intake:
         recorded: dict[int, Campaign] = {}
         for number, folder in enumerate(folders):
             try:
-                campaign = read_playable(folder)
-                if not is_diagnosed(folder, campaign.fingerprint):
-                    recorded[number] = campaign
+                if not is_diagnosed(folder):
+                    refuse_unfit(folder, self.rig)
+                    recorded[number] = read_playable(folder)
                     continue
             except (InputError, OSError) as error:
                 yield number, _named(folder, error)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from skiplatch.campaign import Touches, fingerprint
+from skiplatch.campaign import Touches, fingerprint, read_campaign
 from skiplatch.diagnosis.reported.belonging import is_of
 from skiplatch.diagnosis.reported.schema import need_intervals, read_diagnosis_json, whole
 from skiplatch.ways import LENGTH, Ways
@@ -60,18 +60,17 @@ def diagnosed(folder: Path, touches: Touches) -> Diagnosed:
     return read_diagnosis_json(path, lambda document: _figures(document, touches))
 
 
-def is_diagnosed(folder: Path, known_as: str) -> bool:
+def is_diagnosed(folder: Path) -> bool:
     """Tell whether a diagnosis lies in a campaign's folder that is not of other touches.
 
-    Args:
-        folder: Of the campaign.
-        known_as: Fingerprint of its touches.
-
     Raises:
-        InputError: It cannot be read.
+        InputError: It or the campaign cannot be read.
     """
     path = folder / DIAGNOSIS_FILE
-    return path.exists() and is_of(read_diagnosis_json(path, whole), known_as)
+    if not path.exists():
+        return False
+    known_as = fingerprint(read_campaign(folder).touches)
+    return is_of(read_diagnosis_json(path, whole), known_as)
 
 
 def _figures(given: Any, touches: Touches) -> Diagnosed:  # noqa: ANN401 - JSON is anything

@@ -1,13 +1,15 @@
 """What `fleet check` and the page say of a fleet, found once."""
 
 from dataclasses import asdict, dataclass
-from datetime import timedelta
+from datetime import datetime, timedelta
 from typing import Any
 
+from skiplatch.errors import InputError
+from skiplatch.fleet import clock
 from skiplatch.fleet.alike import SharedCause, Unlike, shared_causes, unlike_others
 from skiplatch.fleet.changes import Change, find_changes
 from skiplatch.fleet.history import Entry, History
-from skiplatch.tables import compact
+from skiplatch.tables import compact, counted
 
 SHOWN_DIGITS = 3
 
@@ -17,12 +19,13 @@ class Findings:
     """A fleet and what is found in it.
 
     Attributes:
-        history: All campaigns.
+        history: All campaigns, but for those that are still to come.
         changes: Of all time, in the order in which they were seen.
         recent: Those seen lately.
         shared: Causes of several changes of all time.
         unlike: Rigs unlike the others now.
         alarms_a_month: False alarms that are expected of the whole fleet in a month, at most.
+        to_come: Campaigns later than the clock of this machine, of which no order is known.
     """
 
     history: History
@@ -31,6 +34,7 @@ class Findings:
     shared: list[SharedCause]
     unlike: list[Unlike]
     alarms_a_month: float
+    to_come: int = 0
 
     @property
     def undiagnosed(self) -> int:
@@ -43,14 +47,61 @@ def find(history: History, *, days: float, alarms_a_month: float) -> Findings:
 
     Args:
         history: All campaigns.
-        days: How long before the newest campaign of the fleet a change is seen lately.
+        days: How long before the newest diagnosed campaign of the fleet a change is seen lately.
         alarms_a_month: False alarms that may be expected of the whole fleet in a month.
+
+    Raises:
+        InputError: All are later than the clock of this machine.
     """
-    changes = find_changes(history, alarms_a_month)
-    newest = max(entries[-1].time for entries in history.values())
-    recent = [change for change in changes if newest - change.seen <= timedelta(days=days)]
+    now = clock.now()
+    past = _past(history, now)
+    changes = find_changes(past, alarms_a_month)
+    since = min(_newest_diagnosed(past, now), now) - timedelta(days=days)
+    recent = [change for change in changes if change.seen >= since]
+    to_come = _count(history) - _count(past)
     return Findings(
-        history, changes, recent, shared_causes(changes), unlike_others(history), alarms_a_month
+        *(past, changes, recent, shared_causes(changes), unlike_others(past)),
+        alarms_a_month=alarms_a_month,
+        to_come=to_come,
+    )
+
+
+def _past(history: History, now: datetime) -> History:
+    """Leave out what is still to come, even if a store says its local time."""
+    latest = now + clock.EASTERNMOST
+    kept = {
+        rig: [entry for entry in entries if entry.time <= latest]
+        for rig, entries in history.items()
+    }
+    past = {rig: entries for rig, entries in kept.items() if entries}
+    if not past:
+        message = "all campaigns are later than the clock of this machine; one of the two is wrong"
+        raise InputError("fleet", None, None, message)
+    return past
+
+
+def _newest_diagnosed(history: History, otherwise: datetime) -> datetime:
+    """Give the newest time of which something is known: what nobody diagnosed has no changes."""
+    times = [
+        entry.time for entries in history.values() for entry in entries if entry.verdict is not None
+    ]
+    return max(times, default=otherwise)
+
+
+def _count(history: History) -> int:
+    return sum(map(len, history.values()))
+
+
+def left_out_text(findings: Findings) -> str:
+    """Say of how many campaigns nothing is said, and why; nothing if there are none."""
+    reasons = {
+        "not diagnosed": findings.undiagnosed,
+        "later than the clock of this machine": findings.to_come,
+    }
+    return "; ".join(
+        f"{counted(number, 'campaign')} {'is' if number == 1 else 'are'} {reason}"
+        for reason, number in reasons.items()
+        if number
     )
 
 
@@ -101,8 +152,9 @@ def as_json(findings: Findings) -> dict[str, Any]:
     return {
         "format": "skiplatch-fleet-check/1",
         "rigs": len(findings.history),
-        "campaigns": sum(map(len, findings.history.values())),
+        "campaigns": _count(findings.history),
         "undiagnosed": findings.undiagnosed,
+        "later_than_clock": findings.to_come,
         "alarms_a_month": findings.alarms_a_month,
         "changed": [_change_json(change, findings.history) for change in findings.recent],
         "earlier": [

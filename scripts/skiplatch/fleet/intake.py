@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE, Campaign, read_campaign
-from skiplatch.fleet.contents import Contents, digest_of
+from skiplatch.fleet.contents import Contents, digest_of, look_at
 from skiplatch.fleet.diagnosed import Diagnosed, diagnosed
-from skiplatch.fleet.origin import recorded_at
+from skiplatch.fleet.origin import recorded_at, rig_of
 from skiplatch.ways import Ways
 
 
@@ -65,6 +65,13 @@ def key_of(folder: Path, rig: str) -> str:
     for name in (NOMINAL_FILE, TOUCHES_FILE):
         digest.update(digest_of(folder / name))
     return digest.hexdigest()
+
+
+def refuse_unfit(folder: Path, rig: str | None) -> None:
+    """Raise InputError for what no store keeps, whatever its diagnosis says; for early warning."""
+    look_at(folder)
+    rig_of(folder, rig)
+    recorded_at(folder)
 
 
 def read_intake(folder: Path, rig: str, contents: Contents) -> Intake:

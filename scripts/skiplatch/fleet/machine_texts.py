@@ -53,6 +53,8 @@ def open_metrics(findings: Findings) -> str:
     gauge("rigs", "Rigs of the store.").set(len(findings.history))
     gauge("changed_rigs", "Rigs that changed lately.").set(len(_by_rig(findings.recent)))
     gauge("undiagnosed_campaigns", "Campaigns without a diagnosis.").set(findings.undiagnosed)
+    later = gauge("later_than_clock_campaigns", "Campaigns later than the clock of this machine.")
+    later.set(findings.to_come)
     changed = gauge("rig_changes", "Changes of a rig that were seen lately.", "rig")
     gap_um = gauge("rig_gap_um", "Largest gap of the newest campaign in micrometres.", "rig")
     gap_arcsec = gauge("rig_gap_arcsec", "And where all axes turn, in arcseconds.", "rig")

@@ -10,10 +10,12 @@ from skiplatch.campaign.csv_text import read_rows
 from skiplatch.campaign.time_stamps import TIME_NAME
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, quoted
+from skiplatch.fleet import clock
 from skiplatch.fleet.layout import refuse_rig
 
 RIG_KEY, TIME_KEY = "rig", "recorded_at"
 EXPECTED = "expected a date and time such as 2026-03-01T14:05:12Z"
+SHOWN = "%Y-%m-%dT%H:%M:%S"
 
 
 def rig_of(folder: Path, named: str | None) -> str:
@@ -34,10 +36,10 @@ def recorded_at(folder: Path) -> datetime:
     """Give when it was recorded, in UTC without a zone.
 
     `[notes] recorded_at`, else the first stamp in the column time, else when touches.csv was last
-    written. What has no zone counts as UTC.
+    written, which was not later than now. What has no zone counts as UTC.
 
     Raises:
-        InputError: What stands there is no time.
+        InputError: What stands there is no time, or one that is still to come.
     """
     notes = _notes(folder)
     if TIME_KEY in notes:
@@ -45,7 +47,8 @@ def recorded_at(folder: Path) -> datetime:
     if stamp := _first_stamp(folder / TOUCHES_FILE):
         return _utc(folder / TOUCHES_FILE, TIME_NAME, stamp)
     written_s = (folder / TOUCHES_FILE).stat().st_mtime
-    return datetime.fromtimestamp(written_s, UTC).replace(tzinfo=None, microsecond=0)
+    written = datetime.fromtimestamp(written_s, UTC).replace(tzinfo=None)
+    return min(written, clock.now()).replace(microsecond=0)
 
 
 def _notes(folder: Path) -> Mapping[str, Any]:
@@ -67,6 +70,11 @@ def _first_stamp(path: Path) -> str | None:
 def _utc(path: Path, name: str, written: object) -> datetime:
     try:
         time = written if isinstance(written, datetime) else datetime.fromisoformat(str(written))
-        return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+        utc = time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
     except (ValueError, OverflowError) as error:
         raise InputError(path, None, name, f"{EXPECTED}, got {quoted(str(written))}") from error
+    now = clock.now()
+    if utc > (now if time.tzinfo else now + clock.EASTERNMOST):
+        later = f"{quoted(str(written))} is later than the clock of this machine, {now:{SHOWN}} UTC"
+        raise InputError(path, None, name, f"{later}; one of the two is wrong")
+    return utc

@@ -6,12 +6,12 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from skiplatch.fleet.changes import Change
-from skiplatch.fleet.findings import Findings, growth_text, shared_text, unlike_text
+from skiplatch.fleet.findings import Findings, growth_text, left_out_text, shared_text, unlike_text
 from skiplatch.fleet.history import Entry, History, Parameter
 from skiplatch.report import glossary
 from skiplatch.report.layout import render
 from skiplatch.report.words import Table
-from skiplatch.tables import NOTHING, compact
+from skiplatch.tables import NOTHING, compact, counted
 from skiplatch.ways import ARCSEC, LENGTH, Ways
 
 TEMPLATE = "fleet.html"
@@ -158,9 +158,9 @@ def _headline(changed: int, rigs: int) -> str:
 
 def _lead(findings: Findings) -> str:
     newest = max(entries[-1].time for entries in findings.history.values())
-    words = f"{len(findings.history)} rigs, as of {newest:%Y-%m-%d}."
-    if findings.undiagnosed:
-        words += f" {findings.undiagnosed} campaigns are not diagnosed: nothing is known of them."
+    words = f"{counted(len(findings.history), 'rig')}, as of {newest:%Y-%m-%d}."
+    if left := left_out_text(findings):
+        words += f" {left}: nothing is told of them."
     return words
 
 

@@ -1,0 +1,109 @@
+"""Times that cannot be: a rig's clock that is wrong tells nothing of when now is."""
+
+import os
+from dataclasses import replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from refusals import Program, refusal
+from simulated_fleet import START, WEEK, Fleet
+from skiplatch.fleet import clock
+from skiplatch.fleet.findings import as_json, find, left_out_text
+from skiplatch.fleet.history import History
+from skiplatch.fleet.machine_texts import open_metrics
+from skiplatch.fleet.origin import recorded_at
+from skiplatch.report.fleet import as_html
+from test_fleet_columns import recorded
+from test_fleet_store import add, ask
+
+NOW = START + 60 * WEEK
+FAR = datetime(2099, 1, 1)  # noqa: DTZ001 - of a store
+
+
+@pytest.fixture(autouse=True)
+def _at(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clock, "now", lambda: NOW)
+
+
+def dated(folder: Path, when: str) -> Path:
+    recorded(folder)
+    with (folder / "nominal.toml").open("a") as file:
+        file.write(f'[notes]\nrecorded_at = "{when}"\n')
+    return folder
+
+
+def test_a_time_that_is_still_to_come_is_refused_by_the_folder(
+    tmp_path: Path, refused: Program
+) -> None:
+    good, bad = dated(tmp_path / "a" / "good", f"{NOW}Z"), dated(tmp_path / "a" / "bad", f"{FAR}Z")
+
+    said = refused("fleet", "add", bad, good, "--store", tmp_path / "store")
+
+    later = f'"{FAR}Z" is later than the clock of this machine, {NOW:%Y-%m-%dT%H:%M:%S} UTC'
+    assert f"{bad}/nominal.toml: recorded_at: {later}; one of the two is wrong\n" in said
+    assert ask(tmp_path / "store", "SELECT folder FROM campaigns") == [("good",)]
+
+
+def test_a_time_without_a_zone_may_be_that_of_any_zone(tmp_path: Path) -> None:
+    ahead = NOW + timedelta(hours=13)
+
+    assert recorded_at(dated(tmp_path / "local", f"{ahead}")) == ahead
+    assert "later than" in refusal(recorded_at, dated(tmp_path / "utc", f"{ahead}Z"))
+    assert "later than" in refusal(
+        recorded_at, dated(tmp_path / "far", f"{NOW + timedelta(hours=15)}")
+    )
+
+
+def test_what_says_no_time_is_kept_with_that_of_its_file_or_now(tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "a" / "one")
+    os.utime(folder / "touches.csv", (1e9, 1e9))
+    assert recorded_at(folder).isoformat() == "2001-09-09T01:46:40"
+
+    os.utime(folder / "touches.csv", (4e9, 4e9))
+    assert recorded_at(folder) == NOW
+    assert add(tmp_path / "store", folder) == 1
+
+
+@pytest.fixture(scope="module")
+def changed() -> History:
+    """A fleet of which a rig changed in the end."""
+    history, faults = Fleet(rigs=3, weeks=30, changing=1, wild=0.0).drawn(5)
+    (fault,) = faults.values()
+    return {rig: entries[: fault.week + 3] for rig, entries in history.items()}
+
+
+def spoilt(history: History, time: datetime, verdict: str | None) -> History:
+    """The fleet with a rig whose one campaign has this time."""
+    last = next(iter(history.values()))[-1]
+    one = replace(last, time=time, verdict=verdict, campaign="f" * 64, gaps={})
+    return {**history, "zz": [one]}
+
+
+@pytest.mark.parametrize("verdict", [None, "no_gap"])
+def test_a_wrong_clock_that_is_in_a_store_does_not_set_now(
+    changed: History, verdict: str | None
+) -> None:
+    right = find(changed, days=31.0, alarms_a_month=0.02)
+    found = find(spoilt(changed, FAR, verdict), days=31.0, alarms_a_month=0.02)
+
+    assert len(right.recent) == 1
+    assert found.recent == right.recent
+    assert (found.to_come, found.history) == (1, changed)
+    assert left_out_text(found) == "1 campaign is later than the clock of this machine"
+    assert as_json(found)["later_than_clock"] == 1
+    assert "skiplatch_fleet_later_than_clock_campaigns 1.0" in open_metrics(found)
+    assert "later than the clock" in as_html(found, store="works", weeks=52)
+
+
+def test_only_what_is_diagnosed_sets_now(changed: History) -> None:
+    later = spoilt(changed, NOW - timedelta(days=1), None)
+
+    assert find(later, days=31.0, alarms_a_month=0.02).recent
+
+
+def test_a_fleet_that_is_all_to_come_is_refused(changed: History) -> None:
+    far = {"a": [replace(entry, time=FAR) for entry in changed["rig-000"]]}
+
+    assert "all campaigns are later" in refusal(lambda: find(far, days=31.0, alarms_a_month=0.02))
