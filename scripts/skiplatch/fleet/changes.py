@@ -16,6 +16,23 @@ FINEST = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
+class Back:
+    """A change did not last: the gap went back, all the way or in part.
+
+    Attributes:
+        gap: What it is since then.
+        since: Time of the first campaign with it, UTC.
+        campaigns: From that one on, to the next change.
+        seen: Time of the campaign with which it was found; None where there are too few to tell.
+    """
+
+    gap: float
+    since: datetime
+    campaigns: int
+    seen: datetime | None
+
+
+@dataclass(frozen=True, slots=True)
 class Change:
     """A rig's gap has changed.
 
@@ -24,13 +41,14 @@ class Change:
         observable: The one whose gap showed it first.
         unit: Of the gap.
         before: The gap before: exp of the mean of its logarithm.
-        after: The gap after it.
+        after: The gap after it, as long as it lasted.
         last_before: Time of the last campaign before the change, UTC.
         began: Time of the first one after it.
         seen: Time of the campaign with which it was found.
         campaigns: From the first after the change to that one.
         stage: Where it acts; None if no diagnosis says so.
         growth: The effect's parameter that changed most; None if none changed clearly.
+        back: Whether it was over after a few campaigns, or seems to be by the newest ones.
     """
 
     rig: str
@@ -44,11 +62,22 @@ class Change:
     campaigns: int
     stage: str | None
     growth: Growth | None
+    back: Back | None = None
 
     @property
     def is_worse(self) -> bool:
         """Whether the gap grew."""
         return self.after > self.before
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it was found that the gap went back."""
+        return self.back is not None and self.back.seen is not None
+
+    @property
+    def news(self) -> datetime:
+        """When it was seen, or that it is over."""
+        return (self.back.seen if self.back else None) or self.seen
 
 
 def find_changes(history: History, alarms_a_month: float = budget.ALARMS_A_MONTH) -> list[Change]:
@@ -106,7 +135,17 @@ def _changes(
             campaigns=shift.seen - shift.began + 1,
             stage=growth.stage if growth else _stage([*series[new], *series[old]]),
             growth=growth,
+            back=_back(series, observable, shift),
         )
+
+
+def _back(series: Sequence[Entry], observable: str, shift: chart.Shift) -> Back | None:
+    entries = series[shift.end : shift.until]
+    if not entries:
+        return None
+    seen = None if shift.back_seen is None else series[shift.back_seen].time
+    gap = level([entry.gaps[observable] for entry in entries])
+    return Back(gap, entries[0].time, len(entries), seen)
 
 
 def started_log(gap: Gap) -> float:

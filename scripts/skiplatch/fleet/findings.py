@@ -21,7 +21,7 @@ class Findings:
     Attributes:
         history: All campaigns, but for those that are still to come.
         changes: Of all time, in the order in which they were seen.
-        recent: Those seen lately.
+        recent: Those seen lately, or of which it was seen lately that they are over.
         shared: Causes of several changes of all time.
         unlike: Rigs unlike the others now.
         alarms_a_month: False alarms that are expected of the whole fleet in a month, at most.
@@ -57,7 +57,7 @@ def find(history: History, *, days: float, alarms_a_month: float) -> Findings:
     past = _past(history, now)
     changes = find_changes(past, alarms_a_month)
     since = min(_newest_diagnosed(past, now), now) - timedelta(days=days)
-    recent = [change for change in changes if change.seen >= since]
+    recent = [change for change in changes if change.news >= since]
     to_come = _count(history) - _count(past)
     return Findings(
         *(past, changes, recent, shared_causes(changes), unlike_others(past)),
@@ -114,11 +114,29 @@ def change_text(change: Change) -> str:
         f"began {change.last_before:%Y-%m-%d} … {change.began:%Y-%m-%d}",
         f"seen {change.seen:%Y-%m-%d}",
     ]
+    if change.back:
+        words.append(_back_text(change))
     if change.growth:
         words.append(f"{change.stage} stage, {growth_text(change)}")
     elif change.stage:
         words.append(f"{change.stage} stage")
     return "; ".join(words)
+
+
+def details(change: Change) -> list[str]:
+    """Say what is known beyond the change itself: whether it is over, and which effect grew."""
+    return [text for text in (_back_text(change), growth_text(change)) if text]
+
+
+def _back_text(change: Change) -> str:
+    if change.back is None:
+        return ""
+    words = (
+        f"{compact(change.back.gap, SHOWN_DIGITS)} {change.unit} since {change.back.since:%Y-%m-%d}"
+    )
+    if change.back.seen is None:
+        words += f", by {counted(change.back.campaigns, 'campaign')}, too few to be sure"
+    return f"back to {words}"
 
 
 def growth_text(change: Change) -> str:

@@ -6,7 +6,7 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from skiplatch.fleet.changes import Change
-from skiplatch.fleet.findings import Findings, growth_text, left_out_text, shared_text, unlike_text
+from skiplatch.fleet.findings import Findings, details, left_out_text, shared_text, unlike_text
 from skiplatch.fleet.history import Entry, History, Parameter
 from skiplatch.report import glossary
 from skiplatch.report.layout import render
@@ -276,10 +276,10 @@ def _task(change: Change, rig: int) -> Task:
         f"Its {change.observable} gap {way} from {before} to {after} {change.unit}, "
         f"some time between {change.last_before:{DAY}} and {change.began:{DAY}}."
     )
-    if growth := growth_text(change):
-        words += f" {growth}."
+    words += "".join(f" {detail}." for detail in details(change))
     stage = change.stage or ""
-    what = NEXT.get(stage, NEXT_UNKNOWN) if change.is_worse else NEXT_BETTER
+    is_bad = change.is_worse and not change.is_over
+    what = NEXT.get(stage, NEXT_UNKNOWN) if is_bad else NEXT_BETTER
     return Task(rig, change.rig, words, stage, what)
 
 
