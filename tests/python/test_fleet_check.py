@@ -225,7 +225,8 @@ def test_old_changes_are_no_news(small: tuple[History, dict[str, Fault]]) -> Non
     newest = max(entries[-1].time for entries in history.values())
     days = (newest - changes[-1].seen) / timedelta(days=1)
 
-    assert find(history, days=days + 0.01, alarms_a_month=0.02).recent == [changes[-1]]
+    found = find(history, days=days + 0.01, alarms_a_month=0.02)
+    assert (found.recent, found.shared) == ([changes[-1]], [])
     assert find(history, days=max(days - 0.01, 0.001), alarms_a_month=0.02).recent == []
 
 

@@ -22,7 +22,7 @@ class Findings:
         history: All campaigns, but for those that are still to come.
         changes: Of all time, in the order in which they were seen.
         recent: Those seen lately, or of which it was seen lately that they are over.
-        shared: Causes of several changes of all time.
+        shared: Causes of several changes seen lately.
         unlike: Rigs unlike the others now.
         alarms_a_month: False alarms that are expected of the whole fleet in a month, at most.
         to_come: Campaigns later than the clock of this machine, of which no order is known.
@@ -60,7 +60,7 @@ def find(history: History, *, days: float, alarms_a_month: float) -> Findings:
     recent = [change for change in changes if change.news >= since]
     to_come = _count(history) - _count(past)
     return Findings(
-        *(past, changes, recent, shared_causes(changes), unlike_others(past)),
+        *(past, changes, recent, shared_causes(recent), unlike_others(past)),
         alarms_a_month=alarms_a_month,
         to_come=to_come,
     )
