@@ -59,7 +59,8 @@ def test_a_single_campaign_after_a_repair_is_told_with_the_failure() -> None:
     (failure,) = changes_after(1)
 
     assert failure.back is not None
-    assert (failure.back.gap, failure.back.campaigns) == (pytest.approx(0.43), 1)
+    assert failure.back.gap == pytest.approx(0.43)
+    assert failure.back.campaigns == 1
     assert not failure.is_over
     back = f"back to 0.43 µm since {START + 14 * PACE:%Y-%m-%d}, by 1 campaign, too few to be sure"
     assert f"; {back}" in change_text(failure)

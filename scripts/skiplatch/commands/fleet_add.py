@@ -1,18 +1,21 @@
 """``skiplatch fleet add``: campaigns into a store."""
 
 import time
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import click
 
-from skiplatch.commands.fleet_options import store_option
+from skiplatch.commands.fleet_options import REFUSED, refused_json, store_option, tell_refused
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.fleet.intake import Intake
 from skiplatch.fleet.store import Writer, opened_for_writing
 from skiplatch.progress import shown
+from skiplatch.tables import counted
+from skiplatch.undo import taken_back_on_failure
 
 COMMIT_S = 5.0
 """Every so often what was added until then counts: more is lost of no work that is cut short."""
@@ -31,8 +34,13 @@ Example:
     "of the folder that each lies in.",
 )
 @json_option
+@click.pass_context
 def command(
-    folders: tuple[Path, ...], store: Path, rig: str | None, json_path: Path | None
+    ctx: click.Context,
+    folders: tuple[Path, ...],
+    store: Path,
+    rig: str | None,
+    json_path: Path | None,
 ) -> None:
     """Keep the campaigns DIR… in a store, with all files of their folders.
 
@@ -40,27 +48,38 @@ def command(
     A campaign that cannot be read is told in one line, the others are added, and the exit status
     is 2.
     """
-    added: list[Intake] = []
-    refused: list[InputError] = []
-    with opened_for_writing(store) as writer:
-        _add_all(writer, folders, rig, added, refused)
-    if refused:
-        for error in refused[:-1]:
-            click.echo(f"skiplatch: {error}", err=True)
-        raise refused[-1]
-    rigs = {intake.rig for intake in added}
-    known = len(folders) - len(added)
-    click.echo(f"{store}: {len(added)} campaigns of {len(rigs)} rigs added, {known} known already")
-    write_json(json_path, {"added": [_json(intake) for intake in added], "known": known})
+    taken = Taken()
+    _fill(store, folders, rig, taken)
+    tell_refused(taken.refused)
+    click.echo(f"{store}: {_summary(taken)}")
+    write_json(json_path, _document(taken))
+    if taken.refused:
+        ctx.exit(REFUSED)
 
 
-def _add_all(
-    writer: Writer,
-    folders: tuple[Path, ...],
-    rig: str | None,
-    added: list[Intake],
-    refused: list[InputError],
-) -> None:
+@dataclass(slots=True)
+class Taken:
+    """What became of the campaigns: new, with other files than were kept, as kept, or refused."""
+
+    added: list[Intake] = field(default_factory=list)
+    replaced: list[Intake] = field(default_factory=list)
+    known: int = 0
+    refused: list[tuple[Path, InputError]] = field(default_factory=list)
+
+
+def _fill(store: Path, folders: tuple[Path, ...], rig: str | None, taken: Taken) -> None:
+    """Add what can be read; a store that nothing went into is not made."""
+    try:
+        with taken_back_on_failure(), opened_for_writing(store) as writer:
+            _add_all(writer, folders, rig, taken)
+            if len(taken.refused) == len(folders):
+                raise taken.refused[-1][1]
+    except InputError as error:
+        if not taken.refused or error is not taken.refused[-1][1]:
+            raise
+
+
+def _add_all(writer: Writer, folders: tuple[Path, ...], rig: str | None, taken: Taken) -> None:
     committed_s = time.monotonic()
     for folder in shown(folders, len(folders), "adding"):
         try:
@@ -68,14 +87,36 @@ def _add_all(
         except InputError as error:
             if Path(error.path).is_relative_to(writer.path):
                 raise
-            refused.append(error)
+            taken.refused.append((folder, error))
             continue
-        if intake is not None:
-            added.append(intake)
+        if intake is None:
+            taken.known += 1
+        else:
+            (taken.replaced if intake.is_known else taken.added).append(intake)
         if time.monotonic() - committed_s > COMMIT_S:
             writer.commit()
             committed_s = time.monotonic()
     writer.commit()
+
+
+def _summary(taken: Taken) -> str:
+    rigs = len({intake.rig for intake in taken.added})
+    words = [f"{counted(len(taken.added), 'campaign')} of {counted(rigs, 'rig')} added"]
+    if taken.replaced:
+        words.append(f"{len(taken.replaced)} replaced")
+    words.append(f"{taken.known} known already")
+    if taken.refused:
+        words.append(f"{len(taken.refused)} refused")
+    return ", ".join(words)
+
+
+def _document(taken: Taken) -> dict[str, Any]:
+    return {
+        "added": [_json(intake) for intake in taken.added],
+        "replaced": [_json(intake) for intake in taken.replaced],
+        "known": taken.known,
+        "refused": refused_json(taken.refused),
+    }
 
 
 def _json(intake: Intake) -> dict[str, Any]:
@@ -83,6 +124,7 @@ def _json(intake: Intake) -> dict[str, Any]:
         "campaign": intake.key,
         "rig": intake.rig,
         "month": intake.month,
-        "folder": str(intake.contents.folder),
+        "folder": intake.folder,
+        "path": str(intake.contents.folder),
         "touches": len(intake.recorded.touches),
     }

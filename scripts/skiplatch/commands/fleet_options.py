@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 from datetime import date, datetime, timedelta
 from decimal import Decimal
+from pathlib import Path
 from typing import Any
 
 import click
@@ -11,12 +12,16 @@ import click
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import Decorator
+from skiplatch.errors import InputError
 from skiplatch.fleet.budget import ALARMS_A_MONTH
 from skiplatch.fleet.reading import Answer
 from skiplatch.tables import NOTHING, number, table
 
 KEY_DIGITS = 12
 """Of a campaign's key, as people see it; 1 in 10⁶ that two of 24,000 campaigns share them."""
+
+REFUSED = 2
+"""Exit status if a campaign was refused."""
 
 store_option: Decorator = click.option(
     "--store",
@@ -40,6 +45,17 @@ rate_option: Decorator = click.option(
     show_default=True,
     help="How many false alarms of the whole fleet may be expected in a month.",
 )
+
+
+def tell_refused(refused: Iterable[tuple[Path, InputError]]) -> None:
+    """Say which campaigns were refused, a line each."""
+    for _, error in refused:
+        click.echo(f"skiplatch: {error}", err=True)
+
+
+def refused_json(refused: Iterable[tuple[Path, InputError]]) -> list[dict[str, str]]:
+    """Give them with their reasons."""
+    return [{"path": str(folder), "why": str(error)} for folder, error in refused]
 
 
 def in_own_units(answer: Answer) -> Answer:

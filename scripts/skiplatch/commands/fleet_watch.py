@@ -11,7 +11,7 @@ from skiplatch import undo
 from skiplatch.campaign import Campaign
 from skiplatch.commands.diagnose_many import Told, told_as_done, told_of
 from skiplatch.commands.examining import Asked, examine
-from skiplatch.commands.fleet_options import store_option
+from skiplatch.commands.fleet_options import REFUSED, refused_json, store_option, tell_refused
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import TIME_S
 from skiplatch.commands.options import (
@@ -103,7 +103,7 @@ class Intake:
 
     def _keep(self, folder: Path) -> bool | InputError:
         try:
-            with opened_for_writing(self.store) as writer:
+            with undo.taken_back_on_failure(), opened_for_writing(self.store) as writer:
                 is_new = writer.add(folder, self.rig) is not None
                 writer.commit()
         except (InputError, OSError) as error:
@@ -190,22 +190,23 @@ def command(
 
 def _once(intake: Intake, arrivals: Arrivals, json_path: Path | None) -> None:
     whole, waiting = arrivals.look()
-    kept, refused = [], []
+    kept: list[Path] = []
+    refused: list[tuple[Path, InputError]] = []
     for folder, taken in intake.take(list(whole)):
         if isinstance(taken, InputError):
             _refuse_whole_store(intake, taken)
-            refused.append(taken)
+            refused.append((folder, taken))
         elif taken:
             kept.append(folder)
             click.echo(f"{folder}: kept")
-    if refused:
-        for earlier in refused[:-1]:
-            click.echo(f"skiplatch: {earlier}", err=True)
-        raise refused[-1]
-    known = len(whole) - len(kept)
-    click.echo(f"{len(kept)} kept, {known} known already, {waiting} not whole yet")
+    tell_refused(refused)
+    known = len(whole) - len(kept) - len(refused)
+    more = f", {len(refused)} refused" if refused else ""
+    click.echo(f"{len(kept)} kept, {known} known already{more}, {waiting} not whole yet")
     document = {"kept": [str(path) for path in kept], "known": known, "not_whole": waiting}
-    write_json(json_path, document)
+    write_json(json_path, {**document, "refused": refused_json(refused)})
+    if refused:
+        click.get_current_context().exit(REFUSED)
 
 
 def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:

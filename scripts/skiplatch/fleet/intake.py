@@ -25,6 +25,7 @@ class Intake:
         recorded: The campaign.
         contents: All files of its folder.
         found: Its diagnosis.
+        is_known: Whether it was kept before, with other files.
     """
 
     key: str
@@ -33,6 +34,12 @@ class Intake:
     recorded: Campaign
     contents: Contents
     found: Diagnosed
+    is_known: bool = False
+
+    @property
+    def folder(self) -> str:
+        """The name of its folder."""
+        return self.recorded.path.resolve().name
 
     @property
     def month(self) -> str:
@@ -47,7 +54,7 @@ class Intake:
             "rig": self.rig,
             "month": self.month,
             "recorded_at": self.time,
-            "folder": folder.resolve().name,
+            "folder": self.folder,
             "kind": str(self.recorded.nominal.kind),
             "touches": len(touches),
             "sessions": [name for name in touches.session_names if name],

@@ -70,7 +70,7 @@ class Writer:
                 return None
             intake = read_intake(folder, name, contents)
         if time is not None:  # it stays in the month that it was filed under
-            intake = replace(intake, time=time)
+            intake = replace(intake, time=time, is_known=True)
             self.superseded.append(self._place(layout.FOLDERS, intake, digest or ""))
         self._keep(intake)
         return intake
