@@ -18,6 +18,7 @@ from documents import ROOT, examples
 from simulated_fleet import DEVIATION, START, WEEK, Fault, Fleet
 from skiplatch.cli import group
 from skiplatch.commands import fleet_check
+from skiplatch.comparison.observables import ALL_OBSERVABLES
 from skiplatch.fleet.budget import MONTH, levels
 from skiplatch.fleet.changes import Change, find_changes
 from skiplatch.fleet.chart import shifts
@@ -286,7 +287,10 @@ def test_line_of_the_page_is_that_of_such_a_change() -> None:
     )
     last, began, seen = (datetime(2026, 3, day) for day in (2, 9, 16))  # noqa: DTZ001 - of a store
 
-    change = Change("mill-7", "latch error", "µs", 0.6, 4.1, last, began, seen, 2, "latch", latency)
+    gap = "latch_after_edge_us", "µs", 0.6, 4.1
+    change = Change("mill-7", *gap, last, began, seen, 2, "latch", latency)
+
+    assert gap[0] in {one.name for one in ALL_OBSERVABLES}
 
     assert change_text(change) == page.output.rstrip()
 

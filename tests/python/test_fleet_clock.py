@@ -107,3 +107,23 @@ def test_a_fleet_that_is_all_to_come_is_refused(changed: History) -> None:
     far = {"a": [replace(entry, time=FAR) for entry in changed["rig-000"]]}
 
     assert "all campaigns are later" in refusal(lambda: find(far, days=31.0, alarms_a_month=0.02))
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("2025-03-01T24:00:00Z", "2025-03-02T00:00:00"),
+        ("2025-12-31 24:00", "2026-01-01T00:00:00"),
+        ("2016-12-31T23:59:60Z", "2017-01-01T00:00:00"),
+        ("2017-01-01T00:59:60.5+01:00", "2017-01-01T00:00:00.500000"),
+    ],
+)
+def test_the_end_of_a_day_and_a_leap_second_are_times(
+    tmp_path: Path, written: str, meant: str
+) -> None:
+    assert recorded_at(dated(tmp_path / "one", written)).isoformat() == meant
+
+
+@pytest.mark.parametrize("written", ["2025-03-01T24:00:01", "2025-03-01T24:30", "2025-03-01T60:00"])
+def test_what_is_no_time_is_refused(tmp_path: Path, written: str) -> None:
+    assert "expected a date and time" in refusal(recorded_at, dated(tmp_path / "one", written))

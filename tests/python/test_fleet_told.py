@@ -6,7 +6,9 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from refusals import refusal
 from skiplatch.cli import group
+from skiplatch.fleet.reading import opened
 from test_fleet_columns import recorded
 from test_fleet_rotary import diagnosis
 from test_fleet_store import ask
@@ -91,3 +93,33 @@ def test_a_watch_tells_what_it_took_and_what_it_refused(good: Path, bad: Path, s
     assert [one["path"] for one in document["refused"]] == [str(bad)]
     assert (document["known"], document["not_whole"]) == (0, 0)
     assert result.stderr.endswith("1 kept, 0 known already, 1 refused, 0 not whole yet\n")
+
+
+def test_a_rig_of_too_many_bytes_is_told_what_holds(good: Path, store: Path) -> None:
+    assert fleet("add", good, "--store", store, "--rig", "机" * 26).exit_code == 0
+
+    result = fleet("add", good, "--store", store, "--rig", "机" * 27)
+
+    bytes_ = "expected a name of at most 240 bytes as the name of a folder, got 243, where each"
+    assert (
+        f"rig: {bytes_} byte that is not of an ASCII letter or digit takes three" in result.stderr
+    )
+
+
+def export(store: Path, name: str) -> str:
+    with opened(store, with_touches=False) as reader:
+        return refusal(reader.export, name, store.parent / "out").removeprefix(f"{store}: ")
+
+
+def test_folders_and_keys_that_are_called_so_are_told_apart(tmp_path: Path, store: Path) -> None:
+    folders = [recorded(tmp_path / f"rig-{number}" / "monday") for number in range(12)]
+    fleet("add", *folders, "--store", store)
+    firsts = [key[0] for (key,) in ask(store, "SELECT campaign FROM campaigns")]
+    digit = max(firsts, key=firsts.count)
+    number = firsts.count(digit)
+
+    assert export(store, "monday") == '12 campaigns are called "monday"'
+    assert export(store, digit) == f'{number} keys begin so: "{digit}"'
+    fleet("add", recorded(tmp_path / "mill-7" / digit), "--store", store)
+    assert export(store, digit) == f'1 campaign is called "{digit}", and {number} keys begin so'
+    assert export(store, "none") == 'no campaign is called "none"'

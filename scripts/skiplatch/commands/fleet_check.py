@@ -81,5 +81,5 @@ def _say(findings: Findings, days: float) -> None:
         click.echo(f"unlike the others: {unlike_text(unlike)}")
     changed = len({change.rig for change in findings.recent})
     rigs, left = counted(len(findings.history), "rig"), left_out_text(findings)
-    words = f"{rigs}, {changed} changed in the last {days:g} days"
+    words = f"{rigs}, {changed} changed in the last {counted(days, 'day')}"
     click.echo("; ".join(filter(None, (words, left))))

@@ -56,4 +56,4 @@ def command(
         write_document(html_path, as_html(findings, store=store.resolve().name, weeks=weeks))
         changed = len({change.rig for change in findings.recent})
         rigs = counted(len(findings.history), "rig")
-        click.echo(f"{html_path}: {rigs}, {changed} changed in the last {days:g} days")
+        click.echo(f"{html_path}: {rigs}, {changed} changed in the last {counted(days, 'day')}")

@@ -105,6 +105,9 @@ def refuse_rig(path: Path, rig: object) -> str:
     expected = f"expected the name of a rig, 1 to {LONGEST_RIG} printable characters"
     if not isinstance(rig, str) or not 0 < len(rig) <= LONGEST_RIG or not rig.isprintable():
         raise InputError(path, None, "rig", f"{expected}, got {quoted(str(rig))}")
-    if len(quote(rig, safe="", errors="replace")) > MOST_RIG_BYTES:
-        raise InputError(path, None, "rig", f"{quoted(rig)} is too long for the name of a folder")
+    taken = len(quote(rig, safe="", errors="replace"))
+    if taken > MOST_RIG_BYTES:
+        most = f"of at most {MOST_RIG_BYTES} bytes as the name of a folder"
+        why = "where each byte that is not of an ASCII letter or digit takes three"
+        raise InputError(path, None, "rig", f"expected a name {most}, got {taken}, {why}")
     return rig

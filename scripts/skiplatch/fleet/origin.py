@@ -1,7 +1,8 @@
 """Where a campaign comes from: its rig, and when it was recorded."""
 
+import re
 from collections.abc import Mapping
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,8 @@ from skiplatch.fleet.layout import refuse_rig
 
 RIG_KEY, TIME_KEY = "rig", "recorded_at"
 EXPECTED = "expected a date and time such as 2026-03-01T14:05:12Z"
+_END_OF_DAY = re.compile(r"(?<=[T ])24(?=:00(:00([.,]0+)?)?(Z|[+-]|$))")
+_LEAP_SECOND = re.compile(r"(?<=:[0-5][0-9]):60(?=[.,Z+-]|$)")
 SHOWN = "%Y-%m-%dT%H:%M:%S"
 
 
@@ -67,9 +70,21 @@ def _first_stamp(path: Path) -> str | None:
     return next((row[place] for _, row in rows if row[place]), None)
 
 
+def _parsed(text: str) -> datetime:
+    """Read ISO 8601, also the end of a day and a leap second, which Python does not know.
+
+    Raises:
+        ValueError: It is none.
+        OverflowError: It lies beyond the year 9999.
+    """
+    early, is_day = _END_OF_DAY.subn("00", text)
+    early, is_leap = _LEAP_SECOND.subn(":59", early)
+    return datetime.fromisoformat(early) + timedelta(days=is_day, seconds=is_leap)
+
+
 def _utc(path: Path, name: str, written: object) -> datetime:
     try:
-        time = written if isinstance(written, datetime) else datetime.fromisoformat(str(written))
+        time = written if isinstance(written, datetime) else _parsed(str(written))
         utc = time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
     except (ValueError, OverflowError) as error:
         raise InputError(path, None, name, f"{EXPECTED}, got {quoted(str(written))}") from error
