@@ -22,8 +22,7 @@ EXACT_DIGITS = 5  # of a number without an interval
 
 def counted(number: float, noun: str) -> str:
     """Give a number of things in words: 1 rig, 2 rigs, 0.5 days."""
-    text = f"{number:g}" if isinstance(number, float) else str(number)
-    return f"{text} {noun}" if number == 1 else f"{text} {noun}s"
+    return f"{number:.15g} {noun}" if number == 1 else f"{number:.15g} {noun}s"
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -90,6 +90,14 @@ def test_a_repair_of_an_old_failure_is_news() -> None:
     assert alone.recent == []
 
 
+def test_a_repair_that_did_not_hold_is_to_be_looked_at() -> None:
+    bad_um = [25.0 * gap_um for gap_um in GOOD_UM]
+    found = find(rig([*bad_um, *GOOD_UM[:2], *bad_um[:2]]), days=60.0, alarms_a_month=0.02)
+
+    assert [(change.is_worse, change.is_over) for change in found.recent] == [(False, True)]
+    assert NEXT_BETTER not in as_html(found, store="works", weeks=52)
+
+
 def test_a_failure_that_lasts_is_ended_by_a_change_of_its_own() -> None:
     failure, repair = find_changes(rig([*GOOD_UM, *FAILED_UM, *FAILED_UM, *GOOD_UM]))
 

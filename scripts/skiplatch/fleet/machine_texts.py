@@ -1,11 +1,16 @@
 """Findings for machines: JUnit XML for a CI bench, OpenMetrics text for Prometheus."""
 
+from collections.abc import Callable
 from datetime import UTC
+from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET  # written here, never parsed
 
 from skiplatch.errors import InputError
 from skiplatch.fleet.changes import Change
 from skiplatch.fleet.findings import Findings, change_text
+
+if TYPE_CHECKING:
+    from prometheus_client import Gauge
 
 MISSING = "not installed; pip install 'skiplatch[fleet]' brings it"
 SUITE = "skiplatch fleet check"
@@ -50,11 +55,20 @@ def open_metrics(findings: Findings) -> str:
     def gauge(name: str, words: str, *labels: str) -> Gauge:
         return Gauge(f"skiplatch_fleet_{name}", words, labels, registry=registry)
 
-    gauge("rigs", "Rigs of the store.").set(len(findings.history))
-    gauge("changed_rigs", "Rigs that changed lately.").set(len(_by_rig(findings.recent)))
-    gauge("undiagnosed_campaigns", "Campaigns without a diagnosis.").set(findings.undiagnosed)
-    later = gauge("later_than_clock_campaigns", "Campaigns later than the clock of this machine.")
-    later.set(findings.to_come)
+    totals = {
+        ("rigs", "Rigs of the store."): len(findings.history),
+        ("changed_rigs", "Rigs that changed lately."): len(_by_rig(findings.recent)),
+        ("undiagnosed_campaigns", "Campaigns without a diagnosis."): findings.undiagnosed,
+        ("later_than_clock_campaigns", "Campaigns later than this clock."): findings.to_come,
+    }
+    for described, number in totals.items():
+        gauge(*described).set(number)
+    _of_rigs(gauge, findings)
+    text: bytes = generate_latest(registry)  # type: ignore[no-untyped-call]
+    return text.decode()
+
+
+def _of_rigs(gauge: Callable[..., "Gauge"], findings: Findings) -> None:
     changed = gauge("rig_changes", "Changes of a rig that were seen lately.", "rig")
     gap_um = gauge("rig_gap_um", "Largest gap of the newest campaign in micrometres.", "rig")
     gap_arcsec = gauge("rig_gap_arcsec", "And where all axes turn, in arcseconds.", "rig")
@@ -67,5 +81,3 @@ def open_metrics(findings: Findings) -> str:
         for known, gap in newest_gaps.items():
             if gap is not None:
                 known.labels(rig).set(gap)
-    text: bytes = generate_latest(registry)  # type: ignore[no-untyped-call]
-    return text.decode()

@@ -278,8 +278,7 @@ def _task(change: Change, rig: int) -> Task:
     )
     words += "".join(f" {detail}." for detail in details(change))
     stage = change.stage or ""
-    is_bad = change.is_worse and not change.is_over
-    what = NEXT.get(stage, NEXT_UNKNOWN) if is_bad else NEXT_BETTER
+    what = NEXT.get(stage, NEXT_UNKNOWN) if change.is_worse != change.is_over else NEXT_BETTER
     return Task(rig, change.rig, words, stage, what)
 
 
