@@ -9,6 +9,7 @@ import time
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from datetime import datetime
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,6 +25,7 @@ from skiplatch.commands import fleet_watch
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.commands.fleet_watch import Intake, watch
 from skiplatch.errors import InputError
+from skiplatch.fleet import clock
 from skiplatch.fleet.arrivals import Arrivals
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.reading import opened
@@ -175,7 +177,9 @@ def linked(folder: Path) -> None:
 
 def to_come(folder: Path) -> None:
     nominal = (folder / "nominal.toml").read_text().replace("campaign/1", "campaign/2")
-    (folder / "nominal.toml").write_text(f'{nominal}[notes]\nrecorded_at = "2999-01-01"\n')
+    (folder / "nominal.toml").write_text(
+        f'{nominal}[notes]\nrecorded_at = "2999-01-01T00:00:00Z"\n'
+    )
 
 
 @pytest.mark.parametrize(
@@ -351,6 +355,33 @@ def test_a_watch_takes_what_comes_once_it_is_whole(
         until({"monday": "explained", "tuesday": "explained"})
 
     assert len(diagnosed) == 2
+
+
+def test_a_watch_takes_what_a_clock_ahead_recorded_once_its_time_has_come(
+    inbox: Path,
+    store: Path,
+    diagnosed: list[Path | None],
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    looks: list[None] = []
+    to_come(put(inbox / "monday"))
+    now = [datetime(2998, 12, 31)]  # noqa: DTZ001 - of a store
+
+    def read() -> datetime:
+        looks.append(None)
+        return now[0]
+
+    monkeypatch.setattr(clock, "now", read)
+    monkeypatch.setattr(fleet_watch, "UNNOTICED_S", 0.1)
+    with watched(inbox, store) as until:
+        while len(looks) < 3:
+            time.sleep(0.02)
+        assert kept(store) == {}
+        now[0] = datetime(2999, 1, 1)  # noqa: DTZ001 - of a store
+        until({"monday": "explained"})
+
+    assert capfd.readouterr().err.count("later than the clock") == 1
 
 
 @pytest.mark.long

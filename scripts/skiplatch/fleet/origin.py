@@ -21,6 +21,10 @@ _LEAP_SECOND = re.compile(r"(?<=:[0-5][0-9]):60(?=[.,Z+-]|$)")
 SHOWN = "%Y-%m-%dT%H:%M:%S"
 
 
+class EarlyError(InputError):
+    """A time that is still to come; by a clock that is a little ahead it comes soon."""
+
+
 def rig_of(folder: Path, named: str | None) -> str:
     """Give the rig: as it was named, else `[notes] rig`, else the folder that it lies in.
 
@@ -42,7 +46,8 @@ def recorded_at(folder: Path) -> datetime:
     written, which was not later than now. What has no zone counts as UTC.
 
     Raises:
-        InputError: What stands there is no time, or one that is still to come.
+        EarlyError: It is still to come.
+        InputError: What stands there is no time.
     """
     notes = _notes(folder)
     if TIME_KEY in notes:
@@ -91,5 +96,5 @@ def _utc(path: Path, name: str, written: object) -> datetime:
     now = clock.now()
     if utc > (now if time.tzinfo else now + clock.EASTERNMOST):
         later = f"{quoted(str(written))} is later than the clock of this machine, {now:{SHOWN}} UTC"
-        raise InputError(path, None, name, f"{later}; one of the two is wrong")
+        raise EarlyError(path, None, name, f"{later}; one of the two is wrong")
     return utc
