@@ -9,7 +9,6 @@ import time
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from datetime import datetime
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -25,7 +24,6 @@ from skiplatch.commands import fleet_watch
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.commands.fleet_watch import Intake, watch
 from skiplatch.errors import InputError
-from skiplatch.fleet import clock
 from skiplatch.fleet.arrivals import Arrivals
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.reading import opened
@@ -131,6 +129,19 @@ def test_what_is_known_is_not_diagnosed_again(
     assert len(diagnosed) == 1
 
 
+def test_touches_that_changed_since_their_diagnosis_are_diagnosed_anew(
+    inbox: Path, store: Path, diagnosed: list[Path | None]
+) -> None:
+    put(inbox / "monday")
+    text = json.dumps(DIAGNOSIS | {"fingerprint": "0" * 64})
+    (inbox / "monday" / "diagnosis.json").write_text(text)
+
+    once(inbox, store, "--settle-s", AT_ONCE_S)
+
+    assert diagnosed == [inbox / "monday"]
+    assert kept(store) == {"monday": "explained"}
+
+
 @pytest.mark.parametrize("missing", ["nominal.toml", "touches.csv"])
 def test_what_lacks_a_file_is_left(
     inbox: Path, store: Path, diagnosed: list[Path | None], missing: str
@@ -175,16 +186,14 @@ def linked(folder: Path) -> None:
     (folder / "link").symlink_to("/etc/passwd")
 
 
-def to_come(folder: Path) -> None:
+def timeless(folder: Path) -> None:
     nominal = (folder / "nominal.toml").read_text().replace("campaign/1", "campaign/2")
-    (folder / "nominal.toml").write_text(
-        f'{nominal}[notes]\nrecorded_at = "2999-01-01T00:00:00Z"\n'
-    )
+    (folder / "nominal.toml").write_text(f'{nominal}[notes]\nrecorded_at = "long ago"\n')
 
 
 @pytest.mark.parametrize(
     ("spoil", "words"),
-    [(linked, "link: neither a file nor a folder"), (to_come, "nominal.toml: recorded_at: ")],
+    [(linked, "link: neither a file nor a folder"), (timeless, "nominal.toml: recorded_at: ")],
 )
 def test_what_no_store_keeps_is_not_diagnosed(
     inbox: Path,
@@ -355,33 +364,6 @@ def test_a_watch_takes_what_comes_once_it_is_whole(
         until({"monday": "explained", "tuesday": "explained"})
 
     assert len(diagnosed) == 2
-
-
-def test_a_watch_takes_what_a_clock_ahead_recorded_once_its_time_has_come(
-    inbox: Path,
-    store: Path,
-    diagnosed: list[Path | None],
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-) -> None:
-    looks: list[None] = []
-    to_come(put(inbox / "monday"))
-    now = [datetime(2998, 12, 31)]  # noqa: DTZ001 - of a store
-
-    def read() -> datetime:
-        looks.append(None)
-        return now[0]
-
-    monkeypatch.setattr(clock, "now", read)
-    monkeypatch.setattr(fleet_watch, "UNNOTICED_S", 0.1)
-    with watched(inbox, store) as until:
-        while len(looks) < 3:
-            time.sleep(0.02)
-        assert kept(store) == {}
-        now[0] = datetime(2999, 1, 1)  # noqa: DTZ001 - of a store
-        until({"monday": "explained"})
-
-    assert capfd.readouterr().err.count("later than the clock") == 1
 
 
 @pytest.mark.long

@@ -28,7 +28,6 @@ from skiplatch.fleet.arrivals import Arrivals, noticed
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, is_diagnosed
 from skiplatch.fleet.intake import refuse_unfit
 from skiplatch.fleet.lock import BusyError
-from skiplatch.fleet.origin import EarlyError
 from skiplatch.fleet.store import opened_for_writing, refuse_unusable
 from skiplatch.simulator.library import SimulationError
 from skiplatch.stand_ins import read_playable
@@ -221,10 +220,8 @@ def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:
                 if isinstance(taken, BusyError):
                     waiting += 1
                     continue
-                tried = arrivals.early if isinstance(taken, EarlyError) else arrivals.dealt_with
-                if tried.get(folder) != whole[folder]:
-                    _tell(intake, folder, taken)
-                tried[folder] = whole[folder]
+                arrivals.dealt_with[folder] = whole[folder]
+                _tell(intake, folder, taken)
             news.wait(arrivals.settle_s / 2.0 if waiting else UNNOTICED_S)
 
 

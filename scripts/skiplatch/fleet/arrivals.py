@@ -28,13 +28,11 @@ class Arrivals:
         folder: Where they appear.
         settle_s: How long nothing in a campaign's folder has changed once it is whole.
         dealt_with: By the path of the campaign's folder.
-        early: Likewise of those whose time is still to come, which are tried again.
     """
 
     folder: Path
     settle_s: float
     dealt_with: dict[Path, State] = field(default_factory=dict)
-    early: dict[Path, State] = field(default_factory=dict)
 
     def look(self) -> tuple[dict[Path, State], int]:
         """Give what is whole and new, in the order of the names, and how many are not whole yet.

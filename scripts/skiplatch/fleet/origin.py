@@ -1,6 +1,7 @@
 """Where a campaign comes from: its rig, and when it was recorded."""
 
 import re
+import warnings
 from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -10,7 +11,7 @@ from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE
 from skiplatch.campaign.csv_text import read_rows
 from skiplatch.campaign.time_stamps import TIME_NAME
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
-from skiplatch.errors import InputError, quoted
+from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.fleet import clock
 from skiplatch.fleet.layout import refuse_rig
 
@@ -19,10 +20,6 @@ EXPECTED = "expected a date and time such as 2026-03-01T14:05:12Z"
 _END_OF_DAY = re.compile(r"(?<=[T ])24(?=:00(:00([.,]0+)?)?(Z|[+-]|$))")
 _LEAP_SECOND = re.compile(r"(?<=:[0-5][0-9]):60(?=[.,Z+-]|$)")
 SHOWN = "%Y-%m-%dT%H:%M:%S"
-
-
-class EarlyError(InputError):
-    """A time that is still to come; by a clock that is a little ahead it comes soon."""
 
 
 def rig_of(folder: Path, named: str | None) -> str:
@@ -43,10 +40,10 @@ def recorded_at(folder: Path) -> datetime:
     """Give when it was recorded, in UTC without a zone.
 
     `[notes] recorded_at`, else the first stamp in the column time, else when touches.csv was last
-    written, which was not later than now. What has no zone counts as UTC.
+    written, which was not later than now. What has no zone counts as UTC. Warns of a time that is
+    still to come by the clock of this machine.
 
     Raises:
-        EarlyError: It is still to come.
         InputError: What stands there is no time.
     """
     notes = _notes(folder)
@@ -96,5 +93,5 @@ def _utc(path: Path, name: str, written: object) -> datetime:
     now = clock.now()
     if utc > (now if time.tzinfo else now + clock.EASTERNMOST):
         later = f"{quoted(str(written))} is later than the clock of this machine, {now:{SHOWN}} UTC"
-        raise EarlyError(path, None, name, f"{later}; one of the two is wrong")
+        warnings.warn(CampaignWarning(path, None, name, later), stacklevel=2)
     return utc
