@@ -65,6 +65,15 @@ def test_what_says_no_time_is_kept_with_that_of_its_file_or_now(tmp_path: Path) 
     assert add(tmp_path / "store", folder) == 1
 
 
+@pytest.mark.parametrize("text", ["", "touch,time\n1\n"])
+def test_a_table_that_was_cut_meanwhile_has_the_time_of_its_file(tmp_path: Path, text: str) -> None:
+    folder = recorded(tmp_path / "one")
+    (folder / "touches.csv").write_text(text)
+    os.utime(folder / "touches.csv", (1e9, 1e9))
+
+    assert recorded_at(folder).isoformat() == "2001-09-09T01:46:40"
+
+
 @pytest.fixture(scope="module")
 def changed() -> History:
     """A fleet of which a rig changed in the end."""

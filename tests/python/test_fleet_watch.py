@@ -182,6 +182,18 @@ def test_a_bad_campaign_is_one_line_and_costs_no_other(
     assert kept(store) == {"monday": "explained"}
 
 
+@pytest.mark.parametrize("text", ["", "touch,time\n1\n", "time,touch\n2026-03-02,1,2\n\n"])
+def test_what_is_no_table_is_one_line(
+    inbox: Path, store: Path, diagnosed: list[Path | None], refused: Program, text: str
+) -> None:
+    (put(inbox / "monday") / "touches.csv").write_text(text)
+
+    said = refused("fleet", "watch", inbox, "--store", store, "--once", "--settle-s", AT_ONCE_S)
+
+    assert "monday/touches.csv" in said
+    assert diagnosed == []
+
+
 def linked(folder: Path) -> None:
     (folder / "link").symlink_to("/etc/passwd")
 

@@ -82,8 +82,9 @@ class Intake:
         for number, folder in enumerate(folders):
             try:
                 if not is_diagnosed(folder):
+                    playable = read_playable(folder)
                     refuse_unfit(folder, self.rig)
-                    recorded[number] = read_playable(folder)
+                    recorded[number] = playable
                     continue
             except (InputError, OSError) as error:
                 yield number, _named(folder, error)

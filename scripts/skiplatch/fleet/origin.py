@@ -64,12 +64,13 @@ def _notes(folder: Path) -> Mapping[str, Any]:
 
 def _first_stamp(path: Path) -> str | None:
     rows = read_rows(path)
-    _, header = next(rows)
+    _, header = next(rows, (0, []))  # a file may change under one's hands
     names = [name.strip().lower() for name in header]
     if TIME_NAME not in names:
         return None
     place = names.index(TIME_NAME)
-    return next((row[place] for _, row in rows if row[place]), None)
+    stamps = (row[place] for _, row in rows if len(row) > place)
+    return next(filter(None, stamps), None)
 
 
 def _parsed(text: str) -> datetime:
