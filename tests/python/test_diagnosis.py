@@ -214,6 +214,37 @@ def test_surfaces_met_in_one_sense_each_show_no_backlash(
     assert any("a backlash looks like where they lie" in line for line in said) == is_said
 
 
+@pytest.mark.parametrize(
+    ("verdict", "u_um", "is_said"),
+    [
+        (Verdict.NO_GAP, None, True),
+        (Verdict.NO_GAP, 1.0, False),
+        (Verdict.EXPLAINED, None, False),
+    ],
+)
+def test_without_a_gap_it_is_said_what_a_free_datum_takes_up(
+    verdict: Verdict, u_um: float | None, is_said: bool
+) -> None:
+    campaign = played(MACHINE)
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS, u_um))
+
+    said = notes(Scene(nominal, campaign.touches), verdict, [], [])
+
+    assert any("may be of any size" in line for line in said) == is_said
+
+
+def test_axes_that_are_met_in_one_sense_are_named() -> None:
+    touches = Touches.from_columns(
+        touch=np.arange(40),
+        axis=np.resize([Axis.X, Axis.Y, Axis.Z], 40),
+        sign=np.where(np.arange(40) % 3 == 1, np.tile([1.0, -1.0], 20), -1.0),
+    )
+
+    said = notes(Scene(played(MACHINE).nominal, touches), Verdict.EXPLAINED, [], [])
+
+    assert "One sense of motion along X, Z: no backlash can be seen there." in said
+
+
 @pytest.mark.parametrize(("off_um", "series_said"), [(25.0, 200), (0.0, 0)])
 def test_a_first_touch_that_is_off_is_said(off_um: float, series_said: int) -> None:
     rng, campaign = np.random.default_rng(1), played(MACHINE)

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from skiplatch.campaign import Campaign, InputPath
+from skiplatch.campaign import Axis, Campaign, InputPath
 from skiplatch.campaign.telling import hides_backlash
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.scene.scene import Scene
@@ -61,6 +61,11 @@ def notes(
             "touch at azimuths between them."
         )
     found += _untold(scene)
+    if verdict is Verdict.NO_GAP and scene.datum_groups is not None and scene.datum_u_um is None:
+        found.append(
+            "An offset that all touches of a datum share may be of any size: it counts as where "
+            "the surface lies ([datum] of nominal.toml)."
+        )
     return found
 
 
@@ -90,10 +95,14 @@ def _untold(scene: Scene) -> list[str]:
         return found
     if len(np.unique(touches.feed_mm_min)) == 1:
         found.append("One feed: a delay and a length look alike; touch at a second feed.")
-    for axis in np.unique(touches.axis):
-        if len(np.unique(scene.sign[touches.axis == axis])) == 1:
-            found.append("One sense of motion on an axis: no backlash can be seen there.")
-            break
+    one_sense = [
+        Axis(axis).name
+        for axis in np.unique(touches.axis).tolist()
+        if len(np.unique(scene.sign[touches.axis == axis])) == 1
+    ]
+    if one_sense:
+        axes = ", ".join(one_sense)
+        found.append(f"One sense of motion along {axes}: no backlash can be seen there.")
     if hides_backlash(scene.nominal, touches):
         found.append(
             "No surface, or place that surfaces share, is met in both senses, and each may lie "
