@@ -168,7 +168,7 @@ def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
     span = Span(until=middle_touch(campaign))
     shared = Effect("backlash", {"backlash_um": 2.0, "positive_um": 2.0}, span)
     scene = Scene.of(played_again(campaign, shared))
-    assert CANDIDATES["backlash"].taken_up(scene) == {1}
+    assert CANDIDATES["backlash"].taken_up(scene) == {1, 3}  # nothing touches along Z
 
     # As a part of the campaign shows it, beside a datum of its own: all of it in one sense.
     first, *_ = proposed(scene, [of("backlash", [4.0, 0.0, 0.0, 0.0])])
