@@ -17,6 +17,7 @@ from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 
 FAR_MM = 0.5
 """Farther from the others no probe latches that works: it slipped, or the axis lost steps."""
+A_PAIR = 2
 FEWEST = 3  # touches that make a surface of what was met elsewhere
 _PART = re.compile(r"^(?P<place>.* at .*?)(?: #\d+)?$")
 """How an importer names surfaces at one place: the first by the place, others by a number too."""
@@ -33,13 +34,14 @@ def far_from_the_others(campaign: Campaign) -> Iterator[Oddity]:
     far = np.zeros(len(touches), dtype=bool)
     near_um = (FAR_MM + _late_mm(campaign)) * UM_PER_MM
     sign = np.nan_to_num(touches.sign)
+    known = np.isfinite(touches.deviation_um) & ~before_the_move(touches)
     kinds = np.column_stack([touches.session, touches.axis, sign, touches.path])
     for kind in np.unique(kinds, axis=0):
-        rows = (kinds == kind).all(axis=1) & np.isfinite(touches.deviation_um)
-        if rows.any():  # the middle one itself: of two, one is far from the other
+        rows = (kinds == kind).all(axis=1) & known
+        if rows.any():
             middle = np.quantile(touches.deviation_um[rows], 0.5, method="lower")
-            far |= rows & (np.abs(touches.deviation_um - middle) > near_um)
-    far &= ~before_the_move(touches)
+            here = rows & (np.abs(touches.deviation_um - middle) > near_um)
+            far |= rows if here.any() and rows.sum() == A_PAIR else here  # nobody knows which
     if far.any():
         what = f"deviation_um lies more than {FAR_MM:g} mm from the others of its surface"
         yield Oddity(f"{what}: lost steps, a loose probe?", serials(touches, far))
