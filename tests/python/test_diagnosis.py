@@ -233,16 +233,19 @@ def test_without_a_gap_it_is_said_what_a_free_datum_takes_up(
     assert any("may be of any size" in line for line in said) == is_said
 
 
-def test_axes_that_are_met_in_one_sense_are_named() -> None:
+@pytest.mark.parametrize(
+    ("axes", "named"), [([Axis.X, Axis.Y, Axis.Z], "X, Z"), ([-1, Axis.Y, -1], "the axis")]
+)
+def test_axes_that_are_met_in_one_sense_are_named(axes: list[int], named: str) -> None:
     touches = Touches.from_columns(
         touch=np.arange(40),
-        axis=np.resize([Axis.X, Axis.Y, Axis.Z], 40),
+        axis=np.resize(axes, 40),
         sign=np.where(np.arange(40) % 3 == 1, np.tile([1.0, -1.0], 20), -1.0),
     )
 
     said = notes(Scene(played(MACHINE).nominal, touches), Verdict.EXPLAINED, [], [])
 
-    assert "One sense of motion along X, Z: no backlash can be seen there." in said
+    assert f"One sense of motion along {named}: no backlash can be seen there." in said
 
 
 @pytest.mark.parametrize(("off_um", "series_said"), [(25.0, 200), (0.0, 0)])

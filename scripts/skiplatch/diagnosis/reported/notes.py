@@ -96,7 +96,7 @@ def _untold(scene: Scene) -> list[str]:
     if len(np.unique(touches.feed_mm_min)) == 1:
         found.append("One feed: a delay and a length look alike; touch at a second feed.")
     one_sense = [
-        Axis(axis).name
+        Axis(axis).name if axis >= 0 else "the axis"  # nobody wrote down which
         for axis in np.unique(touches.axis).tolist()
         if len(np.unique(scene.sign[touches.axis == axis])) == 1
     ]
