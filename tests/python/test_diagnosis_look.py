@@ -68,3 +68,12 @@ def test_rare_wide_plays_hide_no_scatter_of_the_many(scene: Scene) -> None:
     left = scatter_left(scene, recorded, plays)
 
     assert left.size == pytest.approx(np.sqrt(3.0) * BODY_US, rel=0.2)
+
+
+def test_a_play_that_latched_no_touch_hides_no_scatter(scene: Scene) -> None:
+    rng = np.random.default_rng(4)
+    plays = rng.normal(0.0, BODY_US, (PLAYS, len(scene)))
+    plays[3] = np.nan
+    recorded = rng.normal(0.0, 3.0 * BODY_US, len(scene))
+
+    assert scatter_left(scene, recorded, plays).z > SIGNIFICANT

@@ -148,9 +148,10 @@ class Look:
 
     @cached_property
     def _scores_of_plays(self) -> FloatArray:
-        """Rank each play among the others; shape (r, m)."""
+        """Rank each play among the others, but those that latched none of them; shape (r, m)."""
         others = (np.delete(self.played, k, axis=0) for k in range(len(self.played)))
-        return np.array(list(map(normal_scores, self.played, others)))
+        scores = np.array(list(map(normal_scores, self.played, others)))
+        return scores[~np.isnan(scores).all(axis=1)]
 
     def everywhere(self) -> Iterator[Left]:
         """Compare middle and scatter of the scores with those of plays among the others."""
