@@ -150,7 +150,7 @@ class Look:
     def _scores_of_plays(self) -> FloatArray:
         """Rank each play among the others, but those that latched none of them; shape (r, m)."""
         others = (np.delete(self.played, k, axis=0) for k in range(len(self.played)))
-        scores = np.array(list(map(normal_scores, self.played, others)))
+        scores: FloatArray = np.array(list(map(normal_scores, self.played, others)))
         return scores[~np.isnan(scores).all(axis=1)]
 
     def everywhere(self) -> Iterator[Left]:
