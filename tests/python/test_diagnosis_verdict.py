@@ -43,7 +43,6 @@ LEVELS = {
     "shrinks_somewhere": 0.2,
     "chance_is_chance": 4.0,
     "takes_most": 0.5,
-    "grows_nowhere": 0.03,
     "is_as_wide": 0.5,
     "gains_as_much": 2.0 / 3.0,
     "seen_enough": 6.0,
@@ -56,12 +55,6 @@ LEVELS = {
 
 def shrinking_by(low: float) -> Evidence:
     return Evidence(gaps=gaps(gap(low)))
-
-
-def growing_beside(gone: float, *, by: float) -> Evidence:
-    """A gap of 5 µm grows, and beside it so much of another one is gone."""
-    larger = replace(GROWING, before=5.0, after=5.0 + by)
-    return Evidence(gaps=gaps(replace(gap(0.9), before=1.0 + gone, after=1.0), larger))
 
 
 def leaving(z: float) -> Evidence:
@@ -121,8 +114,8 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         shrinking_by,
     ),
     "grows_nowhere": (
-        lambda level: growing_beside(100.0, by=100.0 * level - A_BIT),
-        lambda level: growing_beside(100.0, by=100.0 * level + A_BIT),
+        lambda _: Evidence(gaps=gaps(gap(-1.0, -0.5))),
+        lambda _: Evidence(gaps=gaps(GROWING)),
     ),
     "gains_as_much": (
         lambda level: Evidence(gains={"backlash": 3.5, "isr_latency": level}),

@@ -11,7 +11,6 @@ from scipy import stats
 
 from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
 from skiplatch.diagnosis.plays.leftover import streams_of
-from skiplatch.diagnosis.search.decide import FAINTEST
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.tables import number
@@ -135,22 +134,9 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
     return 1.0 - now / was.relative
 
 
-def _grows_nowhere(evidence: Evidence, threshold: float) -> str:
-    gone = _most_gone(evidence)
-    grown = _seen_where(
-        evidence, lambda gap: gap.grows and gap.grown > threshold * gone.get(gap.unit, 0.0)
-    )
+def _grows_nowhere(evidence: Evidence, _: float) -> str:
+    grown = _seen_where(evidence, lambda gap: gap.grows)
     return f"the gap grows: {grown}" if grown else ""
-
-
-def _most_gone(evidence: Evidence) -> Mapping[str, float]:
-    """Give by how much the largest gap of each unit shrinks that does so for certain."""
-    gone: dict[str, float] = {}
-    for each in (evidence.gaps, evidence.everywhere):
-        for gap in _clear(each).values():
-            if gap.shrink.low > 0.0:
-                gone[gap.unit] = max(gap.before - gap.after, gone.get(gap.unit, 0.0))
-    return gone
 
 
 def _is_as_wide(evidence: Evidence, threshold: float) -> str:
@@ -271,8 +257,8 @@ NAMES: Sequence[Rule] = (
     ),
     Rule(
         "grows_nowhere",
-        FAINTEST,
-        "theory: a right name makes no gap larger; but no form is right to a share of what is gone",
+        0.0,
+        "theory: a right name makes no gap larger than its own plays do",
         _grows_nowhere,
     ),
     Rule(

@@ -71,11 +71,6 @@ class Gap:
     """The score of the true effects, where somebody knows them."""
     oracle_shrink: Interval | None = None
 
-    @property
-    def grown(self) -> float:
-        """By how much it is larger than it was, or than the effects play it."""
-        return self.after - max(self.before, self.noise_floor)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlayedRigs:
