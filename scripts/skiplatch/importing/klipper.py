@@ -27,7 +27,7 @@ _FALSE = re.compile(r"Probe triggered prior to movement", re.IGNORECASE)
 _OPTION = re.compile(rf"(\w+)=({NUMBER})")
 _STATS = re.compile(rf"^Stats ({NUMBER}):")
 _TEMPERATURE = re.compile(rf"([^\s:=]+): (?:target={NUMBER} )?temp=({NUMBER})")
-_ELECTRONICS = {"temperature_mcu", "temperature_host", "temperature_combined"}
+_ELECTRONICS = {"temperature_mcu", "temperature_host"}
 """Sensors within a processor, which tell nothing of the machine."""
 _SECTION = re.compile(r"^\[([^\]]+)\]$")
 _WHOLE = re.compile(NUMBER)
