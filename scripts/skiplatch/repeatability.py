@@ -146,9 +146,9 @@ def repeatability(campaign: Campaign) -> Repeatability:
     surface = _surfaces(touches)
     often = np.bincount(surface, minlength=1)[surface] >= FEWEST if len(surface) else surface > 0
     if often.sum() - len(set(surface[often].tolist())) < FEWEST_FREE:
-        expected = "a surface that was touched 3 times, or two that were twice"
-        got = "one that was twice" if often.any() else "none that was"
-        raise InputError(campaign.path, None, None, f"expected {expected}, got {got}")
+        message = "expected a surface that was touched 3 times, or two that were twice, got "
+        message += "one that was twice" if often.any() else "none that was"
+        raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often), surface[often]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
     grid = Grid(common_step(values[often]), _resolution(campaign, unit))
@@ -217,8 +217,7 @@ def _of(
 
 def _with_pairs(far: BoolArray, surface: np.typing.NDArray[np.intp]) -> BoolArray:
     """Add the other touch of a surface that was touched twice: nobody knows which is the one."""
-    is_pair = np.bincount(surface)[surface] == 2
-    return np.asarray(far | (is_pair & np.isin(surface, surface[far])))
+    return np.asarray(far | ((np.bincount(surface) == 2)[surface] & np.isin(surface, surface[far])))
 
 
 def _coordinate(touches: Touches) -> str:

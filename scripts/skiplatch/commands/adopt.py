@@ -5,7 +5,13 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import NOMINAL_FILE, read_nominal
+from skiplatch.campaign import (
+    NOMINAL_FILE,
+    TOUCHES_FILE,
+    fingerprint,
+    read_campaign,
+    read_nominal,
+)
 from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.commands.outputs import OutputFile
@@ -39,7 +45,9 @@ def command(campaign: Path, diagnosis: Path, out: Path, json_path: Path | None) 
     nominal = read_nominal(path)
     refuse_unplayable(path, nominal)
     found = read_diagnosis_json(diagnosis, adopted)
-    warn_if_of_others(diagnosis, campaign)
+    if (campaign / TOUCHES_FILE).exists():
+        known_as = fingerprint(read_campaign(campaign).touches)
+        warn_if_of_others(diagnosis, campaign, known_as)
     refuse_unplayable(diagnosis, replace(nominal, believed_effects=tuple(found)))
     atomic_write_text(out, with_effects(path, nominal, found))
     names = [effect.id for effect in found]

@@ -142,7 +142,7 @@ def _left(
         diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
         return rivals(diagnosis), str(diagnosis.verdict)
     models, verdict = read_diagnosis_json(path, models_from_json)
-    warn_if_of_others(path, recorded.path)
+    warn_if_of_others(path, recorded.path, recorded.fingerprint)
     for model in models:
         refuse_unplayable(path, recorded.nominal, model)
     return models, verdict

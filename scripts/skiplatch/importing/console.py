@@ -33,6 +33,11 @@ def decimals(text: str) -> int:
     return len(text.partition(".")[2])
 
 
+def half_digit(text: str) -> float:
+    """Give by how much a number that is printed so may be off, and a little more."""
+    return 0.51 * 10.0 ** -decimals(text)
+
+
 class Console:
     """Touches that a console tells, with the temperatures and the homing before each."""
 
@@ -67,7 +72,7 @@ class Console:
 
     def take_extremes(self, low: str, high: str, line: Line) -> None:
         """Hold what the log itself says of a series against its touches."""
-        told = [(float(text), 0.51 * 10.0 ** -decimals(text)) for text in (low, high)]
+        told = [(float(text), half_digit(text)) for text in (low, high)]
         if self._tested:
             found = min(self._tested), max(self._tested)
             if any(abs(f - z) > half for f, (z, half) in zip(found, told, strict=True)):

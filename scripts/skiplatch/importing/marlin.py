@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, decimals
+from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, decimals, half_digit
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
@@ -96,14 +96,16 @@ class _Reader(Console):
         number, z = int(match[1]), float(match[3])
         if number == 1:
             self._sum = 0.0
-            self._begins_with(z, _half(match[3]))
+            self._begins_with(z, half_digit(match[3]))
         if match[4] is not None:
             total = float(match[4]) * number
             exact = total - self._sum
             self._sum = total
-            if decimals(match[4]) > decimals(match[3]) + 1 and abs(exact - z) < _half(match[3]):
+            if decimals(match[4]) > decimals(match[3]) + 1 and abs(exact - z) < half_digit(
+                match[3]
+            ):
                 digit = 0.5 * 10.0 ** -decimals(match[4]) * (2 * number - 1)
-                if digit < _half(match[3]):
+                if digit < half_digit(match[3]):
                     z, self._from_means = round(exact, 6), self._from_means + 1
         self.add(z, self._place, line, feed=self.feed)
         self._is_bed_last = False
@@ -144,7 +146,3 @@ class _Reader(Console):
                 "(Z_PROBE_FEEDRATE_SLOW of Configuration.h, mm/min)"
             )
         return found
-
-
-def _half(text: str) -> float:
-    return 0.51 * 10.0 ** -decimals(text)

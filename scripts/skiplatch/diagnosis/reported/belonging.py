@@ -4,7 +4,6 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from skiplatch.campaign import TOUCHES_FILE, fingerprint, read_campaign
 from skiplatch.errors import CampaignWarning
 from skiplatch.files import read_json
 
@@ -16,15 +15,14 @@ def is_of(document: Json, known_as: str) -> bool:
     return document.get("fingerprint", known_as) in (known_as, "")
 
 
-def warn_if_of_others(path: Path, campaign: Path) -> None:
-    """Warn of a diagnosis of other touches than those of a campaign, where that has some.
+def warn_if_of_others(path: Path, campaign: Path, known_as: str) -> None:
+    """Warn of a diagnosis of other touches than those of a campaign.
 
     Args:
         path: Of the document, which can be read.
         campaign: Folder of the campaign.
+        known_as: Fingerprint of its touches.
     """
-    if not (campaign / TOUCHES_FILE).exists():
-        return
-    if not is_of(read_json(path), fingerprint(read_campaign(campaign).touches)):
+    if not is_of(read_json(path), known_as):
         message = f"a diagnosis of other touches than those of {campaign}"
         warnings.warn(CampaignWarning(path, None, None, message), stacklevel=3)
