@@ -194,6 +194,7 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
             {"--store": written, "--settle-s": "1e9", "--once": ""},
         ),
         ("fleet", "export"): (["bench"], {"--store": written, "--out": f"{written}.new"}),
+        ("fleet", "remove"): (["bench"], {"--store": written}),
         ("demo",): ([], {"--out": written}),
         ("init",): ([], {"--preset": "bench", "--out": written}),
         ("repeat",): ([str(CAMPAIGN)], {}),

@@ -90,6 +90,13 @@ def export(store: Path, name: str, out: Path) -> Path:
     return out
 
 
+def remove(store: Path, *names: str) -> None:
+    with opened_for_writing(store) as writer:
+        for name in names:
+            writer.remove(name)
+        writer.commit()
+
+
 def files(folder: Path) -> dict[str, bytes]:
     found = [path for path in sorted(folder.rglob("*")) if path.is_file()]
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
@@ -232,6 +239,33 @@ def _kill() -> None:
 
 def _no_space() -> None:
     raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+@pytest.mark.parametrize("fault", [_kill, _no_space])
+def test_what_is_removed_counts_as_before_or_not_at_all(
+    campaign: Path, store: Path, fault: Callable[[], None], tmp_path: Path
+) -> None:
+    second = another(campaign)
+    add(store, campaign, second)
+    steps = 0
+    for number in count(1):
+        trial = shutil.copytree(store, tmp_path / f"trial{number}")
+        with pytest.MonkeyPatch.context() as patch, suppress(Killed, InputError):
+            left = killed_at(number, patch, fault)
+            remove(trial, "monday")
+        if left[0] > 0:
+            break
+        steps += 1
+        have = ask(
+            trial, "SELECT DISTINCT folder FROM campaigns SEMI JOIN touches USING (campaign)"
+        )
+        assert sorted(have) in ([("monday",), ("tuesday",)], [("tuesday",)])
+        add(trial, campaign)
+        assert files(export(trial, "monday", trial.with_suffix(".out"))) == files(campaign)
+
+    assert steps >= 3
+    assert ask(trial, "SELECT folder, touches FROM campaigns") == [("tuesday", 29)]
+    assert len(list(trial.rglob("*.zip"))) == len(list((trial / "touches").rglob("*.parquet"))) == 1
 
 
 @pytest.mark.parametrize("fault", [_kill, _no_space])
@@ -481,6 +515,34 @@ def test_commands_say_as_json_what_the_store_holds(
 
     answer = run("query", "SELECT count(*) AS n FROM touches", "--store", filled)
     assert answer == {"columns": ["n"], "rows": [[30]]}
+
+
+def test_a_campaign_of_a_wrong_date_is_taken_out_for_good(
+    filled: Path, campaign: Path, run: Callable[..., Any]
+) -> None:
+    ((key,),) = ask(filled, "SELECT campaign FROM campaigns")
+
+    assert run("remove", key[:9], "--store", filled) == {"removed": [key]}
+    assert "an empty store" in refusal(ask, filled, "SELECT 1")
+    assert add(filled, campaign) == 1
+
+
+def test_of_campaigns_to_remove_one_that_is_not_there_keeps_all(
+    filled: Path, refused: Program
+) -> None:
+    said = refused("fleet", "remove", "monday", "sunday", "--store", filled)
+
+    assert 'no campaign is called "sunday"' in said
+    assert ask(
+        filled, "SELECT folder, count(*) FROM touches JOIN campaigns USING (campaign) GROUP BY ALL"
+    ) == [("monday", 30)]
+
+
+def test_a_store_that_is_not_there_is_not_made_to_remove_from(
+    store: Path, refused: Program
+) -> None:
+    assert "no such store" in refused("fleet", "remove", "monday", "--store", store)
+    assert not store.exists()
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import click
 
 from skiplatch.commands.lazy_group import LazyGroup
 
-SUBCOMMANDS = ("add", "list", "show", "query", "export", "check", "report", "watch")
+SUBCOMMANDS = ("add", "list", "show", "query", "export", "remove", "check", "report", "watch")
 EPILOG = """\b
 Example:
   skiplatch fleet add scripts/samples/rig_nominal --rig bench-1 --store build/store

@@ -11,9 +11,9 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.fleet import layout
 from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.engine import Connection, connect, failures_told, literal
+from skiplatch.fleet.named import named
 from skiplatch.fleet.tables import kept_touches
 from skiplatch.fleet.wholeness import load_index, whole_touches
-from skiplatch.tables import counted
 
 CAMPAIGN_VIEWS = """
 CREATE VIEW gaps AS SELECT campaign, rig, recorded_at, unnest(gaps, recursive := true)
@@ -48,10 +48,6 @@ FROM campaigns JOIN (
 ) USING (campaign) WHERE rig = $rig ORDER BY recorded_at, campaign
 """  # noqa: S608 - names of the product's own
 PLACES = "SELECT rig, month, campaign, touches_sha256 FROM campaigns"
-FOUND = """
-SELECT campaign, rig, month, content, folder = $name AS is_folder FROM campaigns
-WHERE starts_with(campaign, $name) OR folder = $name
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,12 +115,10 @@ class Reader:
         Raises:
             InputError: None or several are called that, or the folder cannot be made.
         """
-        found = self._ask(FOUND, {"name": name}).rows if name else []
-        if len(found) != 1:
-            raise InputError(self.path, None, None, _not_one(name, [row[-1] for row in found]))
-        key, rig, month, content, _ = found[0]
-        unpack(layout.place(self.path, layout.FOLDERS, rig, month, content), out, content)
-        return str(key)
+        with failures_told(self.path):
+            found = named(self.path, self.engine, name)
+        unpack(found.folder, out, found.content)
+        return found.key
 
     def _ask(
         self, sql: str, values: dict[str, Any] | None = None, where: Path | None = None
@@ -132,16 +126,6 @@ class Reader:
         with failures_told(where or self.path):
             asked = self.engine.execute(sql, values)
             return Answer([column[0] for column in asked.description], asked.fetchall())
-
-
-def _not_one(name: str, are_folders: list[bool]) -> str:
-    """Say how many campaigns are meant, by their folders and by their keys."""
-    called, begin = sum(are_folders), len(are_folders) - sum(are_folders)
-    keys = f"{counted(begin, 'key')} {'begins' if begin == 1 else 'begin'} so"
-    if not called:
-        return f"{keys}: {quoted(name)}" if begin else f"no campaign is called {quoted(name)}"
-    words = f"{counted(called, 'campaign')} {'is' if called == 1 else 'are'} called {quoted(name)}"
-    return f"{words}, and {keys}" if begin else words
 
 
 @contextmanager

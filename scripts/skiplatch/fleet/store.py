@@ -19,6 +19,7 @@ from skiplatch.fleet.contents import digest_of, look_at, pack
 from skiplatch.fleet.engine import Connection, connect, failures_told
 from skiplatch.fleet.intake import Intake, key_of, read_intake
 from skiplatch.fleet.lock import written_alone
+from skiplatch.fleet.named import Named, named
 from skiplatch.fleet.origin import rig_of
 from skiplatch.fleet.tables import CAMPAIGNS, write_touches
 from skiplatch.fleet.wholeness import index_digest, load_index
@@ -75,6 +76,22 @@ class Writer:
         self._keep(intake)
         return intake
 
+    def remove(self, name: str) -> Named:
+        """Take out a campaign, which no longer counts from the next `commit` on.
+
+        Args:
+            name: The beginning of its key, or the name of its folder, if only one has that.
+
+        Raises:
+            InputError: None or several are called that.
+        """
+        found = named(self.path, self.engine, name)
+        self.engine.execute("DELETE FROM campaigns WHERE campaign = ?", [found.key])
+        del self.known[found.key]
+        self.superseded += [found.folder, found.touches]
+        self._waits = True
+        return found
+
     def begin(self) -> None:
         """Read the index, or make an empty one, so that one that is missing later is seen."""
         load_index(self.path, self.engine)
@@ -85,7 +102,7 @@ class Writer:
         self.known = {key: (content, time, touches) for key, content, time, touches in rows}
 
     def commit(self) -> None:
-        """Let what was added count, and stand whatever comes."""
+        """Let what was added or taken out count, and stand whatever comes."""
         if not self._waits:
             return
         self._write_index()
