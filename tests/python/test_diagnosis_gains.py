@@ -48,6 +48,33 @@ def test_the_truth_gains_as_its_plays_do(effects: tuple[Effect, ...]) -> None:
         assert list(found.values()) == pytest.approx([1.0] * len(effects), abs=0.15)
 
 
+def bound_to_the_scan(phase: float, spread: float) -> Campaign:
+    """A rig that begins its motions on a scan, so that the scans keep their grid."""
+    campaign = played(BENCH)
+    touches, scan_us = campaign.touches, campaign.nominal.plc.scan_us
+    rng = np.random.default_rng(3)
+    wait_us = (-rng.normal(phase, spread, len(touches)) % 1.0) * scan_us
+    later_us = np.where(touches.on_plc, touches.latch_us - touches.edge_us - wait_us, 0.0)
+    speed_um_us = touches.feed_mm_min / 60e3
+    bound = replace(
+        touches,
+        edge_us=touches.edge_us + later_us,
+        time_s=touches.time_s + later_us * 1e-6,
+        deviation_um=touches.deviation_um - speed_um_us * later_us,
+    )
+    return replace(campaign, touches=bound)
+
+
+def test_plays_that_move_scans_to_the_touches_are_asked_for_no_grid() -> None:
+    fit = fit_of(Effect("scan_phase_lock", {"phase": 0.4, "spread": 0.08}))
+
+    (there,) = shares(bound_to_the_scan(0.4, 0.08), fit).values()
+    (elsewhere,) = shares(bound_to_the_scan(0.6, 0.08), fit).values()
+
+    assert there == pytest.approx(1.0, abs=0.15)
+    assert elsewhere < 0.0
+
+
 @pytest.mark.parametrize("size_us", [20.0, 80.0])
 def test_one_of_another_size_gains_less(size_us: float) -> None:
     (share,) = shares(played(BENCH, LATE), fit_of(latency(size_us))).values()

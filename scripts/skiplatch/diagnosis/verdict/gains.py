@@ -14,6 +14,7 @@ import numpy as np
 from skiplatch.arrays import BoolArray
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.likelihood.laws import LATTICE
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import replayed
@@ -42,15 +43,18 @@ def shares_gained(
     """
     believed, found = rigs
     plays = replayed(scene, rows, found, seed=seed, campaigns=PLAYS)
+    # Plays that move scans to the touches show no grid; the record of such a rig may.
+    unasked = frozenset() if found.keeps_scan_grid else frozenset({LATTICE})
 
     campaigns = (scene.select(rows), *plays)
-    whole = [nats_of(one, found, fit) for one in campaigns]
+    whole = [nats_of(one, found, fit, unasked) for one in campaigns]
 
     def share(i: int) -> float:
         fewer = _without(fit, i)
         start = found if fewer else believed
         record, *gains = (
-            nats - nats_of(one, start, fewer) for nats, one in zip(whole, campaigns, strict=True)
+            nats - nats_of(one, start, fewer, unasked)
+            for nats, one in zip(whole, campaigns, strict=True)
         )
         usual = float(np.mean(gains))
         if usual < LEAST:
@@ -60,10 +64,20 @@ def shares_gained(
     return {candidate.id: share(i) for i, candidate in enumerate(fit.candidates)}
 
 
-def nats_of(scene: Scene, rig: Rig, fit: Fit | None) -> float:
-    """Give the log-likelihood of a scene on a rig, with what it has besides or without."""
+def nats_of(
+    scene: Scene, rig: Rig, fit: Fit | None, unasked: frozenset[str] = frozenset()
+) -> float:
+    """Give the log-likelihood of a scene on a rig, with what it has besides or without.
+
+    Args:
+        scene: The touches.
+        rig: What they are held against.
+        fit: What it has besides.
+        unasked: Names of streams that do not count.
+    """
     believed = scene.with_nominal(rig.nominal)
-    return likelihood(believed, fit.change(believed) if fit else NOTHING).total
+    found = likelihood(believed, fit.change(believed) if fit else NOTHING)
+    return float(sum(nats.sum() for name, nats in found.streams.items() if name not in unasked))
 
 
 def _without(fit: Fit, i: int) -> Fit | None:
