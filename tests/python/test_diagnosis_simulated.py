@@ -10,6 +10,7 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Datum, DatumFreedom
+from skiplatch.diagnosis.candidates.played_changes import _shift
 from skiplatch.diagnosis.candidates.simulated import admitted_values, catalogue, simulated
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
@@ -102,6 +103,30 @@ def test_scatter_without_a_shift_is_scatter() -> None:
     (extra,) = change.pin_extra
     assert np.mean(change.pin_us) == pytest.approx(150.0, rel=0.05)
     assert np.mean(extra.sigma) == pytest.approx(300.0 / np.sqrt(12.0), rel=0.1)
+
+
+def test_what_is_as_fine_as_can_be_played_is_played_no_finer() -> None:
+    scene = Scene.of(played(BENCH))
+    nominal = scene.nominal
+    finest = replace(
+        nominal,
+        axis=replace(nominal.axis, resolution_um=1e-4),
+        skip=replace(nominal.skip, tick_us=1e-3),
+    )
+
+    values = np.array([3.0, 0.0, 0.0, 0.0])
+    change = simulated("backlash").change(scene.with_nominal(finest), values)
+
+    expected = CANDIDATES["backlash"].change(scene, values)
+    np.testing.assert_allclose(change.position_um, expected.position_um, atol=0.01)
+
+
+def test_plays_that_hardly_differ_are_a_small_shift_without_a_warning() -> None:
+    differences_um = np.array([[0.009, 0.001], [-0.009, 0.006]])
+
+    shift_um, _ = _shift(differences_um)
+
+    assert np.all(np.abs(shift_um) < 0.01)
 
 
 def test_what_came_before_is_played_though_only_some_touches_are_looked_at() -> None:

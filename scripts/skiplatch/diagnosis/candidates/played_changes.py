@@ -145,7 +145,8 @@ def _shift(
     if is_same(inner):
         return _everywhere(mean, rows), ()
     hit = np.abs(inner) > 1e-2
-    if np.mean(hit[:, hit.any(axis=0)]) < OFTEN:
+    ever = hit.any(axis=0)
+    if ever.any() and np.mean(hit[:, ever]) < OFTEN:
         return np.zeros(count), (_now_and_then(inner[hit], float(np.mean(hit))),)
     replicates, variance = len(inner), np.var(inner, axis=0, ddof=1)
     pooled = float(np.mean(variance))

@@ -11,6 +11,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
+from skiplatch.stand_ins import PLAYED
 
 SEED = 1
 CERTAIN = 2
@@ -133,11 +134,14 @@ def _play(
 
 
 def _finer(nominal: Nominal, later_us: float) -> Nominal:
-    resolution_um = FINER * nominal.axis.resolution_um
+    """Round hardly anything, as far as that can be played."""
+    least_um, least_us = PLAYED["axis", "resolution_um"][0], PLAYED["skip", "tick_us"][0]
+    resolution_um = max(least_um, FINER * nominal.axis.resolution_um)
+    tick_us = max(least_us, FINER_TICK * nominal.skip.tick_us)
     filter_us = nominal.input.filter_us + later_us
     return replace(
         nominal,
         axis=replace(nominal.axis, resolution_um=resolution_um),
-        skip=replace(nominal.skip, tick_us=FINER_TICK * nominal.skip.tick_us),
+        skip=replace(nominal.skip, tick_us=tick_us),
         input=replace(nominal.input, filter_us=filter_us),
     )
