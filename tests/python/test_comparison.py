@@ -143,6 +143,19 @@ def test_the_order_of_rows_and_the_number_of_threads_do_not_matter() -> None:
     assert one == two
 
 
+@pytest.mark.parametrize(("folder", "is_free"), [("machine_no_gap", True), ("rig_nominal", False)])
+def test_means_beside_a_place_that_nobody_knows_are_said_to_hold_it(
+    folder: str, is_free: bool
+) -> None:
+    campaign = read_campaign(SAMPLES / folder)
+
+    comparison = compare(campaign, seed=1)
+
+    for said in (as_text(comparison), as_html(campaign, comparison, name="c")):
+        assert ("Where the surfaces lie is not known here" in said) == is_free
+    assert as_json(comparison)["is_datum_free"] == is_free
+
+
 def test_a_campaign_with_no_outcomes_has_nothing_to_compare() -> None:
     campaign = read_campaign(SAMPLES / "machine_no_gap")
     bare = Touches.from_columns(

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, InputPath, Nominal, Touches
+from skiplatch.campaign import Campaign, DatumFreedom, InputPath, Nominal, Touches
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import (
     adjusted_p_values,
@@ -88,6 +88,7 @@ def compare(
         missed=[_missed(touches, path) for path in InputPath if (touches.path == path).any()],
         replicates=replicates,
         alpha=alpha,
+        is_datum_free=campaign.nominal.datum.free is not DatumFreedom.NONE,
     )
 
 

@@ -91,6 +91,8 @@ class Comparison:
     replicates: int
     alpha: float
     """Accepted rate of false alarms over all cells together."""
+    is_datum_free: bool
+    """Nobody knows where the surfaces are; the simulation has them where they are believed."""
 
     @property
     def differing(self) -> Sequence[CellGap]:

@@ -16,6 +16,9 @@ LEGEND = """\
 simulated mean of the same touch. Distance is how far a touch has to be moved, on average, to turn
 one distribution into the other (Wasserstein). Floor is the distance that 5 % of the simulation's
 own replicates exceed. p is corrected for the number of cells."""
+FREE_DATUM = """\
+Where the surfaces lie is not known here. Their share of a mean is the same at all feeds, so only
+how means change with the feed tells of the rig. skiplatch diagnose fits it."""
 INVISIBLE = 1e-6  # µm or µs: the rounding of the computer
 
 
@@ -25,6 +28,7 @@ def as_text(comparison: Comparison) -> str:
         return "No path and feed with enough recorded outcomes: nothing to compare."
     parts = [_table(comparison, observable) for observable in ALL_OBSERVABLES]
     parts.append(LEGEND)
+    parts.append(FREE_DATUM if comparison.is_datum_free else "")
     parts.append("\n".join(missed_line(missed) for missed in comparison.missed))
     parts.append(verdict(comparison))
     return "\n\n".join(part for part in parts if part)
@@ -131,6 +135,7 @@ def as_json(comparison: Comparison) -> dict[str, Any]:
     return {
         "format": "skiplatch-comparison/1",
         "agrees": comparison.agrees,
+        "is_datum_free": comparison.is_datum_free,
         "alpha": comparison.alpha,
         "replicates": comparison.replicates,
         "cells": [_cell_json(gap, comparison.alpha) for gap in comparison.gaps],

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from skiplatch.campaign import Campaign
 from skiplatch.comparison.model import Comparison
 from skiplatch.comparison.observables import ALL_OBSERVABLES, Observable
-from skiplatch.comparison.text import header, missed_line, row, verdict
+from skiplatch.comparison.text import FREE_DATUM, header, missed_line, row, verdict
 from skiplatch.figures.comparison import cell_panel, shown_feeds
 from skiplatch.figures.inline import Drawing
 from skiplatch.report import glossary
@@ -43,6 +43,7 @@ def as_html(campaign: Campaign, comparison: Comparison, *, name: str) -> str:
         headline=f"Recorded and simulated {'agree' if agrees else 'differ'}",
         lead=verdict(comparison) if comparison.gaps else "There is nothing to compare.",
         parts=[part for one in ALL_OBSERVABLES if (part := _part(comparison, one)).drawings],
+        free_datum=FREE_DATUM if comparison.is_datum_free else "",
         missed=[missed_line(missed) for missed in comparison.missed],
         glossary=glossary.words(
             *("95 % interval", "cell", "deviation", "distance", "latch", "noise floor"),
