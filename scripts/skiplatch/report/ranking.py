@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis
-from skiplatch.diagnosis.candidates.axes import OF_AN_AXIS
+from skiplatch.diagnosis.candidates.first_axis import OF_AN_AXIS
 from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.report.words import DIGITS
 from skiplatch.simulator.effects import Effect

@@ -8,8 +8,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import LINEAR_AXES, Axis, Touches
+from skiplatch.campaign import LINEAR_AXES, Touches
 from skiplatch.diagnosis.candidates.candidate import Refinement
+from skiplatch.diagnosis.candidates.first_axis import OF_AN_AXIS
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
@@ -22,14 +23,6 @@ A_NEWS = 4.0
 """Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
 MOST_OVER = 1000.0
 """Times another axis' error may be that of X: about as many as in the table of effects."""
-
-OF_AN_AXIS = {
-    "y_excess_ratio": Axis.Y,
-    "y_ahead_deg": Axis.Y,
-    "z_excess_ratio": Axis.Z,
-    "z_ahead_deg": Axis.Z,
-}
-"""Parameters that say what an axis has more than X."""
 
 
 def idle(touches: Touches, effect: Effect) -> frozenset[str]:
@@ -108,7 +101,7 @@ def axes_of_their_own(y_excess_ratio: int) -> tuple[Refinement, ...]:
 
 
 def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[float]]:
-    """Fit multiples of an error, shape (n,): that of X, and what Y and Z have more.
+    """Fit multiples of an error, shape (n,): that of the first axis, and what Y and Z have more.
 
     One that all axes have in common; another of each axis, if they are not much the same. None of
     too few touches.
@@ -136,6 +129,7 @@ def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[f
     sizes = np.full(len(LINEAR_AXES), common[0])
     sizes[seen] = parted[: len(seen)]
     least = np.abs(sizes).max() / MOST_OVER
-    first = float(sizes[0] if abs(sizes[0]) > least else np.copysign(least, sizes[0]))
+    own = sizes[seen[0]]
+    first = float(own if abs(own) > least else np.copysign(least, own))
     sizes[[k for k in range(len(sizes)) if k not in seen]] = first  # nothing tells of those
     return [same, [first, *(sizes[1:] / first - 1.0).tolist()]]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.campaign import Nominal
+from skiplatch.diagnosis.candidates.first_axis import first_of_its_own
 from skiplatch.diagnosis.candidates.starts import Starts
 from skiplatch.diagnosis.candidates.surrogates import Parameters
 from skiplatch.diagnosis.density.change import Change
@@ -53,13 +54,16 @@ class Candidate:
         return change if self.span == ALWAYS else Change(passing=((self.span, change),))
 
     def taken_up(self, scene: Scene) -> frozenset[int]:
-        """Number the parameters that stay at 0, for the datum does what they do.
+        """Number the parameters that stay at 0, for the datum, or others, do what they do.
 
-        It does so throughout: what begins or ends is no datum.
+        A datum does so throughout: what begins or ends is none.
         """
         is_free = scene.datum_groups is not None and scene.datum_u_um is None
         is_anywhere = is_free and self.span == ALWAYS
-        return frozenset(map(self.names.index, self.like_datum(scene) if is_anywhere else ()))
+        taken = first_of_its_own(scene.touches) & set(self.names)
+        if is_anywhere:
+            taken |= self.like_datum(scene)
+        return frozenset(map(self.names.index, taken))
 
     def is_possible(self, scene: Scene, parameters: Parameters) -> bool:
         """Tell whether no size is beyond its range, and nothing comes before its cause."""

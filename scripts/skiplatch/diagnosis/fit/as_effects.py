@@ -7,8 +7,8 @@ from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highes
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.simulator.effects import Effect, effects
 
-DIGITS = 10
-"""A tick of 1.5 µs that is a hair longer keeps no grid over hours."""
+DIGITS = 12
+"""A tick that is a hair longer keeps no grid over hours: 1e10 µs are known to a hundredth."""
 
 
 def as_effects(fit: Fit) -> list[Effect]:

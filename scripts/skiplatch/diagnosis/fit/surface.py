@@ -20,6 +20,8 @@ CONFIDENCE = 0.9
 A_STEP = 1.0
 """Nats from the peak that make a step, of somewhat more than a standard deviation."""
 EVALUATIONS = 25  # of a climb, a parameter
+CLOSE = 0.02
+"""Nats, and steps, by which a climb's last points may differ."""
 WORST = -1e300
 PARTS = 8
 """That many points are taken in, to be looked at side by side."""
@@ -156,11 +158,12 @@ class Surface:
             options={
                 "initial_simplex": np.vstack([np.zeros(len(free)), np.eye(len(free))]),
                 "maxfev": EVALUATIONS * len(free),
-                "fatol": 0.02,
-                "xatol": 0.02,
+                "fatol": CLOSE,
+                "xatol": CLOSE,
             },
         )
-        if -found.fun > self.peak:
+        # On a flat top a start is as good as any: its edge is no place for touches to come.
+        if -found.fun > self.peak + CLOSE:
             self.values[free] += steps * found.x
             self.peak = -float(found.fun)
 
