@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Verdict, diagnose
 from skiplatch.diagnosis.candidates.table import candidate
@@ -116,6 +116,21 @@ def test_beside_slack_a_delay_shows_in_what_comes_after_the_latch_too() -> None:
 
     assert found.reached == {"latch_skip", "latch_plc"}
     assert beside.reached == {"latch_skip", "latch_plc", "position", "report"}
+
+
+@pytest.mark.parametrize("share", [0.02, 0.004])
+def test_slack_is_known_as_closely_as_parameters(share: float) -> None:
+    """Short of it, a servo that holds would be found beside a lag that varies."""
+    plain = played_again(stamped_machine(), Effect("following_error", {"lag_us": 2000.0}))
+    shift_um = Scene.of(plain).speed * 2000.0
+    size_um = float(np.sqrt(np.mean(shift_um**2)))
+    more_um = np.random.default_rng(2).normal(0.0, share * size_um, len(shift_um))
+    deviation_um = (plain.touches.deviation_um + more_um).round(3)
+    scene = Scene.of(replace(plain, touches=replace(plain.touches, deviation_um=deviation_um)))
+
+    found = polish(scene, fit(scene, [candidate("following_error")], [[2000.0, 0.0, 0.0]]))
+
+    assert found.slack == pytest.approx(share, rel=0.15)
 
 
 @pytest.mark.long

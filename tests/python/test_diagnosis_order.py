@@ -7,7 +7,7 @@ import pytest
 
 from scored_models import scored
 from skiplatch.diagnosis.fit.fit import Fit
-from skiplatch.diagnosis.search.decide import _extended, from_next_best, several
+from skiplatch.diagnosis.search.decide import _extended, _from_further_on, from_next_best, several
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Scored
 
@@ -58,6 +58,19 @@ def test_a_pair_passes_in_any_order_of_its_effects(
     found = from_next_best(judge, [best, wave], best, lambda _model: frozenset({"position"}))
 
     assert found == ([pair] if is_found else [])
+
+
+def test_the_next_effect_is_asked_if_the_likeliest_is_a_form_of_the_others() -> None:
+    model = scored(LAG, nats=100.0)
+    form, own, other = (scored(LAG, name, nats=200.0) for name in (HOLD, LATE, STEPS))
+    judge = cast(Judge, Judged(form, (LAG, LATE), (LAG, STEPS)))
+
+    def asked(*larger: Scored) -> list[Scored]:
+        return _from_further_on(judge, larger, model, lambda _model: frozenset({"position"}))
+
+    assert asked(form, own, other) == [own, other]
+    assert asked(own, form) == [own, form]
+    assert asked(form) == []
 
 
 class Slackened(Judged):

@@ -1,5 +1,6 @@
 """Finding the parameters of an effect, and the effects of a campaign."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, reduce
@@ -38,6 +39,9 @@ WORTH_A_REFINEMENT = 2.0
 WORTH_OF_AN_END = 3
 """Parameters that the touch counts for at which an effect begins or ends."""
 SLACKS = (0.0001, 0.001, 0.01, 0.05, 0.15, 0.4)
+"""At which a search for slack begins; the last is the most there is."""
+LOOSE = math.sqrt(SLACKS[-2] * SLACKS[-1])
+"""Slack from which on it is nearer to the most than to any other."""
 KEPT_STARTS = 2
 MOST_LEFT = 0.7
 """Of what touches are off by where a shift is large, what it may leave: else slack is scatter."""
@@ -77,7 +81,7 @@ class Fit:
     @property
     def is_loose(self) -> bool:
         """They need the most slack there is: their form is as far off as can be."""
-        return self.slack == SLACKS[-1]
+        return self.slack > LOOSE
 
     @property
     def size(self) -> int:

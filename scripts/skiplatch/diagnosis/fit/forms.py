@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.candidate import Candidate, Refinement
@@ -21,6 +22,8 @@ from skiplatch.diagnosis.scene.scene import Scene
 
 SHORT_STEPS = (0.01, 0.001)
 """First steps of climbs that follow one with long steps, as shares of the parameters."""
+CLOSE = 0.1
+"""By which the logarithm of a slack may be off."""
 AFAR = 1.0
 """Widening by all that touches are off."""
 
@@ -68,15 +71,33 @@ def polish(scene: Scene, found: Fit, given: Change = NOTHING) -> Fit:
 
 def _loosened(target: Target, best: FloatArray) -> FloatArray:
     """Let the effect have another form than the one fitted, if that is worth it."""
-    plain, values = target(best, 0.0), []
-    for target.slack in SLACKS:
-        values.append(target(best, 0.0))
-    target.slack = SLACKS[int(np.argmin(values))]
+    plain = target(best, 0.0)
+    target.slack = _likeliest_slack(target, best)
     found = climb(target, best, 0.0)
+    target.slack = _likeliest_slack(target, found)  # it stood for what was off before
     if target(found, 0.0) < plain - WORTH_A_REFINEMENT and target.takes_away(found):
         return found
     target.slack = 0.0
     return best
+
+
+def _likeliest_slack(target: Target, point: FloatArray) -> float:
+    """Find slack as closely as parameters are: what is short of it asks for a further effect."""
+
+    def cost(slack: float) -> float:
+        target.slack = slack
+        return target(point, 0.0)
+
+    costs = [cost(slack) for slack in SLACKS]
+    i = int(np.argmin(costs))
+    low, high = SLACKS[max(i - 1, 0)], SLACKS[min(i + 1, len(SLACKS) - 1)]
+    found = optimize.minimize_scalar(
+        lambda exponent: cost(float(np.exp(exponent))),
+        bounds=(float(np.log(low)), float(np.log(high))),
+        method="bounded",
+        options={"xatol": CLOSE},
+    )
+    return float(np.exp(found.x)) if found.fun < costs[i] else SLACKS[i]
 
 
 def _refined(target: Target, candidate: Candidate, best: FloatArray) -> FloatArray:

@@ -77,7 +77,8 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     if not _asks_for_more(judge, best, noticed):
         return _single(judge, best, ranked)
     best, pairs = _with_second(judge, best, noticed)
-    if not pairs or not _is_further(judge, pairs[0], best, noticed):
+    pairs = _from_further_on(judge, pairs, best, noticed)
+    if not pairs:
         # What scatters, or needs slack, may have taken two for one: the next best may be half.
         pairs = from_next_best(judge, ranked, best, noticed)
         if not pairs:
@@ -86,8 +87,8 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     judge.believe_beside(pairs[0].fit)
     model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
     while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
-        further = _extended(judge, model, noticed(model))
-        if not further or not _is_further(judge, further[0], model, noticed):
+        further = _from_further_on(judge, _extended(judge, model, noticed(model)), model, noticed)
+        if not further:
             break
         judge.believe_beside(further[0].fit)
         model, tried = judge.scored_anew(further[0]), [judge.scored_anew(one) for one in further]
@@ -216,6 +217,19 @@ def _better(pairs: Sequence[Scored], others: Sequence[Scored]) -> list[Scored]:
     by_ids = {pair.ids: pair for pair in others}
     better = [max(pair, by_ids.get(pair.ids, pair), key=lambda p: p.score) for pair in pairs]
     return sorted(better, key=lambda pair: -pair.score)
+
+
+def _from_further_on(
+    judge: Judge, larger: Sequence[Scored], smaller: Scored, noticed: Noticed
+) -> list[Scored]:
+    """Give models by falling score from the first on whose last effect is one of its own.
+
+    The likeliest may be a form of the others, which says nothing of the next. None if few are.
+    """
+    for i, one in enumerate(larger[:BEAM]):
+        if _is_further(judge, one, smaller, noticed):
+            return list(larger[i:])
+    return []
 
 
 def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed) -> bool:
