@@ -15,15 +15,17 @@ int plc_task_start(plc_task_t *task, const plc_task_config_t *config)
         config->image_delay_scans > PLC_IMAGE_DELAY_MAX) {
         return HAL_ERR_CONFIG;
     }
+    bool level = hal_edge_level(config->channel);
     *task = (plc_task_t){
         .period_ticks = ticks_from_us(config->period_us, hal_clock_tick_ps()),
         .last_scan_ticks = hal_clock_now_ticks(),
         .channel = config->channel,
         .axis = config->axis,
         .image_delay_scans = config->image_delay_scans,
-        .image = hal_edge_level(config->channel) ? UINT8_MAX : 0u,
+        .image = level ? UINT8_MAX : 0u,
     };
     latch_init(&task->latch, config->channel, LATCH_FLAG_PLC);
+    latch_poll(&task->latch, task->last_scan_ticks, level); /* a cycle may begin before a scan */
     return HAL_OK;
 }
 

@@ -12,7 +12,12 @@ int skip_input_start(skip_input_t *input, const skip_input_config_t *config)
     latch_init(&input->latch, config->edge.channel, 0u);
     input->channel = config->edge.channel;
     input->axis = config->axis;
-    return hal_edge_arm(&config->edge);
+    int error = hal_edge_arm(&config->edge);
+    if (error ==
+        HAL_OK) { /* a cycle may begin before a poll; to a disarmed latch time is nothing */
+        skip_input_poll(input, 0u);
+    }
+    return error;
 }
 
 void skip_input_stop(skip_input_t *input)

@@ -210,6 +210,17 @@ void test_a_line_deflected_at_the_start_is_no_edge(void)
     }
 }
 
+void test_a_line_deflected_at_the_start_is_known_before_the_first_scan(void)
+{
+    for (uint8_t delay = 0u; delay <= PLC_IMAGE_DELAY_MAX; ++delay) {
+        start(0u, delay, true);
+        TEST_ASSERT_TRUE(latch_level(&task.latch));
+
+        start(0u, delay, false);
+        TEST_ASSERT_FALSE(latch_level(&task.latch));
+    }
+}
+
 void test_an_edge_while_disarmed_is_counted(void)
 {
     start(0u, 0u, false);

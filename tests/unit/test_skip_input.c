@@ -32,6 +32,7 @@ void tearDown(void)
 static void start(void)
 {
     hal_edge_arm_IgnoreAndReturn(HAL_OK);
+    hal_edge_level_ExpectAndReturn(CHANNEL, false);
     TEST_ASSERT_EQUAL_INT(HAL_OK, skip_input_start(&input, &CONFIG));
 }
 
@@ -53,6 +54,7 @@ static int arm_with_an_edge(const hal_edge_config_t *config, int calls)
 void test_starting_watches_the_line_as_configured(void)
 {
     hal_edge_arm_ExpectAndReturn(&CONFIG.edge, HAL_OK);
+    hal_edge_level_ExpectAndReturn(CHANNEL, false);
 
     TEST_ASSERT_EQUAL_INT(HAL_OK, skip_input_start(&input, &CONFIG));
 }
@@ -69,6 +71,7 @@ void test_the_last_channel_that_fits_a_record_is_accepted(void)
     skip_input_config_t config = CONFIG;
     config.edge.channel = LATCH_CHANNEL_MAX;
     hal_edge_arm_ExpectAndReturn(&config.edge, HAL_OK);
+    hal_edge_level_ExpectAndReturn(LATCH_CHANNEL_MAX, false);
 
     TEST_ASSERT_EQUAL_INT(HAL_OK, skip_input_start(&input, &config));
 }
@@ -97,11 +100,22 @@ void test_an_edge_that_comes_while_the_port_is_being_armed_is_counted(void)
     start_armed();
     hal_axis_position_counts_IgnoreAndReturn(1);
     hal_edge_arm_Stub(arm_with_an_edge);
+    hal_edge_level_IgnoreAndReturn(false);
 
     (void)skip_input_start(&input, &CONFIG);
 
     latch_check_nothing(&input.latch);
     latch_check_counters(&input.latch, &(latch_counters_t){.unarmed = 1u});
+}
+
+void test_a_probe_deflected_at_the_start_is_known_before_the_first_poll(void)
+{
+    hal_edge_arm_IgnoreAndReturn(HAL_OK);
+    hal_edge_level_ExpectAndReturn(CHANNEL, true);
+
+    TEST_ASSERT_EQUAL_INT(HAL_OK, skip_input_start(&input, &CONFIG));
+
+    TEST_ASSERT_TRUE(latch_level(&input.latch));
 }
 
 void test_an_edge_latches_the_captured_time_and_the_position_of_its_axis(void)
