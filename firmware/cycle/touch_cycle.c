@@ -33,8 +33,6 @@ static void approach(touch_cycle_t *cycle, touch_state_t state, double feed_mm_m
 {
     const touch_config_t *config = &cycle->config;
     int32_t travel = config->approach_counts + cycle->sense * config->overtravel_counts;
-
-    latch_arm(cycle->latch, &cycle->latch_config);
     ask(cycle, TOUCH_MOVE, cycle->start_counts + travel, feed_mm_min);
     begin_motion(cycle, state, now_ticks);
 }
@@ -88,7 +86,6 @@ static bool is_sound(const touch_config_t *config, int32_t start_counts)
 static void take_config(touch_cycle_t *cycle, const touch_config_t *config)
 {
     uint32_t tick_ps = hal_clock_tick_ps();
-
     cycle->config = *config;
     cycle->sense = config->approach_counts > 0 ? 1 : -1;
     cycle->timeout_ticks =
@@ -101,16 +98,20 @@ static void take_config(touch_cycle_t *cycle, const touch_config_t *config)
     };
 }
 
-/* Edges between two cycles mean that something was hit on the way: told once, at the next start. */
-static touch_error_t check_start(const touch_cycle_t *cycle, const touch_input_t *input)
+/*
+ * Edges between two cycles mean that something was hit on the way: told once, at the next start.
+ * They are counted once the latch is armed, so none comes in between.
+ */
+static touch_error_t arm_at_start(const touch_cycle_t *cycle, const touch_input_t *input)
 {
     if (!is_sound(&cycle->config, input->position_counts)) {
         return TOUCH_ERR_CONFIG;
     }
+    bool is_armed = latch_arm_free(cycle->latch, &cycle->latch_config);
     if (latch_counters(cycle->latch).unarmed != cycle->seen_unarmed) {
         return TOUCH_ERR_UNARMED_TOUCH;
     }
-    return latch_level(cycle->latch) ? TOUCH_ERR_DEFLECTED_AT_START : TOUCH_OK;
+    return is_armed ? TOUCH_OK : TOUCH_ERR_DEFLECTED_AT_START;
 }
 
 touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touch_config_t *config,
@@ -122,7 +123,7 @@ touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touc
     cycle->has_latch = false;
     take_config(cycle, config);
 
-    touch_error_t error = check_start(cycle, input);
+    touch_error_t error = arm_at_start(cycle, input);
     if (error != TOUCH_OK) {
         end(cycle, TOUCH_FAILED, error);
         return error;
@@ -170,12 +171,12 @@ static void poll_touch(touch_cycle_t *cycle, const touch_input_t *input)
 
 static void end_retreat(touch_cycle_t *cycle, uint32_t now_ticks)
 {
-    if (cycle->state == TOUCH_BACKING_OFF) {
-        approach(cycle, TOUCH_MEASURING, cycle->config.measure_feed_mm_min, now_ticks);
-    } else {
+    if (cycle->state == TOUCH_RETURNING) {
         cycle->result.duration_ticks = ticks_elapsed(now_ticks, cycle->start_ticks);
         end(cycle, TOUCH_DONE, TOUCH_OK);
-    }
+    } else if (latch_arm_free(cycle->latch, &cycle->latch_config)) {
+        approach(cycle, TOUCH_MEASURING, cycle->config.measure_feed_mm_min, now_ticks);
+    } /* else an edge has just come, and the next poll tells whether it was a touch */
 }
 
 /* Ticks until the present motion, or the wait for a release after it, has lasted too long. */
@@ -286,7 +287,7 @@ uint32_t touch_cycle_idle_ticks(const touch_cycle_t *cycle, uint32_t now_ticks)
     if (!is_running(cycle)) {
         return TICKS_NEVER;
     }
-    if (is_stopping(cycle) && cycle->is_at_rest) {
+    if (cycle->is_at_rest && (is_stopping(cycle) || cycle->has_bounced)) {
         return 0u;
     }
     uint32_t wait = limit_left(cycle, now_ticks);

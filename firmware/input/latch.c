@@ -12,19 +12,37 @@ void latch_init(latch_t *latch, uint8_t channel, uint8_t flags)
     };
 }
 
-void latch_arm(latch_t *latch, const latch_config_t *config)
+static void arm(latch_t *latch, const latch_config_t *config)
 {
-    hal_critical_state_t saved = hal_critical_enter();
     latch->config = *config;
     latch->phase = LATCH_ARMED;
     latch->has_ready = false;
+}
+
+void latch_arm(latch_t *latch, const latch_config_t *config)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    arm(latch, config);
     hal_critical_exit(saved);
+}
+
+bool latch_arm_free(latch_t *latch, const latch_config_t *config)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    bool                 is_free = !latch->level && latch->phase != LATCH_TOUCHED;
+    if (is_free) {
+        arm(latch, config);
+    }
+    hal_critical_exit(saved);
+    return is_free;
 }
 
 void latch_disarm(latch_t *latch)
 {
     hal_critical_state_t saved = hal_critical_enter();
-    latch->phase = LATCH_DISARMED;
+    if (latch->phase != LATCH_TOUCHED) {
+        latch->phase = LATCH_DISARMED;
+    }
     hal_critical_exit(saved);
 }
 
@@ -83,8 +101,10 @@ void latch_on_edge(latch_t *latch, uint32_t ticks, int32_t position_counts)
         count_bounce(latch, ticks);
         break;
     case LATCH_DISARMED:
+    case LATCH_TOUCHED:
     default:
         ++latch->counters.unarmed;
+        latch->phase = LATCH_TOUCHED;
         break;
     }
 }
@@ -117,6 +137,9 @@ void latch_poll(latch_t *latch, uint32_t now_ticks, bool level)
     if (level != latch->level) {
         latch->level = level;
         latch->changed_ticks = now_ticks;
+    }
+    if (latch->phase == LATCH_TOUCHED) {
+        latch->phase = LATCH_DISARMED; /* what the edge was shows in the level */
     }
     judge(latch, now_ticks);
     end_holdoff(latch, now_ticks);

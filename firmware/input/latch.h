@@ -21,7 +21,8 @@ typedef enum {
     LATCH_DISARMED,   /* edges are counted as unarmed */
     LATCH_ARMED,      /* waits for the first edge */
     LATCH_CONFIRMING, /* an edge is kept; the level decides what it was */
-    LATCH_HOLDING     /* confirmed; further edges are bounces until the hold-off is over */
+    LATCH_HOLDING,    /* confirmed; further edges are bounces until the hold-off is over */
+    LATCH_TOUCHED     /* disarmed, and an edge has come since the last poll: the level may be old */
 } latch_phase_t;
 
 /* Durations are at most TICKS_MAX_DURATION (input/ticks.h). */
@@ -70,6 +71,12 @@ void latch_init(latch_t *latch, uint8_t channel, uint8_t flags);
 
 /* Wait for the next edge; a record that nobody took is dropped. Task. */
 void latch_arm(latch_t *latch, const latch_config_t *config);
+
+/*
+ * The same if the probe is free, as last polled and with no edge since; false, and nothing is
+ * changed, if not. An edge that comes too early for the latch is thus never lost to it. Task.
+ */
+bool latch_arm_free(latch_t *latch, const latch_config_t *config);
 
 /* Latch nothing more; a confirmed record can still be taken. Task. */
 void latch_disarm(latch_t *latch);

@@ -19,6 +19,8 @@
 /* MUTANT: firmware/input/latch.c: };\n        latch->has_ready = false; => }; */
 /* MUTANT: firmware/input/latch.c: if (latch->has_ready) { => if (false) { */
 /* MUTANT: firmware/input/latch.c: hal_critical_state_t saved = hal_critical_enter();\n    bool                 taken => hal_critical_state_t saved = 0;\n    bool                 taken */
+/* MUTANT: firmware/input/latch.c: !latch->level && latch->phase != LATCH_TOUCHED => !latch->level */
+/* MUTANT: firmware/input/latch.c: latch->phase = LATCH_TOUCHED; => (void)0; */
 /* clang-format on */
 #include "any.h"
 #include "edge_at_access.h"
@@ -73,11 +75,13 @@ static void edge(void)
 {
     bool         was_touching = is_touching();
     bool         had_ready = latch.has_ready;
+    uint16_t     unarmed = latch.counters.unarmed;
     latch_edge_t came = {.ticks = nondet_u32(), .position_counts = nondet_i32()};
 
     is_in_edge = true;
     latch_on_edge(&latch, came.ticks, came.position_counts);
     is_in_edge = false;
+    PROVE(IMPLIES(latch.counters.unarmed != unarmed, latch.phase == LATCH_TOUCHED));
     /* A hold-off that was over lets this edge begin a touch. */
     bool is_new =
         latch.kept.ticks == came.ticks && latch.kept.position_counts == came.position_counts;
@@ -106,7 +110,7 @@ void edge_at_access(void)
 static void begin_in_any_state(void)
 {
     latch_t any;
-    ASSUME(any.phase <= LATCH_HOLDING && any.channel <= LATCH_CHANNEL_MAX);
+    ASSUME(any.phase <= LATCH_TOUCHED && any.channel <= LATCH_CHANNEL_MAX);
     latch = any;
     first = latch.kept;
     whole = latch.ready;
@@ -141,11 +145,26 @@ static void prove_poll(void)
     PROVE(IMPLIES(edges == 2u, (uint16_t)(latch.counters.overruns - overruns) <= had_ready));
 }
 
+/* Armed only over a free probe; whatever came before, and whatever comes later, is not lost. */
+static void prove_arm_free(void)
+{
+    latch_config_t config;
+    bool           was_free = !latch.level && latch.phase != LATCH_TOUCHED;
+    uint16_t       unarmed = latch.counters.unarmed;
+    bool           is_armed = latch_arm_free(&latch, &config);
+    if (edges == 2u) {
+        PROVE(is_armed == was_free);
+        PROVE(IMPLIES(is_armed, latch.phase == LATCH_ARMED && !latch.has_ready));
+    }
+    PROVE(IMPLIES(is_armed, was_free && latch.counters.unarmed == unarmed));
+}
+
 int main(void)
 {
     latch_config_t config;
     begin_in_any_state();
-    switch (nondet_u8() % 6u) {
+    bool was_touched = latch.phase == LATCH_TOUCHED;
+    switch (nondet_u8() % 7u) {
     case 0u:
         prove_take();
         break;
@@ -158,9 +177,12 @@ int main(void)
         break;
     case 3u:
         latch_disarm(&latch);
-        PROVE(edges < 2u || latch.phase == LATCH_DISARMED);
+        PROVE(edges < 2u || latch.phase == (was_touched ? LATCH_TOUCHED : LATCH_DISARMED));
         break;
     case 4u:
+        prove_arm_free();
+        break;
+    case 5u:
         (void)latch_counters(&latch);
         break;
     default:

@@ -82,6 +82,12 @@ static void call_arm(uint32_t now_ticks, outcome_t *outcome)
     latch_arm(&latch, &config);
 }
 
+static void call_arm_free(uint32_t now_ticks, outcome_t *outcome)
+{
+    (void)now_ticks;
+    outcome->answer = latch_arm_free(&latch, &config);
+}
+
 static void call_disarm(uint32_t now_ticks, outcome_t *outcome)
 {
     (void)now_ticks;
@@ -130,9 +136,9 @@ static void call_is_confirming(uint32_t now_ticks, outcome_t *outcome)
     outcome->answer = latch_is_confirming(&latch);
 }
 
-static call_t *const CALLS[] = {call_arm,        call_disarm, call_poll_high,
-                                call_poll_low,   call_take,   call_counters,
-                                call_idle_ticks, call_level,  call_is_confirming};
+static call_t *const CALLS[] = {call_arm,      call_arm_free,     call_disarm,   call_poll_high,
+                                call_poll_low, call_take,         call_counters, call_idle_ticks,
+                                call_level,    call_is_confirming};
 #define CALL_COUNT (sizeof CALLS / sizeof *CALLS)
 
 /* ---- pasts ---- */
@@ -345,6 +351,11 @@ void test_an_edge_while_arming_is_before_or_after_it(void)
     check_sweep(call_arm);
 }
 
+void test_an_edge_while_arming_a_free_probe_is_before_or_after_it(void)
+{
+    check_sweep(call_arm_free);
+}
+
 void test_an_edge_while_disarming_is_before_or_after_it(void)
 {
     check_sweep(call_disarm);
@@ -463,6 +474,7 @@ static void check_bites(call_t *call)
 void test_without_masking_the_sweep_finds_states_that_cannot_be(void)
 {
     check_bites(call_arm);
+    check_bites(call_arm_free);
     check_bites(call_poll_high);
     check_bites(call_poll_low);
 }

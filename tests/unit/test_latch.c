@@ -189,6 +189,61 @@ void test_arming_again_replaces_the_configuration(void)
     TEST_ASSERT_TRUE(latch_is_confirming(&latch));
 }
 
+/* ---- arming if the probe is free ---- */
+
+static void check_armed_free(bool expected)
+{
+    TEST_ASSERT_EQUAL(expected, latch_arm_free(&latch, &ONE_SHOT));
+    uint16_t unarmed = latch_counters(&latch).unarmed;
+    latch_on_edge(&latch, 50u, 0);
+    TEST_ASSERT_EQUAL_UINT16(unarmed + (expected ? 0u : 1u), latch_counters(&latch).unarmed);
+}
+
+void test_a_free_probe_is_armed(void)
+{
+    latch_poll(&latch, 10u, false);
+    check_armed_free(true);
+}
+
+void test_a_deflected_probe_is_not_armed(void)
+{
+    latch_poll(&latch, 10u, true);
+    check_armed_free(false);
+}
+
+void test_an_edge_since_the_last_poll_is_not_armed_over(void)
+{
+    latch_poll(&latch, 10u, false);
+    latch_on_edge(&latch, 11u, 0);
+    check_armed_free(false);
+}
+
+void test_disarming_does_not_make_an_edge_seen(void)
+{
+    latch_poll(&latch, 10u, false);
+    latch_on_edge(&latch, 11u, 0);
+    latch_disarm(&latch);
+    check_armed_free(false);
+}
+
+void test_an_edge_that_was_over_at_the_last_poll_hinders_nothing(void)
+{
+    latch_on_edge(&latch, 11u, 0);
+    latch_poll(&latch, 12u, false);
+    check_armed_free(true);
+}
+
+void test_a_record_that_waits_stays_if_the_latch_is_not_armed(void)
+{
+    latch_arm(&latch, &ONE_SHOT);
+    latch_on_edge(&latch, 10u, 3);
+    TEST_ASSERT_FALSE(latch_arm_free(&latch, &ONE_SHOT));
+
+    latch_check_record(&latch, 10u, 3, 0u);
+}
+
+/* ---- disarming ---- */
+
 void test_disarming_keeps_a_record_to_be_taken(void)
 {
     latch_arm(&latch, &ONE_SHOT);
@@ -248,4 +303,6 @@ void test_every_task_side_call_masks_interrupts_once(void)
     TEST_ASSERT_EQUAL_UINT(4u, fake_critical_sections());
     (void)latch_counters(&latch);
     TEST_ASSERT_EQUAL_UINT(5u, fake_critical_sections());
+    (void)latch_arm_free(&latch, &ONE_SHOT);
+    TEST_ASSERT_EQUAL_UINT(6u, fake_critical_sections());
 }
