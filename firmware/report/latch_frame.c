@@ -132,6 +132,18 @@ static bool is_restart(const latch_decoder_t *decoder, const latch_record_t *rec
            (record->sequence == decoder->last_sequence && crc != decoder->last_crc);
 }
 
+/*
+ * Seen before, `step` numbers on from the last record. In the first lap, and out of it, a number
+ * goes ahead only: there what lies behind is a restart.
+ */
+static bool is_repeated(const latch_decoder_t *decoder, uint16_t step, uint16_t crc)
+{
+    if (step == 0u) {
+        return crc == decoder->last_crc;
+    }
+    return !decoder->is_first_lap && step > LATCH_SEQUENCE_MASK - LATCH_REPEATED_MAX;
+}
+
 /* Count what lies between the last record and this one; false if it was seen before. */
 static bool follow(latch_decoder_t *decoder, const latch_record_t *record, uint16_t crc)
 {
@@ -141,11 +153,11 @@ static bool follow(latch_decoder_t *decoder, const latch_record_t *record, uint1
         count(&decoder->lost_records, record->sequence);
         return true;
     }
-    if (step == 0u || step > LATCH_SEQUENCE_MASK / 2u) {
+    if (is_repeated(decoder, step, crc)) {
         count(&decoder->repeated_frames, LATCH_FRAMES_PER_RECORD);
         return false;
     }
-    count(&decoder->lost_records, (uint16_t)(step - 1u));
+    count(&decoder->lost_records, (uint16_t)(step - 1u) & LATCH_SEQUENCE_MASK);
     return true;
 }
 

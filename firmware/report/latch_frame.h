@@ -10,9 +10,10 @@
  * fit.
  *
  * A controller that starts anew numbers from 0 again. LATCH_FLAG_FIRST_LAP tells its records from
- * old ones, so that nothing that arrives after a restart is held back. Hidden stays a restart in
+ * old ones, so that nothing that arrives in its first lap is held back. Hidden stays a restart in
  * the first lap of which records 0 to L are all lost, L being the last number that had arrived: the
- * next one counts as following L.
+ * next one counts as following L. Hidden stay, too, a restart whose first lap is lost, and whole
+ * laps in a gap.
  */
 #ifndef REPORT_LATCH_FRAME_H
 #define REPORT_LATCH_FRAME_H
@@ -28,6 +29,12 @@ extern "C" {
 
 #define LATCH_FRAME_BYTES       8u
 #define LATCH_FRAMES_PER_RECORD 2u
+
+/*
+ * A bus, or what hands it on, may bring records once more that are up to so many numbers old. It
+ * is also all that a gap can hold back: one that ends so close to a whole lap.
+ */
+#define LATCH_REPEATED_MAX 255u
 
 typedef enum {
     LATCH_FRAME_PARTIAL,  /* the first half of a record, kept */
@@ -63,9 +70,9 @@ void latch_frame_encode(const latch_record_t *record,
 bool latch_frame_is_good(const latch_decoder_t *decoder, const uint8_t frame[LATCH_FRAME_BYTES]);
 
 /*
- * Take one frame; `record` is written only on LATCH_FRAME_RECORD. A record up to half the sequence
- * range older than the last one counts as repeated, and with LATCH_FLAG_FIRST_LAP as a restart: no
- * bus that carries records lets one overtake another. Task.
+ * Take one frame; `record` is written only on LATCH_FRAME_RECORD. A record that is older than the
+ * last one by LATCH_REPEATED_MAX at most counts as repeated, and with LATCH_FLAG_FIRST_LAP, however
+ * old, as a restart: no bus that carries records lets one overtake another. All else follows. Task.
  */
 latch_frame_result_t latch_frame_decode(latch_decoder_t *decoder,
                                         const uint8_t    frame[LATCH_FRAME_BYTES],

@@ -11,8 +11,11 @@
 /* MUTANT: firmware/report/latch_frame.c: if (is_second(frame) && !is_pair(decoder, frame)) => if
  * (false) */
 /* MUTANT: firmware/report/latch_frame.c: count(&decoder->damaged_frames, 1u); => (void)0; */
-/* MUTANT: firmware/report/latch_frame.c: step == 0u || step > LATCH_SEQUENCE_MASK / 2u => step ==
- * 0u */
+/* MUTANT: firmware/report/latch_frame.c: step > LATCH_SEQUENCE_MASK - LATCH_REPEATED_MAX => false
+ */
+/* MUTANT: firmware/report/latch_frame.c: LATCH_SEQUENCE_MASK - LATCH_REPEATED_MAX =>
+ * LATCH_SEQUENCE_MASK / 2u */
+/* MUTANT: firmware/report/latch_frame.c: return !decoder->is_first_lap && => return */
 /* MUTANT: firmware/report/latch_frame.c: count(&decoder->restarts, 1u); => (void)0; */
 #include <string.h>
 
@@ -66,8 +69,17 @@ static void prove_record(const latch_decoder_t *before, const latch_decoder_t *a
     PROVE(record->sequence <= LATCH_SEQUENCE_MASK && record->channel <= LATCH_CHANNEL_MAX);
     PROVE(after->any_record && after->last_sequence == record->sequence);
     PROVE(IMPLIES(before->any_record && before->restarts < UINT16_MAX && !is_restart,
-                  step >= 1u && step <= LATCH_SEQUENCE_MASK / 2u));
+                  before->is_first_lap || step <= LATCH_SEQUENCE_MASK - LATCH_REPEATED_MAX));
     PROVE(IMPLIES(is_restart, (record->flags & LATCH_FLAG_FIRST_LAP) != 0u));
+}
+
+/* Nothing good is held back but the last record, and what is a little older. */
+static void prove_held_back(const latch_decoder_t *before, const uint8_t *second)
+{
+    uint16_t sequence = (uint16_t)((uint32_t)second[1] << 7 | (uint32_t)second[0] >> 1);
+    uint16_t age = (uint16_t)(before->last_sequence - sequence) & LATCH_SEQUENCE_MASK;
+    PROVE(before->any_record && age <= LATCH_REPEATED_MAX);
+    PROVE(IMPLIES(before->is_first_lap, age == 0u));
 }
 
 int main(void)
@@ -83,6 +95,9 @@ int main(void)
     prove_counted(&before, &decoder, result);
     PROVE(IMPLIES((frame[0] & 1u) != 0u && !before.has_first,
                   result == LATCH_FRAME_UNPAIRED || result == LATCH_FRAME_REPEATED));
+    if (result == LATCH_FRAME_REPEATED && before.has_first && !decoder.has_first) {
+        prove_held_back(&before, frame);
+    }
     if (result == LATCH_FRAME_RECORD) {
         prove_record(&before, &decoder, &record);
     } else {

@@ -308,14 +308,44 @@ void test_a_lost_second_half_loses_the_record(void)
     check_counts(1u, 0u, 0u, 1u);
 }
 
-void test_just_under_half_the_range_ahead_is_a_gap_and_half_is_the_past(void)
+void test_up_to_255_numbers_back_is_the_past_and_all_else_is_a_gap(void)
 {
     (void)feed_sequence(0x7000u);
-    TEST_ASSERT_EQUAL(LATCH_FRAME_REPEATED, feed_sequence(0x3000u));
+    TEST_ASSERT_EQUAL(LATCH_FRAME_REPEATED, feed_sequence(0x7000u - LATCH_REPEATED_MAX));
     check_counts(0u, 0u, 2u, 0u);
 
-    TEST_ASSERT_EQUAL(LATCH_FRAME_RECORD, feed_sequence(0x2FFFu));
-    check_counts(0x3FFEu, 0u, 2u, 0u);
+    TEST_ASSERT_EQUAL(LATCH_FRAME_RECORD, feed_sequence(0x7000u - LATCH_REPEATED_MAX - 1u));
+    check_counts(LATCH_SEQUENCE_MASK - LATCH_REPEATED_MAX - 1u, 0u, 2u, 0u);
+}
+
+void test_a_whole_lap_that_was_lost_is_counted(void)
+{
+    (void)feed_sequence(7u);
+    latch_record_t record = record_in_sequence(7u);
+    ++record.ticks;
+
+    TEST_ASSERT_EQUAL(LATCH_FRAME_RECORD, feed_record(&record));
+    check_counts(LATCH_SEQUENCE_MASK, 0u, 0u, 0u);
+}
+
+/* Records after `gap` that are lost; how many of the next hundred come out. */
+static unsigned count_after(uint16_t gap)
+{
+    unsigned count = 0u;
+    setUp();
+    (void)feed_sequence(5u);
+    for (uint16_t i = 0u; i < 100u; ++i) {
+        count += feed_sequence((6u + gap + i) & LATCH_SEQUENCE_MASK) == LATCH_FRAME_RECORD;
+    }
+    return count;
+}
+
+void test_no_gap_holds_back_what_comes_after_it(void)
+{
+    for (uint16_t gap = 0u; gap < LATCH_SEQUENCE_MASK - LATCH_REPEATED_MAX; gap += 9u) {
+        TEST_ASSERT_EQUAL_UINT(100u, count_after(gap));
+        check_counts(gap, 0u, 0u, 0u);
+    }
 }
 
 /* ---- repetition and disorder ---- */

@@ -103,6 +103,41 @@ void test_a_restart_is_hidden_while_all_that_it_repeats_is_lost(void)
     TEST_ASSERT_EQUAL_UINT16(0u, decoder.restarts);
 }
 
+/* The next `lost` records go nowhere, and the one after them arrives. */
+static void check_gap(uint32_t lost, uint16_t counted)
+{
+    is_cut = true;
+    for (uint32_t n = 0u; n < lost; ++n) {
+        send(50000u + n);
+    }
+    is_cut = false;
+    send(60000u);
+    send(60001u);
+
+    TEST_ASSERT_EQUAL_UINT(3u, arrived_count);
+    TEST_ASSERT_EQUAL_UINT16(counted, decoder.lost_records);
+    TEST_ASSERT_EQUAL_UINT16(0u, decoder.repeated_frames);
+}
+
+void test_however_long_a_gap_in_the_first_lap_no_record_is_held_back(void)
+{
+    for (uint32_t lost = 16000u; lost < 32760u; lost += 97u) {
+        send_up_to(5u, 0u);
+        check_gap(lost, (uint16_t)lost);
+        send_up_to(5u, 0u);
+        reset();
+        check_gap(lost, (uint16_t)(lost - 6u));
+    }
+}
+
+void test_however_long_a_gap_out_of_the_first_lap_no_record_is_held_back(void)
+{
+    for (uint32_t lost = 32762u; lost < 65500u; lost += 97u) {
+        send_up_to(5u, 0u);
+        check_gap(lost, (uint16_t)(lost & LATCH_SEQUENCE_MASK));
+    }
+}
+
 void test_several_restarts_in_a_row_are_counted(void)
 {
     for (uint32_t n = 0u; n < 5u; ++n) {

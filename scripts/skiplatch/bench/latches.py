@@ -8,6 +8,7 @@ CRC_POLYNOMIAL = 0x1021
 CRC_START = 0xFFFF
 CRC_OFFSET = 6
 SEQUENCES = 1 << 15
+REPEATED_MAX = 255  # LATCH_REPEATED_MAX of firmware/report/latch_frame.h
 TICKS = 1 << 32
 TICK_NS = 100  # of the Linux port
 PLC_FLAG = 0x01
@@ -129,10 +130,15 @@ class LatchReports:
             self.lost += latch.sequence
             return True
         step = (latch.sequence - last.sequence) % SEQUENCES
-        if not 0 < step < SEQUENCES // 2:
+        if self._is_repeated(last, step, crc):
             return False
-        self.lost += step - 1
+        self.lost += (step - 1) % SEQUENCES
         return True
+
+    def _is_repeated(self, last: Latch, step: int, crc: int) -> bool:
+        if step == 0:
+            return crc == self._last_crc
+        return not last.flags & FIRST_LAP_FLAG and step >= SEQUENCES - REPEATED_MAX
 
     def _is_restart(self, last: Latch, latch: Latch, crc: int) -> bool:
         if not latch.flags & FIRST_LAP_FLAG:
