@@ -12,16 +12,21 @@ int pulse_intake_init(pulse_intake_t *intake, const transmission_config_t *confi
     intake->lost = 0u;
     intake->parts = 0u;
     intake->is_backward = false;
+    intake->is_unsure = false;
     return transmission_init(&intake->core, config);
 }
 
 int pulse_intake_turn(pulse_intake_t *intake, bool is_backward)
 {
-    if (is_backward == intake->is_backward) {
+    if (is_backward == intake->is_backward && !intake->is_unsure) {
         return HAL_OK;
     }
-    intake->is_backward = is_backward;
-    return hal_pulse_start(is_backward ? HAL_PULSE_FALLING : HAL_PULSE_RISING);
+    int error = hal_pulse_start(is_backward ? HAL_PULSE_FALLING : HAL_PULSE_RISING);
+    intake->is_unsure = error != HAL_OK;
+    if (error == HAL_OK) {
+        intake->is_backward = is_backward;
+    }
+    return error;
 }
 
 /* The clock will soon have gone so far that before and after are alike. */

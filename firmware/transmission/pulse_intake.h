@@ -25,6 +25,7 @@ typedef struct {
     uint32_t       lost;        /* pulses that the port says it has lost, since the beginning */
     uint32_t       parts;       /* gaps so far: which part this is, from 0 */
     bool           is_backward;
+    bool           is_unsure; /* a turn has failed: the lines may not be watched at all */
 } pulse_intake_t;
 
 /*
@@ -38,7 +39,8 @@ int pulse_intake_init(pulse_intake_t *intake, const transmission_config_t *confi
  * on, so when they have come to rest and the last pulse has been taken. A train has no sense of its
  * own; whoever moves the shafts has. Backward falling edges are stamped, for they are those of the
  * flanks that rise forward: with others the width of the marks would count as backlash. Returns
- * HAL_OK, or what hal_pulse_start() says of the other edge.
+ * HAL_OK, or what hal_pulse_start() says of the other edge; then nothing has turned, no pulse may
+ * come, and a further call, of either sense, tries again.
  */
 int pulse_intake_turn(pulse_intake_t *intake, bool is_backward);
 

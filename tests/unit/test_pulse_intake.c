@@ -36,6 +36,8 @@ static pulse_intake_t       intake;
 static transmission_point_t points[POINTS_MAX];
 static unsigned             count;
 static hal_pulse_edge_t     started_edge;
+static unsigned             starts;
+static int                  start_error;
 
 uint32_t hal_clock_now_ticks(void)
 {
@@ -55,13 +57,16 @@ bool hal_pulse_take(hal_pulse_t *pulse)
 int hal_pulse_start(hal_pulse_edge_t edge)
 {
     started_edge = edge;
-    return HAL_OK;
+    ++starts;
+    return start_error;
 }
 
 static void start_at(uint32_t ticks)
 {
     queued = taken = count = 0u;
     now_ticks = ticks;
+    starts = 0u;
+    start_error = HAL_OK;
     TEST_ASSERT_EQUAL_INT(TRANSMISSION_OK, pulse_intake_init(&intake, &CHAIN));
 }
 
@@ -246,6 +251,31 @@ void test_back_and_forth_comes_to_the_same_lines(void)
 
     TEST_ASSERT_LESS_THAN_INT32(5, points[count - 1u].line);
     TEST_ASSERT_INT64_WITHIN(1000, points[0].delta_nas, points[count - 1u].delta_nas);
+}
+
+void test_a_turn_that_failed_is_tried_again(void)
+{
+    start_error = HAL_ERR_CONFIG;
+    TEST_ASSERT_EQUAL_INT(HAL_ERR_CONFIG, pulse_intake_turn(&intake, true));
+    TEST_ASSERT_FALSE(intake.is_backward);
+    TEST_ASSERT_EQUAL_INT(HAL_ERR_CONFIG, pulse_intake_turn(&intake, true));
+
+    start_error = HAL_OK;
+    TEST_ASSERT_EQUAL_INT(HAL_OK, pulse_intake_turn(&intake, true));
+    TEST_ASSERT_TRUE(intake.is_backward);
+    TEST_ASSERT_EQUAL_INT(HAL_OK, pulse_intake_turn(&intake, true));
+    TEST_ASSERT_EQUAL_UINT(3u, starts);
+}
+
+void test_after_a_turn_that_failed_the_old_sense_is_watched_anew(void)
+{
+    start_error = HAL_ERR_CONFIG;
+    (void)pulse_intake_turn(&intake, true);
+
+    start_error = HAL_OK;
+    TEST_ASSERT_EQUAL_INT(HAL_OK, pulse_intake_turn(&intake, false));
+    TEST_ASSERT_EQUAL_INT(HAL_PULSE_RISING, started_edge);
+    TEST_ASSERT_EQUAL_UINT(2u, starts);
 }
 
 /* ---- frames ---- */
