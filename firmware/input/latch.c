@@ -167,8 +167,9 @@ uint32_t latch_idle_ticks(const latch_t *latch, uint32_t now_ticks)
 {
     hal_critical_state_t saved = hal_critical_enter();
     uint32_t             idle = confirm_left(latch, now_ticks);
+    bool is_timed = latch->phase == LATCH_CONFIRMING || latch->phase == LATCH_HOLDING;
     hal_critical_exit(saved);
-    return idle;
+    return is_timed && idle > TICKS_LOOK ? TICKS_LOOK : idle;
 }
 
 bool latch_level(const latch_t *latch)

@@ -89,7 +89,7 @@ void latch_on_edge(latch_t *latch, uint32_t ticks, int32_t position_counts);
 
 /*
  * Tell the level at `now_ticks`; confirms, rejects and ends the hold-off. Task or scan. Has to be
- * called at least every 2^30 ticks, or an old time looks new.
+ * called as often as latch_idle_ticks() says, or an old time looks new.
  */
 void latch_poll(latch_t *latch, uint32_t now_ticks, bool level);
 
@@ -97,8 +97,8 @@ void latch_poll(latch_t *latch, uint32_t now_ticks, bool level);
 bool latch_take(latch_t *latch, latch_record_t *record);
 
 /*
- * How long polling can be left out while no edge comes: TICKS_NEVER unless an edge waits to be
- * confirmed. Task.
+ * How long polling can be left out while no edge comes: until an edge that waits can be confirmed,
+ * 2^30 ticks at most from an edge on until a poll after the hold-off, else TICKS_NEVER. Task.
  */
 uint32_t latch_idle_ticks(const latch_t *latch, uint32_t now_ticks);
 

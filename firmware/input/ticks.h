@@ -14,6 +14,7 @@ extern "C" {
 
 #define TICKS_NEVER        UINT32_MAX  /* as a duration: no time is set */
 #define TICKS_MAX_DURATION 0x7FFFFFFFu /* longer ones are cut to this */
+#define TICKS_LOOK         0x40000000u /* a time that is set is looked at this often at least */
 #define TICKS_BEFORE       0xC0000000u /* an elapsed time this long is a reading from before */
 
 /* Ticks from `since` to `now`, right across the wrap. */

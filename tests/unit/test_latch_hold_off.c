@@ -3,6 +3,7 @@
 #include "epochs.h"
 #include "fake_critical.h"
 #include "input/latch.h"
+#include "input/ticks.h"
 #include "latch_checks.h"
 #include "unity.h"
 
@@ -122,6 +123,46 @@ void test_a_hold_off_ended_by_a_poll_does_not_come_back_with_the_clock(void)
     latch_on_edge(&latch, 1000u + 0xF0000000u, 4);
 
     latch_check_record(&latch, 1000u + 0xF0000000u, 4, 0u);
+}
+
+/* A task that sleeps as long as it may: no touch, however late, is taken for a bounce. */
+static void check_touch_after(uint32_t edge, uint32_t rest)
+{
+    uint32_t slept = 0u;
+    latch_arm(&latch, &REPEATED);
+    latch_on_edge(&latch, edge, 1);
+    (void)latch_check_take(&latch);
+    for (;;) {
+        latch_poll(&latch, edge + slept, false);
+        uint32_t idle = latch_idle_ticks(&latch, edge + slept);
+        if (idle > rest - slept) {
+            break;
+        }
+        slept += idle;
+    }
+
+    latch_on_edge(&latch, edge + rest, 2);
+    latch_check_record(&latch, edge + rest, 2, 0u);
+}
+
+void test_a_touch_is_none_of_the_last_one_however_late_it_comes(void)
+{
+    FOR_EACH_EPOCH (edge) {
+        for (uint32_t rest = HOLDOFF; rest < UINT32_MAX - TICKS_LOOK / 8u;
+             rest += TICKS_LOOK / 8u) {
+            check_touch_after(edge, rest);
+        }
+    }
+}
+
+void test_a_hold_off_asks_for_polls_until_it_is_over(void)
+{
+    latch_arm(&latch, &REPEATED);
+    latch_on_edge(&latch, 10u, 1);
+    TEST_ASSERT_EQUAL_UINT32(TICKS_LOOK, latch_idle_ticks(&latch, 10u));
+
+    latch_poll(&latch, 10u + HOLDOFF, false);
+    TEST_ASSERT_EQUAL_UINT32(TICKS_NEVER, latch_idle_ticks(&latch, 10u + HOLDOFF));
 }
 
 void test_a_poll_read_before_the_edge_does_not_end_the_hold_off(void)
