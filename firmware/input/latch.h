@@ -25,7 +25,11 @@ typedef enum {
     LATCH_TOUCHED     /* disarmed, and an edge has come since the last poll: the level may be old */
 } latch_phase_t;
 
-/* Durations are at most TICKS_MAX_DURATION (input/ticks.h). */
+/*
+ * Durations are at most TICKS_MAX_DURATION (input/ticks.h). Poll more often than confirm_ticks: a
+ * glitch and a touch between two polls look like a touch that bounces, so they are one, latched at
+ * the glitch and flagged LATCH_FLAG_BOUNCED.
+ */
 typedef struct {
     bool     repeated;      /* after a touch: true arms again, false disarms */
     uint32_t confirm_ticks; /* the level rests this long to confirm or reject; 0 confirms at once */

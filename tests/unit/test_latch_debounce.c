@@ -187,6 +187,31 @@ void test_a_glitch_leaves_no_flag_on_the_touch_after_it(void)
     latch_check_record(&latch, 1100u, 8, 0u);
 }
 
+/* ---- how often to poll ---- */
+
+void test_a_glitch_and_a_touch_between_two_polls_are_one_touch_that_bounced(void)
+{
+    arm_and_touch(&ONE_SHOT, 1000u);
+    latch_on_edge(&latch, 1000u + 50u * CONFIRM, 8);
+
+    latch_poll(&latch, 1000u + 100u * CONFIRM, true);
+
+    latch_check_record(&latch, 1000u, 7, LATCH_FLAG_BOUNCED);
+}
+
+void test_polls_more_often_than_the_confirmation_tell_a_glitch_from_the_touch_behind_it(void)
+{
+    arm_and_touch(&ONE_SHOT, 1000u);
+    for (uint32_t passed = CONFIRM - 1u; passed < 50u * CONFIRM; passed += CONFIRM - 1u) {
+        latch_poll(&latch, 1000u + passed, false);
+    }
+    latch_on_edge(&latch, 1000u + 50u * CONFIRM, 8);
+
+    latch_poll(&latch, 1000u + 51u * CONFIRM, true);
+
+    latch_check_record(&latch, 1000u + 50u * CONFIRM, 8, 0u);
+}
+
 /* ---- disarming and arming while an edge waits ---- */
 
 void test_disarming_gives_up_an_edge_that_waits(void)
