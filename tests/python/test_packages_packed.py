@@ -100,6 +100,15 @@ def test_plc_task_on_an_uno_stamps_its_scans(packed: Path, uno: Path, tmp_path: 
     assert 99_800 <= stamps[0] <= 101_000
 
 
+def test_arduino_hal_keeps_the_contract(packed: Path, tmp_path: Path) -> None:
+    """On the host, the core of the AVR stood in for; each line is a promise that is broken."""
+    run(tool("g++", "packages"), "-std=gnu++11", *ALL_WARNINGS, f"-I{packed / 'skiplatch/src'}",
+        "-Itests/packages/arduino", "tests/packages/arduino_hal.cpp",
+        "-o", tmp_path / "hal")  # fmt: skip
+
+    assert run(tmp_path / "hal") == ""
+
+
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_sketches_compile_for_a_pico_against_a_stand_in(
     packed: Path, example: str, tmp_path: Path
