@@ -427,6 +427,16 @@ void test_no_token_is_given_for_a_while_after_that(void)
     TEST_ASSERT_EQUAL(INJECT_OBEYED, send(trigger()));
 }
 
+void test_wrong_tokens_are_counted_until_a_pause_without_one(void)
+{
+    for (unsigned i = 0u; i < INJECT_WRONG_TOKENS_MAX; ++i) {
+        now_ms += INJECT_LOCKED_MS - 1u;
+        TEST_ASSERT_EQUAL(INJECT_OBEYED, send_arm());
+        send_wrong_tokens(1u);
+    }
+    TEST_ASSERT_EQUAL(INJECT_WRONG_TOKEN, send_arm());
+}
+
 void test_right_tokens_in_between_buy_no_more_wrong_ones(void)
 {
     for (unsigned i = 0u; i + 1u < INJECT_WRONG_TOKENS_MAX; ++i) {
