@@ -79,8 +79,11 @@ CORES     := $(foreach board,$(BOARDS),$(OTHER_CORES.$(board)))
 LINKED    := $(foreach board,$(BOARDS) $(CORES),\
                $(if $(shell command -v $(CC.$(FAMILY.$(board)))),$(board)))
 # What can be run here.
-tools_of    = $(and $(TOOLS.$(FAMILY.$1)),$(if $(NEEDS.$1),$(wildcard $(NEEDS.$1)),yes))
-no_tools_of = $(if $(TOOLS.$(FAMILY.$1)),no $(NEEDS.$1) here: hal/ports/$1/setup.sh,$(NO_TOOLS.$(FAMILY.$1)))
+emulator_of = hal/ports/$1/tests/emulator.py
+runs_suites = $(or $(SUITE_RUN.$1),$(filter avr,$(FAMILY.$1)),$(wildcard $(call emulator_of,$1)))
+tools_of    = $(and $(TOOLS.$(FAMILY.$1)),$(call runs_suites,$1),$(if $(NEEDS.$1),$(wildcard $(NEEDS.$1)),yes))
+no_tools_of = $(strip $(if $(TOOLS.$(FAMILY.$1)),$(if $(call runs_suites,$1),no $(NEEDS.$1) here: hal/ports/$1/setup.sh,\
+                  no $(call emulator_of,$1) yet (or a SUITE_RUN in board.mk): docs/PORTING.md),$(NO_TOOLS.$(FAMILY.$1))))
 RUN_HERE   := $(foreach board,$(BOARDS),$(if $(call tools_of,$(board)),$(board)))
 
 # Of this variant: the board (or core), and the folder its port is in.

@@ -67,7 +67,8 @@ $(foreach board,$(BOARDS),$(eval RESULTS.target-$(board) := $(call target_result
 
 .PHONY: $(ON_BOARDS:%=run-%) run-on-board
 # What others link of the board is there before: two makes at once would write the same objects.
-$(ON_BOARDS:%=run-%): run-target-%: generated $$(addprefix linked-,$$(filter $$*,$(LINKED))) \
+$(ON_BOARDS:%=run-%): run-target-%: generated \
+                      $$(if $$(call runs_suites,$$*),$$(addprefix linked-,$$(filter $$*,$(LINKED)))) \
                       $$(if $$(filter avr,$$(FAMILY.$$*)),$$(if $$(TOOLS.avr),$(AVR_TEST_RUN)))
 	@$(if $(call tools_of,$*),$(MAKE) VARIANT=boards/$* RESULTS=$(RESULTS) run-on-board,\
 	    scripts/run_check.sh $(RESULTS)/target-$*/tools.check target-$* \

@@ -11,6 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 SHARED = (".venv", "firmware", "host_sim", "mk", "scripts", "tests")
 BOARD = "atmega1284p"
+COMPILERS = {"avr": "avr-gcc", "arm": "arm-none-eabi-gcc", "riscv": "riscv64-unknown-elf-gcc"}
 OBJECT = Path("build/boards", BOARD, "obj/firmware/input/latch.o")
 ENVIRONMENT = {name: text for name, text in os.environ.items() if not name.startswith("MAKE")}
 
@@ -21,30 +22,55 @@ def call(folder: Path, *command: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def make(folder: Path, *arguments: str) -> None:
+def make(folder: Path, *arguments: str) -> str:
     done = call(folder, "make", "-j2", "INNER=yes", *arguments)
     assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def with_board(folder: Path, name: str, family: str, flags: str) -> Path:
+    """Give the project with one board more, a copy of the template."""
+    compiler = COMPILERS[family]
+    if not shutil.which(compiler):
+        pytest.skip(f"no {compiler} here: scripts/setup/system.sh cross riscv")
+    for shared in SHARED:
+        (folder / shared).symlink_to(ROOT / shared)
+    for copied in ("hal", "docs"):
+        shutil.copytree(ROOT / copied, folder / copied)
+    shutil.copy(ROOT / "Makefile", folder)
+
+    board = folder / "hal/ports" / name
+    shutil.copytree(folder / "hal/ports/template", board)
+    text = (board / "board.mk").read_text()
+    text = text.replace("FAMILY.$(board) := host", f"FAMILY.$(board) := {family}")
+    (board / "board.mk").write_text(f"{text}FLAGS.$(board) := {flags}\n")
+    return folder
 
 
 @pytest.fixture(scope="module")
 def project(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The project with one board more, compiled and linked."""
-    if not shutil.which("avr-gcc"):
-        pytest.skip("no avr-gcc here: scripts/setup/system.sh cross")
-    folder = tmp_path_factory.mktemp("project")
-    for name in SHARED:
-        (folder / name).symlink_to(ROOT / name)
-    for name in ("hal", "docs"):
-        shutil.copytree(ROOT / name, folder / name)
-    shutil.copy(ROOT / "Makefile", folder)
-
-    board = folder / "hal/ports" / BOARD
-    shutil.copytree(folder / "hal/ports/template", board)
-    text = (board / "board.mk").read_text()
-    text = text.replace("FAMILY.$(board) := host", "FAMILY.$(board) := avr")
-    (board / "board.mk").write_text(f"{text}FLAGS.$(board) := -mmcu={BOARD}\n")
+    folder = with_board(tmp_path_factory.mktemp("project"), BOARD, "avr", f"-mmcu={BOARD}")
     make(folder, f"linked-{BOARD}")
     return folder
+
+
+@pytest.mark.parametrize(
+    ("family", "flags"),
+    [("arm", "-mcpu=cortex-m4 -mthumb"), ("riscv", "-march=rv32imac_zicsr -mabi=ilp32")],
+)
+def test_a_copy_of_the_template_compiles_for_each_family(
+    family: str, flags: str, tmp_path: Path
+) -> None:
+    """Without the drivers that other boards share, and without an emulator: that is told."""
+    folder = with_board(tmp_path, "myboard", family, flags)
+    make(folder, "VARIANT=boards/myboard", "objects")
+
+    emulators = {"arm": "qemu-system-arm", "riscv": "qemu-system-riscv32"}
+    if shutil.which(emulators[family]):
+        rule = "told:; @echo '$(call no_tools_of,myboard)'"
+        told = make(folder, "--eval", rule, "told")
+        assert told.startswith("no hal/ports/myboard/tests/emulator.py yet")
 
 
 def test_it_is_listed(project: Path) -> None:

@@ -1,9 +1,9 @@
 /*
- * The vector table of a Cortex-M. Each board's startup.c defines `vectors` by it, with what goes to
- * its interrupts.
+ * The vector table of a Cortex-M with these drivers. Each board's startup.c defines `vectors` by
+ * it, with what goes to its interrupts.
  */
-#ifndef ARM_VECTORS_H
-#define ARM_VECTORS_H
+#ifndef QEMU_VECTORS_H
+#define QEMU_VECTORS_H
 
 #include <stdint.h>
 

@@ -1,8 +1,8 @@
 /*
  * The first instructions: hart 0 gets its stack and its vectors, all others wait for ever. The
- * table has a jump for each cause of an interrupt; its place 0 is that of all exceptions.
+ * table has a jump for each cause of an interrupt; its place 0 is that of all exceptions. The
+ * board brings reset, stay and the traps; hal/ports/qemu has the first two.
  */
-#include "reset.h"
 #include "riscv.h"
 
 void vectors(void);
