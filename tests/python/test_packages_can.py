@@ -45,13 +45,51 @@ def test_the_example_reads_what_the_c_codec_wrote(ending: str, tmp_path: Path) -
                     for ticks, position, sequence, channel, flags in RECORDS]  # fmt: skip
 
 
-def test_a_second_half_alone_is_no_latch(tmp_path: Path) -> None:
-    log = tmp_path / "bus.log"
-    frames = frames_of_c()
-    rows = [f"(1.000000) can0 {LATCH_ID:03X}#{frame.hex().upper()}\n" for frame in frames]
-    log.write_text("".join([rows[1], rows[0], rows[3]]))
+def row_of(frame: bytes, number: str = f"{LATCH_ID:03X}") -> str:
+    return f"(1.000000) can0 {number}#{frame.hex().upper()}\n"
 
-    assert run(sys.executable, EXAMPLE, DBC, log) == ""
+
+def numbers_read(log: Path, *rows: str) -> list[int]:
+    """Give the sequence numbers that the example prints of such a log."""
+    log.write_text("".join(rows))
+    return [int(line.split()[1]) for line in run(sys.executable, EXAMPLE, DBC, log).splitlines()]
+
+
+def test_a_second_half_alone_is_no_latch(tmp_path: Path) -> None:
+    rows = [row_of(frame) for frame in frames_of_c()]
+
+    assert numbers_read(tmp_path / "bus.log", rows[1], rows[0], rows[3]) == []
+
+
+def test_halves_and_records_that_come_twice_are_one_latch(tmp_path: Path) -> None:
+    first, second, *others = map(row_of, frames_of_c())
+    twice = [first, first, second, second, first, second]
+
+    assert numbers_read(tmp_path / "bus.log", *twice, *others) == [0x7ABC, 0, 32767]
+
+
+def test_a_damaged_half_is_no_latch(tmp_path: Path) -> None:
+    frames = frames_of_c()
+    for half in (0, 1):
+        for byte in range(8):
+            damaged = list(frames)
+            damaged[half] = bytes(x ^ (2 if at == byte else 0) for at, x in enumerate(frames[half]))
+            rows = map(row_of, damaged)
+
+            assert numbers_read(tmp_path / "bus.log", *rows) == [0, 32767], (half, byte)
+
+
+def test_what_else_is_on_the_bus_is_left_alone(tmp_path: Path) -> None:
+    frames = frames_of_c()
+    others = [
+        row_of(frames[0], f"{LATCH_ID:08X}"),  # extended
+        f"(1.000000) can0 {LATCH_ID:03X}#R\n",
+        row_of(frames[0][:2]),
+        row_of(bytes(8), "20000080"),  # of the controller's errors
+    ]
+    rows = [row + other for row, other in zip(map(row_of, frames), others * 2, strict=False)]
+
+    assert numbers_read(tmp_path / "bus.log", *rows) == [0x7ABC, 0, 32767]
 
 
 def test_candump_is_decoded_by_cantools(tmp_path: Path) -> None:
