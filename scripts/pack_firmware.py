@@ -1,4 +1,4 @@
-"""Pack the core of the firmware: ``pack_firmware.py FOLDER``, started in the project's folder.
+"""Pack the core of the firmware: ``pack_firmware.py FOLDER``.
 
 Writes a library for Arduino and PlatformIO into FOLDER/skiplatch, the core as a single header into
 FOLDER/skiplatch.h, and what halcompile builds for LinuxCNC into FOLDER/linuxcnc. Prints the names
@@ -12,8 +12,9 @@ import shutil
 import sys
 from pathlib import Path
 
-FIRMWARE = Path("firmware")
-HAL = Path("hal/include")
+ROOT = Path(__file__).resolve().parents[1]
+FIRMWARE = ROOT / "firmware"
+HAL = ROOT / "hal/include"
 PATTERNS = re.compile(r"set\(SKIPLATCH_core ([^)]+)\)")
 VERSION = re.compile(r'SKIPLATCH_VERSION "([0-9.]+)"')
 INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
@@ -75,7 +76,7 @@ def pack_library(folder: Path) -> None:
         (folder / manifest).write_text(text.replace("@VERSION@", version()))
     for example in sorted((FIRMWARE / "examples").glob("*/*.ino")):
         shutil.copytree(example.parent, folder / "examples" / example.parent.name)
-    shutil.copy("LICENSE", folder)
+    shutil.copy(ROOT / "LICENSE", folder)
 
 
 def _inline(path: Path) -> str:

@@ -2,6 +2,7 @@
 
 import json
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -33,6 +34,29 @@ def uno(tmp_path_factory: pytest.TempPathFactory) -> Path:
     run("gcc", "-O2", "-isystem", "/usr/include/simavr", "tests/packages/uno_run.c",
         "-lsimavr", "-lelf", "-o", program)  # fmt: skip
     return program
+
+
+def test_it_packs_the_same_from_anywhere(packed: Path, tmp_path: Path) -> None:
+    script = Path("scripts/pack_firmware.py").resolve()
+    done = subprocess.run(
+        [sys.executable, script, "vendor"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[0] == "vendor/skiplatch"
+    found = {
+        folder: {
+            path.relative_to(folder): path.read_bytes()
+            for path in folder.rglob("*")
+            if path.is_file()
+        }
+        for folder in (packed, tmp_path / "vendor")
+    }
+    assert found[packed] == found[tmp_path / "vendor"]
 
 
 def test_single_header_builds_the_example(packed: Path, tmp_path: Path) -> None:
