@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -59,13 +60,40 @@ def test_find_package_refuses_what_is_not_there(
     assert refusal in done.stderr
 
 
-def test_pkg_config_builds_the_example(installed: Path, tmp_path: Path) -> None:
-    environment = {**os.environ, "PKG_CONFIG_PATH": str(installed / "lib/pkgconfig")}
+def build_by_pkg_config(folder: Path, program: Path) -> None:
+    environment = {**os.environ, "PKG_CONFIG_PATH": str(folder)}
     flags = subprocess.run(
         [tool("pkg-config", "packages"), "--cflags", "--libs", "skiplatch"],
         env=environment, capture_output=True, text=True, check=True,
-    ).stdout.split()  # fmt: skip
-    run("gcc", DESK / "main.c", *flags, "-o", tmp_path / "desk")
+    ).stdout  # fmt: skip
+    run("gcc", DESK / "main.c", *shlex.split(flags), "-o", program)
+
+
+def test_pkg_config_builds_the_example(installed: Path, tmp_path: Path) -> None:
+    build_by_pkg_config(installed / "lib/pkgconfig", tmp_path / "desk")
+
+    assert run(tmp_path / "desk") == TOUCHED
+
+
+@pytest.mark.parametrize("prefix", ["elsewhere", "with a space"])
+def test_pkg_config_finds_what_was_installed_elsewhere(
+    installed: Path, tmp_path: Path, prefix: str
+) -> None:
+    run("cmake", "--install", installed.parent / "build", "--prefix", tmp_path / prefix)
+    build_by_pkg_config(tmp_path / prefix / "lib/pkgconfig", tmp_path / "desk")
+
+    assert run(tmp_path / "desk") == TOUCHED
+
+
+@pytest.mark.parametrize("absolute", [("LIBDIR",), ("INCLUDEDIR",), ("LIBDIR", "INCLUDEDIR")])
+def test_pkg_config_finds_absolute_folders(absolute: tuple[str, ...], tmp_path: Path) -> None:
+    folders = {name: str(tmp_path / "far off" / name.lower()) for name in absolute}
+    definitions = [f"-DCMAKE_INSTALL_{name}={folder}" for name, folder in folders.items()]
+    prefix = f"-DCMAKE_INSTALL_PREFIX={tmp_path / 'to here'}"
+    configure(FIRMWARE, tmp_path / "build", prefix, *definitions)
+    run("cmake", "--build", tmp_path / "build", "--target", "install")
+    found = next(tmp_path.glob("*/**/pkgconfig/skiplatch.pc"))
+    build_by_pkg_config(found.parent, tmp_path / "desk")
 
     assert run(tmp_path / "desk") == TOUCHED
 
