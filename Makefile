@@ -40,6 +40,7 @@ include $(MK) $(filter-out $(MK),$(wildcard mk/*.mk))
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1	/p' $(filter %Makefile %.mk,$(MAKEFILE_LIST)) | \
 	    awk -F '\t' '{ printf "  %-12s %s\n", $$1, $$2 }'
+	@printf '  %-12s %s\n' SUITE 'set up and run one suite of the tests: $(filter-out target-%,$(TEST_SUITES)) target-BOARD'
 
 .PHONY: setup
 setup: setup-build compile_commands.json ## install what is missing, make .venv and the simulator's library
