@@ -97,11 +97,13 @@ static void print_usage(void)
           stdout);
 }
 
+/* Decimal, or hexadecimal after 0x; a 0 before it means nothing. */
 static bool parse_whole(const char *text, uint64_t least, uint64_t most, uint64_t *value)
 {
     char *end = NULL;
+    bool  is_hexadecimal = text[0] == '0' && (text[1] == 'x' || text[1] == 'X');
     errno = 0;
-    *value = strtoull(text, &end, 0);
+    *value = strtoull(text, &end, is_hexadecimal ? 16 : 10);
     return errno == 0 && end != text && *end == '\0' && strchr(text, '-') == NULL &&
            *value >= least && *value <= most;
 }

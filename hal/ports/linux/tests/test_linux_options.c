@@ -149,6 +149,15 @@ void test_both_sides_of_every_bound(void)
     check_refused("--resolution-um 0", "--resolution-um");
 }
 
+void test_a_number_with_a_0_before_it_is_decimal(void)
+{
+    TEST_ASSERT_EQUAL_INT(OPTIONS_RUN,
+                          parse("--chip gpiochip0 --line 010 --can can0 --latch-id 0X0FF"));
+    TEST_ASSERT_EQUAL_UINT32(10u, options.line.offset);
+    TEST_ASSERT_EQUAL_HEX32(0xFFu, options.latch_id);
+    check_taken("--touches 09");
+}
+
 void test_what_is_no_number_is_refused(void)
 {
     static const char *const TEXTS[] = {"x", "4k", "-1", "1.5", "0x", "99999999999999999999"};
