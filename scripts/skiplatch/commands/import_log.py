@@ -152,7 +152,8 @@ def csv(
     **written: Any,  # noqa: ANN401
 ) -> None:
     """Read any TABLE; units are converted."""
-    from skiplatch.importing.table import parse_mapping, read_table  # noqa: PLC0415
+    from skiplatch.importing.mapped import parse_mapping  # noqa: PLC0415
+    from skiplatch.importing.table import read_table  # noqa: PLC0415
 
     try:
         mapped = [parse_mapping(text) for text in mappings]

@@ -1,0 +1,100 @@
+"""Which column of a table is which of a campaign's."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from skiplatch.campaign import COLUMNS
+from skiplatch.campaign.columns import is_thermometer
+from skiplatch.campaign.time_stamps import TIME_NAME
+from skiplatch.errors import InputError, hint, quoted
+from skiplatch.importing.units_in_heads import BRACKETS, UNITS, split_unit
+
+_MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
+COORDINATE = "coordinate_mm"
+"""Not of a campaign: where the axis was latched, from which deviations are made."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped:
+    """A column of a campaign that a column of a table stands for.
+
+    Attributes:
+        column: Of the campaign.
+        head: As it was given.
+        name: The head without its unit.
+        unit: Of the table's column; empty where it is that of the campaign.
+    """
+
+    column: str
+    head: str
+    name: str
+    unit: str
+
+
+def parse_mapping(text: str) -> Mapped:
+    """Read ``deviation_um=Error [mm]``.
+
+    Raises:
+        ValueError: It is none; says why.
+    """
+    match = _MAPPING.match(text)
+    if not match:
+        raise ValueError(f'expected COLUMN=HEAD or COLUMN="HEAD [unit]", got {quoted(text)}')
+    column, head = match["column"], match["head"].strip()
+    known = (*COLUMNS, COORDINATE, TIME_NAME)
+    if column not in known and not is_thermometer(column):
+        raise ValueError(f"{quoted(column)} is no column of a campaign{hint(column, known)}")
+    name, unit = split_unit(head, unit_of(column))
+    ending, units = BRACKETS.match(head), UNITS.get(unit_of(column))
+    if units and ending and ending["unit"] and not unit:
+        named = quoted(ending["unit"])
+        raise ValueError(f"{column}: unit {named} is none of {', '.join(units)}")
+    return Mapped(column, head, name, unit)
+
+
+def refuse_twice(path: Path, mapped: Sequence[Mapped]) -> None:
+    """Refuse two columns of the table for one of a campaign; there, a date is a time too."""
+    head_of: dict[str, str] = {}
+    for m in mapped:
+        column = "time_s" if m.column == TIME_NAME else m.column
+        if column in head_of:
+            message = f"expected one head, got {quoted(head_of[column])} and {quoted(m.head)}"
+            raise InputError(path, None, column, message)
+        head_of[column] = m.head
+
+
+def unit_of(column: str) -> str:
+    """Give the unit that a column has in a campaign; empty where it has none."""
+    if column == COORDINATE:
+        return "mm"
+    return "°C" if is_thermometer(column) else COLUMNS[column].unit if column in COLUMNS else ""
+
+
+def named_in(heads: list[str], m: Mapped) -> list[Mapped]:
+    """Give the columns with a head as given, else with that head without the unit of either."""
+    if m.head in heads:
+        return [m] * heads.count(m.head)
+    named = []
+    for head in heads:
+        name, unit = split_unit(head, unit_of(m.column))
+        is_bare = m.name == head and not BRACKETS.match(head)  # then what ends it may be no unit
+        if is_bare or (m.name in (head, name) and (not m.unit or unit in ("", m.unit))):
+            named.append(Mapped(m.column, head, name, m.unit or unit))
+    return named
+
+
+def in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
+    """Give a column as the table has it, or say which ones there are."""
+    named = named_in(heads, m)
+    if len(named) == 1:
+        return named[0]
+    if named:
+        those = {one.head for one in named}
+        numbers = [str(i) for i, head in enumerate(heads, 1) if head in those]
+        message = f"{quoted(m.head)} may be any of columns {', '.join(numbers)}: rename all but one"
+        raise InputError(path, line, None, message)
+    there = ", ".join(head[:40] for head in heads[:20])
+    message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {there}"
+    raise InputError(path, line, None, message)

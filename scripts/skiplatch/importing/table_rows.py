@@ -1,0 +1,54 @@
+"""Which rows of a table tell of touches, and whether each has the cells of its head."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from skiplatch.campaign import COLUMNS
+from skiplatch.campaign.csv_text import Row
+from skiplatch.errors import InputError
+from skiplatch.importing.mapped import COORDINATE, Mapped
+from skiplatch.importing.model import Imported
+from skiplatch.importing.spreadsheets import tells
+
+_OUTCOMES = {COORDINATE, "edge_us", *(name for name in COLUMNS if COLUMNS[name].is_outcome)}
+"""Columns that tell what came of a touch."""
+
+
+def touched(
+    body: list[Row], heads: list[str], mapped: Sequence[Mapped], found: Imported
+) -> list[Row]:
+    """Leave out rows that tell of no touch: they are empty where a column stands for something.
+
+    One without a coordinate would count as missed, so there an outcome has to be told.
+    """
+    telling = [m for m in mapped if m.column in _OUTCOMES]
+    if COORDINATE not in (m.column for m in mapped):
+        telling = list(mapped)
+    places = {heads.index(m.head) for m in telling}
+    kept = [row for row in body if any(tells(c) for i, c in enumerate(row[1]) if i in places)]
+    if len(kept) == len(body):
+        return body
+    lines = {line for line, _ in kept}
+    left_out = [line for line, _ in body if line not in lines]
+    said = f"{len(left_out)}, the first in line {left_out[0]}"
+    found.unread.append(f"rows that tell of no touch: {said}")
+    empty = [line for line, row in body if not any(cell.strip() for cell in row)]
+    below = sum(line > min(empty) for line in lines) if empty else 0
+    if below:
+        found.assumed.append(f"rows below an empty one are touches like those above: {below}")
+    return kept
+
+
+def refuse_surplus(path: Path, heads: Sequence[str], body: Sequence[Row]) -> None:
+    """Refuse a row with more cells than heads, as decimal commas without quotes make them.
+
+    Empty cells behind the last head are none; ones that lack behind a row's last are empty.
+
+    Raises:
+        InputError: The first one.
+    """
+    for line, row in body:
+        filled = max((i for i, cell in enumerate(row, 1) if cell.strip()), default=0)
+        if filled > len(heads):
+            message = f"expected {len(heads)} cells, got {filled}: are there decimal commas?"
+            raise InputError(path, line, None, message)
