@@ -117,12 +117,28 @@ def test_any_feed_is_reached_and_latched(path: InputPath, feed: float) -> None:
     assert errors.position_um.maximum.value <= speed * reaction.latest_us + half_um * 1.01
 
 
-def test_quantiles_of_positions_lie_on_counts_of_the_axis() -> None:
-    rig = replace(DEFAULT_RIG, axis=AxisNominal(resolution_um=50.0, accel_mm_s2=3000.0))
-    position = latch_errors(one_touch(rig, InputPath.PLC, FEED), Effort(20_000, 7)).position_um
+@pytest.mark.parametrize(
+    ("path", "feed", "jitter_us", "bias_um", "sigma_um"),
+    [
+        (InputPath.SKIP, 600.0, 33.0, 0.165, math.hypot(0.33, 10.0) / math.sqrt(12.0)),
+        (InputPath.PLC, 100.0, 0.0, 10.0 / 3.0, math.hypot(20.0 / 3.0, 10.0) / math.sqrt(12.0)),
+    ],
+)
+def test_surface_lies_anywhere_between_two_counts_of_a_coarse_axis(
+    path: InputPath, feed: float, jitter_us: float, bias_um: float, sigma_um: float
+) -> None:
+    rig = replace(
+        DEFAULT_RIG,
+        input=InputNominal(0.0),
+        skip=SkipNominal(latency_us=0.0, jitter_us=jitter_us, tick_us=0.001),
+        axis=AxisNominal(resolution_um=10.0, accel_mm_s2=3000.0),
+    )
+    position = latch_errors(one_touch(rig, path, feed), Effort(100_000, 7)).position_um
 
-    assert position.resolution == 50.0
-    assert position.histogram.edges == [-25.0, 25.0, 75.0, 125.0, 175.0, 225.0]
+    assert position.mean.value == pytest.approx(bias_um, abs=6.0 * sigma_um / math.sqrt(100_000))
+    assert position.standard_deviation.value == pytest.approx(sigma_um, rel=0.015)
+    assert position.quantiles[0.5].value == pytest.approx(bias_um, abs=0.1)
+    assert position.range.low <= position.range.value <= position.range.high
 
 
 def test_result_does_not_depend_on_the_number_of_threads() -> None:

@@ -17,6 +17,7 @@ from skiplatch.workers import in_order
 
 FINE_BINS = 32_768
 NANOSECOND_US = 1e-3  # to which the simulation rounds times
+FINEST_UM = 1e-3  # of a position, which comes from a surface anywhere between two counts
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,11 +90,10 @@ def _latency_bins(probing: Probing) -> Bins:
 def _position_bins(probing: Probing) -> Bins:
     """A position is rounded to the nearest count of the axis."""
     reaction = reaction_of(probing.nominal, probing.path)
-    low_um = probing.feed_um_us * reaction.earliest_us
-    high_um = probing.feed_um_us * reaction.latest_us
     count_um = probing.nominal.axis.resolution_um
-    limits = (low_um - count_um / 2.0, high_um + count_um / 2.0)
-    return _bins(low_um, high_um, count_um, limits)
+    low_um = probing.feed_um_us * reaction.earliest_us - count_um / 2.0
+    high_um = probing.feed_um_us * reaction.latest_us + count_um / 2.0
+    return _bins(low_um, high_um, min(FINEST_UM, count_um), (low_um, high_um))
 
 
 def _bins(low: float, high: float, step: float, limits: tuple[float, float]) -> Bins:

@@ -44,6 +44,8 @@ DEFAULT_RIG = Nominal(
 CHUNK_TOUCHES = 65_536  # in memory at once
 STEADY_MM = 1.0  # at the feed before the contact
 SEARCH_MM = 1.0  # past the latest latch
+STARTS, SURFACES = (), (1,)
+"""Lanes of random numbers."""
 MOST_COUNTS = 2**28  # of the axis, in the firmware
 
 
@@ -89,27 +91,62 @@ class Probing:
         )
 
     def play(
-        self, touches: Touches, *, seed: int, jobs: int = 1, pulse_us: float = 0.0
+        self,
+        touches: Touches,
+        *,
+        seed: int,
+        jobs: int = 1,
+        pulse_us: float = 0.0,
+        off_line_um: FloatArray | float = 0.0,
     ) -> Outcomes:
-        """Play touches of this kind; the outcomes are of shape (1, n)."""
-        return play(self.nominal, self.controller, touches, seed=seed, jobs=jobs, pulse_us=pulse_us)
+        """Play touches of this kind; the outcomes are of shape (1, n).
+
+        Args:
+            touches: Which.
+            seed: Picks their random numbers.
+            jobs: Threads.
+            pulse_us: See `skiplatch.simulator.playing.play`.
+            off_line_um: How far past a line of the axis the surface is; shape (n,) or one for all.
+        """
+        outcomes = play(
+            self.nominal,
+            self.controller,
+            touches,
+            seed=seed,
+            jobs=jobs,
+            pulse_us=pulse_us,
+            datum_um=off_line_um,
+        )
+        return replace(outcomes, deviation_um=outcomes.deviation_um - off_line_um)
 
     def outcomes(self, effort: Effort, *, pulse_us: float = 0.0) -> Iterator[Outcomes]:
         """Play so many touches, a chunk at a time, their edges spread evenly over the scan.
 
-        Each starts at a random time in a scan of its own. The firmware of a touch that begins
-        before the end of the one before is set up anew, so that they are independent.
+        Each starts at a random time in a scan of its own, and its surface lies anywhere between
+        two lines of the axis. The firmware of a touch that begins before the end of the one before
+        is set up anew, so that they are independent.
         """
         for first in range(0, effort.touches, CHUNK_TOUCHES):
             yield self.chunk(effort, first, pulse_us=pulse_us)
 
     def chunk(self, effort: Effort, first: int, *, pulse_us: float = 0.0) -> Outcomes:
         """Play the chunk that begins with this touch; no other chunk has to be played for it."""
-        starts = np.random.Generator(np.random.PCG64((effort.seed, self.path)).advance(first))
-        scan_s = self.nominal.plc.scan_us / US_PER_S
         count = min(CHUNK_TOUCHES, effort.touches - first)
-        touches = self.at(scan_s * (np.arange(count) + starts.random(count)), first)
-        return self.play(touches, seed=effort.seed, jobs=effort.jobs, pulse_us=pulse_us)
+        scan_s = self.nominal.plc.scan_us / US_PER_S
+        starts = self._drawn(effort, first, count, STARTS)
+        surfaces = self._drawn(effort, first, count, SURFACES) - 0.5
+        return self.play(
+            self.at(scan_s * (np.arange(count) + starts), first),
+            seed=effort.seed,
+            jobs=effort.jobs,
+            pulse_us=pulse_us,
+            off_line_um=self.nominal.axis.resolution_um * surfaces,
+        )
+
+    def _drawn(self, effort: Effort, first: int, count: int, lane: tuple[int, ...]) -> FloatArray:
+        """Give numbers from 0 to 1 of touches, shape (count,), whichever chunk they are in."""
+        source = np.random.PCG64((effort.seed, self.path, *lane)).advance(first)
+        return np.random.Generator(source).random(count)
 
     def latched(self, effort: Effort) -> Iterator[Outcomes]:
         """Play as `outcomes` does, where every touch has to be latched and its cycle to end well.
