@@ -213,3 +213,25 @@ def test_a_program_too_few_is_refused(tmp_path: Path, refused: Program) -> None:
     )
 
     assert "expected a program for each of 2 logs, got 1" in said
+
+
+@pytest.mark.parametrize(
+    ("moves", "said"),
+    [
+        ("G0 Z5\nG38.2 Z-10 F60\nG38.2 Z-10\nG38.2 Z-10\nG38.2 Z-10", "3 moves whose sense"),
+        ("G38.2 Z-10 F60\nG38.2 Z-10\nG38.2 Z-10\nG38.2 Z-10", "Z was touched from above"),
+    ],
+)
+def test_sense_that_a_program_with_other_count_does_not_tell(
+    tmp_path: Path, moves: str, said: str
+) -> None:
+    (tmp_path / "p.ngc").write_text(f"G21 G90\n{moves}\nM2\n")
+    (tmp_path / "p.txt").write_text("0 0 -2.501\n0 0 -2.511\n0 0 -2.521\n")
+
+    run = Run(
+        *(tmp_path, "linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))
+    )
+
+    assert run.campaign.touches.sign.tolist() == [-1.0, -1.0, -1.0]
+    assert run.campaign.touches.deviation_um.tolist() == [-10.0, 0.0, 10.0]
+    assert any(line.startswith(said) for line in run.said["assumed"])

@@ -27,6 +27,7 @@ ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touc
 NEGLIGIBLE = 1e-4
 AT_TARGET_MM = 2e-3
 """From the target of a move, within which nothing was met: it ended there to the last count."""
+FROM_ABOVE = "Z was touched from above"
 
 _PROBES = re.compile(r"G38\.[2-5]", re.IGNORECASE)
 Value = TypeVar("Value", str, int, float)
@@ -158,16 +159,35 @@ def _matched(
             f"{differ}, so only what is the same in all of them was taken from it (LinuxCNC "
             "writes no line for a touch that ends exactly where the one before did)"
         )
+    axis = _only(move.axis for move in moves)
     same = ProbeMove(
         line=0,
-        axis=_only(move.axis for move in moves),
-        sign=_only(move.sign for move in moves),
+        axis=axis,
+        sign=_shared_sense(moves, axis, found),
         share=_only(move.share for move in moves),
         start={},
         feed=_only(move.feed for move in moves),
         targets={axis: _only(move.targets.get(axis) for move in moves) for axis in AXES},
     )
     return [same if moves else None] * len(rows)
+
+
+def _shared_sense(moves: Sequence[ProbeMove], axis: str | None, found: Imported) -> int | None:
+    """Give the sense of all moves; one that the program does not tell is that of the others.
+
+    It does not where a move starts where the one before was latched.
+    """
+    untold = sum(move.sign is None for move in moves)
+    told = {move.sign for move in moves} - {None}
+    if not untold or axis is None or len(told) > 1:
+        return _only(move.sign for move in moves)
+    if told:
+        found.assumed.append(f"{untold} moves whose sense the program does not tell: as the others")
+        return told.pop()
+    if axis == "Z":
+        found.assumed.append(FROM_ABOVE)
+        return -1
+    return None
 
 
 def _touch(
@@ -224,7 +244,7 @@ def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inc
     if not moves:
         found.assumed.append("no program was given (--program FILE.ngc), so no senses are known")
         if any(touch.axis == "Z" for touch in found.touches):
-            found.assumed.append("Z was touched from above")
+            found.assumed.append(FROM_ABOVE)
     if feed is None and any(touch.feed is None for touch in found.touches):
         found.assumed.append("the feed is not known: give it by --program or --feed")
     if inch:
