@@ -5,7 +5,7 @@ Cycle 4 goes on where it meets nothing, and then gives -1 as the fourth of its r
 
 from collections.abc import Iterator, Sequence
 
-from skiplatch.probing_touches import BEYOND_MM, LOCATING_MM, Touch, locating_mm_min
+from skiplatch.probing_touches import BEYOND_MM, LOCATING_MM, Touch, farthest, locating_mm_min
 
 COLUMNS = ("axis", "path", "sign", "feed_mm_min", "approach_mm", "position_mm")
 LOGGED = (*COLUMNS, "coordinate_mm", "status")
@@ -57,6 +57,8 @@ def _located(touches: Sequence[Touch]) -> Iterator[str]:
     yield "FN 9: IF +Q4 EQU -1 GOTO LBL 9"
     yield f"FN 11: IF {result} GT {first.surface + BEYOND_MM:+.3f} GOTO LBL 9"
     yield f"FN 12: IF {result} LT {first.surface - BEYOND_MM:+.3f} GOTO LBL 9"
+    back = farthest(touches)
+    yield f"L {back.axis}{back.start:+.3f} R0 F{locating_mm_min(touches):g}"
 
 
 def _touched(touch: Touch) -> Iterator[str]:

@@ -2,7 +2,7 @@
 
 Each surface has a program of its own, as no controller knows a safe way to another one. It moves
 along the axis that probes only. From where the operator has set the probe it finds the surface by
-a slow touch; where it meets nothing, it ends.
+a slow touch; where it meets nothing, it ends. No rapid move leads where no slow one has led before.
 """
 
 import re
@@ -22,6 +22,7 @@ from skiplatch.probing_touches import (
     Touch,
     as_made,
     by_surface,
+    farthest,
     locating_mm_min,
     path_of,
 )
@@ -81,10 +82,12 @@ class _Part:
         """Say where the probe has to be, and what comes afterwards."""
         first = self.touches[0]
         side = "smaller" if first.sign > 0 else "greater"
+        back = f"{first.axis}{farthest(self.touches).start:.3f}"
         return [
             f"{first.title}, program {self.number} of {self.of}",
             f"before the start: set the probe in front of it, at {side} {first.axis},",
             f"nearer than {LOCATING_MM:g} mm; a slow touch finds the surface",
+            f"the probe is drawn back to {back}, slowly at first: keep that way free",
             *_then(self.then),
         ]
 
@@ -165,7 +168,7 @@ def _text(lines: Iterator[str]) -> str:
 
 def _linuxcnc(part: _Part) -> Iterator[str]:
     """Log by PROBEOPEN, in the coordinates that are active: M2 would go back to those of G54."""
-    first = part.touches[0]
+    first, back = part.touches[0], farthest(part.touches)
     yield "%"
     yield from (f"; {line}" for line in part.head)
     yield "; in the coordinates of the log that the campaign was imported from:"
@@ -173,6 +176,7 @@ def _linuxcnc(part: _Part) -> Iterator[str]:
     yield "G21 G90 G94 G40"
     yield from _located(part.touches)
     yield f"o1 if [ABS[{_PROBED[first.axis]} - [{first.surface:.3f}]] LE {BEYOND_MM:g}]"
+    yield f"G1 {back.axis}{back.start:.3f} F{locating_mm_min(part.touches):g}"
     yield f"(PROBEOPEN {part.name}.txt)"
     for touch in part.touches:
         yield f"G4 P{touch.rest_s:.1f}"
@@ -195,14 +199,14 @@ def _located(touches: Sequence[Touch]) -> Iterator[str]:
 
 def _grbl(part: _Part) -> Iterator[str]:
     """Reply in the machine's coordinates, so G53 goes to starts and probing moves are relative."""
-    first = part.touches[0]
+    back = farthest(part.touches)
     slow = f"F{locating_mm_min(part.touches):g}"
     yield from (f"; {line}" for line in part.head)
     yield "; log the serial line with commands and jogs, all programs in one log"
     yield "; in the coordinates of the machine, homed as for the campaign"
     yield "G21 G94"
     yield from _located(part.touches)
-    yield f"G90 G53 G1 {first.axis}{first.start:.3f} {slow}"
+    yield f"G90 G53 G1 {back.axis}{back.start:.3f} {slow}"
     for touch in part.touches:
         start = f"G90 G53 G0 {touch.axis}{touch.start:.3f}"
         yield f"G4 P{touch.rest_s:.1f}"

@@ -84,6 +84,11 @@ def locating_mm_min(touches: Sequence[Touch]) -> float:
     return min(LOCATING_MM_MIN, *(touch.feed for touch in touches))
 
 
+def farthest(touches: Sequence[Touch]) -> Touch:
+    """Give the touch of a surface that starts the farthest from it."""
+    return max(touches, key=lambda touch: touch.approach)
+
+
 def _touch(touches: Touches, i: int, rest_s: float, reach_mm: tuple[float, float]) -> Touch:
     known = (
         touches.sign[i],

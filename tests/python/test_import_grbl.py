@@ -204,3 +204,20 @@ def test_first_touch_without_a_command_is_of_the_axis_that_then_moves(tmp_path: 
     assert touches.axis.tolist() == [Axis.Y] * 3
     assert np.isnan(touches.sign).all()
     assert touches.deviation_um.tolist() == pytest.approx([-3.0, 1.0, 0.0])
+
+
+def test_approach_longer_than_its_move_is_not_known(tmp_path: Path) -> None:
+    """The operator jogged in between, which the log does not show."""
+    (tmp_path / "jog.log").write_text(
+        "G21 G91\nok\nG38.2 X5 F100\n[PRB:-50.000,0.000,-5.000:1]\nok\nG0 X-2\nok\n"
+        "G38.2 X5 F100\n[PRB:-49.995,0.000,-5.000:1]\nok\nG0 X-2\nok\n"
+        "G38.2 X-5 F100\n[PRB:-30.000,0.000,-5.000:1]\nok\nG0 X2\nok\n"
+        "G38.2 X-5 F100\n[PRB:-30.005,0.000,-5.000:1]\nok\nG0 X2\nok\n"
+        "G38.2 X-5 F100\n[PRB:-36.005,0.000,-5.000:1]\nok\n"
+    )
+
+    touches = Run(tmp_path, "grbl", str(tmp_path / "jog.log")).campaign.touches
+
+    unknown = np.isnan(touches.approach_mm).tolist()
+    assert unknown == [True, False, True, False, True]
+    assert touches.approach_mm[[1, 3]] == pytest.approx([2.0, 2.0], abs=0.01)

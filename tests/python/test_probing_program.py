@@ -369,3 +369,16 @@ def test_what_a_controller_cannot_do_is_refused(kind: str, touches: Touches, mes
 
 def test_log_of_every_kind_is_tried() -> None:
     assert set(KINDS) == {"klipper", *LOGS}
+
+
+@pytest.mark.parametrize("kind", list(LOGS))
+def test_no_rapid_move_goes_where_no_slow_one_went(kind: str) -> None:
+    touches = asked(senses=(1.0,))
+    ways = np.where(np.arange(N) == N - 1, 14.0, 4.0)
+    (text,) = texts_of(kind, replace(touches, approach_mm=ways), REACH_MM).values()
+
+    found = re.findall(r"(?:G0|G1|\d L) X(\S+)(?: R0)?( F[\d]+)?", text)
+    moves = [(float(x), feed) for x, feed in found]
+    assert moves[0][1]
+    assert all(x >= moves[0][0] for x, _ in moves)
+    assert f"the probe is drawn back to X{moves[0][0]:.3f}, slowly" in text

@@ -10,19 +10,16 @@ import math
 import operator
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
+from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove, direction_of
 from skiplatch.numbers import PLAIN
 from skiplatch.units import MM_PER_INCH
 
-AXES = "XYZABC"
-LINEAR = "XYZ"
 _TOUCH, _RELEASE = "G38.2", "G38.4"  # and G38.3, and G38.5
 _NO_MOTION = (4.0, 10.0, 28.0, 30.0, 43.0, 43.1, 43.2, 52.0, 92.0)  # whatever axes they name
 LATCHED = [str(number) for number in range(5061, 5070)]  # parameters: the place of the last touch
 HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
-SHARE_DIGITS = 3  # no feed is truer than 0.1 %
-SHORTEST_REST = 0.01  # of a move, in mm or degrees, that tells its direction
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
 _WORD = re.compile(rf"([A-Z])\s*([-+]?\s*{PLAIN}|#[<\w]+>?|\[)", re.IGNORECASE)
@@ -48,51 +45,6 @@ _WORDS = {"LT": "<", "LE": "<=", "GT": ">", "GE": ">=", "EQ": "==", "NE": "!=", 
 _OPERATOR_WORD = re.compile(rf"\b(?:{'|'.join(_WORDS)})\b")
 _NUMBER = re.compile(rf"[-+]? *{PLAIN}")
 _PYTHONS_ALONE = re.compile(r"\d[A-Z_]", re.ASCII)  # 1_0, 1E3, 0X10 are none of G-code
-
-
-@dataclass(frozen=True, slots=True)
-class ProbeMove:
-    """A move by G38.2 to G38.5, in mm, degrees and mm/min.
-
-    Attributes:
-        line: Number of the line, from 1.
-        axis: That mostly moves; None where that is not known.
-        sign: Its sense; None where it is not known.
-        share: Of the way, and so of the feed, that the axis has: 1 where it moves alone; None
-            where it is not known.
-        start: Where the move begins, as far as known, by axis.
-        feed: Along the way; None where it is not known.
-        targets: Where the move would end, by axis; None where it is not known.
-        is_release: Whether it ends where the probe lets go, by G38.4 or G38.5.
-    """
-
-    line: int
-    axis: str | None
-    sign: int | None
-    share: float | None
-    start: Mapping[str, float]
-    feed: float | None
-    targets: Mapping[str, float | None] = field(default_factory=dict)
-    is_release: bool = False
-
-    def along(self, ways: Mapping[str, float | None]) -> "ProbeMove":
-        """Give the move with the direction of these ways."""
-        axis, sign, share = _direction(ways)
-        return replace(self, axis=axis, sign=sign, share=share)
-
-    def latched_at(self, position: Mapping[str, float]) -> "ProbeMove":
-        """Give the move with the direction of what was left of it where it was latched.
-
-        That is the direction of all of it, which is needed where the start is not known.
-        """
-        if self.sign is not None:
-            return self
-        rest = {
-            axis: None if target is None or axis not in position else target - position[axis]
-            for axis, target in self.targets.items()
-        }
-        tells = any(abs(way or 0.0) > SHORTEST_REST for way in rest.values())
-        return self.along(rest) if tells else self
 
 
 @dataclass(slots=True)
@@ -232,7 +184,7 @@ class Machine:
         ends = {axis: self.position.get(axis) for axis in targets}
         self.position = {k: v for k, v in start.items() if k not in targets}
         is_release = self.motion == _RELEASE
-        return ProbeMove(number, *_direction(ways), start, self.feed, ends, is_release)
+        return ProbeMove(number, *direction_of(ways), start, self.feed, ends, is_release)
 
 
 def without_comments(line: str) -> str:
@@ -247,20 +199,6 @@ def bracketed(text: str) -> Iterator[str]:
         end = _closing(text, at)
         yield text[at + 1 : end]
         at = text.find("[", end + 1)
-
-
-def _direction(ways: Mapping[str, float | None]) -> tuple[str | None, int | None, float | None]:
-    """Give the axis that goes the longest way, its sense, and its share of the way of all."""
-    if len(ways) == 1:
-        ((only, way),) = ways.items()
-        return only, None if not way else int(math.copysign(1, way)), 1.0
-    known = {axis: way for axis, way in ways.items() if way}
-    if not known or None in ways.values():
-        return None, None, None
-    longest = max(known, key=lambda name: abs(known[name]))
-    way = known[longest]
-    alike = (w for axis, w in known.items() if (axis in LINEAR) == (longest in LINEAR))
-    return longest, int(math.copysign(1, way)), round(abs(way) / math.hypot(*alike), SHARE_DIGITS)
 
 
 def _closing(text: str, start: int) -> int:

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from skiplatch.importing.gcode import Machine, ProbeMove, bracketed, without_comments
+from skiplatch.importing.gcode import Machine, bracketed, without_comments
+from skiplatch.importing.probe_move import ProbeMove
 
 MOST_LINES = 10_000  # executed, and so many more a touch, so that a loop that never ends does
 MOST_LINES_A_TOUCH = 100

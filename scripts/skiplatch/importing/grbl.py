@@ -6,7 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
 from skiplatch.importing.grbl_commands import Commands
 from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than, put_on_steps
@@ -15,6 +14,7 @@ from skiplatch.importing.grbl_speed import Speeds
 from skiplatch.importing.log_lines import Line, read_lines, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
 from skiplatch.importing.presets import PRESETS, Preset
+from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
 from skiplatch.numbers import NUMBER
 from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
@@ -151,7 +151,7 @@ class _Reader:
         if index >= len(position):
             self.broken += 1
             return
-        start = move.start.get(axis) if move else None
+        start = move.start_to(axis, position[index]) if move else None
         self.touches.append(
             Touch(
                 axis=axis,

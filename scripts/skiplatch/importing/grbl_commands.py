@@ -6,8 +6,9 @@ What hangs on the offset between the program's coordinates and the machine's is 
 import re
 from collections.abc import Sequence
 
-from skiplatch.importing.gcode import AXES, Machine, ProbeMove
+from skiplatch.importing.gcode import Machine
 from skiplatch.importing.log_lines import Line
+from skiplatch.importing.probe_move import AXES, ProbeMove
 
 _FEED_0 = re.compile(r"\bF0(?:\.0*)?\b")
 _IN_MACHINE = re.compile(r"G53(?!\d)", re.IGNORECASE)

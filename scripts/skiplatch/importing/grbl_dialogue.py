@@ -4,8 +4,8 @@ import re
 from collections import deque
 from collections.abc import Callable
 
-from skiplatch.importing.gcode import ProbeMove
 from skiplatch.importing.log_lines import Line
+from skiplatch.importing.probe_move import ProbeMove
 
 _COMMAND = re.compile(
     r"(?:^|[\s\[:>\"'])(\$J(?:og)?=.*|(?:N\d+\s*)?(?:G|F|M|X|Y|Z|#)\s*[-+\d.\[#].*)",

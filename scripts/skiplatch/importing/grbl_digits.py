@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from skiplatch.importing.gcode import LINEAR
 from skiplatch.importing.model import Touch
+from skiplatch.importing.probe_move import LINEAR
 
 DIGIT_MM = 1e-3  # the last that is printed
 DIGIT_INCH = 1e-4

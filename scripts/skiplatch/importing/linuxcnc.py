@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import TypeVar
 
 from skiplatch.errors import InputError
-from skiplatch.importing.gcode import AXES, LINEAR, ProbeMove
 from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, offsets_of, run
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
+from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
 from skiplatch.numbers import number
 from skiplatch.units import MM_PER_INCH
 
@@ -206,7 +206,7 @@ def _touch(
         place=tuple(v * scale[i] for i, v in enumerate(row[: len(AXES)]) if i != number),
         feed=(move.feed if move else None) or feed,
         share=move.share if move else 1.0,
-        start=move.start.get(axis) if move else None,
+        start=move.start_to(axis, coordinate) if move else None,
         is_release=bool(move and move.is_release),
     )
 

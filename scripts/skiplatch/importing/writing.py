@@ -27,10 +27,10 @@ from skiplatch.campaign.nominal_toml import read_nominal
 from skiplatch.campaign.writing import InadmissibleError
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
-from skiplatch.importing.gcode import LINEAR
 from skiplatch.importing.model import Figure, Figures, Imported, Touch
 from skiplatch.importing.placing import as_touches, machine_thermometer
 from skiplatch.importing.presets import PRESETS
+from skiplatch.importing.probe_move import LINEAR
 
 WIDTH = 98
 
