@@ -36,6 +36,22 @@ def imported(folder: Path, text: str) -> Run:
     return Run(folder, "klipper", str(folder / "k.log"))
 
 
+@pytest.mark.parametrize(
+    "section",
+    [
+        *("probe_eddy_current my_eddy", "load_cell_probe", "dockable_probe"),
+        *("beacon", "cartographer", "scanner"),
+    ],
+)
+def test_speed_of_every_probe_is_read(tmp_path: Path, section: str) -> None:
+    config = CONFIG.replace("[probe]", f"[{section}]").replace("8.0", "7")
+
+    run = imported(tmp_path, config + TOUCHES)
+
+    assert feeds(run) == [420.0] * 2
+    assert "feeds from the configuration in the log" in run.said["known"]
+
+
 def feeds(run: Run) -> list[float]:
     return [float(feed) for feed in run.campaign.touches.feed_mm_min]
 

@@ -52,7 +52,8 @@ _MOVED = {
 """What begins a session: a homing or restart; what QUAD_GANTRY_LEVEL and Z_TILT_ADJUST print as
 they move Z; what SCREWS_TILT_CALCULATE and BED_SCREWS_ADJUST print before somebody turns screws."""
 _RULER = re.compile(r"^={5,}(?:( Config file )=*)?$")
-_PROBE_SECTIONS = {"probe", "bltouch", "smart_effector"}
+_PROBE_SECTIONS = {"probe", "bltouch", "smart_effector", "probe_eddy_current", "load_cell_probe"}
+_PROBE_SECTIONS |= {"dockable_probe", "beacon", "cartographer", "scanner"}  # of forks and plugins
 _HALF_DIGIT_MM_S = 0.0501  # of the speed that PROBE_ACCURACY prints
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
 
