@@ -15,6 +15,7 @@ from statistics import median
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
 from skiplatch.importing.encodings import encoding_of, refuse_no_text
+from skiplatch.importing.log_order import is_newest_first
 
 MAX_BYTES = 500 * 2**20
 MAX_LINE_CHARACTERS = 10_000
@@ -99,6 +100,12 @@ def read_lines(path: Path) -> list[Line]:
         InputError: It cannot be read or is no text.
     """
     lines = list(_lines(read_text(path)))
+    if len({line.time_s for line in lines}) < 2 and is_newest_first(line.text for line in lines):
+        message = (
+            "read from below: what begins touches stands behind them, and what ends them above"
+        )
+        warnings.warn(CampaignWarning(path, None, None, message), stacklevel=2)
+        return lines[::-1]
     return _oldest_first(lines)
 
 
