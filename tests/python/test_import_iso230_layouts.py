@@ -213,3 +213,49 @@ def test_units_of_another_kind_of_axis_are_refused(
 
     words = ("--axis", axis, "--unit", unit, "-o", tmp_path / "made")
     assert message in refused("import", "iso230", tmp_path / "x.csv", *words)
+
+
+@pytest.mark.parametrize(
+    "heads",
+    [
+        *("1F,1R,2F,2R", "F1,R1,F2,R2", "P1,N1,P2,N2", "1U,1D,2U,2D", "1F [mm],1R [mm],2F,2R"),
+        *("1 fwd,1 bwd,2 fwd,2 bwd", "fwd1,rev1,fwd2,rev2", "R1+,R1-,R2+,R2-"),
+    ],
+)
+def test_runs_in_pairs_have_two_senses(tmp_path: Path, heads: str) -> None:
+    rows = "0,0.1,1.2,0.2,1.1\n100,0.3,1.5,0.4,1.4\n"
+    (tmp_path / "x.csv").write_text(f"Target,{heads}\n{rows}")
+
+    touches = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X").campaign.touches
+
+    assert touches.sign.tolist() == [1, 1, -1, -1, 1, 1, -1, -1]
+
+
+def test_negative_runs_may_stand_first(tmp_path: Path) -> None:
+    rows = "0,0.1,1.2\n100,0.3,1.5\n"
+    (tmp_path / "x.csv").write_text(f"Target,1 bwd,1 fwd\n{rows}")
+
+    touches = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X").campaign.touches
+
+    assert touches.sign.tolist() == [-1, -1, 1, 1]
+
+
+@pytest.mark.parametrize("heads", ["A1,B1", "1 left,1 right", "Run 1,Temp 1", "1L,1R"])
+def test_pairs_that_nothing_tells_apart_are_refused(
+    tmp_path: Path, refused: Program, heads: str
+) -> None:
+    (tmp_path / "x.csv").write_text(f"Target,{heads}\n0,0.1,1.2\n100,0.3,1.5\n")
+
+    said = refused("import", "iso230", tmp_path / "x.csv", "--axis", "X", "-o", tmp_path / "x")
+
+    one, other = heads.split(",")
+    assert f'x.csv:1: expected senses such as + and - or fwd and rev, got pairs as "{one}"' in said
+    assert f'and "{other}"' in said
+
+
+def test_runs_by_number_alone_are_in_one_sense(tmp_path: Path) -> None:
+    (tmp_path / "x.csv").write_text("Target,R1,R2,B\n0,0.1,1.2,1\n100,0.3,1.5,1\n")
+
+    touches = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X").campaign.touches
+
+    assert touches.sign.tolist() == [1, 1, 1, 1]

@@ -2,9 +2,10 @@
 
 The first column holds the positions in mm. Each further column is a run; its head says the sense:
 an arrow, ``+`` or ``-``, ``up``/``down``, ``forward``/``reverse``, ``positive``/``negative``, or
-``vorwärts``/``rückwärts``. A head that says none is a run in the positive sense. Means, spreads and
-other results that stand beside or below the runs are left out. Runs may also be rows, and touches
-lines of a list with columns of position, sense and deviation.
+``vorwärts``/``rückwärts``. Letters do too where runs stand in pairs: ``1F``/``1R``, ``P1``/``N1``;
+other pairs are refused. Else a head that says none is a run in the positive sense. Means, spreads
+and other results that stand beside or below the runs are left out. Runs may also be rows, and
+touches lines of a list with columns of position, sense and deviation.
 """
 
 from pathlib import Path
@@ -23,6 +24,7 @@ from skiplatch.importing.iso230_heads import (
     unit_said,
 )
 from skiplatch.importing.iso230_layout import is_head, laid_out
+from skiplatch.importing.iso230_pairs import with_senses
 from skiplatch.importing.iso230_run_table import RunTable
 from skiplatch.importing.model import Figure, Imported
 from skiplatch.importing.spreadsheets import ANY_NUMBER, read_spreadsheet, say_digit
@@ -49,7 +51,9 @@ def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) 
     found = Imported(preset="plc-4ms")
     sheet.say(found)
     sheet.marks.refuse_doubtful(path, range(len(sheet.rows[0][1]) if sheet.rows else 0))
-    table = _without_what_is_worked_out(laid_out(path, sheet.rows, found), found)
+    laid = laid_out(path, sheet.rows, found)
+    table = with_senses(path, sheet.rows[0][0], laid) if laid.heads else laid
+    table = _without_what_is_worked_out(table, found)
     if not table.rows or len(table.heads) < 2:
         expected = "expected positions in the first column and a run in each further one"
         raise InputError(path, None, None, expected)

@@ -10,7 +10,7 @@ from skiplatch.importing.units_in_heads import UNITS, bracketed, split_unit
 from skiplatch.units import UM_PER_MM
 
 _NEGATIVE = re.compile(
-    r"↓|←|(?<![^\W\d_])(?:down|rev|neg|back|minus|r(?:ü|ue)ck|zur(?:ü|ue)ck|ccw|anti|counter)",
+    r"↓|←|(?<![^\W\d_])(?:down|rev|neg|back|bwd|minus|r(?:ü|ue)ck|zur(?:ü|ue)ck|ccw|anti|counter)",
     re.IGNORECASE,
 )
 _POSITIVE = re.compile(
@@ -18,7 +18,7 @@ _POSITIVE = re.compile(
 )
 _MINUS = re.compile(r"(?<!\w)[-\u2212]|[-\u2212](?!\w)")
 """No hyphen, as that of run-1 is."""
-_SENSE = r"[ _]?(?:[↑↓+\-\u2212]|up|down|fwd|rev)?"
+_SENSE = r"[ _]?(?:[↑↓+\-\u2212]|up|down|fwd|bwd|rev)?"
 _SYMBOL = re.compile(rf"[24]?[ABEMRSUs]\u0304?_?[i\u1d62]?{_SENSE}")
 """Of results, as ISO 230-2 names them: of reversal, scatter, repeatability, accuracy."""
 _LETTERED = re.compile(rf"[A-Za-z]{_SENSE}")
