@@ -76,3 +76,37 @@ def test_log_that_was_cut_is_read_up_to_there(tmp_path: Path) -> None:
 
     assert found.columns is not None
     assert len(found.columns) == 3
+
+
+def without_record(path: Path, number: int) -> str:
+    """The log without both frames of a latch record."""
+    lines = path.read_text().splitlines()
+    records = [i for i, line in enumerate(lines) if f" {LATCH_ID:03X}#" in line]
+    gone = records[2 * number : 2 * number + 2]
+    path.write_text("".join(f"{line}\n" for i, line in enumerate(lines) if i not in gone))
+    return str(path)
+
+
+@pytest.mark.parametrize("number", [0, 2])
+def test_edge_whose_record_was_lost_has_no_outcome(tmp_path: Path, number: int) -> None:
+    edges_ns = [5_000_000_000 + i * 500_000_000 for i in range(5)]
+    latches_ns = [time + 40_000 for time in edges_ns]
+    path = Path(bus_log(tmp_path, edges_ns, latches_ns))
+
+    run = Run(tmp_path, "can", without_record(path, number))
+
+    touches = run.campaign.touches
+    assert not touches.missed.any()
+    assert touches.ok.tolist() == [i != number for i in range(5)]
+    assert any(
+        line.startswith("edges whose latch record") for line in run.said["could_not_be_read"]
+    )
+
+
+def test_edge_without_a_record_is_missed_where_none_was_lost(tmp_path: Path) -> None:
+    edges_ns = [5_000_000_000 + i * 500_000_000 for i in range(5)]
+    latches_ns = [time + 40_000 for i, time in enumerate(edges_ns) if i != 2]
+
+    run = Run(tmp_path, "can", bus_log(tmp_path, edges_ns, latches_ns))
+
+    assert run.campaign.touches.missed.tolist() == [i == 2 for i in range(5)]

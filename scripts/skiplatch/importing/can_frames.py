@@ -12,9 +12,9 @@ import can
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
+from skiplatch.bench.latches import SEQUENCES, TICK_NS, TICKS, Latch, LatchReports
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
-from skiplatch.campaign import InputPath, Kind, Touches
+from skiplatch.campaign import NOT_RECORDED, InputPath, Kind, Status, Touches
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import foreign_reader
 from skiplatch.importing.candump import is_logged, is_shown, shown_frames
@@ -144,15 +144,30 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
     missed = (latched >= np.append(begins[1:], np.inf)) | (latched - edge_ns > LATEST_NS)
     row = order[np.minimum(index, len(order) - 1)]
     zero = float(edge_ns[0])
-    _say_clocks(found, missed, len(latch_ns))
+    lost = missed & np.append(_lost_before([traffic.latches[i] for i in order]), False)[index]
+    _say_clocks(found, missed & ~lost, len(latch_ns))
+    if lost.any():
+        found.unread.append(
+            f"edges whose latch record the log lost, as the numbers of the records tell: "
+            f"{int(lost.sum())}; what came of them is not known"
+        )
     _say_windows(found, windows_ns / NS_PER_US)
     return Touches.from_columns(
         touch=np.arange(len(edge_ns)),
         path=np.array([_path(traffic.latches[i]) for i in row]),
         edge_us=(edge_ns - zero) / NS_PER_US,
         latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
-        status=np.where(missed, 1, 0),
+        status=np.where(lost, NOT_RECORDED, np.where(missed, Status.MISSED, Status.OK)),
     )
+
+
+def _lost_before(latches: list[Latch]) -> BoolArray:
+    """Tell before which records others are missing; a log that begins with a later one had some."""
+    numbers = np.array([latch.sequence for latch in latches])
+    steps = np.diff(numbers) % SEQUENCES
+    is_restart = steps >= SEQUENCES // 2
+    lost = np.where(is_restart, numbers[1:] > 0, steps > 1)
+    return np.append(numbers[:1] > 0, lost)
 
 
 def _say_clocks(found: Imported, missed: BoolArray, latches: int) -> None:
