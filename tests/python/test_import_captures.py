@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from refusals import Program
+from skiplatch.importing.capture_csv import read_csv
 from skiplatch.importing.detect import read_any
 from test_import_logs import Run
 
@@ -252,3 +253,22 @@ def test_probe_that_idles_high_is_pointed_out(tmp_path: Path) -> None:
         False,
     ]
     assert waits_us(falling) == pytest.approx([40.0] * 20)
+
+
+@pytest.mark.parametrize(
+    ("head", "latched_us"),
+    [
+        *(("time_us", 42.0), ("Time us", 42.0), ("Time [us]", 42.0), ("Time \u03bcs", 42.0)),
+        *(("time_ns", 0.042), ("Time milliseconds", 42e3), ("time_s", 42e6)),
+    ],
+)
+def test_unit_of_times_stands_at_the_end_of_their_head(
+    tmp_path: Path, head: str, latched_us: float
+) -> None:
+    (tmp_path / "c.csv").write_text(f"{head},D0,D1\n0,0,0\n1000,1,0\n1042,1,1\n3000,0,0\n")
+
+    found = read_csv(tmp_path / "c.csv")
+
+    (rise,), (latched,) = (found.edges(name, falling=False) for name in ("D0", "D1"))
+    assert (latched - rise) * 1e6 == pytest.approx(latched_us)
+    assert not found.assumed

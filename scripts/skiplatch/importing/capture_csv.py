@@ -30,6 +30,7 @@ _S_OF_WORD = {
 _WORDS = tuple(_S_OF_WORD)
 """Each a thousandth of the one before."""
 _S_OF_UNIT = {**UNITS["s"], **_S_OF_WORD, "sec": 1.0, "ps": 1e-12}
+_ENDING = re.compile(rf"\w[ _]+(?P<unit>{'|'.join(_S_OF_UNIT)}|\u03bcs)$")
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,11 +111,14 @@ def _sheet(path: Path) -> _Sheet:
 
 
 def _is_time(head: str) -> bool:
-    return head.lower().startswith("time") or _unit_in(head) in _S_OF_UNIT or _is_word(head)
+    is_named = head.lower().startswith("time") or _is_word(head)
+    return is_named or bracketed(head)[1].lower() in _S_OF_UNIT
 
 
 def _unit_in(head: str) -> str:
-    return bracketed(head)[1].lower()
+    """Give the unit in brackets, known or not, or a known one behind a blank or an underscore."""
+    ending = _ENDING.search(head.lower())
+    return bracketed(head)[1].lower() or (ending["unit"].replace("\u03bc", "µ") if ending else "")
 
 
 def _is_word(head: str) -> bool:

@@ -5,9 +5,17 @@ from collections.abc import Mapping
 
 import numpy as np
 
+
+def _of_inches(inch: float) -> dict[str, float]:
+    """Give an inch, its thousandth and its millionth by their names."""
+    thousandth, millionth = inch / 1e3, inch / 1e6
+    whole = {"in": inch, "inch": inch, "mil": thousandth, "thou": thousandth}
+    return {**whole, "µin": millionth, "uin": millionth}
+
+
 UNITS: Mapping[str, Mapping[str, float]] = {
-    "mm": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3, "in": 25.4, "inch": 25.4, "mil": 0.0254},
-    "µm": {"µm": 1.0, "um": 1.0, "mm": 1e3, "m": 1e6, "nm": 1e-3, "in": 25400.0, "mil": 25.4},
+    "mm": {"mm": 1.0, "um": 1e-3, "µm": 1e-3, "m": 1e3, **_of_inches(25.4)},
+    "µm": {"µm": 1.0, "um": 1.0, "mm": 1e3, "m": 1e6, "nm": 1e-3, **_of_inches(25_400.0)},
     "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0},
     "µs": {"µs": 1.0, "us": 1.0, "ms": 1e3, "s": 1e6, "ns": 1e-3},
     "mm/min": {"mm/min": 1.0, "mm/s": 60.0, "m/min": 1e3, "m/s": 6e4, "in/min": 25.4, "ipm": 25.4},
