@@ -37,6 +37,8 @@ MOST_APART = 0.25
 """Of the touches; where more lie apart, there are two conditions, and first touches of neither."""
 FEWEST_FREE = 3
 """Degrees of freedom from which on first touches are told from others."""
+MOST_LEFT = 0.4
+"""Of a scatter, beside a line that is one: of a step half is left."""
 TURNS = 5  # of leaving outliers out until they stay the same
 REWEIGHTINGS = 30  # of a fit of least absolute values
 NEGLIGIBLE = 1e-6  # of the range; a smaller residual counts as this
@@ -162,7 +164,8 @@ def first_off(
 ) -> Interval | None:
     """Give how far first touches are off what the others let expect, each a new draw.
 
-    Worked out with the line in the order, which is then extrapolated to them, and without it. Where
+    Worked out with the line in the order, which is then extrapolated to them, and without it; where
+    that line is most of the scatter, with it and with one that is bent, as a drift may be. Where
     both do not say the same, that is given which says less.
     """
     others = settle(y, dummies, lines, ~is_first, ~is_first, grid)
@@ -170,7 +173,10 @@ def first_off(
         return None
     kept = {name: x for name, x in lines.items() if name in others.fit.lines}
     found = []
-    for some in (kept | {"order": lines["order"]}, _without(kept, "order")):
+    straight = kept | {"order": lines["order"]}
+    flat = fit_surfaces(y, dummies, _without(kept, "order"), others.regular)
+    is_line = "order" in kept and others.fit.sigma.value < MOST_LEFT * flat.sigma.value
+    for some in (straight, _bent(straight) if is_line else _without(kept, "order")):
         fit = fit_surfaces(y, dummies, some, others.regular)
         if not is_first.any() or fit.freedom < FEWEST_FREE:
             return None
@@ -192,6 +198,11 @@ def _first(fit: SurfaceFit, is_first: BoolArray) -> Interval:
 
 def _without(lines: dict[str, FloatArray], name: str) -> dict[str, FloatArray]:
     return {each: x for each, x in lines.items() if each != name}
+
+
+def _bent(lines: dict[str, FloatArray]) -> dict[str, FloatArray]:
+    order = lines["order"]
+    return lines | {"bend": (order - order.mean()) ** 2}
 
 
 def _regular(

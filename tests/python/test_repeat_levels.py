@@ -130,3 +130,26 @@ def test_an_accident_in_a_short_series_is_an_outlier(machine_sample: Path) -> No
     off = [0.0, 12.5, 12.5, 1512.5, 12.5, 0.0, 0.0, 0.0, 0.0, 0.0]
 
     assert of(machine_sample, off).outliers == (3,)
+
+
+def drifting(seed: int) -> np.ndarray:
+    return 0.2 * np.arange(40.0) + np.random.default_rng(seed).normal(0.0, 0.85, 40)
+
+
+def test_first_touch_is_told_beside_a_drift_and_an_outlier(machine_sample: Path) -> None:
+    um = drifting(3)
+    um[0] += 8.0
+    um[17] += 40.0
+
+    found = of(machine_sample, um)
+
+    assert "first" in found.told
+    assert found.first is not None
+    assert found.first.low <= 8.0 <= found.first.high
+    assert found.outliers == (17,)
+
+
+def test_drift_alone_makes_no_first_touch(machine_sample: Path) -> None:
+    told = sum("first" in of(machine_sample, drifting(seed)).told for seed in range(200))
+
+    assert told <= 8  # 1 % each
