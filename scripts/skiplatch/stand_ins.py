@@ -24,6 +24,7 @@ from skiplatch.campaign import (
     Touches,
     fingerprint,
     read_campaign,
+    read_conditions,
 )
 from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import expected_contact
@@ -150,22 +151,41 @@ def playable(campaign: Campaign) -> Campaign:
         raise InputError(campaign.path / TOUCHES_FILE, None, "feed_mm_min", f"{how_often}; {why}")
     missing = {"feed_mm_min": no_feed, "approach_mm": no_way, "time_s": no_time}
     for name, rows in missing.items():
-        _warn(campaign.path, name, rows)
+        lost = f"what cannot be told without it: {COLUMNS[name].lost}"
+        _warn(campaign.path / TOUCHES_FILE, name, rows, lost)
     stood_in = frozenset(name for name, rows in missing.items() if rows.any())
     if stood_in:
-        touches = _stood_in(campaign, touches)
+        touches = _stood_in(campaign.nominal, touches)
     refuse_endless_move(campaign.path / NOMINAL_FILE, campaign.nominal, touches)
     known_as = fingerprint(campaign.touches)
     return replace(campaign, touches=touches, stood_in=stood_in, fingerprint=known_as)
 
 
-def _stood_in(campaign: Campaign, touches: Touches) -> Touches:
+def read_played(path: Path, nominal: Nominal) -> Touches:
+    """Read conditions that are to be played; those of an imported log may lack times and ways.
+
+    What is missing has a stand-in, of which it warns.
+
+    Raises:
+        InputError: They cannot be read, lack a feed on a machine, or cannot be simulated.
+    """
+    is_machine = nominal.kind is Kind.MACHINE
+    conditions = read_conditions(path, ("touch", "feed_mm_min") if is_machine else ("touch",))
+    refuse_unplayable_touches(path, conditions)
+    for name in PLAYED_TOUCHES:
+        _warn(path, name, np.isnan(getattr(conditions, name)), "a stand-in is played")
+    if any(np.isnan(getattr(conditions, name)).any() for name in PLAYED_TOUCHES):
+        conditions = _stood_in(nominal, conditions)
+    return conditions
+
+
+def _stood_in(nominal: Nominal, touches: Touches) -> Touches:
     no_feed, no_time = np.isnan(touches.feed_mm_min), np.isnan(touches.time_s)
     contact_unknown = no_feed | no_time | np.isnan(touches.approach_mm)
     stamps_hang = contact_unknown & np.isnan(touches.edge_us)
     feed_mm_min = np.where(no_feed, FEED_MM_MIN, touches.feed_mm_min)
-    ramp_mm = (feed_mm_min / S_PER_MIN) ** 2 / (2.0 * campaign.nominal.axis.accel_mm_s2)
-    beyond_mm = BEYOND_THE_RAMP_MM[campaign.nominal.kind]
+    ramp_mm = (feed_mm_min / S_PER_MIN) ** 2 / (2.0 * nominal.axis.accel_mm_s2)
+    beyond_mm = BEYOND_THE_RAMP_MM[nominal.kind]
     touches = replace(
         touches,
         feed_mm_min=feed_mm_min,
@@ -175,7 +195,7 @@ def _stood_in(campaign: Campaign, touches: Touches) -> Touches:
         report_us=_empty(touches.report_us, stamps_hang),
     )
     at_once = replace(touches, time_s=np.zeros(len(touches)))
-    travel_s = expected_contact(campaign.nominal, at_once).time_us / US_PER_S
+    travel_s = expected_contact(nominal, at_once).time_us / US_PER_S
     if no_time.all():
         touches = _with_time_to_move(touches, travel_s)
     return replace(touches, time_s=_or_else(touches.time_s, _times(touches, travel_s)))
@@ -221,9 +241,7 @@ def _empty(values: FloatArray, rows: BoolArray) -> FloatArray:
     return np.where(rows, np.nan, values)
 
 
-def _warn(path: Path, name: str, missing: BoolArray) -> None:
+def _warn(path: Path, name: str, missing: BoolArray, what: str) -> None:
     if missing.any():
         how_often = "not recorded" if missing.all() else f"not recorded in {missing.sum()} touches"
-        message = f"{how_often}; what cannot be told without it: {COLUMNS[name].lost}"
-        warning = CampaignWarning(path / TOUCHES_FILE, None, name, message)
-        warnings.warn(warning, stacklevel=4)
+        warnings.warn(CampaignWarning(path, None, name, f"{how_often}; {what}"), stacklevel=4)

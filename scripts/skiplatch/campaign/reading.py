@@ -52,13 +52,19 @@ def read_touches(
     return _read(Path(path), tuple(COLUMNS), required)
 
 
-def read_conditions(path: str | os.PathLike[str]) -> Touches:
+def read_conditions(
+    path: str | os.PathLike[str], required: Collection[str] = REQUIRED_IN_VERSION_1
+) -> Touches:
     """Read touches that are to be played: as `read_touches`, but without outcomes.
 
     A recorded touches.csv will do: its outcomes are not even looked at, and are empty in what is
     returned.
+
+    Args:
+        path: The file.
+        required: As of `read_touches`.
     """
-    return _read(Path(path), CONDITIONS, REQUIRED_IN_VERSION_1)
+    return _read(Path(path), CONDITIONS, required)
 
 
 def _read(path: Path, wanted: Collection[str], required: Collection[str]) -> Touches:

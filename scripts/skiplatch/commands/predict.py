@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from skiplatch.api.predicted import predicted
-from skiplatch.campaign import NOMINAL_FILE, Nominal, read_campaign, read_conditions, read_nominal
+from skiplatch.campaign import NOMINAL_FILE, Nominal, read_campaign, read_nominal
 from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.numbers import CountType
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
@@ -14,7 +14,7 @@ from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
-from skiplatch.stand_ins import refuse_endless_move, refuse_unplayable, refuse_unplayable_touches
+from skiplatch.stand_ins import read_played, refuse_endless_move, refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -64,8 +64,7 @@ def command(
     """
     nominal = read_nominal(campaign / NOMINAL_FILE)
     refuse_unplayable(campaign / NOMINAL_FILE, nominal)
-    conditions = read_conditions(conditions_path)
-    refuse_unplayable_touches(conditions_path, conditions)
+    conditions = read_played(conditions_path, nominal)
     refuse_endless_move(campaign / NOMINAL_FILE, nominal, conditions)
     rig = _rig(diagnosis, nominal)
     recorded = read_campaign(campaign).touches if diagnosis else None

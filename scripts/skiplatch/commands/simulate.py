@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from skiplatch.api.work import simulate
-from skiplatch.campaign import read_conditions, read_nominal, write_campaign
+from skiplatch.campaign import read_nominal, write_campaign
 from skiplatch.commands.inputs import FILE
 from skiplatch.commands.options import (
     EffectType,
@@ -17,7 +17,7 @@ from skiplatch.commands.options import (
 )
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.simulator.effects import Effect
-from skiplatch.stand_ins import refuse_endless_move, refuse_unplayable, refuse_unplayable_touches
+from skiplatch.stand_ins import read_played, refuse_endless_move, refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -69,8 +69,7 @@ def command(
     nominal = read_nominal(nominal_path)
     refuse_idle(switched_on, nominal.kind)
     refuse_unplayable(nominal_path, nominal)
-    conditions = read_conditions(conditions_path)
-    refuse_unplayable_touches(conditions_path, conditions)
+    conditions = read_played(conditions_path, nominal)
     refuse_endless_move(nominal_path, nominal, conditions)
     touches = simulate(nominal, conditions, effects=switched_on, seed=seed, jobs=jobs).touches
     write_campaign(out, nominal, touches)
