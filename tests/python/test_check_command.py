@@ -91,6 +91,27 @@ def test_clock_that_runs_backwards_is_told_with_its_touches(bench_sample: Path) 
     assert any(line.startswith("latch_us lies before edge_us: touch") for line in found)
 
 
+def test_paths_that_latch_the_same_edges_have_an_order_each(bench_sample: Path) -> None:
+    touches = read_campaign(bench_sample).touches.in_order_of_time()
+    n = len(touches) // 2 * 2
+    edge_us = np.repeat(touches.time_s[: n // 2] * 1e6 + 1e5, 2)
+    path = np.tile([InputPath.PLC, InputPath.SKIP], n // 2)
+    late_us = np.where(path == InputPath.PLC, 3000.0, 40.0)
+    both = replace(
+        touches.select(np.arange(n)),
+        time_s=np.full(n, np.nan),
+        path=path,
+        edge_us=edge_us,
+        latch_us=edge_us + late_us,
+        report_us=edge_us + late_us + 500.0,
+    )
+    campaign = replace(read_campaign(bench_sample), touches=both)
+
+    assert not any("backwards" in o.what for o in oddities(campaign))
+    one = replace(both, path=np.full(n, InputPath.SKIP))
+    assert any("backwards" in o.what for o in oddities(replace(campaign, touches=one)))
+
+
 def test_new_session_may_set_its_clock_anew(bench_sample: Path) -> None:
     touches = read_campaign(bench_sample).touches.in_order_of_time()
     late = np.arange(len(touches)) >= 200

@@ -272,3 +272,14 @@ def test_unit_of_times_stands_at_the_end_of_their_head(
     (rise,), (latched,) = (found.edges(name, falling=False) for name in ("D0", "D1"))
     assert (latched - rise) * 1e6 == pytest.approx(latched_us)
     assert not found.assumed
+
+
+def test_edges_that_nothing_follows_are_said_without_a_number(tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_text(
+        "Time [s],D0,D1\n0,0,0\n1000,1,0\n1042,1,1\n3000,0,0\n6000,1,0\n6043,1,1\n8000,0,0\n"
+    )
+
+    run = Run(tmp_path, "edges", str(tmp_path / "c.csv"))
+
+    (said,) = (line for line in run.said["assumed"] if "come never after them" in line)
+    assert "inf" not in said

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from refusals import Program
+from skiplatch.campaign import Kind
 from test_import_logs import Run
 
 MAPPED = ("--map", "deviation_um=Error [mm]", "--map", "feed_mm_min=F")
@@ -23,3 +24,22 @@ def test_empty_cells_behind_a_row_and_lacking_ones_are_no_matter(tmp_path: Path)
 
     assert run.campaign.touches.deviation_um.tolist() == [1.0, 3.0, 2.0]
     assert run.campaign.touches.feed_mm_min.tolist() == [100.0, 100.0, 200.0]
+
+
+def test_kind_may_be_written_in_any_case(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("E,L\n0,42\n1000,1042\n")
+    maps = ("--map", "edge_us=E", "--map", "latch_us=L")
+
+    for kind in ("bench", "BENCH"):
+        (tmp_path / kind).mkdir()
+        run = Run(tmp_path / kind, "csv", str(tmp_path / "t.csv"), "--kind", kind, *maps)
+        assert run.campaign.nominal.kind is Kind.BENCH
+
+
+def test_words_that_count_as_empty_are_said(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("Error,F,Note\n0.001,100,n/a\nNaN,100,\n0.002,n/a,\n")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *MAPPED)
+
+    said = 'cells that count as empty: 2, the first "NaN" in line 3'
+    assert said in run.said["assumed"]

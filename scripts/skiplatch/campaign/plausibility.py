@@ -129,13 +129,17 @@ def _order_of_stamps(campaign: Campaign) -> Iterator[Oddity]:
 
 
 def _backwards(campaign: Campaign) -> Iterator[Oddity]:
+    """Tell stamps that go back; of one edge that both paths latch, either may come first."""
     ordered = campaign.touches.in_order_of_time()
     for name in ("edge_us", "latch_us", "report_us"):
         known = ordered.select(np.isfinite(getattr(ordered, name)))
         is_same_session = np.diff(known.session, prepend=known.session[:1]) == 0
+        is_same_edge = np.diff(known.edge_us, prepend=np.nan) == 0.0
+        is_other_path = np.diff(known.path, prepend=known.path[:1]) != 0
         back = np.diff(getattr(known, name), prepend=-np.inf) < 0
-        if (back & is_same_session).any():
-            yield Oddity(f"{name} runs backwards", serials(known, back & is_same_session))
+        back &= is_same_session & ~(is_same_edge & is_other_path)
+        if back.any():
+            yield Oddity(f"{name} runs backwards", serials(known, back))
 
 
 def _equal_stamps(campaign: Campaign) -> Iterator[Oddity]:

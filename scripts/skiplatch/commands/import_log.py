@@ -135,7 +135,12 @@ def marlin(log: Path, feed: float | None, **written: Any) -> None:  # noqa: ANN4
     help="A column of a campaign (skiplatch columns), or coordinate_mm, and the head of the "
     "table's column that stands for it, with its unit where that differs.",
 )
-@click.option("--kind", type=click.Choice(list(Kind)), default=Kind.MACHINE, show_default=True)
+@click.option(
+    "--kind",
+    type=click.Choice([kind.value for kind in Kind], case_sensitive=False),
+    default=Kind.MACHINE.value,
+    show_default=True,
+)
 @axis_option
 @click.option("--sign", type=click.Choice(["1", "-1"]), help="Sense of the motion.")
 @feed_option

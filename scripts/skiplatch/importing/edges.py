@@ -103,10 +103,10 @@ def _rested(edges: FloatArray, holdoff_s: float) -> FloatArray:
 def _idles(probe: str, own_us: float, soon_us: float, *, falling: bool) -> str:
     """Say that latches come sooner after the edges of the probe that do not count."""
     sense, idle, option = ("falling", "low", "without") if falling else ("rising", "high", "with")
+    own = f"{own_us:.4g} µs" if np.isfinite(own_us) else "never"
     return (
-        f"the {sense} edges of {probe} are contacts, though latches come {own_us:.4g} µs after "
-        f"them and {soon_us:.4g} µs after the others: if it idles {idle}, import edges {option} "
-        "--falling"
+        f"the {sense} edges of {probe} are contacts, though latches come {own} after them and "
+        f"{soon_us:.4g} µs after the others: if it idles {idle}, import edges {option} --falling"
     )
 
 

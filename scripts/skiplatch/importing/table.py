@@ -21,7 +21,7 @@ from skiplatch.importing.spreadsheets import (
     say_digit,
     without_lines_below,
 )
-from skiplatch.importing.table_rows import refuse_surplus, touched
+from skiplatch.importing.table_rows import refuse_surplus, say_empty, touched
 from skiplatch.importing.units_in_heads import UNITS
 
 _LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
@@ -70,6 +70,7 @@ def read_table(
     sheet.say(found)
     body = touched(without_lines_below(body, found), heads, mapped, found)
     refuse_surplus(path, heads, body)
+    say_empty(heads, body, mapped, found)
     columns = {m.column: _cells(path, heads, body, m) for m in mapped}
     found.lines = [line for line, _ in body]
     if not body:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from skiplatch.campaign import COLUMNS
 from skiplatch.campaign.csv_text import Row
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
 from skiplatch.importing.mapped import COORDINATE, Mapped
 from skiplatch.importing.model import Imported
 from skiplatch.importing.spreadsheets import tells
@@ -52,3 +52,20 @@ def refuse_surplus(path: Path, heads: Sequence[str], body: Sequence[Row]) -> Non
         if filled > len(heads):
             message = f"expected {len(heads)} cells, got {filled}: are there decimal commas?"
             raise InputError(path, line, None, message)
+
+
+def say_empty(
+    heads: Sequence[str], body: Sequence[Row], mapped: Sequence[Mapped], found: Imported
+) -> None:
+    """Say which cells hold a word that stands for nothing, as NaN or n/a."""
+    places = {heads.index(m.head) for m in mapped}
+    words = [
+        (line, cell.strip())
+        for line, row in body
+        for i, cell in enumerate(row)
+        if i in places and cell.strip() and not tells(cell)
+    ]
+    if words:
+        line, word = words[0]
+        first = f"the first {quoted(word)} in line {line}"
+        found.assumed.append(f"cells that count as empty: {len(words)}, {first}")
