@@ -458,3 +458,43 @@ def test_within_its_limits_a_method_has_nothing_to_warn_of(tmp_path: Path) -> No
     direct = run(tmp_path, "--method", "direct")
     assert direct["limits"]["quantum_arcsec"] == pytest.approx(31.1, abs=0.01)
     assert any("a line of the denser train is 31.10″" in each for each in direct["warnings"])
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "turns"),
+    [("--lines1", LINES1 * 1.024, 6.0 / 1.024), ("--ratio", RATIO * 1.5, 4.0)],
+)
+def test_trains_that_did_not_turn_alike_are_told(
+    tmp_path: Path, option: str, value: float, turns: float
+) -> None:
+    write_binary(tmp_path / "pulses.bin", [planted(6.0)])
+    given = str(round(value)) if option == "--lines1" else "1221/20"
+
+    right, wrong = run(tmp_path), run(tmp_path, option, given)
+
+    assert not any("check --lines1" in said for said in right["warnings"])
+    (told,) = (said for said in wrong["warnings"] if "check --lines1" in said)
+    by_input = float(told.split("turned ")[1].split(" times")[0])
+    assert by_input == pytest.approx(turns, rel=2e-3)
+
+
+def test_train_that_begins_later_is_none_of_another_ratio(tmp_path: Path) -> None:
+    whole = planted(6.0)
+    is_late = (whole.channel == 2) & (whole.t_ns < np.median(whole.t_ns))
+    write_binary(tmp_path / "pulses.bin", [Pulses(whole.channel[~is_late], whole.t_ns[~is_late])])
+
+    found = run(tmp_path)
+
+    assert not any("check --lines1" in said for said in found["warnings"])
+
+
+def test_tick_of_the_clock_is_that_of_both_trains(tmp_path: Path) -> None:
+    """Of an input at a steady speed, whose pulses come in whole milliseconds, it is no tick."""
+    turn = np.arange(4000) / 1000
+    error = 30.0 * np.sin(2.0 * np.pi * turn) / ARCSEC_PER_TURN
+    write_binary(tmp_path / "pulses.bin", [merged(turn, turn - error + 1e-4, 1)])
+    options = ("--lines1", "1000", "--lines2", "1000", "--ratio", "1")
+
+    found = run(tmp_path, *options)
+
+    assert not any("a tick of the clock" in said for said in found["warnings"])

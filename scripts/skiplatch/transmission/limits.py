@@ -29,11 +29,8 @@ class Pace:
     points: int = 0
     first_ns: int = 0
     last_ns: int = 0
-    tick_ns: int = 0
-    """Greatest common divisor of all intervals: the clock's tick, or a part of it."""
     greatest_step_arcsec: float = 0.0
     """Between neighbouring points."""
-    _tail_ns: list[int] = field(default_factory=list)
     _tail_arcsec: list[float] = field(default_factory=list)
 
     def add(self, points: Points) -> None:
@@ -44,14 +41,10 @@ class Pace:
             self.first_ns = int(points.t_ns[0])
         self.points += len(points.t_ns)
         self.last_ns = int(points.t_ns[-1])
-        t_ns = np.append(np.array(self._tail_ns, dtype=np.int64), points.t_ns)
         delta = np.append(self._tail_arcsec[-1:], points.delta_arcsec)
-        steps_ns = np.diff(t_ns)
-        self.tick_ns = int(np.gcd.reduce(steps_ns, initial=self.tick_ns))
         if len(delta) > 1:
             step = float(np.max(np.abs(np.diff(delta))))
             self.greatest_step_arcsec = max(self.greatest_step_arcsec, step)
-        self._tail_ns = t_ns[-1:].tolist()
         self._tail_arcsec = delta[-1:].tolist()
 
 
@@ -114,6 +107,7 @@ class Run:
         ratio: Turns of the input in a turn of the output.
         meter_s: Time constant of the analog meter.
         pace: How the points follow one another.
+        tick_ns: Of the clock.
         uneven: How much longer or shorter a period of the divided trains is than the one before:
             range, as a share.
         values: What the method says.
@@ -124,6 +118,7 @@ class Run:
     ratio: float
     meter_s: float
     pace: Pace
+    tick_ns: int
     uneven: float
     values: Values
 
@@ -181,7 +176,7 @@ def _direct(run: Run, per_turn: float) -> _Found:
 
 
 def _clock_arcsec(run: Run) -> float:
-    return ARCSEC_PER_TURN * run.pace.tick_ns / NS_PER_S / run.turn_s
+    return ARCSEC_PER_TURN * run.tick_ns / NS_PER_S / run.turn_s
 
 
 def _coarse(run: Run, quantum: float, what: str) -> list[str]:

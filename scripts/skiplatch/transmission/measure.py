@@ -10,6 +10,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.tables import compact
+from skiplatch.transmission.counted import Counted
 from skiplatch.transmission.firmware import (
     BACKWARD,
     INPUT,
@@ -115,14 +116,14 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     lines = float(chain.lines2 if firmware.gate_is_output else chain.lines1 * chain.ratio)
     evaluation = Evaluation(lines, chain.pitch_turns(train))
     spans = _Spans(path)
-    pace = Pace()
+    pace, counted = Pace(), Counted()
     periods = Periods(INPUT if firmware.gate_is_output else OUTPUT, chain.period_lines)
     gate = _Gate(OUTPUT if firmware.gate_is_output else INPUT)
     flanks = survey(read_pulses(path)) if tells_edges(path) else None
     blocks = read_pulses(path) if flanks is None else map(flanks.kept, read_pulses(path))
     evaluation.take(
         gate.placed(pulses, _fed(path, firmware, pulses, pace))
-        for pulses in _each(spans.watched(blocks), periods.add)
+        for pulses in _each(spans.watched(blocks), periods.add, counted.add)
     )
     spans.refuse_apart()
     values = evaluation.values()
@@ -136,6 +137,7 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
             float(chain.ratio),
             chain.meter_s,
             pace,
+            counted.tick_ns,
             periods.uneven,
             values,
         )
@@ -145,7 +147,8 @@ def measure(path: Path, chain: Chain, method: Method, train: GearTrain | None) -
     counters = {channel: firmware.counters(channel) for channel in NAMES}
     widths = {c: None if flanks is None else flanks.trains[c].width for c in NAMES}
     backlash, told = _of_one_flank(evaluation.backlash(), flanks, chain)
-    limits = replace(limits, warnings=(*limits.warnings, *told))
+    apart = counted.told(chain.lines1, chain.lines2, chain.ratio)
+    limits = replace(limits, warnings=(*apart, *limits.warnings, *told))
     return Measurement(values, backlash, counters, limits, widths)
 
 
@@ -174,9 +177,10 @@ def _of_one_flank(
     return backlash.shifted(more), []
 
 
-def _each(blocks: Iterator[Pulses], watch: Callable[[Pulses], None]) -> Iterator[Pulses]:
+def _each(blocks: Iterator[Pulses], *watches: Callable[[Pulses], None]) -> Iterator[Pulses]:
     for pulses in blocks:
-        watch(pulses)
+        for watch in watches:
+            watch(pulses)
         yield pulses
 
 
