@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from refusals import Program
+from skiplatch.importing.gcode_program import run
 from test_import_logs import Run
 
 BOTH_WORDS = """G21 G90
@@ -235,3 +236,22 @@ def test_sense_that_a_program_with_other_count_does_not_tell(
     assert run.campaign.touches.sign.tolist() == [-1.0, -1.0, -1.0]
     assert run.campaign.touches.deviation_um.tolist() == [-10.0, 0.0, 10.0]
     assert any(line.startswith(said) for line in run.said["assumed"])
+
+
+@pytest.mark.parametrize(
+    ("text", "lines", "feeds"),
+    [
+        ("G91\nG38.2 Z-5 F100\nG38.2 Z-5\nM30\nG38.2 Z-5 F7\n", 2, [100.0] * 2),
+        ("G91\nG38.2 Z-5 F100\nM2 (over)\nG38.2 Z-5 F7\n", 1, [100.0]),
+        ("%\nG91\nG38.2 Z-5 F100\n%\nG38.2 Z-5 F7\n", 1, [100.0]),
+        ("G91\n/G38.2 Z-9 F1\nG38.2 Z-5 F100\nG38.2 Z-5\n", 2, [100.0] * 2),
+        ("G91\n/G38.2 Z-9 F1\nG38.2 Z-5 F100\nG38.2 Z-5\n", 3, [1.0, 100.0, 100.0]),
+        ("G91\nM3\nG38.2 Z-5 F100\nM20\nG38.2 Z-5\n", 2, [100.0] * 2),
+    ],
+)
+def test_moves_behind_the_end_and_skipped_ones_are_none(
+    text: str, lines: int, feeds: list[float]
+) -> None:
+    done = run(text, [(0.0, 0.0, -2.5 - 0.001 * i) for i in range(lines)])
+
+    assert [move.feed for move in done.moves] == feeds

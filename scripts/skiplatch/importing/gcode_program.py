@@ -27,6 +27,8 @@ _FLOW = re.compile(
     re.IGNORECASE,
 )
 _LOGGING = re.compile(r"^[^;]*\(\s*PROBE(OPEN|CLOSE)\b", re.IGNORECASE)
+_ENDS = re.compile(r"(?<![A-Z#<\d])M\s*0*(?:2|30)(?![\d.])", re.IGNORECASE)
+_SKIPPED = re.compile(r"^[ \t]*/.*$", re.MULTILINE)
 
 Row = tuple[float, ...]
 
@@ -64,15 +66,19 @@ def logs_parts(text: str) -> bool:
 def run(text: str, log: Sequence[Row], *, inch: bool = False) -> Run:
     """Run a program, where it has as many probing moves as its log has lines with these.
 
+    Lines that begin with a slash are skipped, unless the log shows that they were not.
+
     Args:
         text: The program.
         log: Where its moves were latched, in its units. It bounds what is executed.
         inch: Whether it begins in inches.
     """
-    with_log = _Program(text, log, len(log)).run(Machine(is_inch=inch), len(log) + 1)
-    if len(with_log.moves) == len(log):
-        return with_log
-    return _Program(text, (), len(log)).run(Machine(is_inch=inch))
+    without = _SKIPPED.sub("", text)
+    for written in dict.fromkeys((without, text)):
+        with_log = _Program(written, log, len(log)).run(Machine(is_inch=inch), len(log) + 1)
+        if len(with_log.moves) == len(log):
+            return with_log
+    return _Program(without, (), len(log)).run(Machine(is_inch=inch))
 
 
 class _Program:
@@ -90,8 +96,16 @@ class _Program:
         self._branch_after: dict[int, int] = {}
         self._subs: dict[str, int] = {}
         self._executed = 0
+        self._end = self._last_line()
+        self._has_ended = False
         self._pair()
         self._begin_of = {end: begin for begin, end in self._end_of.items()}
+
+    def _last_line(self) -> int:
+        """Give where a program ends that stands between lines of %."""
+        filled = [i for i, line in enumerate(self._lines) if line.strip()]
+        ends = (i for i in filled[1:] if self._lines[i].strip() == "%")
+        return next(ends, len(self._lines))
 
     def _pair(self) -> None:
         """Find the ends of loops and subroutines, and of each branch the next one."""
@@ -115,12 +129,12 @@ class _Program:
 
     def run(self, machine: Machine, most_moves: int | None = None) -> Run:
         """Carry out the whole program, once."""
-        moves = self._stretch(machine, 0, len(self._lines), 0)
+        moves = self._stretch(machine, 0, self._end, 0)
         return Run(list(islice(moves, most_moves)), self._not_found)
 
     def _stretch(self, machine: Machine, at: int, end: int, depth: int) -> Iterator[ProbeMove]:
         left: dict[int, int] = {}
-        while at < end and self._executed < self._most_lines:
+        while at < end and self._executed < self._most_lines and not self._has_ended:
             self._executed += 1
             flow = self._flow[at]
             if flow is None:
@@ -138,6 +152,7 @@ class _Program:
         """Carry out a line and give the probing move in it, if it is logged."""
         if logging := self._logging[at]:
             self._is_logged = logging[1].upper() == "OPEN"
+        self._has_ended = bool(_ENDS.search(without_comments(self._lines[at])))
         move = machine.execute(self._lines[at], at + 1)
         if move is None:
             return
