@@ -664,3 +664,25 @@ def test_deviation_is_from_the_place_as_written(tmp_path: Path) -> None:
 
     assert set(run.campaign.touches.position_mm) == {-0.071362}
     assert set(run.campaign.touches.deviation_um) == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("between", "sessions"),
+    [
+        ("Send: M851 Z-2.0", 2),
+        ("echo:  M851 X-40.00 Y-10.00 Z-1.25 ; (mm)", 1),
+        ("echo:  M851 Z-1.25\nSend: M851 Z-1.25", 1),
+        ("echo:  M851 Z-1.25\nSend: M851 Z-1.30", 2),
+    ],
+)
+def test_marlin_offset_of_the_probe_begins_a_session(
+    tmp_path: Path, between: str, sessions: int
+) -> None:
+    bed = "Bed X: 100.00 Y: 100.00 Z: {}\n"
+    text = bed.format(0.02) + bed.format(0.03) + between + "\n" + bed.format(0.52)
+    (tmp_path / "m.log").write_text(text + bed.format(0.53))
+
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"))
+
+    assert len(set(run.campaign.touches.session.tolist())) == sessions
+    assert any("(M851)" in line for line in run.said["assumed"]) == (sessions == 2)

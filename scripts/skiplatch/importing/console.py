@@ -14,6 +14,7 @@ from skiplatch.numbers import NUMBER
 _TEMPERATURE = re.compile(rf"\b(B|T[0-9]?):\s*({NUMBER})\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
 HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
+OFFSET = "setting the probe's offset"
 """What begins a session, as the touches after it latch elsewhere than those before."""
 
 
@@ -159,6 +160,7 @@ class Console:
         for what, why in (
             (ADJUSTING, "an adjustment of Z, as it moves the gantry or the bed"),
             (TURNING, "a list of how far to turn screws of the bed, as if they were turned"),
+            (OFFSET, "a new offset of the probe (M851), which moves where z is 0"),
         ):
             times = sum(session.startswith(f"after {what}") for session in sessions)
             if times:

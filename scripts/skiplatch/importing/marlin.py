@@ -4,7 +4,15 @@ import re
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, decimals, half_digit
+from skiplatch.importing.console import (
+    ADJUSTING,
+    HOMING,
+    OFFSET,
+    TURNING,
+    Console,
+    decimals,
+    half_digit,
+)
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
@@ -25,6 +33,8 @@ _RESULTS = re.compile(
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({PLAIN})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({PLAIN})")
+_OFFSET = re.compile(rf"\bM851\b.*?\bZ\s*({NUMBER})", re.IGNORECASE)
+_ECHOED = re.compile(r"\becho:", re.IGNORECASE)
 _MOVED = {
     HOMING: re.compile(r"^(?:G28\b|start$|Marlin [\d.]+)", re.IGNORECASE),
     ADJUSTING: re.compile(r"^G34\b", re.IGNORECASE),
@@ -63,6 +73,7 @@ class _Reader(Console):
         self._in_test = False
         self._sum = 0.0
         self._steps: float | None = None
+        self._offset: float | None = None
         self._accel: float | None = None
         self._from_means = 0
         self._is_bed_last = False
@@ -84,12 +95,26 @@ class _Reader(Console):
             self._in_test = False
         elif _FAILED.search(text):
             self.add(None, self._place, line, feed=self.feed)
-        elif match := _STEPS.search(text):
-            self._steps = float(match[1])
-        elif match := _ACCEL.search(text):
-            self._accel = float(match[1])
+        else:
+            self._settings(line)
         if _TEST.search(text):
             self._in_test = self.has_tested = True
+
+    def _settings(self, line: Line) -> None:
+        """Take a setting, as typed or as M503 lists it."""
+        if match := _OFFSET.search(line.text):
+            self._sets_offset(float(match[1]), line)
+        elif match := _STEPS.search(line.text):
+            self._steps = float(match[1])
+        elif match := _ACCEL.search(line.text):
+            self._accel = float(match[1])
+
+    def _sets_offset(self, offset: float, line: Line) -> None:
+        """Take the probe's offset; another one moves where z is 0."""
+        is_same = offset == self._offset or (self._offset is None and _ECHOED.search(line.raw))
+        if not is_same:
+            self.take_moved(line.text, {OFFSET: _OFFSET})
+        self._offset = offset
 
     def _sample(self, match: re.Match[str], line: Line) -> None:
         """Take z, with more digits where the running mean gives them."""
