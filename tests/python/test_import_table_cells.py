@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from refusals import Program
 from skiplatch.campaign import Kind
 from test_import_logs import Run
@@ -43,3 +45,22 @@ def test_words_that_count_as_empty_are_said(tmp_path: Path) -> None:
 
     said = 'cells that count as empty: 2, the first "NaN" in line 3'
     assert said in run.said["assumed"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("1,0.1,ok\n2,0.2,ok\n2,0.3,ok\n", "t.csv:4: touch: serial number 2 stands twice"),
+        ("1,0.1,ok\n2,0.2,missed\n", "t.csv:3: deviation_um: expected an empty cell in a missed"),
+    ],
+)
+def test_what_no_campaign_may_hold_is_told_of_the_table(
+    tmp_path: Path, refused: Program, rows: str, message: str
+) -> None:
+    (tmp_path / "t.csv").write_text(f"n,e,s\n{rows}")
+    maps = ("--map", "touch=n", "--map", "deviation_um=e", "--map", "status=s")
+
+    said = refused("import", "csv", tmp_path / "t.csv", *maps, "-o", tmp_path / "x")
+
+    assert message in said
+    assert not (tmp_path / "x").exists()

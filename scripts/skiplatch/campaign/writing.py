@@ -10,6 +10,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign.column_kinds import Column, NumberColumn, Values
 from skiplatch.campaign.columns import (
     COLUMNS,
+    MEASURED_OUTCOMES,
     REQUIRED,
     REQUIRED_IN_VERSION_1,
     THERMOMETER,
@@ -114,6 +115,21 @@ def _refuse_inadmissible(touches: Touches) -> None:
             row = int(np.argmax(THERMOMETER.recorded(values)))
             raise InadmissibleError(row, name, "expected temp_NAME_c, NAME of a-z, 0-9, _, . and -")
         _refuse_first(name, THERMOMETER, values, required=False)
+    _refuse_unreadable(touches)
+
+
+def _refuse_unreadable(touches: Touches) -> None:
+    """Refuse what each touch may hold and all of them together may not: no reader would take it."""
+    first = np.unique(touches.touch, return_index=True)[1]
+    again = np.setdiff1d(np.arange(len(touches)), first)
+    if len(again):
+        row = int(again[0])
+        raise InadmissibleError(row, "touch", f"serial number {touches.touch[row]} stands twice")
+    wrong = np.flatnonzero(touches.missed & touches.measured)
+    if len(wrong):
+        row = int(wrong[0])
+        name = next(n for n in MEASURED_OUTCOMES if not np.isnan(getattr(touches, n)[row]))
+        raise InadmissibleError(row, name, "expected an empty cell in a missed touch")
 
 
 def _refuse_first(name: str, column: Column, values: Values, *, required: bool) -> None:
