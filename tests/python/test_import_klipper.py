@@ -307,3 +307,20 @@ def test_summaries_of_marlin_alone_ask_for_samples(tmp_path: Path, refused: Prog
     (tmp_path / "m.log").write_text("Mean: 0.007667 Min: -0.002 Max: 0.018 Range: 0.020\n")
 
     assert "type M48 V4" in refused("import", "marlin", tmp_path / "m.log", "-o", tmp_path / "out")
+
+
+@pytest.mark.parametrize("command", ["PROBE PROBE_METHOD=contact", "PROBE METHOD=tap"])
+def test_contact_and_reading_from_above_are_two_surfaces(tmp_path: Path, command: str) -> None:
+    contact = "".join(TOUCH.format(z) for z in (-0.025, -0.024))
+    run = imported(tmp_path, f"{command}\n{contact}PROBE_ACCURACY\n{TEST.format('5.0')}{TOUCHES}")
+
+    touches = run.campaign.touches
+    assert sessions(run) == ["by contact", "by contact", "Z- at 10 10", "Z- at 10 10"]
+    assert max(abs(touches.deviation_um)) < 2.0
+    assert "touches by contact are none of the surface that others read" in run.said["assumed"]
+
+
+def test_method_of_a_mesh_parts_no_surface(tmp_path: Path) -> None:
+    run = imported(tmp_path, f"BED_MESH_CALIBRATE METHOD=automatic\n{TOUCHES}PROBE\n{TOUCHES}")
+
+    assert len(set(sessions(run))) == 1

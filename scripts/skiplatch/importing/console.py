@@ -14,10 +14,12 @@ from skiplatch.numbers import NUMBER
 _TEMPERATURE = re.compile(rf"\b(B|T[0-9]?):\s*({NUMBER})\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
 HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
+CONTACT = "by contact"
 OFFSET = "setting the probe's offset"
 """What begins a session, as the touches after it latch elsewhere than those before."""
 
-
+_METHOD = re.compile(r"\b(?:PROBE_)?METHOD\s*=\s*[\"']?(\w+)", re.IGNORECASE)
+_CONTACTS = {"contact", "tap", "touch"}  # of Beacon, of Klipper's eddy current probe, of others
 _NOT_IN_NAMES = re.compile(r"[^a-z0-9_.-]")
 _LONGEST_NAME = 60
 NAMED = 5
@@ -48,6 +50,8 @@ class Console:
         self.temperatures: dict[str, float] = {}
         self._session = ""
         self._sessions = 0
+        self._method = ""
+        self._has_touches = False
         self._tested: list[float] = []
         self._disagreeing: list[int] = []
 
@@ -62,10 +66,16 @@ class Console:
         Two of them with no touch in between begin one.
         """
         what = next((what for what, sign in signs.items() if sign.search(text)), "")
-        if what and self.touches and self.touches[-1].session == self._session:
+        if what and self._has_touches:
             self._sessions += 1
             self._session = f"after {what} {self._sessions}"
+            self._has_touches = False
         return what
+
+    def take_method(self, command: str) -> None:
+        """Take how a command probes: what is met by contact is none that is read from above."""
+        method = _METHOD.search(command)
+        self._method = CONTACT if method and method[1].lower() in _CONTACTS else ""
 
     def test_begins(self) -> None:
         """Begin a series of touches, whose extremes the log may tell once more."""
@@ -97,6 +107,7 @@ class Console:
         """
         if z is not None:
             self._tested.append(z)
+        self._has_touches = True
         self.touches.append(
             Touch(
                 axis="Z",
@@ -106,7 +117,7 @@ class Console:
                 feed=feed,
                 start=start,
                 time_s=line.time_s if time_s is None else time_s,
-                session=self._session,
+                session=" ".join(filter(None, (self._session, self._method))),
                 temperatures=dict(self.temperatures),
                 line=line.number,
                 is_false=is_false,
@@ -157,6 +168,8 @@ class Console:
     def _say_adjusted(self, found: Imported) -> None:
         """Say which sessions begin where something moved, rather than was homed."""
         sessions = {touch.session for touch in self.touches}
+        if len({session.endswith(CONTACT) for session in sessions}) == 2:
+            found.assumed.append("touches by contact are none of the surface that others read")
         for what, why in (
             (ADJUSTING, "an adjustment of Z, as it moves the gantry or the bed"),
             (TURNING, "a list of how far to turn screws of the bed, as if they were turned"),

@@ -140,6 +140,7 @@ class _Reader(Console):
         speed = _PROBE_SPEED.search(text)
         if speed or is_homed or _COMMAND.match(text):
             self._command_ends()
+            self.take_method(text)
             self._command_speed = float(speed[1]) if speed else None
 
     def _tested_to_end(self, line: Line) -> None:
