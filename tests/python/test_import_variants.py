@@ -311,3 +311,23 @@ def test_two_bytes_a_character_without_a_mark_are_named(tmp_path: Path, refused:
     said = refused("import", "grbl", tmp_path / "s.log", "-o", tmp_path / "made")
 
     assert "UTF-16 without a byte order mark: save it as UTF-8" in said
+
+
+@pytest.mark.parametrize("command", [["repeat"], ["import", "grbl"], ["import", "marlin"]])
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("G30 S-1\nStopped at height 1.234 mm\nok\n", "RepRapFirmware (Duet)"),
+        ('{"gc":"g38.2 z-10 f100"}\n{"prb":{"e":1,"x":0.0,"z":-5.1}}\n', "TinyG or g2core"),
+    ],
+)
+def test_log_of_an_unknown_controller_says_what_to_do(
+    tmp_path: Path, refused: Program, command: list[str], text: str, name: str
+) -> None:
+    (tmp_path / "c.log").write_text(text)
+    out = ["-o", tmp_path / "x"] if command[0] == "import" else []
+
+    said = refused(*command, tmp_path / "c.log", *out)
+
+    assert f"c.log: touches of {name}, whose logs are not read" in said
+    assert "import csv --map coordinate_mm=Z" in said

@@ -7,6 +7,7 @@ from pathlib import Path
 from skiplatch.errors import InputError
 from skiplatch.files import failures_named, refuse_special_or_large
 from skiplatch.importing.candump import is_logged, is_shown
+from skiplatch.importing.dialects import advice
 from skiplatch.importing.grbl import read_grbl
 from skiplatch.importing.klipper import read_klipper
 from skiplatch.importing.linuxcnc import read_linuxcnc
@@ -64,6 +65,8 @@ def read_any(path: Path) -> tuple[str, Imported]:
     for kind, (sign, read) in KINDS.items():
         if sign.search(text):
             return kind, read(path)
+    if said := advice(text):
+        raise InputError(path, None, None, said)
     for kind, sign in WITHOUT_TOUCHES.items():
         if sign.search(text):
             return kind, KINDS[kind][1](path)

@@ -6,12 +6,13 @@ from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
+from skiplatch.importing.dialects import advice
 from skiplatch.importing.grbl_commands import Commands
 from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than, put_on_steps
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
 from skiplatch.importing.grbl_speed import Speeds
-from skiplatch.importing.log_lines import Line, read_lines, spread_times
+from skiplatch.importing.log_lines import Line, read_lines, read_text, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
 from skiplatch.importing.presets import PRESETS, Preset
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
@@ -46,7 +47,7 @@ def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported
         reader.take(line)
     if not reader.touches:
         message = f"expected replies such as [PRB:0.000,0.000,-5.123:1]{reader.instead}"
-        raise InputError(path, None, None, message)
+        raise InputError(path, None, None, advice(read_text(path)) or message)
     refuse_all_missed(path, reader.touches)
     return reader.result()
 

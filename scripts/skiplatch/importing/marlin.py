@@ -13,7 +13,8 @@ from skiplatch.importing.console import (
     decimals,
     half_digit,
 )
-from skiplatch.importing.log_lines import Line, read_lines
+from skiplatch.importing.dialects import advice
+from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
 from skiplatch.units import UM_PER_MM
@@ -59,7 +60,7 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
         expected = 'expected lines such as "1 of 10: z: 0.185" of M48 V4, or "Bed X: … Z: …" of G30'
         if reader.has_tested:
             expected += ", got M48 without samples: type M48 V4"
-        raise InputError(path, None, None, expected)
+        raise InputError(path, None, None, advice(read_text(path)) or expected)
     return reader.result()
 
 
