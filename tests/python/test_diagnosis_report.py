@@ -502,6 +502,19 @@ def of_axes(*, all_turn: bool) -> tuple[Campaign, Diagnosis]:
     )
 
 
+def test_a_gap_of_which_nothing_is_seen_to_be_left_is_told_from_one_with_more() -> None:
+    campaign, more = of_axes(all_turn=False)
+    whole = replace(more, left=[])
+    off = replace(whole, outliers=[3])
+
+    for diagnosis, is_whole in ((more, False), (whole, True), (off, False)):
+        page = prose(as_html(campaign, diagnosis, name="c", seed=1, jobs=2))
+        assert ("something else is left" in as_text(diagnosis)) != is_whole
+        assert ("too few to be sure" in as_text(diagnosis)) == is_whole
+        assert ("as far as these touches tell" in page) == is_whole
+        assert ("explains part of the gap" in page) != is_whole
+
+
 def test_a_rotary_axis_is_told_in_arcsec() -> None:
     campaign, diagnosis = of_axes(all_turn=True)
 

@@ -52,6 +52,8 @@ def headline(diagnosis: Diagnosis) -> str:
     """Say the finding in one line."""
     names = " and ".join(named.effect.id for named in diagnosis.effects)
     many = len(diagnosis.effects) > 1
+    if diagnosis.seems_whole:
+        return f"{names} {'explain' if many else 'explains'} the gap, as far as these touches tell"
     return {
         Verdict.NO_GAP: "No gap: the simulation plays what was recorded",
         Verdict.EXPLAINED: f"{names} {'explain' if many else 'explains'} the gap",

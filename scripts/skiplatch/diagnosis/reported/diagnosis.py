@@ -65,3 +65,9 @@ class Diagnosis:
     def ways_of(self, paths: str) -> Ways:
         """Give what the axes do that touch on "skip", on "plc" or on "both"."""
         return self.ways_of_paths.get(paths, self.ways)
+
+    @property
+    def seems_whole(self) -> bool:
+        """Of a gap that is explained in part nothing is seen to be left: touches are too few."""
+        is_part = self.verdict is Verdict.PARTLY_EXPLAINED
+        return is_part and not self.left and not self.outliers

@@ -22,6 +22,10 @@ VERDICTS = {
     Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it.",
     Verdict.UNDECIDED: "Too few touches to tell whether there is a gap.",
 }
+SEEMS_WHOLE = (
+    "The gap is explained in part: nothing is seen to be left, "
+    "but the touches are too few to be sure of all of it."
+)
 HALF = 0.5
 """Standard uncertainties by which a belief has to move to be told."""
 MOST_LISTED = 12
@@ -31,7 +35,8 @@ def as_text(diagnosis: Diagnosis) -> str:
     """Everything, for the terminal."""
     diagnosis, ways = for_people(diagnosis), diagnosis.ways
     effect_texts = [_effect_text(named, diagnosis) for named in diagnosis.effects]
-    parts = [VERDICTS[diagnosis.verdict], *effect_texts]
+    verdict = SEEMS_WHOLE if diagnosis.seems_whole else VERDICTS[diagnosis.verdict]
+    parts = [verdict, *effect_texts]
     if diagnosis.where:
         rows = [
             (p.observable, p.stage, p.paths, _size(p.size, p.unit), p.conditions)
