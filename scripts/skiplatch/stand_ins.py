@@ -215,7 +215,7 @@ def _with_time_to_move(touches: Touches, travel_s: FloatArray) -> Touches:
 def _times(touches: Touches, travel_s: FloatArray) -> FloatArray:
     """Give starts by which the surface is met at the edge, or one after the other."""
     if np.isnan(touches.edge_us).any():
-        return np.cumsum(travel_s + BETWEEN_TOUCHES_S)
+        return np.asarray(np.cumsum(travel_s + BETWEEN_TOUCHES_S) - travel_s)
     starts = touches.edge_us / US_PER_S - travel_s
     return np.asarray(np.maximum(starts, 0.0))
 

@@ -116,6 +116,20 @@ def test_machine_without_times_keeps_its_deviations_alone(machine_sample: Path) 
     )
 
 
+def test_a_touch_without_a_time_begins_once_the_one_before_has_met_its_surface(
+    machine_sample: Path,
+) -> None:
+    bare = without(read_campaign(machine_sample), "time_s", "edge_us", "latch_us", "report_us")
+    # A slow touch is followed by fast ones.
+    slow = np.arange(len(bare.touches)) % 5 == 0
+    feed_mm_min = np.where(slow, 10.0, 1000.0)
+
+    made, _ = said_of(replace(bare, touches=replace(bare.touches, feed_mm_min=feed_mm_min)))
+
+    contact_s = expected_contact(made.nominal, made.touches).time_us / 1e6
+    assert np.all(made.touches.time_s[1:] > contact_s[:-1])
+
+
 def test_machine_without_feed_is_told(machine_sample: Path) -> None:
     said = refusal(playable, without(read_campaign(machine_sample), "feed_mm_min"))
 
