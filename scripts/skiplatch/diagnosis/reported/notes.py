@@ -40,9 +40,7 @@ def notes(
     """
     found: list[str] = []
     if verdict is Verdict.UNKNOWN and mattering:
-        first = mattering[0]
-        where = f"{first.observable}, {first.path} path"
-        found.append(f"What it looks like: {where}: {first.looks_like}.")
+        found.append(_looks_like(mattering))
     if verdict is not Verdict.EXPLAINED:
         ways = Ways.of(scene.touches)
         found += [f"Not explained: {ways.relabelled(failure.words)}." for failure in failures]
@@ -67,6 +65,14 @@ def notes(
             "the surface lies ([datum] of nominal.toml)."
         )
     return found
+
+
+def _looks_like(mattering: Sequence[Left]) -> str:
+    """Say how most of a gap shows, and what tells of it, which leads to its cause."""
+    first = mattering[0]
+    telling = next((left for left in mattering if left.is_of(first) and left.is_predicted), first)
+    ways = "; ".join(dict.fromkeys((first.looks_like, telling.looks_like)))
+    return f"What it looks like: {first.observable}, {first.path} path: {ways}."
 
 
 def _is_along_axes(scene: Scene) -> bool:

@@ -1,0 +1,26 @@
+"""What a report says beside its figures."""
+
+from played_campaigns import BENCH
+from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
+from skiplatch.diagnosis.reported.notes import notes
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.verdict import Verdict
+
+
+def left(observable: str, kind: str, condition: str, z: float) -> Left:
+    return Left(observable, "skip", kind, (condition,), 10.0, "µs", 2.0, 1.0, 0.1, z)
+
+
+def test_an_unknown_gap_says_what_tells_of_it_though_it_shows_everywhere() -> None:
+    scene = Scene.of(read_campaign(BENCH))
+    everywhere = left("latch", "scatter", EVERYWHERE, 40.0)
+    elsewhere = left("report", "shift", "time", 20.0)
+    telling = left("latch", "scatter", "touches since a change of axis", 9.0)
+
+    said = notes(scene, Verdict.UNKNOWN, (), [everywhere, elsewhere, telling])
+    bare = notes(scene, Verdict.UNKNOWN, (), [everywhere, elsewhere])
+
+    whole = "What it looks like: latch, skip path: scatter everywhere"
+    assert said[0] == f"{whole}; scatter goes with touches since a change of axis."
+    assert bare[0] == f"{whole}."
