@@ -1,5 +1,10 @@
 """What a report says beside its figures."""
 
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
 from played_campaigns import BENCH
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
@@ -10,6 +15,18 @@ from skiplatch.diagnosis.verdict.verdict import Verdict
 
 def left(observable: str, kind: str, condition: str, z: float) -> Left:
     return Left(observable, "skip", kind, (condition,), 10.0, "µs", 2.0, 1.0, 0.1, z)
+
+
+@pytest.mark.parametrize("is_reported", [True, False])
+def test_reports_that_follow_no_latch_are_said_to_be_left_out(is_reported: bool) -> None:
+    campaign = read_campaign(BENCH)
+    nothing = np.full(len(campaign.touches), np.nan)
+    report_us = campaign.touches.report_us if is_reported else nothing
+    touches = replace(campaign.touches, latch_us=nothing, report_us=report_us)
+
+    said = notes(Scene.of(replace(campaign, touches=touches)), Verdict.NO_GAP, (), [])
+
+    assert any("reports come was not looked at" in line for line in said) == is_reported
 
 
 def test_an_unknown_gap_says_what_tells_of_it_though_it_shows_everywhere() -> None:

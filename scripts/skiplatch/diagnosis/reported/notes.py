@@ -48,6 +48,8 @@ def notes(
         found += _of_path(scene, path)
     if not scene.has_stamps.any():
         found.append("No latch_us: what shifts time and what shifts length look alike.")
+        if not np.isnan(scene.touches.report_us).all():
+            found.append("report_us without latch_us: how late reports come was not looked at.")
     if scene.touches.turns.any():
         found.append(
             "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
