@@ -13,8 +13,8 @@ int skip_input_start(skip_input_t *input, const skip_input_config_t *config)
     input->channel = config->edge.channel;
     input->axis = config->axis;
     int error = hal_edge_arm(&config->edge);
-    if (error ==
-        HAL_OK) { /* a cycle may begin before a poll; to a disarmed latch time is nothing */
+    /* A cycle may begin before a poll. To a latch that is disarmed the time is nothing. */
+    if (error == HAL_OK) {
         skip_input_poll(input, 0u);
     }
     return error;
