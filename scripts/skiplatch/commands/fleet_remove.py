@@ -6,7 +6,6 @@ import click
 
 from skiplatch.commands.fleet_options import store_option
 from skiplatch.commands.options import json_option, write_json
-from skiplatch.fleet.layout import refuse_foreign
 from skiplatch.fleet.store import opened_for_writing
 from skiplatch.tables import counted
 
@@ -28,8 +27,7 @@ def command(campaigns: tuple[str, ...], store: Path, json_path: Path | None) -> 
     no other has it. If one of several is not there, all stay. skiplatch fleet export gives a folder
     back first.
     """
-    refuse_foreign(store)
-    with opened_for_writing(store) as writer:
+    with opened_for_writing(store, may_be_new=False) as writer:
         removed = [writer.remove(name).key for name in campaigns]
         writer.commit()
     click.echo(f"{store}: {counted(len(removed), 'campaign')} removed")

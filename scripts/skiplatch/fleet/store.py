@@ -187,8 +187,12 @@ def _is_new(path: Path) -> bool:
 
 
 @contextmanager
-def opened_for_writing(path: Path) -> Iterator[Writer]:
+def opened_for_writing(path: Path, *, may_be_new: bool = True) -> Iterator[Writer]:
     """Open a store, or make it, and hold it against other writers.
+
+    Args:
+        path: The store.
+        may_be_new: Whether one that is not there is made; else it is refused.
 
     Raises:
         InputError: It is no store, or one of another version; something foreign is in it; another
@@ -196,7 +200,7 @@ def opened_for_writing(path: Path) -> Iterator[Writer]:
     """
     path = Path(os.path.realpath(path))
     engine = connect(path)
-    if _is_new(path):
+    if may_be_new and _is_new(path):
         layout.create(path)
     layout.refuse_foreign(path)
     with written_alone(path), failures_told(path / layout.INDEX_FILE), engine:
