@@ -12,7 +12,7 @@ import can
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.bench.latches import SEQUENCES, TICK_NS, TICKS, Latch, LatchReports
+from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import NOT_RECORDED, InputPath, Kind, Status, Touches
 from skiplatch.errors import CampaignWarning, InputError
@@ -34,12 +34,14 @@ class _Traffic:
     Attributes:
         edges: In the order in which they were reported.
         latches: Likewise.
+        after_lost: Whether the log lost records just before each.
         latch_ns: Their device clock, extended beyond its 32 bits.
         lost: Records that are missing, damaged or without their other half.
     """
 
     edges: list[Edge]
     latches: list[Latch]
+    after_lost: list[bool]
     latch_ns: list[int]
     lost: int
 
@@ -75,14 +77,20 @@ def read_can(path: Path) -> Imported:
 def _read(path: Path) -> _Traffic:
     latches, edges = LatchReports(), EdgeReports()
     found_latches: list[Latch] = []
+    after_lost: list[bool] = []
     found_edges: list[Edge] = []
     for number, data in _frames(path):
+        lost = latches.lost
         if number == LATCH_ID and (latch := latches.take(data)):
+            # A log that begins with a later record had some before.
+            is_first = not found_latches
+            after_lost.append(latch.sequence > 0 if is_first else latches.lost > lost)
             found_latches.append(latch)
         elif number == EDGE_ID and (edge := edges.take(data)):
             found_edges.append(edge)
     lost = latches.lost + latches.damaged + latches.unpaired + edges.damaged + edges.unpaired
-    return _Traffic(found_edges, found_latches, _extended(found_latches, found_edges), lost)
+    latch_ns = _extended(found_latches, found_edges)
+    return _Traffic(found_edges, found_latches, after_lost, latch_ns, lost)
 
 
 def _frames(path: Path) -> Iterator[tuple[int, bytes]]:
@@ -144,7 +152,7 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
     missed = (latched >= np.append(begins[1:], np.inf)) | (latched - edge_ns > LATEST_NS)
     row = order[np.minimum(index, len(order) - 1)]
     zero = float(edge_ns[0])
-    lost = missed & np.append(_lost_before([traffic.latches[i] for i in order]), False)[index]
+    lost = missed & np.append(np.array(traffic.after_lost)[order], False)[index]
     _say_clocks(found, missed & ~lost, len(latch_ns))
     if lost.any():
         found.unread.append(
@@ -159,15 +167,6 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
         latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
         status=np.where(lost, NOT_RECORDED, np.where(missed, Status.MISSED, Status.OK)),
     )
-
-
-def _lost_before(latches: list[Latch]) -> BoolArray:
-    """Tell before which records others are missing; a log that begins with a later one had some."""
-    numbers = np.array([latch.sequence for latch in latches])
-    steps = np.diff(numbers) % SEQUENCES
-    is_restart = steps >= SEQUENCES // 2
-    lost = np.where(is_restart, numbers[1:] > 0, steps > 1)
-    return np.append(numbers[:1] > 0, lost)
 
 
 def _say_clocks(found: Imported, missed: BoolArray, latches: int) -> None:
