@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from skiplatch.diagnosis.scene.grid import grid_told
+from skiplatch.diagnosis.scene.grid import grid_told, kept_grid
 
 WIDEST = 10_000.0
 
@@ -40,3 +40,20 @@ def test_no_grid_is_coarser_than_the_widest_and_none_is_told_by_a_few() -> None:
     assert grid_told(stamps(54.7, 0.25, 300, 1), 0.25, 50.0) is None
     assert grid_told(stamps(54.7, 0.25, 5, 1), 0.25, WIDEST) is None
     assert grid_told(np.full(300, 54.7), 0.25, WIDEST) is None
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("late", [0.0, 0.3])
+def test_stamps_that_come_late_do_not_draw_a_grid_along(late: float, seed: int) -> None:
+    """As a contact that bounces behind a link's slots: the others keep the grid to 2 µs."""
+    rng = np.random.default_rng(seed)
+    period, place = 2008.1024, 0.37
+    slots = np.sort(rng.integers(0, 4_000_000, 250))
+    after = rng.uniform(0.0, 2.0, 250) + rng.exponential(740.0, 250) * (rng.random(250) < late)
+    in_order = np.sort((slots + place) * period + after)
+
+    found = kept_grid(in_order, 1.1 * period, first=16)
+
+    assert found is not None
+    off = (in_order / found[0] - found[1] + 0.5) % 1.0 - 0.5
+    assert np.median(np.abs(off)) * period < 2.0

@@ -43,9 +43,8 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     width = _box_of(sigma, tick)
     seen = [[width, mean + 0.5 * width, 0.0]]
     stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
-    grid = grid_told(np.sort(stamps), tick, parameter_of("timer_quantisation", "tick_us").high)
-    if grid and grid[0] > connection()[1].SIM_LINES_APART * tick:
-        pitch, turn = _coarsest(stamps, *grid)
+    widest = parameter_of("timer_quantisation", "tick_us").high
+    for pitch, turn in _lines_told(stamps, tick, widest):
         line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
         whole = np.rint((mean + 0.5 * pitch - line) / pitch)
         seen.append([pitch, line + whole * pitch, 0.0])
@@ -73,7 +72,8 @@ def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     behind_us = (
         scene.nominal.input.filter_us + skip.latency_us + (skip.jitter_us - skip.tick_us) / 2.0
     )
-    ends_us = scene.touches.latch_us[scene.streams["latch_skip"].rows] - behind_us
+    after_us = behind_us + given.skip_us + given.stamp_us
+    ends_us = (scene.touches.latch_us - after_us)[scene.streams["latch_skip"].rows]
     seen = []
     for slot_us, turn in (grid for us in spans_us for grid in _grids_kept(ends_us, us)):
         # What keeps the ends of slots keeps those of slots half as long as well.
@@ -113,19 +113,30 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
 
 
 def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
-    """Propose the grid that coordinates keep whose steps are as wide as the scatter says."""
+    """Propose grids that coordinates keep: of their own steps, and as wide as the scatter says."""
     fine = scene.nominal.axis.resolution_um
     stream = scene.streams.get("position", scene.streams.get("deviation_skip"))
     if stream is None:
         return []
+    where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
+    where_um = where_um[~np.isnan(where_um)]
+    widest = parameter_of("encoder_quantisation", "resolution_um").high
+    told = _lines_told(where_um, fine, widest)
     law = law_under(scene, stream, given)
     rows = stream.rows
     seen_um = _box_of(unknown_sigma((stream.residuals - law.mean)[rows], law.spread[rows]), fine)
-    if seen_um < MANY_STEPS * fine:
-        return []
-    where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
-    where_um = where_um[~np.isnan(where_um)]
-    return [[pitch, 1.0, turn] for pitch, turn in _grids_kept(where_um, seen_um)]
+    seen = _grids_kept(where_um, seen_um) if seen_um >= MANY_STEPS * fine else []
+    return [[pitch, 1.0, turn or 1.0] for pitch, turn in (*told, *seen)]
+
+
+def _lines_told(values: FloatArray, fine: float, widest: float) -> list[tuple[float, float]]:
+    """Give the coarsest grid of lines apart by more than rounding that values keep, or none.
+
+    Its period comes with where it lies, a share of that.
+    """
+    grid = grid_told(np.sort(values), fine, widest)
+    far = connection()[1].SIM_LINES_APART * fine
+    return [_coarsest(values, *grid)] if grid and grid[0] > far else []
 
 
 def _box_of(sigma: float, known: float = 0.0) -> float:

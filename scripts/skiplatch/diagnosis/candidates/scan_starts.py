@@ -102,7 +102,7 @@ def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     stamps = np.sort((scene.touches.latch_us - given.stamp_us)[stream.rows])
     near = [grid_period(stamps, guess) for guess in (width, believed)]
     far = [] if np.abs(mean_turn(stamps, near[1])) > WELL_KEPT else _far_periods(stamps, believed)
-    periods = [sharpened(stamps, period) for period in (*near, *far)]
+    periods = [sharpened(stamps, period)[0] for period in (*near, *far)]
     return [*([period - believed] for period in periods), [width - believed], *coarse]
 
 

@@ -121,10 +121,13 @@ static double density_in_slot(const sim_touches_t *of, const sim_member_t *membe
     double           since_us = of->latch_us[i] - of->behind_us - later_us - change->slot_phase_us;
     double           off_us = folded(since_us, change->slot_us);
     const sim_law_t *chain = &member->recorded->chain[i];
-    sim_law_t sharp = {.offset = chain->offset, .box_a = of->jitter_us, .box_b = chain->box_b};
-    sim_residuals_t one = {.laws = &sharp, .n = 1, .extra_count = 0, .resolution = of->resolution};
-    residual_part_t part = residual_part(&one, 0, 0);
-    double          density = residual_part_density(&part, off_us);
+    double           coarser_us = fmax(0.0, change->coarse_us - of->tick_us);
+    sim_law_t        sharp = {.offset = chain->offset - coarser_us,
+                              .box_a = of->jitter_us,
+                              .box_b = chain->box_b + coarser_us};
+    sim_residuals_t  one = {.laws = &sharp, .n = 1, .extra_count = 0, .resolution = of->resolution};
+    residual_part_t  part = residual_part(&one, 0, 0);
+    double           density = residual_part_density(&part, off_us);
     return residual_density(density, off_us, change->slot_us);
 }
 
@@ -133,7 +136,7 @@ static double density_in_slot(const sim_touches_t *of, const sim_member_t *membe
 static void weigh_by_slots(const sim_touches_t *of, const sim_member_t *member, double *bonus)
 {
     double slot_us = member->change->slot_us;
-    double width_us = of->jitter_us + of->tick_us;
+    double width_us = of->jitter_us + fmax(of->tick_us, member->change->coarse_us);
     if (slot_us < 2.0 * width_us || member->count == 0u) {
         return;
     }
@@ -154,8 +157,10 @@ void sim_line_bonus(const sim_touches_t *of, const sim_member_t *member, double 
     for (uint64_t k = 0; k < member->count; ++k) {
         bonus[k] = 0.0;
     }
-    if (member->stream == SIM_LATCH_SKIP) {
+    if (member->stream == SIM_LATCH_SKIP || member->stream == SIM_LATCH_PLC) {
         weigh_by_ticks(of, member, bonus);
+    }
+    if (member->stream == SIM_LATCH_SKIP) {
         weigh_by_slots(of, member, bonus);
     } else if (is_length(member->stream) && change->coarse_um > of->resolution_um) {
         lines_t steps = {.values = of->deviation_um,

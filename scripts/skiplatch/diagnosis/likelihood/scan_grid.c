@@ -25,7 +25,8 @@ typedef struct {
     double      *tried;  /* the same by another reading */
     uint64_t     n;
     grid_table_t table;
-    double       tick; /* as a share of the period */
+    double       tick;   /* as a share of the period */
+    double       coarse; /* what stamps are rounded to, as a share of it */
 } grid_t;
 
 /* A phase, as a share of the period, and what all stamps say of it. */
@@ -38,17 +39,8 @@ sim_law_t grid_law(const sim_touches_t *of, const sim_member_t *member)
 {
     const sim_change_t *change = member->change;
     sim_law_t           law = member->recorded->chain[member->rows[0]];
-    double              first = of->latch_us[member->rows[0]];
-    double              last = first;
-    for (uint64_t k = 1; k < member->count; ++k) {
-        first = fmin(first, of->latch_us[member->rows[k]]);
-        last = fmax(last, of->latch_us[member->rows[k]]);
-    }
-    /* Scans a whole number of ticks apart are all stamped early by the same rest; else it wanders.
-     */
-    double ticks = change->scan_us / fmax(change->coarse_us, TINY);
-    double wanders = fmin(1.0, fabs(ticks - rint(ticks)) * (last - first) / change->scan_us);
-    double box = fmax(0.0, change->coarse_us - of->tick_us) * wanders;
+    /* That stamps lie on coarse ticks is told once, beside the latch: here, where within one. */
+    double box = fmax(0.0, change->coarse_us - of->tick_us);
     law.box_a += box;
     law.offset -= box / 2.0;
     return law;
@@ -130,7 +122,7 @@ static phase_t among_stamps(const grid_t *grid, double *room)
 static phase_t fit_phase(const grid_t *grid, double *room, bool has_late)
 {
     phase_t best = {.total = -HUGE_VAL};
-    double  step = grid->tick;
+    double  step = grid->coarse;
     if (has_late) {
         try_phase(grid, table_phase(&grid->table, grid->turns, grid->n, room), &best);
         step = fmax(step, 1.0 / (double)grid->table.bins);
@@ -191,7 +183,8 @@ static void settle(const sim_touches_t *of, const sim_member_t *member, grid_t *
     double              phase = fit_phase(grid, room, has_late).phase;
     weigh_phase(grid, grid->turns, phase, grid->found);
     for (int everywhere = 0; everywhere < 2 && is_changed && !has_late; ++everywhere) {
-        if (weigh_wandering(grid->turns, grid->n, grid->tick, everywhere != 0, room, grid->tried)) {
+        if (weigh_wandering(grid->turns, grid->n, grid->coarse, everywhere != 0, room,
+                            grid->tried)) {
             take_likelier(grid);
         }
     }
@@ -223,9 +216,12 @@ static int tabulate(const sim_touches_t *of, const sim_member_t *member, double 
 int weigh_grid(const sim_touches_t *of, const sim_member_t *member, double *values)
 {
     const uint64_t n = member->count;
-    grid_t         grid = {.n = n, .tick = of->tick_us / member->change->scan_us};
+    double         scan_us = member->change->scan_us;
+    grid_t         grid = {.n = n,
+                           .tick = of->tick_us / scan_us,
+                           .coarse = fmax(of->tick_us, member->change->coarse_us) / scan_us};
     double         loose_us = slack_us(member);
-    if (loose_us > ANYWHERE * member->change->scan_us) {
+    if (loose_us > ANYWHERE * scan_us) {
         return 0; /* a clock this far from known tells no grid */
     }
     if (tabulate(of, member, loose_us, &grid.table) != 0) {

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from skiplatch.arrays import FloatArray
 
@@ -35,8 +34,9 @@ ROUNDED = 3.0
 """Standard deviations of rounding up to which two values are the same."""
 ALIKE = 1.5
 """Times the smallest difference up to which differences are one step."""
-NEAR = 6.0
-"""Median deviations from the middle of a grid within which stamps are on it."""
+REACH = 0.25
+"""Turns over all stamps by which one harmonic may leave the next one off."""
+FINEST_HARMONIC = 2**16
 
 
 def folded(values: FloatArray, period: float) -> FloatArray:
@@ -133,7 +133,7 @@ def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, floa
     all_in_it = -(len(stamps) - FITTED) * np.log(max(stretch, SMALLEST))
     if max(len(stamps) * np.abs(turn) ** 2, all_in_it) < np.log(tries / ACCIDENT):
         return None
-    return period, float(np.angle(turn)) / (2.0 * np.pi) % 1.0
+    return sharpened(stamps, period)
 
 
 def grid_told(stamps: FloatArray, fine: float, widest: float) -> tuple[float, float] | None:
@@ -165,17 +165,35 @@ def grid_told(stamps: FloatArray, fine: float, widest: float) -> tuple[float, fl
     return None
 
 
-def sharpened(stamps: FloatArray, period: float) -> float:
-    """Give the period of the stamps that are close to a grid of about this one, by least squares.
+def sharpened(stamps: FloatArray, period: float) -> tuple[float, float]:
+    """Tell a grid of about this period more closely: its period, and where it lies, a share of it.
 
-    A likelihood of stamps that keep a grid to a tick has a peak too sharp to be climbed.
+    Stamps that keep it agree on its harmonics as well, up to what they scatter by, and those that
+    came late, which draw the first turn along, cancel each other there.
     """
-    off = off_grid(stamps, period)
-    scans = np.rint((stamps - off) / period)
-    near = np.abs(off - np.median(off)) <= NEAR * stats.median_abs_deviation(off)
-    if np.ptp(scans[near]) == 0.0:
-        return period
-    return period + float(np.polyfit(scans[near] - scans[near].mean(), off[near], 1)[0])
+    middle = stamps.mean()
+    since, span = stamps - middle, float(np.ptp(stamps))
+    frequency, harmonic = 1.0 / period, 1
+    turn = _turn(since * frequency)
+    significant = np.log(len(FINER) / ACCIDENT) / len(stamps)
+    while span > period and harmonic < FINEST_HARMONIC:
+        step, harmonic = REACH / (harmonic * span), 2 * harmonic
+        there = np.array([frequency])
+        for _ in range(REFINEMENTS):
+            agreement = _agreement(there, step * FINER, harmonic * since)
+            there = _best(there + step * FINER, agreement.ravel(), kept=1)
+            step /= 4.0
+        turns = harmonic * since * there[0]
+        if np.abs(mean_turn(turns, 1.0)) ** 2 < significant:
+            break
+        frequency, finer = float(there[0]), _turn(turns) / harmonic
+        turn = finer + round((turn - finer) * harmonic) / harmonic
+    return 1.0 / frequency, float((turn + middle * frequency) % 1.0)
+
+
+def _turn(turns: FloatArray) -> float:
+    """Give the middle of turns, shape (n,), as a share of one."""
+    return float(np.angle(mean_turn(turns, 1.0))) / (2.0 * np.pi)
 
 
 def _outwards(stamps: FloatArray, first: int) -> FloatArray:
