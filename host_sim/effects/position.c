@@ -47,8 +47,9 @@ double effect_servo_hold(const sim_effect_call_t *call, double time_us)
 /* The commanded position is ahead of the real one by the way of the lag. */
 double effect_following_error(const sim_effect_call_t *call, double position_um)
 {
-    return position_um +
-           call->speed_um_us * call->parameters[0] * over_x(call, &call->parameters[1]);
+    double lag_us = call->parameters[0] * over_x(call, &call->parameters[1]);
+    double off_us = sim_random_normal(call->random, call->parameters[3]);
+    return position_um + call->speed_um_us * (lag_us + off_us);
 }
 
 /* What reads high is behind along an approach in the negative sense. */

@@ -120,17 +120,27 @@ def test_beside_slack_a_delay_shows_in_what_comes_after_the_latch_too() -> None:
 
 @pytest.mark.parametrize("share", [0.02, 0.004])
 def test_slack_is_known_as_closely_as_parameters(share: float) -> None:
-    """Short of it, a servo that holds would be found beside a lag that varies."""
-    plain = played_again(stamped_machine(), Effect("following_error", {"lag_us": 2000.0}))
-    shift_um = Scene.of(plain).speed * 2000.0
+    """Short of it, steps of the position would be found beside a scale that varies."""
+    plain = played_again(stamped_machine(), Effect("scale_error", {"scale_ppm": 400.0}))
+    shift_um = 0.4 * plain.touches.position_mm
     size_um = float(np.sqrt(np.mean(shift_um**2)))
     more_um = np.random.default_rng(2).normal(0.0, share * size_um, len(shift_um))
     deviation_um = (plain.touches.deviation_um + more_um).round(3)
     scene = Scene.of(replace(plain, touches=replace(plain.touches, deviation_um=deviation_um)))
 
-    found = polish(scene, fit(scene, [candidate("following_error")], [[2000.0, 0.0, 0.0]]))
+    found = polish(scene, fit(scene, [candidate("scale_error")], [[400.0, 0.0, 0.0]]))
 
     assert found.slack == pytest.approx(share, rel=0.15)
+
+
+def test_a_lag_that_varies_scatters_by_itself_and_needs_no_slack() -> None:
+    truth = Effect("following_error", {"lag_us": 2000.0, "scatter_us": 40.0})
+    scene = Scene.of(played_again(stamped_machine(), truth))
+
+    found = polish(scene, fit(scene, [candidate("following_error")], [[2000.0, 0.0, 0.0, 0.0]]))
+
+    assert found.slack == 0.0
+    assert found.parameters[0][3] == pytest.approx(40.0, rel=0.15)
 
 
 @pytest.mark.long

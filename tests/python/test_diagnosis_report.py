@@ -456,7 +456,8 @@ def test_parameters_of_axes_that_do_not_touch_are_not_told(
 ) -> None:
     campaign, diagnosis = explained()
     touches = replace(campaign.touches, axis=np.resize(axes, len(campaign.touches)))
-    lag = effect("following_error", lag_us=50.0, y_excess_ratio=0.0, z_excess_ratio=0.0)
+    sizes = {"y_excess_ratio": 0.0, "z_excess_ratio": 0.0, "scatter_us": 0.0}
+    lag = effect("following_error", lag_us=50.0, **sizes)
     intervals = {name: (value, value) for name, value in lag.parameters.items()}
     named = Named(lag, "position", intervals, (), 0.9, idle=idle(touches, lag))
 
@@ -464,7 +465,7 @@ def test_parameters_of_axes_that_do_not_touch_are_not_told(
     text = as_text(replace(diagnosis, effects=[named]))
 
     assert named.idle == expected
-    assert {row[0] for row in told} == {"lag_us", "y_excess_ratio", "z_excess_ratio"} - expected
+    assert {row[0] for row in told} == {"lag_us", *sizes} - expected
     assert "lag_us = 50" in text
     assert all(
         (f"  {name} = " in text) == (name not in expected)

@@ -31,7 +31,7 @@ CASES = {
     "isr_blocking": [0.2, 200.0, 0.0],
     "input_image_delay": [1.0],
     "scan_jitter": [100.0, 50.0, 0.0],
-    "following_error": [200.0, 0.0, 0.0],
+    "following_error": [200.0, 0.0, 0.0, 20.0],
     "backlash": [3.0, 0.0, 0.0, 0.0],
     "scale_error": [50.0, 0.0, 0.0],
     "thermal_drift": [2.0, 500.0, 0.0, 0.0, 0.0],

@@ -73,6 +73,16 @@ def test_following_error_reads_ahead_by_the_way_of_the_lag(path: InputPath, lag_
 
 
 @both_paths
+def test_following_error_may_scatter_by_a_time(path: InputPath) -> None:
+    played = trace(path, "following_error", lag_us=300.0, scatter_us=50.0)
+
+    lags_us = played.deviation_shift_um / played.speed_um_us
+
+    assert np.mean(lags_us) == pytest.approx(300.0, abs=4.0 * 50.0 / np.sqrt(len(lags_us)))
+    assert np.std(lags_us) == pytest.approx(50.0, rel=4.0 / np.sqrt(2.0 * len(lags_us)))
+
+
+@both_paths
 @pytest.mark.parametrize("backlash_um", [-2.0, 3.5])
 def test_backlash_shifts_the_negative_sense_alone(path: InputPath, backlash_um: float) -> None:
     played = trace(path, "backlash", backlash_um=backlash_um)

@@ -168,8 +168,11 @@ def held(scene: Scene, p: Parameters) -> Change:
 
 
 def lagging(scene: Scene, p: Parameters) -> Change:
-    """The axis is behind where it is commanded to be, by a time."""
-    return Change(position_um=scene.speed * p[0] * scene.over_x(p[1], p[2]))
+    """The axis is behind where it is commanded to be, by a time that may scatter."""
+    return Change(
+        position_um=scene.speed * p[0] * scene.over_x(p[1], p[2]),
+        position_sigma_um=scene.speed * abs(p[3]),
+    )
 
 
 def lost_motion(scene: Scene, p: Parameters) -> Change:

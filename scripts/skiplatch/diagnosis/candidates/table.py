@@ -202,12 +202,12 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "following_error",
-            ("lag_us", "y_excess_ratio", "z_excess_ratio"),
+            ("lag_us", "y_excess_ratio", "z_excess_ratio", "scatter_us"),
             surrogates.lagging,
             each_axis(
-                surrogates.lagging, [[1.0, 0.0, 0.0]], (10.0, 500.0), linear=1, y_excess_ratio=1
+                surrogates.lagging, [[1.0, 0, 0, 0]], (10.0, 500.0), linear=1, y_excess_ratio=1
             ),
-            refinements=axes_of_their_own(1),
+            refinements=(*axes_of_their_own(1), {3: 5.0}, {3: 100.0}),
         ),
         Candidate(
             "backlash",
