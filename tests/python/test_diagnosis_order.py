@@ -111,6 +111,9 @@ class InPlace(Judged):
     def in_place(self, _model: Scored, position: int) -> list[Scored]:
         return [self._others[position]]
 
+    def promise(self, model: Scored) -> float:
+        return model.score
+
 
 def test_what_would_stand_in_place_of_each_effect_is_kept() -> None:
     """Not only of the one that was found last; plays choose among them."""

@@ -18,6 +18,7 @@ from skiplatch.diagnosis.fit.fit import (
     fit,
     fit_form,
 )
+from skiplatch.diagnosis.fit.least_squares import by_least_squares
 from skiplatch.diagnosis.scene.scene import Scene
 
 SHORT_STEPS = (0.01, 0.001)
@@ -38,6 +39,7 @@ def refine(scene: Scene, found: Fit) -> Fit:
     """Fit effects jointly, from where they are."""
     start = np.concatenate(found.parameters)
     target = Target(scene, found.candidates, [start], NOTHING)
+    start = by_least_squares(scene, target, start)
     best = _sharpened(target, fit_form(target, [start], target.widenings))
     return target.fit(_loosened(target, best))
 

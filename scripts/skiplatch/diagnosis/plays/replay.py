@@ -11,6 +11,7 @@ from skiplatch.campaign.column_kinds import NOT_RECORDED
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.playing import Outcomes
+from skiplatch.units import US_PER_S
 
 CAMPAIGNS = 4
 OUTCOMES = ("edge_us", "latch_us", "report_us", "deviation_um")
@@ -38,6 +39,17 @@ def replayed(
     return [
         Scene(scene.nominal, touches, physics=scene.physics).select(rows) for touches in columns
     ]
+
+
+def begun_anywhere(scene: Scene, *, seed: int) -> Scene:
+    """Let the touches of scans begin up to a scan later, each by chance.
+
+    Of moves that were begun along with the scans the times tell when the scans were.
+    """
+    touches, scan_s = scene.touches, scene.nominal.plc.scan_us / US_PER_S
+    later_s = np.random.default_rng(seed).uniform(0.0, scan_s, len(touches))
+    time_s = touches.time_s + np.where(scene.plc, later_s, 0.0)
+    return Scene(scene.nominal, replace(touches, time_s=time_s), physics=scene.physics)
 
 
 def as_recorded(touches: Touches, outcomes: Outcomes, replicate: int) -> Touches:

@@ -11,11 +11,10 @@ from dataclasses import dataclass, replace
 
 from skiplatch.diagnosis.search.groups import TIED, group_of, ranked_group
 from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.search.reform import BETTER, reformed
 from skiplatch.diagnosis.search.scored import ENOUGH_FIT, Scored, without_twins, worth
 
 MOST_EFFECTS = 4
-BETTER = 2.0
-"""Nats by which a form found in company has to be better than the one found alone."""
 PLAIN_SECOND = 0.2
 """Gain of a further effect over that of the others where it acts, from which on it is no form of
 theirs; one that gains less has to shift what no other form does, or leave nothing in a stream."""
@@ -78,15 +77,20 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
         return _single(judge, best, ranked)
     best, pairs = _with_second(judge, best, noticed)
     pairs = _from_further_on(judge, pairs, best, noticed)
-    if not pairs:
+    if not pairs or judge.is_scatter(best):
         # What scatters, or needs slack, may have taken two for one: the next best may be half.
-        pairs = from_next_best(judge, ranked, best, noticed)
+        others = from_next_best(judge, ranked, best, noticed)
+        pairs = others if not pairs or (others and others[0].score > pairs[0].score) else pairs
         if not pairs:
             ranked = [best, *(s for s in ranked if s.ids != best.ids)]
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
     model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
     while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
+        better = reformed(judge, model)
+        if better is not model:
+            model = better
+            continue
         further = _from_further_on(judge, _extended(judge, model, noticed(model)), model, noticed)
         if not further:
             break
@@ -236,7 +240,7 @@ def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed)
     """Tell whether the last effect of a model is one of its own, and no form of the others."""
     if not judge.is_enough(larger, smaller):
         return False
-    if judge.is_elsewhere(larger, smaller):
+    if judge.is_elsewhere(larger, smaller) or judge.is_narrower(larger, smaller):
         return True
     share = judge.share(larger, smaller)
     if larger.fit.is_loose or (share < FAINTEST and smaller.fit.slack > 0.0):
@@ -255,14 +259,14 @@ def several(judge: Judge, model: Scored, tried: Sequence[Scored]) -> Finding:
     """Settle several effects: each is searched for anew, given the others, until none changes."""
     for _ in range(MOST_SWAPS):
         in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
-        best = max(
-            (others[0] for others in in_place if others),
-            key=lambda other: other.score,
-            default=model,
-        )
+        tried_there = [one for others in in_place for one in others]
+        likely = max(tried_there, key=judge.promise, default=model)
+        if likely is model or judge.promise(likely) <= model.score + BETTER:
+            break
+        best = judge.jointly([likely])[0]
         if best.score <= model.score + BETTER:
             break
-        model = judge.jointly([best])[0]
+        model = best
     else:
         in_place = [judge.in_place(model, i) for i in range(len(model.ids))]
     groups = [

@@ -163,10 +163,12 @@ class Judge(Scorer):
         on_top = without_twins(self.on_top(first, streams))
         if not on_top:
             return []
-        most = on_top[0].score
+        promises = {pair: self.promise(pair) for pair in on_top}
+        by_promise = sorted(on_top, key=lambda pair: -promises[pair])
+        most = promises[by_promise[0]]
         least = most - max(NEARLY, (1.0 - NEARLY_AS_MUCH) * (most - first.score))
-        near = [pair for pair in on_top[:REFINED_PAIRS] if pair.score > least]
-        return self._with_twins(self.jointly(near) + on_top[len(near) :])
+        near = [pair for pair in by_promise[:REFINED_PAIRS] if promises[pair] > least]
+        return self._with_twins(self.jointly(near) + by_promise[len(near) :])
 
     def turned(self, pairs: Sequence[tuple[Scored, Scored]]) -> list[Scored]:
         """Fit pairs the other way round, their second effects first.
@@ -184,6 +186,11 @@ class Judge(Scorer):
             max(model, self.score(joint), key=lambda scored: scored.score)
             for model, joint in zip(models, refined, strict=True)
         ]
+
+    def formed(self, parts: Sequence[tuple[Fit, Fit]]) -> list[Fit]:
+        """Give effects, each beside others that stay as they are, the form that is best there."""
+        there = self._fitting
+        return self._each(fit_in_forms, [(there, one, rest.change(there)) for one, rest in parts])
 
     def on_top(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
         """Every other effect on top of a model that stays as it is, by falling score."""

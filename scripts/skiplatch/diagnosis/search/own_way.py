@@ -4,7 +4,8 @@ No real effect has just the form that is written down: a scale may be bent, a la
 proportion. What is off then is a smooth function of the shift itself and of the sense of the
 motion, and a further effect that happens to go with it would be named for it. So the discrepancy of
 a model is such a function, and no scatter alone (Kennedy and O'Hagan, Journal of the Royal
-Statistical Society B 63 (2001) 425), and what it takes up as well is no effect of its own.
+Statistical Society B 63 (2001) 425), and what it takes up as well is no effect of its own. A form
+is off by a share of the shift: what had to be off by more than that is no form of the effect.
 """
 
 from collections.abc import Sequence
@@ -57,28 +58,74 @@ def _gains(scene: Scene, stream: Stream, last: Change, others: Change) -> tuple[
         return 0.0, 0.0
     off = (stream.residuals - before.mean)[rows]
     weights = 1.0 / np.sqrt(after.variance[rows])
-    datum = scene.datum_of(stream)
-    surfaces = [(datum == group).astype(float) for group in np.unique(datum)]
-    bent = [*surfaces, *_smooth(form, scene.sign[rows])]
+    surfaces, bent = _surfaces(scene, stream), _smooth(form, scene.sign[rows])
     as_formed, beyond_form = (
-        0.5 * (_squares(off, columns, weights) - _squares(off, [*columns, shift], weights))
-        for columns in (surfaces, bent)
+        0.5
+        * (
+            _squares(off, surfaces, weights, forms)
+            - _squares(off, [*surfaces, shift], weights, forms)
+        )
+        for forms in ([], bent)
     )
     return as_formed, beyond_form
 
 
+def by_giving_way(scene: Scene, last: Change, others: Change) -> float:
+    """Give the nats that a change may gain yet if other ones change in size along with it.
+
+    Two effects that go with each other, as a scale and a backlash on one side of the zero, each do
+    much of what the other one does, which then seems to be worth little on top of it.
+    """
+    return float(sum(_given_way(scene, s, last, others) for s in scene.streams.values()))
+
+
+def _given_way(scene: Scene, stream: Stream, last: Change, others: Change) -> float:
+    rows = stream.rows
+    before = law_under(scene, stream, others)
+    after = law_under(scene, stream, others.joined(last))
+    shift, form = (after.mean - before.mean)[rows], (before.mean - stream.law.mean)[rows]
+    if min(np.max(np.abs(sizes), initial=0.0) for sizes in (shift, form)) < SMALLEST:
+        return 0.0
+    weights = 1.0 / np.sqrt(after.variance[rows])
+    surfaces = _surfaces(scene, stream)
+    off = (stream.residuals - after.mean)[rows]
+    stiff, free = (_squares(off, [*surfaces, *sizes], weights) for sizes in ([], [form, shift]))
+    # Scatter is as large as what is left: far off, the law of the chain says nothing of it.
+    more = len(off) - len(surfaces) - len((form, shift))
+    return 0.5 * more * float(np.log(stiff / free)) if more > 0 and free > 0.0 else 0.0
+
+
+def _surfaces(scene: Scene, stream: Stream) -> list[FloatArray]:
+    """Give which touches are of each surface, one mask of shape (m,) for each."""
+    datum = scene.datum_of(stream)
+    return [(datum == group).astype(float) for group in np.unique(datum)]
+
+
 def _smooth(form: FloatArray, sense: FloatArray) -> list[FloatArray]:
-    """Give what smooth forms of a shift, shape (m,), are made of; nothing of none."""
+    """Give what smooth forms of a shift, shape (m,), are made of, each as large as it is."""
     most = np.max(np.abs(form))
     if most < SMALLEST:
         return []
-    powers = [(form / most) ** power for power in POWERS]
+    powers = [most * (form / most) ** power for power in POWERS]
     return [*powers, *(sense * power for power in powers)]
 
 
-def _squares(values: FloatArray, columns: Sequence[FloatArray], weights: FloatArray) -> float:
-    """Give the weighted sum of squares that columns, shape (m,) each, leave of values."""
-    matrix = np.column_stack(columns) * weights[:, None]
-    weighted = values * weights
-    fitted, *_ = np.linalg.lstsq(matrix, weighted, rcond=None)
-    return float(np.sum((weighted - matrix @ fitted) ** 2))
+def _squares(
+    values: FloatArray,
+    columns: Sequence[FloatArray],
+    weights: FloatArray,
+    forms: Sequence[FloatArray] = (),
+) -> float:
+    """Give the weighted sum of squares that columns, shape (m,) each, leave of values.
+
+    Args:
+        values: Shape (m,).
+        columns: May count to any amount.
+        weights: Of the values; shape (m,).
+        forms: Columns that count to about ±1 (ridge regression: a normal prior).
+    """
+    matrix = np.column_stack([*columns, *forms]) * weights[:, None]
+    prior = np.eye(matrix.shape[1])[len(columns) :]
+    told, weighted = np.vstack([matrix, prior]), np.append(values * weights, np.zeros(len(prior)))
+    fitted, *_ = np.linalg.lstsq(told, weighted, rcond=None)
+    return float(np.sum((weighted - told @ fitted) ** 2))

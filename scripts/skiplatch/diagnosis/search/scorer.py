@@ -5,20 +5,21 @@ from functools import reduce
 
 import numpy as np
 
+from skiplatch.arrays import IndexArray
 from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.density.law import SMALLEST, Law
+from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality, is_material
-from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
 from skiplatch.diagnosis.likelihood.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.own_way import OwnWay, own_way
+from skiplatch.diagnosis.search.own_way import OwnWay, by_giving_way, own_way
 from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.scored import Scored, is_no_accident
 
 MORE_VARIANCE = 1.2
 """Variance over the believed one from which on an effect leaves more to chance."""
-SCATTERED = 3.0
-"""Times the believed spread from which on an effect explains by scatter."""
 
 
 def _in_view(part: Scene, names: Collection[str]) -> set[str]:
@@ -36,6 +37,33 @@ def gain_in(part: Scene, model: Fit, names: Collection[str] | None = None) -> fl
     """Give what a model gains over the unchanged simulation in some streams; in all without any."""
     changed = likelihood(part, model.change(part), names=names).total
     return changed - likelihood(part, NOTHING, names=names).total
+
+
+def _last_and_others(part: Scene, model: Fit) -> tuple[Change, Change]:
+    """Give what the last effect of a model changes, and what the others do."""
+    effects = zip(model.candidates, model.parameters, strict=True)
+    *others, last = (candidate.acting(part, parameters) for candidate, parameters in effects)
+    return last, reduce(Change.joined, others, NOTHING)
+
+
+def _scatters_more(stream: Stream, law: Law, datum: IndexArray) -> bool:
+    """Tell whether a law adds more scatter than it shifts touches of a surface apart."""
+    shift = (law.mean - stream.law.mean)[stream.rows]
+    added = (law.variance - stream.law.variance)[stream.rows]
+    counts = np.maximum(np.bincount(datum), 1)
+    apart = shift - (np.bincount(datum, shift) / counts)[datum]
+    return float(np.mean(added)) > float(np.mean(apart**2)) + SMALLEST**2
+
+
+def _narrowed(part: Scene, change: Change, before: Change) -> set[str]:
+    """Name the streams that scatter less under a change than under one before it."""
+    ratios = {
+        name: law_under(part, stream, change).variance / law_under(part, stream, before).variance
+        for name, stream in part.streams.items()
+        if name != LATTICE and stream.rows.any()
+    }
+    rows = {name: part.streams[name].rows for name in ratios}
+    return {n for n, ratio in ratios.items() if np.median(ratio[rows[n]]) < 1.0 / MORE_VARIANCE}
 
 
 class Scorer:
@@ -93,12 +121,28 @@ class Scorer:
         )
         return is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
 
+    def is_narrower(self, pair: Scored, first: Scored) -> bool:
+        """Tell whether the second effect of a pair has some streams scatter less, and they do.
+
+        A form of the first one that is off makes them scatter more.
+        """
+        fitted, checked = (
+            gain_in(part, pair.fit, names) - gain_in(part, first.fit, names)
+            for part in (self._fitting, self._checking)
+            for names in [_narrowed(part, pair.fit.change(part), first.fit.change(part))]
+        )
+        return is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
+
     def own_way(self, model: Scored) -> OwnWay:
         """Weigh the shift of the last effect against other forms of the others."""
         part = self.scene.select(self.parts.naming)
-        effects = zip(model.fit.candidates, model.fit.parameters, strict=True)
-        *others, last = (c.acting(part, parameters) for c, parameters in effects)
-        return own_way(part, last, reduce(Change.joined, others))
+        return own_way(part, *_last_and_others(part, model.fit))
+
+    def promise(self, model: Scored) -> float:
+        """Give the score that a model may come to once the others give way to its last effect."""
+        return model.score + by_giving_way(
+            self._fitting, *_last_and_others(self._fitting, model.fit)
+        )
 
     def _acting(self, model: Scored, position: int) -> Change:
         """Give what one effect of a model changes, on the touches that serve fitting."""
@@ -132,14 +176,13 @@ class Scorer:
         return gained / there if there > 0.0 else np.inf
 
     def is_scatter(self, scored: Scored) -> bool:
-        """Tell whether a model leaves most touches of a stream as scattered as it finds them."""
+        """Tell whether a model leaves more of some stream to chance than it tells touches apart."""
         change, scene = scored.fit.change(self._fitting), self._fitting
-        laws = [
-            (law_under(scene, scene.streams[name], change), scene.streams[name].law)
-            for name in affected(scene, change) & scene.streams.keys()
-        ]
+        reached = (scene.streams[name] for name in affected(scene, change) - {MISSED})
         return any(
-            np.median(np.sqrt(law.variance) / believed.spread) > SCATTERED for law, believed in laws
+            _scatters_more(stream, law_under(scene, stream, change), scene.datum_of(stream))
+            for stream in reached
+            if stream.rows.any()
         )
 
     def is_material(self, scored: Scored, before: Scored | None = None) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
-from skiplatch.diagnosis.plays.replay import replayed
+from skiplatch.diagnosis.plays.replay import begun_anywhere, replayed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import AsRig
 from skiplatch.diagnosis.search.decide import Finding, reduced
@@ -79,9 +79,18 @@ def _by_nature(
     executor: Executor | None,
 ) -> float:
     """Give the nats that a model gains over a smaller one where the smaller one is the truth."""
-    campaigns = replayed(judge.scene, judge.parts.naming, as_rig(smaller.fit), seed=seed)
+    scene = judge.scene
+    if _binds_scans(model.fit, scene) and not _binds_scans(smaller.fit, scene):
+        scene = begun_anywhere(scene, seed=seed)
+    campaigns = replayed(scene, judge.parts.naming, as_rig(smaller.fit), seed=seed)
     tasks = [(campaign, smaller.fit, model.fit) for campaign in campaigns]
     return max(side_by_side(executor, _gain, tasks))
+
+
+def _binds_scans(fit: Fit, scene: Scene) -> bool:
+    """Tell whether effects bind touches to the scans."""
+    changes = fit.change(scene).at_times(scene.touches.touch)
+    return any(change.wait is not None for _, change in changes)
 
 
 def _gain(task: tuple[Scene, Fit, Fit]) -> float:
