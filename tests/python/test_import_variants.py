@@ -54,7 +54,9 @@ def test_table_in_no_encoding_is_refused(tmp_path: Path, refused: Program) -> No
         ("Error [mm]", "deviation_um=Error [mm]", 1000.0),
         ("Error [\u03bcm]", "deviation_um=Error", 1.0),
         ("Error", "deviation_um=Error (mm)", 1000.0),
-        ("Error (of X)", "deviation_um=Error (of X)", 1.0),
+        ("Error", "deviation_um=Error", 1.0),
+        ("Error (of X)", "deviation_um=Error (of X) [mm]", 1000.0),
+        ("Error [mm] (of X)", "deviation_um=Error", 1000.0),
     ],
 )
 def test_unit_in_a_head_counts(tmp_path: Path, head: str, mapping: str, um: float) -> None:
@@ -64,7 +66,21 @@ def test_unit_in_a_head_counts(tmp_path: Path, head: str, mapping: str, um: floa
 
     assert run.campaign.touches.deviation_um.tolist() == pytest.approx([um, 2 * um])
     is_assumed = any("as none is named" in line for line in run.said["assumed"])
-    assert is_assumed == (head == "Error (of X)")
+    assert is_assumed == (head == mapping.partition("=")[2] == "Error")
+
+
+@pytest.mark.parametrize("head", ["Feed (furlong/h)", "Feed [furlong/h]", "Feed {furlong/h}"])
+@pytest.mark.parametrize("is_given", [True, False])
+def test_what_is_no_unit_in_brackets_is_refused(
+    tmp_path: Path, refused: Program, head: str, is_given: bool
+) -> None:
+    (tmp_path / "t.csv").write_text(f"e [mm],{head}\n1,1\n")
+    maps = ("--map", "deviation_um=e", "--map", f"feed_mm_min={head if is_given else 'Feed'}")
+
+    said = refused("import", "csv", tmp_path / "t.csv", *maps, "-o", "x")
+
+    assert 'feed_mm_min: unit "furlong/h" is none of mm/min, mm/s' in said
+    assert f'if it is no unit, name one behind it: "{head} [mm/min]"' in said
 
 
 def test_unit_other_than_that_of_the_head_is_refused(tmp_path: Path, refused: Program) -> None:

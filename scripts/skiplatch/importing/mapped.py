@@ -9,7 +9,7 @@ from skiplatch.campaign import COLUMNS
 from skiplatch.campaign.columns import is_thermometer
 from skiplatch.campaign.time_stamps import TIME_NAME
 from skiplatch.errors import InputError, hint, quoted
-from skiplatch.importing.units_in_heads import BRACKETS, UNITS, split_unit
+from skiplatch.importing.units_in_heads import BRACKETS, UNITS, bracketed, no_unit, split_unit
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
 COORDINATE = "coordinate_mm"
@@ -47,11 +47,18 @@ def parse_mapping(text: str) -> Mapped:
     if column not in known and not is_thermometer(column):
         raise ValueError(f"{quoted(column)} is no column of a campaign{hint(column, known)}")
     name, unit = split_unit(head, unit_of(column))
-    ending, units = BRACKETS.match(head), UNITS.get(unit_of(column))
-    if units and ending and ending["unit"] and not unit:
-        named = quoted(ending["unit"])
-        raise ValueError(f"{column}: unit {named} is none of {', '.join(units)}")
+    if wrong := no_unit(head, unit_of(column)):
+        raise ValueError(_unknown(column, head, wrong))
     return Mapped(column, head, name, unit)
+
+
+def _unknown(column: str, head: str, wrong: str) -> str:
+    """Say that what stands in brackets is no unit, and how to name one if it is not meant to be."""
+    units = UNITS[unit_of(column)]
+    return (
+        f"{column}: unit {quoted(wrong)} is none of {', '.join(units)}; "
+        f"if it is no unit, name one behind it: {quoted(f'{head} [{next(iter(units))}]')}"
+    )
 
 
 def refuse_twice(path: Path, mapped: Sequence[Mapped]) -> None:
@@ -95,6 +102,9 @@ def in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
         numbers = [str(i) for i, head in enumerate(heads, 1) if head in those]
         message = f"{quoted(m.head)} may be any of columns {', '.join(numbers)}: rename all but one"
         raise InputError(path, line, None, message)
+    for head in heads:
+        if (wrong := no_unit(head, unit_of(m.column))) and bracketed(head)[0] == m.name:
+            raise InputError(path, line, None, _unknown(m.column, head, wrong))
     there = ", ".join(head[:40] for head in heads[:20])
     message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {there}"
     raise InputError(path, line, None, message)
