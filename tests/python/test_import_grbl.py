@@ -221,3 +221,17 @@ def test_approach_longer_than_its_move_is_not_known(tmp_path: Path) -> None:
     unknown = np.isnan(touches.approach_mm).tolist()
     assert unknown == [True, False, True, False, True]
     assert touches.approach_mm[[1, 3]] == pytest.approx([2.0, 2.0], abs=0.01)
+
+
+@pytest.mark.parametrize(
+    "start",
+    ["Grbl 1.1h ['$' for help]", "GrblHAL 1.1f ['$' for help]", "Grbl 3.7 [FluidNC v3.7.8]"],
+)
+def test_reset_takes_back_units_and_feed(tmp_path: Path, start: str) -> None:
+    touch = "{}\n[PRB:0.000,0.000,-5.123:1]\nok\n"
+    moves = ["G20 G91 G38.2 Z-1 F10", "G91 G38.2 Z-9 F60", "G38.2 Z-9"]
+    before, after, last = map(touch.format, moves)
+
+    run = read(tmp_path, f"{before}{start}\n{after}{start}\n{last}", "--feed", "7")
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [254, 60, 7]

@@ -97,6 +97,7 @@ class _Reader:
             return
         if self._dialogue.started(line.text):
             self._speeds.restarted()
+            self._commands.restarted()
         if not self._answered(line, has_reply=reply is not None):
             before = line.text[: reply.begin] if reply else line.text
             if command := command_in(before):

@@ -21,6 +21,7 @@ class Commands:
 
     def __init__(self, *, inch: bool) -> None:
         self.units: set[str] = set()
+        self._begins_in_inches = inch
         self._machine = Machine(is_inch=inch)
         self._program: dict[str, float] = {}  # where its absolute moves went, as it counts
 
@@ -32,6 +33,11 @@ class Commands:
     def homed(self) -> None:
         """Forget where the axes were."""
         self._machine.position.clear()
+        self._program.clear()
+
+    def restarted(self) -> None:
+        """Take back modes and feed, as a controller does that starts anew: G21, G90, no F."""
+        self._machine = Machine(is_inch=self._begins_in_inches)
         self._program.clear()
 
     def touched(self, position: Sequence[float]) -> None:
