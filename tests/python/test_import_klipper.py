@@ -84,6 +84,29 @@ def test_speed_of_probe_accuracy_ends_with_its_results(tmp_path: Path) -> None:
     assert run.campaign.touches.approach_mm.tolist()[:2] == pytest.approx([4.0, 2.0], abs=0.01)
 
 
+def test_speed_of_probe_accuracy_ends_with_its_last_sample(tmp_path: Path) -> None:
+    run = imported(tmp_path, TEST.format("2.0") + TOUCHES + TOUCHES)
+
+    assert feeds(run) == [120.0] * 2 + [300.0] * 2
+
+
+def test_speed_of_probe_accuracy_holds_where_a_delta_prints_other_places(tmp_path: Path) -> None:
+    run = imported(tmp_path, TEST.format("2.0") + TOUCHES.replace("10.000,", "9.998,", 1))
+
+    assert feeds(run) == [120.0] * 2
+
+
+def test_configuration_limits_the_speed(tmp_path: Path) -> None:
+    printer = "[printer]\nmax_velocity = 300\nmax_z_velocity = 5\n"
+    config = CONFIG.replace("[probe]", f"{printer}[probe]")
+
+    run = imported(tmp_path, f"{config}{TEST.format('2.0')}{TOUCHES}{RESULTS}PROBE\n{TOUCHES}")
+
+    assert feeds(run) == [120.0] * 2 + [300.0] * 2
+    said = "2 touches slower than asked for, as [printer] max_z_velocity is 5 mm/s"
+    assert said in run.said["known"]
+
+
 def test_speed_holds_through_what_a_command_prints(tmp_path: Path) -> None:
     printed = "Attaching Probe\nstepper_z = -0.1\nprobe: TRIGGERED\nok B:60.1 /60.0\n"
     run = imported(

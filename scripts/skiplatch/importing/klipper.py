@@ -2,14 +2,16 @@
 
 import math
 import re
+from collections import Counter
 from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, thermometer_name
+from skiplatch.importing.klipper_config import Config
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
-from skiplatch.numbers import NUMBER, number
-from skiplatch.units import S_PER_MIN, UM_PER_MM
+from skiplatch.numbers import NUMBER
+from skiplatch.units import S_PER_MIN
 
 _PROBE = re.compile(
     rf"probe(?:: at| at) ({NUMBER}),\s*({NUMBER})(?:,\s*({NUMBER}))? "
@@ -20,18 +22,13 @@ _ACCURACY = re.compile(
     rf"PROBE[_ ]ACCURACY:? at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})(?:\s*\((?P<options>[^)]*))?",
     re.IGNORECASE,
 )
-_ACCURACY_SPEED = re.compile(rf"^and read \d+ times with speed of ({NUMBER}) mm/s")
+_ACCURACY_SPEED = re.compile(rf"^and read (\d+) times with speed of ({NUMBER}) mm/s")
 """What stood on a line of its own up to 2020."""
 _MISSED = re.compile(r"No trigger on probe after full movement", re.IGNORECASE)
 _FALSE = re.compile(r"Probe triggered prior to movement", re.IGNORECASE)
 _OPTION = re.compile(rf"(\w+)=({NUMBER})")
 _STATS = re.compile(rf"^Stats ({NUMBER}):")
 _TEMPERATURE = re.compile(rf"([^\s:=]+): (?:target={NUMBER} )?temp=({NUMBER})")
-_ELECTRONICS = {"temperature_mcu", "temperature_host"}
-"""Sensors within a processor, which tell nothing of the machine."""
-_SECTION = re.compile(r"^\[([^\]]+)\]$")
-_WHOLE = re.compile(NUMBER)
-_ENTRY = re.compile(r"^(\w+)\s*[=:]\s*([^#]+)")
 _RESULTS = re.compile(
     rf"^probe accuracy results(?:: maximum ({NUMBER}), minimum ({NUMBER}))?", re.IGNORECASE
 )
@@ -52,8 +49,6 @@ _MOVED = {
 """What begins a session: a homing or restart; what QUAD_GANTRY_LEVEL and Z_TILT_ADJUST print as
 they move Z; what SCREWS_TILT_CALCULATE and BED_SCREWS_ADJUST print before somebody turns screws."""
 _RULER = re.compile(r"^={5,}(?:( Config file )=*)?$")
-_PROBE_SECTIONS = {"probe", "bltouch", "smart_effector", "probe_eddy_current", "load_cell_probe"}
-_PROBE_SECTIONS |= {"dockable_probe", "beacon", "cartographer", "scanner"}  # of forks and plugins
 _HALF_DIGIT_MM_S = 0.0501  # of the speed that PROBE_ACCURACY prints
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
 
@@ -89,13 +84,15 @@ class _Reader(Console):
         self._start_z: float | None = None
         self._last_z: float | None = None
         self._stats_s: float | None = None
-        self._section = ""
         self._is_config = False
-        self._config: dict[tuple[str, str], str] = {}
+        self._config = Config()
         self._command_speed: float | None = None
         self._last_place: tuple[float, float] | None = None
         self._feeds_from: list[str] = []
+        self._at_default = 0
+        self._limited: Counter[str] = Counter()
         self._tested_place: tuple[float, float] | None = None
+        self._sampled = 0
         self._standing = 0
 
     def take(self, line: Line) -> None:
@@ -107,7 +104,7 @@ class _Reader(Console):
         elif match := _ACCURACY.search(text):
             self._test_begins(match)
         elif match := _ACCURACY_SPEED.match(text):
-            self._options["speed"] = float(match[1])
+            self._options |= {"samples": float(match[1]), "speed": float(match[2])}
         elif _MISSED.search(text) or _FALSE.search(text):
             self._failed(line)
         elif match := _STATS.match(text):
@@ -116,7 +113,7 @@ class _Reader(Console):
         elif match := _RULER.match(text):
             self._is_config = match[1] is not None
         else:
-            self._configured(text)
+            self._config.take(text)
             if not self._is_config:  # whose macros hold commands that nobody gave
                 self._happened(text)
                 self._tested_to_end(line)
@@ -124,15 +121,8 @@ class _Reader(Console):
     def _take_sensors(self, text: str) -> None:
         """Take the temperatures of a statistics line; 0 is that of a sensor not read yet."""
         for name, value in _TEMPERATURE.findall(text):
-            kind = self._config.get((f"temperature_sensor {name}", "sensor_type"))
-            if kind not in _ELECTRONICS and float(value) != 0.0:
+            if self._config.is_of_machine(name) and float(value) != 0.0:
                 self.temperatures[thermometer_name(name)] = float(value)
-
-    def _configured(self, text: str) -> None:
-        if match := _SECTION.match(text):
-            self._section = match[1].strip()
-        elif match := _ENTRY.match(text):
-            self._config[self._section, match[1]] = match[2].strip()
 
     def _happened(self, text: str) -> None:
         """Take a command, or what one prints beside touches."""
@@ -164,6 +154,7 @@ class _Reader(Console):
         if typed and abs(self._options.get("speed", math.inf) - typed) <= _HALF_DIGIT_MM_S:
             self._options["speed"] = typed
         self.test_begins()
+        self._sampled = 0
         self._start_z = float(match[3])
         self._tested_place = (float(match[1]), float(match[2]))
 
@@ -172,11 +163,12 @@ class _Reader(Console):
         if match[3] is not None:
             self._distance(float(match[3]) - z, (x, y), line)
             return
-        if self._options and self._start_z is None and self._last_place != (x, y):
-            self._command_ends()  # a PROBE_ACCURACY stays at its place
+        if self._sampled == self._options.get("samples"):
+            self._command_ends()  # by its number, as a delta prints other X and Y each time
         self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
         self._start_z, self._last_z, self._last_place = None, z, (x, y)
         self._tested_place = None
+        self._sampled += 1
 
     def _failed(self, line: Line) -> None:
         """Take an attempt without a touch, which ends its command, where the last one was."""
@@ -203,37 +195,35 @@ class _Reader(Console):
             return self._last_z + retract
         return self._start_z
 
-    def _speed(self) -> float | None:
-        """Give the feed in mm/min and remember where it is from."""
-        configured = next(
-            (
-                float(value)
-                for (section, name), value in self._config.items()
-                if name == "speed"
-                and section.split()[0:1]
-                and section.split()[0] in _PROBE_SECTIONS
-                and _WHOLE.fullmatch(value)
-            ),
-            None,
-        )
+    def _speed(self) -> float:
+        """Give the feed in mm/min: as asked for, unless the configuration allows Z less."""
+        speed = self._asked_speed()
+        limit = self._config.fastest_z()
+        if limit and speed > limit[0]:
+            self._limited[f"[printer] {limit[1]} is {limit[0]:g} mm/s"] += 1
+            speed = limit[0]
+        return speed * S_PER_MIN
+
+    def _asked_speed(self) -> float:
+        """Give the speed in mm/s and remember where it is from."""
         for speed, source in (
             (self._options.get("speed"), "PROBE_ACCURACY"),
             (self._command_speed, "PROBE_SPEED"),
             (self.feed / S_PER_MIN if self.feed else None, "--feed"),
-            (configured, "the configuration in the log"),
+            (self._config.probing_speed(), "the configuration in the log"),
         ):
             if speed is not None:
                 if source not in self._feeds_from:
                     self._feeds_from.append(source)
-                return speed * S_PER_MIN
-        return None
+                return speed
+        self._at_default += 1
+        return _DEFAULT_SPEED_MM_S
 
     def result(self) -> Imported:
         """Say what was found."""
         found = self.imported("klipper")
         self._feeds(found)
-        self._steps(found)
-        self._reach(found)
+        self._config.put_into(found)
         found.known.append("where each touch was latched, and at which X and Y")
         if any(touch.time_s is not None for touch in self.touches) and self._stats_s is not None:
             found.assumed.append(
@@ -254,44 +244,14 @@ class _Reader(Console):
                     "diagnose needs a feed all the same: give --feed, by which nothing is found"
                 )
             return
-        unknown = [touch for touch in self.touches if touch.feed is None]
-        for touch in unknown:
-            touch.feed = _DEFAULT_SPEED_MM_S * S_PER_MIN
         if self._feeds_from:
             found.known.append(f"feeds from {' and '.join(self._feeds_from)}")
-        if unknown:
+        found.known += [
+            f"{touches} touches slower than asked for, as {why}"
+            for why, touches in self._limited.items()
+        ]
+        if self._at_default:
             found.assumed.append(
-                f"{len(unknown)} touches at Klipper's default of {_DEFAULT_SPEED_MM_S:g} mm/s: "
+                f"{self._at_default} touches at Klipper's default of {_DEFAULT_SPEED_MM_S:g} mm/s: "
                 "the log does not say their speed; else give --feed"
             )
-
-    def _reach(self, found: Imported) -> None:
-        """Take the ends of Z from the configuration, so that no touch is asked for beyond them."""
-        ends = [self._config.get(("stepper_z", f"position_{end}"), "") for end in ("min", "max")]
-        if all(_WHOLE.fullmatch(end) for end in ends):
-            found.reach(float(ends[0]), float(ends[1]), "[stepper_z] of the log")
-
-    def _steps(self, found: Imported) -> None:
-        """Work the step of Z out of the configuration that klippy.log begins with."""
-        get = self._config.get
-        try:
-            distance = number(get(("stepper_z", "rotation_distance"), ""))
-            microsteps = number(get(("stepper_z", "microsteps"), ""))
-            full = number(get(("stepper_z", "full_steps_per_rotation"), "200"))
-            ratio = _gear_ratio(get(("stepper_z", "gear_ratio"), "1:1"))
-            step_um = UM_PER_MM * distance / (full * microsteps * ratio)
-        except (ValueError, ZeroDivisionError):
-            found.assumed.append("no [stepper_z] in the log: the step of Z is not known")
-        else:
-            found.figure("axis", "resolution_um", step_um, "[stepper_z] of the log")
-        accel = get(("printer", "max_z_accel"))
-        if accel is not None and _WHOLE.fullmatch(accel):
-            found.figure("axis", "accel_mm_s2", float(accel), "[printer] max_z_accel of the log")
-
-
-def _gear_ratio(text: str) -> float:
-    ratio = 1.0
-    for pair in text.split(","):
-        driven, driving = pair.split(":")
-        ratio *= number(driven) / number(driving)
-    return ratio
