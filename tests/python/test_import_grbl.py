@@ -235,3 +235,12 @@ def test_reset_takes_back_units_and_feed(tmp_path: Path, start: str) -> None:
     run = read(tmp_path, f"{before}{start}\n{after}{start}\n{last}", "--feed", "7")
 
     assert run.campaign.touches.feed_mm_min.tolist() == [254, 60, 7]
+
+
+def test_maximum_rate_of_the_axis_limits_its_feed(tmp_path: Path) -> None:
+    text = probing("0.000,0.000,-5.123", "F50") + probing("0.000,0.000,-5.124", "F300")
+
+    run = read(tmp_path, f"$110=10\n$112=100.000\n{text}")
+
+    assert run.campaign.touches.feed_mm_min.tolist() == [50, 100]
+    assert "1 touches slower than asked for, as $112 is 100 mm/min" in run.said["known"]

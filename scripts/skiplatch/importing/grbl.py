@@ -11,7 +11,7 @@ from skiplatch.importing.grbl_commands import Commands
 from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than, put_on_steps
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
-from skiplatch.importing.grbl_speed import Speeds
+from skiplatch.importing.grbl_speed import Speeds, limit
 from skiplatch.importing.log_lines import Line, read_lines, read_text, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
 from skiplatch.importing.presets import PRESETS, Preset
@@ -236,6 +236,7 @@ class _Reader:
         put_on_steps(self.touches, steps_per_mm)
         found.leave_out_releases()
         found.share_feeds()
+        found.known += limit(found.touches, self._settings)
         has_settings = bool(found.figures)
         step = found.figures.get(("axis", "resolution_um"))
         digit_um = DIGIT_INCH * MM_PER_INCH * UM_PER_MM

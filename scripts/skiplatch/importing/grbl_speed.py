@@ -5,8 +5,11 @@ otherwise ($65 of grblHAL). So a feed is taken with the override only where the 
 """
 
 import re
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 
+from skiplatch.importing.model import Touch
+from skiplatch.importing.probe_move import AXES
 from skiplatch.numbers import NUMBER
 
 _STATUS = re.compile(r"<[A-Z]\w*(?::\d+)?\|[^>]*")
@@ -14,6 +17,7 @@ _SPEED = re.compile(rf"\|FS?:({NUMBER})")
 _OVERRIDE = re.compile(r"\|Ov:([0-9]+)(?!\w)")
 _HALF_A_DIGIT_MM = 0.51  # mm/min are printed without decimals, inches with one
 _HALF_A_DIGIT_INCH = 0.051
+_MAX_RATE = 110  # and the numbers after it, an axis each
 
 
 class Speeds:
@@ -69,3 +73,15 @@ class Speeds:
                 f"feeds as programmed in spite of an override (Ov:): {self._as_programmed}; grbl "
                 "leaves it out while probing, unless built or set otherwise"
             )
+
+
+def limit(touches: Iterable[Touch], settings: Mapping[int, float]) -> list[str]:
+    """Give touches no larger feed than their axis has, and say how many had one."""
+    limited: Counter[str] = Counter()
+    for touch in touches:
+        number = _MAX_RATE + AXES.index(touch.axis)
+        fastest = settings.get(number, 0.0)
+        if touch.feed is not None and 0.0 < fastest < touch.feed:
+            touch.feed = fastest
+            limited[f"${number} is {fastest:g} mm/min"] += 1
+    return [f"{n} touches slower than asked for, as {why}" for why, n in limited.items()]
