@@ -32,6 +32,7 @@ class Marks:
         decimal: The decimal marks of each column that are certain.
         parting: Marks that certainly part thousands somewhere.
         either: Marks of numbers that could be read either way.
+        open: Columns with such numbers.
         short: Columns with whole numbers below 1000, which are without any mark.
         thousands: Numbers such as 1.200 that were read as 1200.
         doubtful: Line, column and cell of those that could be 1.2 as well.
@@ -40,6 +41,7 @@ class Marks:
     decimal: dict[int, set[str]] = field(default_factory=lambda: defaultdict(set))
     parting: set[str] = field(default_factory=set)
     either: set[str] = field(default_factory=set)
+    open: set[int] = field(default_factory=set)
     short: set[int] = field(default_factory=set)
     thousands: list[str] = field(default_factory=list)
     doubtful: list[tuple[int, int, str]] = field(default_factory=list)
@@ -74,25 +76,27 @@ class Marks:
         """Note what a cell shows."""
         if match := _EITHER.fullmatch(cell):
             self.either.add(match["mark"])
+            self.open.add(column)
         elif match := _MANY.fullmatch(cell):
             self.parting.add(match["mark"])
             self.decimal[column].add(_OTHER[match["mark"]])
         elif (match := _DECIMAL.fullmatch(cell)) and match["part"] != match["mark"]:
             self.decimal[column].add(match["mark"])
             self.parting.add(match["part"] or "")
-        elif _SHORT.fullmatch(cell):
+        elif _SHORT.fullmatch(cell) and float(cell):  # 0 is written so beside both
             self.short.add(column)
 
     def _is_decimal(self, column: int, mark: str) -> bool | None:
         """Tell whether the mark of a number such as 1.200 is the decimal mark; None if in doubt.
 
         Its own column tells, else the others. That those have another mark is not enough, as a
-        table may be put together of several: thousands have to show.
+        table may be put together of several: thousands have to show. Where no other number has a
+        mark, 600 beside 1.200 in a column speaks against decimals.
         """
         own = self.decimal.get(column)
         shown = own or set().union(*self.decimal.values())
         if not shown:
-            return True if len(self.either) == 1 else None
+            return True if len(self.either) == 1 and not self.open & self.short else None
         if len(shown) > 1:
             return None
         if mark in shown:
