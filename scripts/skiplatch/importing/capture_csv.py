@@ -138,23 +138,29 @@ def _times(path: Path, sheet: _Sheet) -> tuple[FloatArray, tuple[str, ...]]:
             raise InputError(path, sheet.head_line, None, message)
         return times * _S_OF_UNIT[unit], ()
     if sheet.rate_hz and len(times):
-        return _sigrok_times(times, sheet.rate_hz, head)
+        return _sigrok_times(path, sheet, times, sheet.rate_hz)
     if _is_word(head):
         return times * _S_OF_WORD[head.lower()], ()
     return times, (f"times are in seconds, as {quoted(head)} names no unit such as [us]",)
 
 
 def _sigrok_times(
-    times: FloatArray, rate_hz: float, head: str
+    path: Path, sheet: _Sheet, times: FloatArray, rate_hz: float
 ) -> tuple[FloatArray, tuple[str, ...]]:
     """Give times in s of libsigrok, which counts them in the unit that the head says.
 
     Where it says none: the longest of second, millisecond and so on that a sample lasts. Up to 0.5
     the first sample is at its end, and its duration is cut to whole units: at 24 MHz to 41 ns.
     """
+    head = sheet.head[0]
     by_rate = next(power for power in range(len(_WORDS)) if 1000**power >= rate_hz)
     power = _WORDS.index(head.lower()) if _is_word(head) else by_rate
     word, duration = _WORDS[power], 1000**power / rate_hz
+    near = np.flatnonzero((gaps := np.diff(times)) < duration // 1.0)  # as whole units are left
+    if len(near):
+        rows = f"rows at least {duration:g} {word} apart, as the sample rate says"
+        line = sheet.rows[int(near[0]) + 1][0]
+        raise InputError(path, line, None, f"expected {rows}, got {gaps[near[0]]:g}")
     if 1.0 <= times[0] == duration // 1.0 < duration:
         said = f"{word} are off, as libsigrok cut {duration:.6g} a sample to {times[0]:g}: mended"
         return times / (times[0] * rate_hz), (said,)
