@@ -244,3 +244,16 @@ def test_maximum_rate_of_the_axis_limits_its_feed(tmp_path: Path) -> None:
 
     assert run.campaign.touches.feed_mm_min.tolist() == [50, 100]
     assert "1 touches slower than asked for, as $112 is 100 mm/min" in run.said["known"]
+
+
+def test_change_of_the_tool_begins_a_session(tmp_path: Path) -> None:
+    touch = probing("0.000,0.000,-5.123")
+    changes = ("M6 T1", "T2 M6", "(M6 is next)", "M06 T3 (small)")
+
+    run = read(tmp_path, "".join(f"{change}\nok\n{touch}" for change in changes))
+
+    touches = run.campaign.touches
+    names = [touches.session_names[i].split(" Z-")[0] for i in touches.session]
+    second = "after tool change 1"
+    assert names == ["Z- at 0 0", second, second, "after tool change 2"]
+    assert "sessions of their own after a change of the tool (M6): 2" in run.said["assumed"]

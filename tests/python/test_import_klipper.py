@@ -181,6 +181,16 @@ def test_screws_that_were_to_be_turned_begin_a_session(tmp_path: Path, printed: 
     assert any("how far to turn screws" in line for line in run.said["assumed"])
 
 
+def test_another_tool_begins_a_session(tmp_path: Path) -> None:
+    tools = ("$ T0", "$ T1 ; second", "T1", "T0:24.3 /0.0", "ACTIVATE_EXTRUDER EXTRUDER=extruder")
+    run = imported(tmp_path, "".join(f"{tool}\n{TOUCHES}" for tool in tools))
+
+    second = ["after a tool change 1"] * 6
+    assert sessions(run)[2:] == [*second, *["after a tool change 2"] * 2]
+    said = "sessions of their own after a change of the tool, as each has a length of its own: 2"
+    assert said in run.said["assumed"]
+
+
 def test_homing_after_an_adjustment_begins_no_session_more(tmp_path: Path) -> None:
     run = imported(tmp_path, f"G28\n{TOUCHES}{ADJUSTED[0]}G28 Z\n{TOUCHES}G28\n{TOUCHES}")
 

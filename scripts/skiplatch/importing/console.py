@@ -14,6 +14,7 @@ from skiplatch.numbers import NUMBER
 _TEMPERATURE = re.compile(rf"\b(B|T[0-9]?):\s*({NUMBER})\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
 HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
+CHANGING = "a tool change"
 CONTACT = "by contact"
 OFFSET = "setting the probe's offset"
 """What begins a session, as the touches after it latch elsewhere than those before."""
@@ -173,6 +174,7 @@ class Console:
         for what, why in (
             (ADJUSTING, "an adjustment of Z, as it moves the gantry or the bed"),
             (TURNING, "a list of how far to turn screws of the bed, as if they were turned"),
+            (CHANGING, "a change of the tool, as each has a length of its own"),
             (OFFSET, "a new offset of the probe (M851), which moves where z is 0"),
         ):
             times = sum(session.startswith(f"after {what}") for session in sessions)

@@ -191,7 +191,9 @@ class _Reader:
         )
 
     def _session_name(self) -> str:
-        return f"after homing {self._session}" if self._session else ""
+        counts = {"homing": self._session, "tool change": self._commands.tools}
+        after = [f"{what} {count}" for what, count in counts.items() if count]
+        return f"after {' and '.join(after)}" if after else ""
 
     def _guess(self, position: Sequence[float]) -> str:
         """Take the axis that moved since the touch before, or Z.
@@ -271,6 +273,10 @@ class _Reader:
             found.assumed.append(
                 f"{self._guessed} replies have no command before them: their axis is the one that "
                 "moved, else Z, their sense is not known"
+            )
+        if self._commands.tools:
+            found.assumed.append(
+                f"sessions of their own after a change of the tool (M6): {self._commands.tools}"
             )
         if any(touch.axis == "Z" for touch in self.touches):
             found.assumed.append("Z was touched from above where no command says otherwise")

@@ -6,21 +6,29 @@ What hangs on the offset between the program's coordinates and the machine's is 
 import re
 from collections.abc import Sequence
 
-from skiplatch.importing.gcode import Machine
+from skiplatch.importing.gcode import Machine, without_comments
 from skiplatch.importing.log_lines import Line
 from skiplatch.importing.probe_move import AXES, ProbeMove
 
 _FEED_0 = re.compile(r"\bF0(?:\.0*)?\b")
 _IN_MACHINE = re.compile(r"G53(?!\d)", re.IGNORECASE)
 _OFFSETS = re.compile(r"G(?:10|28|30|43|49|92|5[4-9])(?!\d)", re.IGNORECASE)
+_TOOL_CHANGES = (6.0, 61.0)  # M6, and M61 that tells of one by hand
 _UNIT = re.compile(r"G2[01](?!\d)", re.IGNORECASE)
 
 
 class Commands:
-    """Follows modes and positions; `units` are those of G20 and G21 that were told."""
+    """Follows modes and positions.
+
+    Attributes:
+        units: Those of G20 and G21 that were told.
+        tools: Changes of the tool between touches.
+    """
 
     def __init__(self, *, inch: bool) -> None:
         self.units: set[str] = set()
+        self.tools = 0
+        self._tool_has_touched = False
         self._begins_in_inches = inch
         self._machine = Machine(is_inch=inch)
         self._program: dict[str, float] = {}  # where its absolute moves went, as it counts
@@ -47,6 +55,7 @@ class Commands:
         moves need no more than this.
         """
         self._machine.position = dict(zip(AXES, position, strict=False))
+        self._tool_has_touched = True
 
     def execute(self, text: str, line: Line) -> ProbeMove | None:
         """Carry out a command and give the probing move in it."""
@@ -54,6 +63,7 @@ class Commands:
             self._jogged(text)
             return None
         self._note_unit(text)
+        self._note_tool(text)
         before = dict(self._machine.position)
         move = self._machine.execute(text, line.number)
         places = {n: v for n, v in self._machine.words(text) if n in AXES and v is not None}
@@ -94,3 +104,9 @@ class Commands:
 
     def _note_unit(self, text: str) -> None:
         self.units |= {code.upper() for code in _UNIT.findall(text)}
+
+    def _note_tool(self, text: str) -> None:
+        words = self._machine.words(without_comments(text))
+        if any(letter == "M" and value in _TOOL_CHANGES for letter, value in words):
+            self.tools += self._tool_has_touched
+            self._tool_has_touched = False

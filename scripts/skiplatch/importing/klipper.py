@@ -6,7 +6,14 @@ from collections import Counter
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import ADJUSTING, HOMING, TURNING, Console, thermometer_name
+from skiplatch.importing.console import (
+    ADJUSTING,
+    CHANGING,
+    HOMING,
+    TURNING,
+    Console,
+    thermometer_name,
+)
 from skiplatch.importing.klipper_config import Config
 from skiplatch.importing.log_lines import Line, read_lines
 from skiplatch.importing.model import Imported
@@ -48,6 +55,7 @@ _MOVED = {
 }
 """What begins a session: a homing or restart; what QUAD_GANTRY_LEVEL and Z_TILT_ADJUST print as
 they move Z; what SCREWS_TILT_CALCULATE and BED_SCREWS_ADJUST print before somebody turns screws."""
+_TOOL = re.compile(r"^(?:N\d+\s*)?(T\d+|M6|ACTIVATE_EXTRUDER)\b([^:/]*)$", re.IGNORECASE)
 _RULER = re.compile(r"^={5,}(?:( Config file )=*)?$")
 _HALF_DIGIT_MM_S = 0.0501  # of the speed that PROBE_ACCURACY prints
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
@@ -90,6 +98,7 @@ class _Reader(Console):
         self._last_place: tuple[float, float] | None = None
         self._feeds_from: list[str] = []
         self._at_default = 0
+        self._tool = ""
         self._limited: Counter[str] = Counter()
         self._tested_place: tuple[float, float] | None = None
         self._sampled = 0
@@ -128,10 +137,19 @@ class _Reader(Console):
         """Take a command, or what one prints beside touches."""
         is_homed = self.take_moved(text, _MOVED) == HOMING
         speed = _PROBE_SPEED.search(text)
-        if speed or is_homed or _COMMAND.match(text):
+        if tool := _TOOL.match(text):
+            self._takes_tool(tool)
+        if speed or is_homed or tool or _COMMAND.match(text):
             self._command_ends()
             self.take_method(text)
             self._command_speed = float(speed[1]) if speed else None
+
+    def _takes_tool(self, command: re.Match[str]) -> None:
+        """Take which tool is asked for; the one that is there is no change."""
+        name = " ".join(command.groups()).split(";")[0].split("*")[0].strip().upper()
+        if name != self._tool:
+            self.take_moved(command[0], {CHANGING: _TOOL})
+        self._tool = name
 
     def _tested_to_end(self, line: Line) -> None:
         """Take the results of PROBE_ACCURACY."""
