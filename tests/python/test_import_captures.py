@@ -297,3 +297,26 @@ def test_edges_that_nothing_follows_are_said_without_a_number(tmp_path: Path) ->
 
     (said,) = (line for line in run.said["assumed"] if "come never after them" in line)
     assert "inf" not in said
+
+
+def test_bounce_of_a_release_is_no_touch(tmp_path: Path) -> None:
+    """Contacts of 3 ms, which come back for 30 µs; and a latch long after one of these."""
+    rows = []
+    for start in (1000, 11000):
+        rows += [f"{start},1,0", f"{start + 40},1,1", f"{start + 90},1,0", f"{start + 3000},0,0"]
+        rows += [f"{start + 3020},1,0", f"{start + 3050},0,0"]
+    rows += ["15100,0,1", "15200,0,0"]
+    (tmp_path / "c.csv").write_text("\n".join(["Time [us],D0,D1", "0,0,0", *rows]) + "\n")
+
+    run = Run(tmp_path, "edges", str(tmp_path / "c.csv"))
+
+    assert waits_us(run) == pytest.approx([40.0, 40.0])
+    assert any(line.startswith("2 edges so near") for line in run.said["assumed"])
+    assert "latches besides the first after each edge: 1" in run.said["could_not_be_read"]
+
+
+def test_capture_without_any_latch_in_time_says_so_and_the_unit(tmp_path: Path) -> None:
+    run = Run(tmp_path, "edges", capture(tmp_path / "c.csv", "Time", 1.0))
+
+    said = "none of 2 edges has a latch within 1 s, by times whose unit was assumed"
+    assert said in run.said["known"]

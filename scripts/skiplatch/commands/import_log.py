@@ -205,7 +205,7 @@ EDGE_OPTIONS = (
         type=NumberType(0.0, 1e9),
         default=1000.0,
         show_default=True,
-        help="Edges of the probe within this time of one before are its bounces.",
+        help="Edges of the probe within this time of one before, or of a release, are its bounces.",
     ),
     out_option,
     json_option,

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Status, Touches
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.analyser import Capture
+from skiplatch.importing.bounces import begins_touch, has_within, probe_edges, rested_edges
 from skiplatch.importing.model import Imported
 from skiplatch.stand_ins import PLAYED
 from skiplatch.units import US_PER_S
@@ -49,20 +50,22 @@ def read_edges(
         wanted: Its channels.
         falling: Whether the falling edges of the probe count rather than the rising ones. Latches
             and reports have a polarity of their own: that which follows the edges first.
-        holdoff_s: Edges of the probe within this time of one before are bounces, unless they
-            have a latch of their own.
+        holdoff_s: Edges of the probe within this time of one before, or of the release before,
+            are bounces, unless they have a latch of their own.
 
     Raises:
         InputError: A channel is not in it, or has no edge.
     """
     names = _channels(path, capture, wanted)
     _refuse_coarse(path, capture)
-    edges = capture.edges(names.probe, falling=falling)
-    rested = _rested(edges, holdoff_s)
+    all_edges, brief = probe_edges(capture, names.probe, holdoff_s, falling=falling)
+    rested = rested_edges(all_edges[~brief], holdoff_s)
     answers = {p: _answers(capture, name, rested) for p, name in names.latches.items()}
     latches = {p: times for p, (times, _) in answers.items()}
-    first = _begins_touch(edges, np.sort(np.concatenate(list(latches.values()))), holdoff_s)
-    bounces, edges = int((~first).sum()), edges[first]
+    answered = np.sort(np.concatenate(list(latches.values())))
+    edges = all_edges[~brief | has_within(all_edges, answered, holdoff_s)]
+    edges = edges[begins_touch(edges, answered, holdoff_s)]
+    bounces = len(all_edges) - len(edges)
     if not len(edges):
         sense = "falling" if falling else "rising"
         raise InputError(path, None, None, f"no {sense} edge on channel {quoted(names.probe)}")
@@ -78,7 +81,11 @@ def read_edges(
         for p, (_, own) in answers.items()
         if own != sense
     ]
-    others = _rested(capture.edges(names.probe, falling=not falling), holdoff_s)
+    surplus = sum(map(len, latches.values())) - len(edges) * len(latches) + missed
+    if surplus > 0:
+        found.unread.append(f"latches besides the first after each edge: {surplus}")
+    others, brief = probe_edges(capture, names.probe, holdoff_s, falling=not falling)
+    others = rested_edges(others[~brief], holdoff_s)
     for p, name in names.latches.items():
         own_us = _after_us(edges, latches[p])
         soon_us = _after_us(others, _answers(capture, name, others)[0])
@@ -93,11 +100,6 @@ def _refuse_coarse(path: Path, capture: Capture) -> None:
     if step_us > most_us:
         expected = f"expected samples at most {most_us:g} µs apart, got {step_us:g} µs"
         raise InputError(path, None, None, expected)
-
-
-def _rested(edges: FloatArray, holdoff_s: float) -> FloatArray:
-    """Keep the edges that no other one came shortly before."""
-    return edges[np.diff(edges, prepend=-np.inf) > holdoff_s]
 
 
 def _idles(probe: str, own_us: float, soon_us: float, *, falling: bool) -> str:
@@ -183,7 +185,10 @@ def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed:
     )
     found.known.append(f"channels: probe {names.probe}, {latches}{reports}")
     found.known.append("edges and latches by one clock: no drift between two can be told")
-    if missed:
+    if found.columns is not None and missed == len(found.columns):
+        unit = ", by times whose unit was assumed" if capture.assumed else ""
+        found.known.append(f"none of {missed} edges has a latch within {LONGEST_WAIT_S:g} s{unit}")
+    elif missed:
         found.known.append(f"edges without a latch within {LONGEST_WAIT_S:g} s: {missed}")
     if bounces:
         found.assumed.append(
@@ -252,19 +257,6 @@ def _named(path: Path, capture: Capture, name: str) -> str:
             return known
     message = f"no channel {quoted(name)}{hint(name, names)}; there are: {', '.join(names)}"
     raise InputError(path, None, None, message)
-
-
-def _begins_touch(edges: FloatArray, latches: FloatArray, holdoff_s: float) -> BoolArray:
-    """Tell the edges after a pause, and those between a latch of the edge before and their own."""
-    if not len(edges):
-        return np.zeros(0, dtype=bool)
-    rested = np.diff(edges, prepend=-np.inf) > holdoff_s
-    before = np.searchsorted(latches, edges, side="left")
-    pauses = np.flatnonzero(rested)
-    at_next_pause = np.append(before[pauses], len(latches))[np.cumsum(rested)]
-    has_own = before < at_next_pause
-    begins: BoolArray = rested | ((np.diff(before, prepend=-1) > 0) & has_own)
-    return begins
 
 
 def _following(edges: FloatArray, latches: FloatArray) -> FloatArray:
