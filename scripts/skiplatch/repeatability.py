@@ -43,7 +43,7 @@ class Repeatability:
         unit: Of all figures, ``µm``, ``arcsec`` or ``µs``.
         off: Each less the middle of its surface and feed; shape (n,).
         surfaces: How many surfaces were touched.
-        mean: Of all touches.
+        mean: Of the touches that `sigma` is of.
         sigma: Standard deviation about middles and the lines that are shown, without outliers.
         plain: Standard deviation of all touches about the means of their surfaces, by n - 1.
         range: Widest range of a surface.
@@ -197,7 +197,7 @@ def _of(
         unit=unit,
         off=fit.residuals + sum(fit.part(name, lines[name]) for name in lines if name != "speed"),
         surfaces=dummies.shape[1],
-        mean=_mean(y),
+        mean=_mean(y[regular]),
         sigma=fit.sigma,
         plain=_plain(y, dummies),
         range=max(float(np.ptp(y[surface == s])) for s in range(dummies.shape[1])),

@@ -135,11 +135,12 @@ def test_delay_drift_and_first_touch_are_told_apart(machine_sample: Path) -> Non
 
 def test_outliers_are_named_and_left_out(machine_sample: Path) -> None:
     y = noise(50)
-    y[[17, 31]] += (90.0, -120.0)
+    y[[17, 31]] += (900.0, -120.0)
 
     found = of(machine_sample, y)
 
     assert found.outliers == (17, 31)
+    assert found.mean.value == pytest.approx(np.delete(y, [17, 31]).mean())
     assert holds(found.sigma, SIGMA_UM)
     assert "2 lie far outside" in sentence(found)
 
