@@ -4,9 +4,10 @@ What repeats is the deviation in µm, of rotary axes in arcsec; on a bench witho
 from edge to latch in µs.
 
 Deviations are held against the middle of their surface, and one straight line each in the number
-of the touch and in the feed is fitted to all of them together. A line that is not shown is not
-taken out, and first touches of a series that are not told from the others are touches like them.
-Outliers do not enter. Each input path has figures of its own: a PLC task scatters by its scan.
+of the touch, or in its time, and in the feed is fitted to all of them together. A line that is not
+shown is not taken out, and first touches of a series that are not told from the others are touches
+like them. Outliers do not enter. Each input path has figures of its own: a PLC task scatters by its
+scan.
 """
 
 from collections.abc import Sequence
@@ -17,18 +18,17 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches
 from skiplatch.campaign.steps import common_step
+from skiplatch.drifts import FEWEST_FREE, course_of, per_kelvin, with_drift
 from skiplatch.errors import InputError
 from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
-from skiplatch.surface_fit import Grid, by_t, fit_surfaces
+from skiplatch.surface_fit import Grid, by_t
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
 FEWEST = 2
 """Touches of a surface from which on it tells a scatter."""
-FEWEST_FREE = 2
-"""Degrees of freedom, of all surfaces together, from which on that is told."""
 FEWEST_AFTER_FIRST = 4
 FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
@@ -59,6 +59,8 @@ class Repeatability:
             first touches, the drifts and the slope. Only these are taken out of `sigma`.
         coordinate: Of the axis that all moved; empty where there are several.
         sense: In which all moved it, 1 or -1; 0 where it is not known or differs.
+        touches_per_h: Where drifts go with time, by which they are turned into those an hour;
+            None where they go by the number of the touch.
         is_directed: Whether any sense is known; where none is, positive is a larger coordinate.
         missed: Touches that were not latched; they enter no figure.
         false: Latches without a contact; likewise.
@@ -82,6 +84,7 @@ class Repeatability:
     told: frozenset[str]
     coordinate: str
     sense: int
+    touches_per_h: float | None = None
     is_directed: bool = True
     missed: int = 0
     false: int = 0
@@ -178,13 +181,10 @@ def _of(
 ) -> Repeatability:
     is_first = _firsts(touches, surface)
     dummies = (surface[:, None] == np.arange(surface.max() + 1)).astype(float)
-    order = np.arange(len(y), dtype=float)
     speed = touches.feed_mm_min * PER_MS[unit]
-    lines = {"order": order}
-    if _varies_within(speed, surface):
-        lines["speed"] = speed
-    if np.ptp(touches.sign) > 0.0:  # NaN, where a sense is not known, is not
-        lines["axis"] = (order - order.mean()) * touches.sign
+    conditions = {"speed": speed} if _varies_within(speed, surface) else {}
+    course = course_of(touches, y, dummies, conditions, ~is_first, grid)
+    lines = with_drift(course, conditions, touches.sign)
     first = first_off(y, dummies, lines, is_first, grid)
     freedom = int((~is_first).sum()) - dummies.shape[1]
     is_off = first is not None and is_shown(first, freedom) and abs(first.value) > grid.finest(y)
@@ -204,7 +204,8 @@ def _of(
         first=first,
         drift=found.intervals.get("order"),
         axis_drift=found.intervals.get("axis"),
-        per_kelvin=_per_kelvin(touches, offsets, regular, dummies.shape[1]),
+        touches_per_h=course.per_h,
+        per_kelvin=per_kelvin(touches, offsets, regular, dummies.shape[1]),
         slope=found.intervals.get("speed"),
         outliers=tuple(touches.touch[_with_pairs(rows & ~regular, surface)].tolist()),
         step=grid.step,
@@ -273,28 +274,3 @@ def _means(y: FloatArray, dummies: FloatArray, rows: BoolArray) -> FloatArray:
 def _mean(y: FloatArray) -> Interval:
     error = float(np.std(y, ddof=1) / np.sqrt(len(y)))
     return by_t(float(y.mean()), error, len(y) - 1)
-
-
-def _per_kelvin(
-    touches: Touches, offsets: FloatArray, regular: BoolArray, surfaces: int
-) -> dict[str, Interval]:
-    """Give the slope against each thermometer that moves, in place of the drift by number."""
-    named = touches.thermometers
-    is_named = any(np.array_equal(touches.temp_c, t, equal_nan=True) for t in named.values())
-    warmth = dict(named) if is_named else {"machine": touches.temp_c, **named}
-    found = {}
-    for name, values in warmth.items():
-        rows = regular & ~np.isnan(values)
-        if rows.sum() > surfaces + FEWEST_FREE and np.ptp(values[rows]) > 0.0:
-            line = {"order": values - values[rows].mean()}
-            fit = fit_surfaces(
-                np.nan_to_num(offsets), np.ones((len(offsets), 1)), _filled(line), rows
-            )
-            slope = fit.interval("order")
-            if slope is not None:
-                found[name] = slope
-    return found
-
-
-def _filled(lines: dict[str, FloatArray]) -> dict[str, FloatArray]:
-    return {name: np.nan_to_num(values) for name, values in lines.items()}

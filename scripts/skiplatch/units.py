@@ -9,6 +9,7 @@ US_PER_MS = 1e3
 US_PER_S = 1e6
 US_PER_H = 3.6e9
 S_PER_MIN = 60.0
+S_PER_H = 3600.0
 UM_US_PER_MM_S = 1e-3
 """µm/µs in a mm/s."""
 DEG_PER_TURN = 360.0

@@ -441,3 +441,27 @@ def test_drift_of_unknown_sense_is_one_of_the_coordinate(machine_sample: Path) -
 
     assert "a touch, Y rises" in sentence(found)
     assert "approach" not in sentence(found)
+
+
+FOUR_RUNS_S = np.concatenate([run * 1800.0 + 5.0 * np.arange(10) for run in range(4)])
+"""Of ten touches each, half an hour apart."""
+
+
+def test_drift_goes_with_time_where_touches_show_it(machine_sample: Path) -> None:
+    y = noise(40) + 30.0 * FOUR_RUNS_S / 3600.0
+
+    found = of(machine_sample, y, time_s=FOUR_RUNS_S)
+
+    assert holds(found.sigma, SIGMA_UM)
+    assert holds(found.drift, 30.0 * np.ptp(FOUR_RUNS_S) / 3600.0 / 39)
+    assert "they drift with time, by 29.3 µm (28.3 … 30.2) an hour" in sentence(found)
+    document = as_json(found)
+    assert document["drift_um_per_h"] == pytest.approx(30.0, abs=2.0)
+    assert document["drift_um_per_touch"] == found.drift.value  # type: ignore[union-attr]
+
+
+def test_drift_goes_by_number_where_time_is_no_better(machine_sample: Path) -> None:
+    found = of(machine_sample, noise(40) + 1.0 * np.arange(40), time_s=FOUR_RUNS_S)
+
+    assert holds(found.drift, 1.0)
+    assert as_json(found)["drift_um_per_h"] is None

@@ -136,10 +136,10 @@ def sentence(found: Repeatability) -> str:
         parts.append(f"the first of a series is off by {_words(found.first, unit)}, {way}")
     if found.drift is not None and "order" in found.told:
         way = way_of(found, found.drift.value, ("rises", "falls"))
-        parts.append(f"they drift by {_words(found.drift, unit)} a touch, {way}")
+        parts.append(f"they drift {_drift(found, found.drift)}, {way}")
     if found.axis_drift is not None and "axis" in found.told:
         way = "up" if found.axis_drift.value > 0.0 else "down"
-        parts.append(f"the axis drifts {way}, by {_words(found.axis_drift, unit)} a touch")
+        parts.append(f"the axis drifts {way}, {_drift(found, found.axis_drift)}")
     if found.outliers:
         parts.append(_outside(len(found.outliers), len(found.touches)))
     parts += _all_in(found)
@@ -201,9 +201,32 @@ def _what(found: Repeatability) -> str:
     return f"{n} touches of {surfaces} scatter"
 
 
+def _drift(found: Repeatability, drift: Interval) -> str:
+    """Say how fast touches drift, by what they go with."""
+    an_hour = _an_hour(found, drift)
+    if an_hour is None:
+        return f"by {_words(drift, found.unit)} a touch"
+    return f"with time, by {_words(an_hour, found.unit)} an hour"
+
+
+def _an_hour(found: Repeatability, drift: Interval | None) -> Interval | None:
+    """Give a drift an hour; None where it goes by the number of the touch."""
+    rate = found.touches_per_h
+    if drift is None or rate is None:
+        return None
+    return Interval(drift.value * rate, drift.low * rate, drift.high * rate)
+
+
 def _words(figure: Interval, unit: str) -> str:
     value, interval = with_interval(figure)
     return f"{value} {unit} ({interval})"
+
+
+def _drift_rows(found: Repeatability) -> list[tuple[str, Interval | None]]:
+    drifts = {"drift": found.drift, "drift of the axis": found.axis_drift}
+    if found.touches_per_h is None:
+        return [(f"{name}, {found.unit}/touch", drift) for name, drift in drifts.items()]
+    return [(f"{name}, {found.unit}/h", _an_hour(found, drift)) for name, drift in drifts.items()]
 
 
 def _rows(found: Repeatability) -> list[tuple[str, ...]]:
@@ -213,8 +236,7 @@ def _rows(found: Repeatability) -> list[tuple[str, ...]]:
         (f"{mean}, {unit}", found.mean),
         (f"σ, {unit}", found.sigma),
         (f"first touch, {unit}", found.first),
-        (f"drift, {unit}/touch", found.drift),
-        (f"drift of the axis, {unit}/touch", found.axis_drift),
+        *_drift_rows(found),
         ("slope with the feed, ms", found.slope),
         *((f"drift by {name}, {unit}/K", slope) for name, slope in found.per_kelvin.items()),
     ]
@@ -244,6 +266,8 @@ def as_json(found: Repeatability) -> dict[str, Any]:
         f"first_touch_{unit}": found.first,
         f"drift_{unit}_per_touch": found.drift,
         f"axis_drift_{unit}_per_touch": found.axis_drift,
+        f"drift_{unit}_per_h": _an_hour(found, found.drift),
+        f"axis_drift_{unit}_per_h": _an_hour(found, found.axis_drift),
         "slope_ms": found.slope,
         **{f"drift_{unit}_per_k_{name}": slope for name, slope in found.per_kelvin.items()},
     }
