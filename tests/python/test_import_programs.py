@@ -255,3 +255,34 @@ def test_moves_behind_the_end_and_skipped_ones_are_none(
     done = run(text, [(0.0, 0.0, -2.5 - 0.001 * i) for i in range(lines)])
 
     assert [move.feed for move in done.moves] == feeds
+
+
+def test_parameter_that_was_never_set_is_0(tmp_path: Path) -> None:
+    program = (
+        "G90 G0 Z0\no1 while [#1 LT 2]\nG0 Z0\nG38.2 Z-9 F[60+240*#1]\n#1=[#1+1]\no1 endwhile\n"
+    )
+
+    run = read(tmp_path, program, row(0, z=-5.002) + row(0, z=-5.013))
+
+    assert told(run) == [("Z", -1, 60), ("Z", -1, 300)]
+
+
+@pytest.mark.parametrize("value", ["#5221", "#<_of_the_machine>"])
+def test_parameter_that_was_set_to_what_is_not_known_is_not_0(tmp_path: Path, value: str) -> None:
+    program = f"#1={value}\nG90 G38.2 Z-9 F[60+#1]\n"
+
+    run = read(tmp_path, program, row(0, z=-5.002), "--feed", "100")
+
+    assert told(run) == [("Z", -1, 100)]
+
+
+@pytest.mark.parametrize(("opened", "feeds"), [("logs/p.txt", [300]), ("q.txt", [60, 300])])
+def test_moves_of_a_log_of_another_name_do_not_count(
+    tmp_path: Path, opened: str, feeds: list[float]
+) -> None:
+    part = "(PROBEOPEN {})\nG0 Z0\nG38.2 Z-9 F{}\n(PROBECLOSE)\n"
+    program = f"G90\n{part.format('other.txt', 60)}{part.format(opened, 300)}"
+
+    run = read(tmp_path, program, row(0, z=-5.0023) * len(feeds))
+
+    assert told(run) == [("Z", -1, feed) for feed in feeds]

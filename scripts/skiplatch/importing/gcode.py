@@ -19,6 +19,7 @@ from skiplatch.units import MM_PER_INCH
 _TOUCH, _RELEASE = "G38.2", "G38.4"  # and G38.3, and G38.5
 _NO_MOTION = (4.0, 10.0, 28.0, 30.0, 43.0, 43.1, 43.2, 52.0, 92.0)  # whatever axes they name
 LATCHED = [str(number) for number in range(5061, 5070)]  # parameters: the place of the last touch
+LAST_OF_USER = 5000  # parameters beyond it tell of the machine, such as its offsets
 HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
 
 _COMMENT = re.compile(r"\([^)]*\)|;.*$")
@@ -56,18 +57,14 @@ class Machine:
     feed: float | None = None
     motion: str = "G0"
     position: dict[str, float] = field(default_factory=dict)
-    parameters: dict[str, float] = field(default_factory=dict)
+    parameters: dict[str, float | None] = field(default_factory=dict)
+    """By name or number; None where one was set to what is not known."""
 
     def execute(self, line: str, number: int) -> ProbeMove | None:
         """Carry out a line and give the probing move in it."""
         text = without_comments(line).strip()
         if assignment := _ASSIGNMENT.match(text):
-            value = self.value(assignment[2])
-            name = assignment[1].lower()
-            if value is None:
-                self.parameters.pop(name, None)
-            else:
-                self.parameters[name] = value
+            self.parameters[assignment[1].lower()] = self.value(assignment[2])
             return None
         words = self.words(text)
         is_absolute_here = self._set_modes(words)
@@ -117,7 +114,7 @@ class Machine:
 
         def parameter(match: re.Match[str]) -> str:
             nonlocal known
-            value = self.parameters.get(match[1].lower())
+            value = self._parameter(match[1].lower())
             known = known and value is not None
             return f"({value})"
 
@@ -128,6 +125,12 @@ class Machine:
             return _finite(_evaluated(_parsed(python.strip().replace(" ", ""))))
         except (SyntaxError, ValueError, ArithmeticError, RecursionError):
             return None
+
+    def _parameter(self, name: str) -> float | None:
+        """Give a parameter; one of the user's that was never set is 0, as controllers have it."""
+        if name not in self.parameters and name.isdecimal() and float(name) <= LAST_OF_USER:
+            return 0.0
+        return self.parameters.get(name)
 
     def _set_modes(self, words: list[tuple[str, float | None]]) -> bool:
         codes = [value for letter, value in words if letter == "G" and value is not None]
@@ -142,7 +145,7 @@ class Machine:
                 self.motion = _RELEASE if code in (38.4, 38.5) else _TOUCH
         for letter, value in words:
             if letter == "F":
-                self.feed = None if value is None else value * self._unit
+                self.feed = value * self._unit if value else None  # nothing moves at F0
         return 53.0 in codes
 
     @property

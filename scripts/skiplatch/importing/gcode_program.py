@@ -26,7 +26,7 @@ _FLOW = re.compile(
     r"(REPEAT|ENDREPEAT|WHILE|ENDWHILE|DO|SUB|ENDSUB|CALL|RETURN|IF|ELSEIF|ELSE|ENDIF)\b\s*(.*)$",
     re.IGNORECASE,
 )
-_LOGGING = re.compile(r"^[^;]*\(\s*PROBE(OPEN|CLOSE)\b", re.IGNORECASE)
+_LOGGING = re.compile(r"^[^;]*\(\s*PROBE(OPEN|CLOSE)\b\s*([^)]*)", re.IGNORECASE)
 _ENDS = re.compile(r"(?<![A-Z#<\d])M\s*0*(?:2|30)(?![\d.])", re.IGNORECASE)
 _SKIPPED = re.compile(r"^[ \t]*/.*$", re.MULTILINE)
 
@@ -63,7 +63,7 @@ def logs_parts(text: str) -> bool:
     return any(_LOGGING.search(line) for line in text.splitlines())
 
 
-def run(text: str, log: Sequence[Row], *, inch: bool = False) -> Run:
+def run(text: str, log: Sequence[Row], *, inch: bool = False, name: str = "") -> Run:
     """Run a program, where it has as many probing moves as its log has lines with these.
 
     Lines that begin with a slash are skipped, unless the log shows that they were not.
@@ -72,24 +72,27 @@ def run(text: str, log: Sequence[Row], *, inch: bool = False) -> Run:
         text: The program.
         log: Where its moves were latched, in its units. It bounds what is executed.
         inch: Whether it begins in inches.
+        name: Of the log's file; where the program opens one of this name, others do not count.
     """
     without = _SKIPPED.sub("", text)
     for written in dict.fromkeys((without, text)):
-        with_log = _Program(written, log, len(log)).run(Machine(is_inch=inch), len(log) + 1)
+        with_log = _Program(written, log, len(log), name).run(Machine(is_inch=inch), len(log) + 1)
         if len(with_log.moves) == len(log):
             return with_log
-    return _Program(without, (), len(log)).run(Machine(is_inch=inch))
+    return _Program(without, (), len(log), name).run(Machine(is_inch=inch))
 
 
 class _Program:
     """Lines, and which of them belong together; lines are counted from 0."""
 
-    def __init__(self, text: str, log: Sequence[Row], touches: int) -> None:
+    def __init__(self, text: str, log: Sequence[Row], touches: int, name: str) -> None:
         self._lines = text.splitlines()
         self._most_lines = MOST_LINES + MOST_LINES_A_TOUCH * touches
         self._log = iter(log)
-        self._logging = [_LOGGING.search(line) for line in self._lines]
-        self._is_logged = not any(self._logging)
+        self._logging = [_logged(line, name) for line in self._lines]
+        if True not in self._logging:  # the log may have been renamed
+            self._logging = [_logged(line) for line in self._lines]
+        self._is_logged = set(self._logging) == {None}
         self._not_found: list[str] = []
         self._flow = [_FLOW.match(without_comments(line)) for line in self._lines]
         self._end_of: dict[int, int] = {}
@@ -150,8 +153,8 @@ class _Program:
 
     def _execute(self, machine: Machine, at: int) -> Iterator[ProbeMove]:
         """Carry out a line and give the probing move in it, if it is logged."""
-        if logging := self._logging[at]:
-            self._is_logged = logging[1].upper() == "OPEN"
+        if (is_logged := self._logging[at]) is not None:
+            self._is_logged = is_logged
         self._has_ended = bool(_ENDS.search(without_comments(self._lines[at])))
         move = machine.execute(self._lines[at], at + 1)
         if move is None:
@@ -203,14 +206,22 @@ class _Program:
             return
         caller = machine.parameters
         values = [machine.value(text) for text in bracketed(flow[3])]
-        arguments = {str(i): v for i, v in enumerate(values, 1) if v is not None}
+        arguments = {str(i): v for i, v in enumerate(values, 1)}
         machine.parameters = {**_global(caller), **arguments}
         yield from self._stretch(machine, begin + 1, self._end_of[begin], depth + 1)
         local = {name: v for name, v in caller.items() if name not in _global(caller)}
         machine.parameters = {**local, **_global(machine.parameters)}
 
 
-def _global(parameters: dict[str, float]) -> dict[str, float]:
+def _logged(line: str, name: str = "") -> bool | None:
+    """Tell whether moves are logged from a line on, into a file of a name; None: as before."""
+    if not (logging := _LOGGING.search(line)):
+        return None
+    opened = logging[2].strip().replace("\\", "/").rpartition("/")[2]
+    return logging[1].upper() == "OPEN" and (not name or opened.lower() == name.lower())
+
+
+def _global(parameters: dict[str, float | None]) -> dict[str, float | None]:
     """Give the parameters that all subroutines share."""
     return {
         name: value

@@ -73,7 +73,7 @@ def read_linuxcnc(
     """
     rows, lines, broken = _rows(path)
     text = read_text(program) if program else ""
-    done = run(text, rows, inch=inch)
+    done = run(text, rows, inch=inch, name=path.name)
     moves = done.moves
     inch = inch or is_in_inches(text)
     if program and not moves:
