@@ -150,7 +150,7 @@ def test_column_of_another_quantity_is_no_run(tmp_path: Path, refused: Program) 
 
     said = refused("import", "iso230", tmp_path / "t.csv", "-o", tmp_path / "x")
 
-    assert 'expected runs with deviations, got a column in ipm: "Feed (ipm)"' in said
+    assert 'expected runs with deviations in µm or mm, got "Feed (ipm)"' in said
 
 
 def test_table_begins_at_its_head(tmp_path: Path) -> None:
@@ -407,7 +407,7 @@ def test_capture_is_no_table_of_iso_230(tmp_path: Path, refused: Program) -> Non
 
     said = refused("import", "iso230", tmp_path / "c.csv", "-o", tmp_path / "made")
 
-    assert 'expected positions, got a column in s: "Time [s]"' in said
+    assert 'expected positions in mm, got "Time [s]"' in said
 
 
 def runs_of_iso_230(folder: Path) -> Run:

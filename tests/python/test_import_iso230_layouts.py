@@ -203,7 +203,7 @@ def test_deviations_of_a_rotary_axis_are_angles(
         ("X", "deg", "mm,1+,1-", "--unit deg: expected one of µm, um, mm"),
         ("C", "mm", "deg,1+,1-", "--unit mm: expected one of arcsec"),
         ("C", "deg", "deg,1+ [arcsec],1- [arcsec]", "the heads of the runs say arcsec"),
-        ("C", "deg", "mm,1+,1-", 'expected positions, got a column in mm: "mm"'),
+        ("C", "deg", "mm,1+,1-", 'expected positions in deg, got "mm"'),
     ],
 )
 def test_units_of_another_kind_of_axis_are_refused(
@@ -259,3 +259,25 @@ def test_runs_by_number_alone_are_in_one_sense(tmp_path: Path) -> None:
     touches = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--axis", "X").campaign.touches
 
     assert touches.sign.tolist() == [1, 1, 1, 1]
+
+
+@pytest.mark.parametrize("senses", ["up,down", "forward,reverse", "+,-", "1,-1"])
+@pytest.mark.parametrize("title", ["", "Machine M1\n"])
+def test_senses_of_runs_in_rows_may_have_a_column(tmp_path: Path, senses: str, title: str) -> None:
+    up, down = senses.split(",")
+    rows = [f"1,{up},0.1,0.2,0.3", f"1,{down},-1,-2,-3", f"2,{up},0.3,0.2,0.1"]
+    text = "\n".join(["Run,Direction,0,50,101", *rows])
+    (tmp_path / "x.csv").write_text(f"{title}{text}\n")
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"))
+
+    assert run.campaign.touches.sign.tolist() == [1.0] * 3 + [-1.0] * 3 + [1.0] * 3
+    assert run.campaign.touches.position_mm.tolist() == [0, 50, 101, 101, 50, 0, 0, 50, 101]
+
+
+def test_row_without_a_sense_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "x.csv").write_text("Run,Direction,0,50,101\n1,up,1,2,3\n2,here,1,2,3\n")
+
+    said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
+
+    assert 'x.csv:3: Direction: expected a sense of motion, got "here"' in said

@@ -111,8 +111,8 @@ ISO = "Position;1 ↑;1 ↓\n0;0,5;-2,5\n100;1,5;{}\n200;2,5;-0,5\n"
         ("{}", "١", ':3: 1 ↓: expected a number, got "١"'),
         ("100", "nan", ':3: Position: expected a number, got "nan"'),
         ("200", "1e9", ":4: position_mm: expected a number <= 1e+07 in mm, got "),
-        ("Position", "in", ':1: expected positions, got a column in in: "in"'),
-        ("Position", "Position inch", ':1: expected positions, got a column in inch: "Pos'),
+        ("Position", "in", ':1: expected positions in mm, got "in"'),
+        ("Position", "Position inch", ':1: expected positions in mm, got "Pos'),
     ],
 )
 def test_cell_of_an_iso_table_that_cannot_be_is_refused(

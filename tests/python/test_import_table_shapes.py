@@ -243,8 +243,8 @@ def test_unit_of_the_runs_is_that_of_their_heads(tmp_path: Path) -> None:
     [
         ("mm,1+ [mm],1- [µm]", "expected all runs in one unit"),
         ("mm,1+ [µm],1- [µm]", "the heads of the runs say µm, and --unit says mm"),
-        ("pos [in],1+,1-", 'expected positions, got a column in in: "pos [in]"'),
-        ("mm,1+,feed_mm_s", "expected runs with deviations, got a column in mm/s"),
+        ("pos [in],1+,1-", 'expected positions in mm, got "pos [in]"'),
+        ("mm,1+,feed_mm_s", 'expected runs with deviations in µm or mm, got "feed_mm_s"'),
     ],
 )
 def test_units_that_cannot_be_are_refused(

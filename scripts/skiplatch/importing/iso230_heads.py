@@ -79,8 +79,9 @@ def unit_said(path: Path, line: int, heads: Sequence[str], *, turns: bool) -> st
         of, text = (of_runs, head) if number else (of_positions, f"position {head}")
         found = _unit_of(text, of)
         if found and found not in (RUN_UNITS[of] if number else POSITION_UNITS[of]):
-            what = "runs with deviations" if number else "positions"
-            message = f"expected {what}, got a column in {found}: {quoted(head)}"
+            what = f"runs with deviations in {of} or {'deg' if turns else 'mm'}"
+            expected = what if number else f"positions in {of}"
+            message = f"expected {expected}, got {quoted(head)}"
             raise InputError(path, line, None, message)
         if number and found:
             named.add(SAME_UNIT.get(found, found))

@@ -9,8 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from skiplatch.campaign.csv_text import Row
-from skiplatch.importing.iso230_heads import says_sense
-from skiplatch.importing.iso230_list import columns_of_list, gathered
+from skiplatch.errors import InputError, quoted
+from skiplatch.importing.iso230_heads import is_negative, says_sense
+from skiplatch.importing.iso230_list import columns_of_list, gathered, tells_sense
 from skiplatch.importing.iso230_run_table import COLUMNS_BY_HEAD, RunTable, rectangular
 from skiplatch.importing.model import Imported
 from skiplatch.importing.spreadsheets import begins_with_a_word, tells
@@ -28,6 +29,8 @@ def is_head(cells: list[str], below: list[str]) -> bool:
         return False
     if columns_of_list(cells) or _is_above_senses(cells, below) or _are_merged_senses(cells, below):
         return True
+    if labels := _labels_with_a_sense(cells):
+        return _are_numbers(below[labels:])
     if _are_numbers(cells[1:]):
         return len(cells) >= FEWEST_CELLS and _names_a_run(below[0]) and _are_numbers(below[1:])
     return bool(below[0]) and _are_numbers(below) and not _are_numbers(cells[:1])
@@ -49,6 +52,9 @@ def laid_out(path: Path, rows: list[Row], found: Imported) -> RunTable:
         return _from_form(rectangular(path, rows), found)
     if len(rows) > 1 and _are_merged_senses(rows[0][1], rows[1][1]):
         rows = _with_senses(rows)
+    if labels := _labels_with_a_sense(rows[0][1]):
+        found.assumed.append("runs are in rows, positions in the head")
+        return _from_rows(_with_sense_in_label(path, rectangular(path, rows), labels))
     if _are_in_rows(rows):
         found.assumed.append("runs are in rows, positions in the head")
         return _from_rows(rectangular(path, rows))
@@ -57,6 +63,29 @@ def laid_out(path: Path, rows: list[Row], found: Imported) -> RunTable:
         found.unread.append(f"a column that numbers the positions: {table.heads[0]}")
         return table.without({0})
     return table
+
+
+def _labels_with_a_sense(cells: Sequence[str]) -> int:
+    """Give how many columns tell of a run, a sense among them, left of positions; else 0."""
+    labels = next((i for i, cell in enumerate(cells) if _is_number(cell)), 0)
+    has_sense = any(map(COLUMNS_BY_HEAD["sense"].search, cells[:labels]))
+    is_table = len(cells) > labels > 1 and _are_numbers(cells[labels:])
+    return labels if has_sense and is_table else 0
+
+
+def _with_sense_in_label(path: Path, rows: list[Row], labels: int) -> list[Row]:
+    """Join the columns that tell of a run into one, which ends with an arrow for its sense."""
+    (head_line, head), *body = rows
+    at = next(i for i in range(labels) if COLUMNS_BY_HEAD["sense"].search(head[i]))
+    joined = [(head_line, ["", *head[labels:]])]
+    for line, row in body:
+        if not tells_sense(row[at]):
+            message = f"expected a sense of motion, got {quoted(row[at])}"
+            raise InputError(path, line, head[at], message)
+        names = [cell for i, cell in enumerate(row[:labels]) if i != at]
+        label = f"{' '.join(names)} {'↓' if is_negative(row[at]) else '↑'}"
+        joined.append((line, [label, *row[labels:]]))
+    return joined
 
 
 def _are_in_rows(rows: list[Row]) -> bool:

@@ -32,6 +32,11 @@ def columns_of_list(heads: Sequence[str]) -> Mapping[str, int]:
     return found if is_list else {}
 
 
+def tells_sense(cell: str) -> bool:
+    """Tell whether a cell of a column of senses holds one: a word, an arrow or a sign."""
+    return says_sense(cell) or bool(_SIGN.fullmatch(cell.replace("\u2212", "-")))
+
+
 @dataclass(frozen=True, slots=True)
 class _TouchLine:
     """A line of a list, with one touch.
@@ -62,7 +67,7 @@ class _TouchLine:
     def is_negative(self) -> bool:
         """Tell whether the cell of the sense says the negative one."""
         cell = self.row[self.columns["sense"]]
-        if not says_sense(cell) and not _SIGN.fullmatch(cell.replace("\u2212", "-")):
+        if not tells_sense(cell):
             message = f"expected a sense of motion, got {quoted(cell)}"
             raise InputError(self.path, self.line, None, message)
         return is_negative(cell)
