@@ -96,6 +96,12 @@ def test_speed_of_probe_accuracy_holds_where_a_delta_prints_other_places(tmp_pat
     assert feeds(run) == [120.0] * 2
 
 
+def test_result_that_a_console_has_wrapped_is_read(tmp_path: Path) -> None:
+    run = imported(tmp_path, TOUCHES.replace(" is z", "\nis z"))
+
+    assert run.coordinates() == [1.0, 1.0025]
+
+
 def test_configuration_limits_the_speed(tmp_path: Path) -> None:
     printer = "[printer]\nmax_velocity = 300\nmax_z_velocity = 5\n"
     config = CONFIG.replace("[probe]", f"{printer}[probe]")
@@ -357,3 +363,14 @@ def test_method_of_a_mesh_parts_no_surface(tmp_path: Path) -> None:
     run = imported(tmp_path, f"BED_MESH_CALIBRATE METHOD=automatic\n{TOUCHES}PROBE\n{TOUCHES}")
 
     assert len(set(sessions(run))) == 1
+
+
+@pytest.mark.parametrize("steps", ["15.75", "10160.00"])  # 400/mm by 25.4, and times it
+def test_settings_of_marlin_in_inches_tell_no_step(tmp_path: Path, steps: str) -> None:
+    settings = f"echo:  G20 ; (in)\necho:; Steps per unit:\necho:  M92 X3.15 Y3.15 Z{steps}\n"
+    (tmp_path / "m.log").write_text(f"{settings}1 of 2: z: 0.391\n2 of 2: z: 0.410\n")
+
+    run = Run(tmp_path, "marlin", str(tmp_path / "m.log"), "--feed", "120")
+
+    assert run.campaign.nominal.axis.resolution_um == 2.5
+    assert any("settings in inches (G20)" in line for line in run.said["assumed"])

@@ -3,6 +3,7 @@
 import math
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
@@ -25,6 +26,8 @@ _PROBE = re.compile(
     rf"(?:is|bed will contact at) z=({NUMBER})",
     re.IGNORECASE,
 )
+_WRAPPED = re.compile(rf"\bprobe(?:: at| at) {NUMBER},\s*{NUMBER},?$", re.IGNORECASE)
+"""Cut before its z, as a console does that is narrower than its lines."""
 _ACCURACY = re.compile(
     rf"PROBE[_ ]ACCURACY:? at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})(?:\s*\((?P<options>[^)]*))?",
     re.IGNORECASE,
@@ -99,13 +102,17 @@ class _Reader(Console):
         self._feeds_from: list[str] = []
         self._at_default = 0
         self._tool = ""
+        self._begun = ""
         self._limited: Counter[str] = Counter()
         self._tested_place: tuple[float, float] | None = None
         self._sampled = 0
         self._standing = 0
 
     def take(self, line: Line) -> None:
-        """Take in a line."""
+        """Take in a line; one that is wrapped goes on in the next."""
+        if self._begun:
+            line = replace(line, text=f"{self._begun}{line.text}")
+        self._begun = f"{line.text} " if _WRAPPED.search(line.text) else ""
         text = line.text
         self.take_temperatures(text)
         if match := _PROBE.search(text):

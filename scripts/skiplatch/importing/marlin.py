@@ -34,6 +34,7 @@ _RESULTS = re.compile(
 _TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({PLAIN})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({PLAIN})")
+_UNIT = re.compile(r"^G2([01])\b")
 _OFFSET = re.compile(rf"\bM851\b.*?\bZ\s*({NUMBER})", re.IGNORECASE)
 _ECHOED = re.compile(r"\becho:", re.IGNORECASE)
 _MOVED = {
@@ -74,6 +75,7 @@ class _Reader(Console):
         self._in_test = False
         self._sum = 0.0
         self._steps: float | None = None
+        self._is_inch = self._steps_in_inches = False
         self._offset: float | None = None
         self._accel: float | None = None
         self._from_means = 0
@@ -103,8 +105,12 @@ class _Reader(Console):
 
     def _settings(self, line: Line) -> None:
         """Take a setting, as typed or as M503 lists it."""
-        if match := _OFFSET.search(line.text):
+        if match := _UNIT.match(line.text):
+            self._is_inch = match[1] == "0"
+        elif match := _OFFSET.search(line.text):
             self._sets_offset(float(match[1]), line)
+        elif self._is_inch:  # of which versions of Marlin print other multiples
+            self._steps_in_inches |= bool(_STEPS.search(line.text))
         elif match := _STEPS.search(line.text):
             self._steps = float(match[1])
         elif match := _ACCEL.search(line.text):
@@ -162,6 +168,11 @@ class _Reader(Console):
             found.known.append(f"{self._from_means} of them finer than printed, from the means")
         if self._steps:
             found.figure("axis", "resolution_um", UM_PER_MM / self._steps, "M92 of the log")
+        elif self._steps_in_inches:
+            found.assumed.append(
+                "400 steps/mm of Z, Marlin's default: settings in inches (G20) do not tell them "
+                "for certain; type G21 and M503"
+            )
         else:
             found.assumed.append("400 steps/mm of Z, Marlin's default; M503 prints yours (M92)")
         if self._accel:
