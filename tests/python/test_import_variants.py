@@ -94,6 +94,14 @@ def test_unit_other_than_that_of_the_head_is_refused(tmp_path: Path, refused: Pr
     assert "there are: Error [in], n" in said
 
 
+def test_table_without_a_head_is_told(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("1.00000,2.00000,-12.00760\n1.00000,2.00000,-12.02457\n")
+
+    said = refused("import", "csv", tmp_path / "t.csv", "--map", "coordinate_mm=Z", "-o", "x")
+
+    assert "t.csv:1: expected a line of heads above the numbers, such as X [mm],Z [mm]" in said
+
+
 LIST = "[G54:0.000,0.000,0.000]\n[G92:0.000,0.000,0.000]\n[TLO:0.000]\n"
 
 

@@ -12,6 +12,7 @@ from skiplatch.errors import InputError, hint, quoted
 from skiplatch.importing.units_in_heads import BRACKETS, UNITS, bracketed, no_unit, split_unit
 
 _MAPPING = re.compile(r"^(?P<column>[\w.-]+)=(?P<head>.*)$")
+_NUMBER = re.compile(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", re.ASCII)
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
 
@@ -105,6 +106,9 @@ def in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
     for head in heads:
         if (wrong := no_unit(head, unit_of(m.column))) and bracketed(head)[0] == m.name:
             raise InputError(path, line, None, _unknown(m.column, head, wrong))
+    if all(_NUMBER.fullmatch(head.strip()) for head in heads):
+        expected = "expected a line of heads above the numbers, such as X [mm],Z [mm]"
+        raise InputError(path, line, None, f"{expected}; got {', '.join(heads[:20])}")
     there = ", ".join(head[:40] for head in heads[:20])
     message = f"no column {quoted(m.name)}{hint(m.name, heads)}; there are: {there}"
     raise InputError(path, line, None, message)
