@@ -151,6 +151,15 @@ def test_times_of_sigrok_that_its_sample_rate_cannot_have_are_refused(
     assert f"s.csv:6: expected {expected}" in said
 
 
+def test_samples_as_far_apart_as_any_clock_may_tick_are_read(tmp_path: Path) -> None:
+    rows = "0.000,0,0\n0.118,1,0\n0.119,1,1\n0.130,0,0\n0.218,1,0\n0.219,1,1\n0.230,0,0\n"
+    (tmp_path / "c.csv").write_text(f"Time [s],Probe,Latch\n{rows}")
+
+    run = Run(tmp_path, "edges", str(tmp_path / "c.csv"))
+
+    assert run.campaign.nominal.skip.tick_us == 1000.0
+
+
 def test_rate_of_dsview_is_the_distance_of_its_samples(tmp_path: Path) -> None:
     path = tmp_path / "d.csv"
     capture(path, "Time(s)", 1e6)

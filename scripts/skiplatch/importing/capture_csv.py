@@ -20,6 +20,7 @@ from skiplatch.units import NS_PER_S
 _SAMPLED = re.compile(rf"^;.*?Sample ?rate:\s*{RATE}", re.IGNORECASE | re.MULTILINE)
 _CHANNELS = re.compile(r"^;\s*Channels[^:\n]*:\s*(.+)$", re.IGNORECASE | re.MULTILINE)
 _LEVELS = {"0": 0.0, "1": 1.0, "0.0": 0.0, "1.0": 1.0, "X": np.nan}
+STEP_DIGITS = 9  # that a difference of two times holds
 _S_OF_WORD = {
     "seconds": 1.0,
     "milliseconds": 1e-3,
@@ -225,4 +226,4 @@ def _step(times: FloatArray) -> float | None:
     least = float(gaps.min())
     parts = gaps / least
     is_grid = bool((np.abs(parts - np.round(parts)) < 0.02 * np.maximum(parts, 1.0) / 10.0).all())
-    return least if is_grid and least > 0 else None
+    return float(f"{least:.{STEP_DIGITS}g}") if is_grid and least > 0 else None
