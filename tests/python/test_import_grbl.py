@@ -257,3 +257,12 @@ def test_change_of_the_tool_begins_a_session(tmp_path: Path) -> None:
     second = "after tool change 1"
     assert names == ["Z- at 0 0", second, second, "after tool change 2"]
     assert "sessions of their own after a change of the tool (M6): 2" in run.said["assumed"]
+
+
+def test_commands_that_stand_beside_their_ok_alone_are_said(tmp_path: Path) -> None:
+    touch = "[ G38.2 Z-20 F50 ] ok\n[PRB:0.000,0.000,-5.123:1]\n"
+
+    run = read(tmp_path, touch * 3, "--feed", "50")
+
+    said = "probing commands beside an ok do not tell which reply is theirs"
+    assert said in run.said["assumed"]

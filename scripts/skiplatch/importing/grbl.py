@@ -70,7 +70,7 @@ class _Reader:
         self._lists_parameters = False
         self._listed = 0
         self._ranges: dict[str, tuple[float, float]] = {}
-        self._guessed = 0
+        self._guessed = self._beside_ok = 0
 
     def take(self, line: Line) -> None:
         """Take in a line: settings, a command, a reply, or several of them in one."""
@@ -141,6 +141,8 @@ class _Reader:
             return False
         if has_reply or not probes(answered[1]):
             self._dialogue.sent(answered[1], line, is_answered=True)
+        else:
+            self._beside_ok += 1
         return True
 
     def _reply(self, reply: Reply, line: Line) -> None:
@@ -269,6 +271,16 @@ class _Reader:
                 "type $$ before probing"
             )
         found.assumed += [*self._unit.assumed(self._commands.units), *self._speeds.assumed()]
+        self._say_moves(found)
+        if any(touch.feed is None for touch in self.touches):
+            found.assumed.append("the feed is not known: log the commands too, or give --feed")
+        if all(touch.time_s is None for touch in self.touches):
+            found.assumed.append(NO_TIMES)
+        found.assumed.append(
+            f"a controller as {found.preset!r} stands for (skiplatch init --preset)"
+        )
+
+    def _say_moves(self, found: Imported) -> None:
         if self._guessed:
             found.assumed.append(
                 f"{self._guessed} replies have no command before them: their axis is the one that "
@@ -278,15 +290,10 @@ class _Reader:
             found.assumed.append(
                 f"sessions of their own after a change of the tool (M6): {self._commands.tools}"
             )
+        if self._guessed and self._beside_ok:
+            found.assumed.append("probing commands beside an ok do not tell which reply is theirs")
         if any(touch.axis == "Z" for touch in self.touches):
             found.assumed.append("Z was touched from above where no command says otherwise")
-        if any(touch.feed is None for touch in self.touches):
-            found.assumed.append("the feed is not known: log the commands too, or give --feed")
-        if all(touch.time_s is None for touch in self.touches):
-            found.assumed.append(NO_TIMES)
-        found.assumed.append(
-            f"a controller as {found.preset!r} stands for (skiplatch init --preset)"
-        )
 
 
 def _step_mm(preset: Preset) -> float:
