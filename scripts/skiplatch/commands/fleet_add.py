@@ -11,7 +11,7 @@ from skiplatch.commands.fleet_options import REFUSED, refused_json, store_option
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
-from skiplatch.fleet.intake import Intake
+from skiplatch.fleet.intake import PLAINLY, Intake
 from skiplatch.fleet.store import Writer, opened_for_writing
 from skiplatch.progress import shown
 from skiplatch.tables import counted
@@ -66,6 +66,15 @@ class Taken:
     known: int = 0
     refused: list[tuple[Path, InputError]] = field(default_factory=list)
 
+    def count(self, folder: Path, intake: Intake | None) -> None:
+        """Count a campaign, and say what is not plain of it."""
+        if intake is None:
+            self.known += 1
+            return
+        (self.replaced if intake.is_known or intake.older else self.added).append(intake)
+        if intake.told != PLAINLY:
+            click.echo(f"{folder}: {intake.told}")
+
 
 def _fill(store: Path, folders: tuple[Path, ...], rig: str | None, taken: Taken) -> None:
     """Add what can be read; a store that nothing went into is not made."""
@@ -89,10 +98,7 @@ def _add_all(writer: Writer, folders: tuple[Path, ...], rig: str | None, taken: 
                 raise
             taken.refused.append((folder, error))
             continue
-        if intake is None:
-            taken.known += 1
-        else:
-            (taken.replaced if intake.is_known else taken.added).append(intake)
+        taken.count(folder, intake)
         if time.monotonic() - committed_s > COMMIT_S:
             writer.commit()
             committed_s = time.monotonic()
@@ -122,6 +128,7 @@ def _document(taken: Taken) -> dict[str, Any]:
 def _json(intake: Intake) -> dict[str, Any]:
     return {
         "campaign": intake.key,
+        "replaces": intake.older,
         "rig": intake.rig,
         "month": intake.month,
         "folder": intake.folder,

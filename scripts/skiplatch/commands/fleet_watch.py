@@ -59,10 +59,11 @@ class Intake:
     seed: int
     workers: Workers
 
-    def take(self, folders: Sequence[Path]) -> Iterator[tuple[Path, bool | InputError]]:
+    def take(self, folders: Sequence[Path]) -> Iterator[tuple[Path, str | InputError]]:
         """Diagnose campaigns and keep them, in their order; each diagnosis is written as it comes.
 
-        Gives for each whether it is new, or why it cannot be read, simulated or kept.
+        Gives for each what is said of it, nothing if it is known, or why it cannot be read,
+        simulated or kept.
 
         Raises:
             InputError: No cluster answers, or it is lost, or its workers have other software.
@@ -102,14 +103,14 @@ class Intake:
         else:
             yield from told_as_done(recorded, asked, self.workers, range(len(recorded)))
 
-    def _keep(self, folder: Path) -> bool | InputError:
+    def _keep(self, folder: Path) -> str | InputError:
         try:
             with undo.taken_back_on_failure(), opened_for_writing(self.store) as writer:
-                is_new = writer.add(folder, self.rig) is not None
+                intake = writer.add(folder, self.rig)
                 writer.commit()
         except (InputError, OSError) as error:
             return _named(folder, error)
-        return is_new
+        return intake.told if intake else ""
 
 
 def _told_here(recorded: Campaign, asked: Asked, jobs: int) -> Told | Failed:
@@ -199,7 +200,7 @@ def _once(intake: Intake, arrivals: Arrivals, json_path: Path | None) -> None:
             refused.append((folder, taken))
         elif taken:
             kept.append(folder)
-            click.echo(f"{folder}: kept")
+            click.echo(f"{folder}: {taken}")
     tell_refused(refused)
     known = len(whole) - len(kept) - len(refused)
     more = f", {len(refused)} refused" if refused else ""
@@ -226,13 +227,13 @@ def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:
             news.wait(arrivals.settle_s / 2.0 if waiting else UNNOTICED_S)
 
 
-def _tell(intake: Intake, folder: Path, taken: bool | InputError) -> None:  # noqa: FBT001
+def _tell(intake: Intake, folder: Path, taken: str | InputError) -> None:
     """Say that a campaign is new, or what is wrong with it."""
     if isinstance(taken, InputError):
         _refuse_whole_store(intake, taken)
         click.echo(f"skiplatch: {taken}", err=True)
     elif taken:
-        click.echo(f"{folder}: kept")
+        click.echo(f"{folder}: {taken}")
 
 
 def _refuse_whole_store(intake: Intake, error: InputError) -> None:

@@ -7,7 +7,8 @@ import stat
 import struct
 import zipfile
 import zlib
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path, PurePosixPath
 from typing import IO
@@ -36,11 +37,13 @@ class Contents:
         folder: The folder.
         states: Size in bytes and time of change in ns of each file, by its path in the folder.
         digest: SHA-256 of all paths and bytes.
+        besides: Bytes of further files that are kept with them, by their path.
     """
 
     folder: Path
     states: dict[str, tuple[int, int]]
     digest: str
+    besides: Mapping[str, bytes] = field(default_factory=dict)
 
     def refuse_changed(self) -> None:
         """Raise InputError if a file has come, gone or changed since."""
@@ -48,19 +51,31 @@ class Contents:
             raise InputError(self.folder, None, None, "changed while it was read; add it again")
 
 
-def look_at(folder: Path) -> Contents:
+def look_at(folder: Path, besides: Mapping[str, bytes] | None = None) -> Contents:
     """Take stock of a folder and all below it.
+
+    Args:
+        folder: The folder.
+        besides: Bytes of files that it lacks, by their path.
 
     Raises:
         InputError: It cannot be read, or holds something else than files and folders.
     """
+    besides = besides or {}
     with failures_named(folder, "read"):
         states = _states(folder)
-        digest = hashlib.sha256()
-        for name in states:
-            digest.update(f"{len(name.encode())} {name} ".encode())
-            digest.update(digest_of(folder / name))
-    return Contents(folder, states, digest.hexdigest())
+        digests = {name: digest_of(folder / name) for name in states}
+    digests |= {name: hashlib.sha256(data).digest() for name, data in besides.items()}
+    return Contents(folder, states, _digest(digests), besides)
+
+
+def _digest(digests: Mapping[str, bytes]) -> str:
+    """Give SHA-256 of all paths and bytes, from the digests of files by their path."""
+    digest = hashlib.sha256()
+    for name, one in sorted(digests.items()):
+        digest.update(f"{len(name.encode())} {name} ".encode())
+        digest.update(one)
+    return digest.hexdigest()
 
 
 def digest_of(path: Path) -> bytes:
@@ -107,6 +122,8 @@ def pack(contents: Contents, target: Path) -> None:
         ) as archive:
             for name in contents.states:
                 archive.write(contents.folder / name, name)
+            for name, data in contents.besides.items():
+                archive.writestr(name, data, zipfile.ZIP_DEFLATED)
         file.flush()
         os.fsync(file.fileno())
 
@@ -138,6 +155,35 @@ def unpack(archive_path: Path, out: Path, digest: str | None = None) -> None:
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)
             raise
+
+
+def refuse_damaged(archive_path: Path, digest: str) -> None:
+    """Raise InputError unless an archive is there, with the files that had this digest."""
+    with failures_named(archive_path, "read"), archive_path.open("rb") as packed:
+        try:
+            with zipfile.ZipFile(packed) as archive:
+                found = {name: _member_digest(archive, name) for name in archive.namelist()}
+        except DAMAGE as error:
+            raise InputError(archive_path, None, None, f"damaged: {error}") from error
+    if _digest(found) != digest:
+        raise InputError(archive_path, None, None, "damaged: a name or a file is another")
+
+
+def _member_digest(archive: zipfile.ZipFile, name: str) -> bytes:
+    with archive.open(name) as member:
+        digest = hashlib.sha256()
+        while piece := member.read(PIECE_BYTES):
+            digest.update(piece)
+    return digest.digest()
+
+
+def packed_file(archive_path: Path, name: str) -> bytes | None:
+    """Give the bytes of a file in an archive; None if it or they are missing or damaged."""
+    try:
+        with zipfile.ZipFile(archive_path) as archive:
+            return archive.read(name)
+    except (OSError, KeyError, *DAMAGE):
+        return None
 
 
 def _extract(archive_path: Path, packed: IO[bytes], folder: Path) -> None:

@@ -70,14 +70,15 @@ def open_metrics(findings: Findings) -> str:
 
 def _of_rigs(gauge: Callable[..., "Gauge"], findings: Findings) -> None:
     changed = gauge("rig_changes", "Changes of a rig that were seen lately.", "rig")
-    gap_um = gauge("rig_gap_um", "Largest gap of the newest campaign in micrometres.", "rig")
+    gap_um = gauge("rig_gap_um", "Largest gap of the newest diagnosis in micrometres.", "rig")
     gap_arcsec = gauge("rig_gap_arcsec", "And where all axes turn, in arcseconds.", "rig")
     newest = gauge("rig_newest_seconds", "When its newest campaign was recorded (UNIX).", "rig")
     by_rig = _by_rig(findings.recent)
     for rig, entries in findings.history.items():
         changed.labels(rig).set(len(by_rig.get(rig, ())))
         newest.labels(rig).set(entries[-1].time.replace(tzinfo=UTC).timestamp())
-        newest_gaps = {gap_um: entries[-1].gap_um, gap_arcsec: entries[-1].gap_arcsec}
+        told = next((entry for entry in reversed(entries) if entry.gap), entries[-1])
+        newest_gaps = {gap_um: told.gap_um, gap_arcsec: told.gap_arcsec}
         for known, gap in newest_gaps.items():
             if gap is not None:
                 known.labels(rig).set(gap)

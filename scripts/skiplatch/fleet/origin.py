@@ -39,9 +39,23 @@ def rig_of(folder: Path, named: str | None) -> str:
 def recorded_at(folder: Path) -> datetime:
     """Give when it was recorded, in UTC without a zone.
 
-    `[notes] recorded_at`, else the first stamp in the column time, else when touches.csv was last
-    written, which was not later than now. What has no zone counts as UTC. Warns of a time that is
-    still to come by the clock of this machine.
+    What `told_time` gives, else when touches.csv was last written, which was not later than now.
+
+    Raises:
+        InputError: What stands there is no time.
+    """
+    if told := told_time(folder):
+        return told
+    written_s = (folder / TOUCHES_FILE).stat().st_mtime
+    written = datetime.fromtimestamp(written_s, UTC).replace(tzinfo=None)
+    return min(written, clock.now()).replace(microsecond=0)
+
+
+def told_time(folder: Path) -> datetime | None:
+    """Give when a campaign says that it was recorded; None if it does not.
+
+    `[notes] recorded_at`, else the first stamp in the column time. What has no zone counts as UTC.
+    Warns of a time that is still to come by the clock of this machine.
 
     Raises:
         InputError: What stands there is no time.
@@ -51,9 +65,7 @@ def recorded_at(folder: Path) -> datetime:
         return _utc(folder / NOMINAL_FILE, TIME_KEY, notes[TIME_KEY])
     if stamp := _first_stamp(folder / TOUCHES_FILE):
         return _utc(folder / TOUCHES_FILE, TIME_NAME, stamp)
-    written_s = (folder / TOUCHES_FILE).stat().st_mtime
-    written = datetime.fromtimestamp(written_s, UTC).replace(tzinfo=None)
-    return min(written, clock.now()).replace(microsecond=0)
+    return None
 
 
 def _notes(folder: Path) -> Mapping[str, Any]:

@@ -28,8 +28,8 @@ CREATE VIEW touches AS SELECT kept.*, nominal, tool, seed
 RIGS = """
 SELECT * EXCLUDE (gap), gap.um AS gap_um, gap.arcsec AS gap_arcsec FROM (
     SELECT rig, count(*) AS campaigns, sum(touches)::BIGINT AS touches, min(recorded_at) AS first,
-        max(recorded_at) AS last, max_by(verdict, recorded_at) AS verdict,
-        max_by({'um': gap_um, 'arcsec': gap_arcsec}, recorded_at)
+        max(recorded_at) AS last, max_by(verdict, (recorded_at, campaign)) AS verdict,
+        max_by({'um': gap_um, 'arcsec': gap_arcsec}, (recorded_at, campaign))
             FILTER (coalesce(gap_um, gap_arcsec) IS NOT NULL) AS gap
     FROM campaigns GROUP BY rig
 ) ORDER BY rig

@@ -5,26 +5,29 @@ at once: what a killed writer leaves are files that nobody sees.
 """
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from datetime import datetime
 from pathlib import Path
 
 from skiplatch import undo
 from skiplatch.campaign import refuse_no_campaign
+from skiplatch.errors import InputError
 from skiplatch.files import failures_named
 from skiplatch.fleet import layout
-from skiplatch.fleet.contents import digest_of, look_at, pack
+from skiplatch.fleet.contents import Contents, digest_of, look_at, pack, packed_file, refuse_damaged
+from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, Diagnosed
 from skiplatch.fleet.engine import Connection, connect, failures_told
 from skiplatch.fleet.intake import Intake, key_of, read_intake
+from skiplatch.fleet.kept import Kept, Shelf, read_kept
 from skiplatch.fleet.lock import written_alone
 from skiplatch.fleet.named import Named, named
 from skiplatch.fleet.origin import rig_of
 from skiplatch.fleet.tables import CAMPAIGNS, write_touches
-from skiplatch.fleet.wholeness import index_digest, load_index
+from skiplatch.fleet.wholeness import index_digest, load_index, refuse_other
 
-KNOWN = "SELECT campaign, content, recorded_at, touches_sha256 FROM campaigns"
+DIAGNOSED = "verdict, seed, gap_um, gap_arcsec, stage, gaps, effects"
+FOUND = f"SELECT {DIAGNOSED} FROM (FROM fresh UNION ALL FROM campaigns) WHERE campaign = ? LIMIT 1"  # noqa: S608 - names of the product's own
 MERGE = """
 DELETE FROM campaigns WHERE campaign IN (SELECT campaign FROM fresh);
 INSERT INTO campaigns FROM fresh;
@@ -38,14 +41,14 @@ class Writer:
     Attributes:
         path: The store.
         engine: With tables `campaigns`, the index, and `fresh`, rows that it does not have yet.
-        known: Digest of the contents, time, and digest of the touches of each campaign, by its key.
+        shelf: What it has, and what was added.
         superseded: Files that no row refers to after the next `commit`.
     """
 
     path: Path
     engine: Connection
-    known: dict[str, tuple[str, datetime, str | None]] = field(default_factory=dict)
-    superseded: list[Path] = field(default_factory=list)
+    shelf: Shelf = field(default_factory=Shelf)
+    superseded: set[Path] = field(default_factory=set)
     _waits: bool = False
 
     def add(self, folder: Path, rig: str | None = None) -> Intake | None:
@@ -65,16 +68,55 @@ class Writer:
         contents = look_at(folder)
         name = rig_of(folder, rig)
         with failures_named(folder, "read"):
-            key = key_of(folder, name)
-            digest, time, _ = self.known.get(key, (None, None, None))
-            if digest == contents.digest:
+            kept = self.shelf.by_key.get(key_of(folder, name))
+            spared = self._lacks_diagnosis(kept, contents)
+            if kept and spared:
+                contents = look_at(folder, _diagnosis_file(kept.archive(self.path)))
+            mends = kept is not None and self._is_damaged(kept)
+            if kept and kept.content == contents.digest and not mends:
                 return None
-            intake = read_intake(folder, name, contents)
-        if time is not None:  # it stays in the month that it was filed under
-            intake = replace(intake, time=time, is_known=True)
-            self.superseded.append(self._place(layout.FOLDERS, intake, digest or ""))
-        self._keep(intake)
+            intake = read_intake(folder, name, contents, spared)
+        if kept is None:
+            older = self._older_versions(intake)
+            intake = replace(intake, older=tuple(one.key for one in older))
+            self._keep(intake)
+            self._take_out(older)
+        else:  # it stays in the month that it was filed under
+            intake = replace(intake, time=kept.time, is_known=True, mends=mends)
+            self._keep(intake)
+            if kept.content != contents.digest:
+                self.superseded.add(kept.archive(self.path))
         return intake
+
+    def _lacks_diagnosis(self, kept: Kept | None, contents: Contents) -> Diagnosed | None:
+        """Give the diagnosis that is kept of a campaign whose folder has none."""
+        if kept is None or not kept.is_diagnosed or DIAGNOSIS_FILE in contents.states:
+            return None
+        row = self.engine.execute(FOUND, [kept.key]).fetchone()
+        return Diagnosed(*row)
+
+    def _is_damaged(self, kept: Kept) -> bool:
+        try:
+            refuse_damaged(kept.archive(self.path), kept.content)
+            refuse_other(kept.table(self.path), kept.touches_sha256)
+        except InputError:
+            return True
+        return False
+
+    def _older_versions(self, intake: Intake) -> list[Kept]:
+        """Give what is kept of the same rig, folder and start: it was written on since.
+
+        The time of a file is no start: many folders that are copied at once have the same.
+        """
+        return self.shelf.others(intake.kept(None)) if intake.says_time else []
+
+    def _take_out(self, campaigns: Iterable[Kept]) -> None:
+        """Let campaigns no longer count from the next `commit` on."""
+        for kept in campaigns:
+            for table in ("campaigns", "fresh"):
+                self.engine.execute(f"DELETE FROM {table} WHERE campaign = ?", [kept.key])  # noqa: S608 - names of tables
+            self.shelf.take(kept.key)
+            self.superseded |= {kept.archive(self.path), kept.table(self.path)}
 
     def remove(self, name: str) -> Named:
         """Take out a campaign, which no longer counts from the next `commit` on.
@@ -86,9 +128,7 @@ class Writer:
             InputError: None or several are called that.
         """
         found = named(self.path, self.engine, name)
-        self.engine.execute("DELETE FROM campaigns WHERE campaign = ?", [found.key])
-        del self.known[found.key]
-        self.superseded += [found.folder, found.touches]
+        self._take_out([self.shelf.by_key[found.key]])
         self._waits = True
         return found
 
@@ -98,8 +138,8 @@ class Writer:
         self.engine.execute("CREATE TABLE fresh AS FROM campaigns LIMIT 0")
         if not (self.path / layout.INDEX_FILE).exists():
             self._write_index()
-        rows = self.engine.execute(KNOWN).fetchall()
-        self.known = {key: (content, time, touches) for key, content, time, touches in rows}
+        for kept in read_kept(self.engine):
+            self.shelf.put(kept)
 
     def commit(self) -> None:
         """Let what was added or taken out count, and stand whatever comes."""
@@ -127,17 +167,7 @@ class Writer:
         folder = self._place(layout.FOLDERS, intake, intake.contents.digest)
         self._write(folder, lambda target: pack(intake.contents, target))
         intake.contents.refuse_changed()
-        if intake.key in self.known:
-            *_, digest = self.known[intake.key]
-        else:
-            touches = self._place(layout.TOUCHES, intake, intake.key)
-            self._write(
-                touches,
-                lambda target: write_touches(
-                    self.engine, intake.key, intake.recorded.touches, target
-                ),
-            )
-            digest = digest_of(touches).hex()
+        digest = self._keep_touches(intake)
         row = {**intake.row(), "touches_sha256": digest, "index_sha256": None}
         marks = ", ".join("?" for _ in CAMPAIGNS)
         self.engine.execute("DELETE FROM fresh WHERE campaign = ?", [intake.key])
@@ -145,8 +175,20 @@ class Writer:
             f"INSERT INTO fresh VALUES ({marks})",  # noqa: S608 - nothing but marks
             [row[name] for name in CAMPAIGNS],
         )
-        self.known[intake.key] = intake.contents.digest, intake.time, digest
+        self.shelf.put(intake.kept(digest))
         self._waits = True
+
+    def _keep_touches(self, intake: Intake) -> str | None:
+        """Write the touches unless they are there, whole; gives their digest."""
+        kept = self.shelf.by_key.get(intake.key)
+        if kept and not intake.mends:
+            return kept.touches_sha256
+        touches = self._place(layout.TOUCHES, intake, intake.key)
+        self._write(
+            touches,
+            lambda target: write_touches(self.engine, intake.key, intake.recorded.touches, target),
+        )
+        return digest_of(touches).hex()
 
     def _place(self, table: str, intake: Intake, name: str) -> Path:
         return layout.place(self.path, table, intake.rig, intake.month, name)
@@ -160,10 +202,16 @@ class Writer:
                 write(temporary)
                 _sync(temporary)
                 undo.replace(temporary, target)
+                self.superseded.discard(target)
             except BaseException:
                 temporary.unlink(missing_ok=True)
                 raise
             _sync(target.parent)
+
+
+def _diagnosis_file(archive: Path) -> dict[str, bytes]:
+    data = packed_file(archive, DIAGNOSIS_FILE)
+    return {} if data is None else {DIAGNOSIS_FILE: data}
 
 
 def _sync(path: Path) -> None:

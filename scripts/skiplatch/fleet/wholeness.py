@@ -63,8 +63,14 @@ def whole_touches(path: Path, places: Iterable[Place]) -> list[str]:
     files = []
     for rig, month, campaign, digest in places:
         file = layout.place(path, layout.TOUCHES, rig, month, campaign)
-        with failures_named(file, "read"):
-            if digest and digest_of(file).hex() != digest:
-                raise InputError(file, None, None, DAMAGED)
+        refuse_other(file, digest)
         files.append(str(file))
     return files
+
+
+def refuse_other(file: Path, digest: str | None) -> None:
+    """Raise InputError unless a file of touches is there, with this digest if that is known."""
+    with failures_named(file, "read"):
+        found = digest_of(file).hex()
+        if found != (digest or found):
+            raise InputError(file, None, None, DAMAGED)
