@@ -195,6 +195,7 @@ def base(command: tuple[str, ...], out: Path) -> tuple[list[str], dict[str, str]
         ),
         ("fleet", "export"): (["bench"], {"--store": written, "--out": f"{written}.new"}),
         ("fleet", "remove"): (["bench"], {"--store": written}),
+        ("fleet", "verify"): ([], {"--store": written}),
         ("demo",): ([], {"--out": written}),
         ("init",): ([], {"--preset": "bench", "--out": written}),
         ("repeat",): ([str(CAMPAIGN)], {}),

@@ -14,9 +14,10 @@ from skiplatch.fleet.store import opened_for_writing
 from test_fleet_clock import dated
 from test_fleet_columns import recorded
 from test_fleet_rotary import diagnosis
-from test_fleet_store import add, ask, export, files
+from test_fleet_store import add, ask, export, files, rewritten
 from test_fleet_told import fleet
 
+REST = "or damaged files\n"
 START = "2026-03-02T08:00:00Z"
 
 
@@ -181,3 +182,40 @@ def test_what_is_lost_in_the_store_comes_back_by_adding_again(
     assert ask(store, "SELECT count(*) FROM touches") == ask(store, "SELECT touches FROM campaigns")
     assert files(export(store, "monday", tmp_path / "back")) == files(campaign)
     assert "1 known already" in fleet("add", campaign, "--store", store).output
+
+
+@pytest.mark.parametrize("pattern", ["touches/*/*/*", "folders/*/*/*"])
+@pytest.mark.parametrize("damage", ["gone", "cut", "a bit"])
+def test_verify_names_the_campaign_of_which_a_file_is_lost(
+    campaign: Path, store: Path, tmp_path: Path, pattern: str, damage: str
+) -> None:
+    add(store, campaign)
+    path = next(store.glob(pattern))
+    add(store, dated(tmp_path / "mill-8" / "monday", START))
+    assert fleet("verify", "--store", store).output == f"{store}: 2 campaigns, 0 with lost {REST}"
+
+    data = path.read_bytes()
+    middle = len(data) // 2
+    path.write_bytes(data[:middle])
+    if damage == "a bit":
+        path.write_bytes(data[:middle] + bytes([data[middle] ^ 1]) + data[middle + 1 :])
+    elif damage == "gone":
+        path.unlink()
+    result = fleet("verify", "--store", store, "--json", "-")
+
+    assert result.exit_code == 1
+    line, summary = result.stderr.splitlines(keepends=True)
+    assert line.startswith("mill-7: monday (")
+    assert f"): {path}: " in line
+    assert summary == f"{store}: 2 campaigns, 1 with lost {REST}"
+    (told,) = json.loads(result.stdout)["damaged"]
+    assert (told["rig"], told["folder"], told["path"]) == ("mill-7", "monday", str(path))
+
+
+def test_verify_reads_touches_of_which_no_digest_is_known(campaign: Path, store: Path) -> None:
+    add(store, campaign)
+    rewritten(store / "campaigns.parquet", "* EXCLUDE (touches_sha256, index_sha256)")
+    assert fleet("verify", "--store", store).exit_code == 0
+
+    next(store.glob("touches/*/*/*")).write_bytes(b"PAR1")
+    assert fleet("verify", "--store", store).exit_code == 1

@@ -4,7 +4,18 @@ import click
 
 from skiplatch.commands.lazy_group import LazyGroup
 
-SUBCOMMANDS = ("add", "list", "show", "query", "export", "remove", "check", "report", "watch")
+SUBCOMMANDS = (
+    "add",
+    "list",
+    "show",
+    "query",
+    "export",
+    "remove",
+    "check",
+    "report",
+    "watch",
+    "verify",
+)
 EPILOG = """\b
 Example:
   skiplatch fleet add scripts/samples/rig_nominal --rig bench-1 --store build/store
