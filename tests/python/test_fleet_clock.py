@@ -18,7 +18,7 @@ from skiplatch.fleet.machine_texts import open_metrics
 from skiplatch.fleet.origin import recorded_at
 from skiplatch.report.fleet import as_html
 from test_fleet_columns import recorded
-from test_fleet_store import add
+from test_fleet_store import add, ask
 
 NOW = START + 60 * WEEK
 FAR = datetime(2099, 1, 1)  # noqa: DTZ001 - of a store
@@ -99,7 +99,8 @@ def test_a_wrong_clock_that_is_in_a_store_does_not_set_now(
     assert len(right.recent) == 1
     assert found.recent == right.recent
     assert (found.to_come, found.history) == (1, changed)
-    assert left_out_text(found) == "1 campaign is later than the clock of this machine"
+    later = "1 campaign is later than the clock of this machine"
+    assert left_out_text(found) == f"{later}; 1 rig is not judged"
     assert as_json(found)["later_than_clock"] == 1
     assert "skiplatch_fleet_later_than_clock_campaigns 1.0" in open_metrics(found)
     assert "later than the clock" in as_html(found, store="works", weeks=52)
@@ -141,3 +142,35 @@ def test_the_end_of_a_day_and_a_leap_second_are_times(
 @pytest.mark.parametrize("written", ["2025-03-01T24:00:01", "2025-03-01T24:30", "2025-03-01T60:00"])
 def test_what_is_no_time_is_refused(tmp_path: Path, written: str) -> None:
     assert "expected a date and time" in refusal(recorded_at, dated(tmp_path / "one", written))
+
+
+def test_a_campaign_is_as_old_as_its_earliest_stamp(tmp_path: Path) -> None:
+    folder = recorded(tmp_path / "one")
+    (folder / "touches.csv").write_text(
+        "touch,time,feed_mm_min,deviation_um\n"
+        "1,2025-03-01T12:00:00+02:00,1,2\n2,,1,2\n3,2025-03-01T09:30:00Z,1,2\n"
+    )
+
+    assert recorded_at(folder).isoformat() == "2025-03-01T09:30:00"
+
+
+def test_a_date_before_the_year_1000_is_kept_and_read(tmp_path: Path) -> None:
+    store = tmp_path / "store"
+    add(store, dated(tmp_path / "a" / "one", "0987-06-01T00:00:00"))
+
+    assert ask(store, "SELECT month FROM touches JOIN campaigns USING (campaign, month)") == [
+        ("0987-06",)
+    ]
+
+
+def test_a_clock_that_falls_back_is_warned_of(tmp_path: Path) -> None:
+    rig, store = tmp_path / "mill-7", tmp_path / "store"
+    with pytest.warns(CampaignWarning, match="later than"):
+        add(store, dated(rig / "ahead", f"{FAR}Z"))
+    add(store, dated(rig / "old", "2020-01-01"))
+    add(store, dated(rig / "new", "2025-01-01"), dated(rig / "older", "2023-06-01"))
+
+    old = "1970-01-01T00:00:09 is over 2 years before the newest campaign of its rig, 2025-01-01"
+    with pytest.warns(CampaignWarning, match=old):
+        add(store, dated(rig / "fallen", "1970-01-01T00:00:09"))
+    assert add(store, dated(tmp_path / "mill-8" / "fallen", "1970-01-01T00:00:09")) == 1

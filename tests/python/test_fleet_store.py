@@ -166,7 +166,7 @@ def test_a_diagnosis_of_other_touches_is_refused(campaign: Path, store: Path) ->
 def test_history_has_the_diagnoses_in_the_order_of_time(campaign: Path, store: Path) -> None:
     (campaign / "diagnosis.json").write_text(json.dumps(DIAGNOSIS))
     later = another(campaign)
-    os.utime(campaign / "touches.csv", (1e9, 1e9))
+    os.utime(campaign / "touches.csv", (1.45e9, 1.45e9))
     os.utime(later / "touches.csv", (1.5e9, 1.5e9))
     add(store, later, campaign)
 

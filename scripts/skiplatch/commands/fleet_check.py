@@ -14,6 +14,7 @@ from skiplatch.fleet.findings import (
     find,
     left_out_text,
     shared_text,
+    unjudged_texts,
     unlike_text,
 )
 from skiplatch.fleet.history import read_history
@@ -79,7 +80,9 @@ def _say(findings: Findings, days: float) -> None:
         click.echo(f"shared cause: {shared_text(shared)}")
     for unlike in findings.unlike:
         click.echo(f"unlike the others: {unlike_text(unlike)}")
+    for words in unjudged_texts(findings):
+        click.echo(f"not judged: {words}")
     changed = len({change.rig for change in findings.recent})
-    rigs, left = counted(len(findings.history), "rig"), left_out_text(findings)
+    rigs, left = counted(findings.rigs, "rig"), left_out_text(findings)
     words = f"{rigs}, {changed} changed in the last {counted(days, 'day')}"
     click.echo("; ".join(filter(None, (words, left))))

@@ -55,5 +55,5 @@ def command(
     if html_path is not None:
         write_document(html_path, as_html(findings, store=store.resolve().name, weeks=weeks))
         changed = len({change.rig for change in findings.recent})
-        rigs = counted(len(findings.history), "rig")
+        rigs = counted(findings.rigs, "rig")
         click.echo(f"{html_path}: {rigs}, {changed} changed in the last {counted(days, 'day')}")

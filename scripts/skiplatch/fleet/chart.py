@@ -22,6 +22,9 @@ FEWEST_AGAIN = 2
 NEWEST = (2, 3, 5, 8, 13, 21)
 """Sizes m of the newest values: a step shows in few, a drift in many. One alone is an outlier."""
 
+FEWEST = FEWEST_BEFORE + min(NEWEST)
+"""Values in which a change can be found."""
+
 
 @dataclass(frozen=True, slots=True)
 class Shift:

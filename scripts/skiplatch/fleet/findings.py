@@ -1,16 +1,21 @@
 """What `fleet check` and the page say of a fleet, found once."""
 
-from dataclasses import asdict, dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from datetime import datetime, timedelta
 from typing import Any
 
 from skiplatch.fleet import clock
 from skiplatch.fleet.alike import SharedCause, Unlike, shared_causes, unlike_others
 from skiplatch.fleet.changes import Change, find_changes
+from skiplatch.fleet.chart import FEWEST
 from skiplatch.fleet.history import Entry, History
 from skiplatch.tables import compact, counted
 
 SHOWN_DIGITS = 3
+MOST_NAMED = 10
+"""Rigs in one line; the JSON names all."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +30,8 @@ class Findings:
         unlike: Rigs unlike the others now.
         alarms_a_month: False alarms that are expected of the whole fleet in a month, at most.
         to_come: Campaigns that are left out, as by the clock of this machine they are to come.
+        unjudged: Rigs on which no change could have been found, and why.
+        rigs: Number of all rigs, also of those with nothing but campaigns that are to come.
     """
 
     history: History
@@ -34,6 +41,8 @@ class Findings:
     unlike: list[Unlike]
     alarms_a_month: float
     to_come: int = 0
+    unjudged: Mapping[str, str] = field(default_factory=dict)
+    rigs: int = 0
 
     @property
     def undiagnosed(self) -> int:
@@ -59,7 +68,23 @@ def find(history: History, *, days: float, alarms_a_month: float) -> Findings:
         *(past, changes, recent, shared_causes(recent), unlike_others(past)),
         alarms_a_month=alarms_a_month,
         to_come=to_come,
+        unjudged=_unjudged(history, past),
+        rigs=len(history),
     )
+
+
+def _unjudged(history: History, past: History) -> dict[str, str]:
+    """Give the rigs that have too little for a change to be found, and what they lack."""
+    found = {}
+    for rig in history:
+        charted = Counter(name for entry in past.get(rig, ()) for name in entry.gaps)
+        if rig not in past:
+            found[rig] = "all campaigns are later than the clock of this machine"
+        elif not charted:
+            found[rig] = "no campaign has a diagnosis"
+        elif max(charted.values()) < FEWEST:
+            found[rig] = f"fewer than {FEWEST} campaigns have a diagnosis"
+    return found
 
 
 def _past(history: History, now: datetime) -> History:
@@ -96,11 +121,27 @@ def left_out_text(findings: Findings) -> str:
         "not diagnosed": findings.undiagnosed,
         "later than the clock of this machine": findings.to_come,
     }
-    return "; ".join(
+    said = [
         f"{counted(number, 'campaign')} {'is' if number == 1 else 'are'} {reason}"
         for reason, number in reasons.items()
         if number
-    )
+    ]
+    if number := len(findings.unjudged):
+        said.append(f"{counted(number, 'rig')} {'is' if number == 1 else 'are'} not judged")
+    return "; ".join(said)
+
+
+def unjudged_texts(findings: Findings) -> list[str]:
+    """Name the rigs on which no change could have been found, a line for each reason."""
+    by_reason: dict[str, list[str]] = {}
+    for rig, reason in findings.unjudged.items():
+        by_reason.setdefault(reason, []).append(rig)
+    return [f"{reason}: {_some(rigs)}" for reason, rigs in by_reason.items()]
+
+
+def _some(rigs: Sequence[str]) -> str:
+    more = len(rigs) - MOST_NAMED
+    return ", ".join(rigs[:MOST_NAMED]) + (f" and {more} more" if more > 0 else "")
 
 
 def change_text(change: Change) -> str:
@@ -167,10 +208,11 @@ def as_json(findings: Findings) -> dict[str, Any]:
     """Give all of it as mappings and lists; times are still times."""
     return {
         "format": "skiplatch-fleet-check/1",
-        "rigs": len(findings.history),
+        "rigs": findings.rigs,
         "campaigns": _count(findings.history),
         "undiagnosed": findings.undiagnosed,
         "later_than_clock": findings.to_come,
+        "not_judged": [{"rig": rig, "why": why} for rig, why in findings.unjudged.items()],
         "alarms_a_month": findings.alarms_a_month,
         "changed": [_change_json(change, findings.history) for change in findings.recent],
         "earlier": [

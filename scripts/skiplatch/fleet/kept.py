@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 
-from skiplatch.fleet import layout
+from skiplatch.fleet import clock, layout
 from skiplatch.fleet.engine import Connection
 
 KEPT = """
@@ -57,15 +57,29 @@ class Kept:
 
 @dataclass(slots=True)
 class Shelf:
-    """Campaigns by their keys and by their starts."""
+    """Campaigns by their keys and by their starts.
+
+    Attributes:
+        by_key: The campaigns.
+        newest: The newest time of each rig that is not later than the clock of this machine.
+        rigs: All rigs that have been there.
+        rigs_by_case: One of them for each name without its case.
+    """
 
     by_key: dict[str, Kept] = field(default_factory=dict)
+    newest: dict[str, datetime] = field(default_factory=dict)
+    rigs: set[str] = field(default_factory=set)
+    rigs_by_case: dict[str, str] = field(default_factory=dict)
     _by_start: defaultdict[Start, set[str]] = field(default_factory=lambda: defaultdict(set))
 
     def put(self, kept: Kept) -> None:
         """Add a campaign, or replace the one of its key."""
         self.by_key[kept.key] = kept
         self._by_start[kept.start].add(kept.key)
+        self.rigs.add(kept.rig)
+        self.rigs_by_case.setdefault(kept.rig.casefold(), kept.rig)
+        if kept.time <= clock.now() + clock.EASTERNMOST:
+            self.newest[kept.rig] = max(kept.time, self.newest.get(kept.rig, kept.time))
 
     def take(self, key: str) -> Kept:
         """Take out the campaign of a key."""

@@ -17,13 +17,21 @@ SUITE = "skiplatch fleet check"
 
 
 def junit_xml(findings: Findings) -> str:
-    """Give a test case for each rig, failed where it has changed lately."""
-    changed = _by_rig(findings.recent)
-    counts = {"tests": str(len(findings.history)), "failures": str(len(changed)), "errors": "0"}
-    suite = ET.Element("testsuite", {"name": SUITE, **counts, "skipped": "0"})
-    for rig in findings.history:
+    """Give a test case for each rig: failed where it has changed lately, skipped if not judged."""
+    changed, rigs = _by_rig(findings.recent), sorted({*findings.history, *findings.unjudged})
+    numbers = {
+        "tests": len(rigs),
+        "failures": len(changed),
+        "errors": 0,
+        "skipped": len(findings.unjudged),
+    }
+    counts = {name: str(number) for name, number in numbers.items()}
+    suite = ET.Element("testsuite", {"name": SUITE, **counts})
+    for rig in rigs:
         case = ET.SubElement(suite, "testcase", {"classname": SUITE, "name": rig})
-        if changes := changed.get(rig):
+        if rig in findings.unjudged:
+            ET.SubElement(case, "skipped", {"message": findings.unjudged[rig]})
+        elif changes := changed.get(rig):
             lines = [change_text(change) for change in changes]
             failure = ET.SubElement(case, "failure", {"type": "changed", "message": lines[0]})
             failure.text = "\n".join(lines)
@@ -56,7 +64,8 @@ def open_metrics(findings: Findings) -> str:
         return Gauge(f"skiplatch_fleet_{name}", words, labels, registry=registry)
 
     totals = {
-        ("rigs", "Rigs of the store."): len(findings.history),
+        ("rigs", "Rigs of the store."): findings.rigs,
+        ("unjudged_rigs", "Rigs that tell too little of a change."): len(findings.unjudged),
         ("changed_rigs", "Rigs that changed lately."): len(_by_rig(findings.recent)),
         ("undiagnosed_campaigns", "Campaigns without a diagnosis."): findings.undiagnosed,
         ("later_than_clock_campaigns", "Campaigns later than this clock."): findings.to_come,

@@ -1,6 +1,7 @@
 """Where a campaign comes from: its rig, and when it was recorded."""
 
 import re
+import unicodedata
 import warnings
 from collections.abc import Mapping
 from datetime import UTC, datetime, timedelta
@@ -25,15 +26,22 @@ SHOWN = "%Y-%m-%dT%H:%M:%S"
 def rig_of(folder: Path, named: str | None) -> str:
     """Give the rig: as it was named, else `[notes] rig`, else the folder that it lies in.
 
+    Names that look the same are the same: see `tidied`.
+
     Raises:
         InputError: That is no name of a rig.
     """
     if named is not None:
-        return refuse_rig(folder, named)
+        return refuse_rig(folder, tidied(named))
     notes = _notes(folder)
     if RIG_KEY in notes:
-        return refuse_rig(folder / NOMINAL_FILE, notes[RIG_KEY])
-    return refuse_rig(folder, folder.resolve().parent.name)
+        return refuse_rig(folder / NOMINAL_FILE, tidied(notes[RIG_KEY]))
+    return refuse_rig(folder, tidied(folder.resolve().parent.name))
+
+
+def tidied(name: object) -> object:
+    """Give a name in the normal form NFC and without blanks at its ends."""
+    return unicodedata.normalize("NFC", name).strip() if isinstance(name, str) else name
 
 
 def recorded_at(folder: Path) -> datetime:
@@ -54,18 +62,21 @@ def recorded_at(folder: Path) -> datetime:
 def told_time(folder: Path) -> datetime | None:
     """Give when a campaign says that it was recorded; None if it does not.
 
-    `[notes] recorded_at`, else the first stamp in the column time. What has no zone counts as UTC.
-    Warns of a time that is still to come by the clock of this machine.
+    `[notes] recorded_at`, else the earliest stamp in the column time. What has no zone counts as
+    UTC. Warns of a time that is still to come by the clock of this machine.
 
     Raises:
         InputError: What stands there is no time.
     """
     notes = _notes(folder)
     if TIME_KEY in notes:
-        return _utc(folder / NOMINAL_FILE, TIME_KEY, notes[TIME_KEY])
-    if stamp := _first_stamp(folder / TOUCHES_FILE):
-        return _utc(folder / TOUCHES_FILE, TIME_NAME, stamp)
-    return None
+        return _told(folder / NOMINAL_FILE, TIME_KEY, notes[TIME_KEY])
+    path = folder / TOUCHES_FILE
+    stamps = _stamps(path)
+    if not stamps:
+        return None
+    earliest = min(stamps, key=lambda stamp: _utc(_read(path, TIME_NAME, stamp)))
+    return _told(path, TIME_NAME, earliest)
 
 
 def _notes(folder: Path) -> Mapping[str, Any]:
@@ -74,15 +85,14 @@ def _notes(folder: Path) -> Mapping[str, Any]:
     return notes
 
 
-def _first_stamp(path: Path) -> str | None:
+def _stamps(path: Path) -> set[str]:
     rows = read_rows(path)
     _, header = next(rows, (0, []))  # a file may change under one's hands
     names = [name.strip().lower() for name in header]
     if TIME_NAME not in names:
-        return None
+        return set()
     place = names.index(TIME_NAME)
-    stamps = (row[place] for _, row in rows if len(row) > place)
-    return next(filter(None, stamps), None)
+    return {row[place] for _, row in rows if len(row) > place} - {""}
 
 
 def _parsed(text: str) -> datetime:
@@ -97,14 +107,23 @@ def _parsed(text: str) -> datetime:
     return datetime.fromisoformat(early) + timedelta(days=is_day, seconds=is_leap)
 
 
-def _utc(path: Path, name: str, written: object) -> datetime:
+def _read(path: Path, name: str, written: object) -> datetime:
     try:
         time = written if isinstance(written, datetime) else _parsed(str(written))
-        utc = time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+        _utc(time)
     except (ValueError, OverflowError) as error:
         raise InputError(path, None, name, f"{EXPECTED}, got {quoted(str(written))}") from error
-    now = clock.now()
-    if utc > (now if time.tzinfo else now + clock.EASTERNMOST):
+    return time
+
+
+def _utc(time: datetime) -> datetime:
+    return time.astimezone(UTC).replace(tzinfo=None) if time.tzinfo else time
+
+
+def _told(path: Path, name: str, written: object) -> datetime:
+    """Give a time in UTC; warns of one that is still to come."""
+    time, now = _read(path, name, written), clock.now()
+    if _utc(time) > (now if time.tzinfo else now + clock.EASTERNMOST):
         later = f"{quoted(str(written))} is later than the clock of this machine, {now:{SHOWN}} UTC"
         warnings.warn(CampaignWarning(path, None, name, later), stacklevel=2)
-    return utc
+    return _utc(time)

@@ -12,6 +12,7 @@ from skiplatch.fleet import layout
 from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.engine import Connection, connect, failures_told, literal
 from skiplatch.fleet.named import named
+from skiplatch.fleet.origin import tidied
 from skiplatch.fleet.tables import kept_touches
 from skiplatch.fleet.wholeness import load_index, whole_touches
 
@@ -86,10 +87,16 @@ class Reader:
         Raises:
             InputError: There is no such rig.
         """
-        places = self._ask(f"{PLACES} WHERE rig = $rig", {"rig": rig}).rows
+        places = self._places(rig)
+        if not places:
+            rig = str(tidied(rig))  # as `add` writes it; an older version wrote it as it was
+            places = self._places(rig)
         if not places:
             raise InputError(self.path, None, None, f"no rig {quoted(rig)} in this store")
         return self._ask(HISTORY, {"rig": rig, "files": whole_touches(self.path, places)})
+
+    def _places(self, rig: str) -> list[tuple[Any, ...]]:
+        return self._ask(f"{PLACES} WHERE rig = $rig", {"rig": rig}).rows
 
     def query(self, sql: str) -> Answer:
         """Give what one SELECT says.

@@ -17,6 +17,7 @@ from skiplatch.files import failures_named
 from skiplatch.fleet import layout
 from skiplatch.fleet.contents import Contents, digest_of, look_at, pack, packed_file, refuse_damaged
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, Diagnosed
+from skiplatch.fleet.doubts import warn_of
 from skiplatch.fleet.engine import Connection, connect, failures_told
 from skiplatch.fleet.intake import Intake, key_of, read_intake
 from skiplatch.fleet.kept import Kept, Shelf, read_kept
@@ -77,6 +78,7 @@ class Writer:
                 return None
             intake = read_intake(folder, name, contents, spared)
         if kept is None:
+            warn_of(intake, self.shelf)
             older = self._older_versions(intake)
             intake = replace(intake, older=tuple(one.key for one in older))
             self._keep(intake)

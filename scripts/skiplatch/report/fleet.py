@@ -158,7 +158,7 @@ def _headline(changed: int, rigs: int) -> str:
 
 def _lead(findings: Findings) -> str:
     newest = max(entries[-1].time for entries in findings.history.values())
-    words = f"{counted(len(findings.history), 'rig')}, as of {newest:%Y-%m-%d}."
+    words = f"{counted(findings.rigs, 'rig')}, as of {newest:%Y-%m-%d}."
     if left := left_out_text(findings):
         words += f" {left}: nothing is told of them."
     return words
