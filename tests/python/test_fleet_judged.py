@@ -11,6 +11,8 @@ import pytest
 from simulated_fleet import START, WEEK
 from skiplatch.errors import CampaignWarning
 from skiplatch.fleet import clock
+from skiplatch.fleet.alike import SharedCause
+from skiplatch.fleet.findings import shared_text
 from test_fleet_clock import FAR, NOW, dated
 from test_fleet_rotary import diagnosis
 from test_fleet_store import add, ask
@@ -87,3 +89,9 @@ def test_names_of_rigs_that_differ_in_case_alone_are_warned_of(tmp_path: Path, s
     with pytest.warns(CampaignWarning, match='rig "Mill-7" differs from "mill-7" in case only'):
         add(store, second, rig="Mill-7")
     assert add(store, third, rig="Mill-7") == 1
+
+
+def test_the_days_of_a_shared_cause_are_those_of_its_beginnings() -> None:
+    shared = SharedCause("backlash", "position", ["a", "b"], START, START + 2 * WEEK)
+
+    assert shared_text(shared) == "backlash (position stage) grew on a, b, began within 14 days"

@@ -20,6 +20,7 @@ from refusals import Program, refusal
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
 from skiplatch.errors import InputError
+from skiplatch.fleet import layout
 from skiplatch.fleet.contents import unpack
 from skiplatch.fleet.history import Gap, Parameter, read_history
 from skiplatch.fleet.reading import opened
@@ -350,6 +351,60 @@ def test_a_foreign_file_is_refused(filled: Path, place: str) -> None:
 
     assert f"{path}: a foreign file" in refusal(ask, filled, "SELECT 1")
     assert path.read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["lost+found", ".snapshot", ".DS_Store", "Thumbs.db"])
+def test_what_file_systems_put_into_any_folder_is_ignored(filled: Path, name: str) -> None:
+    for folder in (filled, filled / "touches", next(filled.glob("touches/*/*"))):
+        (folder / name).mkdir()
+
+    assert ask(filled, "SELECT count(*) FROM touches") == [(30,)]
+
+
+def test_a_store_in_a_store_is_refused(filled: Path, campaign: Path, refused: Program) -> None:
+    inner = filled / "more" / "store"
+
+    for words in (["add", campaign], ["watch", campaign.parent, "--once"]):
+        said = refused("fleet", *words, "--store", inner)
+        assert said == f"skiplatch: {inner}: lies in the store {filled}; put it elsewhere\n"
+    assert not inner.parent.exists()
+
+
+def test_what_killed_writers_left_is_removed_by_the_next(
+    filled: Path, campaign: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    month = next(filled.glob("touches/*/*"))
+    for folder in (filled, month):
+        (folder / f".skiplatch-{'0' * 16}.tmp").write_text("half")
+
+    add(filled, another(campaign))
+    assert len(list(filled.rglob("*.tmp"))) == 2  # another one may take something back
+
+    monkeypatch.setattr(layout, "LEFT_S", 0.0)
+    add(filled, another(campaign, "wednesday"))
+    assert not list(filled.rglob("*.tmp"))
+
+
+def test_lost_touches_are_named_and_cost_no_other_table(
+    filled: Path, run: Callable[..., Any], refused: Program
+) -> None:
+    path = next(filled.glob("touches/*/*/*"))
+    path.unlink()
+
+    assert run("query", "SELECT folder FROM campaigns", "--store", filled)["rows"] == [["monday"]]
+    said = refused("fleet", "query", "SELECT 1 FROM Touches", "--store", filled)
+    assert said.startswith(f"skiplatch: {path}: cannot read: No such file")
+    assert '; touches of "monday" (' in said
+    assert said.endswith(') of rig "mill-7"\n')
+
+
+def test_a_campaign_without_touches_is_told_by_the_file(
+    campaign: Path, store: Path, refused: Program
+) -> None:
+    (campaign / "touches.csv").unlink()
+
+    said = refused("fleet", "add", campaign, "--store", store)
+    assert said.startswith(f"skiplatch: {campaign}/touches.csv: cannot read: No such file")
 
 
 def test_a_lost_bit_of_a_folder_is_told_or_costs_nothing(filled: Path, tmp_path: Path) -> None:

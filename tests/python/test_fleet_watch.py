@@ -155,9 +155,13 @@ def test_what_lacks_a_file_is_left(
 def test_what_has_just_changed_is_left(
     inbox: Path, store: Path, diagnosed: list[Path | None]
 ) -> None:
-    put(inbox / "monday")
+    folder = put(inbox / "monday")
 
-    assert "1 not whole yet" in once(inbox, store, "--settle-s", "60").output
+    result = once(inbox, store, "--settle-s", "60", "--json", "-")
+
+    assert f"{folder}: not whole yet\n0 kept, 0 known already, 1 not whole yet\n" in result.output
+    document = json.loads(result.stdout)
+    assert (document["not_whole"], document["waiting"]) == (1, [str(folder)])
     assert diagnosed == []
 
 

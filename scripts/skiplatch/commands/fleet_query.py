@@ -24,7 +24,7 @@ def command(sql: str, store: Path, json_path: Path | None) -> None:
 
     The dialect is DuckDB's. Nothing but the store can be read, and nothing written.
     """
-    with opened(store) as reader:
+    with opened(store, with_touches=False) as reader:
         answer = reader.query(sql)
     click.echo(answer_text(answer.columns, answer.rows))
     rows = plain(answer.rows)

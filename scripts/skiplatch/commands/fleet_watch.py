@@ -202,11 +202,19 @@ def _once(intake: Intake, arrivals: Arrivals, json_path: Path | None) -> None:
             kept.append(folder)
             click.echo(f"{folder}: {taken}")
     tell_refused(refused)
+    for folder in waiting:
+        click.echo(f"{folder}: not whole yet")
     known = len(whole) - len(kept) - len(refused)
     more = f", {len(refused)} refused" if refused else ""
-    click.echo(f"{len(kept)} kept, {known} known already{more}, {waiting} not whole yet")
-    document = {"kept": [str(path) for path in kept], "known": known, "not_whole": waiting}
-    write_json(json_path, {**document, "refused": refused_json(refused)})
+    click.echo(f"{len(kept)} kept, {known} known already{more}, {len(waiting)} not whole yet")
+    document = {
+        "kept": [str(path) for path in kept],
+        "known": known,
+        "not_whole": len(waiting),
+        "waiting": [str(path) for path in waiting],
+        "refused": refused_json(refused),
+    }
+    write_json(json_path, document)
     if refused:
         click.get_current_context().exit(REFUSED)
 
@@ -220,7 +228,7 @@ def watch(intake: Intake, arrivals: Arrivals, stop: threading.Event) -> None:
             whole, waiting = arrivals.look()
             for folder, taken in intake.take(list(whole)):
                 if isinstance(taken, BusyError):
-                    waiting += 1
+                    waiting.append(folder)
                     continue
                 arrivals.dealt_with[folder] = whole[folder]
                 _tell(intake, folder, taken)

@@ -34,8 +34,8 @@ class Arrivals:
     settle_s: float
     dealt_with: dict[Path, State] = field(default_factory=dict)
 
-    def look(self) -> tuple[dict[Path, State], int]:
-        """Give what is whole and new, in the order of the names, and how many are not whole yet.
+    def look(self) -> tuple[dict[Path, State], list[Path]]:
+        """Give what is whole and new, in the order of the names, and what is not whole yet.
 
         Raises:
             InputError: The folder cannot be read.
@@ -48,7 +48,7 @@ class Arrivals:
             folder: state for folder, state in begun.items() if self.dealt_with.get(folder) != state
         }
         whole = {folder: state for folder, state in new.items() if self._is_whole(state)}
-        return whole, len(new) - len(whole)
+        return whole, [folder for folder in new if folder not in whole]
 
     def _is_whole(self, state: State) -> bool:
         settled_ns = time.time_ns() - int(self.settle_s * 1e9)

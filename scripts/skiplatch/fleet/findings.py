@@ -194,7 +194,7 @@ def growth_text(change: Change) -> str:
 def shared_text(shared: SharedCause) -> str:
     """Say a shared cause in one line."""
     rigs, days = ", ".join(shared.rigs), counted((shared.last - shared.first).days, "day")
-    return f"{shared.effect} ({shared.stage} stage) grew on {rigs}, within {days}"
+    return f"{shared.effect} ({shared.stage} stage) grew on {rigs}, began within {days}"
 
 
 def unlike_text(unlike: Unlike) -> str:

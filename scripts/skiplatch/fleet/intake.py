@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE, Campaign, read_campaign
+from skiplatch.files import failures_named
 from skiplatch.fleet.contents import Contents, digest_of, look_at
 from skiplatch.fleet.diagnosed import Diagnosed, diagnosed
 from skiplatch.fleet.kept import Kept
@@ -100,7 +101,8 @@ def key_of(folder: Path, rig: str) -> str:
     """Tell a campaign from all others; the diagnosis in its folder may change."""
     digest = hashlib.sha256(f"{len(rig.encode())} {rig} ".encode())
     for name in (NOMINAL_FILE, TOUCHES_FILE):
-        digest.update(digest_of(folder / name))
+        with failures_named(folder / name, "read"):
+            digest.update(digest_of(folder / name))
     return digest.hexdigest()
 
 

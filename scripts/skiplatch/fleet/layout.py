@@ -3,7 +3,10 @@
 import json
 import os
 import re
+import shutil
+import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from urllib.parse import quote
 
@@ -20,6 +23,11 @@ _TEMPORARY = re.compile(r"\.skiplatch-[0-9a-f]{16}\.tmp")
 _PARTITIONS = (re.compile(r"rig=.+"), re.compile(r"month=[0-9]{4}-[0-9]{2}"))
 _FILE = re.compile(r"[0-9a-f]{64}")
 _PATTERN_CHARACTERS = "*?[]"
+_IGNORED = {"lost+found", ".snapshot", ".DS_Store", "Thumbs.db"}
+"""What file systems and their viewers put into any folder."""
+LEFT_S = 60.0
+"""Age of a temporary file that nobody is at work with. A writer that fails takes back what it wrote
+after it has let go of the lock, from such files; that takes no minute."""
 
 
 def create(path: Path) -> None:
@@ -30,6 +38,25 @@ def create(path: Path) -> None:
     """
     text = json.dumps({"format": FORMAT}) + "\n"
     atomic_write_folder(path, {STORE_FILE: text, LOCK_FILE: ""})
+
+
+def refuse_inside(path: Path) -> None:
+    """Raise InputError for a new store that would lie in another one, where it is foreign."""
+    for parent in path.parents:
+        if (parent / STORE_FILE).is_file() and (parent / LOCK_FILE).is_file():
+            raise InputError(path, None, None, f"lies in the store {parent}; put it elsewhere")
+
+
+def remove_leftovers(path: Path) -> None:
+    """Remove what killed writers have left; only for the one that holds the lock."""
+    latest_s = time.time() - LEFT_S
+    for parent, folders, files in os.walk(path):
+        for name in filter(_TEMPORARY.fullmatch, (*folders, *files)):
+            leftover = Path(parent, name)
+            with suppress(OSError):
+                if leftover.lstat().st_ctime <= latest_s:
+                    shutil.rmtree(leftover) if leftover.is_dir() else leftover.unlink()
+        folders[:] = [name for name in folders if name not in _IGNORED]
 
 
 def refuse_foreign(path: Path) -> None:
@@ -61,7 +88,7 @@ def _refuse_version(path: Path) -> None:
 
 def _foreign(path: Path) -> Iterator[str]:
     """Give what no skiplatch has put there."""
-    for entry in list(os.scandir(path)):
+    for entry in _entries(path):
         if entry.name in ENDINGS and entry.is_dir(follow_symlinks=False):
             yield from _foreign_below(Path(entry.path), ENDINGS[entry.name], 0)
         elif not _TEMPORARY.fullmatch(entry.name) and (
@@ -71,8 +98,12 @@ def _foreign(path: Path) -> Iterator[str]:
             yield entry.path
 
 
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    return [entry for entry in os.scandir(folder) if entry.name not in _IGNORED]
+
+
 def _foreign_below(folder: Path, ending: str, depth: int) -> Iterator[str]:
-    for entry in list(os.scandir(folder)):
+    for entry in _entries(folder):
         if depth < len(_PARTITIONS):
             if entry.is_dir(follow_symlinks=False) and _PARTITIONS[depth].fullmatch(entry.name):
                 yield from _foreign_below(Path(entry.path), ending, depth + 1)

@@ -48,7 +48,7 @@ FROM campaigns JOIN (
     ) GROUP BY campaign
 ) USING (campaign) WHERE rig = $rig ORDER BY recorded_at, campaign
 """  # noqa: S608 - names of the product's own
-PLACES = "SELECT rig, month, campaign, touches_sha256 FROM campaigns"
+PLACES = "SELECT rig, month, campaign, touches_sha256, folder FROM campaigns"
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,6 +110,14 @@ class Reader:
             statements = self.engine.extract_statements(sql)
         if len(statements) != 1 or statements[0].type != duckdb.StatementType.SELECT:
             raise InputError("SQL", None, None, "expected one SELECT; a store is only read")
+        with failures_told(Path("SQL")):
+            try:
+                return self._answer(sql)
+            except duckdb.CatalogException as error:
+                if "with name touches does not exist" not in str(error).lower():
+                    raise
+        with failures_told(self.path / layout.TOUCHES):
+            _view_touches(self.path, self.engine)
         return self._ask(sql, where=Path("SQL"))
 
     def export(self, name: str, out: Path) -> str:
@@ -131,8 +139,11 @@ class Reader:
         self, sql: str, values: dict[str, Any] | None = None, where: Path | None = None
     ) -> Answer:
         with failures_told(where or self.path):
-            asked = self.engine.execute(sql, values)
-            return Answer([column[0] for column in asked.description], asked.fetchall())
+            return self._answer(sql, values)
+
+    def _answer(self, sql: str, values: dict[str, Any] | None = None) -> Answer:
+        asked = self.engine.execute(sql, values)
+        return Answer([column[0] for column in asked.description], asked.fetchall())
 
 
 @contextmanager
@@ -141,7 +152,8 @@ def opened(path: Path, *, with_touches: bool = True) -> Iterator[Reader]:
 
     Args:
         path: The store.
-        with_touches: Whether the table touches is there, which is a file for each campaign.
+        with_touches: Whether the table touches is there at once, which is a file for each campaign.
+            Else a query that asks for it makes it.
 
     Raises:
         InputError: It is no store, one of another version, or something foreign is in it.

@@ -227,7 +227,9 @@ def _sync(path: Path) -> None:
 def refuse_unusable(path: Path) -> None:
     """Raise InputError for what is neither a store nor can become one; for early warning."""
     path = Path(os.path.realpath(path))
-    if not _is_new(path):
+    if _is_new(path):
+        layout.refuse_inside(path)
+    else:
         layout.refuse_foreign(path)
 
 
@@ -251,9 +253,11 @@ def opened_for_writing(path: Path, *, may_be_new: bool = True) -> Iterator[Write
     path = Path(os.path.realpath(path))
     engine = connect(path)
     if may_be_new and _is_new(path):
+        layout.refuse_inside(path)
         layout.create(path)
     layout.refuse_foreign(path)
     with written_alone(path), failures_told(path / layout.INDEX_FILE), engine:
+        layout.remove_leftovers(path)
         writer = Writer(path, engine)
         writer.begin()
         yield writer

@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Iterable
 from pathlib import Path
 
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named
 from skiplatch.fleet import layout
 from skiplatch.fleet.contents import digest_of
@@ -16,8 +16,8 @@ from skiplatch.fleet.tables import CAMPAIGNS
 
 DAMAGED = "damaged: its contents are not those that were written"
 
-Place = tuple[str, str, str, str | None]
-"""Rig, month and key of a campaign, and the digest of its file of touches."""
+Place = tuple[str, str, str, str | None, str]
+"""Rig, month and key of a campaign, the digest of its file of touches, and its folder's name."""
 
 
 def load_index(path: Path, engine: Connection) -> None:
@@ -61,9 +61,13 @@ def whole_touches(path: Path, places: Iterable[Place]) -> list[str]:
         InputError: One is damaged or gone.
     """
     files = []
-    for rig, month, campaign, digest in places:
+    for rig, month, campaign, digest, folder in places:
         file = layout.place(path, layout.TOUCHES, rig, month, campaign)
-        refuse_other(file, digest)
+        try:
+            refuse_other(file, digest)
+        except InputError as error:
+            of = f"touches of {quoted(folder)} ({campaign[:12]}) of rig {quoted(rig)}"
+            raise InputError(file, None, None, f"{error.message}; {of}") from error
         files.append(str(file))
     return files
 
