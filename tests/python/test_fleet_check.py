@@ -236,6 +236,17 @@ def parsed(metrics: str) -> list[Metric]:
     return list(text_string_to_metric_families(metrics))  # type: ignore[no-untyped-call]
 
 
+def test_what_the_gap_is_now_is_told_beside_the_mean_since(
+    small: tuple[History, dict[str, Fault]],
+) -> None:
+    history, _ = small
+
+    for change in find_changes(history):
+        newest = history[change.rig][-1].gaps[change.observable].before
+        assert change.newest == newest
+        assert (f"; now {newest:.3g} {change.unit}" in change_text(change)) == (not change.back)
+
+
 @pytest.fixture
 def checked(
     small: tuple[History, dict[str, Fault]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -288,7 +299,7 @@ def test_line_of_the_page_is_that_of_such_a_change() -> None:
     last, began, seen = (datetime(2026, 3, day) for day in (2, 9, 16))  # noqa: DTZ001 - of a store
 
     gap = "latch_after_edge_us", "µs", 0.6, 4.1
-    change = Change("mill-7", *gap, last, began, seen, 2, "latch", latency)
+    change = Change("mill-7", *gap, last, began, seen, 2, "latch", latency, newest=4.3)
 
     assert gap[0] in {one.name for one in ALL_OBSERVABLES}
 

@@ -49,6 +49,7 @@ class Change:
         stage: Where it acts; None if no diagnosis says so.
         growth: The effect's parameter that changed most; None if none changed clearly.
         back: Whether it was over after a few campaigns, or seems to be by the newest ones.
+        newest: The gap of the newest campaign: after a drift it is not that of the mean.
     """
 
     rig: str
@@ -63,6 +64,7 @@ class Change:
     stage: str | None
     growth: Growth | None
     back: Back | None = None
+    newest: float | None = None
 
     @property
     def is_worse(self) -> bool:
@@ -136,6 +138,7 @@ def _changes(
             stage=growth.stage if growth else _stage([*series[new], *series[old]]),
             growth=growth,
             back=_back(series, observable, shift),
+            newest=gaps[-1].before,
         )
 
 

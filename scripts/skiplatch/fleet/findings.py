@@ -153,8 +153,7 @@ def change_text(change: Change) -> str:
         f"began {change.last_before:%Y-%m-%d} … {change.began:%Y-%m-%d}",
         f"seen {change.seen:%Y-%m-%d}",
     ]
-    if change.back:
-        words.append(_back_text(change))
+    words += filter(None, [_back_text(change), _now_text(change)])
     if change.growth:
         words.append(f"{change.stage} stage, {growth_text(change)}")
     elif change.stage:
@@ -164,15 +163,23 @@ def change_text(change: Change) -> str:
 
 def details(change: Change) -> list[str]:
     """Say what is known beyond the change itself: whether it is over, and which effect grew."""
-    return [text for text in (_back_text(change), growth_text(change)) if text]
+    return [text for text in (_back_text(change), _now_text(change), growth_text(change)) if text]
+
+
+def _now_text(change: Change) -> str:
+    if change.newest is None or change.back is not None:  # the way back tells what it is now
+        return ""
+    return f"now {_in_unit(change, change.newest)}"
+
+
+def _in_unit(change: Change, gap: float) -> str:
+    return f"{compact(gap, SHOWN_DIGITS)} {change.unit}"
 
 
 def _back_text(change: Change) -> str:
     if change.back is None:
         return ""
-    words = (
-        f"{compact(change.back.gap, SHOWN_DIGITS)} {change.unit} since {change.back.since:%Y-%m-%d}"
-    )
+    words = f"{_in_unit(change, change.back.gap)} since {change.back.since:%Y-%m-%d}"
     if change.back.seen is None:
         words += f", by {counted(change.back.campaigns, 'campaign')}, too few to be sure"
     return f"back to {words}"
