@@ -66,6 +66,19 @@ class Fit:
             given = replace(given, slack=self.slack)
         return reduce(Change.joined, changes, given)
 
+    def alone(self, position: int) -> "Fit":
+        """Give one of the effects as it is here."""
+        return self._with([position])
+
+    def without(self, position: int) -> "Fit":
+        """Give the other effects as they are here."""
+        return self._with([i for i in range(len(self.candidates)) if i != position])
+
+    def _with(self, positions: Sequence[int]) -> "Fit":
+        candidates = tuple(self.candidates[i] for i in positions)
+        parameters = tuple(self.parameters[i] for i in positions)
+        return replace(self, candidates=candidates, parameters=parameters)
+
     @property
     def key(self) -> tuple[object, ...]:
         """Tell fits apart by what they are."""

@@ -226,17 +226,11 @@ class Judge(Scorer):
 
     def alone(self, model: Scored, position: int) -> Scored:
         """Give one effect of a model with the parameters it has there."""
-        found = model.fit
-        parts = (found.candidates[position],), (found.parameters[position],)
-        return self.score(Fit(*parts, found.reached, found.slack))
+        return self.score(model.fit.alone(position))
 
     def without(self, model: Scored, position: int) -> Scored:
         """Give a model without one of its effects, the others as they are."""
-        found = model.fit
-        left = [i for i in range(len(found.candidates)) if i != position]
-        candidates = tuple(found.candidates[i] for i in left)
-        parameters = tuple(found.parameters[i] for i in left)
-        return self.score(replace(found, candidates=candidates, parameters=parameters))
+        return self.score(model.fit.without(position))
 
     def in_place(self, model: Scored, position: int) -> list[Scored]:
         """Give a model with others in place of one effect, which come last; by falling score.
@@ -253,7 +247,7 @@ class Judge(Scorer):
 
     def again_without(self, model: Scored, position: int) -> Scored:
         """Fit a model without one of its effects, from where the others are."""
-        left = self.without(model, position).fit
+        left = model.fit.without(position)
         return self.score(anew(self._fitting, left.candidates, [np.concatenate(left.parameters)]))
 
     @cached_property

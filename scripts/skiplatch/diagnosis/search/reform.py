@@ -23,30 +23,11 @@ def reformed(judge: Judge, model: Scored) -> Scored:
     """
     stiff = replace(model.fit, slack=0.0)
     lasting = [i for i, candidate in enumerate(stiff.candidates) if candidate.span == ALWAYS]
-    formed = judge.formed([(_part(stiff, i), _without(stiff, i)) for i in lasting])
+    formed = judge.formed([(stiff.alone(i), stiff.without(i)) for i in lasting])
     models = [judge.score(_with(stiff, i, one)) for i, one in zip(lasting, formed, strict=True)]
     likely = [one for one in models if one.fit.key != stiff.key]
     best = max(judge.jointly(likely), key=lambda one: one.score, default=model)
     return best if best.score > model.score + BETTER else model
-
-
-def _part(model: Fit, position: int) -> Fit:
-    """Give one effect of a model as it is there."""
-    return replace(
-        model,
-        candidates=(model.candidates[position],),
-        parameters=(model.parameters[position],),
-    )
-
-
-def _without(model: Fit, position: int) -> Fit:
-    """Give the other effects of a model as they are there."""
-    left = [i for i in range(len(model.candidates)) if i != position]
-    return replace(
-        model,
-        candidates=tuple(model.candidates[i] for i in left),
-        parameters=tuple(model.parameters[i] for i in left),
-    )
 
 
 def _with(model: Fit, position: int, effect: Fit) -> Fit:

@@ -7,7 +7,6 @@ the likelihood may be off, but then they are for the plays as well.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -50,7 +49,7 @@ def shares_gained(
     whole = [nats_of(one, found, fit, unasked) for one in campaigns]
 
     def share(i: int) -> float:
-        fewer = _without(fit, i)
+        fewer = fit.without(i) if len(fit.candidates) > 1 else None
         start = found if fewer else believed
         record, *gains = (
             nats - nats_of(one, start, fewer, unasked)
@@ -78,11 +77,3 @@ def nats_of(
     believed = scene.with_nominal(rig.nominal)
     found = likelihood(believed, fit.change(believed) if fit else NOTHING)
     return float(sum(nats.sum() for name, nats in found.streams.items() if name not in unasked))
-
-
-def _without(fit: Fit, i: int) -> Fit | None:
-    candidates, parameters = list(fit.candidates), list(fit.parameters)
-    del candidates[i], parameters[i]
-    if not candidates:
-        return None
-    return replace(fit, candidates=tuple(candidates), parameters=tuple(parameters))
