@@ -26,6 +26,7 @@ from skiplatch.campaign import (
     read_campaign,
     read_conditions,
 )
+from skiplatch.campaign.nominal import InputNominal, ProbeNominal, SkipNominal
 from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect, effects
@@ -55,6 +56,8 @@ PLAYED = {
     ("bench", "reference_jitter_us"): DURATION_US,
 }
 """What the simulator takes of nominal.toml: is_chain() of host_sim/api/batch.c."""
+OF_A_READING = {("probe", "repeatability_um"), ("axis", "resolution_um")}
+"""What is uncertain where an instrument reads an axis at rest."""
 STAMPS = ("edge_us", "latch_us", "report_us")
 MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
 PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
@@ -144,21 +147,32 @@ def playable(campaign: Campaign) -> Campaign:
     refuse_unplayable_touches(campaign.path / TOUCHES_FILE, campaign.touches)
     touches = _as_linear(campaign.touches)
     no_feed, no_way = np.isnan(touches.feed_mm_min), np.isnan(touches.approach_mm)
-    no_time = np.isnan(touches.time_s)
-    if campaign.nominal.kind is Kind.MACHINE and no_feed.any():
+    no_time, at_rest = np.isnan(touches.time_s), campaign.nominal.datum.is_at_rest
+    if campaign.nominal.kind is Kind.MACHINE and no_feed.any() and not at_rest:
         how_often = f"not recorded in {no_feed.sum()} of {len(touches)} touches"
         why = "without it nobody can tell a delay from a length; import has --feed"
         raise InputError(campaign.path / TOUCHES_FILE, None, "feed_mm_min", f"{how_often}; {why}")
     missing = {"feed_mm_min": no_feed, "approach_mm": no_way, "time_s": no_time}
     for name, rows in missing.items():
         lost = f"what cannot be told without it: {COLUMNS[name].lost}"
-        _warn(campaign.path / TOUCHES_FILE, name, rows, lost)
+        if not at_rest or name == "time_s":
+            _warn(campaign.path / TOUCHES_FILE, name, rows, lost)
     stood_in = frozenset(name for name, rows in missing.items() if rows.any())
     if stood_in:
         touches = _stood_in(campaign.nominal, touches)
     refuse_endless_move(campaign.path / NOMINAL_FILE, campaign.nominal, touches)
     known_as = fingerprint(campaign.touches)
-    return replace(campaign, touches=touches, stood_in=stood_in, fingerprint=known_as)
+    nominal = _rested(campaign.nominal) if at_rest else campaign.nominal
+    return replace(
+        campaign, nominal=nominal, touches=touches, stood_in=stood_in, fingerprint=known_as
+    )
+
+
+def _rested(nominal: Nominal) -> Nominal:
+    """Take what only a touch can have out of what is believed; what was read scatters as before."""
+    scatter = ProbeNominal(repeatability_um=nominal.probe.repeatability_um)
+    u = {key: value for key, value in nominal.uncertainty.items() if key in OF_A_READING}
+    return replace(nominal, probe=scatter, input=InputNominal(), skip=SkipNominal(), uncertainty=u)
 
 
 def read_played(path: Path, nominal: Nominal) -> Touches:
@@ -190,7 +204,7 @@ def _stood_in(nominal: Nominal, touches: Touches) -> Touches:
         touches,
         feed_mm_min=feed_mm_min,
         approach_mm=_or_else(touches.approach_mm, ramp_mm + beyond_mm),
-        deviation_um=_empty(touches.deviation_um, no_feed),
+        deviation_um=_empty(touches.deviation_um, no_feed & (not nominal.datum.is_at_rest)),
         latch_us=_empty(touches.latch_us, stamps_hang),
         report_us=_empty(touches.report_us, stamps_hang),
     )

@@ -108,8 +108,8 @@ def test_wrong_datum_is_told(tmp_path: Path) -> None:
     said = refusal(nominal, tmp_path, 'datum.free = "axes"', folder=tmp_path)
 
     assert said == (
-        'nominal.toml:2:14: datum.free: expected "none", "campaign", "axis", "axis_sense" or '
-        '"session", got "axes"'
+        'nominal.toml:2:14: datum.free: expected "none", "campaign", "axis", "axis_sense", '
+        '"session" or "zero", got "axes"'
     )
 
 

@@ -13,19 +13,22 @@ from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machi
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Kind, Touches, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis import diagnose
+from skiplatch.diagnosis.candidates.applicable import acts
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.density.law import Extra, Law
 from skiplatch.diagnosis.fit.fit import fit
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
-from skiplatch.diagnosis.plays.playing import FittedDatum
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.named import named
 from skiplatch.simulator.effects import effects
 from skiplatch.simulator.library import connection
+from skiplatch.stand_ins import playable
 
 OFF_UM = 12.0
 NOISE_UM = 0.3
@@ -191,6 +194,70 @@ def test_a_session_moves_the_datum_of_each_axis() -> None:
     assert [found[f"{axis} session after"] for axis in "XYZ"] == pytest.approx(
         [5.0, -3.0, 80.0], abs=0.15
     )
+
+
+def test_the_zero_of_an_instrument_moves_the_senses_apart_and_is_no_backlash() -> None:
+    table = free(quiet(), DatumFreedom.ZERO)
+    sign = table.touches.sign
+    off = moved(table, OFF_UM * sign)
+
+    assert fitted(off) == {name: pytest.approx(OFF_UM, abs=0.1) for name in "XYZ"}
+    assert nats(off) == pytest.approx(nats(table), abs=1.0)
+    assert nats(moved(table, np.where(sign < 0.0, 1.0, 0.0))) < nats(table) - 100.0
+    assert nats(moved(table, OFF_UM)) < nats(table) - 100.0
+
+
+def test_plays_have_the_zero_of_an_instrument_where_it_was_fitted() -> None:
+    off = moved(free(quiet(), DatumFreedom.ZERO), OFF_UM * quiet().touches.sign)
+    believed, fitted_to = Rig(off.nominal), FittedDatum.of(Scene.of(off), Change())
+
+    before, after = (
+        rig.play(off.touches, seed=1, replicates=20).deviation_um.mean(axis=0)
+        for rig in (believed, replace(believed, datum=fitted_to))
+    )
+
+    assert after - before == pytest.approx(OFF_UM * off.touches.sign, abs=0.1)
+
+
+def test_where_an_axis_rests_only_effects_on_positions_can_act() -> None:
+    at_rest, touched = Scene.of(free(quiet(), DatumFreedom.ZERO)), Scene.of(quiet())
+
+    acting = {effect_id for effect_id in effects() if acts(effect_id, at_rest)}
+
+    assert {"backlash", "scale_error", "transmission_error", "thermal_drift"} <= acting
+    assert not acting & {"trigger_delay", "following_error", "servo_hold", "pretravel_lobing"}
+    assert all(acts(effect_id, touched) for effect_id in effects())
+
+
+@pytest.mark.parametrize("mean_um", [0.0, 3.0])
+def test_backlash_of_a_table_is_its_own_reversal_whatever_the_wave(mean_um: float) -> None:
+    """A zero that a straight line misses by half a wave was told as a backlash."""
+    rng, place = np.random.default_rng(7), np.tile(np.linspace(5.0, 440.0, 40), 10)
+    sign = np.repeat([1.0, -1.0] * 5, 40)
+    error = 5.0 * np.sin(2.0 * np.pi * place / 160.0 + 2.0) + rng.normal(0.0, 0.5, 400)
+    error -= np.where(sign < 0.0, mean_um, 0.0)
+    table = free(quiet(), DatumFreedom.ZERO)
+    axis = replace(table.nominal.axis, resolution_um=0.1)
+    probe = replace(table.nominal.probe, repeatability_um=0.5, lobe_um=0.0)
+    touches = Touches.from_columns(
+        touch=np.arange(400),
+        time_s=10.0 * np.arange(400),
+        axis=np.full(400, Axis.X),
+        sign=sign,
+        feed_mm_min=np.full(400, 60.0),
+        approach_mm=np.full(400, 1.0),
+        position_mm=place,
+        deviation_um=np.round(sign * error, 1),
+    )
+    nominal = replace(table.nominal, axis=axis, probe=probe)
+
+    found = diagnose(playable(replace(table, nominal=nominal, touches=touches)), seed=1)
+
+    sizes = {e.effect.id: e.effect.parameters for e in found.effects}
+    assert sizes.keys() == {"transmission_error"} | ({"backlash"} if mean_um else set())
+    if mean_um:
+        # Far along the approach in the negative sense is near by the coordinate.
+        assert -sizes["backlash"]["backlash_um"] == pytest.approx(mean_um, abs=0.15)
 
 
 def test_what_is_known_of_a_datum_holds_it_back() -> None:

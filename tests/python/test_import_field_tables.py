@@ -4,6 +4,7 @@ The wording is that of the programs: Klipper (its pull request 7253), Beacon's m
 (its pull request 23868), Saleae's Logic 1, and sigrok's PulseView.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from refusals import Program
 from skiplatch.campaign import InputPath
 from skiplatch.diagnosis import diagnose
+from skiplatch.errors import CampaignWarning
 from skiplatch.repeatability import repeatability
 from skiplatch.stand_ins import playable
 from test_import_logs import Run
@@ -367,19 +369,22 @@ def test_slip_in_a_position_is_no_line_below_the_table(tmp_path: Path, refused: 
     assert 'x.csv:4: mm: expected a number, got "2OO"' in said
 
 
-def test_what_comes_next_without_a_feed_is_to_give_it(tmp_path: Path) -> None:
-    (tmp_path / "x.csv").write_text("mm;1+;1-\n0;0,1;-6\n100;1,1;-5\n")
-    folders = [tmp_path / "without", tmp_path / "given"]
-    for folder in folders:
-        folder.mkdir()
+@pytest.mark.parametrize("feed", [(), ("--feed", "600")])
+def test_a_table_of_positions_at_rest_needs_no_feed(tmp_path: Path, feed: Sequence[str]) -> None:
+    rows = "".join(f"{x};{e};{e - 6}\n" for x in (0, 90, 210) for e in (0.1, 0.3, 0.2))
+    (tmp_path / "x.csv").write_text("mm;1+;1-\n" + rows)
 
-    without, given = (
-        Run(folder, "iso230", str(tmp_path / "x.csv"), *feed)
-        for folder, feed in zip(folders, ((), ("--feed", "600")), strict=True)
+    made = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), *feed)
+
+    assert f"skiplatch diagnose {tmp_path / 'campaign'}" in made.text
+    assert "positions at rest: nothing shows that goes by time" in made.text
+    assert "one feed" not in made.text
+    assert "feed_mm_min" not in made.text
+    with pytest.warns(CampaignWarning, match="time_s"):
+        played = playable(made.campaign)
+    assert played.touches.deviation_um.tolist() == pytest.approx(
+        made.campaign.touches.deviation_um.tolist()
     )
-
-    assert "skiplatch diagnose needs the feed: import once more with --feed" in without.text
-    assert f"skiplatch diagnose {folders[1] / 'campaign'}" in given.text
 
 
 def test_capture_that_a_german_spreadsheet_saved_is_read(tmp_path: Path) -> None:

@@ -20,6 +20,9 @@ class DatumFreedom(StrEnum):
     """The touches of one axis in one sense."""
     SESSION = "session"
     """The touches of one axis in one session."""
+    ZERO = "zero"
+    """The positions of one axis: an instrument with a zero of its own read them, at rest. What it
+    reads high is far in the positive sense and near in the negative."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +40,11 @@ class Datum:
     def __post_init__(self) -> None:
         if self.u_um is not None and not 0.0 <= self.u_um <= LENGTH_UM.high:
             raise ValueError(f"datum.u_um: expected a number >= 0, got {self.u_um}")
+
+    @property
+    def is_at_rest(self) -> bool:
+        """An instrument read where an axis stands: there was no touch, and no time to err by."""
+        return self.free is DatumFreedom.ZERO
 
     @classmethod
     def of_kind(cls, kind: Kind) -> "Datum":

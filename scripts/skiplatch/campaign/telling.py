@@ -15,6 +15,16 @@ _OF_A_BENCH = {"edge_us"}
 _OF_A_MACHINE = {"alpha_deg", "beta_deg", "sign"}
 _ROTARY = {"position_mm": "position_deg", "deviation_um": "deviation_arcsec"}
 """What stands in place of a column of a linear axis."""
+_OF_A_TOUCH = {
+    "path",
+    "alpha_deg",
+    "beta_deg",
+    "feed_mm_min",
+    "approach_mm",
+    "edge_us",
+    "latch_us",
+    "report_us",
+}
 _RARE = {"rotary_deg", "session", "status"}
 _FEW_TOUCHES = 20
 HIDES_BACKLASH = (
@@ -27,6 +37,8 @@ def missing_columns(campaign: Campaign) -> dict[str, str]:
     """Give what is lost by each column in which nothing stands, for this kind of campaign."""
     other_kind = _OF_A_MACHINE if campaign.nominal.kind is Kind.BENCH else _OF_A_BENCH
     unmissed = {"touch", "path"} | other_kind | set(_ROTARY.values()) | _RARE
+    if campaign.nominal.datum.is_at_rest:
+        unmissed |= _OF_A_TOUCH
     columns = campaign.touches.columns()
 
     def is_recorded(name: str) -> bool:
@@ -47,11 +59,13 @@ def missing_keys(campaign: Campaign) -> dict[str, str]:
     unmissed = {"axis.min_mm", "axis.max_mm", "probe.calibrated_at_c"}
     if np.isnan(touches.latch_us).all():
         unmissed.add("skip.tick_us")
+    is_touch = not campaign.nominal.datum.is_at_rest
     sections = {
-        "probe": kind is Kind.MACHINE,
+        "probe": kind is Kind.MACHINE and is_touch,
+        "input": is_touch,
         "bench": kind is Kind.BENCH,
         "plc": bool(touches.on_plc.any()),
-        "skip": bool(touches.on_skip.any()),
+        "skip": bool(touches.on_skip.any()) and is_touch,
         "report": not bool(np.isnan(touches.report_us).all()),
     }
     return {
@@ -64,11 +78,13 @@ def missing_keys(campaign: Campaign) -> dict[str, str]:
 def cannot_be_told(campaign: Campaign) -> list[str]:
     """Say what was not varied, and which touches would help."""
     touches = _with_an_outcome(campaign.touches)
-    said = []
-    if _one_value(touches.feed_mm_min):
+    said, at_rest = [], campaign.nominal.datum.is_at_rest
+    if at_rest:
+        said.append("positions at rest: nothing shows that goes by time or comes with a touch")
+    elif _one_value(touches.feed_mm_min):
         said.append("one feed: a delay and a length look alike; touch at a second feed")
     if campaign.nominal.kind is Kind.MACHINE:
-        said += _not_varied_on_a_machine(touches)
+        said += _not_varied_on_a_machine(touches, at_rest=at_rest)
         said += [HIDES_BACKLASH] if hides_backlash(campaign.nominal, touches) else []
     if _one_value(touches.temp_c):
         said.append("one temperature: growth with it does not show; touch while the rig warms up")
@@ -101,13 +117,13 @@ def hides_backlash(nominal: Nominal, touches: Touches) -> bool:
     )
 
 
-def _not_varied_on_a_machine(touches: Touches) -> list[str]:
+def _not_varied_on_a_machine(touches: Touches, *, at_rest: bool) -> list[str]:
     said = []
     if _one_value(touches.sign):
         said.append("one sense of motion: backlash does not show; touch from the other side too")
     if _one_value(touches.position_mm) and not np.isfinite(touches.position_deg).any():
         said.append("one place: errors along the axis do not show; touch at other positions")
-    if _one_value(touches.alpha_deg):
+    if _one_value(touches.alpha_deg) and not at_rest:
         said.append("one direction: the probe's lobes do not show; touch from others")
     return said
 

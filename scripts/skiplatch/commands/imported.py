@@ -66,8 +66,8 @@ def finish(
 def _next(campaign: Campaign, out: Path) -> str:
     """Name the commands that take the campaign; a machine's diagnosis needs every feed."""
     steps = [f"skiplatch check {out}", f"skiplatch repeat {out}"]
-    is_machine = campaign.nominal.kind is Kind.MACHINE
-    if is_machine and np.isnan(campaign.touches.feed_mm_min).any():
+    is_touch = campaign.nominal.kind is Kind.MACHINE and not campaign.nominal.datum.is_at_rest
+    if is_touch and np.isnan(campaign.touches.feed_mm_min).any():
         return (
             f"{', '.join(steps)}; skiplatch diagnose needs the feed: import once more with --feed"
         )

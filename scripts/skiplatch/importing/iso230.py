@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from skiplatch.arrays import FloatArray, IndexArray
-from skiplatch.campaign import Axis, Touches
+from skiplatch.campaign import Axis, DatumFreedom, Touches
 from skiplatch.campaign.column_kinds import CellError
 from skiplatch.errors import InputError
 from skiplatch.importing.iso230_heads import (
@@ -88,7 +88,7 @@ def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) 
         "deviation_arcsec" if turns else "deviation_um": beyond,
         "feed_mm_min": np.full(len(point), np.nan if feed is None else feed),
     }
-    found.columns = Touches.from_columns(**columns)
+    found.columns, found.free = Touches.from_columns(**columns), DatumFreedom.ZERO
     found.lines = lines[point, run].tolist()
     found.known.append(
         f"{len(positions)} positions, {int((signs > 0).sum())} runs in the positive sense, "
@@ -106,8 +106,9 @@ def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) 
         )
     if (signs > 0).all():
         found.assumed.append("no head of a column says the negative sense (-, ↓, down, reverse)")
-    if feed is None:
-        found.assumed.append("the feed is not known; positions were measured at rest: give --feed")
+    found.assumed.append(
+        "the positions were read at rest: no touch, no feed and no delay is in them"
+    )
     return found
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from skiplatch.campaign import Kind, Touches
+from skiplatch.campaign import DatumFreedom, Kind, Touches
 from skiplatch.errors import InputError
 
 KeyPath = tuple[str, str]
@@ -64,6 +64,7 @@ class Imported:
         touches: What was touched, on a machine.
         columns: In place of touches: columns that need no reference surface.
         lines: With columns: the line of each touch in the log, if it has lines.
+        free: With columns: what shares an unknown datum, if not what is usual for the kind.
         place_is_surface: Whether touches at one place in one session met one surface, however far
             apart they were latched.
         preset: Name of the figures that such a rig has where the log says nothing else.
@@ -77,6 +78,7 @@ class Imported:
     touches: list[Touch] = field(default_factory=list)
     columns: Touches | None = None
     lines: Sequence[int] = ()
+    free: DatumFreedom | None = None
     preset: str
     path_is_plc: bool = False
     place_is_surface: bool = False

@@ -53,7 +53,7 @@ def write_imported(
     if imported.columns is not None:
         touches: Touches = imported.columns
         lines: Sequence[int | None] = imported.lines
-        free = Datum.of_kind(imported.kind).free
+        free = imported.free or Datum.of_kind(imported.kind).free
     else:
         _leave_out_unknown_feeds(imported)
         touches, free, surfaces = as_touches(

@@ -5,9 +5,19 @@ from collections.abc import Callable
 import numpy as np
 
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import effects
 
+MICROSECONDS, POSITION = "µs", "position"
 FEWEST_AZIMUTHS = 7
 """Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
+
+
+def acts(effect_id: str, scene: Scene) -> bool:
+    """Tell whether an effect can act: where an axis rests there is no touch and no delay."""
+    if not scene.nominal.datum.is_at_rest:
+        return True
+    effect = effects()[effect_id]
+    return effect.stage == POSITION and all(p.unit != MICROSECONDS for p in effect.parameters)
 
 
 def on_machine(scene: Scene) -> bool:

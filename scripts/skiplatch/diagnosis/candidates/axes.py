@@ -115,7 +115,8 @@ def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[f
     units = unit_um[rows] / law.spread
     if np.count_nonzero(units) < FEWEST_ON_AXIS:
         return []
-    data = [(scene.datum_of(stream) == k) / law.spread for k in range(scene.datum_count)]
+    senses = scene.datum_senses[rows] / law.spread
+    data = [(scene.datum_of(stream) == k) * senses for k in range(scene.datum_count)]
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
     scale = scale_of(scores)

@@ -52,7 +52,10 @@ def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     places = scene.latched_mm[rows], scene.touches.position_mm[rows]
-    seen = [_Seen(place, limited, 1.0 / law.spread**2, on_axes).starts() for place in places]
+    # Between places that lie evenly, a faster wave looks like a slower one.
+    fastest = min(FASTEST_PER_MM, 1.0 / (scene.whole or scene).shortest_wave_mm)
+    weights = 1.0 / law.spread**2
+    seen = [_Seen(place, limited, weights, on_axes, fastest).starts() for place in places]
     if not all(seen):
         return [UNKNOWN]
     latched, at_surface = (min(left for left, _ in starts) for starts in seen)
@@ -69,6 +72,7 @@ class _Seen:
     weights: FloatArray
     on_axes: Sequence[BoolArray]
     """Which are of X, of Y and of Z."""
+    fastest_per_mm: float
 
     @cached_property
     def axes(self) -> list[int]:
@@ -92,7 +96,7 @@ class _Seen:
     def _explained(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give frequencies in 1/mm, and the weighted squares that a sine of each explains."""
         frequencies, shares = explained_by_sines(
-            self.position, self.error, weights, FEWEST_TURNS, FASTEST_PER_MM
+            self.position, self.error, weights, FEWEST_TURNS, self.fastest_per_mm
         )
         mean = np.average(self.error, weights=weights)
         return frequencies, shares * float(weights @ (self.error - mean) ** 2)

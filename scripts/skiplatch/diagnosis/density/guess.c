@@ -35,7 +35,7 @@ guess_t guess_length(const sim_residuals_t *of, const residual_part_t *parts,
         uint64_t  i = members[k];
         moments_t law = residual_moments(&parts[i * part_count], part_count);
         off[k] = (of->residuals[i] - law.mean) / datum->per_length[i];
-        widths[k] = sqrt(law.variance) / datum->per_length[i];
+        widths[k] = sqrt(law.variance) / fabs(datum->per_length[i]);
     }
     double about = count == 0u ? 0.0 : middle(off, widths, (int64_t)count, widths + count);
     double told = 0.0;

@@ -41,7 +41,7 @@ typedef struct {
 
 /* Lengths that are not known, each shared by a group of residuals. */
 typedef struct {
-    const double   *per_length; /* by how much a unit of it moves each residual, > 0; n */
+    const double   *per_length; /* by how much a unit of it moves each residual, not 0; n */
     const uint32_t *groups;     /* whose length moves it; n */
     uint32_t        group_count;
     double          u; /* standard uncertainty of a length about 0; 0 if it may be anything */

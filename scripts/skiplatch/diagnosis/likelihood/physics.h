@@ -83,6 +83,7 @@ typedef struct {
     const double   *deviation_um;
     const uint8_t  *is_plc;
     const uint32_t *groups; /* number of the datum of each, from 0 up */
+    const double   *datum_senses; /* what a µm of datum adds along the approach, 1 or -1 */
     double          least_pretravel_um;
     double          resolution; /* scatter that is not resolved, in any unit, > 0 */
     double          tick_us;

@@ -64,6 +64,7 @@ def _touches(scene: Scene) -> LaidOut:
         "begin_us": scene.begin_us,
         "latch_us": scene.touches.latch_us,
         "deviation_um": scene.touches.deviation_um,
+        "datum_senses": scene.datum_senses,
     }
     for name, values in arrays.items():
         setattr(at, name, laid_out.array(np.asarray(values, dtype=np.float64), "double"))

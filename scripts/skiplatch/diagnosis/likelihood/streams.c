@@ -111,7 +111,7 @@ static int lay_out(const sim_touches_t *of, const sim_member_t *member, family_t
     for (uint64_t k = 0; k < member->count; ++k) {
         uint64_t i = member->rows[k];
         family->residuals[begin + k] = member->recorded->residuals[i];
-        family->per_length[begin + k] = is_time ? 1.0 / of->speed[i] : 1.0;
+        family->per_length[begin + k] = of->datum_senses[i] / (is_time ? of->speed[i] : 1.0);
         family->groups[begin + k] = of->datum_count == 0u ? 0u : of->groups[i];
     }
     sim_residuals_t all = laid_out(of, family);

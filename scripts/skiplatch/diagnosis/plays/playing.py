@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Nominal, Touches
-from skiplatch.campaign.datum_names import datum_names
+from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
@@ -53,12 +53,13 @@ class FittedDatum:
         return cls({}, by_name(WITHOUT_STAMPS))
 
     def sizes_um(self, nominal: Nominal, touches: Touches) -> tuple[FloatArray, FloatArray]:
-        """Give both for touches; shape (n,) each."""
+        """Give both for touches, along their approach; shape (n,) each."""
         names = datum_names(nominal, touches)
         if names is None:
             return np.zeros(len(touches)), np.zeros(len(touches))
+        senses = datum_senses(nominal, touches)
         surface, coordinate = (
-            np.array([known.get(name, 0.0) for name in names.tolist()], dtype=float)
+            senses * np.array([known.get(name, 0.0) for name in names.tolist()], dtype=float)
             for known in (self.surface_um, self.coordinate_um)
         )
         return surface, coordinate

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import Campaign, Nominal
-from skiplatch.campaign.datum_names import datum_names
+from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import SHIFTED
 from skiplatch.diagnosis.density.law import Law
@@ -33,7 +33,7 @@ OF_MOTION = frozenset({"contact", "speed"})
 """Those that depend on the axis alone, beside the touches."""
 OF_SCANS = frozenset({"off_grid_us"})
 """Those that depend on the period of the scans alone."""
-OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count"})
+OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count", "datum_senses"})
 """Those that depend on how the datum is free."""
 KEPT = 16
 """Scenes that a process keeps that gets them from another one."""
@@ -139,11 +139,16 @@ class Scene(NominalChain):
             return np.zeros(len(stream.indices), dtype=np.intp)
         return self.datum_groups[stream.indices]
 
+    @cached_property
+    def datum_senses(self) -> FloatArray:
+        """What a µm of its datum adds to how far each touch goes along its approach; shape (n,)."""
+        return datum_senses(self.nominal, self.touches)
+
     def per_datum_um(self, stream: Stream) -> FloatArray:
         """By how much a µm of datum shifts the residuals of a stream; shape (n,)."""
         if stream.name not in SHIFTED:
             return np.zeros(len(self))
-        return 1.0 / self.speed if stream.unit == "µs" else np.ones(len(self))
+        return self.datum_senses / self.speed if stream.unit == "µs" else self.datum_senses
 
     @cached_property
     def streams(self) -> dict[str, Stream]:

@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from skiplatch.diagnosis.candidates.applicable import acts
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
@@ -253,7 +254,8 @@ class Judge(Scorer):
     @cached_property
     def _applicable(self) -> list[Candidate]:
         """Give the effects that the campaign can show."""
-        return [c for c in catalogue().values() if c.applies(self.scene)]
+        every, scene = catalogue().values(), self.scene
+        return [c for c in every if acts(c.id, scene) and c.applies(scene)]
 
     def _acting_in(
         self, candidates: Sequence[Candidate], streams: frozenset[str]

@@ -96,9 +96,9 @@ def _given_way(scene: Scene, stream: Stream, last: Change, others: Change) -> fl
 
 
 def _surfaces(scene: Scene, stream: Stream) -> list[FloatArray]:
-    """Give which touches are of each surface, one mask of shape (m,) for each."""
-    datum = scene.datum_of(stream)
-    return [(datum == group).astype(float) for group in np.unique(datum)]
+    """Give which way each datum moves the touches, 0 for those of others; shape (m,) each."""
+    datum, senses = scene.datum_of(stream), scene.datum_senses[stream.rows]
+    return [(datum == group) * senses for group in np.unique(datum)]
 
 
 def _smooth(form: FloatArray, sense: FloatArray) -> list[FloatArray]:

@@ -5,7 +5,6 @@ from functools import reduce
 
 import numpy as np
 
-from skiplatch.arrays import IndexArray
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import SMALLEST, Law
 from skiplatch.diagnosis.density.stream import Stream
@@ -46,9 +45,10 @@ def _last_and_others(part: Scene, model: Fit) -> tuple[Change, Change]:
     return last, reduce(Change.joined, others, NOTHING)
 
 
-def _scatters_more(stream: Stream, law: Law, datum: IndexArray) -> bool:
+def _scatters_more(scene: Scene, stream: Stream, law: Law) -> bool:
     """Tell whether a law adds more scatter than it shifts touches of a surface apart."""
-    shift = (law.mean - stream.law.mean)[stream.rows]
+    datum, senses = scene.datum_of(stream), scene.datum_senses[stream.rows]
+    shift = (law.mean - stream.law.mean)[stream.rows] * senses
     added = (law.variance - stream.law.variance)[stream.rows]
     counts = np.maximum(np.bincount(datum), 1)
     apart = shift - (np.bincount(datum, shift) / counts)[datum]
@@ -180,7 +180,7 @@ class Scorer:
         change, scene = scored.fit.change(self._fitting), self._fitting
         reached = (scene.streams[name] for name in affected(scene, change) - {MISSED})
         return any(
-            _scatters_more(stream, law_under(scene, stream, change), scene.datum_of(stream))
+            _scatters_more(scene, stream, law_under(scene, stream, change))
             for stream in reached
             if stream.rows.any()
         )
