@@ -152,13 +152,15 @@ def playable(campaign: Campaign) -> Campaign:
         how_often = f"not recorded in {no_feed.sum()} of {len(touches)} touches"
         why = "without it nobody can tell a delay from a length; import has --feed"
         raise InputError(campaign.path / TOUCHES_FILE, None, "feed_mm_min", f"{how_often}; {why}")
-    missing = {"feed_mm_min": no_feed, "approach_mm": no_way, "time_s": no_time}
+    # Where every edge is known, it tells when the touch was made.
+    no_moment = no_time & np.isnan(touches.edge_us).any()
+    missing = {"feed_mm_min": no_feed, "approach_mm": no_way, "time_s": no_moment}
     for name, rows in missing.items():
         lost = f"what cannot be told without it: {COLUMNS[name].lost}"
         if not at_rest or name == "time_s":
             _warn(campaign.path / TOUCHES_FILE, name, rows, lost)
     stood_in = frozenset(name for name, rows in missing.items() if rows.any())
-    if stood_in:
+    if stood_in or no_time.any():
         touches = _stood_in(campaign.nominal, touches)
     refuse_endless_move(campaign.path / NOMINAL_FILE, campaign.nominal, touches)
     known_as = fingerprint(campaign.touches)

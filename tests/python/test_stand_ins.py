@@ -9,6 +9,8 @@ import pytest
 from refusals import refusal
 from skiplatch.campaign import Axis, BelievedEffect, Campaign, Nominal, Touches, read_campaign
 from skiplatch.comparison import as_json, as_text, compare
+from skiplatch.diagnosis.scene.covariates import recorded_only, sequence
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.errors import CampaignWarning
 from skiplatch.motion import expected_contact
 from skiplatch.report.conditions import conditions
@@ -45,7 +47,8 @@ def test_what_was_all_recorded_stays_as_it_is(bench_sample: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
 def test_what_stands_in_is_neither_drawn_nor_told_as_recorded(bench_sample: Path) -> None:
-    campaign = playable(without(read_campaign(bench_sample), "time_s", "feed_mm_min"))
+    bare = without(read_campaign(bench_sample), "time_s", "feed_mm_min", "edge_us")
+    campaign = playable(bare)
 
     titles = [one.title for one in conditions(campaign.touches, campaign.stood_in)]
     compared = compare(campaign, seed=1)
@@ -66,12 +69,26 @@ def test_bench_without_motion_keeps_edges_and_latches(bench_sample: Path) -> Non
 
     made, said = said_of(without(campaign, "time_s", "feed_mm_min", "approach_mm"))
 
-    assert [line.split(":")[0] for line in said] == ["feed_mm_min", "approach_mm", "time_s"]
+    assert [line.split(":")[0] for line in said] == ["feed_mm_min", "approach_mm"]
     np.testing.assert_array_equal(made.touches.latch_us, campaign.touches.latch_us)
     assert np.isnan(made.touches.deviation_um).all()
     np.testing.assert_allclose(
         expected_contact(made.nominal, made.touches).time_us, made.touches.edge_us, atol=1e-3
     )
+
+
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
+def test_edges_tell_how_long_a_bench_rested(bench_sample: Path) -> None:
+    """Or a latch that is late after a rest looks like one that jitters."""
+    campaign = read_campaign(bench_sample)
+    bare = without(campaign, "time_s", "feed_mm_min", "approach_mm")
+
+    scene, lost = (Scene.of(playable(one)) for one in (bare, without(bare, "edge_us", "latch_us")))
+
+    told = recorded_only(scene, sequence(scene))
+    between_s = np.diff(campaign.touches.edge_us) / 1e6
+    assert told["rest before"][1:] == pytest.approx(between_s, abs=0.05)
+    assert "rest before" not in recorded_only(lost, sequence(lost))
 
 
 def test_capture_that_begins_with_an_edge_has_time_for_its_move(bench_sample: Path) -> None:
