@@ -266,3 +266,23 @@ def test_commands_that_stand_beside_their_ok_alone_are_said(tmp_path: Path) -> N
 
     said = "probing commands beside an ok do not tell which reply is theirs"
     assert said in run.said["assumed"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ("", "no $ settings in the log: steps per mm and acceleration"),
+        ("$13=0\n", "no $102 and $122 in the log: steps per mm and acceleration"),
+        ("$102=400\n", "no $122 in the log: acceleration"),
+        ("$122=50\n", "no $102 in the log: steps per mm"),
+    ],
+)
+def test_settings_that_are_not_in_the_log_are_named(
+    tmp_path: Path, settings: str, expected: str
+) -> None:
+    touch = probing("0.000,0.000,-5.000")
+
+    assumed = read(tmp_path, f"{settings}G21\n{touch}{touch}").said["assumed"]
+
+    by_default = [line for line in assumed if "as grbl has it by default" in line]
+    assert by_default == [f"{expected} as grbl has it by default; type $$ before probing"]

@@ -11,6 +11,7 @@ from skiplatch.importing.grbl_commands import Commands
 from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than, put_on_steps
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
+from skiplatch.importing.grbl_settings import ACCEL, INCHES, STEPS, say_missing
 from skiplatch.importing.grbl_speed import Speeds, limit
 from skiplatch.importing.log_lines import Line, read_lines, read_text, spread_times
 from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
@@ -28,7 +29,6 @@ _ASKS = re.compile(r"\[?\s*\$#")
 _RANGE = re.compile(rf"\bAxis ([XYZABC]) \(({NUMBER}),\s*({NUMBER})\)")
 _HOMED = re.compile(r"(?<!')\$H[XYZABC]?\b(?!')|Grbl(?:HAL)? \d|FluidNC v", re.IGNORECASE)
 """Homed or switched on; an alarm only names '$H' among what would unlock."""
-_STEPS, _ACCEL, _INCHES = 100, 120, 13
 
 
 def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported:
@@ -76,7 +76,7 @@ class _Reader:
         """Take in a line: settings, a command, a reply, or several of them in one."""
         for number, value in _SETTING.findall(line.text):
             self._settings[int(number)] = float(value)
-            if int(number) == _INCHES:
+            if int(number) == INCHES:
                 self._unit.tell(inch=float(value) == 1)
         if ends := _RANGE.search(line.text):
             self._ranges[ends[1]] = (float(ends[2]), float(ends[3]))
@@ -232,28 +232,27 @@ class _Reader:
         ):
             touch.time_s = time_s
         axis = AXES.index(self.touches[-1].axis) if self.touches[-1].axis in "XYZ" else 2
-        if steps := self._settings.get(_STEPS + axis):
-            found.figure("axis", "resolution_um", UM_PER_MM / steps, f"${_STEPS + axis} of the log")
-        if accel := self._settings.get(_ACCEL + axis):
-            found.figure("axis", "accel_mm_s2", accel, f"${_ACCEL + axis} of the log")
-        steps_per_mm = {name: self._settings.get(_STEPS + i, 0.0) for i, name in enumerate(LINEAR)}
+        if steps := self._settings.get(STEPS + axis):
+            found.figure("axis", "resolution_um", UM_PER_MM / steps, f"${STEPS + axis} of the log")
+        if accel := self._settings.get(ACCEL + axis):
+            found.figure("axis", "accel_mm_s2", accel, f"${ACCEL + axis} of the log")
+        steps_per_mm = {name: self._settings.get(STEPS + i, 0.0) for i, name in enumerate(LINEAR)}
         put_on_steps(self.touches, steps_per_mm)
         found.leave_out_releases()
         found.share_feeds()
         found.known += limit(found.touches, self._settings)
-        has_settings = bool(found.figures)
         step = found.figures.get(("axis", "resolution_um"))
         digit_um = DIGIT_INCH * MM_PER_INCH * UM_PER_MM
         if self._unit.is_inch and (step is None or step.value < digit_um):
             found.figure("axis", "resolution_um", digit_um, "a digit of the replies in inches")
-        elif not has_settings and are_finer_than(_step_mm(PRESETS[found.preset]), self.touches):
+        elif step is None and are_finer_than(_step_mm(PRESETS[found.preset]), self.touches):
             found.figure("axis", "resolution_um", DIGIT_MM * UM_PER_MM, "a digit of the replies")
         if ends := self._ranges.get(self.touches[-1].axis):
             found.reach(*ends, "the range that FluidNC tells at its start")
-        self._say(found, has_settings=has_settings)
+        self._say(found, axis)
         return found
 
-    def _say(self, found: Imported, *, has_settings: bool) -> None:
+    def _say(self, found: Imported, axis: int) -> None:
         found.known.append("where each touch was latched, in machine coordinates")
         false = sum(touch.is_false for touch in self.touches)
         missed = sum(touch.coordinate is None for touch in self.touches) - false
@@ -264,12 +263,7 @@ class _Reader:
         found.known += self._speeds.known()
         if self.broken:
             found.unread.append(f"replies ([PRB:…]) that are cut or garbled: {self.broken}")
-        if not has_settings:
-            steps = "" if found.figures else "steps per mm and "
-            found.assumed.append(
-                f"no $ settings in the log: {steps}acceleration as grbl has it by default; "
-                "type $$ before probing"
-            )
+        say_missing(found, self._settings, axis)
         found.assumed += [*self._unit.assumed(self._commands.units), *self._speeds.assumed()]
         self._say_moves(found)
         if any(touch.feed is None for touch in self.touches):
