@@ -272,6 +272,22 @@ def test_a_thermometer_on_a_heated_bed_is_not_odd(machine_sample: Path) -> None:
     assert lines(read_campaign(machine_sample), lambda t: replace(t, thermometers=bed)) == []
 
 
+@pytest.mark.parametrize(
+    ("place", "is_odd"),
+    [("heater_bed", False), ("extruder", False), ("nozzle_2", False), ("frame", True)],
+)
+def test_a_part_that_is_heated_may_stand_for_the_machine(
+    machine_sample: Path, place: str, *, is_odd: bool
+) -> None:
+    hot = np.full(len(read_campaign(machine_sample).touches), 80.0)
+
+    found = lines(
+        read_campaign(machine_sample), lambda t: replace(t, temp_c=hot, thermometers={place: hot})
+    )
+
+    assert any("as in a shop" in line for line in found) == is_odd
+
+
 def surfaces(places_mm: FloatArray, deviations_um: FloatArray) -> Touches:
     return Touches.from_columns(
         touch=np.arange(len(places_mm)),

@@ -1,5 +1,6 @@
 """What no rig can have done: a move that has no time, a shop that no one could work in."""
 
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -14,6 +15,8 @@ from skiplatch.units import ARCSEC_PER_DEG, S_PER_MIN, UM_PER_MM
 
 SHOP_C = (-20.0, 60.0)
 """Temperatures of a machine that people stand beside; greases and probes are made for no others."""
+_HEATED = re.compile(r"bed|extruder|nozzle|hot_?end|heater", re.IGNORECASE)
+"""In the name of a thermometer: a part of a printer that is hotter than any shop."""
 KELVIN = 273.15
 SPARE = 0.1  # share by which a surface may be nearer, or a feed faster, than it is told
 _OF_A_MOVE = {"feed_mm_min", "approach_mm", "time_s"}
@@ -45,15 +48,23 @@ def moves_without_time(campaign: Campaign) -> Iterator[Oddity]:
 
 
 def temperatures(campaign: Campaign) -> Iterator[Oddity]:
-    """Of the machine; a thermometer elsewhere may stand on a heated bed."""
+    """Of the machine, unless a heated part stands for it; one elsewhere may be such a part."""
     temp_c, (low, high) = campaign.touches.temp_c, SHOP_C
     odd = (temp_c < low) | (temp_c > high)
-    if not odd.any():
+    if not odd.any() or _is_of_a_heated_part(campaign.touches):
         return
     is_kelvin = bool(((temp_c[odd] >= low + KELVIN) & (temp_c[odd] <= high + KELVIN)).all())
     unit = ": kelvin?" if is_kelvin else ""
     what = f"temp_c is not from {low:g} to {high:g} °C, as in a shop{unit}"
     yield Oddity(what, serials(campaign.touches, odd))
+
+
+def _is_of_a_heated_part(touches: Touches) -> bool:
+    """Tell whether temp_c is one of the named thermometers, by its name that of a bed or nozzle."""
+    return any(
+        bool(_HEATED.search(name)) and np.array_equal(touches.temp_c, values, equal_nan=True)
+        for name, values in touches.thermometers.items()
+    )
 
 
 def places_beyond_reach(campaign: Campaign) -> Iterator[Oddity]:
