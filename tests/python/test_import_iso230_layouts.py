@@ -42,6 +42,72 @@ def test_layouts_of_the_same_runs_make_the_same_campaign(tmp_path: Path, text: s
     assert found == pytest.approx(expected, abs=1.01 * digit_um)
 
 
+RUNS_NUMBERED = """Run No,Target No,Target,Error (microns)
+1,1,0,1.5
+1,2,50,-2.3
+1,3,100,1.1
+2,1,0,1.2
+2,2,50,-2.4
+2,3,100,1.0
+"""
+BARE = "Target [mm],Error [um]\n0,1.5\n50,-2.3\n100,1.1\n0,1.2\n50,-2.4\n100,1\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        RUNS_NUMBERED,
+        RUNS_NUMBERED.replace("Run No", "Run").replace("Target No", "Target #"),
+        RUNS_NUMBERED.replace("Run No,Target No,Target", "Zyklus,Messpunkt Nr.,Sollposition [mm]"),
+        BARE,
+    ],
+)
+def test_list_without_senses_is_a_list(tmp_path: Path, text: str) -> None:
+    run = read(tmp_path / "list", text)
+
+    touches = run.campaign.touches
+    assert touches.position_mm.tolist() == [0.0, 50.0, 100.0] * 2
+    assert touches.deviation_um.tolist() == [1.5, -2.3, 1.1, 1.2, -2.4, 1.0]
+    assert touches.sign.tolist() == [1.0] * 6
+    expected = "3 positions, 2 runs in the positive sense, 0 in the negative"
+    assert expected in run.said["known"]
+
+
+def test_table_of_runs_whose_places_repeat_is_no_list(tmp_path: Path) -> None:
+    table = "Target,1 up [um],1 down [um],Fehler\n0,1,2,0\n50,1,2,0\n50,1.1,2.1,0\n"
+
+    run = read(tmp_path / "wide", table)
+
+    assert "3 positions, 2 runs in the positive sense, 1 in the negative" in run.said["known"]
+
+
+@pytest.mark.parametrize(
+    ("places", "senses"),
+    [
+        ([0, 50, 100, 100, 50, 0], [1, 1, 1, -1, -1, -1]),
+        ([0, 50, 100, 50, 0, 50], [1, 1, 1, -1, -1, 1]),
+        ([100, 50, 0, 100, 50, 0], [-1] * 6),
+    ],
+)
+def test_senses_of_a_list_are_those_of_its_ways(
+    tmp_path: Path, places: list[int], senses: list[int]
+) -> None:
+    lines = [f"{place},0.{i}" for i, place in enumerate(places, 1)]
+    run = read(tmp_path / "list", "\n".join(["Target,Error (um)", *lines]) + "\n")
+
+    assert run.campaign.touches.position_mm.tolist() == places
+    assert run.campaign.touches.sign.tolist() == senses
+    assert any("the way from the line before" in line for line in run.said["assumed"])
+
+
+def test_run_that_meets_a_target_twice_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "x.csv").write_text(RUNS_NUMBERED.replace("\n2,", "\n1,"))
+
+    said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
+
+    assert "x.csv:5: run 1 meets 0 in this sense twice" in said
+
+
 def test_means_among_runs_in_rows_are_left_out(tmp_path: Path) -> None:
     said = read(tmp_path / "rows", IN_ROWS).said
 
@@ -100,7 +166,10 @@ def test_wrong_cell_is_refused_with_its_line(
         (["Zyklus", "Soll", "Richtung", "Abweichung"], {"run", "position", "sense", "deviation"}),
         (["Position", "Run 1 forward", "Run 1 reverse"], set()),
         (["Target", "Direction + dev", "Direction - dev"], set()),
-        (["Position", "Run", "Deviation"], set()),
+        (["Position", "Run", "Deviation"], {"position", "run", "deviation"}),
+        (["Run-Nr.", "Ziel Nr.", "Ziel", "Fehler"], {"position", "run", "deviation"}),
+        (["Position", "Run 1", "Deviation"], set()),
+        (["No.", "Position", "Deviation"], set()),
     ],
 )
 def test_list_is_told_by_its_heads(heads: list[str], kinds: set[str]) -> None:

@@ -11,7 +11,12 @@ from pathlib import Path
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.iso230_heads import is_negative, says_sense
-from skiplatch.importing.iso230_list import columns_of_list, gathered, tells_sense
+from skiplatch.importing.iso230_list import (
+    columns_of_list,
+    columns_where_places_repeat,
+    gathered,
+    tells_sense,
+)
 from skiplatch.importing.iso230_run_table import COLUMNS_BY_HEAD, RunTable, rectangular
 from skiplatch.importing.model import Imported
 from skiplatch.importing.spreadsheets import begins_with_a_word, tells
@@ -46,7 +51,7 @@ def laid_out(path: Path, rows: list[Row], found: Imported) -> RunTable:
     rows = [row for row in rows if any(row[1])]
     if not rows:
         return RunTable([], [], [])
-    if columns := columns_of_list(rows[0][1]):
+    if columns := columns_of_list(rows[0][1]) or columns_where_places_repeat(rows):
         return gathered(path, rows, columns, found)
     if len(rows) > 1 and _is_above_senses(rows[0][1], rows[1][1]):
         return _from_form(rectangular(path, rows), found)
