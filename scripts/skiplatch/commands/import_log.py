@@ -168,7 +168,7 @@ def csv(
         table,
         mapped,
         kind=Kind(kind),
-        axis=(axis or "Z").upper(),
+        axis=axis.upper() if axis else None,
         sign=int(sign) if sign else None,
         feed=feed,
     )

@@ -15,6 +15,7 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.importing.dates import iso_of
 from skiplatch.importing.mapped import COORDINATE, Mapped, in_table, named_in, refuse_twice, unit_of
 from skiplatch.importing.model import Imported, Touch
+from skiplatch.importing.rings import axes_round, centred
 from skiplatch.importing.spreadsheets import (
     ANY_NUMBER,
     read_spreadsheet,
@@ -31,6 +32,8 @@ ALSO = (
     *("edge_us", "latch_us", "report_us", "status"),
 )
 """Columns that go along with coordinates as they are."""
+USUAL_AXIS = "Z"
+AXIS_ASSUMED = f"{USUAL_AXIS} probed, as no column and no --axis says which axis did"
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
 
@@ -40,7 +43,7 @@ def read_table(
     mapped: Sequence[Mapped],
     *,
     kind: Kind,
-    axis: str,
+    axis: str | None,
     sign: int | None,
     feed: float | None,
 ) -> Imported:
@@ -50,7 +53,7 @@ def read_table(
         path: The table.
         mapped: Which of its columns are which.
         kind: Of the campaign.
-        axis: Where no column says it.
+        axis: Where no column says it; None: X and Y by azimuths, else Z.
         sign: Likewise.
         feed: Likewise, in mm/min.
 
@@ -89,10 +92,12 @@ def read_table(
     ignored = [head for head in heads if head not in {m.head for m in mapped} and head]
     if ignored:
         found.unread.append(f"columns that no --map names: {', '.join(ignored[:20])}")
-    if COORDINATE in columns:
-        _from_coordinates(found, columns, found.lines, axis, sign, feed)
-    else:
+    if COORDINATE not in columns:
         _as_they_are(found, columns, len(body), axis, sign, feed)
+        return found
+    if axis is None and "axis" not in columns:
+        found.assumed.append(AXIS_ASSUMED)
+    _from_coordinates(found, columns, found.lines, axis or USUAL_AXIS, sign, feed)
     return found
 
 
@@ -165,7 +170,7 @@ def _as_they_are(
     found: Imported,
     columns: dict[str, FloatArray],
     rows: int,
-    axis: str,
+    axis: str | None,
     sign: int | None,
     feed: float | None,
 ) -> None:
@@ -174,11 +179,28 @@ def _as_they_are(
         columns["touch"] = np.arange(rows, dtype=float)
         found.assumed.append("touches are numbered in the order of the rows")
     if found.kind is Kind.MACHINE:
-        columns.setdefault("axis", np.full(rows, Axis[axis]))
-        if sign is not None:
-            columns.setdefault("sign", np.full(rows, float(sign)))
+        without = centred(found, columns, rows)
+        if without is not None:
+            columns["deviation_um"] = without
+        _add_axis(found, columns, rows, axis, sign)
     if feed is not None:
         columns.setdefault("feed_mm_min", np.full(rows, feed))
     warmth = {place_of(name): columns.pop(name) for name in list(columns) if is_thermometer(name)}
     session = columns.pop("session", None)
     found.columns = Touches.from_columns(**columns, session=session, thermometers=warmth)
+
+
+def _add_axis(
+    found: Imported, columns: dict[str, FloatArray], rows: int, axis: str | None, sign: int | None
+) -> None:
+    """Add the axis and the sense that are given, or that azimuths tell, or the usual axis."""
+    is_told = axis is not None or sign is not None or {"axis", "sign"} & columns.keys()
+    if not is_told and (moved := axes_round(columns)):
+        columns["axis"], columns["sign"] = moved
+        found.assumed.append("X or Y moved, whichever goes more along the azimuth, alpha_deg")
+        return
+    if axis is None and "axis" not in columns:
+        found.assumed.append(AXIS_ASSUMED)
+    columns.setdefault("axis", np.full(rows, Axis[axis or USUAL_AXIS]))
+    if sign is not None:
+        columns.setdefault("sign", np.full(rows, float(sign)))
