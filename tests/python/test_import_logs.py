@@ -395,7 +395,32 @@ def test_bounces_are_one_edge(tmp_path: Path) -> None:
     run = Run(tmp_path, "edges", log("saleae.csv"))
 
     assert run.campaign.touches.edge_us.tolist() == [0.0, 1e6, 2e6]
-    assert "1 edges so near to one before are its bounces (--holdoff-us)" in run.said["assumed"]
+    (said,) = (line for line in run.said["assumed"] if line.startswith("1 edges so near"))
+    assert "which of them was latched cannot be told from it" in said
+
+
+@pytest.mark.parametrize(
+    ("latched_us", "said"),
+    [
+        ((70, 75), ["2 latches of D1 come after a bounce, 11.5 µs (9 … 14) after the last"]),
+        ((20, 75), ["1 latches of D1 come after a bounce, 14 µs (14 … 14) after the last"]),
+        ((20, 21), []),
+    ],
+)
+def test_latches_after_a_bounce_are_told_from_the_last_one_on(
+    tmp_path: Path, latched_us: tuple[int, int], said: list[str]
+) -> None:
+    rows = ["Time [us],D0,D1", "0,0,0"]
+    for start, wait in zip((1000, 9000), latched_us, strict=True):
+        changes = {0: "1,0", 30: "0,{0}", 61: "1,{0}", wait: "1,1", 3000: "0,1", 3001: "0,0"}
+        for after, levels in sorted(changes.items()):
+            rows.append(f"{start + after},{levels.format(int(after > wait))}")
+    (tmp_path / "c.csv").write_text("\n".join(rows) + "\n")
+
+    known = Run(tmp_path, "edges", str(tmp_path / "c.csv")).said["known"]
+
+    told = [line for line in known if "come after a bounce" in line]
+    assert [line.partition(" edge before")[0] for line in told] == said
 
 
 def test_channels_are_named_or_numbered(tmp_path: Path, refused: Program) -> None:

@@ -74,6 +74,8 @@ def read_edges(
     found = Imported(kind=Kind.BENCH, preset="bench", columns=Touches.from_columns(**columns))
     missed = int((columns["status"] == Status.MISSED).sum())
     _say(found, capture, names, bounces, missed)
+    for p, name in names.latches.items():
+        found.known += _after_bounces(name, all_edges, edges, _following(edges, latches[p]))
     sense = "falling" if falling else "rising"
     found.assumed += [
         f"{names.latches[p]} tells the latch by its {own} edges, which come first after the "
@@ -192,7 +194,9 @@ def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed:
         found.known.append(f"edges without a latch within {LONGEST_WAIT_S:g} s: {missed}")
     if bounces:
         found.assumed.append(
-            f"{bounces} edges so near to one before are its bounces (--holdoff-us)"
+            f"{bounces} edges so near to one before are its bounces (--holdoff-us); a campaign "
+            "holds the first edge of a touch alone, so which of them was latched cannot be told "
+            "from it"
         )
     if capture.step_s:
         step_us = capture.step_s * US_PER_S
@@ -205,6 +209,27 @@ def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed:
         found.assumed.append(
             "the latches are those of the skip input; --plc-latch names those of a PLC task"
         )
+
+
+def _after_bounces(
+    name: str, all_edges: FloatArray, edges: FloatArray, latched: FloatArray
+) -> list[str]:
+    """Say how long after the last edge before it a latch comes, where that is no first edge.
+
+    Args:
+        name: Of the channel of the latches.
+        all_edges: With the bounces; shape (m,).
+        edges: That begin a touch; shape (n,).
+        latched: The latch of each of these, NaN where it was missed; shape (n,).
+    """
+    known = np.isfinite(latched)
+    last = all_edges[np.searchsorted(all_edges, latched[known], side="right") - 1]
+    waits_us = (latched[known] - last)[last > edges[known]] * US_PER_S
+    if not len(waits_us):
+        return []
+    low, middle, high = np.percentile(waits_us, [0, 50, 100])
+    said = f"{len(waits_us)} latches of {name} come after a bounce, {middle:.4g} µs"
+    return [f"{said} ({low:.4g} … {high:.4g}) after the last edge before them"]
 
 
 def _channels(path: Path, capture: Capture, wanted: Channels) -> _Named:
