@@ -3,16 +3,19 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Touches
-from skiplatch.settled import Settled, settle
-from skiplatch.statistics import Interval
+from skiplatch.settled import TOLD_BY_CHANCE, Settled, settle
+from skiplatch.statistics import CONFIDENCE, Interval
 from skiplatch.surface_fit import NOTHING, Grid, fit_surfaces
 from skiplatch.units import S_PER_H
 
 FEWEST_FREE = 2
 """Degrees of freedom, of all surfaces together, from which on a scatter is told."""
+LIKEST = 0.99
+"""Correlation of one reading with the next from which on more tells no more."""
 TIME_GAINS = 10.0
 """Twice the log likelihood that a drift with time is better by than one by number, to be taken. The
 number is as good where touches follow at one pace, and two lines to choose from find more by luck.
@@ -30,6 +33,21 @@ class Course:
 
     x: FloatArray
     per_h: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Warmth:
+    """How touches go with a thermometer.
+
+    Attributes:
+        slope: A kelvin.
+        sigma: What touches scatter by without it, and without any drift by number or time.
+        is_told: Whether the slope is shown, as many as were looked at.
+    """
+
+    slope: Interval
+    sigma: Interval
+    is_told: bool
 
 
 def with_drift(
@@ -82,20 +100,94 @@ def _gain(one: Settled, other: Settled) -> float:
     return float(both.sum() * np.log(squares[0] / squares[1]))
 
 
-def per_kelvin(
-    touches: Touches, offsets: FloatArray, regular: BoolArray, surfaces: int
-) -> dict[str, Interval]:
-    """Give the slope against each thermometer that moves, in place of the drift by number."""
+def by_temperature(
+    touches: Touches, y: FloatArray, dummies: FloatArray, regular: BoolArray
+) -> dict[str, Warmth]:
+    """Give the line in each thermometer that moves, in place of the drift by number.
+
+    Intervals hold for all thermometers together, as the one that fits best is looked at.
+
+    Args:
+        touches: In order of time; n of them.
+        y: What repeats, without what goes with the feed; shape (n,).
+        dummies: 1 where a touch is of a surface, else 0; shape (n, s).
+        regular: The touches that are fitted; shape (n,).
+    """
     named = touches.thermometers
     is_named = any(np.array_equal(touches.temp_c, t, equal_nan=True) for t in named.values())
     warmth = dict(named) if is_named else {"machine": touches.temp_c, **named}
+    known = {name: (t, regular & ~np.isnan(t)) for name, t in warmth.items()}
+    surfaces = dummies.shape[1]
+    tried = {
+        name: (t, rows)
+        for name, (t, rows) in known.items()
+        if rows.sum() > surfaces + FEWEST_FREE and np.ptp(t[rows]) > 0.0
+    }
+    lines = {name: _in_readings(t, y, dummies, rows) for name, (t, rows) in tried.items()}
     found = {}
-    for name, values in warmth.items():
-        rows = regular & ~np.isnan(values)
-        if rows.sum() > surfaces + FEWEST_FREE and np.ptp(values[rows]) > 0.0:
-            line = {"order": np.nan_to_num(values - values[rows].mean())}
-            fit = fit_surfaces(np.nan_to_num(offsets), np.ones((len(offsets), 1)), line, rows)
-            slope = fit.interval("order")
-            if slope is not None:
-                found[name] = slope
+    for name, line in lines.items():
+        if line is not None:
+            t, rows = tried[name]
+            fit = fit_surfaces(y, dummies, {"warmth": np.nan_to_num(t - t[rows].mean())}, rows)
+            reach, needed = (
+                line.error * float(stats.t.isf(chance / 2.0 / len(tried), line.freedom))
+                for chance in (1.0 - CONFIDENCE, TOLD_BY_CHANCE)
+            )
+            slope = Interval(line.slope, line.slope - reach, line.slope + reach)
+            found[name] = Warmth(slope, fit.sigma, is_told=abs(line.slope) > needed)
     return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A slope, its standard error, and the degrees of freedom of independent readings."""
+
+    slope: float
+    error: float
+    freedom: float
+
+
+def _in_readings(
+    t: FloatArray, y: FloatArray, dummies: FloatArray, rows: BoolArray
+) -> _Line | None:
+    """Fit a line to the means of touches that share a reading; None where these are too few.
+
+    Readings that are alike to those before, while what is left is too, count as fewer.
+    """
+    own = dummies[rows]
+    middles = own / np.maximum(own.sum(axis=0), 1.0)
+    x, off = (values[rows] - own @ (middles.T @ values[rows]) for values in (t, y))
+    reading = np.cumsum(np.diff(t[rows], prepend=np.nan) != 0.0) - 1
+    count = np.bincount(reading)
+    x, off = (np.bincount(reading, values) / count for values in (x, off))
+    squares = float(np.sum(count * x**2))
+    free = min(len(count) - 2, int(rows.sum()) - dummies.shape[1] - 1)
+    if free < FEWEST_FREE or squares < NOTHING:
+        return None
+    slope = float(np.sum(count * x * off)) / squares
+    left = off - slope * x
+    share = _independent(x, left)
+    variance = float(np.sum(count * left**2)) / free
+    return _Line(slope, float(np.sqrt(variance / squares / share)), max(free * share, 1.0))
+
+
+def _independent(x: FloatArray, left: FloatArray) -> float:
+    """Give which share of readings counts as independent, by how both follow from one to another.
+
+    By Bartlett (1935), for two series whose correlation falls off geometrically.
+    """
+    both = _follows(x) * _follows(left)
+    return (1.0 - both) / (1.0 + both) if both > 0.0 else 1.0
+
+
+def _follows(series: FloatArray) -> float:
+    """Give the correlation of a series with itself one reading later, at most LIKEST.
+
+    What it comes short of the truth in a series of this length is added, by Kendall (1954).
+    """
+    off = series - series.mean()
+    squares = float(np.sum(off**2))
+    if squares < NOTHING:
+        return 0.0
+    seen = float(np.sum(off[1:] * off[:-1])) / squares
+    return min(seen + (1.0 + 4.0 * seen) / len(series), LIKEST)

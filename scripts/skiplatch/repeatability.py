@@ -18,7 +18,7 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches
 from skiplatch.campaign.steps import common_step
-from skiplatch.drifts import FEWEST_FREE, course_of, per_kelvin, with_drift
+from skiplatch.drifts import FEWEST_FREE, Warmth, by_temperature, course_of, with_drift
 from skiplatch.errors import InputError
 from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
@@ -51,7 +51,7 @@ class Repeatability:
         drift: From touch to touch, along the approach; None where the order tells nothing.
         axis_drift: From touch to touch, of the coordinate, which touches from either side see with
             opposite signs; None where all have one sense.
-        per_kelvin: The same a kelvin, by the name of a thermometer that moves.
+        warmth: How touches go with each thermometer that moves, by its name.
         slope: Against the feed in ms: a delay; None where there is one feed.
         outliers: Serial numbers.
         step: What figures are multiples of, if they are.
@@ -77,7 +77,7 @@ class Repeatability:
     first: Interval | None
     drift: Interval | None
     axis_drift: Interval | None
-    per_kelvin: dict[str, Interval]
+    warmth: dict[str, Warmth]
     slope: Interval | None
     outliers: tuple[int, ...]
     step: float | None
@@ -88,6 +88,22 @@ class Repeatability:
     is_directed: bool = True
     missed: int = 0
     false: int = 0
+
+    @property
+    def per_kelvin(self) -> dict[str, Interval]:
+        """How much touches drift a kelvin, by the name of each thermometer that moves."""
+        return {name: warmth.slope for name, warmth in self.warmth.items()}
+
+    @property
+    def warmest(self) -> str:
+        """The thermometer that leaves least of the scatter, of those shown; else empty."""
+        told = {name: w.sigma.value for name, w in self.warmth.items() if w.is_told}
+        return min(told, key=lambda name: told[name], default="")
+
+    @property
+    def sigma_without_temperature(self) -> Interval | None:
+        """What the warmest thermometer leaves; None where none is shown."""
+        return self.warmth[self.warmest].sigma if self.warmest else None
 
     @property
     def is_limited_by_resolution(self) -> bool:
@@ -191,7 +207,7 @@ def _of(
     rows = ~is_first if is_off else np.ones(len(y), dtype=bool)
     found = settle(y, dummies, lines, rows, ~is_first, grid)
     regular, fit = found.regular, found.fit
-    offsets = y - dummies @ _means(y, dummies, regular)
+    at_one_feed = y - fit.part("speed", speed) if "speed" in fit.lines else y
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
         unit=unit,
@@ -205,7 +221,7 @@ def _of(
         drift=found.intervals.get("order"),
         axis_drift=found.intervals.get("axis"),
         touches_per_h=course.per_h,
-        per_kelvin=per_kelvin(touches, offsets, regular, dummies.shape[1]),
+        warmth=by_temperature(touches, at_one_feed, dummies, regular),
         slope=found.intervals.get("speed"),
         outliers=tuple(touches.touch[_with_pairs(rows & ~regular, surface)].tolist()),
         step=grid.step,

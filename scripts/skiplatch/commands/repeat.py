@@ -140,6 +140,7 @@ def sentence(found: Repeatability) -> str:
     if found.axis_drift is not None and "axis" in found.told:
         way = "up" if found.axis_drift.value > 0.0 else "down"
         parts.append(f"the axis drifts {way}, {_drift(found, found.axis_drift)}")
+    parts += _without_warmth(found)
     if found.outliers:
         parts.append(_outside(len(found.outliers), len(found.touches)))
     parts += _all_in(found)
@@ -148,6 +149,16 @@ def sentence(found: Repeatability) -> str:
     if found.false:
         parts.append(f"besides, {found.false} {_were(found.false)} latched without a contact")
     return "; ".join(parts) + "."
+
+
+def _without_warmth(found: Repeatability) -> list[str]:
+    """Say what scatter the temperature leaves, where touches go with it and that is less."""
+    warmth = found.warmth.get(found.warmest)
+    if not warmth or warmth.sigma.value > (1.0 - DIFFERS) * found.sigma.value:
+        return []
+    slope = f"by {_words(warmth.slope, f'{found.unit}/K')}"
+    sigma = f"σ = {_words(warmth.sigma, found.unit)}"
+    return [f"they go with the temperature ({found.warmest}), {slope}, and without that {sigma}"]
 
 
 def _all_in(found: Repeatability) -> list[str]:
@@ -263,6 +274,7 @@ def as_json(found: Repeatability) -> dict[str, Any]:
     figures = {
         f"mean_{unit}": found.mean,
         f"sigma_{unit}": found.sigma,
+        f"sigma_without_temperature_{unit}": found.sigma_without_temperature,
         f"first_touch_{unit}": found.first,
         f"drift_{unit}_per_touch": found.drift,
         f"axis_drift_{unit}_per_touch": found.axis_drift,
@@ -278,6 +290,7 @@ def as_json(found: Repeatability) -> dict[str, Any]:
     return document | {
         f"range_{unit}": found.range,
         f"plain_sigma_{unit}": found.plain,
+        "thermometer": found.warmest or None,
         "told": sorted(_TOLD[name] for name in found.told),
         "outliers": list(found.outliers),
         "missed": found.missed,
