@@ -47,7 +47,8 @@ def test_what_was_all_recorded_stays_as_it_is(bench_sample: Path) -> None:
 
 @pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
 def test_what_stands_in_is_neither_drawn_nor_told_as_recorded(bench_sample: Path) -> None:
-    bare = without(read_campaign(bench_sample), "time_s", "feed_mm_min", "edge_us")
+    bare = without(read_campaign(bench_sample), "time_s", "feed_mm_min")
+    bare.touches.edge_us[0] = np.nan  # or the edges would tell the times
     campaign = playable(bare)
 
     titles = [one.title for one in conditions(campaign.touches, campaign.stood_in)]
@@ -83,11 +84,15 @@ def test_edges_tell_how_long_a_bench_rested(bench_sample: Path) -> None:
     campaign = read_campaign(bench_sample)
     bare = without(campaign, "time_s", "feed_mm_min", "approach_mm")
 
-    scene, lost = (Scene.of(playable(one)) for one in (bare, without(bare, "edge_us", "latch_us")))
+    made = [playable(one) for one in (bare, without(bare, "edge_us", "latch_us"))]
+    scene, lost = (replace(Scene.of(one), stood_in=one.stood_in) for one in made)
 
     told = recorded_only(scene, sequence(scene))
+    rest_s = told["rest before"][1:]
+    known = ~np.isnan(rest_s)  # the touch before is in the record
     between_s = np.diff(campaign.touches.edge_us) / 1e6
-    assert told["rest before"][1:] == pytest.approx(between_s, abs=0.05)
+    assert known.sum() > 200
+    assert rest_s[known] == pytest.approx(between_s[known], abs=0.05)
     assert "rest before" not in recorded_only(lost, sequence(lost))
 
 
