@@ -35,6 +35,8 @@ COARSEST = 20.0
 """Times the resolution that is believed; where fewer are the same, a step may be so coarse."""
 MOST_APART = 0.25
 """Of the touches; where more lie apart, there are two conditions, and first touches of neither."""
+BY_ACCIDENT = 0.05
+"""Chance of as many touches being off at which being first is no reason."""
 FEWEST_FREE = 3
 """Degrees of freedom from which on first touches are told from others."""
 MOST_LEFT = 0.4
@@ -170,6 +172,10 @@ def first_off(
     """
     others = settle(y, dummies, lines, ~is_first, ~is_first, grid)
     if others.regular.sum() < (1.0 - MOST_APART) * (~is_first).sum():
+        return None
+    # Where others are off as often, so are first touches by accident.
+    off = 1.0 - others.regular.sum() / max((~is_first).sum(), 1)
+    if off ** is_first.sum() > BY_ACCIDENT:
         return None
     kept = {name: x for name, x in lines.items() if name in others.fit.lines}
     found = []

@@ -11,6 +11,7 @@ from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.directions import UNDIRECTED, with_directions
 from skiplatch.diagnosis.plays.setting import Setting
+from skiplatch.diagnosis.scene.covariates import conditions, recorded_only
 from skiplatch.diagnosis.verdict.verdict import Verdict
 
 
@@ -87,3 +88,16 @@ def test_what_merely_stands_in_is_no_condition() -> None:
     assert not {"time", "rest before", "feed"} & setting.known.keys()
     assert {"approach", "serial number", "position"} <= setting.known.keys()
     assert "time" not in {place.name for place in setting.places}
+
+
+def test_a_direction_that_was_filled_in_is_no_condition() -> None:
+    """What goes with the sense would be said to go with an azimuth that nobody recorded."""
+    recorded = read_campaign(MACHINE)
+    bare = without_directions(recorded)
+
+    scenes = (scene_of(with_lobes(one, 0.0)) for one in (bare, recorded))
+    told, known = (recorded_only(scene, conditions(scene)) for scene in scenes)
+
+    assert not any(name.startswith("azimuth") for name in told)
+    assert {"azimuth", "sense"} <= known.keys()
+    assert "sense" in told

@@ -83,7 +83,7 @@ def test_too_few_touches_have_no_turn() -> None:
 
 
 def test_scores_that_are_all_the_same_tell_nothing() -> None:
-    assert in_turn(np.arange(TOUCHES), np.ones(TOUCHES)) is None
+    assert in_turn(np.arange(TOUCHES), np.full(TOUCHES, 0.1)) is None
 
 
 def test_nothing_that_happened_is_no_news() -> None:

@@ -153,3 +153,15 @@ def test_drift_alone_makes_no_first_touch(machine_sample: Path) -> None:
     told = sum("first" in of(machine_sample, drifting(seed)).told for seed in range(200))
 
     assert told <= 8  # 1 % each
+
+
+def test_the_first_of_touches_that_are_off_now_and_then_is_one_of_them(
+    machine_sample: Path,
+) -> None:
+    um = np.random.default_rng(5).normal(0.0, 1.0, 100)
+    um[::12] += 60.0
+
+    found = of(machine_sample, um)
+
+    assert found.first is None
+    assert 0 in found.outliers

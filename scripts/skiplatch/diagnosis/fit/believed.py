@@ -37,7 +37,7 @@ def scene_of(campaign: Campaign) -> Scene:
     known = with_directions(campaign)
     return replace(
         Scene.of(known, BELIEVED),
-        stood_in=campaign.stood_in,
+        stood_in=known.stood_in,
         is_directed=known.nominal == campaign.nominal,
     )
 

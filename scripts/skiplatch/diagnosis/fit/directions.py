@@ -27,7 +27,8 @@ REACH = 4.0
 def with_directions(campaign: Campaign) -> Campaign:
     """Fill in the directions that were not recorded by axis and sense, and let lobes be unknown."""
     known = _without_unknown_lobes(campaign)
-    return replace(known, touches=_directed(known.touches))
+    filled = {"alpha_deg"} if np.isnan(campaign.touches.alpha_deg).all() else set()
+    return replace(known, touches=_directed(known.touches), stood_in=known.stood_in | filled)
 
 
 def _directed(touches: Touches) -> Touches:

@@ -41,7 +41,7 @@ def in_turn(serial: IndexArray, scores: FloatArray) -> Turn | None:
         scores: Normal ones, shape (m,).
     """
     off, m = scores - scores.mean(), len(scores)
-    if not off.any():
+    if np.ptp(scores) == 0.0:  # the mean of what is all the same may be rounded
         return None
     turns = _counted(serial, off)
     _, _, count, total = turns

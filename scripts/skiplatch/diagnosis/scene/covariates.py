@@ -25,6 +25,7 @@ MADE_OF: Mapping[str, tuple[str, ...]] = {
     "time_s": ("time", "rest ", "touches in the "),
     "feed_mm_min": ("feed",),
     "approach_mm": ("approach",),
+    "alpha_deg": ("azimuth", "elevation", "direction", "turn since"),
 }
 """The same of those that a column makes."""
 RECENT_S = (10.0, 60.0)
