@@ -22,7 +22,7 @@ LATCHED = [str(number) for number in range(5061, 5070)]  # parameters: the place
 LAST_OF_USER = 5000  # parameters beyond it tell of the machine, such as its offsets
 HAS_TOUCHED = "5070"  # the parameter that is 1 after a probing move with a contact
 
-_COMMENT = re.compile(r"\([^)]*\)|;.*$")
+_COMMENT = re.compile(r"\([^)]*(?:\)|$)|;.*$")
 _WORD = re.compile(rf"([A-Z])\s*([-+]?\s*{PLAIN}|#[<\w]+>?|\[)", re.IGNORECASE)
 _ASSIGNMENT = re.compile(r"^\s*#\s*(<[^>]*>|[0-9]+)\s*=\s*(.+)$")
 _PARAMETER = re.compile(r"#\s*(<[^>]*>|[0-9]+)")
@@ -191,7 +191,7 @@ class Machine:
 
 
 def without_comments(line: str) -> str:
-    """Give a line without what stands in parentheses or after a semicolon."""
+    """Give a line without what stands in parentheses, closed or not, or after a semicolon."""
     return _COMMENT.sub("", line)
 
 

@@ -1,15 +1,15 @@
 """grbl, grblHAL, FluidNC, Grbl_Esp32: ``[PRB:…]``, the commands before it, and `$` settings."""
 
 import re
-from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
 from skiplatch.importing.dialects import advice
+from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.grbl_commands import Commands
 from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than, put_on_steps
+from skiplatch.importing.grbl_guesses import Guesses
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
 from skiplatch.importing.grbl_settings import ACCEL, INCHES, STEPS, say_missing
 from skiplatch.importing.grbl_speed import Speeds, limit
@@ -70,18 +70,20 @@ class _Reader:
         self._lists_parameters = False
         self._listed = 0
         self._ranges: dict[str, tuple[float, float]] = {}
-        self._guessed = self._beside_ok = 0
+        self._guessed = Guesses(self.touches)
+        self._beside_ok = 0
 
     def take(self, line: Line) -> None:
         """Take in a line: settings, a command, a reply, or several of them in one."""
-        for number, value in _SETTING.findall(line.text):
+        plain = without_comments(line.text)
+        for number, value in _SETTING.findall(plain):
             self._settings[int(number)] = float(value)
             if int(number) == INCHES:
                 self._unit.tell(inch=float(value) == 1)
         if ends := _RANGE.search(line.text):
             self._ranges[ends[1]] = (float(ends[2]), float(ends[3]))
         self._is_hal = self._is_hal or bool(_GRBL_HAL.search(line.text))
-        if _HOMED.search(line.text):
+        if _HOMED.search(plain):
             self._session += bool(self.touches)
             self._commands.homed()
         if modes := _MODES.search(line.text):
@@ -139,8 +141,9 @@ class _Reader:
         answered = _ANSWERED.match(line.text)
         if answered is None:
             return False
-        if has_reply or not probes(answered[1]):
-            self._dialogue.sent(answered[1], line, is_answered=True)
+        command = without_comments(answered[1])
+        if has_reply or not probes(command):
+            self._dialogue.sent(command, line, is_answered=True)
         else:
             self._beside_ok += 1
         return True
@@ -150,7 +153,7 @@ class _Reader:
         move = self._dialogue.touched()
         position = self._unit.position(reply)[: len(AXES)] if reply.numbers else ()
         feed = self._speeds.feed(move.feed if move else None, self._unit.mm)
-        axis = (move.axis if move else None) or (self._guess(position) if position else "Z")
+        axis = (move.axis if move else None) or self._guessed.axis(position, self._last)
         index = AXES.index(axis)
         if index >= len(position):
             self.broken += 1
@@ -196,33 +199,6 @@ class _Reader:
         counts = {"homing": self._session, "tool change": self._commands.tools}
         after = [f"{what} {count}" for what, count in counts.items() if count]
         return f"after {' and '.join(after)}" if after else ""
-
-    def _guess(self, position: Sequence[float]) -> str:
-        """Take the axis that moved since the touch before, or Z.
-
-        A first touch, with none before it, is of the axis that alone moved up to the second one.
-        """
-        self._guessed += 1
-        if self._last is None or len(self._last) != len(position):
-            return "Z"
-        ways = [abs(a - b) for a, b in zip(position, self._last, strict=True)]
-        if max(ways) == 0:
-            return self.touches[-1].axis
-        axis = AXES[ways.index(max(ways))]
-        if self._guessed == len(self.touches) + 1 == 2 and sum(way > 0 for way in ways) == 1:
-            self.touches[0] = self._guessed_touch(self.touches[0], axis, self._last)
-        return axis
-
-    def _guessed_touch(self, touch: Touch, axis: str, position: Sequence[float]) -> Touch:
-        """Give a touch without a command as one of another axis."""
-        index = AXES.index(axis)
-        return replace(
-            touch,
-            axis=axis,
-            sign=-1 if axis == "Z" else None,
-            coordinate=None if touch.coordinate is None else position[index],
-            place=tuple(v for i, v in enumerate(position) if i != index),
-        )
 
     def result(self) -> Imported:
         """Say what was found."""
@@ -275,16 +251,16 @@ class _Reader:
         )
 
     def _say_moves(self, found: Imported) -> None:
-        if self._guessed:
+        if self._guessed.count:
             found.assumed.append(
-                f"{self._guessed} replies have no command before them: their axis is the one that "
-                "moved, else Z, their sense is not known"
+                f"{self._guessed.count} replies have no command before them: their axis is the one "
+                "that moved, else Z, their sense is not known"
             )
         if self._commands.tools:
             found.assumed.append(
                 f"sessions of their own after a change of the tool (M6): {self._commands.tools}"
             )
-        if self._guessed and self._beside_ok:
+        if self._guessed.count and self._beside_ok:
             found.assumed.append("probing commands beside an ok do not tell which reply is theirs")
         if any(touch.axis == "Z" for touch in self.touches):
             found.assumed.append("Z was touched from above where no command says otherwise")

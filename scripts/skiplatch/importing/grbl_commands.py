@@ -59,6 +59,7 @@ class Commands:
 
     def execute(self, text: str, line: Line) -> ProbeMove | None:
         """Carry out a command and give the probing move in it."""
+        text = without_comments(text)
         if text.startswith("$"):
             self._jogged(text)
             return None
@@ -106,7 +107,7 @@ class Commands:
         self.units |= {code.upper() for code in _UNIT.findall(text)}
 
     def _note_tool(self, text: str) -> None:
-        words = self._machine.words(without_comments(text))
+        words = self._machine.words(text)
         if any(letter == "M" and value in _TOOL_CHANGES for letter, value in words):
             self.tools += self._tool_has_touched
             self._tool_has_touched = False

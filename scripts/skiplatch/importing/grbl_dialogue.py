@@ -4,6 +4,7 @@ import re
 from collections import deque
 from collections.abc import Callable
 
+from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.log_lines import Line
 from skiplatch.importing.probe_move import ProbeMove
 
@@ -24,7 +25,8 @@ _STARTED = re.compile(_ANSWER + r"(?:Grbl(?:HAL)? \d|FluidNC v)", re.IGNORECASE)
 
 
 def command_in(text: str) -> str | None:
-    """Give the command in a line: after a mark, not within a sentence about it."""
+    """Give the command in a line: after a mark, not within a comment or a sentence about it."""
+    text = without_comments(text)
     if _REPORT.match(text) or not (command := _COMMAND.search(text)):
         return None
     if _PROSE.search(text[: command.start(1)]):

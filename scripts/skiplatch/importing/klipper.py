@@ -141,7 +141,8 @@ class _Reader(Console):
                 self.temperatures[thermometer_name(name)] = float(value)
 
     def _happened(self, text: str) -> None:
-        """Take a command, or what one prints beside touches."""
+        """Take a command without its comment, or what one prints beside touches."""
+        text = text.partition(";")[0].rstrip()  # parentheses are none of Klipper's comments
         is_homed = self.take_moved(text, _MOVED) == HOMING
         speed = _PROBE_SPEED.search(text)
         if tool := _TOOL.match(text):

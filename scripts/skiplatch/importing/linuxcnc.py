@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from skiplatch.errors import InputError
+from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, offsets_of, run
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
@@ -127,7 +128,7 @@ def _without_moves(text: str, done: Run) -> str:
     """Say that no probing move was found, and why that may be."""
     where = ", between (PROBEOPEN …) and (PROBECLOSE)," if logs_parts(text) else ""
     why = _subroutines(done) if done.not_found else ""
-    if not why and _PROBES.search(text):
+    if not why and any(_PROBES.search(without_comments(line)) for line in text.splitlines()):
         why = "no part of the program that is carried out has one"
     instead = f"; {why}: give --axis and --feed instead" if why else ""
     return f"expected moves by G38.2 to G38.5{where or ','} found none{instead}"

@@ -14,6 +14,7 @@ from skiplatch.importing.console import (
     half_digit,
 )
 from skiplatch.importing.dialects import advice
+from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
@@ -82,8 +83,8 @@ class _Reader(Console):
         self._is_bed_last = False
 
     def take(self, line: Line) -> None:
-        """Take in a line."""
-        text = line.text
+        """Take in a line, without comments."""
+        text = without_comments(line.text)
         self.take_temperatures(text)
         if match := _SAMPLE.search(text):
             self._sample(match, line)
@@ -99,21 +100,21 @@ class _Reader(Console):
         elif _FAILED.search(text):
             self.add(None, self._place, line, feed=self.feed)
         else:
-            self._settings(line)
+            self._settings(text, line)
         if _TEST.search(text):
             self._in_test = self.has_tested = True
 
-    def _settings(self, line: Line) -> None:
+    def _settings(self, text: str, line: Line) -> None:
         """Take a setting, as typed or as M503 lists it."""
-        if match := _UNIT.match(line.text):
+        if match := _UNIT.match(text):
             self._is_inch = match[1] == "0"
-        elif match := _OFFSET.search(line.text):
+        elif match := _OFFSET.search(text):
             self._sets_offset(float(match[1]), line)
         elif self._is_inch:  # of which versions of Marlin print other multiples
-            self._steps_in_inches |= bool(_STEPS.search(line.text))
-        elif match := _STEPS.search(line.text):
+            self._steps_in_inches |= bool(_STEPS.search(text))
+        elif match := _STEPS.search(text):
             self._steps = float(match[1])
-        elif match := _ACCEL.search(line.text):
+        elif match := _ACCEL.search(text):
             self._accel = float(match[1])
 
     def _sets_offset(self, offset: float, line: Line) -> None:
