@@ -35,6 +35,10 @@ READERS: dict[str, Callable[[Path], object]] = {
 NUMBER = "a number from -1e+15 to 1e+15"
 PAIR = "two numbers from -1e+15 to 1e+15, low first"
 DAMAGES: dict[str, tuple[tuple[str | int, ...], object, str]] = {
+    "a number for the next experiment": (("next_experiment",), 7, "expected an object, got 7"),
+    "a number for its touches": (("next_experiment", "touches"), 7, "expected a list, got 7"),
+    "a text for what is left": (("left",), "little", 'expected a list, got "little"'),
+    "a text for the touches": (("touches",), "all", 'expected a whole number or null, got "all"'),
     "no effects": (("effects",), None, "expected a list, got null"),
     "a reversed interval": (
         ("effects", 0, "intervals", "latency_us"),
@@ -64,7 +68,7 @@ DAMAGES: dict[str, tuple[tuple[str | int, ...], object, str]] = {
 
 def document() -> dict[str, Any]:
     written: dict[str, Any] = json.loads(WRITTEN.read_text(encoding="utf-8"))
-    return written
+    return {"next_experiment": {}} | written
 
 
 def changed(where: tuple[str | int, ...], value: object) -> dict[str, Any]:

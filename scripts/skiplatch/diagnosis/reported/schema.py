@@ -1,7 +1,7 @@
 """What may stand in the document of a diagnosis: one rule for all that read one.
 
-A key that no command reads is left alone, and one that not every version wrote may be missing; what
-is there has to be as the table says.
+A key that no version wrote is left alone, and one that not every version wrote may be missing; what
+is there has to be as the table says, whether or not a command reads it.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -149,6 +149,11 @@ def _text(where: str, value: Json) -> None:
         _refuse(where, "a text", value)
 
 
+def _text_or_null(where: str, value: Json) -> None:
+    if value is not None and not isinstance(value, str):
+        _refuse(where, "a text or null", value)
+
+
 def _whole(where: str, value: Json) -> None:
     if value is not None and not _is_whole(value):
         _refuse(where, "a whole number or null", value)
@@ -247,6 +252,19 @@ GAP = _record(
         "shrink_interval": _interval,
     },
 )
+OBJECT = _record({}, {})
+NEXT_EXPERIMENT = _record(
+    {},
+    {
+        "why": _text,
+        "record": _text_or_null,
+        "touches": _each(OBJECT),
+        "expected_bits": _number,
+        "bits_per_touch": _number,
+        "touches_needed": _whole,
+        "separates": _each(_each(_text)),
+    },
+)
 DOCUMENT = _record(
     {"effects": _effects},
     {
@@ -255,6 +273,14 @@ DOCUMENT = _record(
         "gap": _by_name(GAP),
         "beliefs": _by_name(_record({"fitted": _number}, {})),
         "models": _each(_effects),
+        "left": _each(OBJECT),
+        "outliers": _each(_whole),
+        "failed": _each(OBJECT),
+        "material": OBJECT,
+        "touches": _whole,
+        "touches_searched": _whole,
+        "next_experiment": NEXT_EXPERIMENT,
+        "transmission": _each(OBJECT),
         "notes": _each(_text),
         "fingerprint": _text,
         "seed": _whole,
