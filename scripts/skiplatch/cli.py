@@ -16,7 +16,7 @@ import click
 
 from skiplatch.errors import CampaignWarning, InputError, hint, one_line, quoted
 from skiplatch.simulator.library import SimulationError
-from skiplatch.undo import INTERRUPTED, taken_back_on_failure
+from skiplatch.undo import INTERRUPTED, TERMINATED, taken_back_on_failure
 
 BAD_INPUT = 2
 FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
@@ -104,6 +104,10 @@ class _LazyGroup(click.Group):
         except KeyboardInterrupt:
             click.echo("interrupted", err=True)
             ctx.exit(INTERRUPTED)
+        except SystemExit as ended:
+            if ended.code == TERMINATED:
+                click.echo("interrupted", err=True)
+            raise
         return result
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002

@@ -179,6 +179,7 @@ def test_a_signal_takes_back_what_was_written(
         signal.signal(signal.SIGINT, before)
 
     assert result.exit_code == (undo.INTERRUPTED if number == signal.SIGINT else 128 + number)
+    assert result.stderr == "interrupted\n"
     assert not contents(tmp_path)
 
 
