@@ -40,7 +40,7 @@ FILES: Mapping[str, Sequence[str]] = {
 """What the names of a controller's files have behind that of the program."""
 KINDS = tuple(FILES)
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
-_UNSAFE = re.compile(r"[^ -~]|[!?]")  # in a comment too: grbl obeys some bytes wherever they stand
+_UNSAFE = re.compile(r"[^ -}]|[!?]")  # in a comment too: grbl obeys !, ? and ~ wherever they stand
 _PROBED = {"X": "#5061", "Y": "#5062", "Z": "#5063"}  # parameters of LinuxCNC
 
 
