@@ -5,7 +5,7 @@ Cycle 4 goes on where it meets nothing, and then gives -1 as the fourth of its r
 
 from collections.abc import Iterator, Sequence
 
-from skiplatch.probing_touches import BEYOND_MM, LOCATING_MM, Touch, farthest, locating_mm_min
+from skiplatch.probing_touches import BEYOND_MM, Touch, farthest, locating_mm, locating_mm_min
 
 COLUMNS = ("axis", "path", "sign", "feed_mm_min", "approach_mm", "position_mm")
 LOGGED = (*COLUMNS, "coordinate_mm", "status")
@@ -53,11 +53,12 @@ def _located(touches: Sequence[Touch]) -> Iterator[str]:
     """Find the surface from where the probe stands, or end the program."""
     first = touches[0]
     result = f"+Q{_number(first)}"
-    yield from _cycle_4(first, LOCATING_MM, locating_mm_min(touches), LOCATED_BACK_MM)
+    back = farthest(touches)
+    back_mm = min(LOCATED_BACK_MM, back.approach)
+    yield from _cycle_4(first, locating_mm(touches), locating_mm_min(touches), back_mm)
     yield "FN 9: IF +Q4 EQU -1 GOTO LBL 9"
     yield f"FN 11: IF {result} GT {first.surface + BEYOND_MM:+.3f} GOTO LBL 9"
     yield f"FN 12: IF {result} LT {first.surface - BEYOND_MM:+.3f} GOTO LBL 9"
-    back = farthest(touches)
     yield f"L {back.axis}{back.start:+.3f} R0 F{locating_mm_min(touches):g}"
 
 

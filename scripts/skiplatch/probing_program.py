@@ -23,6 +23,7 @@ from skiplatch.probing_touches import (
     as_made,
     by_surface,
     farthest,
+    locating_mm,
     locating_mm_min,
     path_of,
 )
@@ -83,10 +84,12 @@ class _Part:
         first = self.touches[0]
         side = "smaller" if first.sign > 0 else "greater"
         back = f"{first.axis}{farthest(self.touches).start:.3f}"
+        way = locating_mm(self.touches)
+        why = ", as the axis ends so far behind it" if way < LOCATING_MM else ""
         return [
             f"{first.title}, program {self.number} of {self.of}",
             f"before the start: set the probe in front of it, at {side} {first.axis},",
-            f"nearer than {LOCATING_MM:g} mm; a slow touch finds the surface",
+            f"nearer than {way:g} mm{why}; a slow touch finds the surface",
             f"the probe is drawn back to {back}, slowly at first: keep that way free",
             *_then(self.then),
         ]
@@ -192,7 +195,7 @@ def _linuxcnc(part: _Part) -> Iterator[str]:
 
 def _located(touches: Sequence[Touch]) -> Iterator[str]:
     """Find the surface from where the probe stands; without a contact the controller stops."""
-    way = touches[0].sign * LOCATING_MM
+    way = touches[0].sign * locating_mm(touches)
     yield f"G91 G38.2 {touches[0].axis}{way:g} F{locating_mm_min(touches):g}"
     yield "G90"
 

@@ -1,30 +1,39 @@
 """Touches that a controller is to make, by the surface that they touch."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from skiplatch.campaign import Axis, InputPath, Touches
+from skiplatch.units import UM_PER_MM
 
 SAME_SURFACE_MM = 0.5
 BEYOND_MM = 2.0
 """How far behind the surface a probing move would end, and how far off the surface may be."""
 LOCATING_MM = 10.0
-"""How far in front of its surface the probe may stand before a program begins."""
+"""How far in front of its surface the probe may stand before a program begins, at most."""
+LEAST_LOCATING_MM = 0.1
+"""The same, at least: nearer, nobody can set a probe by hand."""
+NEGLIGIBLE_MM = 1e-6
 LOCATING_MM_MIN = 100.0
 """The feed of the touch that finds the surface, where no touch asked for is slower."""
 
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """One touch: places in mm along its axis, feed in mm/min, rest before it in s."""
+    """One touch: places in mm along its axis, feed in mm/min, rest before it in s.
+
+    `room` is the way from the surface to the limit of the axis behind it.
+    """
 
     axis: str
     sign: int
     start: float
     surface: float
     end: float
+    room: float
     feed: float
     rest_s: float
 
@@ -84,6 +93,25 @@ def locating_mm_min(touches: Sequence[Touch]) -> float:
     return min(LOCATING_MM_MIN, *(touch.feed for touch in touches))
 
 
+def locating_mm(touches: Sequence[Touch]) -> float:
+    """Give the way of the touch that finds a surface, and how near the probe has to be set.
+
+    No controller says where that was, so from right in front of the surface it stays within reach.
+
+    Raises:
+        ValueError: The axis ends right behind the surface.
+    """
+    tightest = min(touches, key=lambda touch: touch.room)
+    way_mm = min(LOCATING_MM, tightest.room)
+    if way_mm < LEAST_LOCATING_MM - NEGLIGIBLE_MM:
+        end = "max_mm" if tightest.sign > 0 else "min_mm"
+        raise ValueError(
+            f"{tightest.title}: {end} of [axis] is {tightest.room:.3g} mm behind it, expected "
+            f"{LEAST_LOCATING_MM:g} mm or more, in which a touch finds it"
+        )
+    return math.floor((way_mm + NEGLIGIBLE_MM) * UM_PER_MM) / UM_PER_MM
+
+
 def farthest(touches: Sequence[Touch]) -> Touch:
     """Give the touch of a surface that starts the farthest from it."""
     return max(touches, key=lambda touch: touch.approach)
@@ -99,6 +127,7 @@ def _touch(touches: Touches, i: int, rest_s: float, reach_mm: tuple[float, float
     if touches.axis[i] not in (Axis.X, Axis.Y, Axis.Z) or np.isnan(known).any():
         raise ValueError(f"touch {i}: a program needs linear axis, sense, place, approach and feed")
     sign, surface, approach, feed = (float(value) for value in known)
+    room = sign * (reach_mm[1 if sign > 0 else 0] - surface)
     start, end = np.clip([surface - sign * approach, surface + sign * BEYOND_MM], *reach_mm)
     axis = Axis(int(touches.axis[i])).name
-    return Touch(axis, int(sign), float(start), surface, float(end), feed, rest_s)
+    return Touch(axis, int(sign), float(start), surface, float(end), room, feed, rest_s)

@@ -354,6 +354,35 @@ def test_moves_stay_within_reach() -> None:
     assert max(places) == 13.0
 
 
+@pytest.mark.parametrize("kind", list(LOGS))
+@pytest.mark.parametrize(("room", "way"), [(0.5, 0.5), (3.0, 3.0), (25.0, 10.0)])
+def test_no_way_to_a_surface_leads_out_of_reach(kind: str, room: float, way: float) -> None:
+    """Wherever in front of the surface the probe is set; nor does one lead out backwards."""
+    texts = texts_of(kind, asked(), (-7.25 - room, 12.5 + room))
+
+    for text in texts.values():
+        finding, *_ = re.findall(r"(?:G91 G38\.2 X|ABST)(\S+)", text)
+        assert abs(float(finding)) == way
+        assert f"nearer than {way:g} mm" in text
+
+
+def test_heidenhain_draws_back_no_farther_than_the_starts() -> None:
+    (text,) = texts_of("heidenhain", asked(senses=(1.0,)), (12.2, 100.0)).values()
+
+    backs = [float(back) for back in re.findall(r" MB(\S+)", text)]
+    assert max(backs) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(("reach_mm", "end"), [((-40.0, 12.51), "max"), ((-7.26, 100.0), "min")])
+def test_a_surface_at_the_end_of_the_axis_is_refused(
+    reach_mm: tuple[float, float], end: str
+) -> None:
+    message = rf"X\S at \S+ mm: {end}_mm of \[axis\] is 0.01 mm behind it, expected 0.1 mm or more"
+
+    with pytest.raises(ValueError, match=message):
+        made_of("grbl", asked(), reach_mm)
+
+
 @pytest.mark.parametrize(
     ("kind", "touches", "message"),
     [
