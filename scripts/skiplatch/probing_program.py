@@ -20,6 +20,7 @@ from skiplatch.probing_touches import (
     BEYOND_MM,
     LOCATING_MM,
     Touch,
+    as_logged,
     as_made,
     by_surface,
     farthest,
@@ -124,7 +125,7 @@ def programs(
         ValueError: The controller cannot make one of the touches, or too little is known of it.
     """
     refuse_name(stem)
-    path, made = path_of(touches), as_made(touches, rest_s, reach_mm)
+    path, made = path_of(touches), as_made(as_logged(kind, touches), rest_s, reach_mm)
     if kind == "klipper" and any((touch.axis, touch.sign) != ("Z", -1) for touch in made):
         raise ValueError("Klipper's PROBE touches along Z from above only, other touches are asked")
     groups = by_surface(made)
@@ -222,6 +223,7 @@ def _klipper(groups: Sequence[Sequence[Touch]], then: str) -> Iterator[str]:
     """Stop before each further surface: a printer can be jogged while it pauses."""
     touches = [touch for group in groups for touch in group]
     yield "; home, and go to where the bed is to be touched"
+    yield "; speeds are multiples of 0.1 mm/s, as Klipper's log prints one decimal"
     yield from (f"; {line}" for line in _then(then))
     yield "G90"
     for before, touch in pairwise([touches[0], *touches]):
@@ -233,7 +235,7 @@ def _klipper(groups: Sequence[Sequence[Touch]], then: str) -> Iterator[str]:
         retract = touch.start - touch.surface
         speed = touch.feed / S_PER_MIN
         yield (
-            f"PROBE_ACCURACY PROBE_SPEED={speed:.4g} SAMPLES=1 SAMPLE_RETRACT_DIST={retract:.3f}"
+            f"PROBE_ACCURACY PROBE_SPEED={speed:.1f} SAMPLES=1 SAMPLE_RETRACT_DIST={retract:.3f}"
         )
 
 

@@ -1,8 +1,8 @@
 """Touches that a controller is to make, by the surface that they touch."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,9 @@ LEAST_LOCATING_MM = 0.1
 NEGLIGIBLE_MM = 1e-6
 LOCATING_MM_MIN = 100.0
 """The feed of the touch that finds the surface, where no touch asked for is slower."""
+
+FEED_STEPS_MM_MIN: Mapping[str, float] = {"klipper": 6.0}
+"""By controller: PROBE_ACCURACY prints its speed with one decimal of mm/s."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +54,14 @@ class Touch:
         """Tell whether it touches the same surface."""
         near = abs(self.surface - other.surface) <= SAME_SURFACE_MM
         return near and (self.axis, self.sign) == (other.axis, other.sign)
+
+
+def as_logged(kind: str, touches: Touches) -> Touches:
+    """Give touches at feeds that the log of a kind of controller prints in full."""
+    step = FEED_STEPS_MM_MIN.get(kind)
+    if step is None:
+        return touches
+    return replace(touches, feed_mm_min=np.maximum(np.round(touches.feed_mm_min / step), 1) * step)
 
 
 def as_made(

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import shutil
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -16,6 +17,7 @@ from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 BENCH = SAMPLES / "bench_isr_latency"
+LATE = {"id": "trigger_delay", "params": {"delay_us": 800.0, "jitter_us": 0, "tail_us": 0}}
 
 
 def run(*arguments: str) -> str:
@@ -69,15 +71,14 @@ def left_by_a_diagnosis(path: Path, *models: Mapping[str, object]) -> Path:
 def test_a_diagnosis_that_is_there_is_not_made_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    late = {"id": "trigger_delay", "params": {"delay_us": 800.0, "jitter_us": 0, "tail_us": 0}}
-    believed = left_by_a_diagnosis(tmp_path / "d.json", late)
+    believed = left_by_a_diagnosis(tmp_path / "d.json", LATE)
     monkeypatch.setattr("skiplatch.commands.design.diagnose", None)
     machine = tmp_path / "machine"
     shutil.copytree(SAMPLES / "machine_no_gap", machine)
     nominal = machine / "nominal.toml"
     text = nominal.read_text().replace("skiplatch-campaign/1", "skiplatch-campaign/2")
     nominal.write_text(text.replace("[axis]", "[axis]\nmin_mm = 20.0\nmax_mm = 60.0"))
-    keep_path(machine, "plc")
+    keep(machine, path="plc")
     out = tmp_path / "next.csv"
     words = ("--diagnosis", str(believed), "--gcode", "linuxcnc", "--touches", "25")
 
@@ -94,12 +95,29 @@ def test_a_diagnosis_that_is_there_is_not_made_anew(
     assert f"--path plc --nominal {machine / 'nominal.toml'} -o made" in said
 
 
-def keep_path(machine: Path, path: str) -> None:
-    """Leave only the touches that this path latched."""
+def keep(machine: Path, **wanted: str) -> None:
+    """Leave only the touches with these cells."""
     head, *rows = (machine / "touches.csv").read_text().splitlines()
-    column = head.split(",").index("path")
-    kept = [row for row in rows if row.split(",")[column] == path]
+    cells = [dict(zip(head.split(","), row.split(","), strict=True)) for row in rows]
+    kept = [row for row, c in zip(rows, cells, strict=True) if wanted.items() <= c.items()]
     (machine / "touches.csv").write_text("\n".join([head, *kept]) + "\n")
+
+
+def test_a_plan_for_klipper_asks_for_feeds_that_its_log_prints(tmp_path: Path) -> None:
+    machine, out = tmp_path / "machine", tmp_path / "next.csv"
+    shutil.copytree(SAMPLES / "machine_no_gap", machine)
+    keep(machine, path="plc", axis="X", sign="-1")
+    touches = (machine / "touches.csv").read_text()
+    (machine / "touches.csv").write_text(touches.replace(",X,-1,", ",Z,-1,"))
+    believed = left_by_a_diagnosis(tmp_path / "d.json", LATE)
+    words = ("--diagnosis", str(believed), "--gcode", "klipper", "--touches", "25")
+
+    said = run("design", str(machine), *words, "-o", str(out))
+
+    speeds = re.findall(r"PROBE_SPEED=(\S+)", (tmp_path / "next.gcode").read_text())
+    feeds = sorted(read_conditions(out).feed_mm_min)
+    assert feeds == pytest.approx(sorted(float(speed) * 60.0 for speed in speeds))
+    assert "Feeds are multiples of 6 mm/min, as klipper's log prints no finer ones.\n" in said
 
 
 def surfaces(touches: Touches) -> Iterator[tuple[float, float, float]]:

@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign
 from skiplatch.cli import group
 from skiplatch.probing_program import FILES, KINDS, Programs, programs
+from skiplatch.probing_touches import as_logged
 
 N = 24
 REACH_MM = (-40.0, 100.0)
@@ -232,7 +233,8 @@ def test_log_of_the_program_is_what_was_asked_for(kind: str, tmp_path: Path) -> 
 
 
 def test_klipper_makes_each_touch_a_series_of_one(tmp_path: Path) -> None:
-    touches = asked(Axis.Z, senses=(-1.0,))
+    odd = np.array([205.0, 4.0])[np.arange(N) // 2 % 2]  # 3.417 and 0.067 mm/s
+    touches = as_logged("klipper", replace(asked(Axis.Z, senses=(-1.0,)), feed_mm_min=odd))
     said, at = "", 0.0
     for line in texts_of("klipper", touches)["next"].splitlines():
         if move := re.match(r"G1 Z(\S+)", line):
@@ -247,9 +249,17 @@ def test_klipper_makes_each_touch_a_series_of_one(tmp_path: Path) -> None:
 
     made = imported(["klipper", str(tmp_path / "klippy.log")], tmp_path).touches
 
+    assert set(touches.feed_mm_min) == {204.0, 6.0}
     assert made.feed_mm_min == pytest.approx(touches.feed_mm_min)
     assert made.approach_mm == pytest.approx(touches.approach_mm, abs=0.02)
     assert slope_ms(made) == pytest.approx(3.0, abs=0.05)
+
+
+@pytest.mark.parametrize("kind", list(LOGS))
+def test_other_controllers_make_every_feed(kind: str) -> None:
+    odd = replace(asked(), feed_mm_min=np.full(N, 205.0))
+
+    assert as_logged(kind, odd) is odd
 
 
 @pytest.mark.parametrize("kind", list(LOGS))

@@ -1,6 +1,7 @@
 """``skiplatch design``: the touches that would best settle a diagnosis, as a conditions file."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -20,14 +21,14 @@ from skiplatch.diagnosis.experiment import (
     models_from_json,
     rivals,
 )
-from skiplatch.diagnosis.experiment.conditions import rests_s
+from skiplatch.diagnosis.experiment.conditions import rests_s, timed
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
 from skiplatch.diagnosis.reported.belonging import warn_if_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
 from skiplatch.probing_program import FILES, KINDS, Programs, programs, refuse_name
-from skiplatch.probing_touches import path_of
+from skiplatch.probing_touches import FEED_STEPS_MM_MIN, as_logged, path_of
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
 
@@ -107,12 +108,14 @@ def command(
         touches=touches,
         as_recorded=as_recorded or gcode is not None,
     )
-    texts = {out: format_touches(experiment.touches, CONDITIONS)}
     then = ""
+    if gcode is not None:
+        experiment = _as_logged(gcode, experiment)
+    texts = {out: format_touches(experiment.touches, CONDITIONS)}
     if gcode is not None:
         made = _programs(gcode, campaign, recorded, experiment, out)
         texts |= {out.with_name(name): text for name, text in made.texts.items()}
-        then = f"\nThen: {made.then}"
+        then = f"{_feeds_said(gcode)}\nThen: {made.then}"
     for path, text in texts.items():
         atomic_write_text(path, text)
     click.echo(experiment_text(experiment))
@@ -146,6 +149,21 @@ def _left(
     for model in models:
         refuse_unplayable(path, recorded.nominal, model)
     return models, verdict
+
+
+def _as_logged(kind: str, experiment: Experiment) -> Experiment:
+    """Ask for feeds that the controller's log prints in full, so that they come back as asked."""
+    asked, touches = experiment.touches, as_logged(kind, experiment.touches)
+    if touches is asked:
+        return experiment
+    return replace(experiment, touches=timed(touches, rests_s(asked)).touches)
+
+
+def _feeds_said(kind: str) -> str:
+    step = FEED_STEPS_MM_MIN.get(kind)
+    if step is None:
+        return ""
+    return f"\nFeeds are multiples of {step:g} mm/min, as {kind}'s log prints no finer ones."
 
 
 def _programs(
