@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -40,8 +39,8 @@ def diagnosis(folder: Path, effects: Sequence[object]) -> Path:
     return path
 
 
-def adopt(campaign: Path, found: Path, out: Path) -> tuple[int, str]:
-    arguments = ["adopt", str(campaign), "--diagnosis", str(found), "--out", str(out)]
+def adopt(campaign: Path, found: Path, out: Path, *options: str) -> tuple[int, str]:
+    arguments = ["adopt", str(campaign), "--diagnosis", str(found), "--out", str(out), *options]
     result = CliRunner().invoke(cli.group, arguments)
     if isinstance(result.exception, InputError):
         return 2, str(result.exception)
@@ -200,9 +199,14 @@ def test_a_list_that_no_table_can_be_added_to_is_refused(tmp_path: Path, effects
     assert not out.exists()
 
 
-@pytest.mark.parametrize("is_of_others", [False, True])
-def test_a_diagnosis_of_other_touches_is_told(tmp_path: Path, *, is_of_others: bool) -> None:
-    campaign = tmp_path / "campaign"
+@pytest.mark.parametrize(
+    ("is_of_others", "options", "status"),
+    [(False, [], 0), (True, [], 2), (True, ["--other-touches"], 0)],
+)
+def test_a_diagnosis_of_other_touches_is_taken_only_when_asked_to(
+    tmp_path: Path, *, is_of_others: bool, options: Sequence[str], status: int
+) -> None:
+    campaign, out = tmp_path / "campaign", tmp_path / "out.toml"
     shutil.copytree(BENCH, campaign)
     path = diagnosis(tmp_path, [LATENCY])
     known_as = fingerprint(read_campaign(BENCH).touches)
@@ -211,14 +215,11 @@ def test_a_diagnosis_of_other_touches_is_told(tmp_path: Path, *, is_of_others: b
         rows = (campaign / "touches.csv").read_text().splitlines(keepends=True)
         (campaign / "touches.csv").write_text("".join(rows[:-1]))
 
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always")
-        adopt(campaign, path, tmp_path / "out.toml")
+    ended, said = adopt(campaign, path, out, *options)
 
-    said = [str(one.message) for one in told]
-    assert (
-        any("a diagnosis of other touches than those of" in line for line in said) is is_of_others
-    )
+    assert (ended, out.exists()) == (status, status == 0)
+    assert ("a diagnosis of other touches than those of" in said) is (status == 2)
+    assert ("same rig it is taken with --other-touches" in said) is (status == 2)
 
 
 def test_parameter_of_which_nothing_is_known_stays_as_it_is(tmp_path: Path) -> None:

@@ -95,6 +95,20 @@ def test_a_diagnosis_that_is_there_is_not_made_anew(
     assert f"--path plc --nominal {machine / 'nominal.toml'} -o made" in said
 
 
+def test_a_diagnosis_of_other_touches_is_taken_only_when_asked_to(tmp_path: Path) -> None:
+    out, believed = tmp_path / "next.csv", left_by_a_diagnosis(tmp_path / "d.json", LATE)
+    of_others = {**json.loads(believed.read_text()), "fingerprint": "of others"}
+    believed.write_text(json.dumps(of_others))
+    words = ("design", str(BENCH), "--diagnosis", str(believed), "--touches", "5", "-o", str(out))
+
+    with pytest.raises(InputError, match="a diagnosis of other touches than those of"):
+        run(*words)
+
+    assert not out.exists()
+    run(*words, "--other-touches")
+    assert out.exists()
+
+
 def keep(machine: Path, **wanted: str) -> None:
     """Leave only the touches with these cells."""
     head, *rows = (machine / "touches.csv").read_text().splitlines()

@@ -10,7 +10,13 @@ from skiplatch.campaign import CONDITIONS, Campaign, format_touches
 from skiplatch.commands.claims import claim_output
 from skiplatch.commands.inputs import FILE, Source
 from skiplatch.commands.numbers import CountType
-from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
+from skiplatch.commands.options import (
+    jobs_option,
+    json_option,
+    other_touches_option,
+    seed_option,
+    write_json,
+)
 from skiplatch.commands.outputs import OutputFile
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.experiment import (
@@ -23,7 +29,7 @@ from skiplatch.diagnosis.experiment import (
 )
 from skiplatch.diagnosis.experiment.conditions import rests_s, timed
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
-from skiplatch.diagnosis.reported.belonging import warn_if_of_others
+from skiplatch.diagnosis.reported.belonging import refuse_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
@@ -61,6 +67,7 @@ Example:
     type=FILE,
     help="JSON of 'skiplatch diagnose' of this campaign, in place of diagnosing it anew.",
 )
+@other_touches_option
 @click.option(
     "--gcode",
     type=click.Choice(KINDS),
@@ -82,6 +89,7 @@ def command(
     out: Path,
     touches: int,
     diagnosis_path: Path | None,
+    other_touches: bool,
     gcode: str | None,
     as_recorded: bool,
     seed: int,
@@ -98,7 +106,7 @@ def command(
     recorded = read_playable(campaign)
     if gcode is not None:
         _refuse_early(gcode, campaign, recorded, out)
-    models, verdict = _left(recorded, diagnosis_path, seed, jobs)
+    models, verdict = _left(recorded, diagnosis_path, seed, jobs, other_touches=other_touches)
     experiment = experiment_for(
         recorded,
         models,
@@ -138,14 +146,15 @@ def _refuse_early(kind: str, campaign: Path, recorded: Campaign, out: Path) -> N
 
 
 def _left(
-    recorded: Campaign, path: Path | None, seed: int, jobs: int
+    recorded: Campaign, path: Path | None, seed: int, jobs: int, *, other_touches: bool
 ) -> tuple[Sequence[tuple[Effect, ...]], str]:
     """Give the models that a diagnosis leaves, and its verdict."""
     if path is None:
         diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
         return rivals(diagnosis), str(diagnosis.verdict)
     models, verdict = read_diagnosis_json(path, models_from_json)
-    warn_if_of_others(path, recorded.path, recorded.fingerprint)
+    if not other_touches:
+        refuse_of_others(path, recorded.path, recorded.fingerprint)
     for model in models:
         refuse_unplayable(path, recorded.nominal, model)
     return models, verdict

@@ -44,6 +44,12 @@ jobs_option: Decorator = click.option(
     help="Threads to work on; the result does not depend on it.",
 )
 
+other_touches_option: Decorator = click.option(
+    "--other-touches",
+    is_flag=True,
+    help="Take a diagnosis of other touches, as of an earlier campaign of the same rig.",
+)
+
 
 ATOMIC = 1024
 """Characters, at most 4096 bytes, that a pipe takes as a whole or refuses: of what it took in part

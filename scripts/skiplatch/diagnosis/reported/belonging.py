@@ -1,10 +1,9 @@
 """Whether the document of a diagnosis is of the touches that it is used with."""
 
-import warnings
 from pathlib import Path
 from typing import Any
 
-from skiplatch.errors import CampaignWarning
+from skiplatch.errors import InputError
 from skiplatch.files import read_json
 
 Json = Any
@@ -15,14 +14,20 @@ def is_of(document: Json, known_as: str) -> bool:
     return document.get("fingerprint", known_as) in (known_as, "")
 
 
-def warn_if_of_others(path: Path, campaign: Path, known_as: str) -> None:
-    """Warn of a diagnosis of other touches than those of a campaign.
+def refuse_of_others(path: Path, campaign: Path, known_as: str) -> None:
+    """Refuse a diagnosis of other touches than those of a campaign.
 
     Args:
         path: Of the document, which can be read.
         campaign: Folder of the campaign.
         known_as: Fingerprint of its touches.
+
+    Raises:
+        InputError: It is one.
     """
     if not is_of(read_json(path), known_as):
-        message = f"a diagnosis of other touches than those of {campaign}"
-        warnings.warn(CampaignWarning(path, None, None, message), stacklevel=3)
+        message = (
+            f"a diagnosis of other touches than those of {campaign}; of an earlier campaign of the "
+            "same rig it is taken with --other-touches"
+        )
+        raise InputError(path, None, None, message)
