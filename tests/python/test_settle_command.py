@@ -15,6 +15,7 @@ from skiplatch import cli
 from skiplatch.campaign import (
     Campaign,
     DatumFreedom,
+    InputPath,
     Nominal,
     Status,
     Touches,
@@ -23,7 +24,8 @@ from skiplatch.campaign import (
 )
 from skiplatch.campaign.datum import Datum
 from skiplatch.diagnosis import Diagnosis
-from skiplatch.diagnosis.experiment import outcome, rivals
+from skiplatch.diagnosis.experiment import Standing, borne_out_nats, outcome, rivals, words
+from skiplatch.diagnosis.experiment.logged import not_told
 from skiplatch.diagnosis.reported.diagnosis import Ranked
 from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.errors import CampaignWarning, InputError
@@ -33,6 +35,7 @@ from skiplatch.simulator.rig import Controller
 
 DELAY = (Effect("trigger_delay", {"delay_us": 150.0, "jitter_us": 0.0}),)
 FILTER = (Effect("input_filter", {"delay_us": 150.0, "jitter_us": 0.0}),)
+BACKLASH = (Effect("backlash", {"backlash_um": 15.0}),)
 LAG = (Effect("following_error", {"lag_us": 150.0, "y_excess_ratio": 0.0, "z_excess_ratio": 0.0}),)
 
 
@@ -65,6 +68,86 @@ def test_parameters_are_fitted_anew_to_both_campaigns() -> None:
     off = (Effect("trigger_delay", {"delay_us": 120.0, "jitter_us": 0.0}),)
 
     assert left([LAG, off], DELAY) == ["trigger_delay"]
+
+
+def of_two_faces(truth: tuple[Effect, ...], free: DatumFreedom, *, seed: int) -> Campaign:
+    """Touches of a face for each sense, by a rig with an effect."""
+    nominal = replace(MACHINE, datum=Datum(free))
+    touches = mixed_touches(60, seed=seed, path=InputPath.SKIP)
+    is_plus = touches.sign > 0.0
+    touches = replace(
+        touches,
+        position_mm=np.where(is_plus, 10.0, -10.0),
+        alpha_deg=np.where(is_plus, 0.0, 180.0),
+        beta_deg=np.zeros(60),
+    )
+    if free is DatumFreedom.SESSION:
+        session = is_plus.astype(touches.session.dtype)
+        touches = replace(touches, session=session, session_names=("minus", "plus"))
+    controller = Controller.for_campaign(nominal, touches)
+    outcomes = play(nominal, controller, touches, seed=seed, switched_on=truth)
+    status = np.full(60, Status.OK, dtype=np.int8)
+    made = replace(touches, deviation_um=outcomes.deviation_um[0], status=status)
+    return Campaign(nominal, made, Path("rig"))
+
+
+@pytest.mark.parametrize(
+    ("free", "is_told"), [(DatumFreedom.AXIS, True), (DatumFreedom.SESSION, False)]
+)
+def test_touches_of_faces_that_lie_anywhere_tell_no_backlash(
+    free: DatumFreedom, *, is_told: bool
+) -> None:
+    campaign = of_two_faces(BACKLASH, DatumFreedom.AXIS, seed=3)
+    further = of_two_faces(BACKLASH, free, seed=4)
+
+    nats = borne_out_nats(campaign, further, BACKLASH)
+
+    assert nats > 100.0 if is_told else abs(nats) < 0.1
+
+
+@pytest.mark.parametrize("free", [DatumFreedom.AXIS, DatumFreedom.SESSION])
+@pytest.mark.parametrize("model", [BACKLASH, DELAY])
+def test_a_plan_says_what_the_log_of_its_programs_leaves_tied(
+    model: tuple[Effect, ...], free: DatumFreedom
+) -> None:
+    campaign = of_two_faces(model, free, seed=3)
+
+    tied = not_told(campaign, [model], campaign.touches, seed=1)
+
+    assert tied == ([("backlash", "no effect")] if model is BACKLASH else [])
+    assert ("A gauge of known width would" in words.not_told(tied)) is (model is BACKLASH)
+
+
+@pytest.mark.parametrize(
+    ("nats", "said"),
+    [
+        (0.0, "Left: backlash. That is by the campaign alone. These touches told nothing: "),
+        (-9.0, "Left: backlash. These touches speak against it: "),
+        (9.0, "Left: backlash.\n"),
+    ],
+)
+def test_no_effect_stands_beside_what_is_left(
+    nats: float, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    further = of_two_faces(BACKLASH, DatumFreedom.SESSION, seed=4)
+    rig, made = written(tmp_path / "tied", further.nominal, mixed_touches(9, seed=1)), "made"
+    monkeypatch.setattr("skiplatch.commands.settle.diagnose", lambda *_, **__: None)
+    monkeypatch.setattr("skiplatch.commands.settle.rivals", lambda _: [BACKLASH])
+    monkeypatch.setattr(
+        "skiplatch.commands.settle.outcome",
+        lambda *_, **__: [Standing(BACKLASH, 0.0, is_expected=False)],
+    )
+    monkeypatch.setattr("skiplatch.commands.settle.borne_out_nats", lambda *_: nats)
+    document = tmp_path / "left.json"
+
+    folder = written(tmp_path / made, further.nominal, further.touches)
+    text = run("settle", rig, folder, "--json", str(document))
+
+    assert text.startswith(said)
+    assert text.splitlines()[-1].split()[:2] == ["no", "effect"]
+    assert float(text.split()[-1]) == nats
+    assert ("Each surface is met in one sense and may lie anywhere" in text) is (nats < 6.0)
+    assert json.loads(document.read_text())["no_effect_behind_nats"] == nats
 
 
 def test_the_rivals_are_all_that_the_groups_name() -> None:

@@ -26,9 +26,11 @@ from skiplatch.diagnosis.experiment import (
     experiment_text,
     models_from_json,
     rivals,
+    words,
 )
 from skiplatch.diagnosis.experiment.conditions import rests_s, timed
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
+from skiplatch.diagnosis.experiment.logged import not_told
 from skiplatch.diagnosis.reported.belonging import refuse_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
@@ -116,19 +118,21 @@ def command(
         touches=touches,
         as_recorded=as_recorded or gcode is not None,
     )
-    then = ""
+    then, tied = "", []
     if gcode is not None:
         experiment = _as_logged(gcode, experiment)
     texts = {out: format_touches(experiment.touches, CONDITIONS)}
     if gcode is not None:
         made = _programs(gcode, campaign, recorded, experiment, out)
+        tied = not_told(recorded, models, experiment.touches, seed=seed, jobs=jobs)
         texts |= {out.with_name(name): text for name, text in made.texts.items()}
         then = f"{_feeds_said(gcode)}\nThen: {made.then}"
     for path, text in texts.items():
         atomic_write_text(path, text)
-    click.echo(experiment_text(experiment))
+    click.echo("\n".join(filter(None, (experiment_text(experiment), words.not_told(tied)))))
     click.echo(f"{', '.join(map(str, texts))}: {len(experiment.touches)} touches{then}")
-    write_json(json_path, experiment_json(experiment))
+    logged = {} if gcode is None else {"programs_leave_tied": [list(group) for group in tied]}
+    write_json(json_path, {**experiment_json(experiment), **logged})
 
 
 def _refuse_early(kind: str, campaign: Path, recorded: Campaign, out: Path) -> None:

@@ -10,11 +10,14 @@ import numpy as np
 from skiplatch.campaign import COLUMNS, NOMINAL_FILE, Campaign, Nominal
 from skiplatch.campaign.datum import Datum
 from skiplatch.campaign.nominal import in_version
+from skiplatch.campaign.telling import HIDES_BACKLASH, hides_backlash
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import jobs_option, json_option, seed_option, write_json
 from skiplatch.diagnosis import diagnose
-from skiplatch.diagnosis.experiment import Standing, outcome, rivals
-from skiplatch.diagnosis.experiment.words import name
+from skiplatch.diagnosis.experiment import Standing, borne_out_nats, outcome, rivals
+from skiplatch.diagnosis.experiment.rivals import NO_EFFECT, Model
+from skiplatch.diagnosis.experiment.words import A_GAUGE, name
+from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.errors import InputError
 from skiplatch.stand_ins import read_playable
 from skiplatch.tables import number, table
@@ -25,6 +28,8 @@ Example:
   (make the touches of build/next.csv and record them as the campaign build/made)
   skiplatch settle build/tied build/made
 """
+
+BACKLASH = "backlash"
 
 
 @click.command(epilog=EPILOG)
@@ -39,15 +44,17 @@ def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | 
     MADE is a campaign of its own, on the same rig: the touches that `skiplatch design`
     recommends, with the column that it recommends. The models that the diagnosis of CAMPAIGN does
     not tell apart are fitted to both; one that falls behind the best one by a tie is ruled out,
-    if the simulation expects such touches to do so. docs/DIAGNOSIS.md says how much a tie is.
+    if the simulation expects such touches to do so. docs/DIAGNOSIS.md says how much a tie is. Where
+    no effect at all suits the touches MADE as well, they told nothing, and it says so.
     """
     recorded, further = read_playable(campaign), read_playable(made)
     _refuse_another_rig(campaign, recorded, made, further)
     _refuse_the_same(campaign, recorded, made, further)
     models = rivals(diagnose(recorded, seed=seed, jobs=jobs))
     standings = outcome(recorded, further, models, seed=seed, jobs=jobs) if models else []
-    click.echo(_text(standings))
-    write_json(json_path, _json(standings))
+    nats = borne_out_nats(recorded, further, standings[0].model) if standings else 0.0
+    click.echo(_text(standings, nats, further))
+    write_json(json_path, _json(standings, nats))
 
 
 def _refuse_another_rig(campaign: Path, recorded: Campaign, made: Path, further: Campaign) -> None:
@@ -72,20 +79,45 @@ def _refuse_the_same(campaign: Path, recorded: Campaign, made: Path, further: Ca
         raise InputError(made, None, None, message)
 
 
-def _text(standings: Sequence[Standing]) -> str:
+def _text(standings: Sequence[Standing], nats: float, further: Campaign) -> str:
+    """Say what is left, by nats behind the best model; so many is no effect at all behind it."""
     if not standings:
         return "The campaign leaves nothing to settle: no effect was named."
-    left = [name(standing.model) for standing in standings if standing.is_left]
-    says = f"Left: {left[0]}." if len(left) == 1 else f"Still tied: {', '.join(left)}."
+    left = [standing.model for standing in standings if standing.is_left]
+    says = [f"{'Left' if len(left) == 1 else 'Still tied'}: {', '.join(map(name, left))}."]
+    if nats < TIED:
+        says += _not_borne_out(standings, nats)
+    if nats < TIED and _is_hidden(left, further):
+        says += [f"E{HIDES_BACKLASH[1:].partition(';')[0]}.", A_GAUGE]
     rows = [(name(s.model), number(s.behind_nats, 3)) for s in standings]
-    return f"{says}\n" + table(("model", "behind by nats"), rows)
+    rows.append((name(NO_EFFECT), number(round(nats, 2) + 0.0, 3)))
+    return f"{' '.join(says)}\n" + table(("model", "behind by nats"), rows)
 
 
-def _json(standings: Sequence[Standing]) -> dict[str, object]:
+def _not_borne_out(standings: Sequence[Standing], nats: float) -> list[str]:
+    """Say what touches tell that suit no effect at all as well."""
+    if nats <= -TIED:
+        return ["These touches speak against it: no effect at all suits them better."]
+    if any(standing.behind_nats >= TIED for standing in standings):
+        return ["No effect at all suits these touches as well as the best of them."]
+    return [
+        "That is by the campaign alone.",
+        "These touches told nothing: no effect at all suits them as well.",
+    ]
+
+
+def _is_hidden(left: Sequence[Model], further: Campaign) -> bool:
+    """Tell whether a backlash is left that looks like where surfaces lie."""
+    has_backlash = any(effect.id == BACKLASH for model in left for effect in model)
+    return has_backlash and hides_backlash(further.nominal, further.touches)
+
+
+def _json(standings: Sequence[Standing], nats: float) -> dict[str, object]:
     return {
         "left": [[effect.id for effect in s.model] for s in standings if s.is_left],
         "models": [
             {"effects": [effect.id for effect in s.model], "behind_nats": s.behind_nats}
             for s in standings
         ],
+        "no_effect_behind_nats": nats if standings else None,
     }

@@ -9,7 +9,7 @@ from skiplatch.diagnosis.experiment.experiment import (
     next_experiment,
     settle,
 )
-from skiplatch.diagnosis.experiment.outcome import Standing, outcome
+from skiplatch.diagnosis.experiment.outcome import Standing, borne_out_nats, outcome
 from skiplatch.diagnosis.experiment.rivals import models_from_json, models_json, rivals
 from skiplatch.diagnosis.experiment.text import (
     experiment_json,
@@ -21,6 +21,7 @@ from skiplatch.diagnosis.experiment.text import (
 __all__ = [
     "Experiment",
     "Standing",
+    "borne_out_nats",
     "experiment_for",
     "experiment_json",
     "experiment_text",

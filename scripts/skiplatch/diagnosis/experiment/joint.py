@@ -54,7 +54,7 @@ def suited(scenes: Sequence[Scene], model: Fit) -> Fit:
     loose = [replace(model, slack=slack) for slack in (0.0, *SLACKS)]
     worth = [total(scenes, m) - WORTH_A_REFINEMENT * (m.slack > 0.0) for m in loose]
     found = loose[int(np.argmax(worth))]
-    return _climb(scenes, found)
+    return _climb(scenes, found) if found.candidates else found
 
 
 def _climb(scenes: Sequence[Scene], model: Fit) -> Fit:

@@ -7,9 +7,9 @@ import numpy as np
 
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.experiment.channels import recorded
-from skiplatch.diagnosis.experiment.joint import added_nats
+from skiplatch.diagnosis.experiment.joint import added_nats, as_fit, some, suited
 from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
-from skiplatch.diagnosis.experiment.rivals import Model
+from skiplatch.diagnosis.experiment.rivals import NO_EFFECT, Model
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.search.groups import TIED
@@ -63,3 +63,15 @@ def outcome(
         for model, nats, group in zip(models, added, groups, strict=True)
     ]
     return sorted(standings, key=lambda standing: standing.behind_nats)
+
+
+def borne_out_nats(campaign: Campaign, further: Campaign, model: Model) -> float:
+    """Give what the new touches add to a model, less what they add to no effect at all.
+
+    Where that is about 0 they tell nothing of it, however much the first campaign did.
+    """
+    old, new = some(scene_of(campaign)), scene_of(further)
+    with_it, without = (
+        added_nats(old, new, suited([old], as_fit(one))) for one in (model, NO_EFFECT)
+    )
+    return with_it - without

@@ -46,7 +46,11 @@ class Rehearsal:
         return cls(models, old, [suited([old], as_fit(model)) for model in models])
 
     def groups(
-        self, plan: Touches, played: Sequence[Outcomes], columns: frozenset[str]
+        self,
+        plan: Touches,
+        played: Sequence[Outcomes],
+        columns: frozenset[str],
+        nominal: Nominal | None = None,
     ) -> NDArray[np.intp]:
         """Number the groups of models that an experiment is expected to tell apart; shape (m,).
 
@@ -56,10 +60,11 @@ class Rehearsal:
             plan: The touches of the experiment.
             played: By model, replicates of them.
             columns: Outcomes that are recorded.
+            nominal: What is believed of the plan's surfaces, where that is not as of the campaign.
         """
         behind = np.zeros((len(self.models), len(self.models)))
         for truth, outcomes in enumerate(played):
-            scenes = _recorded(self.old.nominal, plan, outcomes, columns)
+            scenes = _recorded(nominal or self.old.nominal, plan, outcomes, columns)
             behind[truth] = np.mean([self._behind(new, truth) for new in scenes], axis=0)
         tied = np.minimum(behind, behind.T) < APART
         return np.asarray(connected_components(tied, directed=False)[1], dtype=np.intp)

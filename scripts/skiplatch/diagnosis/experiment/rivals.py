@@ -14,6 +14,7 @@ CLOSE_NATS = 10.0
 """A model so far behind the finding is no rival of it."""
 
 Model = tuple[Effect, ...]
+NO_EFFECT: Model = ()
 
 
 def rivals(diagnosis: "Diagnosis") -> list[Model]:

@@ -9,6 +9,12 @@ from skiplatch.simulator.effects import Effect, effects
 Group = Sequence[str]
 STILL_OF_USE = "The touches that follow say how large the error is, and not which of them it is."
 
+PLUS, NOTHING = " + ", "no effect"
+A_GAUGE = (
+    "A gauge of known width would, touched from both sides, with a table of how far its touches "
+    "are off its faces (deviation_um, skiplatch import csv)."
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Setting:
@@ -24,7 +30,7 @@ AS_RECORDED = Setting()
 
 def name(model: Sequence[Effect]) -> str:
     """Name a model by its effects."""
-    return " + ".join(effect.id for effect in model)
+    return PLUS.join(effect.id for effect in model) or NOTHING
 
 
 def without_rivals(verdict: str, finding: str) -> str:
@@ -71,6 +77,18 @@ def other_surfaces(asked: str) -> str:
         f"Another surface would tell more, which the campaign shows none of: {asked}. "
         "Touch it as well, and diagnose all touches anew."
     )
+
+
+def not_told(groups: Sequence[Group]) -> str:
+    """Say what the log of programs will leave tied; empty for nothing."""
+    if not groups:
+        return ""
+    tied = "; nor ".join(f"{' or '.join(group[:-1])} from {group[-1]}" for group in groups)
+    why = "it says neither how far apart the surfaces lie nor when an edge was latched"
+    said = f"The log of these programs is not expected to tell {tied}: {why}."
+    ids = {one for group in groups for model in group for one in model.split(PLUS)}
+    is_length = any(effects()[one].stage == "position" for one in ids - {NOTHING})
+    return f"{said} {A_GAUGE}" if is_length else said
 
 
 def _lead(setting: Setting) -> str:
