@@ -12,6 +12,7 @@ from click.testing import CliRunner
 
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign
 from skiplatch.cli import group
+from skiplatch.importing.grbl import read_grbl
 from skiplatch.probing_program import FILES, KINDS, Programs, programs
 from skiplatch.probing_touches import as_logged
 
@@ -221,7 +222,6 @@ def test_log_of_the_program_is_what_was_asked_for(kind: str, tmp_path: Path) -> 
     order = np.argsort(-touches.sign, kind="stable")  # surface by surface
 
     made = imported(LOGS[kind](tmp_path), tmp_path).touches
-    made = made.select(~np.isnan(made.approach_mm))  # grbl logs the touch that finds a surface too
 
     assert made.path.tolist() == touches.path.tolist()
     assert made.axis.tolist() == [Axis.X] * N
@@ -230,6 +230,48 @@ def test_log_of_the_program_is_what_was_asked_for(kind: str, tmp_path: Path) -> 
     assert made.approach_mm == pytest.approx(touches.approach_mm[order], abs=0.02)
     assert made.position_mm == pytest.approx(touches.position_mm[order], abs=0.02)
     assert slope_ms(made) == pytest.approx(3.0, abs=0.05)
+
+
+def as_sent(text: str) -> str:
+    """As senders write it that take comments and spaces out."""
+    lines = (line for line in text.splitlines() if not line.startswith(">>> ;"))
+    return "".join(f"{line.replace(' ', '').replace('>>>', '>>> ')}\n" for line in lines)
+
+
+def ahead(text: str) -> str:
+    """As senders do that send a program before the controller answers."""
+    start, *lines = text.splitlines()
+    lines.sort(key=lambda line: not line.startswith(">>>"))
+    return "\n".join([start, *lines]) + "\n"
+
+
+@pytest.mark.parametrize("sender", [str, as_sent, ahead])
+def test_touches_of_grbl_that_find_a_surface_are_left_out(
+    sender: Callable[[str], str], tmp_path: Path
+) -> None:
+    words = grbl_log(tmp_path)
+    log = tmp_path / "next.log"
+    missed = ">>> G21 G94\nok\n>>> G91 G38.2 X10 F60\n[PRB:1.000,30.000,-5.000:0]\nALARM:5\n"
+    log.write_text(sender(log.read_text()) + missed)
+
+    found = read_grbl(log, None)
+    made = imported(words, tmp_path).touches
+
+    assert len(made) == N
+    assert not made.missed.any()
+    (said,) = (line for line in found.known if "find a surface" in line)
+    assert said.startswith("3 touches by which programs of 'design' find a surface, which are left")
+
+
+@pytest.mark.parametrize(
+    "then", ["G90\nok\nG90 G53 G0 X1\nok\n", "G90\nok\nG90 G53 G1 X1 F61\nok\n", "G0 X-2\nok\n"]
+)
+def test_a_first_touch_of_another_program_of_grbl_stays(then: str, tmp_path: Path) -> None:
+    touch = "[PRB:4.000,30.000,-5.000:1]\nok\n"
+    first = f"G21 G94\nok\nG91 G38.2 X10 F60\n{touch}"
+    (tmp_path / "own.log").write_text(f"{first}{then}G91 G38.2 X10 F60\n{touch}")
+
+    assert len(read_grbl(tmp_path / "own.log", None).touches) == 2
 
 
 def test_klipper_makes_each_touch_a_series_of_one(tmp_path: Path) -> None:

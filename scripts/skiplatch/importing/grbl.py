@@ -9,6 +9,7 @@ from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.grbl_commands import Commands
 from skiplatch.importing.grbl_dialogue import Dialogue, command_in, probes
 from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than, put_on_steps
+from skiplatch.importing.grbl_finding import Finding
 from skiplatch.importing.grbl_guesses import Guesses
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
 from skiplatch.importing.grbl_settings import ACCEL, INCHES, STEPS, say_missing
@@ -61,7 +62,8 @@ class _Reader:
         self._commands = Commands(inch=inch)
         self._unit = Unit(inch=inch)
         self._speeds = Speeds()
-        self._dialogue = Dialogue(self._commands.execute)
+        self._finding = Finding()
+        self._dialogue = Dialogue(self._execute)
         self._feed = feed
         self._settings: dict[int, float] = {}
         self._last: tuple[float, ...] | None = None
@@ -131,6 +133,11 @@ class _Reader:
             return is_listed
         self._lists_parameters = bool(_PARAMETERS.match(line.text))
         return False
+
+    def _execute(self, command: str, line: Line) -> ProbeMove | None:
+        """Carry out a command, once what was sent before it is done."""
+        self._finding.sent(command, len(self.touches))
+        return self._commands.execute(command, line)
 
     def _answered(self, line: Line, *, has_reply: bool) -> bool:
         """Take a line with a command and its answer, ``[ G38.2 X62 F80 ] [PRB:…]``.
@@ -207,6 +214,7 @@ class _Reader:
             self.touches, spread_times([t.time_s for t in self.touches]), strict=True
         ):
             touch.time_s = time_s
+        self._finding.leave_out(found)
         axis = AXES.index(self.touches[-1].axis) if self.touches[-1].axis in "XYZ" else 2
         if steps := self._settings.get(STEPS + axis):
             found.figure("axis", "resolution_um", UM_PER_MM / steps, f"${STEPS + axis} of the log")
