@@ -3,8 +3,6 @@
 #include "hal_clock.h"
 #include "input/ticks.h"
 
-#define POSITION_MAX_COUNTS 0x0FFFFFFF /* sums of a few positions cannot overflow */
-
 /* However the cycle ends, the edges up to here are answered for. */
 static void end(touch_cycle_t *cycle, touch_state_t state, touch_error_t error)
 {
@@ -64,25 +62,6 @@ static void retreat(touch_cycle_t *cycle, touch_state_t state, int32_t target_co
     watch_release(cycle, now_ticks);
 }
 
-static bool is_position(int32_t counts)
-{
-    return counts >= -POSITION_MAX_COUNTS && counts <= POSITION_MAX_COUNTS;
-}
-
-static bool is_distance(int32_t counts)
-{
-    return counts > 0 && is_position(counts);
-}
-
-static bool is_sound(const touch_config_t *config, int32_t start_counts)
-{
-    bool first = is_position(start_counts) && is_position(config->approach_counts) &&
-                 config->approach_counts != 0 && is_distance(config->overtravel_counts) &&
-                 config->feed_mm_min > 0.0;
-    bool second = is_distance(config->back_off_counts) && config->measure_feed_mm_min > 0.0;
-    return first && (second || !config->two_touches);
-}
-
 static void take_config(touch_cycle_t *cycle, const touch_config_t *config)
 {
     uint32_t tick_ps = hal_clock_tick_ps();
@@ -104,7 +83,7 @@ static void take_config(touch_cycle_t *cycle, const touch_config_t *config)
  */
 static touch_error_t arm_at_start(const touch_cycle_t *cycle, const touch_input_t *input)
 {
-    if (!is_sound(&cycle->config, input->position_counts)) {
+    if (!touch_cycle_config_is_sound(&cycle->config, input->position_counts)) {
         return TOUCH_ERR_CONFIG;
     }
     bool is_armed = latch_arm_free(cycle->latch, &cycle->latch_config);
@@ -117,6 +96,9 @@ static touch_error_t arm_at_start(const touch_cycle_t *cycle, const touch_input_
 touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touch_config_t *config,
                                 const touch_input_t *input)
 {
+    if (cycle->has_latch) { /* nobody took it, and here it goes */
+        latch_count_lost(latch);
+    }
     cycle->latch = latch;
     cycle->result = (touch_result_t){.error = TOUCH_OK};
     cycle->has_request = false;
@@ -151,15 +133,27 @@ static void poll_stop(touch_cycle_t *cycle, const touch_input_t *input)
     }
 }
 
+/* The record of a fast touch is not handed out: what it tells of losses is kept for the next. */
+static bool take_touch(touch_cycle_t *cycle)
+{
+    latch_record_t *record = &cycle->result.latch;
+    bool            taken = latch_take(cycle->latch, record);
+    if (taken) {
+        cycle->has_lost = cycle->has_lost || (record->flags & LATCH_FLAG_OVERRUN) != 0u;
+        if (cycle->has_lost) {
+            record->flags |= LATCH_FLAG_OVERRUN;
+        }
+    }
+    return taken;
+}
+
 static void poll_touch(touch_cycle_t *cycle, const touch_input_t *input)
 {
     bool is_measuring = cycle->state == TOUCH_MEASURING || !cycle->config.two_touches;
-    bool is_over = !input->is_moving && !latch_is_confirming(cycle->latch);
+    /* First shut the door, then look who is in; an edge that waits holds it open. */
+    bool is_over = !input->is_moving && latch_disarm_settled(cycle->latch);
 
-    if (is_over) { /* first shut the door, then look who is in */
-        latch_disarm(cycle->latch);
-    }
-    if (latch_take(cycle->latch, &cycle->result.latch)) {
+    if (take_touch(cycle)) {
         cycle->has_latch = is_measuring;
         ask(cycle, TOUCH_STOP, 0, 0.0);
         begin_motion(cycle, is_measuring ? TOUCH_MEASURED : TOUCH_STOPPING, input->now_ticks);
@@ -273,6 +267,7 @@ bool touch_cycle_take_latch(touch_cycle_t *cycle, latch_record_t *record)
     if (taken) {
         *record = cycle->result.latch;
         cycle->has_latch = false;
+        cycle->has_lost = false;
     }
     return taken;
 }

@@ -100,14 +100,20 @@ typedef struct {
     uint16_t        seen_unarmed; /* count of unarmed edges already answered for */
     bool            has_request;
     bool            has_latch;   /* the measuring latch waits for touch_cycle_take_latch() */
+    bool            has_lost;    /* a record was lost, and none that was taken has told so yet */
     bool            is_released; /* in this retreat */
     bool            has_bounced; /* the hold-off after that release is over */
     bool            is_at_rest;  /* the axis stands, and the cycle waits for the release */
 } touch_cycle_t;
 
+/* Whether touch_cycle_start() takes these values at that position. Any context but an ISR. */
+bool touch_cycle_config_is_sound(const touch_config_t *config, int32_t start_counts);
+
 /*
  * Begin a cycle on an input that is started and polled by the caller. Task. Returns TOUCH_OK, or
- * the error that also stands in the result; nothing moves then.
+ * the error that also stands in the result; nothing moves then. Carry out the first request after
+ * it. A record of the cycle before that nobody took is lost: counted as an overrun by the latch,
+ * and flagged in the next one.
  */
 touch_error_t touch_cycle_start(touch_cycle_t *cycle, latch_t *latch, const touch_config_t *config,
                                 const touch_input_t *input);

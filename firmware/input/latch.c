@@ -12,8 +12,32 @@ void latch_init(latch_t *latch, uint8_t channel, uint8_t flags)
     };
 }
 
+static void count_unarmed(latch_t *latch)
+{
+    ++latch->counters.unarmed;
+}
+
+/* The next record tells of it. */
+static void count_lost(latch_t *latch)
+{
+    ++latch->counters.overruns;
+    latch->kept.flags |= LATCH_FLAG_OVERRUN;
+}
+
+/* Nobody will judge an edge that waits: it is one that found no latch. */
+static void drop_kept(latch_t *latch)
+{
+    if (latch->phase == LATCH_CONFIRMING) {
+        count_unarmed(latch);
+    }
+}
+
 static void arm(latch_t *latch, const latch_config_t *config)
 {
+    drop_kept(latch);
+    if (latch->has_ready) {
+        count_lost(latch);
+    }
     latch->config = *config;
     latch->phase = LATCH_ARMED;
     latch->has_ready = false;
@@ -29,7 +53,8 @@ void latch_arm(latch_t *latch, const latch_config_t *config)
 bool latch_arm_free(latch_t *latch, const latch_config_t *config)
 {
     hal_critical_state_t saved = hal_critical_enter();
-    bool                 is_free = !latch->level && latch->phase != LATCH_TOUCHED;
+    bool                 is_free =
+        !latch->level && latch->phase != LATCH_TOUCHED && latch->phase != LATCH_CONFIRMING;
     if (is_free) {
         arm(latch, config);
     }
@@ -37,21 +62,37 @@ bool latch_arm_free(latch_t *latch, const latch_config_t *config)
     return is_free;
 }
 
-void latch_disarm(latch_t *latch)
+static void disarm(latch_t *latch)
 {
-    hal_critical_state_t saved = hal_critical_enter();
+    drop_kept(latch);
     if (latch->phase != LATCH_TOUCHED) {
         latch->phase = LATCH_DISARMED;
     }
+}
+
+void latch_disarm(latch_t *latch)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    disarm(latch);
     hal_critical_exit(saved);
+}
+
+bool latch_disarm_settled(latch_t *latch)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    bool                 is_settled = latch->phase != LATCH_CONFIRMING;
+    if (is_settled) {
+        disarm(latch);
+    }
+    hal_critical_exit(saved);
+    return is_settled;
 }
 
 static void confirm(latch_t *latch)
 {
     latch->phase = LATCH_HOLDING;
     if (latch->has_ready) {
-        ++latch->counters.overruns;
-        latch->kept.flags |= LATCH_FLAG_OVERRUN;
+        count_lost(latch);
         return;
     }
     latch->ready = latch->kept;
@@ -103,7 +144,7 @@ void latch_on_edge(latch_t *latch, uint32_t ticks, int32_t position_counts)
     case LATCH_DISARMED:
     case LATCH_TOUCHED:
     default:
-        ++latch->counters.unarmed;
+        count_unarmed(latch);
         latch->phase = LATCH_TOUCHED;
         break;
     }
@@ -161,6 +202,13 @@ bool latch_take(latch_t *latch, latch_record_t *record)
     }
     hal_critical_exit(saved);
     return taken;
+}
+
+void latch_count_lost(latch_t *latch)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    count_lost(latch);
+    hal_critical_exit(saved);
 }
 
 uint32_t latch_idle_ticks(const latch_t *latch, uint32_t now_ticks)

@@ -40,8 +40,8 @@ typedef struct {
 typedef struct {
     uint16_t bounces;  /* further edges of a touch */
     uint16_t glitches; /* edges that were rejected */
-    uint16_t overruns; /* confirmed latches that were lost: the one before had not been taken */
-    uint16_t unarmed;  /* edges that came in while disarmed */
+    uint16_t overruns; /* confirmed latches that were lost, because nobody took them in time */
+    uint16_t unarmed;  /* edges that came in while disarmed, or waited when it was disarmed */
 } latch_counters_t;
 
 /* An edge as it is kept: what the record will say of it and its channel does not know. */
@@ -61,7 +61,7 @@ typedef struct {
     latch_edge_t     kept;          /* the first edge of the present touch */
     latch_edge_t     ready;         /* a confirmed touch, while has_ready */
     uint32_t         changed_ticks; /* when the level was last seen to change */
-    latch_phase_t    phase;
+    uint8_t          phase;         /* latch_phase_t, in a byte */
     uint8_t          channel;
     bool             level; /* deflected, as last seen */
     bool             has_ready;
@@ -73,17 +73,28 @@ typedef struct {
  */
 void latch_init(latch_t *latch, uint8_t channel, uint8_t flags);
 
-/* Wait for the next edge; a record that nobody took is dropped. Task. */
+/*
+ * Wait for the next edge. A record that nobody took is lost: counted as an overrun, and flagged in
+ * the next one. An edge that waits to be confirmed is counted as unarmed. Task.
+ */
 void latch_arm(latch_t *latch, const latch_config_t *config);
 
 /*
- * The same if the probe is free, as last polled and with no edge since; false, and nothing is
- * changed, if not. An edge that comes too early for the latch is thus never lost to it. Task.
+ * The same if the probe is free, as last polled, with no edge since and none that waits to be
+ * confirmed; false, and nothing is changed, if not. An edge that comes too early for the latch is
+ * thus never lost to it. Task.
  */
 bool latch_arm_free(latch_t *latch, const latch_config_t *config);
 
-/* Latch nothing more; a confirmed record can still be taken. Task. */
+/*
+ * Latch nothing more; a confirmed record can still be taken. An edge that waits to be confirmed is
+ * counted as unarmed. Task.
+ */
 void latch_disarm(latch_t *latch);
+
+/* The same unless an edge waits to be confirmed; false, and nothing is changed, if one does. Task.
+ */
+bool latch_disarm_settled(latch_t *latch);
 
 /*
  * An edge into the deflected state, with the clock and the position at that instant. ISR or
@@ -99,6 +110,9 @@ void latch_poll(latch_t *latch, uint32_t now_ticks, bool level);
 
 /* Take the confirmed record. False if there is none. Task. */
 bool latch_take(latch_t *latch, latch_record_t *record);
+
+/* A record that was taken was lost on its way: counted, and flagged in the next one. Task. */
+void latch_count_lost(latch_t *latch);
 
 /*
  * How long polling can be left out while no edge comes: until an edge that waits can be confirmed,

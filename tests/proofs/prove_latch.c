@@ -17,7 +17,11 @@
 /* MUTANT: firmware/input/latch.c: latch->changed_ticks = ticks;\n    latch->level = true;\n} =>
  * latch->kept.ticks = ticks;\n    latch->level = true;\n} */
 /* MUTANT: firmware/input/latch.c: };\n        latch->has_ready = false; => }; */
-/* MUTANT: firmware/input/latch.c: if (latch->has_ready) { => if (false) { */
+/* MUTANT: firmware/input/latch.c: if (latch->has_ready) {\n        count_lost(latch);\n        return; => if (false) {\n        return; */
+/* MUTANT: firmware/input/latch.c: if (latch->has_ready) {\n        count_lost(latch);\n    } => (void)0; */
+/* MUTANT: firmware/input/latch.c: ++latch->counters.overruns;\n    latch->kept.flags |= LATCH_FLAG_OVERRUN; => ++latch->counters.overruns; */
+/* MUTANT: firmware/input/latch.c: if (latch->phase == LATCH_CONFIRMING) { => if (false) { */
+/* MUTANT: firmware/input/latch.c: latch->phase != LATCH_CONFIRMING;\n    if (is_settled) => true;\n    if (is_settled) */
 /* MUTANT: firmware/input/latch.c: hal_critical_state_t saved = hal_critical_enter();\n    bool                 taken => hal_critical_state_t saved = 0;\n    bool                 taken */
 /* MUTANT: firmware/input/latch.c: !latch->level && latch->phase != LATCH_TOUCHED => !latch->level */
 /* MUTANT: firmware/input/latch.c: latch->phase = LATCH_TOUCHED; => (void)0; */
@@ -145,13 +149,61 @@ static void prove_poll(void)
     PROVE(IMPLIES(edges == 2u, (uint16_t)(latch.counters.overruns - overruns) <= had_ready));
 }
 
+/* What disarming or arming takes from an edge that waits is counted. */
+static void prove_dropped(bool was_confirming, uint16_t unarmed)
+{
+    uint16_t more = (uint16_t)(latch.counters.unarmed - unarmed);
+    PROVE(more >= (was_confirming ? 1u : 0u));
+    PROVE(IMPLIES(edges == 2u, more == (was_confirming ? 1u : 0u)));
+}
+
+/* A record that nobody took is counted, and what comes next tells of it. */
+static void prove_arm(void)
+{
+    latch_config_t config;
+    bool           had_ready = latch.has_ready;
+    bool           was_confirming = latch.phase == LATCH_CONFIRMING;
+    uint16_t       overruns = latch.counters.overruns;
+    uint16_t       unarmed = latch.counters.unarmed;
+    latch_arm(&latch, &config);
+    if (edges == 2u) {
+        PROVE(latch.phase == LATCH_ARMED && !latch.has_ready);
+        PROVE((uint16_t)(latch.counters.overruns - overruns) == (had_ready ? 1u : 0u));
+        PROVE(IMPLIES(had_ready, (latch.kept.flags & LATCH_FLAG_OVERRUN) != 0u));
+    }
+    prove_dropped(was_confirming, unarmed);
+}
+
+static void prove_disarm(void)
+{
+    bool     was_touched = latch.phase == LATCH_TOUCHED;
+    bool     was_confirming = latch.phase == LATCH_CONFIRMING;
+    uint16_t unarmed = latch.counters.unarmed;
+    latch_disarm(&latch);
+    PROVE(edges < 2u || latch.phase == (was_touched ? LATCH_TOUCHED : LATCH_DISARMED));
+    prove_dropped(was_confirming, unarmed);
+}
+
+/* Nothing that waits is dropped, whenever it came. */
+static void prove_disarm_settled(void)
+{
+    bool     was_confirming = latch.phase == LATCH_CONFIRMING;
+    uint16_t unarmed = latch.counters.unarmed;
+    bool     is_disarmed = latch_disarm_settled(&latch);
+    PROVE(IMPLIES(was_confirming, !is_disarmed && latch.phase == LATCH_CONFIRMING));
+    PROVE(IMPLIES(!is_disarmed, latch.counters.unarmed == unarmed || edges < 2u));
+    PROVE(IMPLIES(edges == 2u, latch.counters.unarmed == unarmed));
+    PROVE(IMPLIES(is_disarmed, latch.phase == LATCH_DISARMED || latch.phase == LATCH_TOUCHED));
+    PROVE(IMPLIES(is_disarmed && latch.phase == LATCH_DISARMED, latch.counters.unarmed == unarmed));
+}
+
 /* Armed only over a free probe; whatever came before, and whatever comes later, is not lost. */
 static void prove_arm_free(void)
 {
     latch_config_t config;
-    bool           was_free = !latch.level && latch.phase != LATCH_TOUCHED;
-    uint16_t       unarmed = latch.counters.unarmed;
-    bool           is_armed = latch_arm_free(&latch, &config);
+    bool was_free = !latch.level && latch.phase != LATCH_TOUCHED && latch.phase != LATCH_CONFIRMING;
+    uint16_t unarmed = latch.counters.unarmed;
+    bool     is_armed = latch_arm_free(&latch, &config);
     if (edges == 2u) {
         PROVE(is_armed == was_free);
         PROVE(IMPLIES(is_armed, latch.phase == LATCH_ARMED && !latch.has_ready));
@@ -161,10 +213,8 @@ static void prove_arm_free(void)
 
 int main(void)
 {
-    latch_config_t config;
     begin_in_any_state();
-    bool was_touched = latch.phase == LATCH_TOUCHED;
-    switch (nondet_u8() % 7u) {
+    switch (nondet_u8() % 8u) {
     case 0u:
         prove_take();
         break;
@@ -172,18 +222,19 @@ int main(void)
         prove_poll();
         break;
     case 2u:
-        latch_arm(&latch, &config);
-        PROVE(edges < 2u || (latch.phase == LATCH_ARMED && !latch.has_ready));
+        prove_arm();
         break;
     case 3u:
-        latch_disarm(&latch);
-        PROVE(edges < 2u || latch.phase == (was_touched ? LATCH_TOUCHED : LATCH_DISARMED));
+        prove_disarm();
         break;
     case 4u:
         prove_arm_free();
         break;
     case 5u:
         (void)latch_counters(&latch);
+        break;
+    case 6u:
+        prove_disarm_settled();
         break;
     default:
         edge();

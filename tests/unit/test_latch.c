@@ -165,7 +165,7 @@ void test_arming_drops_a_record_that_nobody_took(void)
     latch_arm(&latch, &ONE_SHOT);
 
     latch_check_nothing(&latch);
-    check_counters((latch_counters_t){0});
+    check_counters((latch_counters_t){.overruns = 1u});
 }
 
 void test_after_arming_again_the_next_edge_is_the_first(void)

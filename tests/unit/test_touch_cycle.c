@@ -1,5 +1,5 @@
 /* Cycles of one and of two touches that go as they should. */
-/* LINK: firmware/cycle/touch_cycle.c firmware/input/latch.c
+/* LINK: firmware/cycle/touch_cycle*.c firmware/input/latch.c
  *       tests/support/cycle_bench.c tests/support/fake_critical.c */
 /* MOCK: hal/include/hal_clock.h */
 #include "cycle_bench.h"
@@ -398,6 +398,8 @@ void test_triggers_while_decelerating_are_not_held_against_the_next_cycle(void)
     (void)rest_at(SURFACE + 400);
     bench_carry_out(&bench);
     TEST_ASSERT_EQUAL(TOUCH_DONE, release_and_rest_at(START));
+    latch_record_t record;
+    TEST_ASSERT_TRUE(touch_cycle_take_latch(&bench.cycle, &record));
 
     TEST_ASSERT_EQUAL(TOUCH_OK, bench_start(&bench, &ONE));
     bench_carry_out(&bench);

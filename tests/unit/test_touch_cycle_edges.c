@@ -2,7 +2,7 @@
  * An edge at any instant around the arming of the latch, at the start and before the slow touch:
  * refused, or latched, but never lost, so no axis is driven on against a deflected probe.
  */
-/* LINK: firmware/cycle/touch_cycle.c firmware/input/latch.c
+/* LINK: firmware/cycle/touch_cycle*.c firmware/input/latch.c
  *       tests/support/cycle_bench.c tests/support/fake_critical.c */
 /* MOCK: hal/include/hal_clock.h */
 #include "cycle_bench.h"

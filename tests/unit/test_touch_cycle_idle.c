@@ -2,7 +2,7 @@
  * How long polling may be left out: a cycle polled only when something happens, and when its own
  * word says, does to the tick what one does that is polled at every tick.
  */
-/* LINK: firmware/cycle/touch_cycle.c firmware/input/latch.c
+/* LINK: firmware/cycle/touch_cycle*.c firmware/input/latch.c
  *       tests/support/cycle_bench.c tests/support/fake_critical.c */
 /* MOCK: hal/include/hal_clock.h */
 #include "cycle_bench.h"

@@ -1,5 +1,5 @@
 /* Cycles that do not start: settings out of range, a probe that is or was deflected. */
-/* LINK: firmware/cycle/touch_cycle.c firmware/input/latch.c
+/* LINK: firmware/cycle/touch_cycle*.c firmware/input/latch.c
  *       tests/support/cycle_bench.c tests/support/fake_critical.c */
 /* MOCK: hal/include/hal_clock.h */
 #include <math.h>

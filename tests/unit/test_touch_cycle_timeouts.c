@@ -1,5 +1,5 @@
 /* Motions that take too long. */
-/* LINK: firmware/cycle/touch_cycle.c firmware/input/latch.c
+/* LINK: firmware/cycle/touch_cycle*.c firmware/input/latch.c
  *       tests/support/cycle_bench.c tests/support/fake_critical.c */
 /* MOCK: hal/include/hal_clock.h */
 #include "cycle_bench.h"
