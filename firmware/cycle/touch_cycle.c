@@ -3,11 +3,15 @@
 #include "hal_clock.h"
 #include "input/ticks.h"
 
-/* However the cycle ends, the edges up to here are answered for. */
+/*
+ * However the cycle ends, the edges up to here are answered for, and nothing sets out any more: a
+ * motion that nobody has begun goes, a stop stays.
+ */
 static void end(touch_cycle_t *cycle, touch_state_t state, touch_error_t error)
 {
     cycle->result.error = error;
     cycle->state = state;
+    cycle->has_request = cycle->has_request && cycle->request.kind == TOUCH_STOP;
     latch_disarm(cycle->latch);
     cycle->seen_unarmed = latch_counters(cycle->latch).unarmed;
 }

@@ -154,3 +154,15 @@ void test_a_loss_is_told_across_a_cycle_that_fails(void)
 
     TEST_ASSERT_EQUAL_HEX8(LATCH_FLAG_OVERRUN, taken_flags());
 }
+
+/* ---- motions that nobody began ---- */
+
+void test_a_cycle_that_fails_takes_back_a_motion_that_nobody_began(void)
+{
+    bench_set_up(&bench, 1000u, BENCH_START);
+    TEST_ASSERT_EQUAL(TOUCH_OK, bench_start(&bench, &BENCH_ONE_TOUCH));
+
+    TEST_ASSERT_EQUAL(TOUCH_FAILED, bench_poll(&bench)); /* it stands: nobody took the request */
+
+    bench_check_failed(&bench, TOUCH_ERR_NO_TOUCH, false);
+}
