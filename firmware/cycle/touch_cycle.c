@@ -13,7 +13,7 @@ static void end(touch_cycle_t *cycle, touch_state_t state, touch_error_t error)
     cycle->state = state;
     cycle->has_request = cycle->has_request && cycle->request.kind == TOUCH_STOP;
     latch_disarm(cycle->latch);
-    cycle->seen_unarmed = latch_counters(cycle->latch).unarmed;
+    (void)latch_take_unarmed(cycle->latch);
 }
 
 static void ask(touch_cycle_t *cycle, touch_request_kind_t kind, int32_t target_counts,
@@ -83,7 +83,7 @@ static void take_config(touch_cycle_t *cycle, const touch_config_t *config)
 
 /*
  * Edges between two cycles mean that something was hit on the way: told once, at the next start.
- * They are counted once the latch is armed, so none comes in between.
+ * They are asked for once the latch is armed, so none comes in between.
  */
 static touch_error_t arm_at_start(const touch_cycle_t *cycle, const touch_input_t *input)
 {
@@ -91,7 +91,7 @@ static touch_error_t arm_at_start(const touch_cycle_t *cycle, const touch_input_
         return TOUCH_ERR_CONFIG;
     }
     bool is_armed = latch_arm_free(cycle->latch, &cycle->latch_config);
-    if (latch_counters(cycle->latch).unarmed != cycle->seen_unarmed) {
+    if (latch_take_unarmed(cycle->latch)) {
         return TOUCH_ERR_UNARMED_TOUCH;
     }
     return is_armed ? TOUCH_OK : TOUCH_ERR_DEFLECTED_AT_START;

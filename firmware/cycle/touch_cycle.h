@@ -96,8 +96,7 @@ typedef struct {
     uint32_t        since_ticks; /* of the present motion; once it is over, of the standstill */
     uint32_t        released_ticks;
     int32_t         start_counts;
-    int32_t         sense;        /* 1 or -1 */
-    uint16_t        seen_unarmed; /* count of unarmed edges already answered for */
+    int32_t         sense; /* 1 or -1 */
     bool            has_request;
     bool            has_latch;   /* the measuring latch waits for touch_cycle_take_latch() */
     bool            has_lost;    /* a record was lost, and none that was taken has told so yet */

@@ -15,6 +15,7 @@ void latch_init(latch_t *latch, uint8_t channel, uint8_t flags)
 static void count_unarmed(latch_t *latch)
 {
     ++latch->counters.unarmed;
+    latch->has_unarmed = true;
 }
 
 /* The next record tells of it. */
@@ -209,6 +210,15 @@ void latch_count_lost(latch_t *latch)
     hal_critical_state_t saved = hal_critical_enter();
     count_lost(latch);
     hal_critical_exit(saved);
+}
+
+bool latch_take_unarmed(latch_t *latch)
+{
+    hal_critical_state_t saved = hal_critical_enter();
+    bool                 came = latch->has_unarmed;
+    latch->has_unarmed = false;
+    hal_critical_exit(saved);
+    return came;
 }
 
 uint32_t latch_idle_ticks(const latch_t *latch, uint32_t now_ticks)

@@ -65,6 +65,7 @@ typedef struct {
     uint8_t          channel;
     bool             level; /* deflected, as last seen */
     bool             has_ready;
+    bool             has_unarmed; /* not told yet by latch_take_unarmed() */
 } latch_t;
 
 /*
@@ -113,6 +114,9 @@ bool latch_take(latch_t *latch, latch_record_t *record);
 
 /* A record that was taken was lost on its way: counted, and flagged in the next one. Task. */
 void latch_count_lost(latch_t *latch);
+
+/* True if edges were counted as unarmed since latch_init() or the last call. Task. */
+bool latch_take_unarmed(latch_t *latch);
 
 /*
  * How long polling can be left out while no edge comes: until an edge that waits can be confirmed,

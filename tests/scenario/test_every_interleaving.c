@@ -101,6 +101,12 @@ static void call_disarm_settled(uint32_t now_ticks, outcome_t *outcome)
     outcome->answer = latch_disarm_settled(&latch);
 }
 
+static void call_take_unarmed(uint32_t now_ticks, outcome_t *outcome)
+{
+    (void)now_ticks;
+    outcome->answer = latch_take_unarmed(&latch);
+}
+
 static void call_poll_high(uint32_t now_ticks, outcome_t *outcome)
 {
     (void)outcome;
@@ -142,9 +148,10 @@ static void call_is_confirming(uint32_t now_ticks, outcome_t *outcome)
     outcome->answer = latch_is_confirming(&latch);
 }
 
-static call_t *const CALLS[] = {
-    call_arm,      call_arm_free,   call_disarm, call_poll_high,     call_poll_low,      call_take,
-    call_counters, call_idle_ticks, call_level,  call_is_confirming, call_disarm_settled};
+static call_t *const CALLS[] = {call_arm,           call_arm_free,       call_disarm,
+                                call_poll_high,     call_poll_low,       call_take,
+                                call_counters,      call_idle_ticks,     call_level,
+                                call_is_confirming, call_disarm_settled, call_take_unarmed};
 #define CALL_COUNT (sizeof CALLS / sizeof *CALLS)
 
 /* ---- pasts ---- */
@@ -370,6 +377,11 @@ void test_an_edge_while_disarming_is_before_or_after_it(void)
 void test_an_edge_while_disarming_a_settled_latch_is_before_or_after_it(void)
 {
     check_sweep(call_disarm_settled);
+}
+
+void test_an_edge_while_unarmed_ones_are_asked_for_is_before_or_after_it(void)
+{
+    check_sweep(call_take_unarmed);
 }
 
 void test_an_edge_while_polling_a_deflected_probe_is_before_or_after_it(void)

@@ -123,3 +123,21 @@ void test_a_record_lost_on_its_way_is_counted_and_flagged_once(void)
     }
     check_counters((latch_counters_t){.overruns = 1u});
 }
+
+/* ---- edges while disarmed ---- */
+
+void test_an_edge_while_disarmed_is_told_once(void)
+{
+    latch_on_edge(&latch, 10u, 1);
+
+    TEST_ASSERT_TRUE(latch_take_unarmed(&latch));
+    TEST_ASSERT_FALSE(latch_take_unarmed(&latch));
+}
+
+void test_a_new_latch_has_no_edge_to_tell_of(void)
+{
+    latch_on_edge(&latch, 10u, 1);
+    latch_init(&latch, 0u, 0u);
+
+    TEST_ASSERT_FALSE(latch_take_unarmed(&latch));
+}

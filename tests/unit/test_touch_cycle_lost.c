@@ -166,3 +166,31 @@ void test_a_cycle_that_fails_takes_back_a_motion_that_nobody_began(void)
 
     bench_check_failed(&bench, TOUCH_ERR_NO_TOUCH, false);
 }
+
+/* ---- an input started again ---- */
+
+void test_an_input_that_was_started_again_was_not_touched(void)
+{
+    bench_set_up(&bench, 1000u, BENCH_START);
+    bench_touch(&bench, BENCH_START);
+    bench_release(&bench);
+    TEST_ASSERT_EQUAL(TOUCH_ERR_UNARMED_TOUCH, bench_start(&bench, &BENCH_ONE_TOUCH));
+
+    latch_init(&bench.latch, 0u, 0u);
+
+    TEST_ASSERT_EQUAL(TOUCH_OK, bench_start(&bench, &BENCH_ONE_TOUCH));
+}
+
+void test_an_input_that_was_started_again_tells_of_touches_after_that(void)
+{
+    bench_set_up(&bench, 1000u, BENCH_START);
+    bench_touch(&bench, BENCH_START);
+    bench_release(&bench);
+    (void)bench_start(&bench, &BENCH_ONE_TOUCH);
+
+    latch_init(&bench.latch, 0u, 0u);
+    bench_touch(&bench, BENCH_START);
+    bench_release(&bench);
+
+    TEST_ASSERT_EQUAL(TOUCH_ERR_UNARMED_TOUCH, bench_start(&bench, &BENCH_ONE_TOUCH));
+}
