@@ -19,5 +19,6 @@ double overtravel_safe_feed_mm_min(const overtravel_path_t *path, double allowed
     double allowed_mm = allowed_um / UM_PER_MM;
     double reaction_s = path->reaction_us / US_PER_S;
     double root_s = sqrt(reaction_s * reaction_s + 2.0 * allowed_mm / path->accel_mm_s2);
-    return allowed_mm > 0.0 ? S_PER_MIN * 2.0 * allowed_mm / (reaction_s + root_s) : 0.0;
+    double time_s = reaction_s + root_s; /* 0 as well for next to nothing, whose root vanishes */
+    return allowed_mm > 0.0 && time_s > 0.0 ? S_PER_MIN * 2.0 * allowed_mm / time_s : 0.0;
 }

@@ -1,3 +1,5 @@
+#include <float.h>
+
 #include "cycle/touch_cycle.h"
 
 #define POSITION_MAX_COUNTS 0x0FFFFFFF /* sums of a few positions cannot overflow */
@@ -14,7 +16,7 @@ static bool is_distance(int32_t counts)
 
 static bool is_feed(double mm_min)
 {
-    return mm_min > 0.0;
+    return mm_min > 0.0 && mm_min <= DBL_MAX;
 }
 
 bool touch_cycle_config_is_sound(const touch_config_t *config, int32_t start_counts)

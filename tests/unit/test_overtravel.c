@@ -68,6 +68,15 @@ void test_where_nothing_is_allowed_nothing_may_move(void)
     TEST_ASSERT_EQUAL_DOUBLE(0.0, overtravel_safe_feed_mm_min(&NO_REACTION, 0.0));
 }
 
+/* Far below what any axis can be told to do, squares and quotients vanish. */
+void test_an_allowance_that_is_next_to_nothing_gives_a_feed_that_is_finite(void)
+{
+    for (double allowed_um = 1e-280; allowed_um > 0.0; allowed_um /= 10.0) {
+        double feed_mm_min = overtravel_safe_feed_mm_min(&NO_REACTION, allowed_um);
+        TEST_ASSERT_TRUE(feed_mm_min >= 0.0 && feed_mm_min < 1e-100);
+    }
+}
+
 void test_any_lower_feed_is_safe(void)
 {
     double feed_mm_min = overtravel_safe_feed_mm_min(&ONE_SCAN, 100.0);

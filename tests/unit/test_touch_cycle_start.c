@@ -86,6 +86,7 @@ void test_a_feed_is_a_positive_number(void)
     CHECK_CONFIG(BENCH_ONE_TOUCH, feed_mm_min, 0.0, TOUCH_ERR_CONFIG);
     CHECK_CONFIG(BENCH_ONE_TOUCH, feed_mm_min, -1.0, TOUCH_ERR_CONFIG);
     CHECK_CONFIG(BENCH_ONE_TOUCH, feed_mm_min, (double)NAN, TOUCH_ERR_CONFIG);
+    CHECK_CONFIG(BENCH_ONE_TOUCH, feed_mm_min, (double)INFINITY, TOUCH_ERR_CONFIG);
 }
 
 void test_two_touches_want_a_back_off_and_a_second_feed(void)
@@ -98,6 +99,7 @@ void test_two_touches_want_a_back_off_and_a_second_feed(void)
     CHECK_CONFIG(BENCH_TWO_TOUCHES, measure_feed_mm_min, 1e-9, TOUCH_OK);
     CHECK_CONFIG(BENCH_TWO_TOUCHES, measure_feed_mm_min, 0.0, TOUCH_ERR_CONFIG);
     CHECK_CONFIG(BENCH_TWO_TOUCHES, measure_feed_mm_min, (double)NAN, TOUCH_ERR_CONFIG);
+    CHECK_CONFIG(BENCH_TWO_TOUCHES, measure_feed_mm_min, (double)INFINITY, TOUCH_ERR_CONFIG);
 }
 
 void test_one_touch_does_not_care_for_the_settings_of_two(void)
