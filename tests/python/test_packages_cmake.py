@@ -146,6 +146,30 @@ def test_a_stand_in_builds_component_and_example(
     }
 
 
+@pytest.mark.parametrize(
+    ("system", "source", "ticks"),
+    [
+        ("esp_idf", "main/main.c", "CONFIG_FREERTOS_HZ"),
+        ("zephyr", "src/main.c", "CONFIG_SYS_CLOCK_TICKS_PER_SEC"),
+    ],
+)
+def test_an_example_refuses_a_clock_by_which_it_would_poll_too_seldom(
+    system: str, source: str, ticks: str
+) -> None:
+    """A glitch and a touch between two polls are one: the rule is to poll within confirm_ticks."""
+    command: list[str | Path] = [
+        "gcc", "-std=gnu11", "-fsyntax-only", f"-Itests/packages/{system}/include", f"-I{FIRMWARE}",
+        "-Ihal/include", FIRMWARE / "examples" / system / source,
+    ]  # fmt: skip
+    done = subprocess.run(
+        [*command, f"-D{ticks}=100"], capture_output=True, text=True, check=False
+    )
+
+    assert done.returncode != 0
+    assert f"{ticks}=" in done.stderr
+    run(*command, f"-D{ticks}=10000" if system == "zephyr" else f"-D{ticks}=1000")
+
+
 def test_kconfig_offers_every_extension() -> None:
     offered = re.findall(r"^config SKIPLATCH_(\w+)", (FIRMWARE / "Kconfig").read_text(), re.M)
 

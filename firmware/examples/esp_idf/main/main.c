@@ -8,7 +8,13 @@
 #include "freertos/task.h"
 #include "skiplatch.h"
 
-#define PROBE_PIN GPIO_NUM_4
+#define PROBE_PIN  GPIO_NUM_4
+#define CONFIRM_US 2500u
+#define HOLDOFF_US 10000u
+#define POLL_TICKS 1u /* of FreeRTOS */
+
+_Static_assert(POLL_TICKS * portTICK_PERIOD_MS * 1000u < CONFIRM_US,
+               "poll more often than confirm_ticks: CONFIG_FREERTOS_HZ=1000, as in sdkconfig.defaults");
 
 static skip_input_t input;
 static portMUX_TYPE lock = portMUX_INITIALIZER_UNLOCKED;
@@ -32,12 +38,12 @@ void app_main(void)
 {
     latch_record_t record;
     skip_input_start(&input, &(skip_input_config_t){.axis = 0u});
-    latch_arm(&input.latch, &(latch_config_t){.repeated = true, .confirm_ticks = 500u, .holdoff_ticks = 10000u});
+    latch_arm(&input.latch, &(latch_config_t){.repeated = true, .confirm_ticks = CONFIRM_US, .holdoff_ticks = HOLDOFF_US});
     for (;;) {
         skip_input_poll(&input, (uint32_t)esp_timer_get_time());
         if (latch_take(&input.latch, &record)) {
             printf("%lu\n", (unsigned long)record.ticks);
         }
-        vTaskDelay(1);
+        vTaskDelay(POLL_TICKS);
     }
 }

@@ -4,6 +4,14 @@
 
 #include "skiplatch.h"
 
+#define CONFIRM_US 2500u
+#define HOLDOFF_US 10000u
+#define POLL_MS    1u
+
+/* A sleep is rounded up to ticks of the kernel, and begins within one. */
+BUILD_ASSERT(POLL_MS * 1000u + 2u * (1000000u / CONFIG_SYS_CLOCK_TICKS_PER_SEC) < CONFIRM_US,
+             "poll more often than confirm_ticks: CONFIG_SYS_CLOCK_TICKS_PER_SEC=10000, as in prj.conf");
+
 static const struct gpio_dt_spec probe = GPIO_DT_SPEC_GET(DT_ALIAS(probe), gpios);
 static struct gpio_callback callback;
 static skip_input_t input;
@@ -31,9 +39,9 @@ int main(void)
 {
     latch_record_t record;
     skip_input_start(&input, &(skip_input_config_t){.axis = 0u});
-    latch_arm(&input.latch, &(latch_config_t){.repeated = true, .confirm_ticks = k_us_to_cyc_ceil32(500u),
-                                              .holdoff_ticks = k_us_to_cyc_ceil32(10000u)});
-    for (;; k_msleep(1)) {
+    latch_arm(&input.latch, &(latch_config_t){.repeated = true, .confirm_ticks = k_us_to_cyc_ceil32(CONFIRM_US),
+                                              .holdoff_ticks = k_us_to_cyc_ceil32(HOLDOFF_US)});
+    for (;; k_msleep(POLL_MS)) {
         skip_input_poll(&input, k_cycle_get_32());
         if (latch_take(&input.latch, &record)) {
             printk("%u\n", record.ticks);

@@ -4,6 +4,10 @@
 
 #define ARG_UNUSED(x) (void)(x)
 #define BIT(n)        (1u << (n))
+#define BUILD_ASSERT(holds, text) _Static_assert(holds, text)
+#ifndef CONFIG_SYS_CLOCK_TICKS_PER_SEC
+#define CONFIG_SYS_CLOCK_TICKS_PER_SEC 100 /* as without a prj.conf of one's own */
+#endif
 
 unsigned irq_lock(void);
 void     irq_unlock(unsigned key);
