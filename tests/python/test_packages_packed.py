@@ -154,6 +154,19 @@ def test_sketches_compile_for_a_pico_against_a_stand_in(
     assert {"skip_input_start", "plc_task_scan", "hal_axis_position_counts"}.isdisjoint(undefined)
 
 
+def test_the_manifests_promise_what_the_hal_compiles_for(packed: Path) -> None:
+    """AVR and Cortex-M: elsewhere skiplatch_arduino.hpp ends in an #error."""
+    properties = (packed / "skiplatch/library.properties").read_text()
+    manifest = json.loads((packed / "skiplatch/library.json").read_text())
+    architectures = re.search(r"^architectures=(.*)$", properties, re.M)
+
+    assert architectures is not None
+    assert set(architectures[1].split(",")) <= {"avr", "sam", "samd", "rp2040", "stm32", "nrf52"}
+    assert manifest["frameworks"] == "arduino"
+    assert set(manifest["platforms"]) <= {"atmelavr", "atmelsam", "raspberrypi", "ststm32",
+                                          "nordicnrf52"}  # fmt: skip
+
+
 def test_both_manifests_state_the_version(packed: Path) -> None:
     version = re.search(r'SKIPLATCH_VERSION "(.*)"', Path("firmware/skiplatch.h").read_text())
     properties = dict(
