@@ -19,6 +19,8 @@ static void probe_start(uint8_t pin, void (*on_edge)() = nullptr)
 uint32_t hal_clock_now_ticks(void) { return micros(); }
 uint32_t hal_clock_tick_ps(void) { return 1000000; }
 
+static void probe_on_old_edge() {}
+
 // The probe is channel 0, low while it is deflected whatever the polarity asked for; there is no filter.
 int hal_edge_arm(const hal_edge_config_t *config)
 {
@@ -28,6 +30,9 @@ int hal_edge_arm(const hal_edge_config_t *config)
     if (config->glitch_filter_us != 0 || probe_on_edge == nullptr) {
         return HAL_ERR_CONFIG;
     }
+    // The chip may remember an edge from before, or take the choice of the edge for one: those come
+    // now, and go nowhere. Interrupts have to be on, as they are in setup() and loop().
+    attachInterrupt(digitalPinToInterrupt(probe_pin), probe_on_old_edge, FALLING);
     attachInterrupt(digitalPinToInterrupt(probe_pin), probe_on_edge, FALLING);
     return HAL_OK;
 }
