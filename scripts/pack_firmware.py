@@ -77,6 +77,8 @@ def pack_library(folder: Path) -> None:
     for example in sorted((FIRMWARE / "examples").glob("*/*.ino")):
         shutil.copytree(example.parent, folder / "examples" / example.parent.name)
     shutil.copy(ROOT / "LICENSE", folder)
+    (folder / "extras").mkdir()
+    shutil.copy(ROOT / "docs/injection.dbc", folder / "extras")
 
 
 def _inline(path: Path) -> str:

@@ -60,6 +60,77 @@ def test_find_package_refuses_what_is_not_there(
     assert refusal in done.stderr
 
 
+INTERNAL = ("kinematics_problem", "kinematics_qr", "kinematics_coverage", "kinematics_slots",
+            "kinematics_writes", "kinematics_requests", "transmission_gate")  # fmt: skip
+
+
+def test_installed_headers_are_those_for_users_and_whole(installed: Path) -> None:
+    """Whatever says who alone uses it stays behind, and no header that is there asks for it."""
+    folder = installed / "include/skiplatch"
+    headers = sorted(folder.rglob("*.h"))
+    assert not {path.stem for path in headers} & set(INTERNAL)
+    for header in headers:
+        run("gcc", "-std=c99", "-fsyntax-only", "-Wno-pragma-once-outside-header", f"-I{folder}",
+            "-include", header, "-x", "c", "/dev/null")  # fmt: skip
+
+
+def test_the_messages_are_installed_as_a_dbc(installed: Path) -> None:
+    assert (installed / "share/skiplatch/injection.dbc").read_bytes() == Path(
+        "docs/injection.dbc"
+    ).read_bytes()
+
+
+def beside_a_parent(folder: Path, *definitions: str) -> Path:
+    """Build the firmware within another project, install that, and give where it went."""
+    (folder / "parent.c").write_text("int main(void) { return 0; }\n")
+    (folder / "CMakeLists.txt").write_text(
+        "cmake_minimum_required(VERSION 3.16)\nproject(parent LANGUAGES C)\n"
+        f"add_subdirectory({FIRMWARE.resolve()} skiplatch)\n"
+        "add_executable(parent parent.c)\n"
+        "target_link_libraries(parent PRIVATE skiplatch::core)\n"
+        "install(TARGETS parent)\n"
+    )
+    usr = folder / "usr"
+    configure(folder, folder / "build", f"-DCMAKE_INSTALL_PREFIX={usr}", *definitions)
+    run("cmake", "--build", folder / "build", "--target", "install")
+    return usr
+
+
+def test_within_another_project_nothing_is_installed(tmp_path: Path) -> None:
+    usr = beside_a_parent(tmp_path)
+
+    assert [path.relative_to(usr) for path in usr.rglob("*") if path.is_file()] == [
+        Path("bin/parent")
+    ]
+
+
+def test_within_another_project_it_is_installed_if_asked_for(tmp_path: Path) -> None:
+    usr = beside_a_parent(tmp_path, "-DSKIPLATCH_INSTALL=ON")
+
+    assert (usr / "include/skiplatch/skiplatch.h").is_file()
+
+
+def flags_of_the_latch(folder: Path, *definitions: str) -> str:
+    configure(FIRMWARE, folder, "-DCMAKE_EXPORT_COMPILE_COMMANDS=ON", *definitions)
+    entries = json.loads((folder / "compile_commands.json").read_text())
+    return next(str(entry["command"]) for entry in entries if entry["file"].endswith("latch.c"))
+
+
+@pytest.mark.parametrize(
+    ("definitions", "is_independent"),
+    [
+        ([], False),
+        (["-DCMAKE_POSITION_INDEPENDENT_CODE=ON"], True),
+        (["-DBUILD_SHARED_LIBS=ON"], True),
+    ],
+)
+def test_code_is_independent_of_its_position_only_where_asked_for(
+    definitions: list[str], *, is_independent: bool, tmp_path: Path
+) -> None:
+    """On a microcontroller it would move constants from flash into RAM."""
+    assert ("-fPIC" in flags_of_the_latch(tmp_path, *definitions)) == is_independent
+
+
 def build_by_pkg_config(folder: Path, program: Path) -> None:
     environment = {**os.environ, "PKG_CONFIG_PATH": str(folder)}
     flags = subprocess.run(
@@ -161,9 +232,7 @@ def test_an_example_refuses_a_clock_by_which_it_would_poll_too_seldom(
         "gcc", "-std=gnu11", "-fsyntax-only", f"-Itests/packages/{system}/include", f"-I{FIRMWARE}",
         "-Ihal/include", FIRMWARE / "examples" / system / source,
     ]  # fmt: skip
-    done = subprocess.run(
-        [*command, f"-D{ticks}=100"], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([*command, f"-D{ticks}=100"], capture_output=True, text=True, check=False)
 
     assert done.returncode != 0
     assert f"{ticks}=" in done.stderr

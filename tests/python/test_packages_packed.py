@@ -167,6 +167,10 @@ def test_the_manifests_promise_what_the_hal_compiles_for(packed: Path) -> None:
                                           "nordicnrf52"}  # fmt: skip
 
 
+def test_the_library_brings_its_messages_as_a_dbc(packed: Path) -> None:
+    assert (packed / "skiplatch/extras/injection.dbc").is_file()
+
+
 def test_both_manifests_state_the_version(packed: Path) -> None:
     version = re.search(r'SKIPLATCH_VERSION "(.*)"', Path("firmware/skiplatch.h").read_text())
     properties = dict(
