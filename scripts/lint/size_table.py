@@ -1,9 +1,9 @@
 """Measure flash, RAM and worst stack of every board and compare them with the record.
 
 `size_table.py compare BOARD...` prints old, new and difference, and fails (1) if a figure has grown
-by more than the margin, or misses a goal; where the record was made by another compiler it exits
-with 77, skipped. `size_table.py record BOARD...` writes docs/SIZE.md anew. A BOARD is `NAME:FAMILY`
-(avr, arm, riscv); its program and objects are in build/boards/NAME.
+by more than the margin, or misses a goal; where a board is not in the record yet, or that was made
+by another compiler, it exits with 77, skipped. `size_table.py record BOARD...` writes docs/SIZE.md
+anew. A BOARD is `NAME:FAMILY` (avr, arm, riscv); its program and objects are in build/boards/NAME.
 """
 
 from __future__ import annotations
@@ -210,12 +210,22 @@ def is_too_much(old_bytes: int, new_bytes: int) -> bool:
     return new_bytes - old_bytes > max(MARGIN_BYTES, old_bytes * MARGIN_PERCENT // 100)
 
 
+def unrecorded(old: Table, new: Table) -> list[str]:
+    """Return the boards that have no row in the record yet."""
+    recorded = {board for board, _ in old}
+    return list(dict.fromkeys(board for board, _ in new if board not in recorded))
+
+
 def compare(old: Table, new: Table) -> tuple[list[str], list[str]]:
     """Return the lines of old, new and difference, and the faults."""
     lines = [f"{'board':<12}{'what':<16}{'':<7}{'old':>7}{'new':>7}{'diff':>7}"]
     faults = []
+    boards = unrecorded(old, new)
     for (board, what), size in new.items():
         for column, new_bytes in size.columns().items():
+            if board in boards:
+                lines.append(f"{board:<12}{what:<16}{column:<7}{'':>7}{new_bytes:>7}")
+                continue
             if (board, what) not in old:
                 faults.append(f"{board}, {what}: not in {RECORD}: make size RECORD=yes")
                 break
@@ -256,10 +266,14 @@ def main(arguments: list[str]) -> int:
     print("\n".join(lines))
     goals = missed_goals(new, families)
     print("\n".join(goals if arguments[0] == "record" else faults + goals))
+    absent = unrecorded(old, new)
     foreign = [name for family, name in compilers.items() if recorded.get(family, name) != name]
     if foreign and arguments[0] == "compare":
         print(f"{RECORD} was not made by {', '.join(foreign)}")
         return 1 if goals else SKIPPED
+    if absent and arguments[0] == "compare" and not faults + goals:
+        print(f"{', '.join(absent)} not in {RECORD} yet: make size RECORD=yes")
+        return SKIPPED
     return 1 if goals or (faults and arguments[0] == "compare") else 0
 
 

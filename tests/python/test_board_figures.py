@@ -216,10 +216,11 @@ def test_a_figure_that_grows_is_named_with_the_way_to_record_it() -> None:
     assert faults[0].endswith("make size RECORD=yes")
 
 
-def test_a_board_without_a_record_is_a_fault() -> None:
+def test_a_figure_without_a_record_is_a_fault_of_a_board_that_has_others() -> None:
     table = script("size_table")
+    size = table.Size(1, 1, 1)
 
-    _, faults = table.compare({}, {("a_board", "program"): table.Size(1, 1, 1)})
+    _, faults = table.compare({("a_board", "input"): size}, {("a_board", "program"): size})
     assert faults == ["a_board, program: not in docs/SIZE.md: make size RECORD=yes"]
 
 
