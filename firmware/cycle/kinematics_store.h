@@ -4,8 +4,10 @@
  * restoring it, and applying what cycle 451 found, are as safe as saving.
  *
  * Whatever happens is a series of writes that the caller carries out one after the other, each
- * whole before the next: kinematics_store_mount(), kinematics_store_start() or another operation,
- * then kinematics_store_next_write() until there is none. A power cut before, in the middle of or
+ * whole before the next. Mounting brings writes as well as each operation does, so the order is:
+ * kinematics_store_mount(), kinematics_store_next_write() until there is none, and then time and
+ * again kinematics_store_start() or another operation, and kinematics_store_next_write() until
+ * there is none. A power cut before, in the middle of or
  * after any of them, which may garble the pages that it falls into, leaves the store as it was or
  * as it shall be, as kinematics_store_mount() finds it.
  *
@@ -64,7 +66,7 @@ typedef enum {
     KINEMATICS_STORE_ERR_FULL,
     KINEMATICS_STORE_ERR_NO_ACTIVE, /* there is no active description to save */
     KINEMATICS_STORE_ERR_LENGTH,    /* of a description: 0, or above the maximum */
-    KINEMATICS_STORE_ERR_BUSY,      /* writes of the operation before are left */
+    KINEMATICS_STORE_ERR_BUSY,      /* writes of the operation before, or of mounting, are left */
     KINEMATICS_STORE_ERR_DAMAGED,   /* the memory has lost bits */
     KINEMATICS_STORE_ERR_FOREIGN    /* what stands in the memory is not from this store */
 } kinematics_store_error_t;
@@ -102,7 +104,8 @@ typedef struct {
 /*
  * Use KINEMATICS_STORE_BYTES of memory that can be read in place, from the beginning of a page;
  * all 0x00 and all 0xFF are empty stores. What a power cut left undone is then done by the next
- * writes, before any operation.
+ * writes, before any operation; so are the marks of a memory that is new, one a slot. Until then an
+ * operation is KINEMATICS_STORE_ERR_BUSY.
  */
 void kinematics_store_mount(kinematics_store_t *store, const uint8_t *memory);
 

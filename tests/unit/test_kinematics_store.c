@@ -35,6 +35,28 @@ void test_an_empty_memory_is_an_empty_store(void)
     }
 }
 
+/* The order that the header gives, and what comes of leaving out the writes that mounting brings.
+ */
+void test_a_memory_that_is_new_wants_its_marks_before_the_first_operation(void)
+{
+    static const uint8_t     payload[] = {1u, 2u, 3u};
+    kinematics_store_write_t write;
+    unsigned                 writes = 0u;
+    memset(store_rig_memory, 0xFF, sizeof store_rig_memory);
+    kinematics_store_mount(&store_rig_store, store_rig_memory);
+    TEST_ASSERT_EQUAL(KINEMATICS_STORE_ERR_BUSY,
+                      kinematics_store_activate(&store_rig_store, payload, sizeof payload));
+
+    while (kinematics_store_next_write(&store_rig_store, &write)) {
+        memcpy(store_rig_memory + write.offset, write.bytes, write.length);
+        ++writes;
+    }
+
+    TEST_ASSERT_EQUAL_UINT(KINEMATICS_STORE_SLOTS, writes);
+    TEST_ASSERT_EQUAL(KINEMATICS_STORE_OK,
+                      kinematics_store_activate(&store_rig_store, payload, sizeof payload));
+}
+
 static void restore(kinematics_designation_t designation)
 {
     store_rig_finish(store_rig_start(KINEMATICS_STORE_RESTORE, &designation));
