@@ -1,5 +1,6 @@
 #include "comp/kinematics.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
@@ -138,6 +139,25 @@ static void tell_values(const kinematics_rank_t *rank, const kinematics_triangle
     }
 }
 
+static bool is_finite(double value)
+{
+    return fabs(value) <= DBL_MAX;
+}
+
+/* Squares of finite numbers may be none. */
+static bool all_is_finite(const kinematics_result_t *result)
+{
+    bool good = is_finite(result->residual_um);
+    for (int32_t k = 0; k < 3; k++) {
+        good = good && is_finite(result->sphere_mm[k]) && is_finite(result->tip_mm[k]);
+    }
+    for (int32_t i = 0; i < result->parameters_count; i++) {
+        good = good && is_finite(result->parameters[i].value) &&
+               is_finite(result->parameters[i].uncertainty);
+    }
+    return good;
+}
+
 int kinematics_fit(const kinematics_machine_t *machine, const kinematics_point_t *points, int32_t n,
                    kinematics_result_t *result)
 {
@@ -161,6 +181,7 @@ int kinematics_fit(const kinematics_machine_t *machine, const kinematics_point_t
         tell_values(&rank, &triangle, unknowns, result);
         kinematics_problem_shares(machine, unknowns, points, n, &rank);
         kinematics_problem_tell_amounts(&rank, result);
+        code = all_is_finite(result) ? KINEMATICS_OK : KINEMATICS_ERR_NO_FIT;
     }
     return code;
 }

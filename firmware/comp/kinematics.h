@@ -45,7 +45,8 @@ enum {
                                     60° from the letter's own coordinate, scatter below 0 */
     KINEMATICS_ERR_POINT = -2,   /* a value is not finite */
     KINEMATICS_ERR_TOO_FEW = -3, /* no more coordinates measured than unknowns determined */
-    KINEMATICS_ERR_NO_FIT = -4   /* no solution within 30° and 1 m of what is believed */
+    KINEMATICS_ERR_NO_FIT = -4   /* no solution within 30° and 1 m of what is believed, or none
+                                    in numbers that are finite */
 };
 
 typedef struct {

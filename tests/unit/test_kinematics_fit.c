@@ -371,3 +371,61 @@ void test_no_positions_help_a_sphere_on_the_axis(void)
     TEST_ASSERT_EQUAL(KINEMATICS_ERR_TOO_FEW,
                       kinematics_recommend(&machine, points, 0, &travel, 24, more, &result));
 }
+
+/* ---- absurd input ---- */
+
+static void check_finite(const char *what)
+{
+    TEST_ASSERT_TRUE_MESSAGE(isfinite(result.residual_um), what);
+    for (int32_t i = 0; i < result.parameters_count; i++) {
+        TEST_ASSERT_TRUE_MESSAGE(isfinite(result.parameters[i].value), what);
+        TEST_ASSERT_TRUE_MESSAGE(isfinite(result.parameters[i].uncertainty), what);
+    }
+    for (int32_t k = 0; k < 3; k++) {
+        TEST_ASSERT_TRUE_MESSAGE(isfinite(result.sphere_mm[k]) && isfinite(result.tip_mm[k]), what);
+    }
+}
+
+static uint32_t random_below(uint32_t limit)
+{
+    static uint32_t state = 1u;
+    state = state * 1664525u + 1013904223u;
+    return (state >> 16) % limit;
+}
+
+static double sane_or_absurd(void)
+{
+    static const double absurd[] = {1e-300, 1e9, 1e155, 1e200, 1.7e308, -1e200, -1e6};
+    return random_below(6u) != 0u ? (double)random_below(300u) : absurd[random_below(7u)];
+}
+
+static void make_up_a_machine(void)
+{
+    setUp();
+    machine.axes_count = 1 + (int32_t)random_below(2u);
+    set_axis(0, 'A', (int32_t)random_below(2u));
+    set_axis(1, 'C', (int32_t)random_below(2u));
+    machine.tool_is_known = (int32_t)random_below(2u);
+    machine.axial_scatter = random_below(3u) != 0u ? 1.0 : fabs(sane_or_absurd());
+    for (int32_t k = 0; k < 3; k++) {
+        machine.tool_mm[k] = sane_or_absurd();
+        machine.axes[0].point_mm[k] = sane_or_absurd();
+    }
+    for (int32_t i = 0; i < 8; i++) {
+        for (int32_t k = 0; k < 3; k++) {
+            points[i].angle_deg[k] = (double)random_below(360u);
+            points[i].position_mm[k] = sane_or_absurd();
+        }
+    }
+}
+
+/* Numbers that no machine has, but a file may: their squares are none. */
+void test_what_is_found_is_finite_whatever_is_given(void)
+{
+    for (int32_t i = 0; i < 3000; i++) {
+        make_up_a_machine();
+        if (kinematics_fit(&machine, points, 4 + i % 5, &result) == KINEMATICS_OK) {
+            check_finite("not finite");
+        }
+    }
+}
