@@ -33,6 +33,9 @@ static void move_dense(transmission_t *t, uint32_t ticks, uint8_t lines)
     }
     phase_meter_on_dense(&t->meter, lines, interval);
     t->lines -= t->dense.sense * lines;
+    if (transmission_gate_is_full(t)) {
+        transmission_gate_shift_zero(t);
+    }
     t->dense.line += t->dense.sense * lines;
     t->dense.ticks = ticks;
 }
@@ -152,6 +155,7 @@ void transmission_restart(transmission_t *t)
     restart_train(&t->dense);
     t->remainder = 0u;
     t->lines = 0;
+    t->beyond = 0;
     t->phase_q32 = 0u;
     t->unrolled_q32 = 0;
     t->index[0] = (transmission_index_t){0};

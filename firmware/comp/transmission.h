@@ -67,10 +67,17 @@ typedef struct {
 } transmission_config_t;
 
 typedef struct {
-    int64_t  delta_nas; /* nanoarcseconds at the output; its zero is where counting began */
-    int32_t  line;      /* of the gating train: 0 is its first pulse after the denser one's */
-    uint32_t ticks;     /* when that line passed */
+    int64_t delta_nas; /* nanoarcseconds at the output; its zero is where counting began. INT64_MAX
+                          or -INT64_MAX: beyond what can be told, see below */
+    int32_t  line;     /* of the gating train: 0 is its first pulse after the denser one's */
+    uint32_t ticks;    /* when that line passed */
 } transmission_point_t;
+
+/*
+ * Shafts may part by 7115 turns of the output or 2^30 lines of the denser train, whichever is less.
+ * Beyond that, as where a belt slips or the ratio is another one, delta is at its limit. Past the
+ * lines it stays there until transmission_restart().
+ */
 
 /* Index pulses of one shaft. */
 typedef struct {
@@ -88,6 +95,7 @@ typedef struct {
     uint32_t              step_lines; /* denser train's lines in a gate line: step_lines + ... */
     uint32_t              step_over;  /* ... step_over / step_under */
     uint32_t              step_under;
+    int32_t               lines_most; /* of a difference that delta_nas can tell */
     uint32_t              judge_line; /* a gate line in the unit in which its train is judged */
     /* where the trains are */
     uint32_t             remainder;     /* gate minus denser train, in the latter's lines: ... */
@@ -109,6 +117,7 @@ typedef struct {
     uint8_t              pending;
     uint8_t              ready_count;
     uint8_t              judge_shift;
+    int8_t               beyond; /* the side on which more lines were than are counted, or 0 */
     bool                 gate_is_output;
     bool                 has_reference;
     bool                 rested; /* since the last pulse of the denser train */

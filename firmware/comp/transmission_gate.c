@@ -9,6 +9,16 @@ static int64_t fraction_q32(const transmission_t *t, uint32_t over)
     return (int64_t)((over * t->under_inverse) >> 32);
 }
 
+void transmission_gate_shift_zero(transmission_t *t)
+{
+    int64_t most_q32 = TRANSMISSION_LINES_MOST * ONE_Q32;
+    bool    is_ahead = t->lines > 0;
+    t->beyond = is_ahead ? 1 : -1;
+    t->lines -= is_ahead ? TRANSMISSION_LINES_MOST : -TRANSMISSION_LINES_MOST;
+    t->reference_q32 -= is_ahead ? most_q32 : -most_q32;
+    t->expected_q32 -= is_ahead ? most_q32 : -most_q32;
+}
+
 /* The gate moves on by a line, the way it turns. */
 static void add_step(transmission_t *t)
 {
@@ -42,13 +52,28 @@ static uint8_t judge_gate(transmission_t *t, int64_t passed_q32)
 
 /* ---- points ---- */
 
+/* Where the shafts have parted by more than can be told: at the end of the range, on that side. */
+static int64_t limit_nas(const transmission_t *t, int64_t whole)
+{
+    if (t->beyond != 0) {
+        return t->beyond > 0 ? INT64_MAX : -INT64_MAX;
+    }
+    if (whole >= t->lines_most) {
+        return INT64_MAX;
+    }
+    return whole <= -t->lines_most ? -INT64_MAX : 0;
+}
+
 static int64_t to_nas(const transmission_t *t, int64_t lines_q32)
 {
     uint32_t rest = (uint32_t)(uint64_t)lines_q32;
     int64_t  whole = (lines_q32 - (int64_t)rest) / ONE_Q32;
-    uint64_t line = (uint64_t)t->line_nas;
-    uint64_t part = (line >> 32) * rest + (((line & UINT32_MAX) * rest) >> 32);
-    int64_t  nas = whole * t->line_nas + (int64_t)part;
+    int64_t  nas = limit_nas(t, whole);
+    if (nas == 0) {
+        uint64_t line = (uint64_t)t->line_nas;
+        uint64_t part = (line >> 32) * rest + (((line & UINT32_MAX) * rest) >> 32);
+        nas = whole * t->line_nas + (int64_t)part;
+    }
     return t->gate_is_output ? nas : -nas;
 }
 
@@ -129,6 +154,9 @@ static void count_lines(transmission_t *t, uint8_t lines)
 {
     for (uint8_t i = 0u; i < lines; ++i) {
         add_step(t);
+    }
+    if (transmission_gate_is_full(t)) {
+        transmission_gate_shift_zero(t);
     }
     t->gate.line += t->gate.sense * lines;
 }

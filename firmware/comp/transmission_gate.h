@@ -12,6 +12,17 @@
 extern "C" {
 #endif
 
+/* Lines of the denser train that the shafts may part by; a step of either train is far less. */
+#define TRANSMISSION_LINES_MOST (INT32_C(1) << 30)
+
+/* The shafts have parted further than that: counting goes on, but from another zero. */
+void transmission_gate_shift_zero(transmission_t *t);
+
+static inline bool transmission_gate_is_full(const transmission_t *t)
+{
+    return t->lines > TRANSMISSION_LINES_MOST || t->lines < -TRANSMISSION_LINES_MOST;
+}
+
 void transmission_gate_on_pulse(transmission_t *t, uint32_t ticks, int8_t sense);
 
 /* Count those that came while the denser train moved on by `dense_lines` in the interval. */

@@ -1,4 +1,4 @@
-#include "comp/transmission.h"
+#include "comp/transmission_gate.h"
 
 #define ONE_Q32      UINT64_C(4294967296)
 #define LINES_MAX    (UINT32_C(1) << 24)
@@ -114,5 +114,7 @@ int transmission_init(transmission_t *t, const transmission_config_t *config)
         error = set_step(t, output, input);
         t->line_nas = (int64_t)(TURN_NAS / config->lines2);
     }
+    uint64_t most = t->line_nas == 0 ? 0u : (uint64_t)INT64_MAX / (uint64_t)t->line_nas - 1u;
+    t->lines_most = most < TRANSMISSION_LINES_MOST ? (int32_t)most : TRANSMISSION_LINES_MOST;
     return error == TRANSMISSION_OK && t->line_nas < LINE_NAS_MIN ? TRANSMISSION_ERR_RANGE : error;
 }

@@ -465,3 +465,71 @@ void test_a_pulse_of_no_channel_changes_nothing(void)
 
     check_unharmed();
 }
+
+/* ---- shafts that part ---- */
+
+/*
+ * The gating shaft turns and the other one all but stands: it slips, or another ratio is true.
+ * Returns the last delta; none may be on the other side of 0, nor less than the one before.
+ */
+static int64_t part(const transmission_config_t *config, uint32_t gate_pulses, uint32_t every)
+{
+    static transmission_t t;
+    int64_t               last = 0;
+    uint32_t              ticks = 1000u;
+    TEST_ASSERT_EQUAL(TRANSMISSION_OK, transmission_init(&t, config));
+    uint8_t dense = transmission_dense_channel(&t);
+    uint8_t gate = TRANSMISSION_INPUT + TRANSMISSION_OUTPUT - dense;
+    int64_t sense = gate == TRANSMISSION_OUTPUT ? 1 : -1;
+    (void)transmission_on_pulse(&t, dense, ticks);
+    for (uint32_t i = 1u; i <= gate_pulses; ++i) {
+        bool    is_both = i % every == 0u;
+        uint8_t count = transmission_on_pulse(&t, gate, ticks += 1000u);
+        for (uint8_t turn = 0u; turn <= is_both; ++turn) {
+            for (uint8_t p = 0u; p < count; ++p) {
+                int64_t delta = sense * transmission_point(&t, p).delta_nas;
+                TEST_ASSERT_TRUE(delta >= last);
+                last = delta;
+            }
+            count = is_both ? transmission_on_pulse(&t, dense, ticks += 10u) : 0u;
+        }
+    }
+    return last;
+}
+
+void test_shafts_that_part_by_more_than_can_be_told_are_at_the_limit(void)
+{
+    static const transmission_config_t same = {
+        .lines1 = 1u, .lines2 = 1u, .ratio_over = 1u, .ratio_under = 1u, .meter_ticks = 1u};
+    transmission_config_t direct = {.method = TRANSMISSION_DIRECT,
+                                    .lines1 = 1000u,
+                                    .lines2 = 3u,
+                                    .ratio_over = 1u,
+                                    .ratio_under = 1u,
+                                    .meter_ticks = 1u};
+
+    TEST_ASSERT_EQUAL_INT64(INT64_MAX, part(&same, 40000u, 7000u));
+    TEST_ASSERT_EQUAL_INT64(INT64_MAX, part(&direct, 60000u, 7000u));
+}
+
+/* 986,895 lines of the denser train to a line of the gate: the count of lines is full first. */
+void test_shafts_that_part_by_more_lines_than_are_counted_are_at_the_limit(void)
+{
+    static const transmission_config_t fine = {
+        .lines1 = 1u << 24, .lines2 = 17u, .ratio_over = 1u, .ratio_under = 1u, .meter_ticks = 1u};
+
+    TEST_ASSERT_EQUAL_INT64(INT64_MAX, part(&fine, 6000u, 500u));
+}
+
+void test_after_a_restart_there_is_nothing_beyond_the_limit(void)
+{
+    static const transmission_config_t fine = {
+        .lines1 = 1u << 24, .lines2 = 17u, .ratio_over = 1u, .ratio_under = 1u, .meter_ticks = 1u};
+    transmission_t t;
+    TEST_ASSERT_EQUAL(TRANSMISSION_OK, transmission_init(&t, &fine));
+    t.beyond = 1;
+
+    transmission_restart(&t);
+
+    TEST_ASSERT_EQUAL_INT8(0, t.beyond);
+}
