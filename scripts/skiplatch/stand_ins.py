@@ -30,7 +30,7 @@ from skiplatch.campaign.nominal import InputNominal, ProbeNominal, SkipNominal
 from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect, effects
-from skiplatch.simulator.rig import Controller, with_believed
+from skiplatch.simulator.rig import MOST_EFFECTS, Controller, with_believed
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE, S_PER_MIN, US_PER_S
 
 FEED_MM_MIN = 60.0
@@ -59,7 +59,6 @@ PLAYED = {
 OF_A_READING = {("probe", "repeatability_um"), ("axis", "resolution_um")}
 """What is uncertain where an instrument reads an axis at rest."""
 STAMPS = ("edge_us", "latch_us", "report_us")
-MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
 PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach_mm": (1e-6, 1e4)}
 """And of a touch: is_touch() there."""
 

@@ -185,13 +185,13 @@ def test_a_rig_that_cannot_be_played_is_said_to_be_none(filter_us: float) -> Non
         pass
 
 
-def test_an_effect_out_of_its_range_is_said_to_be_none() -> None:
+def test_an_effect_out_of_its_range_is_named() -> None:
     wrong = Effect("backlash", {"backlash_um": 1e9})
 
-    with pytest.raises(SimulationError, match="one of its parameters is out of range"):
+    with pytest.raises(SimulationError, match=r"^backlash\.backlash_um: expected"):
         probe_points(PLAIN_BC, Truth(), np.zeros((1, 3)), seed=1, switched_on=[wrong])
     with (
-        pytest.raises(SimulationError, match="one of its parameters is out of range"),
+        pytest.raises(SimulationError, match=r"^backlash\.backlash_um: expected"),
         opened(PLAIN_BC, Truth(), Control(), {}, seed=1, switched_on=[wrong]),
     ):
         pass

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
+from numbers import Real
 
 from skiplatch.former_names import PRESENT, present_names
 from skiplatch.simulator.library import CData, SimulationError, connection
@@ -23,6 +24,15 @@ class Parameter:
     def when_unset(self) -> float:
         """What it is where nothing is given: 0, or the nearest admitted value."""
         return min(max(0.0, self.low), self.high)
+
+    @property
+    def expected(self) -> str:
+        """Say which values there are."""
+        return f"expected a number from {self.low:g} to {self.high:g}"
+
+    def admits(self, value: object) -> bool:
+        """Tell whether it is a number within the range; NaN is not."""
+        return isinstance(value, Real) and self.low <= float(value) <= self.high
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,13 +95,16 @@ def parameter_of(effect_id: str, name: str) -> Parameter:
 
 
 def refuse_unknown(effect: Effect) -> None:
-    """Raise if the table does not know an effect, or a parameter of it.
+    """Raise if the table does not know an effect, a parameter of it, or a value of that.
 
     Raises:
         SimulationError: It does not.
     """
     if effect.id not in effects():
         raise SimulationError(f"{effect.id}: no such effect")
-    known = {parameter.name for parameter in effects()[effect.id].parameters}
-    for name in effect.parameters.keys() - known:
-        raise SimulationError(f"{effect.id}: no parameter {name}")
+    known = {parameter.name: parameter for parameter in effects()[effect.id].parameters}
+    for name, value in effect.parameters.items():
+        if name not in known:
+            raise SimulationError(f"{effect.id}: no parameter {name}")
+        if not known[name].admits(value):
+            raise SimulationError(f"{effect.id}.{name}: {known[name].expected}, got {value!r}")

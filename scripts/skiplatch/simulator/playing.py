@@ -7,11 +7,12 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from skiplatch.admitted import JOBS
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal, Status, Touches
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.library import SimulationError, connection, layout
-from skiplatch.simulator.rig import Controller, Seat, filled_rig
+from skiplatch.simulator.rig import MOST_EFFECTS, Controller, Seat, filled_rig, with_believed
 from skiplatch.span import ALWAYS
 
 # What stands in the simulation for a condition that was not recorded.
@@ -118,7 +119,9 @@ def play(
 
     Raises:
         SimulationError: A value is out of range, or the library is not built.
+        ValueError: There are too few or too many threads.
     """
+    JOBS.checked("jobs", jobs)
     alone = partial(
         _play,
         nominal,
@@ -171,6 +174,8 @@ def _play(
     seat: Seat | None,
 ) -> Outcomes:
     ffi, library = connection()
+    if (count := len(with_believed(nominal, switched_on))) > MOST_EFFECTS:
+        raise SimulationError(f"expected at most {MOST_EFFECTS} effects, got {count}")
     order = np.argsort(touches.time_s, kind="stable")  # effects remember what came before
     rows = touch_rows(nominal, touches, pulse_us, datum_um)[order]
     rig = filled_rig(

@@ -15,6 +15,7 @@ from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 BESIDE_THE_CHAIN = {("probe", "calibrated_at_c"), ("axis", "min_mm"), ("axis", "max_mm")}
 """Keys of nominal.toml that are no field of sim_chain_t."""
 
+MOST_EFFECTS = 8  # SIM_EFFECTS_MAX of host_sim/effects/active.h
 ROOM_MM = 10.0
 """For latches that come later than the nominal chain lets expect."""
 
