@@ -6,6 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from skiplatch.admitted import REPLICATES
+from skiplatch.admitted import TOUCHES as TOUCHES_ADMITTED
+from skiplatch.api.arguments import (
+    checked_effects,
+    checked_materiality,
+    refuse_other,
+    refuse_seed_and_jobs,
+)
 from skiplatch.api.diagnosed import Diagnosis, document_of
 from skiplatch.api.predicted import Prediction, predicted
 from skiplatch.campaign import (
@@ -22,7 +30,7 @@ from skiplatch.diagnosis import diagnose as diagnosis_of
 from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.experiment import Experiment, experiment_for, models_from_json
 from skiplatch.diagnosis.experiment.experiment import TOUCHES
-from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.diagnosis.fit.material import DEFAULT
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.library import SimulationError, connection
@@ -57,12 +65,16 @@ def simulate(
         InputError: A figure of the rig cannot be simulated, or a condition is missing.
         SimulationError: An effect or a parameter is none, or out of its range, or what comes of it
             is more than a clock, a counter or a campaign holds.
+        TypeError: An argument is not of its kind.
+        ValueError: An argument is out of its range.
     """
+    refuse_seed_and_jobs(seed, jobs)
+    switched_on = checked_effects(effects)
     asked = _asked(rig, conditions)
     touches = asked.touches
     controller = Controller.for_campaign(asked.nominal, touches)
     outcomes = play(
-        asked.nominal, controller, touches, seed=seed, jobs=jobs, switched_on=tuple(effects)
+        asked.nominal, controller, touches, seed=seed, jobs=jobs, switched_on=switched_on
     )
     recorded = _as_recorded(touches, outcomes)
     _refuse_beyond(recorded, asked.nominal.axis.resolution_um)
@@ -90,8 +102,12 @@ def diagnose(
 
     Raises:
         InputError: The campaign cannot be played: a feed is missing, or a figure is out of range.
+        TypeError: An argument is not of its kind.
+        ValueError: An argument is out of its range.
     """
-    materiality = Materiality(material_fraction, material_us, material_um)
+    refuse_other("campaign", campaign, Campaign)
+    refuse_seed_and_jobs(seed, jobs)
+    materiality = checked_materiality(material_fraction, material_us, material_um)
     found = diagnosis_of(playable(campaign), seed=seed, jobs=jobs, materiality=materiality)
     return Diagnosis.of_document(document_of(found, seed))
 
@@ -120,8 +136,13 @@ def predict(
 
     Raises:
         InputError: As `simulate`.
-        ValueError: The diagnosis is not whole.
+        TypeError: An argument is not of its kind.
+        ValueError: An argument is out of its range, or the diagnosis is not whole.
     """
+    refuse_seed_and_jobs(seed, jobs)
+    REPLICATES.checked("replicates", replicates)
+    if diagnosis is not None:
+        refuse_other("diagnosis", diagnosis, Diagnosis)
     asked = _asked(rig, conditions)
     found = rig_from_json(diagnosis.document, asked.nominal) if diagnosis else Rig(asked.nominal)
     recorded = rig.touches if diagnosis and isinstance(rig, Campaign) else None
@@ -147,8 +168,14 @@ def design(
 
     Raises:
         InputError: The campaign cannot be played.
-        ValueError: The diagnosis is not whole.
+        TypeError: An argument is not of its kind.
+        ValueError: An argument is out of its range, or the diagnosis is not whole.
     """
+    refuse_other("campaign", campaign, Campaign)
+    refuse_seed_and_jobs(seed, jobs)
+    TOUCHES_ADMITTED.checked("touches", touches)
+    if diagnosis is not None:
+        refuse_other("diagnosis", diagnosis, Diagnosis)
     recorded = playable(campaign)
     known = diagnosis or diagnose(recorded, seed=seed, jobs=jobs)
     models, verdict = models_from_json(known.document)
@@ -157,10 +184,12 @@ def design(
 
 def _asked(rig: Campaign | Nominal, conditions: Touches | None) -> Campaign:
     """Put rig and conditions together, the campaign's own made playable."""
+    refuse_other("rig", rig, Campaign, Nominal)
     if conditions is None:
         if not isinstance(rig, Campaign):
             raise TypeError("conditions are missing: a Nominal has none of its own")
         return playable(rig)
+    refuse_other("conditions", conditions, Touches)
     nominal, path = (rig.nominal, rig.path) if isinstance(rig, Campaign) else (rig, SIMULATED)
     refuse_unplayable(path / NOMINAL_FILE, nominal)
     return Campaign(nominal, conditions, path)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.admitted import MATERIAL_FRACTION, MATERIAL_SIZE
 from skiplatch.campaign import Campaign
 from skiplatch.commands.diagnose_many import Told, tell_all, told_of
 from skiplatch.commands.examining import Asked, Examined, examine
@@ -48,7 +49,7 @@ Example:
 @html_option
 @click.option(
     "--material-fraction",
-    type=NumberType(1e-6, 1e6),
+    type=NumberType.of(MATERIAL_FRACTION),
     metavar="SHARE",
     default=DEFAULT.fraction,
     show_default=True,
@@ -57,13 +58,13 @@ Example:
 )
 @click.option(
     "--material-us",
-    type=NumberType(1e-6, 1e9),
+    type=NumberType.of(MATERIAL_SIZE),
     metavar="µs",
     help="From how many µs on a gap counts, in what was recorded as times, in place of the share.",
 )
 @click.option(
     "--material-um",
-    type=NumberType(1e-6, 1e9),
+    type=NumberType.of(MATERIAL_SIZE),
     metavar="µm",
     help="From how many µm on a gap counts, in what was recorded as lengths, in place of the "
     "share.",

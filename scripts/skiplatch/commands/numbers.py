@@ -1,9 +1,11 @@
 """Numbers that options take: written in plain digits, finite, and within what can be meant."""
 
 import math
+from typing import Self
 
 import click
 
+from skiplatch.admitted import Count, Number
 from skiplatch.errors import quoted
 from skiplatch.numbers import number
 
@@ -25,6 +27,11 @@ class NumberType(click.FloatRange):
         super().__init__(low, high)
         self.low, self.high = low, high
 
+    @classmethod
+    def of(cls, admitted: Number) -> Self:
+        """Take what a function takes."""
+        return cls(admitted.low, admitted.high)
+
     def convert(
         self, value: str | float, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
@@ -43,6 +50,11 @@ class CountType(click.IntRange):
 
     def __init__(self, low: int, high: int) -> None:
         super().__init__(low, high)
+
+    @classmethod
+    def of(cls, admitted: Count) -> Self:
+        """Take what a function takes."""
+        return cls(admitted.low, admitted.high)
 
     def convert(
         self, value: str | float, param: click.Parameter | None, ctx: click.Context | None

@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+from skiplatch.admitted import JOBS, SEED
 from skiplatch.campaign import Kind
 from skiplatch.campaign.kind import NOT_ON_A_BENCH
 from skiplatch.commands.numbers import CountType, number_or_nan
@@ -21,8 +22,6 @@ from skiplatch.simulator.effects import Effect, effects
 
 Decorator = Callable[[Callable[..., Any]], Callable[..., Any]]
 
-SEED_MAX = 2**63 - 1
-
 
 def _usable_cores() -> int:
     return len(os.sched_getaffinity(0))
@@ -30,7 +29,7 @@ def _usable_cores() -> int:
 
 seed_option: Decorator = click.option(
     "--seed",
-    type=CountType(0, SEED_MAX),
+    type=CountType.of(SEED),
     default=1,
     show_default=True,
     help="Picks the random numbers; the same seed gives the same result.",
@@ -38,7 +37,7 @@ seed_option: Decorator = click.option(
 
 jobs_option: Decorator = click.option(
     "--jobs",
-    type=CountType(1, 1024),
+    type=CountType.of(JOBS),
     default=_usable_cores,
     show_default="all cores",
     help="Threads to work on; the result does not depend on it.",

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from skiplatch.admitted import REPLICATES
 from skiplatch.api.predicted import predicted
 from skiplatch.campaign import NOMINAL_FILE, Nominal, read_campaign, read_nominal
 from skiplatch.commands.inputs import FILE, Source
@@ -38,7 +39,7 @@ def _rig(path: Path | None, nominal: Nominal) -> Rig:
 @click.option("--conditions", "conditions_path", type=FILE, required=True, help="Touches to play.")
 @click.option(
     "--replicates",
-    type=CountType(1, 100_000),
+    type=CountType.of(REPLICATES),
     default=1,
     show_default=True,
     help="How often to play them.",
