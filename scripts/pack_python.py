@@ -32,13 +32,27 @@ C_OF_PACKAGE = shutil.ignore_patterns(*RUNS_LEAVE, "*.[ch]")
 """C of the package goes with all other C, at its place in the project."""
 RANDOM = Path("/usr/include/Random123")
 RANDOM_LICENCE = Path("/usr/share/doc/librandom123-dev/copyright")
+RANDOM_NOTICE = "LICENSE.Random123"
+OWN_LICENCE = 'license = "Apache-2.0"'
+PACKED = f"""\
+license = "Apache-2.0 AND BSD-3-Clause"
+license-files = ["LICENSE", "{RANDOM_NOTICE}"]
+readme = "README.md"\
+"""
 BACKEND = "import scikit_build_core.build as b, sys; b.build_sdist(sys.argv[1])"
 
 
 def project_table() -> str:
-    """Give [project] and its tables, as scripts/pyproject.toml has them."""
+    """Give [project] and its tables as scripts/pyproject.toml has them, and what is packed with it.
+
+    The library that is compiled for the wheel has Random123 in it.
+    """
     text = Path("scripts/pyproject.toml").read_text(encoding="utf-8")
-    return text[text.index("[project]") : text.index("[tool.")]
+    table = text[text.index("[project]") : text.index("[tool.")]
+    before, own, after = table.partition(OWN_LICENCE)
+    if not own:
+        raise ValueError(f"scripts/pyproject.toml: expected {OWN_LICENCE}")
+    return before + PACKED + after
 
 
 def _copy(path: Path, tree: Path) -> None:
@@ -60,6 +74,7 @@ def lay_out(tree: Path, options: argparse.Namespace) -> None:
         _copy(path, inside)
     shutil.copytree(RANDOM, inside / "Random123")
     shutil.copy(RANDOM_LICENCE, inside / "Random123" / "copyright")
+    shutil.copy(RANDOM_LICENCE, tree / RANDOM_NOTICE)
     for path in (Path("LICENSE"), Path("README.md"), WHEEL / "CMakeLists.txt"):
         shutil.copy(path, tree)
     how = (WHEEL / "pyproject.toml").read_text(encoding="utf-8")

@@ -3,12 +3,16 @@
 import re
 import subprocess
 import sysconfig
+import tomllib
 import venv
 import zipfile
+from email import message_from_bytes
+from email.policy import default
 from pathlib import Path
 
 import pytest
 
+import pack_python
 import skiplatch
 from packages_rig import run
 
@@ -25,6 +29,21 @@ def test_the_version_is_that_of_the_firmware() -> None:
     assert skiplatch.__version__ == stated[1]
 
 
+def test_what_is_packed_states_the_licence_of_all_that_is_compiled_in() -> None:
+    """Where Random123 is used is known without building: who adds another finds this test."""
+    project = tomllib.loads(pack_python.project_table())["project"]
+    foreign = {
+        name
+        for path in (*Path("host_sim").rglob("*.[ch]"), *Path("firmware").rglob("*.[ch]"))
+        for name in re.findall(r"#include <(\w+)/", path.read_text())
+    }
+
+    assert project["license"] == "Apache-2.0 AND BSD-3-Clause"
+    assert project["license-files"] == ["LICENSE", pack_python.RANDOM_NOTICE]
+    assert project["readme"] == "README.md"
+    assert foreign - {"sys", "zephyr"} == {"Random123"}
+
+
 def installed(wheel: Path, folder: Path) -> Path:
     """Make an environment with the wheel; this one lends what that depends on, no checkout."""
     venv.create(folder, with_pip=False)
@@ -36,6 +55,23 @@ def installed(wheel: Path, folder: Path) -> Path:
     return program
 
 
+def assert_metadata(wheel: zipfile.ZipFile) -> None:
+    """Its licences are those of all that is compiled in, and their texts are inside."""
+    (place,) = [name for name in wheel.namelist() if name.endswith(".dist-info/METADATA")]
+    stated = message_from_bytes(wheel.read(place), policy=default)
+    notices = place.replace("METADATA", "licenses")
+
+    assert stated["License-Expression"] == "Apache-2.0 AND BSD-3-Clause"
+    assert stated.get_all("License-File") == ["LICENSE", "LICENSE.Random123"]
+    assert b"Apache License" in wheel.read(f"{notices}/LICENSE")
+    random = wheel.read(f"{notices}/LICENSE.Random123").decode()
+    assert "D. E. Shaw Research" in random
+    assert "Redistributions in binary form must reproduce" in random
+    assert "Latch touch-probe triggers" in stated.get_content()
+    assert stated["Author"] == "skiplatch maintainers"
+    assert "Typing :: Typed" in stated.get_all("Classifier")
+
+
 def assert_complete(wheel: Path, sdist: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
     sources = run("tar", "--list", "--file", sdist)
@@ -43,7 +79,8 @@ def assert_complete(wheel: Path, sdist: Path) -> None:
     assert re.search(r"-py3-none-manylinux_2_\d+_\w+\.whl$", wheel.name)
     assert "skiplatch/tree/build/host/libskiplatch_sim.so" in names
     assert "skiplatch/tree/docs/injection.dbc" in names
-    assert not [name for name in names if name.endswith((".c", ".pyc")) or "Random123" in name]
+    assert not [name for name in names if name.endswith((".c", ".pyc")) or "Random123/" in name]
+    assert_metadata(zipfile.ZipFile(wheel))
     for needed in ("philox.h", "copyright"):
         assert f"skiplatch/tree/Random123/{needed}" in sources
 
