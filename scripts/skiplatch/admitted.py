@@ -58,6 +58,7 @@ JOBS = Count(1, 1024)
 REPLICATES = Count(1, 100_000)
 TOUCHES = Count(1, 1000)
 """That are recommended."""
+DRAWS = Count(1, 1_000_000)
 MATERIAL_FRACTION = Number(1e-6, 1e6)
 MATERIAL_SIZE = Number(1e-6, 1e9)
 """In µs or µm."""

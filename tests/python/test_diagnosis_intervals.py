@@ -14,7 +14,9 @@ from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import Estimate, estimates, settled
 from skiplatch.diagnosis.fit.surface import CONFIDENCE
 from skiplatch.diagnosis.likelihood.likelihood import affected
+from skiplatch.diagnosis.reported.samples import samples
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.simulator.effects import Effect, effects
 
 RARE = 2e-3
@@ -112,6 +114,20 @@ def test_slack_widens_an_interval() -> None:
     (loose,) = estimated(scene, LAG, slack=0.4)
 
     assert width(loose.intervals["lag_us"]) > 1.5 * width(firm.intervals["lag_us"])
+
+
+def test_samples_lie_as_the_intervals_say() -> None:
+    (found,) = estimated(Scene.of(played(MACHINE, LAG)), LAG)
+    named = Named(found.effect, "", found.intervals, (), 0.9, cloud=found.cloud)
+
+    drawn = samples([named], 4000, seed=1)
+
+    low, high = found.intervals["lag_us"]
+    first, last = np.quantile(drawn["following_error.lag_us"], [0.05, 0.95])
+    assert low <= first <= last <= high
+    assert last - first > 0.6 * (high - low)
+    scatter_us = drawn["following_error.scatter_us"]  # held at 0 by the search, sampled after it
+    assert 0.0 <= scatter_us.min() < scatter_us.max()
 
 
 def azimuth(scene: Scene, begun: Mapping[str, float]) -> Estimate:

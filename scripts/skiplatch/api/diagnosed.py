@@ -1,17 +1,21 @@
 """What a diagnosis says, read from its document: the same of one just made and one from a file."""
 
 import os
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
+from skiplatch.admitted import DRAWS
+from skiplatch.arrays import FloatArray
 from skiplatch.dataframes import DataFrame, Library, dataframe
 from skiplatch.diagnosis import Diagnosis as Found
 from skiplatch.diagnosis import as_json
 from skiplatch.diagnosis.experiment import models_json, rivals
 from skiplatch.diagnosis.reported.document import effects_of
+from skiplatch.diagnosis.reported.samples import samples
 from skiplatch.diagnosis.reported.schema import need_intervals, read_diagnosis_json, whole
+from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.simulator.effects import Effect, effects
 
 NEEDED = (
@@ -82,6 +86,7 @@ class Diagnosis:
     gaps: Mapping[str, ObservableGap]
     notes: tuple[str, ...]
     document: Mapping[str, Any]
+    _named: Sequence[Named] | None = field(default=None, repr=False)
 
     @classmethod
     def of_document(cls, document: Mapping[str, Any]) -> Self:
@@ -99,6 +104,28 @@ class Diagnosis:
             notes=tuple(read.get("notes", ())),
             document=read,
         )
+
+    def samples(self, draws: int = 1000) -> dict[str, FloatArray]:
+        """Draw the parameters of all effects together, as often as the touches bear them out.
+
+        Every draw counts alike, as ArviZ takes them; the seed of the diagnosis picks them. They
+        come from some hundred weighted points, so that one may come several times.
+
+        Args:
+            draws: How many.
+
+        Returns:
+            Arrays of shape (1, draws), for one chain, by ``effect.parameter``.
+
+        Raises:
+            TypeError: `draws` is no whole number.
+            ValueError: `draws` is out of its range, or the diagnosis was read from a document,
+                which has no samples.
+        """
+        DRAWS.checked("draws", draws)
+        if self._named is None:
+            raise ValueError("samples: a diagnosis from a document has none; call diagnose()")
+        return samples(self._named, draws, self.document["seed"])
 
     def to_dataframe(self, library: Library | None = None) -> DataFrame:
         """Give a row for each parameter of each effect: value, interval of 90 %, confidence.

@@ -109,7 +109,7 @@ def diagnose(
     refuse_seed_and_jobs(seed, jobs)
     materiality = checked_materiality(material_fraction, material_us, material_um)
     found = diagnosis_of(playable(campaign), seed=seed, jobs=jobs, materiality=materiality)
-    return Diagnosis.of_document(document_of(found, seed))
+    return replace(Diagnosis.of_document(document_of(found, seed)), _named=found.effects)
 
 
 def predict(

@@ -20,7 +20,7 @@ from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.fit.as_effects import as_effects, rounded
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.surface import A_STEP, CONFIDENCE, Slot, Surface
-from skiplatch.diagnosis.fit.weighted_samples import sampled
+from skiplatch.diagnosis.fit.weighted_samples import Cloud, sampled
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
@@ -43,6 +43,8 @@ class Estimate:
     effect: Effect
     intervals: Mapping[str, tuple[float, float]]
     """Within the range of the table; but an angle may pass the end of its turn."""
+    cloud: Cloud | None = None
+    """Its parameters, a row a point; those of several effects have the same points."""
 
 
 def settled(scene: Scene, found: Fit) -> Fit:
@@ -71,33 +73,38 @@ def estimates(
     """
     surface = Surface(scene, found, admitted, executor)
     held = np.array([slot.is_held for slot in surface.slots])
-    values, low, high = _about(surface, ~held)
+    values, low, high, cloud = _about(surface, ~held)
     for _ in range(CLIMBS):
         if not surface.rise():
             break
-        values, low, high = _about(surface, ~held)
-    _widen(surface, held, low, high)
+        values, low, high, cloud = _about(surface, ~held)
+    cloud = _widen(surface, held, low, high) or cloud
     for i, slot in enumerate(surface.slots):
         rounded = ROUNDED_US if slot.parameter.unit == "µs" else 0.0
         low[i], high[i] = min(low[i], values[i] - rounded), max(high[i], values[i] + rounded)
     low, high = (np.clip(ends, surface.low, surface.high) for ends in (low, high))
-    return _as_estimates(admitted, surface.slots, values, low, high)
+    found_at = _as_estimates(admitted, surface.slots, values, low, high)
+    return _with_clouds(found_at, surface.slots, cloud, values)
 
 
-def _about(surface: Surface, asked: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Give values, and what each that is asked for may be from and to; shape (p,)."""
+def _about(surface: Surface, asked: BoolArray) -> tuple[FloatArray, FloatArray, FloatArray, Cloud]:
+    """Give values, what each that is asked for may be from and to, of shape (p,), and samples."""
     free, steps = _free(surface, asked)
     if len(free):
         surface.climb(free, steps)
     return sampled(surface, *_free(surface, asked))
 
 
-def _widen(surface: Surface, held: BoolArray, low: FloatArray, high: FloatArray) -> None:
-    """Let go what is held, and move the ends, shape (p,), as far as that lets any of them."""
+def _widen(surface: Surface, held: BoolArray, low: FloatArray, high: FloatArray) -> Cloud | None:
+    """Let go what is held, and move the ends, shape (p,), as far as that lets any of them.
+
+    Gives the samples with that let go, if any was.
+    """
+    cloud = None
     closed = np.array([slot.is_switch or slot.is_taken_up for slot in surface.slots])
     free, steps = _free(surface, ~closed)
     if held[free].any():
-        _, lower, higher = sampled(surface, free, steps)
+        _, lower, higher, cloud = sampled(surface, free, steps)
         np.minimum(low, lower, out=low)
         np.maximum(high, higher, out=high)
     for i, slot in enumerate(surface.slots):
@@ -105,6 +112,7 @@ def _widen(surface: Surface, held: BoolArray, low: FloatArray, high: FloatArray)
             low[i], high[i] = _reach(surface, i, -1.0), _reach(surface, i, 1.0)
             if slot.is_switch:
                 low[i], high[i] = np.ceil(low[i]), np.floor(high[i])
+    return cloud
 
 
 def _as_estimates(
@@ -127,6 +135,21 @@ def _as_estimates(
             i += 1
         found.append(Estimate(replace(effect, parameters=parameters), ends))
     return found
+
+
+def _with_clouds(
+    found: Sequence[Estimate], slots: Sequence[Slot], cloud: Cloud, values: FloatArray
+) -> list[Estimate]:
+    """Give each effect the samples of its parameters, turned as they are."""
+    turn = np.array([slot.turn for slot in slots])
+    at = cloud.points - turn * np.floor(np.divide(values, turn, where=turn > 0.0, out=0.0 * values))
+    with_clouds, begin = [], 0
+    for one in found:
+        end = begin + len(one.effect.parameters)
+        own = frozenset(i - begin for i in cloud.sampled if begin <= i < end)
+        with_clouds.append(replace(one, cloud=Cloud(at[:, begin:end], cloud.weights, own)))
+        begin = end
+    return with_clouds
 
 
 def _free(surface: Surface, asked: BoolArray) -> tuple[IndexArray, FloatArray]:

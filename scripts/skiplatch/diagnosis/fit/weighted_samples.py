@@ -1,6 +1,7 @@
 """Parameters sampled from the likelihood with weights: what each may be, all others free."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -30,16 +31,28 @@ OFF_THE_TOP = 1.0  # nats that the mean may lie below the peak
 SEED = 1
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Cloud:
+    """Points of parameters that were sampled, and how much each counts."""
+
+    points: FloatArray
+    """Shape (m, p)."""
+    weights: FloatArray
+    """Sum to 1; shape (m,)."""
+    sampled: frozenset[int]
+    """Columns that differ from point to point."""
+
+
 def sampled(
     surface: Surface, free: IndexArray, steps: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, Cloud]:
     """Sample the free parameters, nearer to the likelihood each time.
 
-    Gives values, and what each may be from and to; shape (p,).
+    Gives values, what each may be from and to, of shape (p,), and the last points.
     """
     values, lower, higher = surface.values.copy(), surface.values.copy(), surface.values.copy()
     if not len(free):
-        return values, lower, higher
+        return values, lower, higher, Cloud(values[np.newaxis], np.ones(1), frozenset())
     rng = np.random.default_rng(SEED)
     slots = [surface.slots[i] for i in free]
     low, high = ((end - surface.values)[free] / steps for end in (surface.low, surface.high))
@@ -76,7 +89,9 @@ def sampled(
     values[free] += steps * best
     lower[free] += steps * np.minimum(first, best)
     higher[free] += steps * np.maximum(last, best)
-    return values, lower, higher
+    moved = np.tile(surface.values, (len(points), 1))
+    moved[:, free] += steps * points
+    return values, lower, higher, Cloud(moved, weights, frozenset(free.tolist()))
 
 
 def _drawn(

@@ -10,6 +10,7 @@ from skiplatch.diagnosis.candidates.axes import idle
 from skiplatch.diagnosis.candidates.surrogates import highest
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.intervals import estimates
+from skiplatch.diagnosis.fit.weighted_samples import Cloud
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.verdict.reliability import reliability
@@ -36,6 +37,8 @@ class Named:
     """Since or until which touch it acts, in words; empty for one that always does."""
     idle: frozenset[str] = frozenset()
     """Parameters by which no touch of the campaign differs, or none that one datum has."""
+    cloud: Cloud | None = None
+    """Samples of its parameters, in their order; those of all effects have the same points."""
 
 
 def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> list[Named]:
@@ -63,6 +66,7 @@ def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> l
             at_limit=_at_limit(effect),
             when=_when(scene, effect.span),
             idle=moves_nothing,
+            cloud=estimate.cloud,
         )
         found.append(one)
     return found
