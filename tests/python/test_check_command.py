@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from skiplatch.api.work import simulate
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches, read_campaign, write_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
@@ -35,6 +36,25 @@ def lines(campaign: Campaign, change: Change) -> list[str]:
 )
 def test_recorded_samples_are_not_odd(sample: str) -> None:
     assert oddities(read_campaign(SAMPLES / sample)) == []
+
+
+def test_a_move_before_the_end_of_the_one_before_is_told(machine_sample: Path) -> None:
+    def early(touches: Touches) -> Touches:
+        time_s = touches.time_s.copy()
+        time_s[28] = time_s[27] + 5.0
+        return replace(touches, time_s=time_s)
+
+    (line,) = lines(read_campaign(machine_sample), early)
+
+    assert line.startswith("time_s lies before the end of the move before, by feed_mm_min and ")
+    assert line.endswith(": touch 43")
+
+
+@pytest.mark.parametrize("sample", ["bench_isr_latency", "machine_no_gap"])
+def test_what_is_played_of_a_sample_is_not_odd(sample: str) -> None:
+    played = simulate(read_campaign(SAMPLES / sample), seed=1)
+
+    assert oddities(played) == []
 
 
 @pytest.mark.parametrize("scale", ["1000", "1/1000", "1/1,000,000"])

@@ -19,6 +19,8 @@ _HEATED = re.compile(r"bed|extruder|nozzle|hot_?end|heater", re.IGNORECASE)
 """In the name of a thermometer: a part of a printer that is hotter than any shop."""
 KELVIN = 273.15
 SPARE = 0.1  # share by which a surface may be nearer, or a feed faster, than it is told
+SPARE_OF_ONE = 0.05  # the same of a single move, after which the axis comes back as well
+MOST_OVERLAP = 0.5  # share of moves from which on all of them are odd
 _OF_A_MOVE = {"feed_mm_min", "approach_mm", "time_s"}
 FEWEST = 5
 COMES_BACK = 3.0  # touches for each different number, on average
@@ -45,6 +47,20 @@ def moves_without_time(campaign: Campaign) -> Iterator[Oddity]:
             f"the moves take {moves_s:.3g} s by feed_mm_min and approach_mm, and time_s leaves "
             f"{had_s:.3g} s for them: another unit?"
         )
+
+
+def moves_that_overlap(campaign: Campaign) -> Iterator[Oddity]:
+    """A move begins when the one before it is over; of most moves `moves_without_time` tells."""
+    if campaign.nominal.kind is Kind.BENCH or campaign.stood_in & _OF_A_MOVE:
+        return
+    touches = campaign.touches.in_order_of_time()
+    takes_s = touches.approach_mm / (touches.feed_mm_min / S_PER_MIN)
+    had_s = np.diff(touches.time_s)
+    early = (had_s > 0.0) & (had_s < (1.0 - SPARE_OF_ONE) * takes_s[:-1])
+    early &= np.diff(touches.session) == 0
+    if early.any() and early.mean() <= MOST_OVERLAP:
+        what = "time_s lies before the end of the move before, by feed_mm_min and approach_mm"
+        yield Oddity(what, serials(touches, np.append(False, early)))
 
 
 def temperatures(campaign: Campaign) -> Iterator[Oddity]:

@@ -13,6 +13,7 @@ from skiplatch.campaign.far_off import far_from_the_others, surfaces_apart
 from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.impossible import (
     latches_before_the_move,
+    moves_that_overlap,
     moves_without_time,
     places_beyond_reach,
     swapped_columns,
@@ -210,6 +211,7 @@ RULES: tuple[Rule, ...] = (
     _travel_units,
     _deviation_units,
     moves_without_time,
+    moves_that_overlap,
     temperatures,
     swapped_columns,
     ways_of_axes,
