@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import stat
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +15,8 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.undo import make_folders, replace, temporary_sibling
 
 MOST_JSON_BYTES = 64 << 20
+NO_READER_S = 0.05
+"""After which a pipe is asked again whether it has a reader."""
 
 
 def atomic_write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -32,7 +35,7 @@ def atomic_write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
     with failures_named(path, "write"):
         target = Path(os.path.realpath(path))
         if target.exists() and not target.is_file():
-            target.write_bytes(data)
+            _write_through(target, data)
         else:
             _replace(target, data)
 
@@ -195,6 +198,29 @@ def _replace(target: Path, data: bytes) -> None:
     except BaseException:
         temporary.unlink(missing_ok=True)
         raise
+
+
+def _write_through(target: Path, data: bytes) -> None:
+    """Write to what is no file, once it takes something."""
+    with os.fdopen(_opened(target), "wb", buffering=0) as stream:
+        os.set_blocking(stream.fileno(), True)
+        rest = memoryview(data)
+        while rest:
+            rest = rest[stream.write(rest) :]
+
+
+def _opened(target: Path) -> int:
+    """Open for writing; ask again until a pipe has a reader.
+
+    A call that waits for one would not end by a signal that came just before it.
+    """
+    while True:
+        try:
+            return os.open(target, os.O_WRONLY | os.O_NONBLOCK)
+        except OSError as error:
+            if error.errno != errno.ENXIO or not target.is_fifo():
+                raise
+        time.sleep(NO_READER_S)
 
 
 def _write_synced(path: Path, data: bytes) -> None:

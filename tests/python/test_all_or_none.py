@@ -269,6 +269,7 @@ def test_a_program_that_is_terminated_leaves_nothing(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "fifo")
     program = subprocess.Popen([sys.executable, "-m", "skiplatch", *slow])
     while not (tmp_path / "new").exists():  # it then waits for a reader of its JSON
+        assert program.poll() is None
         time.sleep(0.01)
     program.send_signal(signal.SIGTERM)
 

@@ -2,6 +2,7 @@
 
 import os
 import stat
+import threading
 from pathlib import Path
 
 import pytest
@@ -204,3 +205,29 @@ def test_size_at_the_limit_is_read_and_beyond_it_refused(tmp_path: Path) -> None
 
     with pytest.raises(InputError, match="a: larger than 4 bytes, which is the most that is read"):
         refuse_special_or_large(tmp_path / "a", 4)
+
+
+def test_no_call_waits_for_the_reader_of_a_pipe(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A signal just before such a call would not end it; data of many pages comes whole."""
+    pipe, data, read = tmp_path / "fifo", b"data" * 100_000, []
+    os.mkfifo(pipe)
+    tries = []
+
+    def opened(path: Path, flags: int) -> int:
+        assert flags & os.O_NONBLOCK
+        tries.append(path)
+        if len(tries) == 3:
+            reader.start()
+        return plain(path, flags)
+
+    reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()))
+    plain = os.open
+    monkeypatch.setattr("skiplatch.files.os.open", opened)
+
+    atomic_write_bytes(pipe, data)
+
+    reader.join()
+    assert read == [data]
+    assert len(tries) >= 3
