@@ -11,4 +11,6 @@ $(SITE_VENV)/venv.key: scripts/requirements-docs.lock | $(VENV)
 .PHONY: docs
 docs: setup $(SITE_VENV)/venv.key ## write the site into build/site and pages for man into build/man; every link is checked
 	@$(VENV_PYTHON) scripts/site_pages.py $(SITE)/pages build/man
-	@NO_MKDOCS_2_WARNING=1 $(SITE_VENV)/bin/mkdocs build --quiet --strict --config-file scripts/mkdocs.yml
+	@SITE_URL='$(SITE_URL)' NO_MKDOCS_2_WARNING=1 $(SITE_VENV)/bin/mkdocs build --quiet --strict --config-file scripts/mkdocs.yml
+# Neither says anything without the address: the one is empty, the other looks for its style at /.
+	@$(if $(SITE_URL),,rm -f build/site/sitemap.xml build/site/sitemap.xml.gz build/site/404.html)

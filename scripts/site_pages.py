@@ -2,7 +2,7 @@
 
 PAGES gets docs/ and the project's own pages, and reference pages of what the code says of itself:
 commands, effects, headers of the HAL. MAN gets a page for man for each command. Links to files that
-are no pages become plain text, pictures of docs/ are copied.
+are no pages become plain text, pictures and notebooks of docs/ are copied.
 """
 
 from __future__ import annotations
@@ -25,10 +25,13 @@ if TYPE_CHECKING:
 START = "README.md"
 OWN = (START, "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md")
 PICTURE = re.compile(r"(!\[[^\]]*\])\(docs/([\w.]+\.svg)\)")
+SHOWN = (".md", ".ipynb")
+"""What is in the site, the notebook as a file to take."""
 LINK = re.compile(r"(?<!!)\[([^\]]*)\]\(([^)#\s]*)(#[^)\s]*)?\)")
 ELSEWHERE = ("http:", "https:", "mailto:")
 STYLE = """.md-typeset table:not([class]) { display: block; overflow-x: auto; }
-.md-typeset code { overflow-wrap: anywhere; }
+.md-typeset :not(pre, td, th) > code { overflow-wrap: anywhere; }
+.md-typeset table code { overflow-wrap: normal; word-break: normal; }
 """
 
 
@@ -49,9 +52,14 @@ def relinked(text: str, folder: Path) -> str:
         known = path.relative_to(Path.cwd())
         is_page = known.parent == Path("docs") or str(known) in OWN
         name = "index.md" if str(known) == START else known.name
-        return f"[{words}]({name}{anchor})" if is_page and known.suffix == ".md" else words
+        return f"[{words}]({name}{anchor})" if is_page and known.suffix in SHOWN else words
 
     return LINK.sub(link, PICTURE.sub(r"\1(\2)", text))
+
+
+def copied() -> list[Path]:
+    """Give the files of docs/ that go into the site as they are."""
+    return [path for pattern in ("*.svg", "*.ipynb") for path in Path("docs").glob(pattern)]
 
 
 def written_pages() -> Iterator[tuple[str, str]]:
@@ -142,7 +150,7 @@ def main() -> int:
         "effects.md": effects_page(),
         "hal.md": hal_page(),
         "site.css": STYLE,
-        **{path.name: path.read_text(encoding="utf-8") for path in Path("docs").glob("*.svg")},
+        **{path.name: path.read_text(encoding="utf-8") for path in copied()},
     }
     try:
         write(pages, dict(written_pages()) | made)

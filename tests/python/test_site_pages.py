@@ -9,6 +9,7 @@ import click
 import pytest
 
 import site_pages
+from browser import browser, chromium
 from skiplatch import cli
 from skiplatch.commands import columns
 
@@ -28,6 +29,40 @@ def test_links_point_at_pages_of_the_site() -> None:
     said = site_pages.relinked(text, Path())
 
     assert said == "[a](WITHHELD.md#add-an-effect) [b](index.md) c [d](#e) [f](https://g.h)"
+
+
+def test_a_notebook_is_in_the_site_and_linked() -> None:
+    said = site_pages.relinked("[first](first_diagnosis.ipynb)", Path("docs"))
+
+    assert said == "[first](first_diagnosis.ipynb)"
+    assert Path("docs/first_diagnosis.ipynb") in site_pages.copied()
+
+
+@pytest.mark.parametrize("width_px", [400, 1280])
+def test_names_in_tables_stay_whole_and_tables_scroll(width_px: int, tmp_path: Path) -> None:
+    if (program := chromium()) is None:
+        pytest.skip("chromium is not installed: scripts/setup/system.sh test")
+    name = "deviation_beyond_stamp_um_and_more_of_it"
+    row = f"<td><code>{name}</code></td>" * 5
+    text = f"<p><code>{'x' * 300}</code></p><table><tr>{row}</tr></table>"
+    theirs = ".md-typeset code { word-break: break-word; }"
+    (tmp_path / "page.html").write_text(
+        f"<style>{theirs}{site_pages.STYLE}</style><article class=md-typeset>{text}</article>"
+    )
+
+    with browser(program, tmp_path / "profile") as page:
+        page.open(tmp_path / "page.html", "light", width_px)
+        lines = page.evaluate("document.querySelector('td code').getClientRects().length")
+        beyond_px = page.evaluate(
+            "document.documentElement.scrollWidth - document.documentElement.clientWidth"
+        )
+        scrolls = page.evaluate(
+            "(t => t.scrollWidth > t.clientWidth)(document.querySelector('table'))"
+        )
+
+    assert lines == 1
+    assert beyond_px == 0
+    assert scrolls
 
 
 def test_pictures_stand_beside_the_pages() -> None:
