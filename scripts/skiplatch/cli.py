@@ -19,8 +19,8 @@ from skiplatch.simulator.library import SimulationError
 from skiplatch.undo import INTERRUPTED, TERMINATED, taken_back_on_failure
 
 BAD_INPUT = 2
-FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
-"""Of a file that takes no more: each is named where it is written, and only stdout is not."""
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF}
+"""Of a file that takes no more, or a closed stdout: only that is not named where it is written."""
 NO_READER = 128 + signal.SIGPIPE
 """Exit status of a tool whose output nobody reads any longer, as a shell gives it."""
 
@@ -171,9 +171,25 @@ def main() -> None:
         _refuse(one_line(f"{type(error).__name__}: {error}"))
 
 
+class _Nowhere(TextIOWrapper):
+    """Stands for a stdout that was closed: a command whose result it would lose ends here."""
+
+    def write(self, text: str) -> int:
+        """See `io.TextIOBase.write`.
+
+        Raises:
+            OSError: All of the result goes here, or a document that was asked for.
+        """
+        from skiplatch.commands.claims import goes_to_files  # noqa: PLC0415
+
+        if not goes_to_files():
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+        return len(text)
+
+
 def _open_what_was_closed() -> None:
     """Give a process that was started without stdout or stderr one that goes nowhere."""
-    sys.stdout = sys.stdout or Path(os.devnull).open("w")  # noqa: SIM115
+    sys.stdout = sys.stdout or _Nowhere(Path(os.devnull).open("wb"))  # noqa: SIM115
     sys.stderr = sys.stderr or Path(os.devnull).open("w")  # noqa: SIM115
 
 

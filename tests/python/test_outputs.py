@@ -210,3 +210,28 @@ def test_no_output_is_missed_where_stdout_and_stderr_are_closed(tmp_path: Path) 
 
     assert subprocess.run(["/bin/sh", "-c", closed], check=False).returncode == 0
     assert json.loads((tmp_path / "e.json").read_text())
+
+
+@pytest.mark.parametrize("words", ["columns", "effects --json -", "--help", "columns --help"])
+def test_a_result_that_a_closed_stdout_would_lose_is_refused(words: str) -> None:
+    closed = f"exec {sys.executable} -m skiplatch {words} >&-"
+
+    done = subprocess.run(["/bin/sh", "-c", closed], check=False, stderr=subprocess.PIPE, text=True)
+
+    assert (done.returncode, done.stderr.splitlines(keepends=True)[-1]) == (
+        2,
+        "skiplatch: stdout: cannot write: Bad file descriptor\n",
+    )
+
+
+def test_a_folder_is_not_written_to_stdout(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    campaign = (SAMPLES / "bench_isr_latency").resolve()
+    monkeypatch.chdir(tmp_path)
+    words = ["simulate", "--nominal", str(campaign / "nominal.toml"), "--conditions",
+             str(campaign / "touches.csv"), "-o", "-"]  # fmt: skip
+
+    said = CliRunner().invoke(group, words)
+
+    assert said.exit_code == 2
+    assert "expected the name of a folder: this is not written to stdout" in said.stderr
+    assert not list(tmp_path.iterdir())

@@ -13,6 +13,9 @@ import click
 
 from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE
 
+STDOUT_TAKEN = "skiplatch.stdout"
+"""Key of what a command keeps with its context: the stdout that a document goes to."""
+
 
 @dataclass(frozen=True, slots=True)
 class _Claim:
@@ -64,6 +67,13 @@ def claim_input(
     """
     for one in (path, path / NOMINAL_FILE, path / TOUCHES_FILE):
         _claim(_Claim(one, param, is_output=False, is_whole=is_whole))
+
+
+def goes_to_files() -> bool:
+    """Tell whether the command at work writes a file, and nothing that was asked for to stdout."""
+    context = click.get_current_context(silent=True)
+    claims: list[_Claim] = context.meta.get(__name__, []) if context else []
+    return any(one.is_output for one in claims) and not (context and STDOUT_TAKEN in context.meta)
 
 
 def _claim(mine: _Claim) -> None:

@@ -13,6 +13,7 @@ import click
 from skiplatch.admitted import JOBS, SEED
 from skiplatch.campaign import Kind
 from skiplatch.campaign.kind import NOT_ON_A_BENCH
+from skiplatch.commands.claims import STDOUT_TAKEN
 from skiplatch.commands.numbers import CountType, number_or_nan
 from skiplatch.commands.outputs import STDOUT, OutputFile
 from skiplatch.errors import hint, quoted
@@ -58,9 +59,9 @@ before its reader left, Python says nothing."""
 def text_aside(ctx: click.Context, _: click.Parameter, path: Path | None) -> Path | None:
     """Send what is meant for people to stderr if a document goes to stdout."""
     if path == STDOUT:
-        if __name__ in ctx.meta:
+        if STDOUT_TAKEN in ctx.meta:
             raise click.UsageError("only one document can go to stdout")
-        ctx.meta[__name__] = sys.stdout
+        ctx.meta[STDOUT_TAKEN] = sys.stdout
         ctx.with_resource(redirect_stdout(sys.stderr))
     return path
 
@@ -154,7 +155,7 @@ def write_json(path: Path | None, result: Mapping[str, Any] | Sequence[Any]) -> 
 def write_document(path: Path, text: str) -> None:
     """Write what `json_option` or `html_option` asked for to its file, or to stdout."""
     if path == STDOUT:
-        stdout = click.get_current_context().meta[__name__]
+        stdout = click.get_current_context().meta[STDOUT_TAKEN]
         for begin in range(0, len(text), ATOMIC):
             click.echo(text[begin : begin + ATOMIC], file=stdout, nl=False)
     else:

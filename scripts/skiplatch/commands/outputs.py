@@ -59,6 +59,8 @@ class OutputFolder(click.Path):
         """See `click.ParamType.convert`."""
         refuse_nameless(value, self, param, ctx)
         path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        if path == STDOUT:
+            self.fail("expected the name of a folder: this is not written to stdout", param, ctx)
         if self.is_new:
             refuse_occupied(path)
         refuse_unwritable(path, makes_folders=True)
