@@ -47,6 +47,7 @@ COMMANDS = {
     "kinematics": "Find the location errors of rotary axes from touches of a sphere.",
     "bench": "Play a plan on a Linux bench and record a campaign, or watch its latches live.",
     "fleet": "Keep the campaigns of many rigs and months in one store, and ask it.",
+    "samples": "Copy the sample campaigns that the examples name.",
     "demo": "Show all of it on simulated and recorded data, with pictures.",
 }
 

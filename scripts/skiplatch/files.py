@@ -49,15 +49,32 @@ def atomic_write_folder(path: str | os.PathLike[str], texts: Mapping[str, str]) 
         InputError: Something other than an empty folder stands there already, or the folder
             cannot be written.
     """
+    with _new_folder(path) as temporary:
+        temporary.mkdir()
+        for name, text in texts.items():
+            _write_synced(temporary / name, text.encode())
+
+
+def atomic_copy_folder(source: Path, path: str | os.PathLike[str]) -> None:
+    """Copy a folder and all below it, or leave nothing; see `atomic_write_folder`.
+
+    Raises:
+        InputError: As there.
+    """
+    with _new_folder(path) as temporary:
+        shutil.copytree(source, temporary)
+
+
+@contextmanager
+def _new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give the name of a folder to make in the block, which then comes to its place."""
     refuse_occupied(path)
     with failures_named(path, "write"):
         target = Path(os.path.realpath(path))
         make_folders(target.parent)
         temporary = temporary_sibling(target)
         try:
-            temporary.mkdir()
-            for name, text in texts.items():
-                _write_synced(temporary / name, text.encode())
+            yield temporary
             replace(temporary, target)
         except BaseException:
             shutil.rmtree(temporary, ignore_errors=True)

@@ -7,3 +7,5 @@ _CHECKOUT = Path(__file__).parents[2]
 
 ROOT = _PACKED if _PACKED.is_dir() else _CHECKOUT
 """The checkout, or the same tree as the wheel brings it: both have the same paths below this."""
+SAMPLES = ROOT / "scripts" / "samples"
+"""Campaigns to try the program on."""

@@ -15,6 +15,7 @@ from skiplatch.commands import demo, demo_fleet
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.diagnosis.reported.schema import FORMATS
 from skiplatch.latch.effort import Effort
+from skiplatch.places import SAMPLES
 
 PICTURES = (
     "latch_errors",
@@ -122,7 +123,7 @@ def test_folder_is_required() -> None:
 def test_the_fleet_is_diagnosed_and_the_worn_rig_found(tmp_path: Path) -> None:
     page = tmp_path / "fleet.html"
 
-    found = demo_fleet.show_fleet(demo.SAMPLES / "machine_no_gap", page, seed=1, jobs=2)
+    found = demo_fleet.show_fleet(SAMPLES / "machine_no_gap", page, seed=1, jobs=2)
 
     assert {change["rig"] for change in found["changed"]} == {demo_fleet.WORN}
     assert found["undiagnosed"] == 0

@@ -20,14 +20,13 @@ from skiplatch.figures.one_point import draw_one_point
 from skiplatch.figures.scan_position import draw_scan_position
 from skiplatch.latch import Effort, seed_document
 from skiplatch.latch.probing import DEFAULT_RIG
-from skiplatch.places import ROOT
+from skiplatch.places import SAMPLES
 from skiplatch.planner.document import DOCUMENT_LIMITS
 
 EPILOG = """\b
 Example:
   skiplatch demo --out build/demo
 """
-SAMPLES = ROOT / "scripts" / "samples"
 FEED_MM_MIN = 3000.0
 WANTED_UM = 2.0
 TOUCHES = 1_000_000  # on each path
