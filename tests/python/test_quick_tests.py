@@ -30,3 +30,12 @@ def test_without_a_run_the_changed_files_are_run_and_it_says_so(
 
     assert quick_tests.quick(FILES, tmp_path / "none.xml", 1.0) == FILES[:1]
     assert "make test has not run here" in capsys.readouterr().err
+
+
+def test_the_last_line_counts_what_passed() -> None:
+    """`make quick` in a fresh clone said nothing of what had run."""
+    recipe = Path("mk/quick.mk").read_text().rstrip().splitlines()
+    (told,) = [line for line in recipe if line.lstrip().startswith("END { printf")]
+
+    assert "tests of C in %d files and %d test files of Python passed" in told
+    assert recipe.index(told) >= len(recipe) - 2
