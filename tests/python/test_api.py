@@ -2,13 +2,14 @@
 
 import contextlib
 import csv
+import inspect
 import io
 import json
 import re
 import subprocess
 import sys
 import types
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +77,19 @@ def test_every_name_is_there_and_documented() -> None:
     assert set(skiplatch.__all__) <= set(dir(skiplatch))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = skiplatch.nothing
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [one for name in skiplatch.__all__ if is_dataclass(one := getattr(skiplatch, name))],
+)
+def test_docstrings_name_every_attribute_that_is_stable(kind: type) -> None:
+    told = inspect.getdoc(kind) or ""
+    _, _, listed = told.partition("Attributes:")
+    names = set(re.findall(r"\w+", " ".join(re.findall(r"^ +([\w, ]+):", listed, re.M))))
+
+    assert names >= {field.name for field in fields(kind) if not field.name.startswith("_")}
+    assert not re.search(r"`[A-Z]{3,}", told)  # what is not exported
 
 
 def test_import_loads_nothing_that_it_does_not_need() -> None:

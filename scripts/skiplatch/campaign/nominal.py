@@ -229,9 +229,10 @@ _OF_THE_KIND = Datum.of_kind(Kind.BENCH)  # this very object stands for what the
 
 @dataclass(frozen=True, slots=True)
 class Nominal:
-    """All of nominal.toml.
+    """All of nominal.toml; ``skiplatch columns --nominal`` prints its keys.
 
     Attributes:
+        kind, probe, input, skip, plc, axis, report, bench: ``bench`` or ``machine``; the sections.
         uncertainty: Standard uncertainty of those keys that are given with one.
         unknown: Keys that stand at their default because the file leaves them out.
         datum: How the place of the surface is unknown; by the kind where nothing is said of it.

@@ -21,12 +21,26 @@ class Touches:
     """The rows of touches.csv, or of a selection of them, in the order of the file.
 
     Every array has the shape (n,). A number that was not recorded is NaN, a choice that was not
-    recorded is `NOT_RECORDED`. What each column means and which values it admits stands in
-    `COLUMNS`.
+    recorded is -1. ``skiplatch columns`` prints what each column means and which values it admits.
 
     `status` is kept as it was recorded. Where it was not, a touch with any measured outcome
     counts as ok, and one without is neither ok nor missed; so ask `ok`, `missed` and `false`
     rather than compare `status`.
+
+    Attributes:
+        touch: Serial number.
+        time_s: Start of the measuring move.
+        path: 0 for skip, 1 for plc; see `on_skip` and `on_plc`.
+        axis: 0 to 5 for X, Y, Z, A, B, C.
+        sign: 1 or -1, the sense of the move, to multiply with.
+        alpha_deg, beta_deg: Direction of the approach.
+        feed_mm_min, approach_mm, position_mm, rotary_deg, temp_c: As in touches.csv.
+        edge_us, latch_us, report_us, deviation_um: What came of it.
+        status: 0 for ok, 1 for missed, 2 for false; see `ok`, `missed` and `false`.
+        session: Number of its name in `session_names`.
+        position_deg, deviation_arcsec: Those of an axis that turns.
+        session_names: Texts, in the order of the file.
+        thermometers: Further temperatures in °C, by the names of their places.
     """
 
     touch: SerialArray

@@ -50,9 +50,14 @@ class EffectDescription:
 
 @dataclass(frozen=True, slots=True)
 class Effect:
-    """An effect switched on; parameters that are not given are as `Parameter.when_unset` says.
+    """An effect switched on. Former names of parameters become the present ones.
 
-    Former names of parameters become the present ones.
+    Attributes:
+        id: Its name in the table, which ``skiplatch effects`` prints.
+        parameters: Values by name, in the units of the table. One that is not given is 0, or the
+            admitted value nearest to it.
+        span: The touches at which it acts: `span.since` is the first and `span.until` the last,
+            each None for no end. Without it: all.
     """
 
     id: str
