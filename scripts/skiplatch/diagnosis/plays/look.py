@@ -17,18 +17,15 @@ from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
-from skiplatch.diagnosis.plays.scores import (
-    go_together,
-    normal_scores,
-    shares_among,
-    way_from_normal,
-)
+from skiplatch.diagnosis.plays.memory import remembered
+from skiplatch.diagnosis.plays.scan_place import off_in_scan
+from skiplatch.diagnosis.plays.scores import go_together, normal_scores
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.size import apart, far_off, scatter, wider
 from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest, wave
 from skiplatch.diagnosis.plays.turns import Turn, happens_in_turn, in_turn
-from skiplatch.diagnosis.scene.covariates import neighbours, varying
-from skiplatch.diagnosis.scene.observed import UNITS, before_wait
+from skiplatch.diagnosis.scene.covariates import WITHIN, before, varying
+from skiplatch.diagnosis.scene.observed import UNITS
 from skiplatch.statistics import errors_of, errors_of_excess
 
 FEWEST_FOR_FOREST = 25
@@ -106,7 +103,9 @@ class Look:
 
     def told(self) -> Iterator[Left]:
         """Give all that goes with anything known."""
-        yield from self._by(Look.straight, Look.predicted, Look.waves, Look.recurring)
+        yield from self._by(
+            Look.straight, Look.predicted, Look.waves, Look.recurring, Look.remembered
+        )
 
     def told_of_chance(self) -> list[Left]:
         """Give all that goes with anything known, also of what happens to some touches alone."""
@@ -174,20 +173,10 @@ class Look:
         return far_off(self.off, float(np.nanmax(np.abs(self._plays_off))), self._step)
 
     def _shape(self) -> Left:
-        """Compare where in the scan touches fall with where plays do (Cramér and von Mises' test).
-
-        A wait that is bound to one point of the scan may scatter no more than any, about the same
-        middle. Of noise the shape is not known so well. All touches of a play share the phase of
-        its scans, as those recorded do: where these fall is held against touches of any plays.
-        """
-        scene = self._setting.scene
-        is_from_contact = np.isnan(scene.touches.edge_us)
-        expected = before_wait(scene, UNITS[self.name], is_from_contact=is_from_contact)
-        before, unit = (values[self._rows] for values in expected)
-        waits = (self.played - before) / unit
-        shares = shares_among(np.sort(waits[~np.isnan(waits)]), (self.recorded - before) / unit)
-        z = errors_of(float(stats.cramervonmises(shares, "uniform").pvalue))
-        off = way_from_normal(stats.norm.ppf(shares))
+        """Compare where in the scan touches fall with where plays do."""
+        off, z = off_in_scan(
+            self._setting.scene, UNITS[self.name], self._rows, self.recorded, self.played
+        )
         size, relative = (
             off * float(np.median(values)) for values in (self._noise, self._noise / self.scale)
         )
@@ -237,7 +226,7 @@ class Look:
         for kind, target in targets.items():
             full = np.full(len(self._rows), np.nan)
             full[self._rows] = target
-            around = varying(neighbours(self._setting.order, full), self._rows)
+            around = varying(before(self._setting.order, full), self._rows)
             columns |= {f"{name}{IN_WORDS[kind]}": column for name, column in around.items()}
         if not columns:
             return
@@ -269,6 +258,15 @@ class Look:
     def recurring(self) -> Iterator[Left]:
         """Look for touches that come every so many and are off."""
         yield from self._in_turn(in_turn(self._serial, self._scores))
+
+    def remembered(self) -> Iterator[Left]:
+        """Look for touches that are off as those before them were, or as far."""
+        ranks = stats.rankdata(self._sizes) / (len(self._sizes) + 1.0)
+        for kind, scores in (("shift", self._scores), ("scatter", stats.norm.ppf(ranks))):
+            found = remembered(self._setting.order, self._rows, scores)
+            if found is not None:
+                words = (f"{WITHIN} {found.window} touches{IN_WORDS[kind]}",)
+                yield self._left(kind, words, found.rows, found.z)
 
     def happened_in_turn(self) -> Iterator[Left]:
         """Look for touches that come every so many, to which something happened."""

@@ -15,8 +15,6 @@ CYCLES = (2, 3, 4, 5, 6, 7, 8, 10, 12)
 """Touches after which a cycle in the sequence that is looked for comes back."""
 LAGS = (1, 2, 3, 4, 5, 6, 7, 8)
 """Touches back at which the score of another one may tell something."""
-WINDOWS = (2, 5, 15)
-"""Touches to either side whose scores are averaged."""
 LEFT = "what is left"
 WITHIN = f"{LEFT} within"
 DIRECTIONS = ("axis", "sense", "azimuth", "elevation", "direction", "turn since")
@@ -139,14 +137,13 @@ def in_words(name: str) -> str:
     return "the touches around it" if name.startswith(LEFT) else name
 
 
-def neighbours(order: Order, scores: FloatArray) -> Mapping[str, FloatArray]:
-    """Give the scores, shape (n,), of touches around each; NaN where there is none."""
-    found = {f"{LEFT} {lag} touches before": order.back(scores, lag) for lag in LAGS}
-    found[f"{LEFT} 1 touch after"] = order.back(scores, -1)
-    for window in WINDOWS:
-        around = [order.back(scores, k) for k in range(-window, window + 1) if k]
-        found[f"{WITHIN} {window} touches"] = _mean(np.array(around))
-    return found
+def before(order: Order, scores: FloatArray) -> Mapping[str, FloatArray]:
+    """Give the scores, shape (n,), of touches before each; NaN where there is none.
+
+    None of touches after it: who learns from both of two touches what the one tells of the other
+    has seen already what he is asked.
+    """
+    return {f"{LEFT} {lag} touches before": order.back(scores, lag) for lag in LAGS}
 
 
 def varying(columns: Mapping[str, FloatArray], rows: BoolArray) -> dict[str, FloatArray]:
@@ -157,14 +154,6 @@ def varying(columns: Mapping[str, FloatArray], rows: BoolArray) -> dict[str, Flo
         if len(known) and np.ptp(known) > 0.0:
             kept[name] = values[rows]
     return kept
-
-
-def _mean(values: FloatArray) -> FloatArray:
-    """Mean over the first axis of what is known; NaN where nothing is."""
-    known = ~np.isnan(values)
-    count = known.sum(axis=0)
-    total = np.where(known, values, 0.0).sum(axis=0)
-    return np.asarray(np.where(count > 0, total / np.maximum(count, 1), np.nan))
 
 
 def _rest_since_same(time_s: FloatArray, codes: np.ndarray) -> FloatArray:
