@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from played_campaigns import MACHINE, played
 from skiplatch.arrays import BoolArray
@@ -84,6 +85,26 @@ def test_few_touches_tell_that_those_of_one_side_alone_came_late() -> None:
         plain = played(MACHINE, bounce, seed=seed)
         rows = np.arange(0, len(plain.touches), 3)
         assert told(replace(plain, touches=plain.touches.select(rows)), bounce) == []
+
+
+def test_each_condition_is_asked_for_what_happens_to_some() -> None:
+    """Ranks of how late each of them is tell less of it, and so may a forest of all conditions."""
+    campaign = in_order()
+    feed = campaign.touches.feed_mm_min
+    often = np.random.default_rng(8).random(len(feed)) < 0.5
+    rows = (feed >= np.quantile(feed, 0.75)) & often
+    bounce = Effect("contact_bounce", {"probability": float(rows.mean()), "least_us": LATE_US})
+
+    found = told(late(campaign, rows), bounce)
+
+    assert max(one.z for one in found if one.conditions == ("feed",)) > 6.0
+
+
+@pytest.mark.long
+def test_bounces_are_told_no_more_often_than_stated() -> None:
+    campaigns = (played(MACHINE, BOUNCE, seed=seed) for seed in range(100, 200))
+
+    assert sum(bool(told(campaign, BOUNCE)) for campaign in campaigns) <= 1
 
 
 def test_what_leaves_nothing_more_to_chance_cannot_be_told_of() -> None:

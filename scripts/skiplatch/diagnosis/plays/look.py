@@ -21,7 +21,7 @@ from skiplatch.diagnosis.plays.memory import remembered
 from skiplatch.diagnosis.plays.scan_place import off_in_scan
 from skiplatch.diagnosis.plays.scores import go_together, normal_scores
 from skiplatch.diagnosis.plays.setting import Setting
-from skiplatch.diagnosis.plays.size import apart, far_off, scatter, wider
+from skiplatch.diagnosis.plays.size import apart, far_off, scatter, upper, wider
 from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest, wave
 from skiplatch.diagnosis.plays.turns import Turn, happens_in_turn, in_turn
 from skiplatch.diagnosis.scene.covariates import WITHIN, before, varying
@@ -189,27 +189,29 @@ class Look:
         does itself; ranks of them tell less (Chernoff and Savage, Annals of Mathematical Statistics
         29 (1958) 972). Their size is not normal, and is ranked.
         """
+        yield from self._ranked("shift", self._scores)
+        yield from self._ranked("scatter", stats.rankdata(self._sizes))
+
+    def _ranked(self, kind: str, target: FloatArray) -> Iterator[Left]:
         columns = varying(self._setting.known, self._rows)
-        sizes = stats.rankdata(self._sizes)
-        for kind, target in (("shift", self._scores), ("scatter", sizes)):
-            best = best_ranked(columns, target)
-            if best is not None:
-                values = columns[best[1]]
-                high = values > np.nanmedian(values)
-                high = high if high.any() else values >= np.nanmedian(values)
-                yield self._left(kind, (best[1],), high, errors_of(best[0] * len(columns)))
+        best = best_ranked(columns, target)
+        if best is not None:
+            high = upper(columns[best[1]])
+            yield self._left(kind, (best[1],), high, errors_of(best[0] * len(columns)))
 
     def predicted(self) -> Iterator[Left]:
         """Let a forest predict the scores, and how far they are off, both by the same trees."""
         yield from self._by_forest({"shift": self._scores, "scatter": self._sizes})
 
     def happened(self) -> Iterator[Left]:
-        """Let a forest predict how far touches are off the mean of plays, in deviations of these.
+        """Predict how far touches are off the mean of plays, in deviations of these.
 
-        That tells to which of them something happened that happens to some: ranks tell less of it,
-        for among those that it happened to each has a rank of its own.
+        By each condition, and by a forest. That tells to which of them something happened that
+        happens to some: ranks tell less of it, for among those each has a rank of its own.
         """
-        yield from self._by_forest({"shift": np.clip(self._deviations, -FARTHEST, FARTHEST)})
+        off = np.clip(self._deviations, -FARTHEST, FARTHEST)
+        yield from self._ranked("shift", off)
+        yield from self._by_forest({"shift": off})
 
     @cached_property
     def _deviations(self) -> FloatArray:

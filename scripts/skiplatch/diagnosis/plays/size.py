@@ -47,3 +47,9 @@ def far_off(off: FloatArray, reach: FloatArray | float, step: float) -> BoolArra
     known = off[~np.isnan(off)]
     usual = FAR * max(scatter(known), step) if len(known) else 0.0
     return np.abs(off) > 2.0 * reach + usual
+
+
+def upper(values: FloatArray) -> BoolArray:
+    """Tell which values lie above their middle, or in it if none does; NaN is in neither half."""
+    above = values > np.nanmedian(values)
+    return above if above.any() else np.asarray(values >= np.nanmedian(values))
