@@ -115,6 +115,7 @@ static int weigh_streams(void)
     static const sim_law_t      chain[] = {{.sigma = 0.1}, {.sigma = 0.1}, {.sigma = 0.1}};
     static const sim_touches_t  touches_3 = {.n = 3u,
                                              .speed = ones,
+                                             .datum_senses = ones,
                                              .pretravel_um = ones,
                                              .wait_us = ones,
                                              .begin_us = ones,
