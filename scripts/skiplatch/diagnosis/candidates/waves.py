@@ -22,6 +22,8 @@ MOST_PEAKS = 12
 MOST_PERIODS = 3
 """The best of those that are proposed: with so many orders, and with one for each axis."""
 MOST_ORDERS = 3
+STEPS_A_PEAK, NEAR_STEPS = 15, 6
+"""Steps within the width of a peak, five for the highest order, and those to either side."""
 WORTH_AN_ORDER = 8.0
 """Squares, weighted, that one order more has to leave less to be proposed."""
 FEWEST_ON_AXIS = 16
@@ -83,15 +85,25 @@ class _Seen:
         """Give the best sines for all axes together, and for each axis, with what they leave."""
         frequencies, explained = self._explained(self.weights)
         peaks = _peaks(frequencies, explained)
-        found = [_best(peaks, partial(self._orders, orders=1))]
+        found = [self._best(peaks, partial(self._orders, orders=1))]
         for orders in range(2, MOST_ORDERS + 1):
-            more = _best(peaks, partial(self._orders, orders=orders))
+            more = self._best(peaks, partial(self._orders, orders=orders))
             if more and more[0][0] < found[-1][0][0] - WORTH_AN_ORDER:
                 found.append(more)
         if len(self.axes) > 1:
             parts = [self._explained(self.weights * self.on_axes[k])[1] for k in self.axes]
-            found.append(_best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
+            found.append(self._best(_peaks(frequencies, np.sum(parts, axis=0)), self._by_axis))
         return [fitted for best in found for fitted in best]
+
+    def _best(self, peaks: Sequence[float], sine: Sine) -> list[tuple[float, Parameters]]:
+        """Fit at peaks, and about the best: one sine peaks elsewhere than several orders do."""
+        if not peaks:
+            return []
+        near = np.arange(-NEAR_STEPS, NEAR_STEPS + 1) / (STEPS_A_PEAK * np.ptp(self.position))
+        best = sorted((sine(per_mm)[0], per_mm) for per_mm in peaks)[:MOST_PERIODS]
+        return sorted(
+            min(sine(per_mm + off) for off in near if per_mm + off > 0.0) for _, per_mm in best
+        )
 
     def _explained(self, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Give frequencies in 1/mm, and the weighted squares that a sine of each explains."""
@@ -138,10 +150,6 @@ def _peaks(frequencies: FloatArray, explained: FloatArray) -> list[float]:
     peaks, _ = signal.find_peaks(np.pad(explained, 1))
     tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
     return [float(frequencies[i]) for i in tried]
-
-
-def _best(peaks: Sequence[float], sine: Sine) -> list[tuple[float, Parameters]]:
-    return sorted(sine(per_mm) for per_mm in peaks)[:MOST_PERIODS]
 
 
 def _polar(parts: FloatArray) -> tuple[list[float], list[float]]:
