@@ -185,8 +185,8 @@ def _say_repeatability(
 def _zero(place: FloatArray, deviation: FloatArray, sign: FloatArray) -> float:
     """Give the deviation of the positive sense at position 0, by a common slope of both senses.
 
-    Where the instrument reads 0 is arbitrary, and a campaign knows no such freedom: a shift of
-    the coordinate would look like a reversal error, and a reversal error like a pretravel.
+    Where the instrument reads 0 is arbitrary, which the campaign's datum says: a diagnosis fits the
+    zero anew. Deviations are told from about it for whoever reads them without one.
 
     Args:
         place: Positions in mm; shape (n,).

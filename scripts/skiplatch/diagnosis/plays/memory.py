@@ -18,7 +18,7 @@ from skiplatch.statistics import errors_of
 WINDOWS = (1, 2, 5, 15)
 """Touches before each that are held against it."""
 FEWEST_A_LAG = 4
-"""Touches for each of these that it takes."""
+"""Touches, and pairs of them, for each of these that it takes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,10 +51,10 @@ def remembered(order: Order, rows: BoolArray, scores: FloatArray) -> Memory | No
     off[rows] = scores - scores.mean()
     chances = _chances(order, off, windows)
     best = int(np.argmin(chances))
-    around = [order.back(off, k) for k in range(-windows[best], windows[best] + 1) if k]
-    others = np.nansum(around, axis=0)[rows]
+    window = windows[best]
+    others = np.nansum([order.back(off, k) for k in range(-window, window + 1) if k], axis=0)[rows]
     z = errors_of(min(1.0, len(windows) * chances[best]))
-    return Memory(windows[best], others > np.median(others), z)
+    return Memory(window, others > np.median(others), z)
 
 
 def _chances(order: Order, off: FloatArray, windows: list[int]) -> list[float]:
