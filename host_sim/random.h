@@ -24,6 +24,9 @@ void sim_random_begin(sim_random_t *random, uint64_t seed, uint64_t replicate, u
 /* Uniform in [0, width). */
 double sim_random_uniform(sim_random_t *random, double width);
 
+/* How many means the farthest draw from an exponential law is: log(2^32). */
+#define SIM_RANDOM_FARTHEST 22.2
+
 /* Exponential, from 0 on. */
 double sim_random_exponential(sim_random_t *random, double mean);
 

@@ -3,7 +3,7 @@
 #include <math.h>
 #include <stddef.h>
 
-#define LATE_SCANS 100 /* how far back a late scan is felt */
+#define MOST_LATE_SCANS 100.0 /* how far back a late scan is felt at most */
 
 static sim_ns_t due_at(const sim_scan_t *scan, int64_t number)
 {
@@ -43,8 +43,8 @@ static void await_late(sim_scan_t *scan, sim_ns_t time)
 {
     int64_t  newest = scan->next;
     sim_ns_t begin = 0;
-    for (int64_t number = newest > LATE_SCANS ? newest - LATE_SCANS : 0; number <= newest;
-         ++number) {
+    int64_t  felt = (int64_t)fmin(ceil((double)scan->latest / scan->period_ns), MOST_LATE_SCANS);
+    for (int64_t number = newest > felt ? newest - felt : 0; number <= newest; ++number) {
         sim_ns_t due = due_at(scan, number) + scan->late(scan->context, number);
         begin = due > begin ? due : begin;
         if (number > scan->last && begin >= time) {

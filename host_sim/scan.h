@@ -18,6 +18,7 @@ typedef struct {
     int64_t          next;      /* number of the next one to execute */
     sim_ns_t         next_at;   /* when, or SIM_NEVER */
     sim_scan_late_t *late;      /* NULL: never late */
+    sim_ns_t         latest;    /* no scan begins later than by this */
     void            *context;
 } sim_scan_t;
 

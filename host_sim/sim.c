@@ -37,6 +37,7 @@ static void boot_scan(sim_t *sim)
     sim_scan_init(&sim->scan, phase, period_ns, sim->now);
     if (sim_effects_reach(&sim->effects, SIM_SCAN_START)) {
         sim->scan.late = scan_lateness;
+        sim->scan.latest = sim_ns_from_us(sim_effects_most_us(&sim->effects, SIM_SCAN_START)) + 1;
         sim->scan.context = sim;
     }
 }

@@ -1,5 +1,7 @@
 #include "effects/active.h"
 
+#include <string.h>
+
 #include "effects/table.h"
 
 #define LANES 256u
@@ -50,6 +52,26 @@ void sim_effects_begin_scan(sim_effects_t *effects, uint64_t scan)
             begin(effects, &effects->active[i], scan);
         }
     }
+}
+
+static double sum_us(const sim_active_t *active)
+{
+    double sum = 0.0;
+    for (uint32_t k = 0; active->effect->about.parameters[k].name != NULL; ++k) {
+        bool is_time = strcmp(active->effect->about.parameters[k].unit, "µs") == 0;
+        sum += is_time ? active->parameters[k] : 0.0;
+    }
+    return sum;
+}
+
+double sim_effects_most_us(const sim_effects_t *effects, sim_quantity_t quantity)
+{
+    double most_us = 0.0;
+    for (uint32_t i = 0; i < effects->count; ++i) {
+        const sim_active_t *active = &effects->active[i];
+        most_us += active->effect->quantity == quantity ? sum_us(active) : 0.0;
+    }
+    return SIM_RANDOM_FARTHEST * most_us;
 }
 
 double sim_effects_change(sim_effects_t *effects, const sim_effect_call_t *scene,

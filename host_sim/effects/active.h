@@ -45,6 +45,12 @@ static inline bool sim_effects_reach(const sim_effects_t *effects, sim_quantity_
 }
 
 /*
+ * The most in µs that the effects can add to a quantity, if each adds no more than the sum of its
+ * parameters in µs, as the means of draws from exponential laws: what is asked of those of scans.
+ */
+double sim_effects_most_us(const sim_effects_t *effects, sim_quantity_t quantity);
+
+/*
  * What the effects make of a quantity. Of `scene`, what belongs to one effect (parameters, state,
  * random, rig) is filled in here.
  */

@@ -25,7 +25,7 @@ typedef enum {
     SIM_CAPTURE,       /* µs, device clock: the time stamp captured at an edge */
     SIM_CLOCK,         /* µs, device clock at the master clock's value */
     SIM_SCAN_PERIOD,   /* µs, once */
-    SIM_SCAN_START,    /* µs by which one scan begins late */
+    SIM_SCAN_START,    /* µs by which one scan begins late; see sim_effects_most_us */
     SIM_SCAN_PHASE,    /* 0 … 1: where in a scan period the pin changes */
     SIM_IMAGE_DELAY,   /* scans, once */
     SIM_POSITION_TIME, /* µs, master clock: the time of which the position is read */
