@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import MACHINE, played
+from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import BoolArray
-from skiplatch.campaign import Campaign, InputPath, Touches
+from skiplatch.campaign import Campaign, InputPath, Touches, read_campaign
+from skiplatch.diagnosis.fit.material import DEFAULT
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import Beside
 from skiplatch.diagnosis.plays.playing import Rig
@@ -134,3 +135,23 @@ def test_a_shift_whose_form_is_off_a_little_is_no_chance_that_is_told() -> None:
 
     assert told(bent, slow, discrepancy=0.1)
     assert told(bent, slow, discrepancy=0.4) == []
+
+
+def test_what_tells_chance_that_hides_within_a_step_matters() -> None:
+    bench = read_campaign(BENCH)
+    coarse = replace(
+        bench, nominal=replace(bench.nominal, axis=replace(bench.nominal.axis, resolution_um=0.5))
+    )
+    campaign = played_again(coarse)
+    touches = campaign.touches
+    off_um = 0.5 * (touches.sign > 0.0)
+    off = replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + off_um))
+
+    found = [
+        one
+        for one in told(off, Effect("encoder_quantisation", {"resolution_um": 1.3}))
+        if one.is_material(DEFAULT)
+    ]
+
+    assert "sense" in found[0].conditions
+    assert found[0].size < 0.5 * 0.5

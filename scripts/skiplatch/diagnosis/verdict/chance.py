@@ -9,6 +9,7 @@ discrepancy that its fit asks for is no chance.
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,7 +40,11 @@ def chance_of(
     least = [discrepancy * _shift(found, believed, name, rows) for name, _, rows in chancy]
     told = side_by_side(executor, Look.told_of_chance, looks)
     larger = (
-        left for lefts, size in zip(told, least, strict=True) for left in lefts if left.size > size
+        # A finding may hide in rounding; what tells its chance there counts as the finding does.
+        replace(left, step=0.0)
+        for lefts, size in zip(told, least, strict=True)
+        for left in lefts
+        if left.size > size
     )
     return sorted(larger, key=lambda left: -left.z)
 
