@@ -10,7 +10,6 @@ like them. Outliers do not enter. Each input path has figures of its own: a PLC 
 scan.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,8 +19,10 @@ from skiplatch.campaign import Axis, Campaign, InputPath, Touches
 from skiplatch.campaign.steps import common_step
 from skiplatch.drifts import FEWEST_FREE, Warmth, by_temperature, course_of, with_drift
 from skiplatch.errors import InputError
+from skiplatch.reversal import Reversal, reversal_of
 from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
+from skiplatch.succession import InARow, in_a_row
 from skiplatch.surface_fit import Grid, by_t
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
@@ -52,6 +53,8 @@ class Repeatability:
         axis_drift: From touch to touch, of the coordinate, which touches from either side see with
             opposite signs; None where all have one sense.
         warmth: How touches go with each thermometer that moves, by its name.
+        in_a_row: How touches scatter that follow each other on one surface; None for want of any.
+        reversal: Of an axis at rest; None where none was met in both senses at any position.
         slope: Against the feed in ms: a delay; None where there is one feed.
         outliers: Serial numbers.
         step: What figures are multiples of, if they are.
@@ -78,6 +81,8 @@ class Repeatability:
     drift: Interval | None
     axis_drift: Interval | None
     warmth: dict[str, Warmth]
+    in_a_row: InARow | None
+    reversal: Reversal | None
     slope: Interval | None
     outliers: tuple[int, ...]
     step: float | None
@@ -111,23 +116,6 @@ class Repeatability:
         if self.sigma.value == 0.0:
             return True
         return self.step is not None and self.sigma.value < HIDING * self.step
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class OfPath:
-    """What is told of the touches of one input path.
-
-    Attributes:
-        title: Of the path; empty where there is no other.
-        sentence: All of it in one.
-        figures: Rows of name, value and interval.
-    """
-
-    path: InputPath
-    title: str
-    found: Repeatability
-    sentence: str
-    figures: Sequence[Sequence[str]]
 
 
 def by_path(campaign: Campaign) -> dict[InputPath, Repeatability]:
@@ -171,7 +159,8 @@ def repeatability(campaign: Campaign) -> Repeatability:
     touches, surface = touches.select(often), surface[often]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
     grid = Grid(common_step(values[often]), _resolution(campaign, unit))
-    worked_out = _of(touches, values[often], surface, unit, grid)
+    at_rest = campaign.nominal.datum.is_at_rest
+    worked_out = _of(touches, values[often], surface, unit, grid, at_rest=at_rest)
     return replace(worked_out, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))
 
 
@@ -193,7 +182,13 @@ def _resolution(campaign: Campaign, unit: str) -> float:
 
 
 def _of(
-    touches: Touches, y: FloatArray, surface: np.typing.NDArray[np.intp], unit: str, grid: Grid
+    touches: Touches,
+    y: FloatArray,
+    surface: np.typing.NDArray[np.intp],
+    unit: str,
+    grid: Grid,
+    *,
+    at_rest: bool,
 ) -> Repeatability:
     is_first = _firsts(touches, surface)
     dummies = (surface[:, None] == np.arange(surface.max() + 1)).astype(float)
@@ -222,6 +217,10 @@ def _of(
         axis_drift=found.intervals.get("axis"),
         touches_per_h=course.per_h,
         warmth=by_temperature(touches, at_one_feed, dummies, regular),
+        in_a_row=in_a_row(fit.residuals, surface, regular, fit.sigma.value),
+        reversal=reversal_of(touches, y, surface, regular, fit.sigma.value, fit.freedom)
+        if at_rest
+        else None,
         slope=found.intervals.get("speed"),
         outliers=tuple(touches.touch[_with_pairs(rows & ~regular, surface)].tolist()),
         step=grid.step,

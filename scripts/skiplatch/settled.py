@@ -13,6 +13,7 @@ from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.statistics import CONFIDENCE, Interval
+from skiplatch.succession import independent_share
 from skiplatch.surface_fit import (
     NOTHING,
     OUTLYING_SIGMAS,
@@ -25,6 +26,8 @@ from skiplatch.surface_fit import (
 
 CONDITION = "speed"
 """The line in the feed, which readings differ by as they do by their surface."""
+DRIFTS = ("order", "axis")
+"""Lines in the order of the touches: what these keep of those before is no drift."""
 TOLD_BY_CHANCE = 0.01
 """Chance with which a figure that is 0 is told; its interval, of 95 %, leaves 0 out more often."""
 OUTLIER_BY_CHANCE = 0.01
@@ -88,8 +91,13 @@ def fit_shown(
     kept = dict(lines)
     dropped: dict[str, Interval] = {}
     while True:
-        fit = fit_surfaces(y, dummies, kept, rows)
-        found = {name: each for name in kept if (each := fit.interval(name)) is not None}
+        fit = fit_surfaces(y, dummies, kept, rows, least)
+        share = independent_share(fit.residuals[rows])
+        found = {
+            name: each
+            for name in kept
+            if (each := fit.interval(name, share if name in DRIFTS else 1.0)) is not None
+        }
         weak = {
             name: abs(each.value) / max(each.high - each.low, NOTHING)
             for name, each in found.items()

@@ -36,12 +36,12 @@ class SurfaceFit:
     design: FloatArray
     inverse: FloatArray
 
-    def interval(self, name: str) -> Interval | None:
-        """Give a slope with its interval."""
+    def interval(self, name: str, share: float = 1.0) -> Interval | None:
+        """Give a slope with its interval, where a share of the touches counts as independent."""
         if name not in self.lines:
             return None
         slope, error = self.lines[name]
-        return by_t(slope, error, self.freedom)
+        return by_t(slope, error / float(np.sqrt(share)), self.freedom)
 
     def part(self, name: str, values: FloatArray) -> FloatArray:
         """Give what a line adds, less its mean; shape (n,)."""
@@ -92,7 +92,11 @@ def by_t(value: float, error: float, freedom: int) -> Interval:
 
 
 def fit_surfaces(
-    y: FloatArray, dummies: FloatArray, lines: dict[str, FloatArray], rows: BoolArray
+    y: FloatArray,
+    dummies: FloatArray,
+    lines: dict[str, FloatArray],
+    rows: BoolArray,
+    step: float = 0.0,
 ) -> SurfaceFit:
     """Fit the middle of each surface, and lines to all of them together.
 
@@ -101,6 +105,7 @@ def fit_surfaces(
         dummies: 1 where a touch is of a surface, else 0; shape (n, s).
         lines: What there is a line in, by name; shape (n,) each.
         rows: The touches that are fitted; shape (n,).
+        step: What readings are rounded to: no slope is known better than that lets it be.
     """
     used = {name: x for name, x in lines.items() if rows.sum() > dummies.shape[1] + len(lines)}
     design = np.column_stack([dummies, *used.values()])
@@ -113,7 +118,7 @@ def fit_surfaces(
     freedom = max(int(rows.sum() - rank), 1)
     variance = float(np.sum(residuals[rows] ** 2) / freedom)
     inverse = np.linalg.pinv(scaled[rows].T @ scaled[rows])
-    covariance = variance * inverse
+    covariance = max(variance, step**2 / 12.0) * inverse
     first = dummies.shape[1]
     slopes = {
         name: (

@@ -20,10 +20,12 @@ from skiplatch.campaign import (
     write_nominal,
     write_touches,
 )
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.cli import group
-from skiplatch.commands.repeat import as_json, sentence
+from skiplatch.commands.repeat import as_json
 from skiplatch.errors import InputError
 from skiplatch.repeatability import Repeatability, repeatability
+from skiplatch.repeatability_words import sentence
 from skiplatch.statistics import Interval
 
 LOGS = Path(__file__).parent / "data" / "logs"
@@ -183,8 +185,75 @@ def test_the_same_again_and_again_has_no_drift(machine_sample: Path) -> None:
     found = of(machine_sample, np.full(10, 36.084))
 
     assert found.sigma.value == 0.0
-    assert found.drift == Interval(0.0, 0.0, 0.0)
+    assert found.drift is not None
+    assert found.drift.value == 0.0
+    assert found.drift.low < 0.0 < found.drift.high  # as closely as rounding lets it be known
     assert found.is_limited_by_resolution
+
+
+def test_one_step_in_each_of_three_pairs_is_no_drift(machine_sample: Path) -> None:
+    place = np.repeat([0.0, 50.0, 100.0], 2)
+
+    found = of(machine_sample, np.tile([0.9375, 0.0], 3), position_mm=place)
+
+    assert "order" not in found.told
+    assert found.drift is not None
+    assert found.drift.low < 0.0 < found.drift.high
+
+
+def meshes(shifts_um: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Two touches each of ten surfaces, again and again, all of them moved together between."""
+    place = np.tile(np.repeat(np.arange(10) * 10.0, 2), len(shifts_um))
+    return noise(len(place)) + np.repeat(shifts_um, 20), place
+
+
+def test_surfaces_that_move_together_now_and_then_do_not_drift(machine_sample: Path) -> None:
+    y, place = meshes([0.0, -40.0, -70.0, 30.0, 20.0, 90.0])
+
+    found = of(machine_sample, y, position_mm=place)
+
+    assert "order" not in found.told
+    assert found.in_a_row is not None
+    assert found.in_a_row.is_less
+    assert holds(found.in_a_row.sigma, SIGMA_UM)
+    assert "to the next they scatter by no more than" in sentence(found)
+    assert as_json(found)["sigma_in_a_row_um"] == found.in_a_row.sigma.value
+
+
+def test_touches_that_keep_nothing_scatter_in_a_row_as_all_do(machine_sample: Path) -> None:
+    y, place = meshes([0.0] * 6)
+
+    found = of(machine_sample, y, position_mm=place)
+
+    assert found.in_a_row is not None
+    assert not found.in_a_row.is_less
+    assert holds(found.in_a_row.sigma, SIGMA_UM)
+    assert "to the next" not in sentence(found)
+
+
+def test_positions_that_an_axis_met_at_rest_have_a_reversal_error(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    sign = np.tile(np.repeat([1.0, -1.0], 5), 4)
+    place = np.repeat([0.0, 10.0, 20.0, 30.0], 10)
+    y = noise(40, seed=6) / 4.0 + sign * place + 4.0 + np.where(place == 30.0, 6.0, 0.0)
+    datum = Datum(DatumFreedom.ZERO)
+    at_rest = replace(
+        campaign,
+        nominal=replace(campaign.nominal, datum=datum),
+        touches=Touches.from_columns(
+            touch=np.arange(40), deviation_um=y, sign=sign, position_mm=place, axis=np.zeros(40)
+        ),
+    )
+
+    found = repeatability(at_rest)
+
+    assert found.reversal is not None
+    assert found.reversal.positions == 4
+    assert holds(found.reversal.mean, 11.0)
+    assert found.reversal.widest == pytest.approx(20.0, abs=1.5)
+    assert found.reversal.at == 30.0
+    assert "the reversal error at 4 positions is 11" in sentence(found)
+    assert repeatability(replace(at_rest, nominal=campaign.nominal)).reversal is None
 
 
 def test_growth_with_the_temperature_is_told_by_its_thermometer(machine_sample: Path) -> None:

@@ -9,8 +9,9 @@ import pytest
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches, read_campaign
-from skiplatch.commands.repeat import as_json, sentence
+from skiplatch.commands.repeat import as_json
 from skiplatch.repeatability import Repeatability, repeatability
+from skiplatch.repeatability_words import sentence
 
 RESOLUTION_UM = 0.1
 DRAWS = 500

@@ -8,8 +8,9 @@ import pytest
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches, read_campaign
-from skiplatch.commands.repeat import as_json, sentence
+from skiplatch.commands.repeat import as_json
 from skiplatch.repeatability import Repeatability, repeatability
+from skiplatch.repeatability_words import sentence
 
 DRAWS = 25
 MOST_BY_CHANCE = 2  # of the draws, of what has a chance of 1 %: more come once in 500

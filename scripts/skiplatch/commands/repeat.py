@@ -16,13 +16,11 @@ from skiplatch.commands.outputs import OutputFile
 from skiplatch.importing.detect import read_any
 from skiplatch.importing.writing import write_imported
 from skiplatch.latch.text import TITLES
-from skiplatch.repeatability import OfPath, Repeatability, by_path
-from skiplatch.statistics import Interval
-from skiplatch.tables import number, table, with_interval
+from skiplatch.repeatability import Repeatability, by_path
+from skiplatch.repeatability_words import OfPath, an_hour, rows_of, sentence
+from skiplatch.tables import table
 
 SHOWN = 12
-MOST_OUTSIDE = 0.25  # of the touches; more of them are no outliers
-DIFFERS = 0.1  # of the plain standard deviation; less makes no other figure
 _TOLD = {"first": "first_touch", "order": "drift", "axis": "axis_drift", "speed": "slope"}
 EPILOG = """\b
 Example:
@@ -77,7 +75,7 @@ def _shown(campaign: Campaign) -> list[OfPath]:
     """Give what is shown of each input path; one alone needs no name."""
     is_alone = len(np.unique(campaign.touches.path)) == 1
     return [
-        OfPath(path, "" if is_alone else _title(path), found, sentence(found), _rows(found))
+        OfPath(path, "" if is_alone else _title(path), found, sentence(found), rows_of(found))
         for path, found in by_path(campaign).items()
     ]
 
@@ -121,145 +119,6 @@ def _read(source: Path) -> tuple[Campaign, str, list[str]]:
     return campaign, f"{source}: {kind}, {len(campaign.touches)} touches", assumed
 
 
-def sentence(found: Repeatability) -> str:
-    """Say it in one sentence."""
-    unit = found.unit
-    parts = [f"{_what(found)} by σ = {_words(found.sigma, unit)}"]
-    if found.is_limited_by_resolution:
-        step = f" of {found.step:.4g} {unit}" if found.step else ""
-        parts.append(f"that is limited by the resolution{step}")
-    if found.slope is not None and "speed" in found.told:
-        sense = "later" if found.slope.value > 0.0 else "earlier"
-        parts.append(f"they come {sense} with the feed, by {_words(found.slope, 'ms')}")
-    if found.first is not None and "first" in found.told:
-        way = way_of(found, found.first.value, ("higher", "lower"))
-        parts.append(f"the first of a series is off by {_words(found.first, unit)}, {way}")
-    if found.drift is not None and "order" in found.told:
-        way = way_of(found, found.drift.value, ("rises", "falls"))
-        parts.append(f"they drift {_drift(found, found.drift)}, {way}")
-    if found.axis_drift is not None and "axis" in found.told:
-        way = "up" if found.axis_drift.value > 0.0 else "down"
-        parts.append(f"the axis drifts {way}, {_drift(found, found.axis_drift)}")
-    parts += _without_warmth(found)
-    if found.outliers:
-        parts.append(_outside(len(found.outliers), len(found.touches)))
-    parts += _all_in(found)
-    if found.missed:
-        parts.append(f"besides, {found.missed} {_were(found.missed)} missed")
-    if found.false:
-        parts.append(f"besides, {found.false} {_were(found.false)} latched without a contact")
-    return "; ".join(parts) + "."
-
-
-def _without_warmth(found: Repeatability) -> list[str]:
-    """Say what scatter the temperature leaves, where touches go with it and that is less."""
-    warmth = found.warmth.get(found.warmest)
-    if not warmth or warmth.sigma.value > (1.0 - DIFFERS) * found.sigma.value:
-        return []
-    slope = f"by {_words(warmth.slope, f'{found.unit}/K')}"
-    sigma = f"σ = {_words(warmth.sigma, found.unit)}"
-    return [f"they go with the temperature ({found.warmest}), {slope}, and without that {sigma}"]
-
-
-def _all_in(found: Repeatability) -> list[str]:
-    """Give the plain standard deviation where it is another one, as controllers print it."""
-    if not differs(found):
-        return []
-    return [f"all touches as they are scatter by {number(found.plain, 3)} {found.unit}"]
-
-
-def differs(found: Repeatability) -> bool:
-    """Tell whether lines, first touches or outliers make the scatter another one."""
-    return abs(found.plain - found.sigma.value) > DIFFERS * found.plain
-
-
-def way_of(found: Repeatability, value: float, words: tuple[str, str]) -> str:
-    """Say in words which way a figure along the approach goes; of an axis that is known, its own.
-
-    Args:
-        found: Of which touches.
-        value: Positive is further along the approach, or later.
-        words: Of the axis where its coordinate is larger, and smaller.
-    """
-    if found.unit == "µs":
-        return "later" if value > 0.0 else "earlier"
-    if found.coordinate and not found.is_directed:
-        return f"{found.coordinate} {words[0 if value > 0.0 else 1]}"
-    way = "further along the approach" if value > 0.0 else "less far along the approach"
-    if not found.coordinate or not found.sense:
-        return way
-    return f"{way} ({found.coordinate} {words[0 if value * found.sense > 0.0 else 1]})"
-
-
-def _were(n: int) -> str:
-    return "was" if n == 1 else "were"
-
-
-def _outside(n: int, touches: int) -> str:
-    if n > MOST_OUTSIDE * touches:
-        return (
-            f"{n} lie apart from the others: what is taken for one condition are two, "
-            "such as two feeds that were not recorded, or two input paths"
-        )
-    return f"{n} {'lies' if n == 1 else 'lie'} far outside"
-
-
-def _what(found: Repeatability) -> str:
-    n = len(found.touches)
-    if found.unit == "µs":
-        return f"{n} latches come {_words(found.mean, 'µs')} after their edges and scatter"
-    surfaces = "one surface" if found.surfaces == 1 else f"{found.surfaces} surfaces"
-    return f"{n} touches of {surfaces} scatter"
-
-
-def _drift(found: Repeatability, drift: Interval) -> str:
-    """Say how fast touches drift, by what they go with."""
-    an_hour = _an_hour(found, drift)
-    if an_hour is None:
-        return f"by {_words(drift, found.unit)} a touch"
-    return f"with time, by {_words(an_hour, found.unit)} an hour"
-
-
-def _an_hour(found: Repeatability, drift: Interval | None) -> Interval | None:
-    """Give a drift an hour; None where it goes by the number of the touch."""
-    rate = found.touches_per_h
-    if drift is None or rate is None:
-        return None
-    return Interval(drift.value * rate, drift.low * rate, drift.high * rate)
-
-
-def _words(figure: Interval, unit: str) -> str:
-    value, interval = with_interval(figure)
-    return f"{value} {unit} ({interval})"
-
-
-def _drift_rows(found: Repeatability) -> list[tuple[str, Interval | None]]:
-    drifts = {"drift": found.drift, "drift of the axis": found.axis_drift}
-    if found.touches_per_h is None:
-        return [(f"{name}, {found.unit}/touch", drift) for name, drift in drifts.items()]
-    return [(f"{name}, {found.unit}/h", _an_hour(found, drift)) for name, drift in drifts.items()]
-
-
-def _rows(found: Repeatability) -> list[tuple[str, ...]]:
-    unit = found.unit
-    mean = "mean from edge to latch" if unit == "µs" else "mean deviation"
-    figures: list[tuple[str, Interval | None]] = [
-        (f"{mean}, {unit}", found.mean),
-        (f"σ, {unit}", found.sigma),
-        (f"first touch, {unit}", found.first),
-        *_drift_rows(found),
-        ("slope with the feed, ms", found.slope),
-        *((f"drift by {name}, {unit}/K", slope) for name, slope in found.per_kelvin.items()),
-    ]
-    rows: list[tuple[str, ...]] = [
-        (name, *with_interval(figure)) for name, figure in figures if figure is not None
-    ]
-    if differs(found):
-        rows.insert(2, (f"σ of all as they are, {unit}", number(found.plain, 3), ""))
-    rows.insert(2, (f"widest range, {unit}", f"{found.range:.4g}", ""))
-    return rows
-
-
 def document(shown: Sequence[OfPath]) -> dict[str, Any]:
     """Give it for programs: figures of the skip input, or of the only path; and those of each."""
     paths = {
@@ -275,11 +134,13 @@ def as_json(found: Repeatability) -> dict[str, Any]:
         f"mean_{unit}": found.mean,
         f"sigma_{unit}": found.sigma,
         f"sigma_without_temperature_{unit}": found.sigma_without_temperature,
+        f"sigma_in_a_row_{unit}": found.in_a_row.sigma if found.in_a_row else None,
+        f"reversal_{unit}": found.reversal.mean if found.reversal else None,
         f"first_touch_{unit}": found.first,
         f"drift_{unit}_per_touch": found.drift,
         f"axis_drift_{unit}_per_touch": found.axis_drift,
-        f"drift_{unit}_per_h": _an_hour(found, found.drift),
-        f"axis_drift_{unit}_per_h": _an_hour(found, found.axis_drift),
+        f"drift_{unit}_per_h": an_hour(found, found.drift),
+        f"axis_drift_{unit}_per_h": an_hour(found, found.axis_drift),
         "slope_ms": found.slope,
         **{f"drift_{unit}_per_k_{name}": slope for name, slope in found.per_kelvin.items()},
     }
@@ -289,6 +150,7 @@ def as_json(found: Repeatability) -> dict[str, Any]:
         document[f"{name}_interval"] = None if figure is None else [figure.low, figure.high]
     return document | {
         f"range_{unit}": found.range,
+        f"widest_reversal_{unit}": found.reversal.widest if found.reversal else None,
         f"plain_sigma_{unit}": found.plain,
         "thermometer": found.warmest or None,
         "told": sorted(_TOLD[name] for name in found.told),

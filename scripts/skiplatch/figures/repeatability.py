@@ -9,7 +9,8 @@ from matplotlib.ticker import MaxNLocator
 
 from skiplatch.figures import theme
 from skiplatch.figures.inline import Drawing, drawing, panel
-from skiplatch.repeatability import OfPath, Repeatability
+from skiplatch.repeatability import Repeatability
+from skiplatch.repeatability_words import OfPath
 
 BAND = "band: ±σ; crosses: outliers"
 WIDE_IN, HIGH_IN = 4.6, 2.4
