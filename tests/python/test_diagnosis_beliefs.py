@@ -206,6 +206,18 @@ def test_a_jitter_believed_wrong_about_its_middle_moves_with_its_delay(factor: f
     assert delay.u_absolute == pytest.approx(NOISE_U * factor * report.jitter_us / 2.0)
 
 
+@pytest.mark.parametrize("factor", [0.7, 0.8])
+def test_a_jitter_that_lasts_longer_than_believed_begins_where_it_did(factor: float) -> None:
+    recorded = read_campaign(BENCH)
+    report = recorded.nominal.report
+    scene = Scene.of(as_played(recorded, {JITTER: factor * report.jitter_us}))
+
+    fitted = fit_beliefs(scene, Change(), uncertain(scene.nominal))
+
+    assert fitted.nominal.report.latency_us == report.latency_us
+    assert fitted.nominal.report.jitter_us == pytest.approx(report.jitter_us, rel=0.05)
+
+
 def test_a_jitter_that_is_wider_moves_no_delay_below_nothing() -> None:
     nominal = believing(read_campaign(BENCH).nominal, {LATENCY: 1.0})
     (delay,) = [b for b in uncertain(nominal) if b.key == LATENCY]

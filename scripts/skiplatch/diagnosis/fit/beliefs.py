@@ -203,38 +203,61 @@ def fit_beliefs(
         beliefs: As they stand in nominal.toml.
         tried: Where they fit beside another change: what a search may start from as well.
     """
-    places = np.zeros(len(beliefs))
+    places, moves = np.zeros(len(beliefs)), _Moves(scene, change, beliefs, tried)
     noise_last = sorted(  # it hides the rest, and most of all where it moves the mean
         range(len(beliefs)), key=lambda i: (beliefs[i].is_noise, beliefs[i].box is None)
     )
+    for _ in range(ROUNDS if len(beliefs) > 1 else 1):
+        for i in noise_last:
+            places = moves.best(places, i)
+        if not places.any():
+            break
+    nats = moves.at(places).total - 0.5 * float(places @ places)
+    return Fitted(moves.nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats)
 
-    def nominal_at(moved: FloatArray) -> Nominal:
-        nominal = scene.nominal
-        for belief, uncertainties in zip(beliefs, moved.tolist(), strict=True):
+
+class _Moves:
+    """Where beliefs are moved to, in standard uncertainties: arrays of shape (beliefs,)."""
+
+    def __init__(
+        self, scene: Scene, change: Change, beliefs: Sequence[Belief], tried: Nominal | None
+    ) -> None:
+        self._scene, self._change, self._beliefs, self._tried = scene, change, beliefs, tried
+
+    def nominal_at(self, places: FloatArray) -> Nominal:
+        nominal = self._scene.nominal
+        for belief, uncertainties in zip(self._beliefs, places.tolist(), strict=True):
             nominal = belief.applied(nominal, uncertainties)
         return nominal
 
-    def at(moved: FloatArray, names: frozenset[str] | None = None) -> Likelihood:
-        return likelihood(scene.with_nominal(nominal_at(moved)), change, names)
+    def at(self, places: FloatArray, names: frozenset[str] | None = None) -> Likelihood:
+        return likelihood(self._scene.with_nominal(self.nominal_at(places)), self._change, names)
 
-    for _ in range(ROUNDS if len(beliefs) > 1 else 1):
-        for i in noise_last:
-            only = np.arange(len(places)) == i
-            names = at(places).differing(at(np.where(only, places + 1.0, places)))
+    def best(self, places: FloatArray, i: int) -> FloatArray:
+        """Move one belief to where it fits best, on top of what is moved or in place of the same.
 
-            def cost(x: float, only: BoolArray = only, names: frozenset[str] = names) -> float:
-                return 0.5 * x**2 - at(np.where(only, x, places), names).total
+        A jitter moves in two ways, from its start and about its middle.
+        """
+        own = np.arange(len(places)) == i
+        same = np.array([b.moves == self._beliefs[i].moves for b in self._beliefs])
+        on_top, instead = places, np.where(same & ~own, 0.0, places)
+        if np.array_equal(on_top, instead):
+            return self._moved(places, own, 0.0)
+        others = float(places[same & ~own].sum())
+        ways = self._moved(on_top, own, others), self._moved(instead, own, 0.0)
+        return min(ways, key=lambda way: 0.5 * float(way @ way) - self.at(way).total)
 
-            # What is moved in two ways, a jitter from its start and about its middle, moves as far.
-            alike = [belief.moves == beliefs[i].moves for belief in beliefs]
-            moved = float(places[alike].sum() - places[i])
-            ends = max(-FARTHEST, -FARTHEST - moved), min(FARTHEST, FARTHEST - moved)
-            best = _least(cost, _guesses(scene, change, beliefs[i], tried), ends)
-            places[i] = best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0
-        if not places.any():
-            break
-    nats = at(places).total - 0.5 * float(places @ places)
-    return Fitted(nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats)
+    def _moved(self, places: FloatArray, own: BoolArray, others: float) -> FloatArray:
+        """Move one belief, a mask, where others have moved the same so far already."""
+        names = self.at(places).differing(self.at(np.where(own, places + 1.0, places)))
+
+        def cost(x: float) -> float:
+            return 0.5 * x**2 - self.at(np.where(own, x, places), names).total
+
+        ends = max(-FARTHEST, -FARTHEST - others), min(FARTHEST, FARTHEST - others)
+        belief = self._beliefs[int(own.argmax())]
+        best = _least(cost, _guesses(self._scene, self._change, belief, self._tried), ends)
+        return np.where(own, best if cost(best) < cost(0.0) - WORTH_MOVING else 0.0, places)
 
 
 def _guesses(scene: Scene, change: Change, belief: Belief, tried: Nominal | None) -> list[float]:
