@@ -48,7 +48,7 @@ double effect_servo_hold(const sim_effect_call_t *call, double time_us)
 double effect_following_error(const sim_effect_call_t *call, double position_um)
 {
     double lag_us = call->parameters[0] * over_x(call, &call->parameters[1]);
-    double off_us = sim_random_normal(call->random, call->parameters[3]);
+    double off_us = sim_random_normal(call->random, fmin(call->parameters[3], fabs(lag_us)));
     return position_um + call->speed_um_us * (lag_us + off_us);
 }
 

@@ -104,7 +104,7 @@ static const sim_effect_t EFFECTS[] = {
       {{"lag_us", "µs", "lag over speed", -200000.0, 200000.0},
        {"y_excess_ratio", "1", "what Y has more than X, as a share", -1000.0, 1000.0},
        {"z_excess_ratio", "1", "what Z has more than X, as a share", -1000.0, 1000.0},
-       {"scatter_us", "µs", "standard deviation of the lag", 0.0, 20000.0}}},
+       {"scatter_us", "µs", "standard deviation of the lag, of no more than itself", 0.0, 20000.0}}},
      SIM_POSITION, effect_following_error},
     {{"backlash", "position", "both", "the error depends on the sense of motion",
       {{"backlash_um", "µm", "what the negative sense reads high", -200.0, 200.0},

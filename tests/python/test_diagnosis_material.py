@@ -9,6 +9,7 @@ from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis import Verdict, as_json, as_text, diagnose
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.fit.material import Materiality, is_material
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
@@ -54,14 +55,16 @@ def test_lobes_are_material_beyond_what_a_calibration_is_good_for(share: float) 
 
 
 @pytest.mark.parametrize("share", [0.05, 0.8])
-def test_waits_that_the_believed_scan_cannot_bring_are_material(share: float) -> None:
+def test_what_brings_waits_that_the_believed_scan_cannot_is_material(share: float) -> None:
     jitter_us = share * read_campaign(MACHINE).nominal.plc.scan_us
     late = Effect("scan_jitter", {"jitter_us": jitter_us, "tail_us": 0.0})
     scene = Scene.of(played(MACHINE, late))
+    seldom = Change(scan_extra=(Extra(0.01, width=2.0 * jitter_us),))
     hardly = Change(position_um=0.1 * scene.streams["deviation_plc"].law.spread * scene.plc)
 
-    assert is_material(scene, hardly) == (share > 0.1)
-    assert not is_material(scene, hardly, Materiality(um=1e6))
+    assert is_material(scene, seldom) == (share > 0.1)
+    assert not is_material(scene, seldom, Materiality(um=1e6))
+    assert not is_material(scene, hardly)  # it leaves them where they cannot be
 
 
 @pytest.mark.parametrize("ticks", [0.5, 2.0])

@@ -82,6 +82,15 @@ def test_following_error_may_scatter_by_a_time(path: InputPath) -> None:
     assert np.std(lags_us) == pytest.approx(50.0, rel=4.0 / np.sqrt(2.0 * len(lags_us)))
 
 
+def test_no_lag_scatters_by_more_than_itself() -> None:
+    assert not trace(SKIP, "following_error", scatter_us=50.0).deviation_shift_um.any()
+
+    played = trace(SKIP, "following_error", lag_us=30.0, scatter_us=500.0)
+
+    lags_us = played.deviation_shift_um / played.speed_um_us
+    assert np.std(lags_us) == pytest.approx(30.0, rel=4.0 / np.sqrt(2.0 * len(lags_us)))
+
+
 @both_paths
 @pytest.mark.parametrize("backlash_um", [-2.0, 3.5])
 def test_backlash_shifts_the_negative_sense_alone(path: InputPath, backlash_um: float) -> None:

@@ -54,8 +54,10 @@ def headline(diagnosis: Diagnosis) -> str:
     many = len(diagnosis.effects) > 1
     if diagnosis.seems_whole:
         return f"{names} {'explain' if many else 'explains'} the gap, as far as these touches tell"
+    moved = " and ".join(belief.name for belief, _ in diagnosis.moved_far)
     return {
-        Verdict.NO_GAP: "No gap: the simulation plays what was recorded",
+        Verdict.NO_GAP: "No gap: the simulation plays what was recorded"
+        + (f", with another {moved}" if moved else ""),
         Verdict.EXPLAINED: f"{names} {'explain' if many else 'explains'} the gap",
         Verdict.PARTLY_EXPLAINED: f"{names} {'explain' if many else 'explains'} part of the gap",
         Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it",

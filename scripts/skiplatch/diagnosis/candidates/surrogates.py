@@ -168,10 +168,11 @@ def held(scene: Scene, p: Parameters) -> Change:
 
 
 def lagging(scene: Scene, p: Parameters) -> Change:
-    """The axis is behind where it is commanded to be, by a time that may scatter."""
+    """The axis is behind where it is commanded to be; by no time at all, none that scatters."""
+    lag_us = p[0] * scene.over_x(p[1], p[2])
     return Change(
-        position_um=scene.speed * p[0] * scene.over_x(p[1], p[2]),
-        position_sigma_um=scene.speed * abs(p[3]),
+        position_um=scene.speed * lag_us,
+        position_sigma_um=scene.speed * np.minimum(abs(p[3]), np.abs(lag_us)),
     )
 
 

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.density.law import Law, extra_variance
+from skiplatch.diagnosis.density.law import Extra, Law, extra_variance
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.beliefs import LOBES_U
 from skiplatch.diagnosis.likelihood.laws import law_under
@@ -28,7 +28,7 @@ CALIBRATED = 2.0 * LOBES_U
 WIDE = 20.0
 """Standard deviations from which on a box has edges that can be seen to be left."""
 IMPOSSIBLE = 0.02
-"""Share of touches with a wide box outside its edges that is material."""
+"""Share of touches with a wide box outside its edges that it is material to bring in."""
 ERRORS = 3.0
 """Standard errors by which what is left has to be smaller to be left out."""
 MICROSECONDS = "µs"
@@ -108,22 +108,34 @@ def _is_material_in(scene: Scene, stream: Stream, change: Change, materiality: M
     threshold = materiality.absolute(stream.unit)
     if threshold is not None:
         return _rms(moved) > threshold
-    return _rms(moved / spread) > materiality.fraction or _is_impossible(scene, stream)
+    return _rms(moved / spread) > materiality.fraction or _makes_possible(scene, stream, law)
 
 
-def _is_impossible(scene: Scene, stream: Stream) -> bool:
-    """Tell whether touches lie where the believed wait for a scan cannot bring them.
+def _makes_possible(scene: Scene, stream: Stream, law: Law) -> bool:
+    """Tell whether a law brings touches to where the believed wait for a scan cannot bring them.
 
     A box is wide beside what takes touches out of it: hardly any change of its spread, but a
     measuring error beyond the largest one that is believed.
     """
-    law, rows = stream.law, stream.rows
+    believed = stream.law
+    is_wide = stream.rows & (np.maximum(believed.box_a, believed.box_b) > WIDE * believed.sigma)
+    is_out, is_still = (_outside(scene, stream, one) for one in (believed, law))
+    return bool((is_out & ~is_still)[is_wide].sum() > IMPOSSIBLE * is_wide.sum())
+
+
+def _outside(scene: Scene, stream: Stream, law: Law) -> BoolArray:
+    """Tell which touches lie beyond the edges of a law, shape (n,); its extras may be later."""
     margin = ERRORS * law.sigma + rounding_step(scene, stream)
-    widths = law.box_a + law.box_b
     off = stream.residuals - law.offset
-    is_out = (off < -margin) | (off > widths + margin)
-    is_wide = rows & (np.maximum(law.box_a, law.box_b) > WIDE * law.sigma)
-    return bool(is_out[is_wide].sum() > IMPOSSIBLE * is_wide.sum())
+    latest = law.box_a + law.box_b + margin + sum(map(_latest, law.extras))
+    return np.asarray((off < -margin) | (off > latest))
+
+
+def _latest(extra: Extra) -> FloatArray:
+    later = (
+        np.maximum(extra.offset, 0.0) + np.asarray(extra.width) + ERRORS * np.asarray(extra.sigma)
+    )
+    return np.asarray(np.where(np.asarray(extra.mean) > 0.0, np.inf, later))
 
 
 def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: FloatArray) -> bool:

@@ -24,6 +24,10 @@ class Ranked:
     """Gain in log-likelihood, less what so many parameters gain by chance."""
 
 
+FAILED_FOR_WANT = frozenset({"shrinks", "held_out", "known"})
+"""Rules that more touches may let hold."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Diagnosis:
     """All that is said of a campaign."""
@@ -70,4 +74,10 @@ class Diagnosis:
     def seems_whole(self) -> bool:
         """Of a gap that is explained in part nothing is seen to be left: touches are too few."""
         is_part = self.verdict is Verdict.PARTLY_EXPLAINED
-        return is_part and not self.left and not self.outliers
+        is_wanting = {failure.rule for failure in self.failures} <= FAILED_FOR_WANT
+        return is_part and is_wanting and not self.left and not self.outliers
+
+    @property
+    def moved_far(self) -> Sequence[tuple[Belief, float]]:
+        """The beliefs that are off by more than they are uncertain, with what they are now."""
+        return [(b, now) for b, now in self.beliefs if abs(b.uncertainties(now)) > 1.0]

@@ -35,8 +35,7 @@ def as_text(diagnosis: Diagnosis) -> str:
     """Everything, for the terminal."""
     diagnosis, ways = for_people(diagnosis), diagnosis.ways
     effect_texts = [_effect_text(named, diagnosis) for named in diagnosis.effects]
-    verdict = SEEMS_WHOLE if diagnosis.seems_whole else VERDICTS[diagnosis.verdict]
-    parts = [verdict, *effect_texts]
+    parts = [_verdict_text(diagnosis), *effect_texts]
     if diagnosis.where:
         rows = [
             (p.observable, p.stage, p.paths, _size(p.size, p.unit), p.conditions)
@@ -59,6 +58,18 @@ def as_text(diagnosis: Diagnosis) -> str:
     if diagnosis.notes:
         parts.append("\n".join(diagnosis.notes))
     return "\n\n".join(parts)
+
+
+def _verdict_text(diagnosis: Diagnosis) -> str:
+    """Say what the diagnosis came to; without a gap also by which beliefs that is so."""
+    said = SEEMS_WHOLE if diagnosis.seems_whole else VERDICTS[diagnosis.verdict]
+    if diagnosis.verdict is not Verdict.NO_GAP or not diagnosis.moved_far:
+        return said
+    beliefs = (
+        f"{belief.name} is {number(now)} in place of {number(belief.value)}"
+        for belief, now in diagnosis.moved_far
+    )
+    return f"{said[:-1]}, where {' and '.join(beliefs)}."
 
 
 def _effect_text(named: Named, diagnosis: Diagnosis) -> str:

@@ -67,7 +67,7 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
         judge: Fits and scores.
         noticed: Where a model leaves something.
     """
-    ranked = _first(judge, noticed)
+    ranked = _mattering(judge, _first(judge, noticed))
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -99,6 +99,12 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
     return several(judge, model, tried)
 
 
+def _mattering(judge: Judge, ranked: list[Scored]) -> list[Scored]:
+    """Keep effects that matter, if any is enough: the likeliest may be a grid that is too fine."""
+    material = [scored for scored in ranked if judge.is_material(scored)]
+    return material if any(map(judge.is_significant, material)) else ranked
+
+
 def _asks_for_more(judge: Judge, model: Scored, noticed: Noticed) -> bool:
     """Tell whether a further effect is worth a search.
 
@@ -126,9 +132,7 @@ def _first(judge: Judge, noticed: Noticed) -> list[Scored]:
     """Give every effect alone, and those that begin or end where no lasting one will do.
 
     One that acts for long shows as it is fitted to all touches, one that acts at an end by what any
-    that lasts leaves.
-
-    They stand beside beliefs that fit without any; by falling score.
+    that lasts leaves. They stand beside beliefs that fit without any; by falling score.
     """
     judge.believe_beside(None)
     ranked = judge.singles()

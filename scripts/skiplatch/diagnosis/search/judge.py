@@ -194,13 +194,14 @@ class Judge(Scorer):
         return self._each(fit_in_forms, [(there, one, rest.change(there)) for one, rest in parts])
 
     def on_top(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
-        """Every other effect on top of a model that stays as it is, by falling score."""
+        """Every other effect that matters, on top of a model that stays; by falling score."""
         key = (*first.fit.key, streams)
         if key not in self._on_top:
             given = first.fit.change(self._fitting)
             others = self._acting_in(self._others(first), streams)
             on_top = [both(first.fit, second) for second in self._contest(others, given)]
-            self._on_top[key] = self._with_twins(map(self.score, on_top))
+            tried = self._with_twins(map(self.score, on_top))
+            self._on_top[key] = [pair for pair in tried if self.is_material(pair, first)]
         return self._on_top[key]
 
     def may_gain(self, model: Scored) -> bool:

@@ -19,6 +19,8 @@ from skiplatch.span import Span
 
 MOST_OF_RANGE = 0.9
 """Share of a range that an interval leaves open, from which on it tells nothing."""
+TURNS_SEEN = 1.5
+"""Periods of a wave that positions have to show: half of it comes again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +65,7 @@ def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> l
             intervals={**estimate.intervals, **_anywhere(effect, moves_nothing)},
             alternatives=finding.alternatives[i],
             confidence=finding.confidences[i],
-            at_limit=_at_limit(effect),
+            at_limit=_at_limit(effect) | _unrepeated(scene, effect),
             when=_when(scene, effect.span),
             idle=moves_nothing,
             cloud=estimate.cloud,
@@ -98,6 +100,14 @@ def _at_limit(effect: Effect) -> frozenset[str]:
         return value in (p.low, p.high, highest(effect.id, p)) and not is_natural
 
     return frozenset(p.name for p in effects()[effect.id].parameters if is_end(p))
+
+
+def _unrepeated(scene: Scene, effect: Effect) -> frozenset[str]:
+    """Name the period of a wave that the positions do not show again: any smooth curve has one."""
+    period_mm = effect.parameters.get("period_mm", 0.0)
+    seen_mm = scene.latched_mm[~np.isnan(scene.latched_mm)]
+    is_seen = not period_mm or (len(seen_mm) and np.ptp(seen_mm) >= TURNS_SEEN * period_mm)
+    return frozenset() if is_seen else frozenset({"period_mm"})
 
 
 def open_sizes(one: Named) -> list[str]:
