@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.scene.scene import Scene
@@ -14,7 +15,7 @@ from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.guilty import without_guilty
-from skiplatch.diagnosis.verdict.named import _at_limit
+from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated
 from skiplatch.simulator.effects import Effect, effects
 from verdict_evidence import left
 
@@ -101,3 +102,16 @@ def test_a_share_stands_at_a_limit_where_its_search_ends(share: float, is_end: b
     effect = Effect("contact_bounce", {**none, "probability": share, "mean_us": 50.0})
 
     assert ("probability" in _at_limit(effect)) is is_end
+
+
+@pytest.mark.parametrize(("turns", "is_told"), [(1.0, False), (1.4, False), (1.6, True)])
+def test_a_period_that_the_positions_do_not_show_again_is_at_a_limit(
+    turns: float, is_told: bool
+) -> None:
+    scene = Scene.of(read_campaign(MACHINE))
+    period_mm = float(np.nanmax(scene.latched_mm) - np.nanmin(scene.latched_mm)) / turns
+    none = {parameter.name: 0.0 for parameter in effects()["transmission_error"].parameters}
+    wave = Effect("transmission_error", {**none, "amplitude_um": 5.0, "period_mm": period_mm})
+
+    assert ("period_mm" not in _unrepeated(scene, wave)) is is_told
+    assert not _unrepeated(scene, Effect("backlash", {"backlash_um": 5.0}))

@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played, played_again, stamped_machine
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
@@ -177,3 +178,21 @@ def test_that_stamps_lie_on_ticks_is_told_once(effect_id: str, first: tuple[floa
     gained = likelihood(scene, both).total - likelihood(scene, ticks).total
 
     assert gained < 10.0
+
+
+@pytest.mark.long
+def test_a_grid_too_fine_to_matter_takes_no_place_from_what_does() -> None:
+    """A controller that reckons in steps of 33 nm beside a scatter of a micrometre."""
+    campaign = played(MACHINE, Effect("backlash", {"backlash_um": 6.0}))
+    nominal = replace(campaign.nominal, axis=replace(campaign.nominal.axis, resolution_um=0.001))
+    touches = campaign.touches
+    noise_um = np.random.default_rng(3).normal(0.0, 0.3, len(touches))
+    on_lines_um = np.rint((touches.deviation_um + noise_um) * 30.0) / 30.0
+
+    found = diagnose(
+        replace(campaign, nominal=nominal, touches=replace(touches, deviation_um=on_lines_um)),
+        seed=1,
+    )
+
+    assert [named.effect.id for named in found.effects] == ["backlash"]
+    assert "encoder_quantisation" not in found.effects[0].alternatives

@@ -18,6 +18,7 @@ from skiplatch.commands import examining as command
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
 from skiplatch.diagnosis.candidates.axes import idle
 from skiplatch.diagnosis.experiment import Experiment
+from skiplatch.diagnosis.fit.beliefs import uncertain
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
@@ -507,13 +508,31 @@ def test_a_gap_of_which_nothing_is_seen_to_be_left_is_told_from_one_with_more() 
     campaign, more = of_axes(all_turn=False)
     whole = replace(more, left=[])
     off = replace(whole, outliers=[3])
+    wanting, apart = (
+        replace(whole, failures=[Failure(rule, 0.0, "a reason", "words")])
+        for rule in ("held_out", "few_outliers")
+    )
 
-    for diagnosis, is_whole in ((more, False), (whole, True), (off, False)):
+    cases = ((more, False), (whole, True), (off, False), (wanting, True), (apart, False))
+    for diagnosis, is_whole in cases:
         page = prose(as_html(campaign, diagnosis, name="c", seed=1, jobs=2))
         assert ("something else is left" in as_text(diagnosis)) != is_whole
         assert ("too few to be sure" in as_text(diagnosis)) == is_whole
         assert ("as far as these touches tell" in page) == is_whole
         assert ("explains part of the gap" in page) != is_whole
+
+
+@pytest.mark.parametrize("factor", [1.2, 1.6])
+def test_no_gap_says_which_beliefs_it_rests_on(factor: float) -> None:
+    campaign, diagnosis = no_gap()
+    (noise,) = [b for b in uncertain(campaign.nominal) if b.key[1] == "repeatability_um"]
+
+    moved = replace(diagnosis, beliefs=[(noise, factor * noise.value)])
+
+    is_far = factor > 1.5  # one standard uncertainty of a noise is a factor of 1.35
+    assert ("where probe.repeatability_um is" in as_text(moved)) == is_far
+    page = prose(as_html(campaign, moved, name="c", seed=1, jobs=2))
+    assert ("with another probe.repeatability_um" in page) == is_far
 
 
 def test_a_rotary_axis_is_told_in_arcsec() -> None:
