@@ -220,7 +220,7 @@ def test_linuxcnc_log_gets_feeds_and_senses_from_its_program(tmp_path: Path) -> 
     assert run.campaign.nominal.plc.scan_us == 1000.0
     assert touches.approach_mm[1] == pytest.approx(5.001205)  # to the reference
     assert run.coordinates()[:2] == [0.001234, -0.006321]
-    assert run.said["could_not_be_read"] == ["1 lines that do not hold 9 numbers"]
+    assert run.said["could_not_be_read"] == ["1 lines that do not hold 9 numbers: line 6"]
 
 
 def test_linuxcnc_program_with_other_count_gives_what_all_moves_share(tmp_path: Path) -> None:

@@ -65,7 +65,8 @@ def test_number_of_python_is_none_of_g_code(text: str) -> None:
 def test_number_beyond_any_machine_is_refused_by_its_line(
     tmp_path: Path, refused: Program, kind: str
 ) -> None:
-    line = with_number(tmp_path / "a.log", kind, "1e300")
+    as_printed = f"{1e300:.6f}" if kind == "linuxcnc" else "1e300"
+    line = with_number(tmp_path / "a.log", kind, as_printed)
 
     said = refused("import", kind, tmp_path / "a.log", "-o", tmp_path / "x")
 
@@ -79,7 +80,7 @@ def test_number_beyond_any_machine_is_refused_by_its_line(
 def test_what_python_alone_takes_for_a_number_is_no_touch(
     tmp_path: Path, kind: str, text: str
 ) -> None:
-    with_number(tmp_path / "a.log", kind, "987654.5")
+    with_number(tmp_path / "a.log", kind, "987654.500000")
     whole = coordinates(read_any(tmp_path / "a.log")[1])
     with_number(tmp_path / "a.log", kind, text)
 

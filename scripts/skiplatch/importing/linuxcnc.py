@@ -5,7 +5,6 @@ for a touch that ends exactly where the one before did. A move by G38.3 that mee
 line as well, with its target.
 """
 
-import math
 import re
 from collections.abc import Iterable, Sequence
 from itertools import zip_longest
@@ -15,15 +14,13 @@ from typing import TypeVar
 from skiplatch.errors import InputError
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, offsets_of, run
+from skiplatch.importing.linuxcnc_rows import read_rows
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
-from skiplatch.numbers import number
 from skiplatch.units import MM_PER_INCH
 
-COLUMNS = 9
 LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
-FEWEST = 3
 ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
 NEGLIGIBLE = 1e-4
 AT_TARGET_MM = 2e-3
@@ -72,7 +69,8 @@ def read_linuxcnc(
     Raises:
         InputError: A file cannot be read, or holds no touch.
     """
-    rows, lines, broken = _rows(path)
+    read = read_rows(path)
+    rows, lines = read.rows, read.lines
     text = read_text(program) if program else ""
     done = run(text, rows, inch=inch, name=path.name)
     moves = done.moves
@@ -80,8 +78,7 @@ def read_linuxcnc(
     if program and not moves:
         raise InputError(program, None, None, _without_moves(text, done))
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
-    if broken:
-        found.unread.append(f"{broken} lines that do not hold {COLUMNS} numbers")
+    read.say(found)
     unit = MM_PER_INCH if inch else 1.0
     matched = _matched(path, rows, moves, found)
     fallback = axis or _probed_axis(rows)
@@ -102,26 +99,6 @@ def read_linuxcnc(
     found.share_feeds()
     _say(found, moves, feed, inch=inch)
     return found
-
-
-def _rows(path: Path) -> tuple[list[Row], list[int], int]:
-    rows: list[Row] = []
-    lines: list[int] = []
-    broken = 0
-    for place, line in enumerate(read_text(path).splitlines(), start=1):
-        try:
-            numbers = tuple(number(word) for word in line.split())
-        except ValueError:
-            numbers = ()
-        if len(numbers) in (COLUMNS, FEWEST) and all(map(math.isfinite, numbers)):
-            rows.append(numbers)
-            lines.append(place)
-        elif line.strip():
-            broken += 1
-    if not rows:
-        expected = f"expected lines of {COLUMNS} numbers, as (PROBEOPEN {path.name}) writes them"
-        raise InputError(path, None, None, expected)
-    return rows, lines, broken
 
 
 def _without_moves(text: str, done: Run) -> str:
