@@ -37,6 +37,10 @@ _MARK = re.compile(
     r"(?:Recv|Send|RX|TX|READ|SENT|SENDING|RECV|INFO|DEBUG)\s*:?\s*(?=\W|\w)|\|)+",
 )
 
+_BOLD = re.compile(r"(?<![\w*\])])\*\*(?=[^\s*])([^*]*[^\s*])\*\*(?![\w*\[(])")
+"""Of Markdown, as in an issue; `2**3` and a checksum `*42` are none."""
+_CODE = re.compile(r"(`+)([^`]*)\1")
+
 _GLUED = re.compile(r"(?<=[\w.)\]])(?=(?:Recv|Send): )")
 """Where a page lost the end of a line."""
 
@@ -112,13 +116,20 @@ def read_lines(path: Path) -> list[Line]:
 def _lines(text: str) -> Iterator[Line]:
     time_s: float | None = None
     for number, raw in enumerate(text.splitlines(), 1):
-        for part in _GLUED.split(raw.replace("\u00a0", " ")):
+        for part in _GLUED.split(_without_markdown(raw.replace("\u00a0", " "))):
             rest = _without_marks(part)
             if stamp := _STAMP.match(rest):
                 time_s = _seconds(stamp)
                 rest = _without_marks(rest[stamp.end() :])
             if rest.strip():
                 yield Line(number, rest.strip(), raw, time_s)
+
+
+def _without_markdown(text: str) -> str:
+    """Take off what makes words bold or code on the page that a log was copied from."""
+    if "`" not in text and "**" not in text:
+        return text
+    return _BOLD.sub(r"\1", _CODE.sub(r"\2", text))
 
 
 def _without_marks(text: str) -> str:

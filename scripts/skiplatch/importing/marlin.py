@@ -16,6 +16,7 @@ from skiplatch.importing.console import (
 from skiplatch.importing.dialects import advice
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.log_lines import Line, read_lines, read_text
+from skiplatch.importing.marlin_series import TEST, Series
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER, PLAIN
 from skiplatch.units import UM_PER_MM
@@ -32,7 +33,6 @@ _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _RESULTS = re.compile(
     rf"^Mean:\s*{NUMBER}\s*Z?Min:\s*({NUMBER})\s*Z?Max:\s*({NUMBER})", re.IGNORECASE
 )
-_TEST = re.compile(r"M48 Z-Probe Repeatability Test", re.IGNORECASE)
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({PLAIN})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({PLAIN})")
 _UNIT = re.compile(r"^G2([01])\b")
@@ -81,6 +81,7 @@ class _Reader(Console):
         self._accel: float | None = None
         self._from_means = 0
         self._is_bed_last = False
+        self._series = Series()
 
     def take(self, line: Line) -> None:
         """Take in a line, without comments."""
@@ -88,7 +89,9 @@ class _Reader(Console):
         self.take_temperatures(text)
         if match := _SAMPLE.search(text):
             self._sample(match, line)
-        elif match := _PLACE.search(text):
+            return
+        self._series.take(text, line.number)
+        if match := _PLACE.search(text):
             self._place, self._in_test = (float(match[1]), float(match[2])), False
         elif match := _BED.search(text):
             self._bed(match, line)
@@ -99,9 +102,10 @@ class _Reader(Console):
             self._in_test = False
         elif _FAILED.search(text):
             self.add(None, self._place, line, feed=self.feed)
+            self._series.fails()
         else:
             self._settings(text, line)
-        if _TEST.search(text):
+        if TEST.search(text):
             self._in_test = self.has_tested = True
 
     def _settings(self, text: str, line: Line) -> None:
@@ -127,6 +131,7 @@ class _Reader(Console):
     def _sample(self, match: re.Match[str], line: Line) -> None:
         """Take z, with more digits where the running mean gives them."""
         number, z = int(match[1]), float(match[3])
+        is_next = self._series.takes(number, int(match[2]), line.number)
         if number == 1:
             self._sum = 0.0
             self._begins_with(z, half_digit(match[3]))
@@ -134,13 +139,13 @@ class _Reader(Console):
             total = float(match[4]) * number
             exact = total - self._sum
             self._sum = total
-            if decimals(match[4]) > decimals(match[3]) + 1 and abs(exact - z) < half_digit(
-                match[3]
-            ):
+            is_finer = decimals(match[4]) > decimals(match[3]) + 1
+            if is_next and is_finer and abs(exact - z) < half_digit(match[3]):
                 digit = 0.5 * 10.0 ** -decimals(match[4]) * (2 * number - 1)
                 if digit < half_digit(match[3]):
                     z, self._from_means = round(exact, 6), self._from_means + 1
         self.add(z, self._place, line, feed=self.feed)
+        self._series.measured(z, half_digit(match[3]))
         self._is_bed_last = False
 
     def _begins_with(self, z: float, half: float) -> None:
@@ -162,7 +167,9 @@ class _Reader(Console):
 
     def result(self) -> Imported:
         """Say what was found."""
+        self._series.ends()
         found = self.imported("marlin")
+        self._series.say(found)
         found.known.append("the z of each touch")
         self.say_temperatures(found)
         if self._from_means:
