@@ -42,6 +42,14 @@ Mean: 0.044500 Min: 0.043 Max: 0.045 Range: 0.002
 Standard Deviation: 0.001000
 """
 
+ACCURACY = """PROBE_ACCURACY SAMPLES=4
+// PROBE_ACCURACY at X:155.000 Y:107.000 Z:20.060 (samples=4 retract=2.500 speed=5.0)
+// probe at 155.000,107.000 is z=3.434839
+// probe at 155.000,107.000 is z=3.453998
+// probe at 155.000,107.000 is z=3.435672
+// probe at 155.000,107.000 is z=3.436505
+"""
+
 
 def read(folder: Path, kind: str, text: str, *words: str) -> Run:
     (folder / "torn.log").write_text(text)
@@ -148,5 +156,37 @@ def test_standard_deviation_of_another_test_is_held_against_nothing(tmp_path: Pa
     other = "M48 Z-Probe Repeatability Test\nFinished!\nStandard Deviation: 0.004000\n"
 
     run = read(tmp_path, "marlin", ROUNDED + other)
+
+    assert run.said["could_not_be_read"] == []
+
+
+@pytest.mark.parametrize("left", [50, 45, 41, 37, 31, 27, 19, 11])
+def test_touch_of_klipper_that_the_end_of_the_log_cuts_off_is_told(
+    tmp_path: Path, left: int
+) -> None:
+    """Within its z, it would be another one."""
+    run = read(tmp_path, "klipper", ACCURACY + "// probe at 155.000,107.000 is z=3.439837"[:left])
+
+    is_cut = left < 41
+    assert len(run.campaign.touches) == 5 - is_cut
+    said = ["a touch that the end of the log cuts off: line 7"] if is_cut else []
+    assert run.said["could_not_be_read"] == said
+
+
+@pytest.mark.parametrize("behind", ["", "// probe accuracy results: maximum 3.5, minimum 3.4\n"])
+def test_touch_of_probe_accuracy_that_is_lost_is_told(tmp_path: Path, behind: str) -> None:
+    lines = ACCURACY.splitlines(keepends=True)
+
+    run = read(tmp_path, "klipper", "".join(lines[:3] + lines[4:]) + behind)
+
+    where = "line 6" if behind else "at the end"
+    said = f"touches of PROBE_ACCURACY that are missing: 1 of 4, {where}"
+    assert said in run.said["could_not_be_read"]
+
+
+def test_touch_that_ended_probe_accuracy_without_a_trigger_is_not_missing(tmp_path: Path) -> None:
+    begun = "".join(ACCURACY.splitlines(keepends=True)[:4])
+
+    run = read(tmp_path, "klipper", f"{begun}!! No trigger on probe after full movement\n")
 
     assert run.said["could_not_be_read"] == []

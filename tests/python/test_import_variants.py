@@ -337,10 +337,16 @@ def test_two_bytes_a_character_without_a_mark_are_named(tmp_path: Path, refused:
     assert "UTF-16 without a byte order mark: save it as UTF-8" in said
 
 
-@pytest.mark.parametrize("command", [["repeat"], ["import", "grbl"], ["import", "marlin"]])
+COMMANDS = [["repeat"], *(["import", kind] for kind in ("grbl", "marlin", "klipper"))]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
 @pytest.mark.parametrize(
     ("text", "name"),
     [
+        ("Send: G30\nRecv: Z:4.6062 C:737\nRecv: ok\n", "Smoothieware"),
+        ("Recv: Z-probe:20.580 X:-0.01 Y:0.00\n", "Repetier-Firmware"),
+        ("Recv: echo:Starting probe at 1\nRecv: echo:endstops hit:  Z:19.53\n", "Prusa's Buddy"),
         ("G30 S-1\nStopped at height 1.234 mm\nok\n", "RepRapFirmware (Duet)"),
         ('{"gc":"g38.2 z-10 f100"}\n{"prb":{"e":1,"x":0.0,"z":-5.1}}\n', "TinyG or g2core"),
     ],
@@ -353,5 +359,29 @@ def test_log_of_an_unknown_controller_says_what_to_do(
 
     said = refused(*command, tmp_path / "c.log", *out)
 
-    assert f"c.log: touches of {name}, whose logs are not read" in said
+    assert f"c.log: touches of {name}" in said
+    assert "whose logs are not read: put their coordinates into a table" in said
+    assert "import csv --map coordinate_mm=Z" in said
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        ("Recv: Delta Grid Probe...\nRecv: probe at 0,0 is 0.000000 mm\n", "Smoothieware"),
+        ("Bed probe heights: -0.350 -0.387, mean -0.327\n", "RepRapFirmware (Duet)"),
+        ("RepRapFirmware height map file v2 generated\nX,Y\n 0.1, 0.2\n", "RepRapFirmware (Duet)"),
+        ("CurrentZ:21.09 atZ:19.00\n", "Repetier-Firmware"),
+        ("Recv: Num X,Y: 7,7\nRecv: Measured points:\n", "Prusa's firmware"),
+    ],
+)
+def test_map_of_a_bed_says_that_nothing_in_it_repeats(
+    tmp_path: Path, refused: Program, command: list[str], text: str, name: str
+) -> None:
+    (tmp_path / "c.log").write_text(text)
+    out = ["-o", tmp_path / "x"] if command[0] == "import" else []
+
+    said = refused(*command, tmp_path / "c.log", *out)
+
+    assert f"c.log: a map of the bed by {name}, with one touch of each place: touch one" in said
     assert "import csv --map coordinate_mm=Z" in said

@@ -15,17 +15,14 @@ from skiplatch.importing.console import (
     Console,
     thermometer_name,
 )
+from skiplatch.importing.dialects import advice
 from skiplatch.importing.klipper_config import Config
-from skiplatch.importing.log_lines import Line, read_lines
+from skiplatch.importing.klipper_torn import PROBE, Lacking, without_torn_end
+from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER
 from skiplatch.units import S_PER_MIN
 
-_PROBE = re.compile(
-    rf"probe(?:: at| at) ({NUMBER}),\s*({NUMBER})(?:,\s*({NUMBER}))? "
-    rf"(?:is|bed will contact at) z=({NUMBER})",
-    re.IGNORECASE,
-)
 _WRAPPED = re.compile(rf"\bprobe(?:: at| at) {NUMBER},\s*{NUMBER},?$", re.IGNORECASE)
 """Cut before its z, as a console does that is narrower than its lines."""
 _ACCURACY = re.compile(
@@ -75,14 +72,19 @@ def read_klipper(path: Path, feed: float | None) -> Imported:
         InputError: It cannot be read, or holds no touch.
     """
     reader = _Reader(feed)
-    for line in read_lines(path):
+    lines = read_lines(path)
+    whole = without_torn_end(lines)
+    for line in whole:
         reader.take(line)
     if not reader.has_touched:
         expected = 'expected lines such as "probe at 97.000,2.000 is z=1.320000"'
         if reader.has_results:
             expected += ", got results of PROBE_ACCURACY alone: keep the lines above them too"
-        raise InputError(path, None, None, expected)
-    return reader.result()
+        raise InputError(path, None, None, advice(read_text(path)) or expected)
+    found = reader.result()
+    if len(whole) < len(lines):
+        found.unread.append(f"a touch that the end of the log cuts off: line {lines[-1].number}")
+    return found
 
 
 class _Reader(Console):
@@ -105,7 +107,7 @@ class _Reader(Console):
         self._begun = ""
         self._limited: Counter[str] = Counter()
         self._tested_place: tuple[float, float] | None = None
-        self._sampled = 0
+        self._lacking = Lacking()
         self._standing = 0
 
     def take(self, line: Line) -> None:
@@ -115,7 +117,7 @@ class _Reader(Console):
         self._begun = f"{line.text} " if _WRAPPED.search(line.text) else ""
         text = line.text
         self.take_temperatures(text)
-        if match := _PROBE.search(text):
+        if match := PROBE.search(text):
             self._touch(match, line)
         elif match := _ACCURACY.search(text):
             self._test_begins(match)
@@ -164,6 +166,7 @@ class _Reader(Console):
         if not (results := _RESULTS.match(line.text)):
             return
         self.has_results = True
+        self._lacking.ends(self._options.get("samples"), f"line {line.number}")
         if results[1]:
             self.take_extremes(results[2], results[1], line)
         self._command_ends()
@@ -180,7 +183,7 @@ class _Reader(Console):
         if typed and abs(self._options.get("speed", math.inf) - typed) <= _HALF_DIGIT_MM_S:
             self._options["speed"] = typed
         self.test_begins()
-        self._sampled = 0
+        self._lacking.begins()
         self._start_z = float(match[3])
         self._tested_place = (float(match[1]), float(match[2]))
 
@@ -189,12 +192,12 @@ class _Reader(Console):
         if match[3] is not None:
             self._distance(float(match[3]) - z, (x, y), line)
             return
-        if self._sampled == self._options.get("samples"):
+        if self._lacking.sampled == self._options.get("samples"):
             self._command_ends()  # by its number, as a delta prints other X and Y each time
         self.add(z, (x, y), line, feed=self._speed(), start=self._start(), time_s=self._stats_s)
         self._start_z, self._last_z, self._last_place = None, z, (x, y)
         self._tested_place = None
-        self._sampled += 1
+        self._lacking.sampled += 1
 
     def _failed(self, line: Line) -> None:
         """Take an attempt without a touch, which ends its command, where the last one was."""
@@ -247,7 +250,9 @@ class _Reader(Console):
 
     def result(self) -> Imported:
         """Say what was found."""
+        self._lacking.ends(self._options.get("samples"), "at the end")
         found = self.imported("klipper")
+        self._lacking.say(found)
         self._feeds(found)
         self._config.put_into(found)
         found.known.append("where each touch was latched, and at which X and Y")
