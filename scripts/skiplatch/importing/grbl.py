@@ -24,7 +24,9 @@ from skiplatch.units import MM_PER_INCH, UM_PER_MM
 _SETTING = re.compile(rf"\$([0-9]{{1,3}})\s*=\s*({NUMBER})")
 _MODES = re.compile(r"\[GC:([^\]]*)\]")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
-_GRBL_HAL = re.compile(r"grblhal|fluidnc|esp32|\[(?:MSG:INFO|NEWOPT:|BOARD:)", re.IGNORECASE)
+_GRBL_HAL = re.compile(
+    r"grblhal|fluidnc|esp32|\[(?:MSG:(?:INFO|WARN|ERR|DBG)\b|NEWOPT:|BOARD:)", re.IGNORECASE
+)
 _PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TL[O0R]|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
 _RANGE = re.compile(rf"\bAxis ([XYZABC]) \(({NUMBER}),\s*({NUMBER})\)")
@@ -74,6 +76,7 @@ class _Reader:
         self._ranges: dict[str, tuple[float, float]] = {}
         self._guessed = Guesses(self.touches)
         self._beside_ok = 0
+        self._without_sense = 0
 
     def take(self, line: Line) -> None:
         """Take in a line: settings, a command, a reply, or several of them in one."""
@@ -166,6 +169,7 @@ class _Reader:
             self.broken += 1
             return
         start = move.start_to(axis, position[index]) if move else None
+        self._without_sense += bool(move and move.sign is None and axis != "Z")
         self.touches.append(
             Touch(
                 axis=axis,
@@ -270,6 +274,11 @@ class _Reader:
             )
         if self._guessed.count and self._beside_ok:
             found.assumed.append("probing commands beside an ok do not tell which reply is theirs")
+        if self._without_sense:
+            found.assumed.append(
+                f"the sense of {self._without_sense} touches is not known, as no G91 and no place "
+                "before them tells it: log the commands from the beginning"
+            )
         if any(touch.axis == "Z" for touch in self.touches):
             found.assumed.append("Z was touched from above where no command says otherwise")
 

@@ -34,8 +34,11 @@ _DATE = (
 _STAMP = re.compile(rf"^\s*[\[(]?{_DATE}{_TIME}\s*[\])]?\s*[:|>-]*\s*", re.ASCII)
 _MARK = re.compile(
     r"^(?:\s|[-*•]\s|\$ |>>>|<<<|>(?!\s*$)|<(?![A-Za-z])|//|!!|echo:|"
-    r"(?:Recv|Send|RX|TX|READ|SENT|SENDING|RECV|INFO|DEBUG)\s*:?\s*(?=\W|\w)|\|)+",
+    r"(?:Recv|Send|RX|TX|READ|SENT|SENDING|RECV|INFO|DEBUG)\s*:?\s*(?=\W|\w)|\|"
+    r"|\[(?:INFO|DEBUG|WARN|WARNING|ERROR)\]\s*|Normal info:)+",
 )
+_WRITTEN_END = re.compile(r"(?:\\[rn])+$")
+"""The end of a line as a program wrote it that shows control characters: `\\r\\n`."""
 
 _BOLD = re.compile(r"(?<![\w*\])])\*\*(?=[^\s*])([^*]*[^\s*])\*\*(?![\w*\[(])")
 """Of Markdown, as in an issue; `2**3` and a checksum `*42` are none."""
@@ -121,8 +124,8 @@ def _lines(text: str) -> Iterator[Line]:
             if stamp := _STAMP.match(rest):
                 time_s = _seconds(stamp)
                 rest = _without_marks(rest[stamp.end() :])
-            if rest.strip():
-                yield Line(number, rest.strip(), raw, time_s)
+            if rest := _WRITTEN_END.sub("", rest.strip()).rstrip():
+                yield Line(number, rest, raw, time_s)
 
 
 def _without_markdown(text: str) -> str:
