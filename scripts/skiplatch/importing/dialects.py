@@ -27,7 +27,7 @@ def advice(text: str) -> str:
         how = f"put their coordinates into a table with {_TABLE}"
         return f"touches of {name}, whose logs are not read: {how}"
     if name := _name(text, _MAPS):
-        how = f"touch one several times, and put the coordinates into a table with {_TABLE}"
+        how = f"touch one several times, and put its coordinates into a table with {_TABLE}"
         return f"a map of the bed by {name}, with one touch of each place: {how}"
     return ""
 

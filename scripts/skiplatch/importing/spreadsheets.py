@@ -1,6 +1,7 @@
 """Tables as spreadsheets write them: many know no UTF-8 unless they are asked for it."""
 
 import re
+import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -14,6 +15,7 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
 from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.encodings import encoding_of, refuse_no_text
+from skiplatch.importing.markdown_tables import is_markdown, markdown_rows
 from skiplatch.importing.model import Imported
 
 WINDOWS = "cp1252"
@@ -75,8 +77,12 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
     encoding = _encoding(path)
     try:
         lines = first_lines(path, MOST_BEFORE_TABLE, encoding)
-        before = _lines_before_head(lines, is_head)
         marks = Marks()
+        if is_markdown(lines):
+            lines = first_lines(path, sys.maxsize, encoding)
+            before, rows = markdown_rows(path, lines)
+            return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks)
+        before = _lines_before_head(lines, is_head)
         rows = list(read_rows(path, encoding, after=before, in_points=marks.with_points))
         return Spreadsheet(rows, encoding, lines[:before], marks)
     except UnicodeError as error:

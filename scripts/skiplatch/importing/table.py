@@ -22,7 +22,13 @@ from skiplatch.importing.spreadsheets import (
     say_digit,
     without_lines_below,
 )
-from skiplatch.importing.table_rows import refuse_surplus, say_empty, touched
+from skiplatch.importing.table_rows import (
+    refuse_no_head,
+    refuse_surplus,
+    say_empty,
+    say_short,
+    touched,
+)
 from skiplatch.importing.units_in_heads import UNITS
 
 _LENGTHS_UM = {"deviation_um": 1.0, COORDINATE: 1e3}
@@ -67,11 +73,14 @@ def read_table(
         raise InputError(path, None, None, "expected a header row, got an empty file")
     (header_line, header), body = rows[0], rows[1:]
     heads = [head.strip() for head in header]
+    refuse_no_head(path, header_line, heads, sheet.title)
     mapped = [in_table(path, header_line, heads, m) for m in mapped]
     sheet.marks.refuse_doubtful(path, {heads.index(m.head) for m in mapped})
     found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
     sheet.say(found)
-    body = touched(without_lines_below(body, found), heads, mapped, found)
+    body = without_lines_below(body, found)
+    say_short(heads, body, mapped, found)
+    body = touched(body, heads, mapped, found)
     refuse_surplus(path, heads, body)
     say_empty(heads, body, mapped, found)
     columns = {m.column: _cells(path, heads, body, m) for m in mapped}

@@ -1,14 +1,20 @@
 """Which rows of a table tell of touches, and whether each has the cells of its head."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
 from skiplatch.campaign import COLUMNS
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
+from skiplatch.importing.dialects import advice
 from skiplatch.importing.mapped import COORDINATE, Mapped
 from skiplatch.importing.model import Imported
+from skiplatch.importing.named_lines import named
 from skiplatch.importing.spreadsheets import tells
+from skiplatch.numbers import NUMBER
+
+_NUMBER = re.compile(NUMBER)
 
 _OUTCOMES = {COORDINATE, "edge_us", *(name for name in COLUMNS if COLUMNS[name].is_outcome)}
 """Columns that tell what came of a touch."""
@@ -37,6 +43,33 @@ def touched(
     if below:
         found.assumed.append(f"rows below an empty one are touches like those above: {below}")
     return kept
+
+
+def refuse_no_head(path: Path, line: int, heads: Sequence[str], title: Sequence[str]) -> None:
+    """Refuse numbers in place of names, and a map of the bed, whose head names no touches.
+
+    Columns may be numbered 1, 2, 3; numbers with decimals among them are measured ones.
+
+    Raises:
+        InputError: It is one.
+    """
+    if said := advice("\n".join([*title, *heads])):
+        raise InputError(path, None, None, said)
+    numbers = [head for head in heads if _NUMBER.fullmatch(head)]
+    if 2 * len(numbers) > len(heads) and any("." in number for number in numbers):
+        expected = "expected a line of heads above the numbers, such as X [mm],Z [mm]"
+        raise InputError(path, line, None, f"{expected}; got {', '.join(heads[:20])}")
+
+
+def say_short(
+    heads: Sequence[str], body: Sequence[Row], mapped: Sequence[Mapped], found: Imported
+) -> None:
+    """Say which rows end before a column that is mapped; what they lack counts as empty."""
+    last = max(heads.index(m.head) for m in mapped)
+    short = [line for line, row in body if len(row) <= last]
+    if short:
+        said = f"rows shorter than the head, whose last cells count as empty: {len(short)}"
+        found.assumed.append(f"{said}, {named(short)}")
 
 
 def refuse_surplus(path: Path, heads: Sequence[str], body: Sequence[Row]) -> None:
