@@ -18,6 +18,12 @@ HAL = ROOT / "hal/include"
 PATTERNS = re.compile(r"set\(SKIPLATCH_core ([^)]+)\)")
 VERSION = re.compile(r'SKIPLATCH_VERSION "([0-9.]+)"')
 INCLUDE = re.compile(r'^#include "([^"]+)"\n', re.MULTILINE)
+OWN_NAME = re.compile(
+    r"^#define (\w+)|^static [\w ]+?[ *](\w+)(?=[(\[ ;=])|^(?:typedef .*?|\} )(\w+);$", re.MULTILINE
+)
+"""What a C file of the firmware defines for itself: macros, static functions and data, types."""
+WORD = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|(?:\.|->)?\b[A-Za-z_]\w*', re.DOTALL)
+"""A comment, a text, a member behind its dot or arrow, or any other name."""
 GUARD = re.compile(r"^#ifndef (\w+)\n#define \1\n(.*)^#endif\n\Z", re.MULTILINE | re.DOTALL)
 
 HEAD = """\
@@ -88,12 +94,25 @@ def _inline(path: Path) -> str:
     return INCLUDE.sub("", body)
 
 
+def with_long_names(text: str, stem: str) -> str:
+    """Put the file's name before what a C file defines for itself.
+
+    In the single header such names stand in the user's own file, where `arm` is likely to be taken.
+    """
+    longer = {}
+    for match in OWN_NAME.finditer(text):
+        name = str(match[match.lastindex or 0])
+        before = f"skiplatch_{stem}_"
+        longer[name] = f"{before.upper() if name.isupper() else before}{name}"
+    return WORD.sub(lambda match: longer.get(match[0], match[0]), text)
+
+
 def single_header(sources: list[Path]) -> str:
-    """Join the headers of the core, and these sources."""
+    """Join the headers of the core, and these sources with long names."""
     parts = [HEAD.format(version=version()), "#ifndef SKIPLATCH_H\n#define SKIPLATCH_H\n\n"]
     parts += [_inline(path) + "\n" for path in core_headers().values()]
     parts.append("#ifdef SKIPLATCH_IMPLEMENTATION\n\n")
-    parts += [_inline(path) + "\n" for path in sources]
+    parts += [with_long_names(_inline(path), path.stem) + "\n" for path in sources]
     parts.append("#endif\n\n#endif\n")
     return "".join(parts)
 

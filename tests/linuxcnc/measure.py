@@ -73,17 +73,29 @@ def build() -> None:
     """Build the component as its users do, and the simulated axis."""
     packed = Path("build/packages")
     packed.mkdir(parents=True, exist_ok=True)
-    subprocess.run(
-        [sys.executable, "scripts/pack_firmware.py", packed], check=True, capture_output=True
-    )
+    _made(Path(), sys.executable, "scripts/pack_firmware.py", str(packed))
     halcompile = str(shutil.which("halcompile"))
     MODULES.mkdir(parents=True, exist_ok=True)
     for source in (packed / "linuxcnc/skiplatch.comp", HERE / "touchrig.comp"):
         for file in source.parent.glob(f"{source.stem}.*"):
             shutil.copy(file, MODULES)
-        subprocess.run(
-            [halcompile, "--compile", source.name], cwd=MODULES, check=True, capture_output=True
-        )
+        _made(MODULES, halcompile, "--compile", source.name)
+
+
+def _made(folder: Path, *command: str) -> None:
+    """Run a step of the build in a folder; what it printed is shown if it fails."""
+    done = subprocess.run(
+        command,
+        cwd=folder,
+        check=False,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+    )
+    if done.returncode:
+        print(done.stdout, file=sys.stderr)
+    done.check_returncode()
 
 
 def plan(touches: int, seed: int, bounces: int) -> list[dict[str, float]]:
