@@ -227,7 +227,7 @@ def test_sense_that_a_program_with_other_count_does_not_tell(
     tmp_path: Path, moves: str, said: str
 ) -> None:
     (tmp_path / "p.ngc").write_text(f"G21 G90\n{moves}\nM2\n")
-    (tmp_path / "p.txt").write_text("0 0 -2.501\n0 0 -2.511\n0 0 -2.521\n")
+    (tmp_path / "p.txt").write_text("0 0 -2.501\n0 0 -2.511\n0 0 -2.521\ntorn\n")
 
     run = Run(
         *(tmp_path, "linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))
@@ -286,3 +286,73 @@ def test_moves_of_a_log_of_another_name_do_not_count(
     run = read(tmp_path, program, row(0, z=-5.0023) * len(feeds))
 
     assert told(run) == [("Z", -1, feed) for feed in feeds]
+
+
+TWO_FACES = """G21 G90
+(PROBEOPEN p.txt)
+o1 repeat [2]
+G0 X0 Y0
+G38.2 X5 F100
+G0 X0
+G38.2 X5 F400
+G0 X0
+G38.2 X-5 F100
+G0 X0
+G38.2 X-5 F400
+o1 endrepeat
+M2
+"""
+WITHOUT_REPEATS = {
+    "lines that tell": ([4.01, 4.02, -4.0, 4.02, 4.01, -4.0, -4.01], [100, 400, 100, 400] * 2),
+    "two lines": ([4.01, -4.0, -4.01, 4.02, 4.01, -4.0], [100, 400, 100, 400] * 2),
+}
+
+
+@pytest.mark.parametrize("log", WITHOUT_REPEATS)
+def test_touch_without_a_line_is_where_the_one_before_was(tmp_path: Path, log: str) -> None:
+    places, feeds = WITHOUT_REPEATS[log]
+
+    run = read(tmp_path, TWO_FACES, "".join(map(row, places)))
+
+    senses = [1, 1, -1, -1] * 2
+    assert told(run) == [("X", *both) for both in zip(senses, feeds, strict=True)]
+    without = 8 - len(places)
+    assert f"; {without} touches without a line are where the one before is" in run.text
+
+
+def test_of_alike_moves_the_repeat_that_cannot_be_told_is_left_out(tmp_path: Path) -> None:
+    """Of three moves at 100 and three at 400 mm/min one wrote no line: the third may be of both."""
+    program = "G21 G90\nG0 X0\n" + "".join(f"G38.2 X5 F{f}\nG0 X0\n" for f in [100] * 3 + [400] * 3)
+
+    run = read(tmp_path, program, "".join(map(row, [4.01, 4.02, 4.03, 4.01, 4.02])))
+
+    assert told(run) == [("X", 1, 100)] * 2 + [("X", 1, 400)] * 2
+    assert "; 1 are left out, as it cannot be told which they repeat" in run.text
+    assert "; 1 lines fit moves that differ" in run.text
+    assert "1 touches of unknown feed are left out" in run.text
+
+
+def test_moves_from_where_the_last_touch_was_keep_their_way_beside_a_dropped_line(
+    tmp_path: Path,
+) -> None:
+    places = [(12.506, 0), (-12.506, 0), (-12.5012, 0), (0, 12.506), (0, 12.5012)]
+
+    run = read(tmp_path, BOTH_WORDS, "".join(row(*place) for place in places))
+
+    assert [feed for _, _, feed in told(run)] == [300, 60] * 3
+    assert run.campaign.touches.approach_mm[1] == pytest.approx(1.0)  # from 12.506 - 1
+
+
+def test_lines_that_lie_on_no_way_of_their_moves_give_what_all_moves_share(tmp_path: Path) -> None:
+    run = read(tmp_path, TWO_FACES, "".join(map(row, [4.01, -7.0, 4.02])))
+
+    assert "only what is the same in all of them was taken from it" in run.text
+
+
+def test_a_line_that_cannot_be_read_is_not_taken_for_a_repeat(tmp_path: Path) -> None:
+    lines = [row(x) for x in [4.01, 4.02, -4.0, -4.01] * 2]
+    lines[3] = "torn\n"
+
+    run = read(tmp_path, TWO_FACES, "".join(lines))
+
+    assert "only what is the same in all of them was taken from it" in run.text

@@ -6,12 +6,12 @@ line as well, with its target.
 """
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from itertools import zip_longest
 from pathlib import Path
-from typing import TypeVar
 
 from skiplatch.errors import InputError
+from skiplatch.importing.dropped_lines import only, told_apart
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, offsets_of, run
 from skiplatch.importing.linuxcnc_rows import read_rows
@@ -28,7 +28,6 @@ AT_TARGET_MM = 2e-3
 FROM_ABOVE = "Z was touched from above"
 
 _PROBES = re.compile(r"G38\.[2-5]", re.IGNORECASE)
-Value = TypeVar("Value", str, int, float)
 
 
 def read_linuxcnc_logs(
@@ -80,7 +79,14 @@ def read_linuxcnc(
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
     read.say(found)
     unit = MM_PER_INCH if inch else 1.0
-    matched = _matched(path, rows, moves, found)
+    told = None
+    if not broken:  # a line that cannot be read is missing for another reason
+        name = path.name
+        told = told_apart(rows, moves, unit, lambda log: run(text, log, inch=inch, name=name).moves)
+    if told:
+        rows, lines = [rows[i] for i in told.lines], [lines[i] for i in told.lines]
+        found.assumed.append(told.said)
+    matched = list(told.moves) if told else _matched(path, rows, moves, found)
     fallback = axis or _probed_axis(rows)
     guessed = sum(not (move and move.axis) for move in matched)
     if guessed and not axis:
@@ -137,15 +143,15 @@ def _matched(
             f"{differ}, so only what is the same in all of them was taken from it (LinuxCNC "
             "writes no line for a touch that ends exactly where the one before did)"
         )
-    axis = _only(move.axis for move in moves)
+    axis = only(move.axis for move in moves)
     same = ProbeMove(
         line=0,
         axis=axis,
         sign=_shared_sense(moves, axis, found),
-        share=_only(move.share for move in moves),
+        share=only(move.share for move in moves),
         start={},
-        feed=_only(move.feed for move in moves),
-        targets={axis: _only(move.targets.get(axis) for move in moves) for axis in AXES},
+        feed=only(move.feed for move in moves),
+        targets={axis: only(move.targets.get(axis) for move in moves) for axis in AXES},
     )
     return [same if moves else None] * len(rows)
 
@@ -158,7 +164,7 @@ def _shared_sense(moves: Sequence[ProbeMove], axis: str | None, found: Imported)
     untold = sum(move.sign is None for move in moves)
     told = {move.sign for move in moves} - {None}
     if not untold or axis is None or len(told) > 1:
-        return _only(move.sign for move in moves)
+        return only(move.sign for move in moves)
     if told:
         found.assumed.append(f"{untold} moves whose sense the program does not tell: as the others")
         return told.pop()
@@ -198,12 +204,6 @@ def _probed_axis(rows: Sequence[Row]) -> str:
         return sum(abs(m - round(m)) > NEGLIGIBLE for m in multiples)
 
     return max(LIKELIEST, key=lambda axis: touched(AXES.index(axis)))
-
-
-def _only(values: Iterable[Value | None]) -> Value | None:
-    """Give the value that all are, or None."""
-    found = set(values)
-    return found.pop() if len(found) == 1 else None
 
 
 def _say_offsets(found: Imported, text: str) -> None:
