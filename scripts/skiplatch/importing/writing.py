@@ -96,14 +96,24 @@ def _toml(imported: Imported, sources: Sequence[Path], free: DatumFreedom) -> st
 
 
 def _given(path: Path, imported: Imported, free: DatumFreedom) -> str:
-    """Give the nominal.toml of the rig, with the datum of these touches: it goes with them."""
+    """Give the nominal.toml of the rig, with its datum unless it is known better of these touches.
+
+    Where a log does not say how far a touch was off, each surface was held against its own middle,
+    and an instrument with a zero has that zero.
+    """
     nominal = read_nominal(path)
     if nominal.kind is not imported.kind:
         expected = f"expected that of a {imported.kind}, as the log is of one, got a {nominal.kind}"
         raise InputError(path, None, "kind", expected)
     said = f"what is believed of the rig is that of {path}, whatever is said of it here"
+    if imported.columns is not None and imported.free is None:
+        datum = nominal.datum
+    else:
+        datum = Datum(free)
+        if nominal.datum != datum:
+            said += f', but for its [datum]: free = "{free}" is that of these touches'
     imported.known.append(said)
-    return format_nominal(replace(nominal, datum=Datum(free)))
+    return format_nominal(replace(nominal, datum=datum))
 
 
 def _refuse_impossible_places(source: Path, touches: Sequence[Touch]) -> None:
