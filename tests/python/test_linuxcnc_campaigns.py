@@ -3,6 +3,7 @@
 They were recorded by ``python -m tests.linuxcnc.campaigns``.
 """
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -47,6 +48,17 @@ TRUTHS = {
 }
 
 
+# How the row of each begins in the table of docs/LINUXCNC.md.
+ROWS = {
+    "servo_period": "servo period 2 ms",
+    "debounced": "LinuxCNC's `debounce`",
+    "backlash": "backlash",
+    "screw": "screw too long",
+    "lagging": "feedback through a low pass",
+    "bounced": "a quarter of the contacts",
+}
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", TRUTHS)
 def test_what_is_wrong_is_named_with_its_size_and_the_gap_is_gone(name: str) -> None:
@@ -71,6 +83,33 @@ def test_another_period_is_among_what_cannot_be_told_apart() -> None:
     candidates |= {effect.id for rival in diagnosis.rivals for effect in rival.effects}
 
     assert {"input_image_delay", "scan_period"} <= candidates
+
+
+def shown(cell: str) -> list[float]:
+    """Give the numbers of a cell that no name holds."""
+    return [float(n.replace("−", "-")) for n in re.findall(r"(?<![\w.])[-−]?\d+\.?\d*", cell)]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ROWS)
+def test_the_page_has_what_is_found(name: str) -> None:
+    """To the last digit that stands there, as another processor may round in another way."""
+    page = Path("docs/LINUXCNC.md").read_text(encoding="utf-8")
+    (row,) = (line for line in page.splitlines() if line.startswith(f"| {ROWS[name]}"))
+    _, _, found, _, scores, _ = row.split("|")
+    diagnosis = diagnosed(name)
+
+    (named,) = diagnosis.effects
+    (gap,) = diagnosis.gap.values()
+    assert f"`{named.effect.id}`" in found
+    assert ("in part" in found) == (diagnosis.verdict is Verdict.PARTLY_EXPLAINED)
+    parameter = next(iter(named.intervals))
+    figures = [named.effect.parameters[parameter], *named.intervals[parameter]]
+    percent = 100.0 if parameter == "probability" else 1.0
+    numbers = shown(found)
+    expected = [percent * figure for figure in figures[: 3 if len(numbers) >= 3 else 1]]
+    assert numbers[: len(expected)] == pytest.approx(expected, rel=0.02)
+    assert shown(scores) == pytest.approx([gap.before, gap.after, gap.noise_floor], rel=0.01)
 
 
 @pytest.mark.long

@@ -40,6 +40,12 @@ def _table(path: Path) -> None:
     path.write_text("Error,Remark\n0.002,a\n-0.001,\n0.001,\n")
 
 
+def _gauge(path: Path) -> None:
+    """Both faces of a gauge of 20 mm, at two feeds."""
+    rows = "".join(f"plc,X,{s},{f},{10 - 10 * s},{f / 100}\n" for s in (1, -1) for f in (100, 400))
+    path.write_text(f"path,axis,sign,feed_mm_min,position_mm,deviation_um\n{rows}")
+
+
 def _bus_log(path: Path) -> None:
     """Three edges, each latched 65 µs later."""
     text = ""
@@ -112,6 +118,7 @@ STAND_INS: dict[str, Callable[[Path], None]] = {
     "m48.log": partial(_copy, LOGS / "marlin_m48.log"),
     "capture.vcd": _capture,
     "t.csv": _table,
+    "gauge.csv": _gauge,
     "bus.log": _bus_log,
     "bench.mf4": _recording,
     "radii.csv": _map,

@@ -29,8 +29,8 @@ _RARE = {"rotary_deg", "session", "status"}
 _FEW_TOUCHES = 20
 HIDES_BACKLASH = (
     "each surface is met in one sense and may lie anywhere: a backlash looks like where they lie; "
-    "touch a gauge of known width from both sides, and import how far each "
-    "touch is off its faces (import csv)"
+    "touch a gauge of known width from both sides, and import how far each touch is off its "
+    "faces (import csv)"
 )
 
 
