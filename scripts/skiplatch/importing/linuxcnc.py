@@ -80,7 +80,7 @@ def read_linuxcnc(
     read.say(found)
     unit = MM_PER_INCH if inch else 1.0
     told = None
-    if not broken:  # a line that cannot be read is missing for another reason
+    if not (read.broken or read.stumps):  # a line that cannot be read is missing for another reason
         name = path.name
         told = told_apart(rows, moves, unit, lambda log: run(text, log, inch=inch, name=name).moves)
     if told:
