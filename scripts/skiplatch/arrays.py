@@ -17,3 +17,10 @@ def median(values: FloatArray) -> float:
     parted = values.copy()
     parted.partition((low, high))
     return float(parted[low] + parted[high]) / 2.0
+
+
+def calmed(values: FloatArray, error_variance: float) -> FloatArray:
+    """Draw estimates towards their mean by the share of their variance that is their error."""
+    variance = float(np.var(values))
+    kept = max(0.0, 1.0 - error_variance / variance) if variance > 0.0 else 0.0
+    return np.asarray(values.mean() + kept * (values - values.mean()))

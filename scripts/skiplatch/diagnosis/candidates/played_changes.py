@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import stats
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, calmed
 from skiplatch.diagnosis.candidates.played_pairs import FEWEST_REPLICATES, Pair, Player, is_same
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import Extra
@@ -150,8 +150,8 @@ def _shift(
         return np.zeros(count), (_now_and_then(inner[hit], float(np.mean(hit))),)
     replicates, variance = len(inner), np.var(inner, axis=0, ddof=1)
     pooled = float(np.mean(variance))
-    mean = _calmed(mean, pooled / replicates)
-    variance = np.maximum(_calmed(variance, 2.0 * pooled**2 / (replicates - 1)), 0.0)
+    mean = calmed(mean, pooled / replicates)
+    variance = np.maximum(calmed(variance, 2.0 * pooled**2 / (replicates - 1)), 0.0)
     sigma = _everywhere(np.sqrt(variance), rows)
     return _everywhere(mean, rows), (Extra(1.0, sigma=sigma),)
 
@@ -160,13 +160,6 @@ def _everywhere(values: FloatArray, rows: BoolArray) -> FloatArray:
     full = np.zeros(len(rows))
     full[rows] = values
     return full
-
-
-def _calmed(values: FloatArray, error_variance: float) -> FloatArray:
-    """Draw estimates towards their mean by the share of their variance that is their error."""
-    variance = float(np.var(values))
-    kept = max(0.0, 1.0 - error_variance / variance) if variance > 0.0 else 0.0
-    return np.asarray(values.mean() + kept * (values - values.mean()))
 
 
 def _now_and_then(hits: FloatArray, share: float) -> Extra:

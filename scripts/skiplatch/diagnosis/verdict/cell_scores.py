@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import FloatArray, calmed
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.gap import RESOLVABLE
 
@@ -71,9 +71,10 @@ class Ensemble:
     Attributes:
         plays: Of each touch; one that was not latched has another play's outcome.
         scale: Turns their unit into that of the observable.
-        is_pooled: A touch is held against the plays of all. All touches of a campaign share the
-            phase of one scan, and so do those of a replicate: its own plays alone show a touch no
-            more phases than there are replicates, and to all of them the same.
+        is_pooled: A touch is held against the plays of all, about their means. All touches of a
+            campaign share the phase of one scan, and so do those of a replicate: its own plays
+            alone show a touch no more phases than there are replicates, and to all of them the
+            same. What plays know of a touch, as where in a wave it lies, is in the mean of its own.
     """
 
     plays: FloatArray
@@ -92,10 +93,10 @@ class Ensemble:
         """Score touches, shape (m,), in units of the plays, by all replicates but one."""
         plays = self.plays if but is None else np.delete(self.plays, but, axis=0)
         if self.is_pooled:
-            pool = np.sort(plays.ravel())
+            middle = _middles(plays)
+            pool = np.sort((plays - middle).ravel())
             chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
-            pool = pool[np.rint(chosen).astype(int)]
-            ensemble = np.broadcast_to(pool, (len(recorded), len(pool)))
+            ensemble = middle[:, None] + pool[np.rint(chosen).astype(int)]
         else:
             ensemble = plays.T
         return TouchScores(self.scale * _crps(recorded, ensemble), self.scale * floor_of(ensemble))
@@ -149,6 +150,15 @@ class CellScores:
                 and _exceed(worse, min(floors, key=np.mean)) < limit
             )
         )
+
+
+def _middles(plays: FloatArray) -> FloatArray:
+    """Give where each touch lies by its own plays, as far as these tell it from others; (m,).
+
+    Their means differ by the phases that its plays happened to have, too: by that much less.
+    """
+    within = float(np.mean(np.var(plays, axis=0, ddof=1)))
+    return calmed(plays.mean(axis=0), within / len(plays))
 
 
 def _but_for_rounding(floor: FloatArray, least: float) -> FloatArray:
