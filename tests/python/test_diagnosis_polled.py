@@ -7,8 +7,13 @@ import pytest
 
 from played_campaigns import MACHINE, played_again, stamped_machine
 from skiplatch.campaign import Axis, Campaign, Datum, InputPath, Kind, Touches, read_campaign
+from skiplatch.diagnosis import diagnose
+from skiplatch.diagnosis.candidates.positions import positions
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.tasks import fit_plainly
 from skiplatch.diagnosis.verdict.cell_scores import Ensemble, floor_of
 from skiplatch.diagnosis.verdict.shrink import PlayedRigs
 from skiplatch.simulator.effects import Effect
@@ -45,6 +50,63 @@ def polled(*, stamped: bool = False) -> Campaign:
     return replace(base, nominal=nominal, touches=touches)
 
 
+@pytest.mark.parametrize("datum_um", [0.0, 60.0])
+@pytest.mark.parametrize("stamped", [False, True])
+def test_a_wave_is_proposed_and_fitted_wherever_the_surface_is(
+    datum_um: float, *, stamped: bool
+) -> None:
+    campaign = played_again(polled(stamped=stamped), WAVE)
+    touches = campaign.touches
+    moved = replace(touches, deviation_um=touches.deviation_um + datum_um)
+    scene, wave = Scene.of(replace(campaign, touches=moved)), CANDIDATES[WAVE.id]
+
+    first, *_ = wave.starts(scene, NOTHING)
+    (found,) = fit_plainly((scene, wave, NOTHING)).parameters
+
+    assert first[1] == pytest.approx(24.0, abs=0.5)
+    assert found[:2] == pytest.approx((6.0, 24.0), rel=0.07)
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        Effect("scale_error", {"scale_ppm": -60.0, "y_excess_ratio": -2.0}),
+        Effect("backlash", {"backlash_um": 4.0, "y_excess_ratio": -2.0}),
+    ],
+)
+def test_axes_that_err_to_opposite_sides_are_proposed(effect: Effect) -> None:
+    scene, candidate = Scene.of(played_again(polled(), effect)), CANDIDATES[effect.id]
+    truth = dict(zip(candidate.names, candidate.starts(scene, NOTHING)[1], strict=True))
+
+    for name, value in effect.parameters.items():
+        assert truth[name] == pytest.approx(value, rel=0.3)
+
+
+def test_coordinates_of_a_coarse_encoder_propose_its_lines() -> None:
+    encoder = Effect(
+        "encoder_quantisation", {"resolution_um": 10.0, "is_coordinate": 1.0, "origin": 0.3}
+    )
+    scene, candidate = Scene.of(played_again(polled(), encoder)), CANDIDATES[encoder.id]
+
+    (found,) = fit_plainly((scene, candidate, NOTHING)).parameters
+
+    assert found == pytest.approx((10.0, 1.0, 0.3), abs=0.01)
+
+
+def test_each_touch_is_taken_once_beside_the_datum_of_what_was_recorded() -> None:
+    campaign = played_again(polled(stamped=True))
+    touches = campaign.touches
+    half = np.arange(TOUCHES) < TOUCHES // 2
+    partly = replace(touches, latch_us=np.where(half, touches.latch_us, np.nan))
+
+    told = positions(Scene.of(replace(campaign, touches=partly)), NOTHING)
+
+    np.testing.assert_array_equal(told.rows, np.arange(TOUCHES))
+    np.testing.assert_array_equal(told.data.sum(axis=1), 1.0)
+    assert np.median(told.spread_um[half]) < 0.1 * np.median(told.spread_um[~half])
+    assert not np.any(told.data[half].any(axis=0) & told.data[~half].any(axis=0))
+
+
 def test_a_wave_shrinks_in_touches_that_share_the_phases_of_all_plays() -> None:
     campaign = played_again(polled(), WAVE)
     scene = Scene.of(campaign)
@@ -72,3 +134,12 @@ def test_what_plays_do_not_tell_of_touches_is_that_of_their_pool() -> None:
     assert alike.scores.mean() == pytest.approx(floor, rel=0.05)
     assert apart.scores.mean() == pytest.approx(floor, rel=0.05)
     assert apart.floor.mean() == pytest.approx(alike.floor.mean(), rel=0.02)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("stamped", [False, True])
+def test_a_wave_is_named(*, stamped: bool) -> None:
+    found = diagnose(played_again(polled(stamped=stamped), WAVE), seed=1, jobs=2)
+
+    assert [effect.effect.id for effect in found.effects] == [WAVE.id]
+    assert found.effects[0].effect.parameters["amplitude_um"] == pytest.approx(6.0, rel=0.1)

@@ -11,9 +11,9 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import LINEAR_AXES, Touches
 from skiplatch.diagnosis.candidates.candidate import Refinement
 from skiplatch.diagnosis.candidates.first_axis import OF_AN_AXIS
+from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
@@ -106,17 +106,12 @@ def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[f
     One that all axes have in common; another of each axis, if they are not much the same. None of
     too few touches.
     """
-    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
-    if stream is None:
-        return []
-    rows = stream.rows
-    law = law_under(scene, stream, given).select(rows)
-    scores = (stream.residuals[rows] - law.mean) / law.spread
-    units = unit_um[rows] / law.spread
+    told = positions(scene, given)
+    rows = told.rows
+    scores, units = told.off_um / told.spread_um, unit_um[rows] / told.spread_um
     if np.count_nonzero(units) < FEWEST_ON_AXIS:
         return []
-    senses = scene.datum_senses[rows] / law.spread
-    data = [(scene.datum_of(stream) == k) * senses for k in range(scene.datum_count)]
+    data = list((told.data / told.spread_um[:, None]).T)
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
     scale = scale_of(scores)

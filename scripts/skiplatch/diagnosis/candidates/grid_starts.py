@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS, later_us, unknown_sigma
 from skiplatch.diagnosis.candidates.surrogates import BLURRED
 from skiplatch.diagnosis.density.change import Change
@@ -115,16 +116,14 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
 def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     """Propose grids that coordinates keep: of their own steps, and as wide as the scatter says."""
     fine = scene.nominal.axis.resolution_um
-    stream = scene.streams.get("position", scene.streams.get("deviation_skip"))
-    if stream is None:
+    told_of = positions(scene, given)
+    if not len(told_of.rows):
         return []
     where_um = scene.latched_mm[~np.isnan(scene.touches.deviation_um)] * UM_PER_MM
     where_um = where_um[~np.isnan(where_um)]
     widest = parameter_of("encoder_quantisation", "resolution_um").high
     told = _lines_told(where_um, fine, widest)
-    law = law_under(scene, stream, given)
-    rows = stream.rows
-    seen_um = _box_of(unknown_sigma((stream.residuals - law.mean)[rows], law.spread[rows]), fine)
+    seen_um = _box_of(unknown_sigma(told_of.off_um, told_of.spread_um), fine)
     seen = _grids_kept(where_um, seen_um) if seen_um >= MANY_STEPS * fine else []
     return [[pitch, 1.0, turn or 1.0] for pitch, turn in (*told, *seen)]
 

@@ -12,6 +12,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.candidates.surrogates import Parameters
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.nominal_chain import LOBES
@@ -19,8 +20,8 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.units import DEG_PER_TURN
 
 Effect = Callable[[Scene, Parameters], Change]
-TELLING = ("position", "deviation_skip", "latch_skip")
-"""Streams that show a length, sharply enough to begin with."""
+TELLING = (*BY_COORDINATES, *WITHOUT_STAMPS, *BY_STAMPS)
+"""Streams that show a length, each touch as sharply as its law says."""
 FEWEST = 16
 """Touches that show sizes."""
 POWERS = (0.0, 1.0, -0.5)

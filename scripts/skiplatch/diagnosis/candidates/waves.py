@@ -9,8 +9,9 @@ from scipy import signal
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import LINEAR_AXES, Axis
+from skiplatch.diagnosis.candidates.positions import positions
+from skiplatch.diagnosis.candidates.starts import robust_fit, scale_of
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -43,26 +44,33 @@ Sine = Callable[[float], tuple[float, Parameters]]
 
 def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     """Propose the periods that explain most: at each, the best sine by least squares."""
-    stream = scene.streams.get("position") or scene.streams.get("deviation_skip")
-    if stream is None:
+    seen = positions(scene, given).where(~np.isnan(scene.latched_mm))
+    rows = seen.rows
+    if not len(rows):
         return [UNKNOWN]
-    rows = stream.rows & ~np.isnan(scene.latched_mm)
-    if not rows.any():
-        return [UNKNOWN]
-    law = law_under(scene, stream, given).select(rows)
-    error_um = scene.sign[rows] * (stream.residuals[rows] - law.mean)
-    limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
+    # A touch that goes too far is to either side of its position, by its sense.
+    data = scene.sign[rows, None] * seen.data
+    error_um = _beside_datum(scene.sign[rows] * seen.off_um, data, seen.spread_um)
+    limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
     places = scene.latched_mm[rows], scene.touches.position_mm[rows]
     # Between places that lie evenly, a faster wave looks like a slower one.
     fastest = min(FASTEST_PER_MM, 1.0 / (scene.whole or scene).shortest_wave_mm)
-    weights = 1.0 / law.spread**2
-    seen = [_Seen(place, limited, weights, on_axes, fastest).starts() for place in places]
-    if not all(seen):
+    weights = 1.0 / seen.spread_um**2
+    found = [_Seen(place, limited, weights, data, on_axes, fastest).starts() for place in places]
+    if not all(found):
         return [UNKNOWN]
-    latched, at_surface = (min(left for left, _ in starts) for starts in seen)
+    latched, at_surface = (min(left for left, _ in starts) for starts in found)
     is_at_surface = at_surface < latched - WORTH_A_SWITCH
-    return [[*start, float(is_at_surface)] for _, start in seen[is_at_surface]]
+    return [[*start, float(is_at_surface)] for _, start in found[is_at_surface]]
+
+
+def _beside_datum(error: FloatArray, data: FloatArray, spread: FloatArray) -> FloatArray:
+    """Take from errors, shape (n,), what columns of data, shape (n, d), and a constant explain."""
+    columns = np.column_stack([data, np.ones(len(error))]) / spread[:, None]
+    scores = error / spread
+    sizes, _ = robust_fit(list(columns.T), scores, scale_of(scores))
+    return np.asarray(error - data @ sizes[:-1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +80,8 @@ class _Seen:
     position: FloatArray
     error: FloatArray
     weights: FloatArray
+    data: FloatArray
+    """What a µm of each datum adds to the errors, shape (n, d): sines are fitted beside them."""
     on_axes: Sequence[BoolArray]
     """Which are of X, of Y and of Z."""
     fastest_per_mm: float
@@ -120,7 +130,7 @@ class _Seen:
             wave for k in range(1, orders + 1) for wave in (np.sin(k * turn), np.cos(k * turn))
         ]
         left, found = self._least([*waves, np.ones(len(turn))])
-        sizes, phases_deg = _polar(found[:-1].reshape(orders, 2))
+        sizes, phases_deg = _polar(found[: 2 * orders].reshape(orders, 2))
         higher = np.zeros((MOST_ORDERS - 1, 2))
         higher[: orders - 1] = np.column_stack([sizes, phases_deg])[1:]
         first = [sizes[0], 1.0 / per_mm, phases_deg[0]]
@@ -140,9 +150,10 @@ class _Seen:
 
     def _least(self, columns: Sequence[FloatArray]) -> tuple[float, FloatArray]:
         """Fit multiples of the columns by least squares; give what they leave, and them."""
-        design, root = np.column_stack(columns), np.sqrt(self.weights)
+        design, root = np.column_stack([*columns, self.data]), np.sqrt(self.weights)
         found, *_ = np.linalg.lstsq(design * root[:, None], self.error * root, rcond=None)
-        return float(self.weights @ (self.error - design @ found) ** 2), np.asarray(found)
+        left = float(self.weights @ (self.error - design @ found) ** 2)
+        return left, np.asarray(found[: len(columns)])
 
 
 def _peaks(frequencies: FloatArray, explained: FloatArray) -> list[float]:
