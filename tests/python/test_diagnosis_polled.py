@@ -11,9 +11,11 @@ from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.tasks import fit_plainly
+from skiplatch.diagnosis.search.places import are_waves_told
+from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
 from skiplatch.diagnosis.verdict.cell_scores import Ensemble, floor_of
 from skiplatch.diagnosis.verdict.shrink import PlayedRigs
 from skiplatch.simulator.effects import Effect
@@ -134,6 +136,35 @@ def test_what_plays_do_not_tell_of_touches_is_that_of_their_pool() -> None:
     assert alike.scores.mean() == pytest.approx(floor, rel=0.05)
     assert apart.scores.mean() == pytest.approx(floor, rel=0.05)
     assert apart.floor.mean() == pytest.approx(alike.floor.mean(), rel=0.02)
+
+
+@pytest.mark.parametrize(("places", "is_told"), [(12, False), (60, True)])
+def test_a_wave_through_a_few_places_that_are_off_anyhow_is_not_told(
+    places: int, *, is_told: bool
+) -> None:
+    """One of so many periods and orders runs through them; through five times as many, a true one.
+
+    The errors of few places are drawn by lot, those of many are of a wave.
+    """
+    rng = np.random.default_rng(2)
+    campaign = polled()
+    place = rng.integers(0, places, TOUCHES)
+    where_mm = rng.uniform(-0.5, 0.5, places).round(3) * SPAN_MM
+    along_x = np.full(TOUCHES, Axis.X, dtype=np.int8)
+    touches = replace(campaign.touches, axis=along_x, position_mm=where_mm[place])
+    campaign = replace(campaign, touches=touches)
+    played = played_again(campaign, *([WAVE] if is_told else []))
+    by_lot = np.zeros(places) if is_told else rng.normal(0.0, 20.0, places)
+    sign = Scene.of(campaign).sign
+    off = played.touches.deviation_um + sign * by_lot[place]
+    scene = Scene.of(replace(played, touches=replace(played.touches, deviation_um=off)))
+    wave = CANDIDATES[WAVE.id]
+
+    found = fit_in_forms((scene, fit_plainly((scene, wave, NOTHING)), NOTHING))
+
+    base, reached = (likelihood(scene, c).total for c in (NOTHING, found.change(scene)))
+    assert reached > base + 30.0
+    assert are_waves_told(scene, found) == [is_told]
 
 
 @pytest.mark.long

@@ -74,6 +74,10 @@ class Fit:
         """Give the other effects as they are here."""
         return self._with([i for i in range(len(self.candidates)) if i != position])
 
+    def kept(self, wanted: Sequence[bool]) -> "Fit":
+        """Give those of the effects that are wanted, as they are here."""
+        return self if all(wanted) else self._with(np.flatnonzero(wanted).tolist())
+
     def _with(self, positions: Sequence[int]) -> "Fit":
         candidates = tuple(self.candidates[i] for i in positions)
         parameters = tuple(self.parameters[i] for i in positions)

@@ -15,6 +15,7 @@ from skiplatch.diagnosis.likelihood.likelihood import MISSED, affected, likeliho
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.own_way import OwnWay, by_giving_way, own_way
 from skiplatch.diagnosis.search.parts import Split
+from skiplatch.diagnosis.search.places import are_waves_told
 from skiplatch.diagnosis.search.scored import Scored, is_no_accident
 
 MORE_VARIANCE = 1.2
@@ -85,12 +86,14 @@ class Scorer:
         self.scene = scene
         self._fitting = scene.select(self.parts.fitting)
         self._checking = scene.select(self.parts.checking)
+        self._naming = scene.select(self.parts.naming)
         self._base = [likelihood(part, NOTHING).total for part in (self._fitting, self._checking)]
 
     def score(self, model: Fit) -> Scored:
-        """Score a fitted model on both parts."""
+        """Score a fitted model on both parts; a wave that no places tell gains nothing."""
+        told = model.kept(are_waves_told(self._naming, model))
         fitted, checked = (
-            likelihood(part, model.change(part)).total - base
+            likelihood(part, told.change(part)).total - base
             for part, base in zip((self._fitting, self._checking), self._base, strict=True)
         )
         effects = zip(model.candidates, model.parameters, strict=True)
@@ -135,8 +138,7 @@ class Scorer:
 
     def own_way(self, model: Scored) -> OwnWay:
         """Weigh the shift of the last effect against other forms of the others."""
-        part = self.scene.select(self.parts.naming)
-        return own_way(part, *_last_and_others(part, model.fit))
+        return own_way(self._naming, *_last_and_others(self._naming, model.fit))
 
     def promise(self, model: Scored) -> float:
         """Give the score that a model may come to once the others give way to its last effect."""
