@@ -128,7 +128,9 @@ def test_what_plays_do_not_tell_of_touches_is_that_of_their_pool() -> None:
     place = 5.0 * np.arange(400.0)
 
     apart, alike = (
-        Ensemble.of(plays + there, np.ones(400), is_pooled=True).scored(recorded + there)
+        Ensemble.of(plays + there, np.ones(400), is_pooled=True, has_places=True).scored(
+            recorded + there
+        )
         for there in (place, 0.0)
     )
 

@@ -71,29 +71,33 @@ class Ensemble:
     Attributes:
         plays: Of each touch; one that was not latched has another play's outcome.
         scale: Turns their unit into that of the observable.
-        is_pooled: A touch is held against the plays of all, about their means. All touches of a
-            campaign share the phase of one scan, and so do those of a replicate: its own plays
-            alone show a touch no more phases than there are replicates, and to all of them the
-            same. What plays know of a touch, as where in a wave it lies, is in the mean of its own.
+        is_pooled: A touch is held against the plays of all. All touches of a campaign share the
+            phase of one scan, and so do those of a replicate: its own plays alone show a touch no
+            more phases than there are replicates, and to all of them the same.
+        has_places: Pooled plays lie about the mean of each touch's own: what plays know of it, as
+            where in a wave it lies, is in that.
     """
 
     plays: FloatArray
     scale: FloatArray
     is_pooled: bool
+    has_places: bool = False
 
     @classmethod
-    def of(cls, plays: FloatArray, scale: FloatArray, *, is_pooled: bool) -> Self:
+    def of(
+        cls, plays: FloatArray, scale: FloatArray, *, is_pooled: bool, has_places: bool = False
+    ) -> Self:
         """Fill in what was not latched; some play of each touch was."""
         filled = plays.copy()
         for i in np.flatnonzero(np.isnan(plays).any(axis=0)):
             filled[:, i] = np.resize(plays[~np.isnan(plays[:, i]), i], len(plays))
-        return cls(filled, scale, is_pooled)
+        return cls(filled, scale, is_pooled, has_places)
 
     def scored(self, recorded: FloatArray, but: int | None = None) -> TouchScores:
         """Score touches, shape (m,), in units of the plays, by all replicates but one."""
         plays = self.plays if but is None else np.delete(self.plays, but, axis=0)
         if self.is_pooled:
-            middle = _middles(plays)
+            middle = _middles(plays) if self.has_places else np.zeros(plays.shape[1])
             pool = np.sort((plays - middle).ravel())
             chosen = np.linspace(0, len(pool) - 1, min(MOST_POOLED, len(pool)))
             ensemble = middle[:, None] + pool[np.rint(chosen).astype(int)]

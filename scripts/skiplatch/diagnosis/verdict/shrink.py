@@ -172,9 +172,13 @@ def _cells(
     for path, rows in _cells_within(scene, known, spans):
         # On the grid of the scans no phase is left.
         is_pooled = path == InputPath.PLC and observable in OBSERVABLES
+        # Where there are stamps, positions beside them tell of places, without the wait.
+        has_places = observable.unit == "µm" and "position" not in scene.streams
         middle, unit = (expected[rows], scale[rows]) if is_pooled else (0.0, np.ones(len(rows)))
         ensembles = [
-            Ensemble.of((values[:, rows] - middle) / unit, unit, is_pooled=is_pooled)
+            Ensemble.of(
+                (values[:, rows] - middle) / unit, unit, is_pooled=is_pooled, has_places=has_places
+            )
             for values in played
         ]
         yield Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
