@@ -302,3 +302,17 @@ def test_cells_keep_paths_and_feeds_apart() -> None:
     for path, feed, rows in cells:
         assert np.all(touches.path[rows] == path)
         assert np.all(touches.feed_mm_min[rows] == feed)
+
+
+def test_stamps_keep_the_grid_of_scans_whose_period_is_far_off() -> None:
+    """They are held against the grid of that period: on the believed one they lie anywhere."""
+    slower = Effect("scan_period", {"period_us": 1100.0})
+    scene = Scene.of(played(BENCH, slower))
+    rigs = (Rig(scene.nominal, effects) for effects in ((), (slower,)))
+
+    every = np.full(len(scene), fill_value=True)
+    gap = PlayedRigs.of(scene, *rigs, seed=1, jobs=2).gaps(every)["latch_off_scan_grid_us"]
+
+    assert gap.is_clear
+    assert gap.after < 0.01 * gap.before
+    assert gap.shrink.low > 0.99

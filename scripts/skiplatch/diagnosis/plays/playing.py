@@ -19,7 +19,7 @@ from skiplatch.simulator.rig import Controller
 from skiplatch.span import ALWAYS, Span
 from skiplatch.units import UM_PER_MM
 
-ENCODER, SCAN_LOCK = "encoder_quantisation", "scan_phase_lock"
+ENCODER, SCAN_LOCK, SCAN_PERIOD = "encoder_quantisation", "scan_phase_lock", "scan_period"
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -86,8 +86,9 @@ class Rig:
 
     @property
     def scan_us(self) -> float:
-        """Period of its scans, believed or fitted as a belief."""
-        return self.nominal.plc.scan_us
+        """Period of its scans: the believed one, and what an effect that is always there adds."""
+        lasting = (e for e in self.effects if e.id == SCAN_PERIOD and e.span == ALWAYS)
+        return self.nominal.plc.scan_us + sum(e.parameters["period_us"] for e in lasting)
 
     @property
     def keeps_scan_grid(self) -> bool:
