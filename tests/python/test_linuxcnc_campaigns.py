@@ -48,6 +48,10 @@ TRUTHS = {
 }
 
 
+# The likelihood is the same within the whole interval, as that of a box is: any value there fits.
+FLAT = {"lagging"}
+
+
 # How the row of each begins in the table of docs/LINUXCNC.md.
 ROWS = {
     "servo_period": "servo period 2 ms",
@@ -70,7 +74,13 @@ def test_what_is_wrong_is_named_with_its_size_and_the_gap_is_gone(name: str) -> 
         named.effect.id: named.effect
     }
     assert effect in {named.effect.id, *named.alternatives}
-    assert alike[effect].parameters[parameter] == pytest.approx(truth, abs=off)
+    if name in FLAT:
+        assert named.effect.id == effect
+        low, high = named.intervals[parameter]
+        assert low <= truth <= high
+        assert high - low < 2.0 * off
+    else:
+        assert alike[effect].parameters[parameter] == pytest.approx(truth, abs=off)
     (gap,) = diagnosis.gap.values()
     assert gap.after < 1.5 * gap.noise_floor
 

@@ -159,8 +159,9 @@ def _unbound_us(scene: Scene, change: Change) -> float:
 
 def is_off_grid(scene: Scene, change: Change, law: Law, least_us: float = 0.0) -> bool:
     """Tell whether stamps lie off the believed grid, by more than a tick and what is stated."""
-    scatter = float(np.sqrt(max(extra_variance(law)[0], 0.0)))
-    late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[0])
+    one = int(scene.plc.argmax())  # to all of them the same
+    scatter = float(np.sqrt(max(extra_variance(law)[one], 0.0)))
+    late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[one])
     stamps = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))[scene.plc]
     drifted = _rms(np.nan_to_num(stamps))
     least_seen_us = max(scene.nominal.skip.tick_us, least_us)

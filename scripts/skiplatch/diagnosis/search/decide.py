@@ -61,13 +61,20 @@ class Finding:
 
 
 def find(judge: Judge, noticed: Noticed) -> Finding:
-    """Search forward, from several first effects, for as many as the touches ask for.
+    """Search forward, from several first effects, for as many as the touches ask for."""
+    finding = _searched(judge, noticed)
+    if (model := finding.model) is None:
+        return finding
+    small = [name for i, name in enumerate(model.ids) if not judge.matters(model, i)]
+    if not small:
+        return finding
+    # The likeliest may be a grid that is too fine to matter: it takes no place from what does.
+    judge.leave_out(small)
+    return _searched(judge, noticed)
 
-    Args:
-        judge: Fits and scores.
-        noticed: Where a model leaves something.
-    """
-    ranked = _mattering(judge, _first(judge, noticed))
+
+def _searched(judge: Judge, noticed: Noticed) -> Finding:
+    ranked = _first(judge, noticed)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
     judge.believe_beside(ranked[0].fit)
@@ -97,12 +104,6 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
         judge.believe_beside(further[0].fit)
         model, tried = judge.scored_anew(further[0]), [judge.scored_anew(one) for one in further]
     return several(judge, model, tried)
-
-
-def _mattering(judge: Judge, ranked: list[Scored]) -> list[Scored]:
-    """Keep effects that matter, if any is enough: the likeliest may be a grid that is too fine."""
-    material = [scored for scored in ranked if judge.is_material(scored)]
-    return material if any(map(judge.is_significant, material)) else ranked
 
 
 def _asks_for_more(judge: Judge, model: Scored, noticed: Noticed) -> bool:

@@ -68,8 +68,8 @@ class Judge(Scorer):
             executor: Fits side by side.
             materiality: From which size on a change matters.
         """
-        self._believed = scene
-        self._executor = executor
+        self._believed, self._executor = scene, executor
+        self._left_out: set[str] = set()
         super().__init__(scene, parts, materiality)
 
     def _each(self, task: Callable[[Task], Fit], models: Sequence[Task]) -> list[Fit]:
@@ -81,6 +81,11 @@ class Judge(Scorer):
         self._reaches: dict[str, frozenset[str]] = {}
         self._on_top: dict[tuple[object, ...], list[Scored]] = {}
         self.__dict__.pop("_applicable", None)
+
+    def leave_out(self, ids: Collection[str]) -> None:
+        """Try some effects no more."""
+        self._left_out.update(ids)
+        self._look_at(self._believed)
 
     def beliefs_beside(self, model: Fit | None) -> Fitted:
         """Fit the beliefs, as they stand in nominal.toml, beside a model or none."""
@@ -194,14 +199,13 @@ class Judge(Scorer):
         return self._each(fit_in_forms, [(there, one, rest.change(there)) for one, rest in parts])
 
     def on_top(self, first: Scored, streams: frozenset[str] = ANY) -> list[Scored]:
-        """Every other effect that matters, on top of a model that stays; by falling score."""
+        """Every other effect on top of a model that stays as it is, by falling score."""
         key = (*first.fit.key, streams)
         if key not in self._on_top:
             given = first.fit.change(self._fitting)
             others = self._acting_in(self._others(first), streams)
             on_top = [both(first.fit, second) for second in self._contest(others, given)]
-            tried = self._with_twins(map(self.score, on_top))
-            self._on_top[key] = [pair for pair in tried if self.is_material(pair, first)]
+            self._on_top[key] = self._with_twins(map(self.score, on_top))
         return self._on_top[key]
 
     def may_gain(self, model: Scored) -> bool:
@@ -255,8 +259,8 @@ class Judge(Scorer):
     @cached_property
     def _applicable(self) -> list[Candidate]:
         """Give the effects that the campaign can show."""
-        every, scene = catalogue().values(), self.scene
-        return [c for c in every if acts(c.id, scene) and c.applies(scene)]
+        some = (c for c in catalogue().values() if c.id not in self._left_out)
+        return [c for c in some if acts(c.id, self.scene) and c.applies(self.scene)]
 
     def _acting_in(
         self, candidates: Sequence[Candidate], streams: frozenset[str]
@@ -293,5 +297,4 @@ def _gain(scene: Scene, found: Fit, given: Change) -> float:
 
 
 def _falling(gains: Sequence[float]) -> list[int]:
-    """Number models by falling gain."""
     return sorted(range(len(gains)), key=lambda i: -gains[i])

@@ -197,3 +197,7 @@ class Scorer:
         touches = int(self.parts.naming.sum())
         is_seen = gained / touches > self.materiality.nats_a_touch
         return is_seen and is_material(self._fitting, change, self.materiality)
+
+    def matters(self, model: Scored, position: int) -> bool:
+        """Tell whether one effect of a model changes enough to matter, by itself."""
+        return is_material(self._fitting, self._acting(model, position), self.materiality)
