@@ -9,13 +9,12 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Touches
 from skiplatch.settled import TOLD_BY_CHANCE, Settled, settle
 from skiplatch.statistics import CONFIDENCE, Interval
+from skiplatch.succession import follows
 from skiplatch.surface_fit import NOTHING, Grid, fit_surfaces
 from skiplatch.units import S_PER_H
 
 FEWEST_FREE = 2
 """Degrees of freedom, of all surfaces together, from which on a scatter is told."""
-LIKEST = 0.99
-"""Correlation of one reading with the next from which on more tells no more."""
 TIME_GAINS = 10.0
 """Twice the log likelihood that a drift with time is better by than one by number, to be taken. The
 number is as good where touches follow at one pace, and two lines to choose from find more by luck.
@@ -176,18 +175,5 @@ def _independent(x: FloatArray, left: FloatArray) -> float:
 
     By Bartlett (1935), for two series whose correlation falls off geometrically.
     """
-    both = _follows(x) * _follows(left)
+    both = follows(x) * follows(left)
     return (1.0 - both) / (1.0 + both) if both > 0.0 else 1.0
-
-
-def _follows(series: FloatArray) -> float:
-    """Give the correlation of a series with itself one reading later, at most LIKEST.
-
-    What it comes short of the truth in a series of this length is added, by Kendall (1954).
-    """
-    off = series - series.mean()
-    squares = float(np.sum(off**2))
-    if squares < NOTHING:
-        return 0.0
-    seen = float(np.sum(off[1:] * off[:-1])) / squares
-    return min(seen + (1.0 + 4.0 * seen) / len(series), LIKEST)

@@ -47,11 +47,11 @@ def reversal_of(
         freedom: Degrees of freedom of that.
     """
     place = touches.position_deg if np.isnan(touches.position_mm).all() else touches.position_mm
-    middles: dict[tuple[object, ...], dict[float, tuple[float, int]]] = {}
+    middles: dict[tuple[int, int, float], dict[float, tuple[float, int]]] = {}
     for number in np.unique(surface[regular]):
         rows = regular & (surface == number)
         first = int(np.flatnonzero(rows)[0])
-        position = (touches.session[first], int(touches.axis[first]), float(place[first]))
+        position = (int(touches.session[first]), int(touches.axis[first]), float(place[first]))
         here = middles.setdefault(position, {})
         here[float(touches.sign[first])] = float(y[rows].mean()), int(rows.sum())
     both = {position: here for position, here in middles.items() if {1.0, -1.0} <= here.keys()}
@@ -63,4 +63,4 @@ def reversal_of(
     error = sigma * float(np.sqrt(variance)) / len(both)
     widest = max(each, key=lambda position: abs(each[position]))
     mean = by_t(float(np.mean(list(each.values()))), error, freedom)
-    return Reversal(mean, each[widest], float(str(widest[-1])), len(both))
+    return Reversal(mean, each[widest], widest[-1], len(both))

@@ -64,15 +64,31 @@ def in_a_row(
 def independent_share(residuals: FloatArray) -> float:
     """Give which share of touches in a row, shape (n,), counts as independent for a drift.
 
-    By Bartlett (1935), for a correlation that falls off geometrically, as far as it is shown; what
-    it comes short of the truth in a series of this length is added, by Kendall (1954).
+    By Bartlett (1935), for a correlation that falls off geometrically, as far as it is shown.
     """
-    n, off = len(residuals), residuals - residuals.mean()
-    squares = float(np.sum(off**2))
-    if n < FEWEST or squares < NOTHING:
+    n = len(residuals)
+    if n < FEWEST or _seen(residuals) + 1.0 / n <= stats.norm.isf(TOLD_BY_CHANCE) / np.sqrt(n):
         return 1.0
-    seen = float(np.sum(off[1:] * off[:-1])) / squares
-    if seen + 1.0 / n <= stats.norm.isf(TOLD_BY_CHANCE) / np.sqrt(n):
-        return 1.0
-    kept = min(seen + (1.0 + 4.0 * seen) / n, LIKEST)
+    kept = follows(residuals)
     return (1.0 - kept) / (1.0 + kept)
+
+
+def follows(series: FloatArray) -> float:
+    """Give the correlation of a series with itself one reading later, at most LIKEST.
+
+    What it comes short of the truth in a series of this length is added, by Kendall (1954).
+    """
+    if _squares(series) < NOTHING:
+        return 0.0
+    seen = _seen(series)
+    return min(seen + (1.0 + 4.0 * seen) / len(series), LIKEST)
+
+
+def _seen(series: FloatArray) -> float:
+    """Give the same as it shows in the series itself; 0 of one that does not vary."""
+    off, squares = series - series.mean(), _squares(series)
+    return float(np.sum(off[1:] * off[:-1])) / squares if squares >= NOTHING else 0.0
+
+
+def _squares(series: FloatArray) -> float:
+    return float(np.sum((series - series.mean()) ** 2))

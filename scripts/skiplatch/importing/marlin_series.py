@@ -92,11 +92,7 @@ class Series:
         """Say which samples are missing, and where Marlin tells the scatter from more digits."""
         for said, parts, about in (
             (found.unread, self._lacking, "samples of M48 that are missing"),
-            (
-                found.unread,
-                self._wrong,
-                "standard deviations (by n) that those samples do not have",
-            ),
+            (found.unread, self._wrong, _OTHER),
             (found.known, self._rounded, _ROUNDED),
         ):
             if parts:
