@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -20,3 +21,9 @@ def tool(name: str, group: str) -> str:
     if path is None:
         pytest.skip(f"no {name} here: scripts/setup/system.sh {group}")
     return path
+
+
+def packed_into(folder: Path) -> Path:
+    """Pack the single header and the library of the firmware into a folder, and give it."""
+    run(sys.executable, "scripts/pack_firmware.py", folder)
+    return folder

@@ -2,12 +2,11 @@
 
 import re
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
 
-from packages_rig import run, tool
+from packages_rig import packed_into, run, tool
 from tests.packages.halcompile import as_c
 
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -21,9 +20,7 @@ LOCAL = r" [tdbr] (?!ticks_)([A-Za-z]\w+)$"
 
 @pytest.fixture(scope="module")
 def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("packed")
-    run(sys.executable, "scripts/pack_firmware.py", folder)
-    return folder
+    return packed_into(tmp_path_factory.mktemp("packed"))
 
 
 @pytest.fixture(scope="module")

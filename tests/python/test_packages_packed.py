@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from packages_rig import run, tool
+from packages_rig import packed_into, run, tool
 
 EXAMPLES = ("SkipInput", "PlcTask")
 CORES = Path("/usr/share/arduino/hardware/arduino/avr/cores")
@@ -20,9 +20,7 @@ OLD_COMPILER = "compiler.cpp.extra_flags=-DDECIMAL_DIG=__DECIMAL_DIG__"
 
 @pytest.fixture(scope="module")
 def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("packed")
-    run(sys.executable, "scripts/pack_firmware.py", folder)
-    return folder
+    return packed_into(tmp_path_factory.mktemp("packed"))
 
 
 @pytest.fixture(scope="module")
