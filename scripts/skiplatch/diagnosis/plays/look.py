@@ -8,7 +8,7 @@ forest that predicts each touch by trees that have not seen it (Breiman, Machine
 each other in plays as well: then what is seen is held against the same look at plays.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -22,8 +22,9 @@ from skiplatch.diagnosis.plays.scan_place import off_in_scan
 from skiplatch.diagnosis.plays.scores import go_together, normal_scores
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.size import apart, far_off, scatter, upper, wider
-from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest, wave
+from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest
 from skiplatch.diagnosis.plays.turns import Turn, happens_in_turn, in_turn
+from skiplatch.diagnosis.plays.waves import Wave, waves_along
 from skiplatch.diagnosis.scene.covariates import WITHIN, before, varying
 from skiplatch.diagnosis.scene.observed import UNITS
 from skiplatch.statistics import errors_of, errors_of_excess
@@ -109,7 +110,7 @@ class Look:
 
     def told_of_chance(self) -> list[Left]:
         """Give all that goes with anything known, also of what happens to some touches alone."""
-        return [*self.told(), *self._by(Look.happened, Look.happened_in_turn)]
+        return [*self.told(), *self._by(Look.happened, Look.happened_in_turn, Look.fast_waves)]
 
     def _by(self, *looks: Callable[["Look"], Iterator[Left]]) -> Iterator[Left]:
         for look in looks:
@@ -209,15 +210,15 @@ class Look:
         By each condition, and by a forest. That tells to which of them something happened that
         happens to some: ranks tell less of it, for among those each has a rank of its own.
         """
-        off = np.clip(self._deviations, -FARTHEST, FARTHEST)
-        yield from self._ranked("shift", off)
-        yield from self._by_forest({"shift": off})
+        yield from self._ranked("shift", self._deviations)
+        yield from self._by_forest({"shift": self._deviations})
 
     @cached_property
     def _deviations(self) -> FloatArray:
         """Give how far touches are off the mean of their plays, in deviations of these."""
-        middle, deviation = np.nanmean(self.played, axis=0), np.nanstd(self.played, axis=0)
-        return np.asarray((self.recorded - middle) / np.maximum(deviation, SMALLEST))
+        deviation = np.maximum(np.nanstd(self.played, axis=0), SMALLEST)
+        off = (self.recorded - np.nanmean(self.played, axis=0)) / deviation
+        return np.asarray(np.clip(off, -FARTHEST, FARTHEST))
 
     def _by_forest(self, targets: Mapping[str, FloatArray]) -> Iterator[Left]:
         """Predict targets, shape (m,) each, by the kind of what they tell, by the same trees."""
@@ -241,21 +242,21 @@ class Look:
                 yield self._left(kind, names, told > np.median(told), z)
 
     def waves(self) -> Iterator[Left]:
-        """Look for a wave in the position, in time or in the sequence: too fast for a forest.
+        """Look for a wave in the position, in time or in the sequence: too fast for a forest."""
+        sizes = scatter(self.off), scatter(self.off / self.scale)
+        for found in waves_along(self._setting.places, self._rows, self._scores):
+            yield self._wave(found, sizes)
 
-        The chance of the best of many frequencies is that of Zechmeister and Kürster, Astronomy &
-        Astrophysics 496 (2009) 577, eq. 24.
-        """
-        for place in self._setting.places:
-            sense = place.sense[self._rows]
-            found = wave(place.where[self._rows], self._scores * sense, place.shortest)
-            if found is None:
-                continue
-            period, share, z = found
-            size = float(np.sqrt(share)) * scatter(self.off)
-            relative = float(np.sqrt(share)) * scatter(self.off / self.scale)
-            words = (f"{place.name}, in waves of {period:.3g} {place.unit}".rstrip(),)
-            yield self._of("wave", words, size, relative, z)
+    def fast_waves(self) -> Iterator[Left]:
+        """Look for waves that come and go many times from one touch to the next, as mains do."""
+        places, off = self._setting.irregular_places, self._deviations
+        for found in waves_along(places, self._rows, off, is_fast=True):
+            noise = float(np.median(self._noise)), float(np.median(self._noise / self.scale))
+            yield self._wave(found, [one * float(np.std(off)) for one in noise])
+
+    def _wave(self, found: Wave, sizes: Sequence[float]) -> Left:
+        size, relative = (float(np.sqrt(found.share)) * one for one in sizes)
+        return self._of("wave", found.words, size, relative, found.z)
 
     def recurring(self) -> Iterator[Left]:
         """Look for touches that come every so many and are off."""

@@ -16,6 +16,7 @@ from skiplatch.diagnosis.scene.covariates import (
 from skiplatch.diagnosis.scene.nominal_chain import spacing
 from skiplatch.diagnosis.scene.observed import UNITS
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.units import US_PER_S
 
 LONGEST = 100_000
 """Touches of which a sequence may have as many as it likes."""
@@ -89,6 +90,21 @@ class Setting:
             if values is not None and np.isfinite(shortest := 2.0 * spacing(values)):
                 found.append(Place(name, unit, values, along, shortest))
         return found
+
+    @cached_property
+    def irregular_places(self) -> Sequence[Place]:
+        """Where waves are looked for of which many lie between two touches.
+
+        When an edge was due tells the phase of all that runs by a clock of its own.
+        """
+        found = [place for place in self.places if place.name in ("position", *ALONG)]
+        if "time" not in self.known:
+            return found
+        due_s = self.scene.begin_us / US_PER_S
+        shortest_s = (
+            2.0 * self.scene.nominal.plc.scan_us / US_PER_S if self.scene.plc.any() else 0.0
+        )
+        return [Place("time", "s", due_s, np.ones(len(due_s)), shortest_s), *found]
 
     def repeats_to(self, observable: str) -> float:
         """Give what a touch repeats to in an observable, in its unit; 0 of times."""

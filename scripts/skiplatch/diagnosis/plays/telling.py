@@ -1,4 +1,4 @@
-"""What tells values of touches: a forest of all that is known of them, or a wave along a line."""
+"""What tells values of touches: a forest of all that is known of them, or one thing by rank."""
 
 from collections.abc import Mapping
 from itertools import compress
@@ -8,16 +8,12 @@ from scipy import stats
 from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
 from skiplatch.arrays import BoolArray, FloatArray
-from skiplatch.diagnosis.scene.periodogram import explained_by_sines
-from skiplatch.statistics import errors_of
 
 TREES = 60
 LEAF = 5
 """Touches in a leaf, at least."""
 NAMED = 3
 """Covariates that are named at most."""
-LEAST_TURNS = 1.0
-"""Of a wave over what was recorded; slower ones a forest sees."""
 FEWEST = 8
 """Touches from which on anything can be seen."""
 FEWEST_HAPPENED = 5
@@ -77,23 +73,3 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[
             chances = stats.pearsonr(ranks, target[known][None, :], axis=1).pvalue
             found += zip(chances.tolist(), compress(names, varying), strict=True)
     return min(found, default=None)
-
-
-def wave(
-    place: FloatArray, scores: FloatArray, shortest: float
-) -> tuple[float, float, float] | None:
-    """Find the wave that explains most of scores, shape (m,): period, share, standard errors."""
-    known = ~np.isnan(place)
-    place, scores, n = place[known], scores[known], int(known.sum())
-    span = float(np.ptp(place)) if n else 0.0
-    if n < FEWEST or span <= 0.0 or np.ptp(scores) == 0.0:
-        return None
-    fastest = min(0.5 * n / span, 1.0 / shortest if shortest else np.inf)
-    if fastest * span < LEAST_TURNS + 1.0:
-        return None
-    frequencies, shares = explained_by_sines(place, scores, np.ones(n), LEAST_TURNS, fastest)
-    best = int(np.argmax(shares))
-    share = min(float(shares[best]), 1.0 - SMALLEST)
-    tried = max(span * fastest, 1.0)
-    chance = tried * np.exp(0.5 * (n - 3.0) * np.log1p(-share))
-    return 1.0 / float(frequencies[best]), share, errors_of(float(chance))

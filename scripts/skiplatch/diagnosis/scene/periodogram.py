@@ -5,15 +5,22 @@ from scipy import fft
 
 from skiplatch.arrays import FloatArray
 
-CELLS = 32
-"""Of the shortest wave, on which the positions are put."""
-FINER = 5.0
-"""Frequencies within the width of a peak, which is one over the span."""
+FINE = (32, 5.0)
+"""Cells of the shortest wave, on which the positions are put, and frequencies within the width of
+a peak, which is one over the span."""
+COARSE = (4, 3.0)
+"""The same of very many waves: they see 0.9 of the amplitude."""
 SMALLEST = 1e-9
 
 
 def explained_by_sines(
-    position: FloatArray, error: FloatArray, weights: FloatArray, turns: float, fastest: float
+    position: FloatArray,
+    error: FloatArray,
+    weights: FloatArray,
+    turns: float,
+    fastest: float,
+    *,
+    is_coarse: bool = False,
 ) -> tuple[FloatArray, FloatArray]:
     """Give frequencies, and the share of the weighted variance that the best sine of each explains.
 
@@ -27,13 +34,15 @@ def explained_by_sines(
         weights: Of the errors, positive, shape (n,).
         turns: Periods over the span of the positions, at the lowest frequency.
         fastest: Highest frequency, in periods a unit of position.
+        is_coarse: On few cells, as very many waves ask for.
 
     Returns:
         Rising frequencies, and the shares from 0 to 1; shape (m,).
     """
     span = float(np.ptp(position)) or 1.0
-    cell = 1.0 / (CELLS * fastest)
-    length = fft.next_fast_len(int(np.ceil(FINER * span / cell)) + 1, real=True)
+    cells, finer = COARSE if is_coarse else FINE
+    cell = 1.0 / (cells * fastest)
+    length = fft.next_fast_len(int(np.ceil(finer * span / cell)) + 1, real=True)
     where = np.rint((position - position.min()) / cell).astype(np.intp)
     weights = weights / weights.sum()
     error = error - weights @ error
