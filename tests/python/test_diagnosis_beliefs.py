@@ -239,7 +239,7 @@ def test_a_jitter_that_moves_in_two_ways_moves_no_farther_than_in_one() -> None:
     moved = [places for belief, places in fitted.moved if belief.moves == JITTER]
     assert len(moved) == 2
     assert 0.8 * FARTHEST < sum(moved) <= FARTHEST
-    assert fitted.nominal.report.jitter_us < report.jitter_us / 5.0 * np.exp(FARTHEST * NOISE_U)
+    assert fitted.nominal.report.jitter_us < report.jitter_us / 5.0 * (1.0 + NOISE_U) ** FARTHEST
 
 
 def test_nothing_moves_farther_than_the_farthest() -> None:
@@ -304,3 +304,11 @@ def test_a_search_that_misses_a_peak_takes_what_fitted_beside_another_change(
     assert fit_beliefs(scene, Change(), [belief]).nominal == scene.nominal
     tried = fit_beliefs(scene, Change(), [belief], truth).nominal
     assert tried.probe.delay_us == pytest.approx(truth.probe.delay_us, abs=8.0)
+
+
+def test_a_noise_as_uncertain_as_it_is_large_is_twice_as_large_one_uncertainty_on() -> None:
+    belief = Belief(REPEATABILITY, 3.0, 1.0, is_noise=True)
+
+    assert belief.moved(1.0) == pytest.approx(belief.value + belief.u_absolute)
+    assert belief.moved(-1.0) == pytest.approx(1.5)
+    assert belief.moved(FARTHEST) < 6.0 * belief.value

@@ -53,9 +53,8 @@ def test_lobes_in_unknown_directions_are_scatter_and_a_datum_of_each_sense() -> 
     assert probe_um < nominal.probe.repeatability_um < np.hypot(probe_um, 4.0)
     assert nominal.datum.free is DatumFreedom.AXIS_SENSE
     u_um = nominal.uncertainty["probe", "repeatability_um"]
-    largest_um = nominal.probe.repeatability_um * np.exp(
-        2.0 * u_um / nominal.probe.repeatability_um
-    )
+    middle_um = nominal.probe.repeatability_um
+    largest_um = middle_um * (1.0 + u_um / middle_um) ** 2
     assert largest_um > np.hypot(probe_um, 4.0 / np.sqrt(2.0))
 
 

@@ -20,9 +20,9 @@ from skiplatch.simulator.effects import parameter_of
 
 Key = tuple[str, str]
 
-NOISE_U = 0.3
+NOISE_U = 0.35
 """Relative standard uncertainty of a noise where none is given: that of a standard deviation from
-six or seven touches (GUM, table E.1)."""
+five touches (GUM, table E.1)."""
 SCAN_PERIOD: Key = ("plc", "scan_us")
 LOBES: Key = ("probe", "lobe_um")
 LOBES_U = 0.05
@@ -62,7 +62,8 @@ class Belief:
         key: Its section and name in nominal.toml; of an effect believed in, its id and a parameter.
         value: What is believed.
         u: Its standard uncertainty; of noise a relative one.
-        is_noise: It moves by a factor instead of a difference, and so stays positive.
+        is_noise: It moves by a factor instead of a difference, and so stays positive; one standard
+            uncertainty more is the same either way.
         box: Of a delay, the jitter on top of it and its believed size. Who has measured both knows
             the mean of them better than either: the jitter moves about its middle, and the delay
             with it.
@@ -94,17 +95,17 @@ class Belief:
     def uncertainties(self, value: float) -> float:
         """Give by how many standard uncertainties a value is away."""
         if self.box:
-            return float(np.log1p(2.0 * (self.value - value) / self.box[1])) / self.u
+            return float(np.log1p(2.0 * (self.value - value) / self.box[1]) / np.log1p(self.u))
         if self.is_noise:
-            return float(np.log(value / self.value)) / self.u
+            return float(np.log(value / self.value) / np.log1p(self.u))
         return (value - self.value) / self.u
 
     def moved(self, uncertainties: float) -> float:
         """Give the value so many standard uncertainties away."""
         if self.box:
-            return self.value - float(np.expm1(self.u * uncertainties)) * self.box[1] / 2.0
+            return self.value - (self._factor(uncertainties) - 1.0) * self.box[1] / 2.0
         if self.is_noise:
-            return self.value * float(np.exp(self.u * uncertainties))
+            return self.value * self._factor(uncertainties)
         return self.value + self.u * uncertainties
 
     def applied(self, nominal: Nominal, uncertainties: float) -> Nominal:
@@ -112,9 +113,12 @@ class Belief:
         if not self.box:
             return believing(nominal, {self.key: self.moved(uncertainties)})
         begins, width = value_of(nominal, self.key), value_of(nominal, self.box[0])
-        wider = width * float(np.expm1(self.u * uncertainties))
+        wider = width * (self._factor(uncertainties) - 1.0)
         begins = max(0.0, begins - wider / 2.0)
         return believing(nominal, {self.box[0]: width + wider, self.key: begins})
+
+    def _factor(self, uncertainties: float) -> float:
+        return float((1.0 + self.u) ** uncertainties)
 
 
 def uncertain(nominal: Nominal) -> list[Belief]:

@@ -63,7 +63,7 @@ def _scattering(nominal: Nominal) -> Nominal:
     most_um = float(np.hypot(least_um, nominal.probe.lobe_um / np.sqrt(2.0)))
     middle_um = float(np.sqrt(least_um * most_um))
     own_u = nominal.uncertainty.get(REPEATABILITY, NOISE_U * middle_um)
-    u_um = float(np.hypot(own_u, middle_um * np.log(most_um / least_um) / REACH))
+    u_um = float(np.hypot(own_u, middle_um * np.expm1(np.log(most_um / least_um) / REACH)))
     known = {key: u for key, u in nominal.uncertainty.items() if key != LOBES}
     datum = nominal.datum
     if datum.free in (DatumFreedom.AXIS, DatumFreedom.CAMPAIGN):
