@@ -110,7 +110,8 @@ double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
     *has_history = 1.0;
     *last_s = now_s;
     double error_um = call->parameters[0] * (*lagged_c - CALIBRATION_C);
-    return position_um + call->touch->sign * error_um * over_x(call, &call->parameters[3]);
+    double sense = call->parameters[5] > 0.5 ? 1.0 : call->touch->sign;
+    return position_um + sense * error_um * over_x(call, &call->parameters[3]);
 }
 
 /* The centre lies at c instead of 0: a table turned by θ carries a workpiece that was set

@@ -44,6 +44,7 @@ def simulated(*switched_on: Effect) -> Campaign:
             {"x_um": 5.0, "y_um": -3.0, "set_on_believed_centre": 1.0, "mirrored": 1.0},
         ),
         ("encoder_quantisation", {"resolution_um": 7.3, "is_coordinate": 1.0}),
+        ("thermal_drift", {"drift_um_k": 2.5, "along_approach": 1.0}),
         ("servo_hold", {"period_us": 400.0, "phase_deg": 100.0}),
         ("isr_latency", {"latency_us": 20.0, "tail_us": 15.0}),
         ("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0}),

@@ -207,6 +207,15 @@ def test_thermal_drift_follows_the_temperature_with_its_lag(lag_s: float) -> Non
     assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
 
 
+def test_a_probe_that_grows_is_late_in_either_sense() -> None:
+    played = trace(SKIP, "thermal_drift", drift_um_k=2.0, along_approach=1.0)
+    touches = played.touches
+
+    assert set(touches.sign) == {-1.0, 1.0}
+    expected_um = 2.0 * (touches.temp_c - 20.0)
+    assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
+
+
 def test_thermal_drift_remembers_in_the_order_of_time_not_of_the_rows() -> None:
     touches = mixed_touches(200, seed=4)
     drift = Effect("thermal_drift", {"drift_um_k": 3.0, "lag_s": 600.0})

@@ -17,6 +17,8 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
+RATIOS = ("y_excess_ratio", "z_excess_ratio")
+"""Parameters that tell what Y and Z have more than X."""
 FEWEST_ON_AXIS = 16
 """Touches, of an axis or of all, that show an error."""
 A_NEWS = 4.0
@@ -48,8 +50,7 @@ def like_datum(scene: Scene) -> frozenset[str]:
     moves = np.column_stack([scene.datum_groups, scene.touches.axis, scene.sign]).astype(int)
     groups, axes, _ = np.unique(moves, axis=0).T
     shared = set(axes[np.bincount(groups)[groups] > 1].tolist())
-    ratios = {"y_excess_ratio", "z_excess_ratio"}
-    alone = {name for name in ratios if OF_AN_AXIS[name] not in shared}
+    alone = {name for name in RATIOS if OF_AN_AXIS[name] not in shared}
     return frozenset({"positive_um", *alone})
 
 

@@ -21,7 +21,7 @@ MOST_AGAIN = 0.95
 MOST = 0.6
 NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
 """Effects on some touches or scans, at most that share of them."""
-SWITCHES = ("at_surface", "is_coordinate", "mirrored")
+SWITCHES = ("along_approach", "at_surface", "is_coordinate", "mirrored")
 """Parameters of which nothing but the one or the other end has a meaning."""
 PLACES = ("phase", "second_after", "origin")
 """Parameters that are a place within a period, as a share of it."""
@@ -199,7 +199,8 @@ def warmed(scene: Scene, p: Parameters) -> Change:
     if lag_s > MOST_LAG * float(np.ptp((scene.whole or scene).touches.time_s)):
         return NOTHING  # what hardly moves all the while follows nothing
     warmth_k = _lagged(scene, lag_s, as_share(p[2]))
-    return Change(position_um=scene.sign * p[0] * warmth_k * scene.over_x(p[3], p[4]))
+    sense = 1.0 if p[5] > HALF_WAY else scene.sign
+    return Change(position_um=sense * p[0] * warmth_k * scene.over_x(p[3], p[4]))
 
 
 def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:

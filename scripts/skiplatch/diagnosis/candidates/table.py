@@ -17,7 +17,7 @@ from skiplatch.diagnosis.candidates import (
     surrogates,
 )
 from skiplatch.diagnosis.candidates.applicable import on_machine, shows_lobes, shows_waves, varies
-from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis, like_datum
+from skiplatch.diagnosis.candidates.axes import RATIOS, axes_of_their_own, each_axis, like_datum
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.waves import transmissions
 from skiplatch.diagnosis.density.change import Change
@@ -202,7 +202,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "following_error",
-            ("lag_us", "y_excess_ratio", "z_excess_ratio", "scatter_us"),
+            ("lag_us", *RATIOS, "scatter_us"),
             surrogates.lagging,
             each_axis(
                 surrogates.lagging, [[1.0, 0, 0, 0]], (10.0, 500.0), linear=1, y_excess_ratio=1
@@ -211,7 +211,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "backlash",
-            ("backlash_um", "positive_um", "y_excess_ratio", "z_excess_ratio"),
+            ("backlash_um", "positive_um", *RATIOS),
             surrogates.lost_motion,
             each_axis(
                 surrogates.lost_motion,
@@ -234,8 +234,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 "phase2_deg",
                 "amplitude3_um",
                 "phase3_deg",
-                "y_excess_ratio",
-                "z_excess_ratio",
+                *RATIOS,
                 "y_ahead_deg",
                 "z_ahead_deg",
                 "at_surface",
@@ -250,7 +249,7 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scale_error",
-            ("scale_ppm", "y_excess_ratio", "z_excess_ratio"),
+            ("scale_ppm", *RATIOS),
             surrogates.scaled,
             each_axis(
                 surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
@@ -266,13 +265,14 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "thermal_drift",
-            ("drift_um_k", "lag_s", "starts_at_calibration", "y_excess_ratio", "z_excess_ratio"),
+            ("drift_um_k", "lag_s", "starts_at_calibration", *RATIOS, "along_approach"),
             surrogates.warmed,
             each_axis(
                 surrogates.warmed,
                 [
-                    *([1.0, lag_s, 0.0, 0.0, 0.0] for lag_s in (0.0, 300.0, 3000.0)),
-                    [1.0, 500.0, 1.0, 0.0, 0.0],
+                    [1.0, lag_s, cold, 0.0, 0.0, along]
+                    for along in (0.0, 1.0)
+                    for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
                 ],
                 (2.0,),
                 linear=1,
