@@ -29,8 +29,7 @@ from skiplatch.diagnosis.scene.covariates import WITHIN, before, varying
 from skiplatch.diagnosis.scene.observed import UNITS
 from skiplatch.statistics import errors_of, errors_of_excess
 
-FEWEST_FOR_FOREST = 25
-"""The same of what only a forest sees."""
+FEWEST_FOR_FOREST = 25  # touches
 DIGITS = 6
 """Decimals of a µs or µm from which on values are the same."""
 SELDOM = 1e-3
