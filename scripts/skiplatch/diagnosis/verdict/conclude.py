@@ -99,7 +99,7 @@ def _conclusion(
     fit = finding.model.fit if finding.model else None
     rig = work.rig(fit)
     known = work.rig(finding.small.fit) if finding.small else rig
-    found = named(scene.with_nominal(rig.nominal), finding, work.pool)
+    found = named(scene.with_nominal(rig.nominal), finding, work.beliefs, work.pool)
     true_rig = None if truth is None else replace(rig, effects=truth)
     odd = outliers(scene, known, work.materiality, seed=work.seed)
     # What is far off all plays says nothing of one rig or the other, nor for a finding. What tells

@@ -1,6 +1,6 @@
 """Effects that were found, as they are reported: sizes, intervals, when they act."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
@@ -9,6 +9,8 @@ import numpy as np
 from skiplatch.diagnosis.candidates.axes import idle
 from skiplatch.diagnosis.candidates.surrogates import highest
 from skiplatch.diagnosis.fit.as_effects import as_effects
+from skiplatch.diagnosis.fit.belief_spread import beside_beliefs
+from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.fit.weighted_samples import Cloud
 from skiplatch.diagnosis.scene.scene import Scene
@@ -43,19 +45,23 @@ class Named:
     """Samples of its parameters, in their order; those of all effects have the same points."""
 
 
-def named(scene: Scene, finding: Finding, executor: Executor | None = None) -> list[Named]:
+def named(
+    scene: Scene, finding: Finding, beliefs: Sequence[Belief], executor: Executor | None = None
+) -> list[Named]:
     """Give the effects of a finding on a scene; none if nothing was found.
 
     Args:
-        scene: The touches.
+        scene: The touches, under the chain with the beliefs where they fit.
         finding: What was found.
+        beliefs: As they stand in nominal.toml.
         executor: Works on the intervals side by side.
     """
     if finding.model is None:
         return []
     fit = finding.model.fit
     found = []
-    for i, estimate in enumerate(estimates(scene, fit, as_effects(fit), executor)):
+    alone = estimates(scene, fit, as_effects(fit), executor)
+    for i, estimate in enumerate(beside_beliefs(scene, fit, alone, beliefs)):
         effect, candidate = estimate.effect, fit.candidates[i]
         taken_up = {candidate.names[number] for number in candidate.taken_up(scene)}
         moves_nothing = idle(scene.touches, effect) | taken_up
