@@ -9,12 +9,11 @@ from played_campaigns import BENCH, MACHINE, played, played_again
 from skiplatch.arrays import BoolArray
 from skiplatch.campaign import Campaign, InputPath, Touches, read_campaign
 from skiplatch.diagnosis.fit.material import DEFAULT
-from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.left import CHANCE, Left
 from skiplatch.diagnosis.plays.leftover import Beside
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.chance import chance_of
-from skiplatch.diagnosis.verdict.rules import CHANCE
 from skiplatch.simulator.effects import Effect
 
 SHARE, LATE_US = 0.3, 3000.0

@@ -234,6 +234,24 @@ def test_stamps_beside_a_period_that_was_fitted_stay_on_its_grid() -> None:
         assert np.nanmax(np.abs(seen)) < 3.0 * nominal.skip.tick_us
 
 
+def test_touches_far_off_move_no_others_on_the_scans_that_they_share() -> None:
+    """All scans of a rig are stamped early by one rest of a tick: a mean over all would move it."""
+    campaign = played(BENCH)
+    touches = campaign.touches
+    off_um = np.zeros(len(touches))
+    few = np.flatnonzero(touches.on_plc)[::30]
+    off_um[few] = 150.0
+    far = replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + off_um))
+
+    calm, thrown = (
+        Beside.of(Scene.of(one), Rig(one.nominal), seed=1).recorded["position"]
+        for one in (campaign, far)
+    )
+
+    tick_um = campaign.nominal.skip.tick_us * Scene.of(campaign).speed
+    assert np.nanmax(np.abs((thrown - calm - off_um) / tick_um)) < 0.1
+
+
 def test_positions_on_a_coarser_grid_than_believed_are_found() -> None:
     coarse = Effect("encoder_quantisation", {"resolution_um": 2.6})
 

@@ -43,6 +43,7 @@ LEVELS = {
     "shrinks_somewhere": 0.2,
     "chance_is_chance": 4.0,
     "takes_most": 0.5,
+    "undoes_nothing": 0.2,
     "is_as_wide": 0.5,
     "gains_as_much": 2.0 / 3.0,
     "seen_enough": 6.0,
@@ -105,6 +106,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
     "within_limits": (
         lambda _: Evidence(at_limit=[]),
         lambda _: Evidence(at_limit=["backlash.backlash_um"]),
+    ),
+    "undoes_nothing": (
+        lambda _: Evidence(undoing=[]),
+        lambda _: Evidence(undoing=["servo_hold", "following_error"]),
     ),
     "known": (lambda _: Evidence(open=[]), lambda _: Evidence(open=["backlash.backlash_um"])),
     "has_form": (lambda _: Evidence(is_loose=False), lambda _: Evidence(is_loose=True)),

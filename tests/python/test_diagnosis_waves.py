@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from skiplatch.diagnosis.plays.setting import Place
-from skiplatch.diagnosis.plays.waves import best_wave, waves_along
+from skiplatch.diagnosis.plays.waves import FEWEST_FOR_FAST, best_wave, waves_along
 
 SPAN_S = 900.0
 TOUCHES = 300
@@ -69,3 +69,12 @@ def test_a_wave_along_a_line_is_told_in_its_unit_for_the_rows_that_have_values()
 
     assert found.words == ("position, in waves of 2 mm",)
     assert found.z > 6.0
+
+
+def test_few_touches_tell_no_wave_of_so_many() -> None:
+    rng = np.random.default_rng(5)
+    time_s = np.sort(rng.uniform(0.0, SPAN_S, FEWEST_FOR_FAST - 1))
+    hum = np.sin(2.0 * np.pi * time_s / 0.02)
+
+    assert best_wave(time_s, hum, 0.0, is_fast=True) is None
+    assert best_wave(time_s, hum, 0.0) is not None

@@ -10,6 +10,8 @@ from skiplatch.simulator.effects import effects
 MICROSECONDS, POSITION = "µs", "position"
 FEWEST_AZIMUTHS = 7
 """Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
+FEWEST_STAMPED = 4
+"""The same where stamps tell them from backlash: both senses of two axes."""
 
 
 def acts(effect_id: str, scene: Scene) -> bool:
@@ -42,6 +44,10 @@ def shows_waves(scene: Scene) -> bool:
 
 
 def shows_lobes(scene: Scene) -> bool:
-    """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn."""
-    azimuths = np.unique(np.round(scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]))
-    return scene.is_machine and len(azimuths) >= FEWEST_AZIMUTHS
+    """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn.
+
+    But lobes make a trigger late, and backlash does not.
+    """
+    known = scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]
+    fewest = FEWEST_STAMPED if scene.has_stamps.any() else FEWEST_AZIMUTHS
+    return scene.is_machine and len(np.unique(np.round(known))) >= fewest

@@ -10,6 +10,8 @@ from skiplatch.diagnosis.scene.covariates import in_words
 SIGNIFICANT = 4.5
 """Standard errors from which on a look is no accident: in a thousand campaigns of some sixty looks
 that are not quite normal, one or two."""
+CHANCE = 4.0
+"""Standard errors from which on something is kept as evidence."""
 RESOLVED = 0.5
 """Steps that a difference has to exceed where hardly more than rounding scatters: so much may each
 value be off, and all of them alike."""

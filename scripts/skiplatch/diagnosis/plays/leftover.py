@@ -17,7 +17,7 @@ from scipy import stats
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
-from skiplatch.diagnosis.plays.look import Look
+from skiplatch.diagnosis.plays.look import FARTHEST, Look
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_which
@@ -185,19 +185,22 @@ def _without_rests(
     Where the scan period is a whole number of ticks that is one rest of a tick, another in each
     play, and all positions of a path are off by its way.
     """
-    rows = scene.plc & scene.has_stamps & ~np.isnan(recorded["position"])
+    rows = scene.plc & scene.has_stamps & (scene.speed > 0.0) & ~np.isnan(recorded["position"])
     rows &= ~np.isnan(played["position"]).any(axis=0)
     if not rows.any():
         return recorded, played
     middle, speed = played["position"][:, rows].mean(axis=0), scene.speed[rows]
-    weight = speed / np.maximum(played["position"][:, rows].var(axis=0), SMALLEST**2)
-    half_us = scene.nominal.skip.tick_us / 2.0
+    noise = np.maximum(played["position"][:, rows].std(axis=0), SMALLEST)
+    weight, half_us = (speed / noise) ** 2, scene.nominal.skip.tick_us / 2.0
 
     def calm(position: FloatArray) -> FloatArray:
-        off = position[..., rows] - middle
-        rest_us = np.clip(off @ weight / (weight @ speed), -half_us, half_us)
+        off_us, error_us = (position[..., rows] - middle) / speed, noise / speed
+        rest_us = np.quantile(off_us, 0.5, axis=-1, weights=weight, method="inverted_cdf")
+        # Touches far off say nothing of it, and the others more together than their middle.
+        usual = weight * (np.abs(off_us - rest_us[..., None]) <= FARTHEST * error_us + half_us)
+        rest_us = np.sum(usual * off_us, axis=-1) / np.maximum(usual.sum(axis=-1), SMALLEST)
         calmed = position.copy()
-        calmed[..., rows] -= rest_us[..., None] * speed
+        calmed[..., rows] -= np.clip(rest_us, -half_us, half_us)[..., None] * speed
         return calmed
 
     return (

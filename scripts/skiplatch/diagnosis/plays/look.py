@@ -183,7 +183,7 @@ class Look:
         return self._of("shape", (EVERYWHERE,), size, relative, z)
 
     def straight(self) -> Iterator[Left]:
-        """Correlate the scores with ranks of every condition, one by one: few touches tell no more.
+        """Correlate the scores with every condition, by ranks, straight and bent.
 
         Scores are normal where nothing is left, and tell of a shift no less than what is measured
         does itself; ranks of them tell less (Chernoff and Savage, Annals of Mathematical Statistics
@@ -193,11 +193,9 @@ class Look:
         yield from self._ranked("scatter", stats.rankdata(self._sizes))
 
     def _ranked(self, kind: str, target: FloatArray) -> Iterator[Left]:
-        columns = varying(self._setting.known, self._rows)
-        best = best_ranked(columns, target)
+        best = best_ranked(varying(self._setting.known, self._rows), target)
         if best is not None:
-            high = upper(columns[best[1]])
-            yield self._left(kind, (best[1],), high, errors_of(best[0] * len(columns)))
+            yield self._left(kind, (best.name,), upper(best.values), errors_of(best.chance))
 
     def predicted(self) -> Iterator[Left]:
         """Let a forest predict the scores, and how far they are off, both by the same trees."""

@@ -1,6 +1,7 @@
 """What tells values of touches: a forest of all that is known of them, or one thing by rank."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from itertools import compress
 
 import numpy as np
@@ -53,23 +54,57 @@ def told_which(
     return predicted, names, float(np.corrcoef(predicted, happened)[0, 1] * np.sqrt(n))
 
 
-def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> tuple[float, str] | None:
-    """Find the column, shape (m,), whose ranks go most with a target: the chance, and its name.
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranked:
+    """The condition that goes most with a target.
+
+    Attributes:
+        chance: Of as much by accident, all that were tried counted (Bonferroni).
+        name: Of the condition.
+        values: What goes with the target, shape (m,): the condition, or how far its ranks are off
+            their middle.
+    """
+
+    chance: float
+    name: str
+    values: FloatArray
+
+
+def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked | None:
+    """Find the column, shape (m,), with whose ranks a target goes most, straight or bent.
 
     None where none tells two of the touches apart that it has a value of.
     """
     alike: dict[bytes, list[str]] = {}
     for name, values in columns.items():
         alike.setdefault(np.isnan(values).tobytes(), []).append(name)
-    found: list[tuple[float, str]] = []
+    found: list[Ranked] = []
     for names in alike.values():
         known = ~np.isnan(columns[names[0]])
         values = np.array([columns[name][known] for name in names])
         if known.sum() < FEWEST or np.ptp(target[known]) == 0.0:
             continue
         varying = np.ptp(values, axis=1) > 0.0
-        if varying.any():
-            ranks = stats.rankdata(values[varying], axis=1)
-            chances = stats.pearsonr(ranks, target[known][None, :], axis=1).pvalue
-            found += zip(chances.tolist(), compress(names, varying), strict=True)
-    return min(found, default=None)
+        if not varying.any():
+            continue
+        ranks = stats.rankdata(values[varying], axis=1)
+        for shape in (ranks, _bent(ranks)):
+            shown = np.ptp(shape, axis=1) > SMALLEST
+            chances = stats.pearsonr(shape[shown], target[known][None, :], axis=1).pvalue
+            there = compress(compress(names, varying), shown)
+            for chance, name, one in zip(chances.tolist(), there, shape[shown], strict=True):
+                split = np.full(len(known), np.nan)
+                split[known] = one
+                found.append(Ranked(chance, name, split))
+    if not found:
+        return None
+    best = min(found, key=lambda one: one.chance)
+    return replace(best, chance=best.chance * len(found))
+
+
+def _bent(ranks: FloatArray) -> FloatArray:
+    """Give how far ranks are off their middle, squared, less what goes straight; shape (k, m)."""
+    off = ranks - ranks.mean(axis=1, keepdims=True)
+    off /= off.std(axis=1, keepdims=True)
+    squares = off**2 - 1.0
+    return np.asarray(squares - off * np.mean(off * squares, axis=1, keepdims=True))

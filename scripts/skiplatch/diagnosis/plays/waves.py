@@ -15,6 +15,9 @@ LEAST_TURNS = 1.0
 """Of a wave over what was recorded; slower ones a forest sees."""
 MOST_WAVES = 250_000
 """Over what was recorded, that are looked for; more take too long."""
+FEWEST_FOR_FAST = 60
+"""Touches that tell one of so many: the chance of the best of them is that of normal values, whose
+tail few values do not have."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +73,7 @@ def best_wave(
     known = ~np.isnan(place)
     place, scores, n = place[known], scores[known], int(known.sum())
     span = float(np.ptp(place)) if n else 0.0
-    if n < FEWEST or span <= 0.0 or np.ptp(scores) == 0.0:
+    if n < (FEWEST_FOR_FAST if is_fast else FEWEST) or span <= 0.0 or np.ptp(scores) == 0.0:
         return None
     most = MOST_WAVES if is_fast else 0.5 * n
     fastest = min(most / span, 1.0 / shortest if shortest else np.inf)

@@ -25,6 +25,7 @@ from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.named import Named, named, open_sizes
 from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
+from skiplatch.diagnosis.verdict.undoing import undoing
 from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little
 from skiplatch.diagnosis.verdict.work import Work, mattering
 from skiplatch.simulator.effects import Effect
@@ -131,6 +132,7 @@ def _conclusion(
         unreached=_unreached(scene, fit) if fit else frozenset(),
         effects=[one.effect.id for one in found],
         at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
+        undoing=undoing(scene, work.settled(fit)) if fit else [],
         open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
         is_loose=fit is not None and fit.is_loose,
         nats=_likelier(scene, held_out, believed, rig, fit) if fit else 0.0,

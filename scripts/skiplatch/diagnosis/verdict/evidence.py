@@ -24,6 +24,7 @@ class Evidence:
         unreached: Streams whose law the effects leave as it is.
         effects: Ids of the effects found.
         at_limit: Parameters at an end of their range, as "effect.parameter".
+        undoing: Ids of effects that undo each other.
         open: Parameters whose interval tells nothing, likewise.
         is_loose: The effects need all the slack there is.
         nats: By how much likelier it makes touches that served neither fitting nor naming.
@@ -46,6 +47,7 @@ class Evidence:
     unreached: frozenset[str] = frozenset()
     effects: Sequence[str] = ()
     at_limit: Sequence[str] = ()
+    undoing: Sequence[str] = ()
     open: Sequence[str] = ()
     is_loose: bool = False
     nats: float = 0.0

@@ -11,14 +11,16 @@ from skiplatch.diagnosis.search.decide import Finding, reduced
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
-from skiplatch.diagnosis.verdict.rules import gains_too_little, mostly_left, told_of_chance
+from skiplatch.diagnosis.verdict.mostly import mostly_left
+from skiplatch.diagnosis.verdict.rules import gains_too_little, told_of_chance
 
 
 def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
-    They are those that gain too little; or that are at a limit; or that scatter where their chance
-    can be told; or that change anything at all where much of what there was is left.
+    They are those that gain too little; or that are at a limit; or that undo each other; or that
+    scatter where their chance can be told; or that change anything at all where much of what there
+    was is left.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -41,7 +43,7 @@ def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Findin
 
 def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[int]]:
     """Number the effects of a model that are accused, for one reason after the other."""
-    for ids in (gains_too_little(evidence), evidence.effects_at_limit):
+    for ids in (gains_too_little(evidence), evidence.effects_at_limit, evidence.undoing):
         yield [i for i, name in enumerate(model.ids) if name in ids]
     for looks, acts in (
         (told_of_chance(evidence), judge.scatters),

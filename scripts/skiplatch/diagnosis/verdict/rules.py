@@ -9,27 +9,19 @@ from dataclasses import dataclass
 
 from scipy import stats
 
-from skiplatch.diagnosis.plays.left import SIGNIFICANT, Left
-from skiplatch.diagnosis.plays.leftover import streams_of
+from skiplatch.diagnosis.plays.left import CHANCE, SIGNIFICANT, Left
 from skiplatch.diagnosis.verdict.evidence import Evidence
+from skiplatch.diagnosis.verdict.mostly import MOST, mostly_left
 from skiplatch.diagnosis.verdict.shrink import Gap
+from skiplatch.diagnosis.verdict.undoing import UNDONE
 from skiplatch.tables import number
 
-CHANCE = 4.0
-"""Standard errors from which on something is kept as evidence."""
-UNTOUCHED = 0.02
-"""Share by which what is left may change by chance where a finding does nothing."""
 LIKELIER = 7.0
 """Nats by which touches held out are likelier under a finding than without it from which on that is
 no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Balakrishnan, PNAS 117
 (2020) 16880, eq. 6)."""
 GAINED = 2.0 / 3.0
 """Share of what an effect gains on plays of itself that it has to gain on the record."""
-MOST = 0.5
-"""Share of the variance of a gap from which on what is left is most of it."""
-PART_OF_ALL = 0.1
-"""Share of the variance of an observable's gap that what is left of one kind has to be to count:
-no real effect has just the form that is fitted, and what its form leaves may be of another kind."""
 MOST_OUTLIERS = 0.05
 """Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
 RARELY = 0.01
@@ -176,6 +168,11 @@ def _has_form(evidence: Evidence, _: float) -> str:
     return "its form is as far off as can be" if evidence.is_loose else ""
 
 
+def _undoes_nothing(evidence: Evidence, _: float) -> str:
+    undoing = evidence.undoing
+    return f"each undoes what another one does: {', '.join(undoing)}" if undoing else ""
+
+
 def _is_confirmed(evidence: Evidence, _: float) -> str:
     return "" if evidence.is_confirmed else "plain simulation does no better with it"
 
@@ -190,35 +187,10 @@ def _chance_is_chance(evidence: Evidence, threshold: float) -> str:
     return f"what it leaves to chance in {told[0].observable} {told[0].looks_like}" if told else ""
 
 
-def mostly_left(evidence: Evidence, threshold: float = MOST) -> list[Left]:
-    """Give what a finding leaves that is much of what was there: it is not its cause, then."""
-    reached = (one for one in evidence.after if not streams_of(one) <= evidence.unreached)
-    return [one for one in reached if one.z > CHANCE and _is_most(evidence, one, threshold)]
-
-
 def _takes_most(evidence: Evidence, threshold: float) -> str:
     for one in mostly_left(evidence, threshold):
         return f"it leaves {one.size:.3g} {one.unit} of {one.observable}, much of what was there"
     return ""
-
-
-def _is_most(evidence: Evidence, left: Left, threshold: float) -> bool:
-    """Tell whether what is left is much of what was there of its like, and something of it all.
-
-    Like is held against like in its own unit, the most against the most: a larger scatter makes no
-    wave small. What shows only once more than it is gone is held against that, in terms of noise.
-    """
-    there = [one for one in evidence.before if one.is_of(left)]
-    like = [one.size for one in there if one.is_like(left)]
-    most = max(one.size for one in evidence.after if one.is_of(left) and one.is_like(left))
-    now, whole = (
-        (most, max(one.size for one in there))
-        if like
-        else (left.relative, max((one.relative for one in there), default=0.0))
-    )
-    was = max(like, default=whole)
-    is_touched = abs(now - was) > UNTOUCHED * was
-    return is_touched and now**2 > max(threshold * was**2, PART_OF_ALL * whole**2)
 
 
 EXPLAINS: Sequence[Rule] = (
@@ -274,6 +246,12 @@ NAMES: Sequence[Rule] = (
         _gains_as_much,
     ),
     Rule("within_limits", 0.0, "theory: at an end of its range nothing is found", _within_limits),
+    Rule(
+        "undoes_nothing",
+        UNDONE,
+        "theory: what effects undo of each other no touch shows",
+        _undoes_nothing,
+    ),
     Rule(
         "chance_is_chance",
         CHANCE,

@@ -14,7 +14,7 @@ from skiplatch.diagnosis.fit.beliefs import Belief, fit_beliefs, uncertain
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import settled
 from skiplatch.diagnosis.fit.material import Materiality
-from skiplatch.diagnosis.plays.left import Left, Memo
+from skiplatch.diagnosis.plays.left import CHANCE, Left, Memo
 from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
 from skiplatch.diagnosis.plays.rare import rarely_off
@@ -25,7 +25,6 @@ from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import FOLDS, Split, folds, split
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.search.surplus import without_surplus
-from skiplatch.diagnosis.verdict.rules import CHANCE
 from skiplatch.side_by_side import side_by_side
 
 
