@@ -218,13 +218,13 @@ def unrecorded(old: Table, new: Table) -> list[str]:
 
 def compare(old: Table, new: Table) -> tuple[list[str], list[str]]:
     """Return the lines of old, new and difference, and the faults."""
-    lines = [f"{'board':<12}{'what':<16}{'':<7}{'old':>7}{'new':>7}{'diff':>7}"]
+    lines = [f"{'board':<17}{'what':<24}{'':<7}{'old':>7}{'new':>7}{'diff':>7}"]
     faults = []
     boards = unrecorded(old, new)
     for (board, what), size in new.items():
         for column, new_bytes in size.columns().items():
             if board in boards:
-                lines.append(f"{board:<12}{what:<16}{column:<7}{'':>7}{new_bytes:>7}")
+                lines.append(f"{board:<17}{what:<24}{column:<7}{'':>7}{new_bytes:>7}")
                 continue
             if (board, what) not in old:
                 faults.append(f"{board}, {what}: not in {RECORD}: make size RECORD=yes")
@@ -232,7 +232,7 @@ def compare(old: Table, new: Table) -> tuple[list[str], list[str]]:
             old_bytes = old[board, what].columns()[column]
             change = new_bytes - old_bytes
             lines.append(
-                f"{board:<12}{what:<16}{column:<7}{old_bytes:>7}{new_bytes:>7}{change:>+7}"
+                f"{board:<17}{what:<24}{column:<7}{old_bytes:>7}{new_bytes:>7}{change:>+7}"
             )
             if is_too_much(old_bytes, new_bytes):
                 faults.append(
