@@ -3,9 +3,9 @@
 .PHONY: library program objects
 library: $(OUT)/libskiplatch_sim.so
 	@:
-program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(LINUX_PROGRAMS)
+program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(HOSTED_PROGRAMS)
 	@:
-OTHERS   := $(SIM) $(DIAGNOSIS) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
+OTHERS   := $(SIM) $(DIAGNOSIS) $(MAIN) $(UNHOSTED) $(HOSTED) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
 objects: $(call object_of,$(FIRMWARE) $(if $(TARGET),$(PORT_SOURCES),$(OTHERS))) \
          $(patsubst %,$(OUT)/headers/%.ok,$(if $(TARGET),$(call headers_of,$(notdir $(PORT_FOLDERS))),$(C_HEADERS)))
 
@@ -60,7 +60,7 @@ $(HOST_PORTS:%=$(OUT)/ports/%): $(OUT)/ports/%: \
 
 json_text  = $(subst ",\",$(subst \,\\,$1))
 command_of = { "directory": "$(CURDIR)", "file": "$1", "command": "$(call json_text,$(CC) $(call cflags_of,$1)) -c $1" }
-COMMANDED := $(if $(TARGET),$(PORT_SOURCES),$(IN_LIBRARY) $(MAIN) $(TEMPLATE) $(LINUX) $(TESTS))
+COMMANDED := $(if $(TARGET),$(PORT_SOURCES),$(IN_LIBRARY) $(MAIN) $(UNHOSTED) $(HOSTED) $(TESTS))
 .PHONY: commands
 commands:
 	@printf ',%s\n' $(foreach source,$(COMMANDED),$(call quoted,$(call command_of,$(source))))

@@ -26,7 +26,7 @@ $(RESULTS)/lint/clang-tidy.check: FORCE
 	$(check) $(MAKE) VARIANT=clang tidy
 $(RESULTS)/lint/cppcheck.check: FORCE
 	$(check) $(VENV_PYTHON) scripts/lint/lint_cppcheck.py build/cppcheck \
-	    --portable $(HOST_PORTS:%=hal/ports/%) --hosted $(addprefix hal/ports/,$(call ports_of,linux))
+	    --portable $(HOST_PORTS:%=hal/ports/%) --hosted $(addprefix hal/ports/,$(call ports_of,hosted))
 $(RESULTS)/lint/dependencies.check: FORCE
 	$(check) $(VENV_PYTHON) scripts/lint/lint_dependencies.py
 $(RESULTS)/lint/firmware.check: FORCE
@@ -52,7 +52,7 @@ $(RESULTS)/lint/licences.check: FORCE
 	$(check) $(VENV_PYTHON) scripts/lint/sbom.py build/sbom.json $(SETUP_LOCKS)
 
 .PHONY: analyzed
-analyzed: $(call object_of,$(IN_LIBRARY) $(MAIN) $(LINUX))
+analyzed: $(call object_of,$(IN_LIBRARY) $(MAIN) $(HOSTED))
 
 .PHONY: tidy
 tidy: $(C_SOURCES:%=$(OUT)/tidy/%.ok)

@@ -7,7 +7,7 @@ SIM      := $(filter-out $(MAIN),$(wildcard host_sim/*.c host_sim/effects/*.c ho
 DIAGNOSIS := $(wildcard scripts/skiplatch/diagnosis/*/*.c)
 # The shared library: what Python calls.
 IN_LIBRARY := $(FIRMWARE) $(SIM) $(DIAGNOSIS)
-TEMPLATE := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))
+UNHOSTED := $(wildcard $(HOST_PORTS:%=hal/ports/%/*.c))
 
 # What gcc's analyzer doubts, without those of the store that take long.
 TESTS.memory   := $(filter-out %_cuts.c %_damage.c,$(wildcard tests/unit/test_kinematics_*.c))
@@ -20,14 +20,14 @@ FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
 PERF           := $(wildcard tests/perf/*.c)
 SOAK           := $(wildcard tests/soak/*.c)
-RIG            := $(if $(LINUX),$(wildcard tests/bench/*.c))
+RIG            := $(if $(HOSTED),$(wildcard tests/bench/*.c))
 
 # A board's headers are checked where its own are compiled.
 headers_of = $(wildcard $(1:%=hal/ports/%/*.h))
-C_SOURCES := $(IN_LIBRARY) $(MAIN) $(TEMPLATE) $(LINUX)
+C_SOURCES := $(IN_LIBRARY) $(MAIN) $(UNHOSTED) $(HOSTED)
 C_HEADERS := $(wildcard firmware/*.h firmware/*/*.h hal/include/*.h host_sim/*.h host_sim/*/*.h \
                         $(DIAGNOSIS:.c=.h)) \
-             $(call headers_of,$(HOST_PORTS)) $(if $(LINUX),$(call headers_of,$(call ports_of,linux)))
+             $(call headers_of,$(HOST_PORTS)) $(if $(HOSTED),$(call headers_of,$(call ports_of,hosted)))
 C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
                     $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] tests/*/*.[ch]))
 PYTHON_FOLDERS := scripts $(wildcard tests hal)

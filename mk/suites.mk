@@ -2,7 +2,7 @@
 
 C_SUITES    := unit contract scenario
 ON_BOARDS   := $(BOARDS:%=target-%)
-TEST_SUITES := $(C_SUITES) template contract-linux $(ON_BOARDS) fuzz-regression python
+TEST_SUITES := $(C_SUITES) host-ports $(HOSTED_SUITES) $(ON_BOARDS) fuzz-regression python
 
 # In a make of its own: this one was read before the set-up, and does not know what is here since.
 define run_suites
@@ -29,13 +29,13 @@ result_of               = $(patsubst %,$(RESULTS)/$1/%.log,$(notdir $(basename $
 RESULTS.unit            := $(call result_of,unit)
 RESULTS.contract        := $(call result_of,contract)
 RESULTS.scenario        := $(call result_of,scenario)
-RESULTS.template        := $(HOST_PORTS:%=$(RESULTS)/template/%.check)
+RESULTS.host-ports      := $(HOST_PORTS:%=$(RESULTS)/host-ports/%.check)
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
 RESULTS.long            := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/long/pytest.xml)
 
-.PHONY: $(addprefix run-,$(C_SUITES) template python long)
-$(addprefix run-,$(C_SUITES) template python long): run-%: $$(RESULTS.$$*)
+.PHONY: $(addprefix run-,$(C_SUITES) host-ports python long)
+$(addprefix run-,$(C_SUITES) host-ports python long): run-%: $$(RESULTS.$$*)
 	@:
 
 check = @scripts/run_check.sh $@ $(basename $(@F))
@@ -52,7 +52,7 @@ endef
 $(foreach suite,$(C_SUITES),$(foreach test,$(TESTS.$(suite):.c=),\
     $(eval $(call result_rules,$(test),$(suite)))))
 
-$(RESULTS.template): $(RESULTS)/template/%.check: $(OUT)/ports/% FORCE
+$(RESULTS.host-ports): $(RESULTS)/host-ports/%.check: $(OUT)/ports/% FORCE
 	$(check) true
 
 PYTHON_TESTS   := tests/python $(sort $(dir $(wildcard hal/ports/*/tests/test_*.py)))
@@ -81,7 +81,7 @@ bench-host: setup setup-test ## the same on this host, as root, with vcan and gp
 RESULTS.bench-vm   := $(RESULTS)/bench-vm/bench-vm.check
 RESULTS.bench-host := $(RESULTS)/bench-host/bench-host.check
 # Whatever the suite wrote beside its one declared result is counted as well.
-$(RIG_SUITES:%=run-%): run-bench-%: program $(if $(LINUX),contract-linux-programs $(RIG:%.c=$(OUT)/%))
+$(RIG_SUITES:%=run-%): run-bench-%: program $(if $(HOSTED),$(HOSTED_SUITES:%=%-programs) $(RIG:%.c=$(OUT)/%))
 	@scripts/run_check.sh $(RESULTS)/bench-$*/bench-$*.check bench-$* \
-	    $(if $(LINUX),tests/bench/run_suite.sh $* $(RESULTS)/bench-$*,$(call skip,no libgpiod 2 here))
+	    $(if $(HOSTED),tests/bench/run_suite.sh $* $(RESULTS)/bench-$*,$(call skip,no libgpiod 2 here))
 	@sed -n '/^scan wake-up/,$$p' $(RESULTS)/bench-$*/bench.txt 2>/dev/null || true

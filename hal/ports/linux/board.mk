@@ -1,5 +1,5 @@
 # A kernel with a GPIO character device and SocketCAN. It runs here, as programs of its own.
-FAMILY.$(board) := linux
+FAMILY.$(board) := hosted
 
 # libgpiod 2 of the system, or the one that setup/gpiod.sh has unpacked aside; without it there is no
 # Linux port.
@@ -9,21 +9,21 @@ GPIOD_LIB    := $(if $(GPIOD_SYSTEM),-lgpiod,$(wildcard build/gpiod/usr/lib/*/li
 CFLAGS.$(board) = $(filter-out -std=c99 -flto -ffat-lto-objects,$(CFLAGS.hal)) -std=c11 -D_GNU_SOURCE \
                 $(if $(GPIOD_ASIDE),-isystem build/gpiod/usr/include)
 
-LINUX    := $(if $(GPIOD_LIB),$(wildcard hal/ports/linux/*.c))
-INJECTOR := $(filter hal/ports/linux/injector%,$(LINUX))
-RECORDER := $(filter hal/ports/linux/recorder%,$(LINUX))
-CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(LINUX))
+HOSTED   := $(if $(GPIOD_LIB),$(wildcard hal/ports/linux/*.c))
+INJECTOR := $(filter hal/ports/linux/injector%,$(HOSTED))
+RECORDER := $(filter hal/ports/linux/recorder%,$(HOSTED))
+CONTROL  := $(filter hal/ports/linux/main.c hal/ports/linux/options.c,$(HOSTED))
 
-$(OUT)/liblinux_port.a: $$(call object_of,$$(filter-out $(CONTROL) $(INJECTOR) $(RECORDER),$(LINUX)) \
+$(OUT)/liblinux_port.a: $$(call object_of,$$(filter-out $(CONTROL) $(INJECTOR) $(RECORDER),$(HOSTED)) \
                                           $$(FIRMWARE))
 	@rm -f $@
 	@ar rcs $@ $^
 
-LINUX_PROGRAMS := $(if $(LINUX),$(addprefix $(OUT)/skiplatch-,controller injector recorder))
+HOSTED_PROGRAMS := $(if $(HOSTED),$(addprefix $(OUT)/skiplatch-,controller injector recorder))
 $(OUT)/skiplatch-controller: $$(call object_of,$(CONTROL)) $(OUT)/liblinux_port.a
 $(OUT)/skiplatch-injector: $$(call object_of,$(INJECTOR)) $(OUT)/liblinux_port.a
 $(OUT)/skiplatch-recorder: $$(call object_of,$(RECORDER)) $(OUT)/liblinux_port.a
-$(LINUX_PROGRAMS):
+$(HOSTED_PROGRAMS):
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 
@@ -35,9 +35,10 @@ $(OUT)/tests/bench/%: $(OUT)/obj/tests/bench/%.o $(OUT)/liblinux_port.a
 
 # The contract suites once more, on this port, where there are gpio-sim and vcan: in the bench's
 # machine, or on a host that has them.
-CONTRACT_LINUX := $(if $(LINUX),$(filter-out %/test_hal_error.c,$(wildcard tests/contract/test_*.c)))
+HOSTED_CONTRACT := $(if $(HOSTED),$(filter-out %/test_hal_error.c,$(wildcard tests/contract/test_*.c)))
+HOSTED_SUITES   := contract-linux
 .PHONY: contract-linux-programs run-contract-linux
-contract-linux-programs: $(CONTRACT_LINUX:tests/contract/%.c=$(OUT)/contract-linux/%)
+contract-linux-programs: $(HOSTED_CONTRACT:tests/contract/%.c=$(OUT)/contract-linux/%)
 $(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/tests/contract/%.o \
                          $(OUT)/foreign/unity.o $$(call object_of,$$(call under_test,$$*,linux)) \
                          $(OUT)/liblinux_port.a
@@ -47,4 +48,4 @@ $(OUT)/contract-linux/%: $(OUT)/obj/tests/contract/%.o $(OUT)/foreign/runners/te
 RESULTS.contract-linux := $(RESULTS)/contract-linux/contract-linux.check
 run-contract-linux: $(RESULTS.contract-linux)
 $(RESULTS.contract-linux): contract-linux-programs FORCE
-	$(check) $(if $(LINUX),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
+	$(check) $(if $(HOSTED),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
