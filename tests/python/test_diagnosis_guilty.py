@@ -15,7 +15,7 @@ from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.guilty import without_guilty
-from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated
+from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated, _unset
 from skiplatch.simulator.effects import Effect, effects
 from verdict_evidence import left
 
@@ -115,3 +115,10 @@ def test_a_period_that_the_positions_do_not_show_again_is_at_a_limit(
 
     assert ("period_mm" not in _unrepeated(scene, wave)) is is_told
     assert not _unrepeated(scene, Effect("backlash", {"backlash_um": 5.0}))
+
+
+@pytest.mark.parametrize(("phase_deg", "is_open"), [(0.0, True), (200.0, False)])
+def test_a_phase_that_is_none_may_be_anywhere(phase_deg: float, is_open: bool) -> None:
+    parameters = {"period_us": 40.0, "dead_us": 0.0, "phase_deg": phase_deg}
+
+    assert _unset(Effect("servo_hold", parameters)) == ({"phase_deg"} if is_open else set())

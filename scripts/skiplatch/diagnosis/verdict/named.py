@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from skiplatch.diagnosis.candidates.axes import idle
-from skiplatch.diagnosis.candidates.surrogates import highest
+from skiplatch.diagnosis.candidates.surrogates import highest, turn_of
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.belief_spread import beside_beliefs
 from skiplatch.diagnosis.fit.beliefs import Belief
@@ -68,7 +68,7 @@ def named(
         one = Named(
             effect=effect,
             stage=effects()[effect.id].stage,
-            intervals={**estimate.intervals, **_anywhere(effect, moves_nothing)},
+            intervals={**estimate.intervals, **_anywhere(effect, moves_nothing | _unset(effect))},
             alternatives=finding.alternatives[i],
             confidence=finding.confidences[i],
             at_limit=_at_limit(effect) | _unrepeated(scene, effect),
@@ -84,6 +84,12 @@ def _anywhere(effect: Effect, names: Collection[str]) -> dict[str, tuple[float, 
     """Give the range of each parameter of which the touches tell nothing."""
     parameters = effects()[effect.id].parameters
     return {p.name: (p.low, p.high) for p in parameters if p.name in names}
+
+
+def _unset(effect: Effect) -> frozenset[str]:
+    """Name the places in a period that are left open: 0 says that none is told."""
+    names = (p.name for p in effects()[effect.id].parameters if turn_of(p))
+    return frozenset(name for name in names if effect.parameters[name] == 0.0)
 
 
 def _when(scene: Scene, span: Span) -> str:
