@@ -142,9 +142,8 @@ def test_a_stranger_is_not_named() -> None:
     diagnosis = diagnose(thinned(stranger), seed=1, jobs=JOBS)
 
     assert diagnosis.verdict == Verdict.UNKNOWN
-    assert any("position" in note for note in diagnosis.notes)
+    assert any("far off all plays in position" in note for note in diagnosis.notes)
     assert not diagnosis.effects
-    assert diagnosis.left[0].observable == "position"
 
 
 def test_the_result_depends_on_the_seed_and_not_on_the_number_of_processes() -> None:

@@ -166,7 +166,7 @@ def test_play_of_an_axis_that_is_met_in_one_sense_is_like_where_its_surface_lies
     found = fit(scene, [play], [[2.0, 0.0, 0.0, 0.0]])
 
     assert {play.names[number] for number in play.taken_up(scene)} == like_datum
-    (told,) = named(scene, Finding(Scored(found, 50.0, 50.0), ((),), (0.9,)))
+    (told,) = named(scene, Finding(Scored(found, 50.0, 50.0), ((),), (0.9,)), ())
     ranges = {p.name: (p.low, p.high) for p in effects()["backlash"].parameters}
     open_to_all = {name for name, ends in told.intervals.items() if ends == ranges[name]}
     assert open_to_all == told.idle == like_datum

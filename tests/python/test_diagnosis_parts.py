@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played, played_again
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import read_campaign
+from skiplatch.campaign import Touches, read_campaign
 from skiplatch.diagnosis.candidates.grid_starts import holds, resolutions, slots
 from skiplatch.diagnosis.candidates.surrogates import BLURRED
 from skiplatch.diagnosis.candidates.table import CANDIDATES
@@ -314,7 +314,7 @@ def test_what_hardly_moves_all_the_while_does_not_follow_the_temperature() -> No
     takes_s = float(np.ptp(scene.touches.time_s))
 
     def largest_um(lag_s: float) -> float:
-        parameters = np.array([50.0, lag_s, 0.0, 0.0, 0.0])
+        parameters = np.array([50.0, lag_s, 0.0, 0.0, 0.0, 0.0])
         change = CANDIDATES["thermal_drift"].change(scene, parameters)
         return float(np.max(np.abs(change.position_um)))
 
@@ -326,10 +326,19 @@ def test_lobes_are_told_from_backlash_by_more_directions_than_two_axes_have() ->
     campaign = read_campaign(MACHINE)
     lobes = CANDIDATES["pretravel_lobing"]
 
-    for step_deg, shows in ((90.0, False), (60.0, False), (45.0, True)):
-        alpha_deg = np.round(campaign.touches.alpha_deg / step_deg) * step_deg % 360.0
-        touches = replace(campaign.touches, alpha_deg=alpha_deg)
-        assert lobes.applies(Scene.of(replace(campaign, touches=touches))) is shows
+    def shows(step_deg: float, touches: Touches) -> bool:
+        alpha_deg = np.round(touches.alpha_deg / step_deg) * step_deg % 360.0
+        turned = replace(touches, alpha_deg=alpha_deg)
+        return lobes.applies(Scene.of(replace(campaign, touches=turned)))
+
+    assert [shows(step_deg, campaign.touches) for step_deg in (90.0, 60.0, 45.0)] == [
+        False,
+        False,
+        True,
+    ]
+    # Lobes make a trigger late, and backlash does not.
+    stamped = stamped_machine().touches
+    assert [shows(step_deg, stamped) for step_deg in (180.0, 90.0)] == [False, True]
 
 
 @pytest.mark.parametrize(("period", "jitter"), [(2200.0, 0.0), (2200.0, 30.0), (4123.456, 0.0)])

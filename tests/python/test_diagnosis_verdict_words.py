@@ -42,8 +42,8 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
         ("few_outliers", FAR_OFF, ARE_FAR_OFF),
         (
             "few_outliers",
-            Evidence(outlying=6, outlying_with="azimuth", touches=200),
-            "6 of 200 touches are far off all plays and go with azimuth: that is no accident",
+            Evidence(outlying=6, outlying_in=["edge"], outlying_with="feed", touches=200),
+            "6 of 200 touches are far off all plays in edge and go with feed: that is no accident",
         ),
         ("has_form", Evidence(is_loose=True), "its form is as far off as can be"),
         (

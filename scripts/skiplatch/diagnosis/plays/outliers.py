@@ -4,6 +4,7 @@ They are accidents, then, and accidents go with nothing: what tells which touche
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -28,22 +29,35 @@ SEEN_BY = ("feed", "path")
 """What an accident goes with as it is seen: a time is a longer way at a higher feed."""
 
 
-def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> list[int]:
-    """List the touches, by serial number, that are far off all that a rig plays, and material.
+@dataclass(frozen=True, slots=True)
+class Outliers:
+    """Touches far off all that a rig plays, and by what matters.
 
-    Where more than half of them are it is the rig that is off, and none is told from the others.
+    Attributes:
+        touches: Their serial numbers.
+        observables: In which they are.
     """
+
+    touches: Sequence[int] = ()
+    observables: Sequence[str] = ()
+
+
+def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed: int) -> Outliers:
+    """Find them. Where more than half of all touches are, it is the rig that is off: then none."""
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
-    far = np.full(len(scene), fill_value=False)
-    for name in OUTLYING & recorded.keys():
+    far, names = np.full(len(scene), fill_value=False), []
+    for name in (name for name in recorded if name in OUTLYING):
+        far_in_it = np.full(len(scene), fill_value=False)
         known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
         for path in (scene.plc, ~scene.plc):
             here = known & path
             if known.sum() >= FEWEST and here.any():
                 values = recorded[name][here], played[name][:, here]
-                far[here] |= _are_far(*values, step(scene, name), materiality, UNITS[name])
-    return [] if far.mean() > MOST else scene.touches.touch[far].tolist()
+                far_in_it[here] = _are_far(*values, step(scene, name), materiality, UNITS[name])
+        far |= far_in_it
+        names += [name] if far_in_it.any() else []
+    return Outliers() if far.mean() > MOST else Outliers(scene.touches.touch[far].tolist(), names)
 
 
 def gone_with(scene: Scene, numbers: Sequence[int], *, seed: int) -> str:

@@ -102,7 +102,8 @@ def _conclusion(
     known = work.rig(finding.small.fit) if finding.small else rig
     found = named(scene.with_nominal(rig.nominal), finding, work.beliefs, work.pool)
     true_rig = None if truth is None else replace(rig, effects=truth)
-    odd = outliers(scene, known, work.materiality, seed=work.seed)
+    far_off = outliers(scene, known, work.materiality, seed=work.seed)
+    odd = far_off.touches
     # What is far off all plays says nothing of one rig or the other, nor for a finding. What tells
     # which touches are, no accident does; and too many of them are what the believed chain leaves.
     odd_with = gone_with(scene, odd, seed=work.seed)
@@ -140,6 +141,7 @@ def _conclusion(
         is_confirmed=confirmed is None or confirmed.holds,
         false=int(scene.false.sum()),
         outlying=len(odd),
+        outlying_in=far_off.observables,
         outlying_with=odd_with,
         touches=len(scene),
     )

@@ -32,6 +32,7 @@ class Evidence:
         is_confirmed: Plain simulation of them does better than the believed chain.
         false: Latches without a contact.
         outlying: Touches far off all that the finding plays, or the believed chain.
+        outlying_in: Observables in which these are.
         outlying_with: What tells which touches these are; empty where chance may.
         touches: All of them.
     """
@@ -55,6 +56,7 @@ class Evidence:
     is_confirmed: bool = True
     false: int = 0
     outlying: int = 0
+    outlying_in: Sequence[str] = ()
     outlying_with: str = ""
     touches: int = 0
 

@@ -61,8 +61,9 @@ def _few_outliers(evidence: Evidence, threshold: float) -> str:
     far, touches, told = evidence.outlying, evidence.touches, evidence.outlying_with
     if may_be_accidents(far, touches, threshold, told):
         return ""
+    where = f" in {' and '.join(evidence.outlying_in)}" if evidence.outlying_in else ""
     told = told and f" and go with {told}"
-    return f"{far} of {touches} touches are far off all plays{told}: that is no accident"
+    return f"{far} of {touches} touches are far off all plays{where}{told}: that is no accident"
 
 
 def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS, told: str = "") -> bool:
