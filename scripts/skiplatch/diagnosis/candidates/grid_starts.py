@@ -7,7 +7,6 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.starts import FEWEST_STAMPS, later_us, unknown_sigma
-from skiplatch.diagnosis.candidates.surrogates import BLURRED
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.grid import (
@@ -57,8 +56,7 @@ def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     fine = scene.nominal.axis.resolution_um
     deviations = scene.touches.deviation_um
     pitches = [*whole_pitches(deviations, fine), *odd_pitch(deviations, fine)]
-    grids = [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
-    return [*grids, [BLURRED / 2.0 * fine, 1.0, 0.0]]
+    return [[pitch, 0.0, 0.0] for pitch in pitches] + _coordinate_lines(scene, given)
 
 
 def slots(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

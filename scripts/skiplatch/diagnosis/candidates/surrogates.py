@@ -27,8 +27,6 @@ PLACES = ("phase", "second_after", "origin")
 """Parameters that are a place within a period, as a share of it."""
 HALF_WAY = 0.5
 """From which on a switch is on."""
-BLURRED = 3.0
-"""Fine steps up to which coarser ones need not show: lines a third as wide as they are apart."""
 LOOSEST = 0.25
 """Spread of the phase in the scan, over a period, beyond which the scans hardly bind it."""
 STEEPEST = 5.0
@@ -261,9 +259,8 @@ def coarse_positions(scene: Scene, p: Parameters) -> Change:
     step_um = abs(p[0])
     if p[1] <= HALF_WAY:
         return Change(coarse_um=step_um)
-    if not p[2]:  # steps too fine to show: coarser ones would
-        is_fine = step_um <= BLURRED * scene.nominal.axis.resolution_um
-        return Change(coarse_um=step_um, line_um=np.nan) if is_fine else NOTHING
+    if not p[2]:
+        return NOTHING  # steps that nobody sees are scatter, and any scatter would do
     line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
     return Change(coarse_um=step_um, line_um=line_um)
 
