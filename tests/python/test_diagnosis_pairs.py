@@ -9,8 +9,10 @@ import pytest
 from diagnosed import Search, found
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.judge import Judge
+from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 
 pytestmark = pytest.mark.long
@@ -217,13 +219,12 @@ def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
     touches, rng = campaign.touches, np.random.default_rng(5)
     noise_um = np.where(rng.random(len(touches)) < 0.4, rng.normal(0.0, 0.3, len(touches)), 0.0)
     odd = replace(touches, deviation_um=touches.deviation_um + noise_um)
-    search = Search(replace(campaign, touches=odd))
 
-    finding = search.found()
+    diagnosis = diagnose(replace(campaign, touches=odd), seed=1, jobs=2)
 
-    assert finding.model is not None
-    # A fourth may stand for the noise, which nothing tells from steps of the position.
-    assert set(finding.model.ids) - {"encoder_quantisation"} == {effect.id for effect in THREE}
+    assert diagnosis.verdict == Verdict.PARTLY_EXPLAINED
+    assert {named.effect.id for named in diagnosis.effects} == {effect.id for effect in THREE}
+    assert diagnosis.left[0].observable == "position"
 
 
 def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None:
