@@ -8,15 +8,13 @@ from scipy import stats
 
 from played_campaigns import MACHINE, played_again
 from skiplatch.campaign import Campaign, read_campaign
-from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.fit.belief_spread import beside_beliefs
 from skiplatch.diagnosis.fit.beliefs import Belief, Key, believing, uncertain
-from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import Estimate, estimates
 from skiplatch.diagnosis.fit.surface import CONFIDENCE
-from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.simulator.effects import Effect, effects
+from skiplatch.simulator.effects import Effect
+from standing_fits import standing, whole
 
 TRIGGER = Effect("trigger_delay", {"delay_us": 150.0})
 LOBES = Effect("pretravel_lobing", {"amplitude_um": 3.0, "azimuth_deg": 50.0})
@@ -27,19 +25,11 @@ RARE = 2e-3
 """False-alarm rate of the coverage test; its seeds are fixed."""
 
 
-def whole(effect: Effect) -> Effect:
-    described = effects()[effect.id].parameters
-    return Effect(effect.id, {p.name: effect.parameters.get(p.name, 0.0) for p in described})
-
-
 def both_ways(campaign: Campaign, truth: Effect, *beliefs: Belief) -> tuple[Estimate, Estimate]:
     """The effect beside certain beliefs, and beside uncertain ones."""
-    scene, known = Scene.of(campaign), whole(truth)
-    found = Fit(
-        (CANDIDATES[truth.id],), (np.array(list(known.parameters.values())),), frozenset(), 0.0
-    )
-    found = replace(found, reached=affected(scene, found.change(scene)))
-    alone = estimates(scene, found, [known])
+    scene = Scene.of(campaign)
+    found = standing(scene, truth)
+    alone = estimates(scene, found, [whole(truth)])
     (wider,) = beside_beliefs(scene, found, alone, beliefs)
     return alone[0], wider
 

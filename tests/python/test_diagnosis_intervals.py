@@ -1,7 +1,6 @@
 """What a diagnosis leaves open of each parameter, on campaigns whose parameters are known."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,38 +8,19 @@ import pytest
 from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
-from skiplatch.diagnosis.candidates.table import CANDIDATES
-from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import Estimate, estimates, settled
 from skiplatch.diagnosis.fit.surface import CONFIDENCE
-from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.reported.samples import samples
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.simulator.effects import Effect, effects
+from standing_fits import standing, whole
 
 RARE = 2e-3
 """False-alarm rate of the coverage test; its seeds are fixed."""
 DELAY = Effect("trigger_delay", {"delay_us": 150.0})
 LAG = Effect("following_error", {"lag_us": 300.0})
 LOBES = Effect("pretravel_lobing", {"amplitude_um": 3.0, "azimuth_deg": 50.0})
-
-
-def whole(effect: Effect) -> Effect:
-    """The effect with all its parameters, those not given at 0."""
-    described = effects()[effect.id].parameters
-    return Effect(effect.id, {p.name: effect.parameters.get(p.name, 0.0) for p in described})
-
-
-def standing(scene: Scene, *begun: Effect, slack: float = 0.0) -> Fit:
-    """Effects where a search has brought them."""
-    found = Fit(
-        tuple(CANDIDATES[effect.id] for effect in begun),
-        tuple(np.array(list(whole(effect).parameters.values())) for effect in begun),
-        frozenset(),
-        slack,
-    )
-    return replace(found, reached=affected(scene, found.change(scene)))
 
 
 def estimated(scene: Scene, *begun: Effect, slack: float = 0.0) -> list[Estimate]:

@@ -1,6 +1,5 @@
 """The laws that propose, against the simulator: nothing near the truth is much likelier than it."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +7,13 @@ import pytest
 from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played
-from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import estimates
-from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect, effects
+from standing_fits import standing
 
 RARE = 1e-3
 """False-alarm rate of each case, of which all are fixed by their seeds."""
@@ -24,13 +23,6 @@ ROUGH = 0.01
 
 SEEN = 30.0
 """Nats that an effect gains at least, to be looked at here."""
-
-
-def standing(scene: Scene, effect: Effect) -> Fit:
-    """Give the fit that has an effect's own parameters."""
-    chosen = CANDIDATES[effect.id]
-    found = Fit((chosen,), (np.array(list(effect.parameters.values())),), frozenset())
-    return replace(found, reached=affected(scene, found.change(scene)))
 
 
 def whole(effect_id: str, **known: float) -> Effect:

@@ -1,22 +1,13 @@
 """Effects of which one undoes what the other one does."""
 
-import numpy as np
 import pytest
 
 from played_campaigns import MACHINE, played
-from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.undoing import undoing
-from skiplatch.simulator.effects import Effect, effects
-
-
-def found(*given: Effect) -> Fit:
-    parameters = tuple(
-        np.array([one.parameters.get(p.name, 0.0) for p in effects()[one.id].parameters])
-        for one in given
-    )
-    return Fit(tuple(CANDIDATES[one.id] for one in given), parameters, frozenset(), 0.0)
+from skiplatch.simulator.effects import Effect
+from standing_fits import standing
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +23,8 @@ def test_an_old_position_of_an_axis_that_is_ahead_is_told(
     scene: Scene, lag_us: float, named: bool
 ) -> None:
     """The position is 540 µs old in the mean."""
-    fit = found(
+    fit = standing(
+        scene,
         Effect("backlash", {"backlash_um": 3.0}),
         Effect("servo_hold", {"period_us": 80.0, "dead_us": 500.0}),
         Effect("following_error", {"lag_us": lag_us}),
@@ -43,7 +35,8 @@ def test_an_old_position_of_an_axis_that_is_ahead_is_told(
 
 def test_what_is_within_the_scatter_of_touches_undoes_nothing(scene: Scene) -> None:
     def late_and_early(by_us: float) -> Fit:
-        return found(
+        return standing(
+            scene,
             Effect("trigger_delay", {"delay_us": by_us}),
             Effect("input_filter", {"delay_us": -by_us}),
         )

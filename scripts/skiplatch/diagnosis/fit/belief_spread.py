@@ -83,27 +83,22 @@ def _moved(scene: Scene, found: Fit, belief: Belief) -> tuple[FloatArray, FloatA
     """
     place = belief.uncertainties(value_of(scene.nominal, belief.key))
     _, here = _beside(scene, found, belief, place)
+
+    def across(step: float) -> tuple[FloatArray, float, float]:
+        """Give half of what differs between both sides, parameters and nats; and what nats fall."""
+        above, up = _beside(scene, found, belief, place + step)
+        below, down = _beside(scene, found, belief, place - step)
+        return (above - below) / 2.0, (up - down) / 2.0, 2.0 * here - up - down
+
     step = 1.0
-    above, below, up, down = _across(scene, found, belief, place, step)
+    moved, rise, fall = across(step)
     for _ in range(ROUNDS):
-        if 2.0 * here - up - down <= A_FALL:
+        if fall <= A_FALL:
             break
-        step /= float(np.sqrt(2.0 * here - up - down))
-        above, below, up, down = _across(scene, found, belief, place, step)
-    # No less sharp than by the belief's own law.
-    variance = step**2 / max(2.0 * here - up - down, step**2)
-    mean = variance * (up - down) / (2.0 * step)
-    slope = (above - below) / (2.0 * step)
-    return slope * mean, slope * np.sqrt(variance)
-
-
-def _across(
-    scene: Scene, found: Fit, belief: Belief, place: float, step: float
-) -> tuple[FloatArray, FloatArray, float, float]:
-    """Fit parameters beside a belief a step above and below; and give the nats of both."""
-    above, up = _beside(scene, found, belief, place + step)
-    below, down = _beside(scene, found, belief, place - step)
-    return above, below, up, down
+        step /= float(np.sqrt(fall))
+        moved, rise, fall = across(step)
+    fall = max(fall, step**2)  # no less sharp than by the belief's own law
+    return moved * rise / fall, moved / np.sqrt(fall)
 
 
 def _beside(scene: Scene, found: Fit, belief: Belief, place: float) -> tuple[FloatArray, float]:

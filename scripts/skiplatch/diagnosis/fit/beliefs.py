@@ -21,8 +21,7 @@ from skiplatch.simulator.effects import parameter_of
 Key = tuple[str, str]
 
 NOISE_U = 0.35
-"""Relative standard uncertainty of a noise where none is given: that of a standard deviation from
-five touches (GUM, table E.1)."""
+"""Relative standard uncertainty of a noise without one: as from five touches (GUM, table E.1)."""
 SCAN_PERIOD: Key = ("plc", "scan_us")
 LOBES: Key = ("probe", "lobe_um")
 LOBES_U = 0.05
@@ -62,8 +61,7 @@ class Belief:
         key: Its section and name in nominal.toml; of an effect believed in, its id and a parameter.
         value: What is believed.
         u: Its standard uncertainty; of noise a relative one.
-        is_noise: It moves by a factor instead of a difference, and so stays positive; one standard
-            uncertainty more is the same either way.
+        is_noise: It moves by a factor, 1 + u for each uncertainty, and so stays positive.
         box: Of a delay, the jitter on top of it and its believed size. Who has measured both knows
             the mean of them better than either: the jitter moves about its middle, and the delay
             with it.

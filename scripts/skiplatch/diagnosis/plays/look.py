@@ -247,9 +247,10 @@ class Look:
     def fast_waves(self) -> Iterator[Left]:
         """Look for waves that come and go many times from one touch to the next, as mains do."""
         places, off = self._setting.irregular_places, self._deviations
+        noise = np.median(self._noise), np.median(self._noise / self.scale)
+        sizes = [float(one * np.std(off)) for one in noise]
         for found in waves_along(places, self._rows, off, is_fast=True):
-            noise = float(np.median(self._noise)), float(np.median(self._noise / self.scale))
-            yield self._wave(found, [one * float(np.std(off)) for one in noise])
+            yield self._wave(found, sizes)
 
     def _wave(self, found: Wave, sizes: Sequence[float]) -> Left:
         size, relative = (float(np.sqrt(found.share)) * one for one in sizes)

@@ -47,7 +47,7 @@ def outliers(scene: Scene, rig: Rig, materiality: Materiality = DEFAULT, *, seed
     outcomes = rig.play(scene.touches, seed=seed, replicates=PLAYS)
     recorded, played = observed(scene, scene.touches), observed(scene, outcomes)
     far, names = np.full(len(scene), fill_value=False), []
-    for name in (name for name in recorded if name in OUTLYING):
+    for name in sorted(OUTLYING & recorded.keys()):
         far_in_it = np.full(len(scene), fill_value=False)
         known = ~np.isnan(recorded[name]) & ~np.isnan(played[name]).all(axis=0)
         for path in (scene.plc, ~scene.plc):

@@ -1,8 +1,9 @@
 """What tells values of touches: a forest of all that is known of them, or one thing by rank."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import compress
+from operator import itemgetter
 
 import numpy as np
 from scipy import stats
@@ -78,28 +79,28 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
     alike: dict[bytes, list[str]] = {}
     for name, values in columns.items():
         alike.setdefault(np.isnan(values).tobytes(), []).append(name)
-    found: list[Ranked] = []
+    found: list[tuple[float, str, BoolArray, FloatArray]] = []
     for names in alike.values():
         known = ~np.isnan(columns[names[0]])
-        values = np.array([columns[name][known] for name in names])
         if known.sum() < FEWEST or np.ptp(target[known]) == 0.0:
             continue
+        values = np.array([columns[name][known] for name in names])
         varying = np.ptp(values, axis=1) > 0.0
         if not varying.any():
             continue
         ranks = stats.rankdata(values[varying], axis=1)
-        for shape in (ranks, _bent(ranks)):
-            shown = np.ptp(shape, axis=1) > SMALLEST
-            chances = stats.pearsonr(shape[shown], target[known][None, :], axis=1).pvalue
-            there = compress(compress(names, varying), shown)
-            for chance, name, one in zip(chances.tolist(), there, shape[shown], strict=True):
-                split = np.full(len(known), np.nan)
-                split[known] = one
-                found.append(Ranked(chance, name, split))
+        shapes = np.vstack([ranks, _bent(ranks)])
+        shown = np.ptp(shapes, axis=1) > SMALLEST  # two values do not bend
+        tried = compress(2 * list(compress(names, varying)), shown)
+        chances = stats.pearsonr(shapes[shown], target[known][None, :], axis=1).pvalue
+        for chance, name, shape in zip(chances.tolist(), tried, shapes[shown], strict=True):
+            found.append((chance, name, known, shape))
     if not found:
         return None
-    best = min(found, key=lambda one: one.chance)
-    return replace(best, chance=best.chance * len(found))
+    chance, name, known, shape = min(found, key=itemgetter(0))
+    values = np.full(len(target), np.nan)
+    values[known] = shape
+    return Ranked(chance * len(found), name, values)
 
 
 def _bent(ranks: FloatArray) -> FloatArray:
