@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from skiplatch.diagnosis.plays.left import CHANCE
 from skiplatch.diagnosis.plays.setting import Place
 from skiplatch.diagnosis.plays.waves import FEWEST_FOR_FAST, best_wave, waves_along
 
@@ -79,3 +80,17 @@ def test_few_touches_tell_no_wave_of_so_many() -> None:
 
     assert best_wave(time_s, hum, 0.0, is_fast=True) is None
     assert best_wave(time_s, hum, 0.0) is not None
+
+
+@pytest.mark.parametrize("kind", ["even", "two values"])
+def test_so_few_touches_are_enough_whatever_the_law_of_their_noise(kind: str) -> None:
+    """Twenty were not: a wave of 27 ms in what was rounded refused a drift that was there."""
+    rng = np.random.default_rng(9)
+    errors = []
+    for _ in range(40):
+        noise = rng.uniform(-1.0, 1.0, FEWEST_FOR_FAST)
+        values = noise if kind == "even" else np.sign(noise)
+        places = rng.uniform(0.0, SPAN_S, FEWEST_FOR_FAST)
+        errors.append((best_wave(places, values, 0.02, is_fast=True) or (0.0, 0.0, np.inf))[2])
+
+    assert max(errors) < CHANCE
