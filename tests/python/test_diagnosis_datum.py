@@ -414,6 +414,40 @@ def test_the_likeliest_length_is_found_where_the_middle_is_far_from_it() -> None
     assert found[0] == pytest.approx(-80.0, abs=1.0)
 
 
+def retried(rng: np.random.Generator) -> tuple[Law, FloatArray]:
+    """Draw lengths of touches of several speeds, some of them late, and what might be held of them.
+
+    What is held is off by some: a search for it comes by many such.
+    """
+    n, share, late_us = (
+        int(rng.integers(30, 150)),
+        rng.uniform(0.02, 0.5),
+        10 ** rng.uniform(0, 2.5),
+    )
+    speed, sigma = rng.choice([1.0, 3.0, 10.0, 50.0], n), np.full(n, rng.uniform(0.2, 3.0))
+    is_late = rng.random(n) < share
+    values = sigma * rng.normal(size=n) + speed * is_late * late_us * rng.uniform(0.9, 1.1, n)
+    held, believed_us = share * rng.uniform(0.5, 1.5), late_us * rng.uniform(0.9, 1.1)
+    extras = [
+        Extra((1.0 - held) * held**k, offset=k * believed_us * speed, sigma=0.1 * late_us * speed)
+        for k in (1, 2)
+    ]
+    return Law(0.0 * speed, sigma, 0.0 * speed, 0.0 * speed, tuple(extras)), values
+
+
+def test_the_likeliest_length_is_found_where_some_touches_come_far_later() -> None:
+    """No touch is near the mean of such a law."""
+    rng, missed = np.random.default_rng(11), []
+    for _ in range(60):
+        law, values = retried(rng)
+        ones, groups = np.ones(len(values)), np.zeros(len(values), dtype=np.intp)
+        moved = values + 3.0
+        _, logs = at_best_datum(law, moved, ones, groups, None)
+        missed.append(by_brute_force(law, moved, ones, groups, None)[0] - logs.sum())
+
+    assert np.max(missed) < 0.2
+
+
 def test_where_no_length_is_likely_no_touch_is() -> None:
     law, groups = LAWS["boxes"], np.zeros(N, dtype=np.intp)
 

@@ -8,8 +8,10 @@ from scipy import optimize, stats
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.surrogates import Parameters, warmth_k_s
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.datum import BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.units import MM_PER_M, S_PER_MIN, US_PER_H, US_PER_S
 
@@ -27,8 +29,9 @@ CAPPED = (0.999, 0.99, 0.9, 0.6)
 """Shares of the highest feed that may be the limit of it."""
 FASTEST = 0.8
 """Share of the touches that are slower than those that show such a limit."""
-SOON, FAR_LATE = 0.1, 6.0
-"""Share of the touches that came at once, and spreads beyond them by which others are late."""
+SOON, SURE, FAR_LATE = 0.1, 2.0, 6.0
+"""Share of the touches that came at once, spreads by which these may seem early, and spreads beyond
+them by which others are late."""
 TINY = 1e-9
 
 
@@ -81,8 +84,10 @@ def now_and_then(usual: Sequence[Sequence[float]], as_late: Sequence[Sequence[fl
     """
 
     def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-        late_us, spread_us = _late_us(scene, given)
-        late_us = late_us - np.quantile(late_us, SOON) if len(late_us) else late_us
+        late_us, spread_us = _late_us(scene, given, is_datum_fitted=True)
+        if len(late_us):
+            # Slow touches seem early or late by far more than sharp ones.
+            late_us = late_us - np.quantile(late_us + SURE * spread_us, SOON)
         far = late_us > FAR_LATE * spread_us
         if not far.any():
             return usual
@@ -92,15 +97,24 @@ def now_and_then(usual: Sequence[Sequence[float]], as_late: Sequence[Sequence[fl
     return starts
 
 
-def _late_us(scene: Scene, given: Change) -> tuple[FloatArray, FloatArray]:
-    """Give by how much touches of the skip path are later than thought, and the spread of that."""
-    for name in ("latch_skip", "deviation_skip"):
-        stream = scene.streams.get(name)
+def _late_us(
+    scene: Scene, given: Change, *, is_datum_fitted: bool = False
+) -> tuple[FloatArray, FloatArray]:
+    """Give by how much touches of the skip path are later than thought, and the spread of that.
+
+    A datum that is fitted takes up what all touches of a surface have: else each comes later the
+    slower it is.
+    """
+    for family in (BY_STAMPS, WITHOUT_STAMPS):
+        stream = scene.streams.get(family[0])
         if stream is not None:
-            law = law_under(scene, stream, given)
-            per_us = scene.speed if stream.unit == "µm" else np.ones(len(scene))
-            late, spread = (stream.residuals - law.mean) / per_us, law.spread / per_us
-            return late[stream.rows], spread[stream.rows]
+            law, found = law_under(scene, stream, given), np.zeros(scene.datum_count)
+            if is_datum_fitted:
+                found = fitted_datum_um(scene, given).get(family, found)
+            late = (stream.residuals - law.mean)[stream.rows]
+            late = late - found[scene.datum_of(stream)] * scene.per_datum_um(stream)[stream.rows]
+            per_us = scene.speed[stream.rows] if stream.unit == "µm" else np.ones(len(late))
+            return late / per_us, law.spread[stream.rows] / per_us
     return np.empty(0), np.empty(0)
 
 

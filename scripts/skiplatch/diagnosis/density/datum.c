@@ -108,6 +108,9 @@ static void climb(group_t *group, double step)
 static void find_best(group_t *group, guess_t guess, double *asked)
 {
     evaluate(group, guess.length);
+    if (group->datum->u > 0.0) {
+        evaluate(group, 0.0);
+    }
     double turn = guess.is_spread ? HUGE_VAL : try_top(group, guess.step);
     if (turn > FAR && turn <= FARTHEST) {
         turn = try_top(group, NARROWER * guess.step);
