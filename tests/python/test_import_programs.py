@@ -356,3 +356,22 @@ def test_a_line_that_cannot_be_read_is_not_taken_for_a_repeat(tmp_path: Path) ->
     run = read(tmp_path, TWO_FACES, "".join(lines))
 
     assert "only what is the same in all of them was taken from it" in run.text
+
+
+def test_unit_of_the_log_is_that_of_the_probing_moves(tmp_path: Path) -> None:
+    """Many preambles name both units, and the last one counts."""
+    run = read(tmp_path, "G17 G20 G90\nG21\nG0 X0\nG38.2 X20 F60\n", row(10.5))
+
+    assert run.coordinates() == [10.5]
+    assert told(run) == [("X", 1, 60.0)]
+    assert not any("inch" in line for line in run.said["known"])
+
+
+def test_probing_moves_in_two_units_are_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "p.ngc").write_text("G90 G21\nG0 X0\nG38.2 X20 F60\nG20\nG0 X0\nG38.2 X1 F4\n")
+    (tmp_path / "p.txt").write_text(row(10.5) + row(0.4))
+    words = [str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc")]
+
+    said = refused("import", "linuxcnc", *words, "-o", str(tmp_path / "c"))
+
+    assert f"{tmp_path / 'p.ngc'}:6: expected probing moves in one unit, got inches in" in said

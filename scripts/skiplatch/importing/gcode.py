@@ -187,7 +187,8 @@ class Machine:
         ends = {axis: self.position.get(axis) for axis in targets}
         self.position = {k: v for k, v in start.items() if k not in targets}
         is_release = self.motion == _RELEASE
-        return ProbeMove(number, *direction_of(ways), start, self.feed, ends, is_release)
+        way = direction_of(ways)
+        return ProbeMove(number, *way, start, self.feed, ends, is_release, self.is_inch)
 
 
 def without_comments(line: str) -> str:

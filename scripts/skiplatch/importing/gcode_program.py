@@ -17,7 +17,6 @@ MOST_CALLS = 20  # within each other
 LAST_LOCAL = 30  # parameters from #1 to this belong to a subroutine
 BRANCHES = ("IF", "ELSEIF", "ELSE", "ENDIF")
 
-_INCHES = re.compile(r"\bG\s*20(?!\d)", re.IGNORECASE)
 _OFFSETS = re.compile(
     r"(?<![A-Z#<])G\s*0*(5[4-9]|59\.[123]|43|43\.[12]|49|52|92|92\.[123])(?![\d.])", re.IGNORECASE
 )
@@ -44,11 +43,6 @@ class Run:
 
     moves: Sequence[ProbeMove]
     not_found: Sequence[str]
-
-
-def is_in_inches(text: str) -> bool:
-    """Tell whether a program calls for inches."""
-    return any(_INCHES.search(without_comments(line)) for line in text.splitlines())
 
 
 def offsets_of(text: str) -> list[str]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from skiplatch.errors import InputError
 from skiplatch.importing.dropped_lines import only, told_apart
 from skiplatch.importing.gcode import without_comments
-from skiplatch.importing.gcode_program import Row, Run, is_in_inches, logs_parts, offsets_of, run
+from skiplatch.importing.gcode_program import Row, Run, logs_parts, offsets_of, run
 from skiplatch.importing.linuxcnc_rows import read_rows
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
@@ -73,12 +73,12 @@ def read_linuxcnc(
     text = read_text(program) if program else ""
     done = run(text, rows, inch=inch, name=path.name)
     moves = done.moves
-    inch = inch or is_in_inches(text)
     if program and not moves:
         raise InputError(program, None, None, _without_moves(text, done))
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
     read.say(found)
-    unit = MM_PER_INCH if inch else 1.0
+    is_inch = _are_in_inches(program, moves) if program else inch
+    unit = MM_PER_INCH if is_inch else 1.0
     told = None
     if not (read.broken or read.stumps):  # a line that cannot be read is missing for another reason
         name = path.name
@@ -103,8 +103,20 @@ def read_linuxcnc(
     refuse_all_missed(path, found.touches)
     found.leave_out_releases()
     found.share_feeds()
-    _say(found, moves, feed, inch=inch)
+    _say(found, moves, feed, inch=is_inch)
     return found
+
+
+def _are_in_inches(program: Path, moves: Sequence[ProbeMove]) -> bool:
+    """Tell the unit of the log, which is the one that its moves were programmed in."""
+    inch, mm = ([m.line for m in moves if m.is_inch is inch] for inch in (True, False))
+    if inch and mm:
+        message = (
+            f"expected probing moves in one unit, got inches in line {inch[0]} and mm in line "
+            f"{mm[0]}: log each by a (PROBEOPEN …) of its own"
+        )
+        raise InputError(program, max(inch[0], mm[0]), None, message)
+    return bool(inch)
 
 
 def _without_moves(text: str, done: Run) -> str:

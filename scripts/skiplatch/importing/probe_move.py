@@ -26,6 +26,7 @@ class ProbeMove:
         feed: Along the way; None where it is not known.
         targets: Where the move would end, by axis; None where it is not known.
         is_release: Whether it ends where the probe lets go, by G38.4 or G38.5.
+        is_inch: Whether the program counts in inches there.
     """
 
     line: int
@@ -36,6 +37,7 @@ class ProbeMove:
     feed: float | None
     targets: Mapping[str, float | None] = field(default_factory=dict)
     is_release: bool = False
+    is_inch: bool = False
 
     def along(self, ways: Mapping[str, float | None]) -> "ProbeMove":
         """Give the move with the direction of these ways."""
