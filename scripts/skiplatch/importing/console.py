@@ -7,8 +7,9 @@ latch elsewhere once Z was homed anew, or the gantry or the bed was adjusted.
 import re
 from collections.abc import Mapping
 
-from skiplatch.importing.log_lines import Line, spread_times
+from skiplatch.importing.log_lines import Line
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
+from skiplatch.importing.touch_times import begun_before
 from skiplatch.numbers import NUMBER
 
 _TEMPERATURE = re.compile(rf"\b(B|T[0-9]?):\s*({NUMBER})\s*/")
@@ -138,11 +139,9 @@ class Console:
         return bool(names)
 
     def imported(self, preset: str) -> Imported:
-        """Give the touches, their times spread over the lines that share one."""
-        times = spread_times([touch.time_s for touch in self.touches])
-        for touch, time_s in zip(self.touches, times, strict=True):
-            touch.time_s = time_s
+        """Give the touches, their times those at which the moves began."""
         found = Imported(preset=preset, touches=self.touches, place_is_surface=True)
+        found.assumed += begun_before(self.touches)
         self._say_failed(found)
         self._say_adjusted(found)
         if self._disagreeing:
@@ -152,7 +151,7 @@ class Console:
                 f"touches that the log's own minimum and maximum count, line {lines}{more}: those "
                 "above are cut, or not read"
             )
-        if all(time_s is None for time_s in times):
+        if all(touch.time_s is None for touch in self.touches):
             found.assumed.append(NO_TIMES)
         return found
 

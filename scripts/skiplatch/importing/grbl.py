@@ -14,10 +14,11 @@ from skiplatch.importing.grbl_guesses import Guesses
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
 from skiplatch.importing.grbl_settings import ACCEL, INCHES, STEPS, say_missing
 from skiplatch.importing.grbl_speed import Speeds, limit
-from skiplatch.importing.log_lines import Line, read_lines, read_text, spread_times
+from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
 from skiplatch.importing.presets import PRESETS, Preset
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
+from skiplatch.importing.touch_times import begun_before
 from skiplatch.numbers import NUMBER
 from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
@@ -214,10 +215,7 @@ class _Reader:
     def result(self) -> Imported:
         """Say what was found."""
         found = Imported(preset="grblhal" if self._is_hal else "grbl-avr", touches=self.touches)
-        for touch, time_s in zip(
-            self.touches, spread_times([t.time_s for t in self.touches]), strict=True
-        ):
-            touch.time_s = time_s
+        found.assumed += begun_before(self.touches)
         self._finding.leave_out(found)
         axis = AXES.index(self.touches[-1].axis) if self.touches[-1].axis in "XYZ" else 2
         if steps := self._settings.get(STEPS + axis):

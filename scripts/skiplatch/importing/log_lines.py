@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from statistics import median
 
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
@@ -164,28 +163,4 @@ def _oldest_first(lines: list[Line]) -> list[Line]:
             last = time_s
             time_s += days * S_PER_DAY
         found.append(Line(line.number, line.text, line.raw, time_s))
-    return found
-
-
-def spread_times(times: list[float | None]) -> list[float | None]:
-    """Spread times that stand there more than once evenly up to the next one.
-
-    Where that is farther than between others, there was a pause before it.
-    """
-    found = list(times)
-    steps = [b - a for a, b in pairwise(t for t in times if t is not None) if b > a]
-    usual = median(steps) if steps else 1.0
-    start = 0
-    while start < len(times):
-        end = start
-        while end < len(times) and times[end] == times[start]:
-            end += 1
-        first = times[start]
-        if first is not None and end - start > 1:
-            following = times[end] if end < len(times) else None
-            pause = following - first if following is not None else 0.0
-            span = min(pause, usual) if pause > 0.0 else usual
-            for i in range(start, end):
-                found[i] = first + span * (i - start) / (end - start)
-        start = end
     return found
