@@ -385,3 +385,19 @@ def test_map_of_a_bed_says_that_nothing_in_it_repeats(
 
     assert f"c.log: a map of the bed by {name}, with one touch of each place: touch one" in said
     assert "import csv --map coordinate_mm=Z" in said
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "got"),
+    [
+        ("marlin", "Bed Topography Report:\n 0 | -0.090 -0.010\nok\n", "got a mesh that is done"),
+        ("marlin", "Bilinear Leveling Grid:\n 0 +0.090 -0.010\nok\n", "got a mesh that is done"),
+        ("klipper", "touch accuracy results:\nmaximum 0.002000\n", "got results of a test alone"),
+    ],
+)
+def test_results_without_touches_are_told_from_any_other_text(
+    tmp_path: Path, refused: Program, kind: str, text: str, got: str
+) -> None:
+    (tmp_path / "p.log").write_text(text)
+
+    assert got in refused("import", kind, str(tmp_path / "p.log"), "-o", str(tmp_path / "c"))

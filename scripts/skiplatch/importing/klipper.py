@@ -37,7 +37,8 @@ _OPTION = re.compile(rf"(\w+)=({NUMBER})")
 _STATS = re.compile(rf"^Stats ({NUMBER}):")
 _TEMPERATURE = re.compile(rf"([^\s:=]+): (?:target={NUMBER} )?temp=({NUMBER})")
 _RESULTS = re.compile(
-    rf"^probe accuracy results(?:: maximum ({NUMBER}), minimum ({NUMBER}))?", re.IGNORECASE
+    rf"^(?:probe|touch) accuracy results(?:: maximum ({NUMBER}), minimum ({NUMBER}))?",
+    re.IGNORECASE,
 )
 _PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({NUMBER})", re.IGNORECASE)
 _COMMAND = re.compile(
@@ -79,7 +80,7 @@ def read_klipper(path: Path, feed: float | None) -> Imported:
     if not reader.has_touched:
         expected = 'expected lines such as "probe at 97.000,2.000 is z=1.320000"'
         if reader.has_results:
-            expected += ", got results of PROBE_ACCURACY alone: keep the lines above them too"
+            expected += ", got results of a test alone: keep the lines above them too"
         raise InputError(path, None, None, advice(read_text(path)) or expected)
     found = reader.result()
     if len(whole) < len(lines):

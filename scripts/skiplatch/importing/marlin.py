@@ -33,6 +33,8 @@ _TEST_ENDS = re.compile(r"^(?:Finished!|Standard Deviation:)")
 _RESULTS = re.compile(
     rf"^Mean:\s*{NUMBER}\s*Z?Min:\s*({NUMBER})\s*Z?Max:\s*({NUMBER})", re.IGNORECASE
 )
+_MESH = re.compile(r"Bed Topography Report|Leveling Grid|Measured points|Mesh Bed Level", re.I)
+"""Above the heights of a bed, of UBL and others, which were measured once each."""
 _STEPS = re.compile(rf"\bM92\b.*?\bZ\s*({PLAIN})")
 _ACCEL = re.compile(rf"\bM201\b.*?\bZ\s*({PLAIN})")
 _UNIT = re.compile(r"^G2([01])\b")
@@ -62,6 +64,8 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
         expected = 'expected lines such as "1 of 10: z: 0.185" of M48 V4, or "Bed X: … Z: …" of G30'
         if reader.has_tested:
             expected += ", got M48 without samples: type M48 V4"
+        elif reader.has_mesh:
+            expected += ", got a mesh that is done: type G29 V4, or M48 V4 at one place"
         raise InputError(path, None, None, advice(read_text(path)) or expected)
     return reader.result()
 
@@ -71,7 +75,7 @@ class _Reader(Console):
 
     def __init__(self, feed: float | None) -> None:
         super().__init__(feed)
-        self.has_tested = False
+        self.has_tested = self.has_mesh = False
         self._place: tuple[float, ...] = ()
         self._in_test = False
         self._sum = 0.0
@@ -105,6 +109,7 @@ class _Reader(Console):
             self._series.fails()
         else:
             self._settings(text, line)
+            self.has_mesh |= bool(_MESH.search(text))
         if TEST.search(text):
             self._in_test = self.has_tested = True
 
