@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from refusals import Program
-from skiplatch.importing.capture_csv import read_csv
+from skiplatch.importing.captures import read_capture
 from skiplatch.importing.detect import read_any
 from test_import_logs import Run
 
@@ -290,7 +290,7 @@ def test_unit_of_times_stands_at_the_end_of_their_head(
 ) -> None:
     (tmp_path / "c.csv").write_text(f"{head},D0,D1\n0,0,0\n1000,1,0\n1042,1,1\n3000,0,0\n")
 
-    found = read_csv(tmp_path / "c.csv")
+    found = read_capture(tmp_path / "c.csv")
 
     (rise,), (latched,) = (found.edges(name, falling=False) for name in ("D0", "D1"))
     assert (latched - rise) * 1e6 == pytest.approx(latched_us)

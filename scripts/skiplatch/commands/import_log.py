@@ -217,7 +217,7 @@ EDGE_OPTIONS = (
 )
 @edge_options
 def edges(*, capture: Path, out: Path, json_path: Path | None, **channels: Any) -> None:  # noqa: ANN401
-    """Read the CAPTURE of a logic analyser: CSV of Saleae or sigrok, VCD, or sigrok's .sr."""
+    """Read the CAPTURE of a logic analyser (CSV, VCD, sigrok's .sr) or oscilloscope (CSV)."""
     from skiplatch.importing.captures import read_capture  # noqa: PLC0415
 
     finish(_touches_of(capture, read_capture(capture), **channels), (capture,), out, json_path)

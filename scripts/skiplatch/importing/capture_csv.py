@@ -30,12 +30,12 @@ _S_OF_WORD = {
 }
 _WORDS = tuple(_S_OF_WORD)
 """Each a thousandth of the one before."""
-_S_OF_UNIT = {**UNITS["s"], **_S_OF_WORD, "sec": 1.0, "ps": 1e-12}
-_ENDING = re.compile(rf"\w[ _]+(?P<unit>{'|'.join(_S_OF_UNIT)}|\u03bcs)$")
+S_OF_UNIT = {**UNITS["s"], **_S_OF_WORD, "sec": 1.0, "ps": 1e-12}
+_ENDING = re.compile(rf"\w[ _]+(?P<unit>{'|'.join(S_OF_UNIT)}|\u03bcs)$")
 
 
 @dataclass(frozen=True, slots=True)
-class _Sheet:
+class Sheet:
     """The rows of a file, and what its comments say.
 
     Attributes:
@@ -53,16 +53,15 @@ class _Sheet:
     rate_hz: float | None
 
 
-def read_csv(path: Path) -> Capture:
+def read_levels(path: Path, sheet: Sheet) -> Capture:
     """Read a column for each channel, as Saleae's Logic or sigrok export them.
 
     Saleae puts a time before each change. sigrok writes a row for each sample and the sample rate
     into a comment, with or without a time, and names the columns or only says what they hold.
 
     Raises:
-        InputError: It cannot be read, or does not tell when its levels changed.
+        InputError: It does not tell when its levels changed.
     """
-    sheet = _sheet(path)
     if _is_time(sheet.head[0]):
         names = sheet.names or sheet.head[1:]
         times, assumed = _times(path, sheet)
@@ -83,7 +82,12 @@ def read_csv(path: Path) -> Capture:
     return Capture(_by_name(times, names, levels), step_s, assumed)
 
 
-def _sheet(path: Path) -> _Sheet:
+def read_sheet(path: Path) -> Sheet:
+    """Read the rows of a file with commas, semicolons or tabs between its columns.
+
+    Raises:
+        InputError: It cannot be read.
+    """
     text = read_text(path)
     lines = [
         (number, line)
@@ -102,7 +106,7 @@ def _sheet(path: Path) -> _Sheet:
         marks.refuse_doubtful(path, {0})
     head_line, head = rows[0] if rows else (1, [""])
     channels, sampled = _CHANNELS.search(text), _SAMPLED.search(text)
-    return _Sheet(
+    return Sheet(
         head=[cell.strip() for cell in head],
         head_line=head_line,
         rows=rows[1:],
@@ -113,7 +117,7 @@ def _sheet(path: Path) -> _Sheet:
 
 def _is_time(head: str) -> bool:
     is_named = head.lower().startswith("time") or _is_word(head)
-    return is_named or bracketed(head)[1].lower() in _S_OF_UNIT
+    return is_named or bracketed(head)[1].lower() in S_OF_UNIT
 
 
 def _unit_in(head: str) -> str:
@@ -126,7 +130,7 @@ def _is_word(head: str) -> bool:
     return head.lower() in _S_OF_WORD
 
 
-def _times(path: Path, sheet: _Sheet) -> tuple[FloatArray, tuple[str, ...]]:
+def _times(path: Path, sheet: Sheet) -> tuple[FloatArray, tuple[str, ...]]:
     """Give times in s, and what was assumed: numbers, or dates of ISO 8601 since the first."""
     texts = [row[0] for _, row in sheet.rows]
     if any("T" in text for text in texts):
@@ -134,10 +138,10 @@ def _times(path: Path, sheet: _Sheet) -> tuple[FloatArray, tuple[str, ...]]:
     times = _numbers(path, sheet.rows)
     head, unit = sheet.head[0], _unit_in(sheet.head[0])
     if unit:
-        if unit not in _S_OF_UNIT:
+        if unit not in S_OF_UNIT:
             message = f"expected a unit of time such as [s] or [us], got {quoted(head)}"
             raise InputError(path, sheet.head_line, None, message)
-        return times * _S_OF_UNIT[unit], ()
+        return times * S_OF_UNIT[unit], ()
     if sheet.rate_hz and len(times):
         return _sigrok_times(path, sheet, times, sheet.rate_hz)
     if _is_word(head):
@@ -146,7 +150,7 @@ def _times(path: Path, sheet: _Sheet) -> tuple[FloatArray, tuple[str, ...]]:
 
 
 def _sigrok_times(
-    path: Path, sheet: _Sheet, times: FloatArray, rate_hz: float
+    path: Path, sheet: Sheet, times: FloatArray, rate_hz: float
 ) -> tuple[FloatArray, tuple[str, ...]]:
     """Give times in s of libsigrok, which counts them in the unit that the head says.
 
@@ -190,7 +194,7 @@ def _numbers(path: Path, rows: list[Row]) -> FloatArray:
     return np.array(found)
 
 
-def _levels(path: Path, sheet: _Sheet, first: int, count: int) -> FloatArray:
+def _levels(path: Path, sheet: Sheet, first: int, count: int) -> FloatArray:
     """Give levels 0 and 1 from a column on, NaN where a channel was off; shape (n, count)."""
     if not count or not sheet.rows:
         raise InputError(path, None, None, "expected rows of a time and levels")

@@ -1,4 +1,4 @@
-"""Captures of logic analysers: CSV of Saleae or sigrok, VCD, sigrok's .sr."""
+"""Captures of logic analysers and oscilloscopes: CSV, VCD, sigrok's .sr."""
 
 import configparser
 import re
@@ -14,8 +14,9 @@ from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import foreign_reader
 from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
-from skiplatch.importing.capture_csv import read_csv
+from skiplatch.importing.capture_csv import read_levels, read_sheet
 from skiplatch.importing.encodings import in_utf8
+from skiplatch.importing.scope_csv import holds_voltages, read_voltages
 
 MOST_BYTES = 2 * 2**30
 MOST_TICKS = 2**63
@@ -34,7 +35,12 @@ def read_capture(path: Path) -> Capture:
         InputError: It cannot be read.
     """
     readers = {".vcd": _read_vcd, ".sr": _read_sigrok}
-    return readers.get(path.suffix.lower(), read_csv)(path)
+    return readers.get(path.suffix.lower(), _read_csv)(path)
+
+
+def _read_csv(path: Path) -> Capture:
+    sheet = read_sheet(path)
+    return (read_voltages if holds_voltages(sheet) else read_levels)(path, sheet)
 
 
 def _read_vcd(path: Path) -> Capture:

@@ -1,0 +1,95 @@
+"""``skiplatch import edges``: voltages that oscilloscopes write as CSV.
+
+The forms of the heads are those that the exports of these makers have.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from refusals import Program
+from test_import_logs import Run
+
+STEP_S = 1e-6
+TOUCHES = 4
+LATE = 30  # samples from an edge to its latch
+
+
+def volts() -> list[tuple[float, float]]:
+    """A probe and a latch with noise, at rest between touches."""
+    noise = np.random.default_rng(1).normal(0.0, 0.03, (TOUCHES * 2000, 2))
+    at = np.arange(TOUCHES * 2000) % 2000
+    levels = np.stack([(at >= 500) & (at < 1800), (at >= 500 + LATE) & (at < 1000)], axis=1)
+    return [(a, b) for a, b in 3.3 * levels + noise]
+
+
+def rows(unit_s: float = 1.0, start_s: float = -0.002, separator: str = ",") -> str:
+    times = ((start_s + i * STEP_S) / unit_s for i in range(len(volts())))
+    cells = ((f"{t:.9g}", f"{a:.4f}", f"{b:.4f}") for t, (a, b) in zip(times, volts(), strict=True))
+    return "".join(separator.join(row) + "\n" for row in cells)
+
+
+def counted() -> str:
+    return "".join(f"{i},{a:.2e},{b:.2e},\n" for i, (a, b) in enumerate(volts()))
+
+
+RIGOL = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-2.000000e-03,1.000000e-06\n" + counted()
+KEYSIGHT = "x-axis,1,2\nsecond,Volt,Volt\n" + rows()
+SIGLENT = "Record Length,Analog:8000\nVertical Units,CH1:V CH2:V\nSecond,Volt,Volt\n" + rows()
+PICO = "Time,Channel A,Channel B\n(ms),(V),(V)\n\n" + rows(1e-3)
+PICO_GERMAN = "Zeit;Kanal A;Kanal B\n(ms);(V);(V)\n\n" + rows(1e-3, separator=";").replace(".", ",")
+TEKTRONIX = "Model,MDO3024\nHorizontal Units,S,\nRecord Length,8000,\n\nTIME,CH1,CH2\n" + rows()
+SALEAE_ANALOG = "Time [s],Channel 0,Channel 1\n" + rows()
+
+
+@pytest.mark.parametrize(
+    ("text", "probe", "latch"),
+    [
+        (RIGOL, "CH1", "CH2"),
+        (KEYSIGHT, "1", "2"),
+        (SIGLENT, "CH1", "CH2"),
+        (PICO, "Channel A", "Channel B"),
+        (PICO_GERMAN, "Kanal A", "Kanal B"),
+        (TEKTRONIX, "CH1", "CH2"),
+        (SALEAE_ANALOG, "Channel 0", "Channel 1"),
+    ],
+    ids=["rigol", "keysight", "siglent", "pico", "pico_german", "tektronix", "saleae"],
+)
+def test_voltages_are_edges_and_latches(tmp_path: Path, text: str, probe: str, latch: str) -> None:
+    (tmp_path / "c.csv").write_text(text)
+
+    run = Run(tmp_path, "edges", str(tmp_path / "c.csv"), "--probe", probe, "--latch", latch)
+
+    touches = run.campaign.touches
+    assert len(touches) == TOUCHES
+    late_us = touches.latch_us - touches.edge_us
+    assert late_us == pytest.approx([LATE * STEP_S * 1e6] * TOUCHES, abs=0.01)
+    assert np.diff(touches.edge_us) == pytest.approx([2000.0] * (TOUCHES - 1), abs=0.01)
+    assert any(f"{probe} from 1.6" in line for line in run.said["assumed"])
+
+
+def test_time_without_a_unit_is_taken_for_seconds_and_said(tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_text(TEKTRONIX)
+
+    run = Run(tmp_path, "edges", str(tmp_path / "c.csv"))
+
+    assert 'times are in seconds, as "TIME" names no unit such as (ms)' in run.said["assumed"]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "x-axis,1\nsecond,Volt\n0.0,0.1\n1e-6,\u221e\n",
+            ":4: expected a time and voltages of 1 channels",
+        ),
+        ("0.0,0.1\n1e-6,3.3\n", ":1: expected names of columns, and samples below them"),
+    ],
+)
+def test_voltages_that_cannot_be_read_are_refused(
+    tmp_path: Path, refused: Program, text: str, said: str
+) -> None:
+    (tmp_path / "c.csv").write_text(text, encoding="utf-8")
+
+    assert said in refused("import", "edges", str(tmp_path / "c.csv"), "-o", str(tmp_path / "c"))
