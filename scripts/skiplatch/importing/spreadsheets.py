@@ -17,6 +17,7 @@ from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.encodings import encoding_of, refuse_no_text
 from skiplatch.importing.markdown_tables import is_markdown, markdown_rows
 from skiplatch.importing.model import Imported
+from skiplatch.importing.words_of_lines import is_of_words, word_rows
 
 WINDOWS = "cp1252"
 MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
@@ -82,6 +83,9 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
             lines = first_lines(path, sys.maxsize, encoding)
             before, rows = markdown_rows(path, lines)
             return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks)
+        if is_of_words(lines):
+            lines = first_lines(path, sys.maxsize, encoding)
+            return Spreadsheet(word_rows(path, lines), encoding, [], marks)
         before = _lines_before_head(lines, is_head)
         rows = list(read_rows(path, encoding, after=before, in_points=marks.with_points))
         return Spreadsheet(rows, encoding, lines[:before], marks)
