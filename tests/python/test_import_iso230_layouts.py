@@ -350,3 +350,14 @@ def test_row_without_a_sense_is_refused(tmp_path: Path, refused: Program) -> Non
     said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
 
     assert 'x.csv:3: Direction: expected a sense of motion, got "here"' in said
+
+
+def test_runs_in_rows_may_have_a_sign_for_their_sense(tmp_path: Path) -> None:
+    runs = "Lauf 1 +;3,0;5,0\nLauf 1 -;-3,0;-1,0\nLauf 2 +;3,1;5,1\nLauf 2 -;-3,1;-1,1\n"
+    (tmp_path / "t.csv").write_text(f"Achse X;0;100\n{runs}")
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "t.csv"), "--axis", "X")
+
+    signs = run.campaign.touches.sign
+    assert (signs == 1).sum() == (signs == -1).sum() == 4
+    assert "runs are in rows, positions in the head" in run.said["assumed"]

@@ -24,6 +24,7 @@ from skiplatch.importing.units_in_heads import split_unit
 from skiplatch.numbers import number
 
 FEWEST_CELLS = 3  # of a line: a position and a run in either sense, or a sense beside both
+_SIGNS = ("+", "-", "\u2212")
 _PLACE = re.compile(r"position|target|soll", re.IGNORECASE)
 _NUMBERED = re.compile(r"\d\s*$", re.ASCII)  # of a run
 
@@ -193,7 +194,8 @@ def _from_rows(rows: list[Row]) -> RunTable:
 
 def _names_a_run(cell: str) -> bool:
     """Tell whether a line is a run, by its sense; a position is none, though it begins as one."""
-    return says_sense(cell) and not _PLACE.search(cell)
+    is_signed = cell.endswith(_SIGNS) and COLUMNS_BY_HEAD["run"].search(cell)
+    return bool(says_sense(cell) or is_signed) and not _PLACE.search(cell)
 
 
 def _are_numbers(cells: Sequence[str]) -> bool:
