@@ -16,8 +16,9 @@ MAPPED = ["--map", "coordinate_mm=X", "--map", "feed_mm_min=F", "--axis", "X", "
         "N1 F100. X25.0064 Z-5.\nN2 F500. X25.0263 Z-5.\n",
         "%\nN1 F100. X 25.0064 Z-   5.\nN2 F500. X 25.0263 Z-   5.\n%\n",
         "N1,F100.,X25.0064,Z-5.\r\n\r\nN2,F500.,X25.0263,Z-5.\r\n",
+        "N = 1 F = 100 X = 25.0064 Z = -5\nN = 2 F = 500 X = 25.0263 Z = -5\n",
     ],
-    ids=["words", "tape", "commas"],
+    ids=["words", "tape", "commas", "equals"],
 )
 def test_letters_of_words_are_the_heads(tmp_path: Path, text: str) -> None:
     (tmp_path / "d.txt").write_text(text)

@@ -7,7 +7,7 @@ from pathlib import Path
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
 
-_WORD = re.compile(r"([A-Z]+)\s*([-+]?\s*(?:[0-9]+\.?[0-9]*|\.[0-9]+))[\s,;]*", re.IGNORECASE)
+_WORD = re.compile(r"([A-Z]+)\s*=?\s*([-+]?\s*(?:[0-9]+\.?[0-9]*|\.[0-9]+))[\s,;]*", re.IGNORECASE)
 _LINE = re.compile(rf"\s*(?:{_WORD.pattern})+", re.IGNORECASE)
 _TAPE_END = "%"  # before and behind what goes out of a serial port
 
