@@ -401,3 +401,22 @@ def test_results_without_touches_are_told_from_any_other_text(
     (tmp_path / "p.log").write_text(text)
 
     assert got in refused("import", kind, str(tmp_path / "p.log"), "-o", str(tmp_path / "c"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "text", "other"),
+    [
+        ("klipper", "1 of 2: z: 0.185\n2 of 2: z: 0.186\n", "marlin"),
+        ("marlin", "[PRB:0.000,0.000,-5.123:1]\nok\n", "grbl"),
+        ("grbl", "// probe at 10.000,10.000 is z=1.320000\n", "klipper"),
+        ("grbl", " ".join(["1.000000"] * 9) + "\n", "linuxcnc"),
+    ],
+)
+def test_log_of_another_kind_is_named(
+    tmp_path: Path, refused: Program, kind: str, text: str, other: str
+) -> None:
+    (tmp_path / "p.log").write_text(text)
+
+    said = refused("import", kind, str(tmp_path / "p.log"), "-o", str(tmp_path / "c"))
+
+    assert f"no touches of {kind}, but of {other}: skiplatch import {other} reads them" in said

@@ -7,7 +7,7 @@ from pathlib import Path
 from skiplatch.errors import InputError
 from skiplatch.files import failures_named, refuse_special_or_large
 from skiplatch.importing.candump import is_logged, is_shown
-from skiplatch.importing.dialects import advice
+from skiplatch.importing.dialects import READ, advice
 from skiplatch.importing.grbl import read_grbl
 from skiplatch.importing.klipper import read_klipper
 from skiplatch.importing.linuxcnc import read_linuxcnc
@@ -15,21 +15,11 @@ from skiplatch.importing.log_lines import MAX_BYTES, read_text
 from skiplatch.importing.marlin import read_marlin
 from skiplatch.importing.model import Imported
 
-_NINE_NUMBERS = r"^\s*(?:-?\d+\.\d+\s+){8}-?\d+\.\d+\s*$"
-KINDS: Mapping[str, tuple[re.Pattern[str], Callable[[Path], Imported]]] = {
-    "grbl": (re.compile(r"\[PRB:"), lambda path: read_grbl(path, None)),
-    "klipper": (
-        re.compile(r"probe(?:: at| at) -?[\d.]+,", re.IGNORECASE),
-        lambda path: read_klipper(path, None),
-    ),
-    "marlin": (
-        re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|(?i:Bed X:)"),
-        lambda path: read_marlin(path, None),
-    ),
-    "linuxcnc": (
-        re.compile(_NINE_NUMBERS, re.MULTILINE),
-        lambda path: read_linuxcnc(path, None, None, None, inch=False),
-    ),
+KINDS: Mapping[str, Callable[[Path], Imported]] = {
+    "grbl": lambda path: read_grbl(path, None),
+    "klipper": lambda path: read_klipper(path, None),
+    "marlin": lambda path: read_marlin(path, None),
+    "linuxcnc": lambda path: read_linuxcnc(path, None, None, None, inch=False),
 }
 WITHOUT_TOUCHES: Mapping[str, re.Pattern[str]] = {
     "klipper": re.compile(
@@ -62,14 +52,14 @@ def read_any(path: Path) -> tuple[str, Imported]:
     text = read_text(path)
     if _CAPTURE.search(text[:_LOOKED_AT]):
         return "a logic analyser", _capture(path)
-    for kind, (sign, read) in KINDS.items():
+    for kind, sign in READ.items():
         if sign.search(text):
-            return kind, read(path)
+            return kind, KINDS[kind](path)
     if said := advice(text):
         raise InputError(path, None, None, said)
     for kind, sign in WITHOUT_TOUCHES.items():
         if sign.search(text):
-            return kind, KINDS[kind][1](path)
+            return kind, KINDS[kind](path)
     kinds = ", ".join(KINDS)
     message = f"expected a campaign or a log of {kinds}; for others see skiplatch import"
     raise InputError(path, None, None, message)

@@ -1,8 +1,15 @@
-"""Logs of controllers that no reader knows, and what to do with them."""
+"""Whose touches a log holds, and what to do with those that no reader knows."""
 
 import re
 from collections.abc import Mapping
 
+READ: Mapping[str, re.Pattern[str]] = {
+    "grbl": re.compile(r"\[PRB:"),
+    "klipper": re.compile(r"probe(?:: at| at) -?[\d.]+,", re.IGNORECASE),
+    "marlin": re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|(?i:Bed X:)"),
+    "linuxcnc": re.compile(r"^\s*(?:-?\d+\.\d+\s+){8}-?\d+\.\d+\s*$", re.MULTILINE),
+}
+"""What a touch looks like in a log that `skiplatch import` reads, by the kind that it is called."""
 _TOUCHES: Mapping[str, re.Pattern[str]] = {
     "RepRapFirmware (Duet)": re.compile(r"Stopped at height -?[\d.]+ ?mm"),
     "TinyG or g2core": re.compile(r'\{"prb":'),
@@ -21,14 +28,20 @@ _MAPS: Mapping[str, re.Pattern[str]] = {
 _TABLE = "a head, such as Z [mm], for import csv --map coordinate_mm=Z --axis Z"
 
 
-def advice(text: str) -> str:
-    """Give what to do with a log of touches that is none of those that are read; else nothing."""
+def advice(text: str, kind: str = "") -> str:
+    """Give what to do with a log whose touches are of another kind than it was read as.
+
+    It is empty where nothing tells that.
+    """
     if name := _name(text, _TOUCHES):
         how = f"put their coordinates into a table with {_TABLE}"
         return f"touches of {name}, whose logs are not read: {how}"
     if name := _name(text, _MAPS):
         how = f"touch one several times, and put its coordinates into a table with {_TABLE}"
         return f"a map of the bed by {name}, with one touch of each place: {how}"
+    others = {name: sign for name, sign in READ.items() if name != kind}
+    if kind and (name := _name(text, others)):
+        return f"no touches of {kind}, but of {name}: skiplatch import {name} reads them"
     return ""
 
 
