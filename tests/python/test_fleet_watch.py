@@ -24,6 +24,7 @@ from skiplatch.commands import fleet_watch
 from skiplatch.commands.diagnose_many import Told
 from skiplatch.commands.fleet_watch import Intake, watch
 from skiplatch.errors import InputError
+from skiplatch.fleet import arrivals
 from skiplatch.fleet.arrivals import Arrivals
 from skiplatch.fleet.history import read_history
 from skiplatch.fleet.reading import opened
@@ -339,8 +340,7 @@ def test_a_store_is_the_same_whoever_diagnoses(tmp_path: Path) -> None:
 def watched(inbox: Path, store: Path) -> Iterator[Callable[[dict[str, str | None]], None]]:
     """Watch a folder meanwhile; gives a function that waits until the store holds what it is to."""
     stop = threading.Event()
-    arrivals = Arrivals(inbox, SETTLE_S)
-    arguments = Intake(store, None, 1, Workers()), arrivals, stop
+    arguments = Intake(store, None, 1, Workers()), Arrivals(inbox, SETTLE_S), stop
     thread = threading.Thread(target=watch, args=arguments)
     thread.start()
 
@@ -360,20 +360,43 @@ def watched(inbox: Path, store: Path) -> Iterator[Callable[[dict[str, str | None
         assert not thread.is_alive()
 
 
+@contextmanager
+def stopped_clock(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], None]]:
+    """Let no file grow old, however slow this machine is; gives what waits for a look."""
+    now_ns, looks = time.time_ns(), threading.Semaphore(0)
+
+    def time_ns() -> int:
+        looks.release()
+        return now_ns
+
+    def looked() -> None:
+        while looks.acquire(blocking=False):
+            pass
+        assert looks.acquire(timeout=PATIENCE_S)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(arrivals, "time", SimpleNamespace(time_ns=time_ns))
+        yield looked
+
+
 def test_a_watch_takes_what_comes_once_it_is_whole(
-    inbox: Path, store: Path, diagnosed: list[Path | None], tmp_path: Path
+    inbox: Path,
+    store: Path,
+    diagnosed: list[Path | None],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     other = put(tmp_path / "elsewhere")
     text = (other / "touches.csv").read_text()
     with watched(inbox, store) as until:
         folder = inbox / "monday"
         folder.mkdir()
-        shutil.copy(other / "nominal.toml", folder)
-        with (folder / "touches.csv").open("w") as file:
+        with stopped_clock(monkeypatch) as looked, (folder / "touches.csv").open("w") as file:
+            shutil.copy(other / "nominal.toml", folder)
             for line in text.splitlines(keepends=True):
                 file.write(line)
                 file.flush()
-                time.sleep(0.06)
+                looked()
                 assert diagnosed == []
         until({"monday": "explained"})
         shutil.move(put(tmp_path / "tuesday", rows=8), inbox / "tuesday")
@@ -384,22 +407,28 @@ def test_a_watch_takes_what_comes_once_it_is_whole(
 
 @pytest.mark.long
 def test_a_watch_waits_for_another_writer_and_survives_a_bad_campaign(
-    inbox: Path, store: Path, diagnosed: list[Path | None], capfd: pytest.CaptureFixture[str]
+    inbox: Path,
+    store: Path,
+    diagnosed: list[Path | None],
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
+    """What comes is moved into its place: on a slow machine the watch may see it half-written."""
     put(inbox / "monday")
+    (put(tmp_path / "bad") / "touches.csv").write_text("touch\nx\n")
+    mended = tmp_path / "mended.csv"
+    mended.write_text((inbox / "monday" / "touches.csv").read_text().replace("\n", "\r\n"))
     once(inbox, store, "--settle-s", AT_ONCE_S)
     with watched(inbox, store) as until:
         with (store / "lock").open("r+") as held:
             fcntl.flock(held, fcntl.LOCK_EX)
-            put(inbox / "tuesday", rows=8)
-            (put(inbox / "bad") / "touches.csv").write_text("touch\nx\n")
+            shutil.move(put(tmp_path / "tuesday", rows=8), inbox / "tuesday")
+            shutil.move(tmp_path / "bad", inbox / "bad")
             while len(diagnosed) < 2:
                 time.sleep(0.02)
             assert list(kept(store)) == ["monday"]
         until({"monday": "explained", "tuesday": "explained"})
-        (inbox / "bad" / "touches.csv").write_text(
-            (inbox / "monday" / "touches.csv").read_text().replace("\n", "\r\n")
-        )
+        shutil.move(mended, inbox / "bad" / "touches.csv")
         until({"monday": "explained", "tuesday": "explained", "bad": "explained"})
 
     assert capfd.readouterr().err.count("skiplatch: ") == 1
