@@ -2,8 +2,9 @@
 
 Each rig has an offset of its own that its nominal knows nothing of, its campaigns wander about it,
 and the seasons move all of them. Here and there a campaign is wild: a chip under the probe. Some
-rigs change for good from a week on. A campaign's gap is the score of its touches against plays
-(mean distance to a play, less half of that between two plays), as a diagnosis gives it.
+rigs change for good from a week on, at once or over many weeks. A campaign's gap is the score of
+its touches against plays (mean distance to a play, less half of that between two plays), as a
+diagnosis gives it.
 """
 
 from dataclasses import dataclass, field
@@ -36,11 +37,19 @@ OBSERVABLES = (LATCH, DEVIATION)
 
 @dataclass(frozen=True)
 class Fault:
-    """A rig changes: from a week on, by so many standard deviations of its touches."""
+    """A rig changes: from a week on, by so many standard deviations of its touches.
+
+    With the last of the weeks that it takes it is whole; with one week it is a step.
+    """
 
     week: int
     observable: Observable
     size: float
+    takes: int = 1
+
+    def size_in(self, week: int) -> float:
+        """Give how much of it there is in a week."""
+        return self.size * min(max((week - self.week + 1) / self.takes, 0.0), 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +61,9 @@ class Fleet:
         wander: Standard deviation between campaigns, likewise; with `tails` degrees of freedom.
         season: Amplitude of a year's wave, likewise.
         wild: Probability of a wild campaign.
+        first: The first week that a change may begin in.
+        last: The last one; from the end, if it is negative.
+        takes: Weeks that a change takes.
     """
 
     rigs: int = 200
@@ -64,6 +76,8 @@ class Fleet:
     season: float = 0.1
     wild: float = 0.003
     first: int = 8
+    last: int = -5
+    takes: int = 1
     faults: dict[str, Fault] = field(default_factory=dict)
 
     def drawn(self, seed: int) -> tuple[History, dict[str, Fault]]:
@@ -72,9 +86,10 @@ class Fleet:
         names = [f"rig-{number:03}" for number in range(self.rigs)]
         faults = {
             str(rig): Fault(
-                int(rng.integers(self.first, self.weeks - 4)),
+                int(rng.integers(self.first, self.last % self.weeks + 1)),
                 OBSERVABLES[rng.integers(2)],
                 float(rng.uniform(*self.sizes)),
+                self.takes,
             )
             for rig in rng.choice(names, self.changing, replace=False)
         }
@@ -96,7 +111,7 @@ class Fleet:
         for rig, name in enumerate(names):
             if name in faults and faults[name].observable is one:
                 way = 1.0 if own[rig, 0] >= 0.0 else -1.0
-                offset[rig, faults[name].week :] += way * faults[name].size
+                offset[rig] += [way * faults[name].size_in(week) for week in range(self.weeks)]
         recorded = offset[..., None] + rng.normal(size=(*shape, self.touches))
         play, other = rng.normal(size=(2, *shape, self.touches))
         floor = np.abs(play - other).mean(-1) / 2.0
@@ -123,8 +138,8 @@ class Fleet:
         }
         parameters = []
         if name in faults and week >= faults[name].week:
-            one, size = faults[name].observable, faults[name].size
-            true = size * one.scatter
+            one = faults[name].observable
+            true = faults[name].size_in(week) * one.scatter
             value = float(rng.normal(true, 0.05 * true))
             half = 0.1 * true
             parameters = [

@@ -1,15 +1,17 @@
 """What has changed on a rig, when it began, and which effect grew."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from statistics import median
 
 import numpy as np
 
 from skiplatch.fleet import budget, chart
+from skiplatch.fleet.drift import drift
 from skiplatch.fleet.growth import Growth, grown
 from skiplatch.fleet.history import Entry, Gap, History
+from skiplatch.statistics import Interval
 
 FINEST = 1e-6
 """In µm or µs: finer than anything is recorded, so that the logarithm has a value."""
@@ -50,6 +52,10 @@ class Change:
         growth: The effect's parameter that changed most; None if none changed clearly.
         back: Whether it was over after a few campaigns, or seems to be by the newest ones.
         newest: The gap of the newest campaign: after a drift it is not that of the mean.
+        rate: By how much the gap moves in a month, if it does so steadily and not in steps. Then
+            it may have begun at any time between the two dates.
+        confirmed: Time of the campaign with which it was last found to move on.
+        ended: Time of the campaign with which it stood still; None if it goes on.
     """
 
     rig: str
@@ -65,6 +71,9 @@ class Change:
     growth: Growth | None
     back: Back | None = None
     newest: float | None = None
+    rate: Interval | None = None
+    confirmed: datetime | None = None
+    ended: datetime | None = None
 
     @property
     def is_worse(self) -> bool:
@@ -78,8 +87,8 @@ class Change:
 
     @property
     def news(self) -> datetime:
-        """When it was seen, or that it is over."""
-        return (self.back.seen if self.back else None) or self.seen
+        """When it was seen, or that it goes on, or that it is over."""
+        return (self.back.seen if self.back else None) or self.confirmed or self.seen
 
 
 def find_changes(history: History, alarms_a_month: float = budget.ALARMS_A_MONTH) -> list[Change]:
@@ -118,28 +127,85 @@ def _changes(
     gaps = [entry.gaps[observable] for entry in series]
     times = [entry.time for entry in series]
     values = np.array([started_log(gap) for gap in gaps])
-    for shift in chart.shifts(values, budget.levels(times, charts, alarms_a_month)):
-        old = slice(shift.start, shift.began)
-        new = slice(shift.began, shift.end)
-        before, after = level(gaps[old]), level(gaps[new])
-        if abs(after - before) < median(gap.noise_floor for gap in gaps[old]):
-            continue  # less than what a single diagnosis can tell is no reason to walk to a rig
-        growth = grown(series[old], series[new])
-        yield Change(
-            rig=rig,
-            observable=observable,
-            unit=gaps[0].unit,
-            before=before,
-            after=after,
-            last_before=times[shift.began - 1],
-            began=times[shift.began],
-            seen=times[shift.seen],
-            campaigns=shift.seen - shift.began + 1,
-            stage=growth.stage if growth else _stage([*series[new], *series[old]]),
-            growth=growth,
-            back=_back(series, observable, shift),
-            newest=gaps[-1].before,
-        )
+    found = chart.shifts(values, budget.levels(times, charts, alarms_a_month))
+    for run in _runs(values, found):
+        for shift, change in _told(rig, observable, series, run):
+            old = gaps[shift.start : shift.began]
+            if abs(change.after - change.before) >= median(gap.noise_floor for gap in old):
+                yield change  # less is nothing that a single diagnosis can tell
+
+
+def _runs(values: np.ndarray, found: Sequence[chart.Shift]) -> list[list[chart.Shift]]:
+    """Put together the shifts that follow each other in one direction."""
+    runs: list[list[chart.Shift]] = []
+    for shift in found:
+        last = runs[-1][-1] if runs else None
+        if last and last.end == shift.began and _is_up(values, last) == _is_up(values, shift):
+            runs[-1].append(shift)
+        else:
+            runs.append([shift])
+    return runs
+
+
+def _is_up(values: np.ndarray, shift: chart.Shift) -> bool:
+    after, before = values[shift.began : shift.end], values[shift.start : shift.began]
+    return bool(after.mean() > before.mean())
+
+
+def _told(
+    rig: str, observable: str, series: Sequence[Entry], run: Sequence[chart.Shift]
+) -> Iterator[tuple[chart.Shift, Change]]:
+    """Give what a run of shifts is: one steady drift, or each of them a step."""
+    first, last = run[0], run[-1]
+    part = series[first.start : last.end]
+    steady = drift(
+        [entry.time for entry in part],
+        np.array([entry.gaps[observable].before for entry in part]),
+        [shift.began - first.start for shift in run],
+        first.seen - first.start,
+    )
+    if steady is None:
+        for shift in run:
+            yield shift, _change(rig, observable, series, shift, shift.began)
+        return
+    whole = replace(last, start=first.start, began=first.start + steady.latest + 1, seen=first.seen)
+    change = _change(rig, observable, series, whole, last.began)
+    yield (
+        whole,
+        replace(
+            change,
+            before=max(steady.before, 0.0),
+            after=max(steady.after, 0.0),
+            last_before=part[steady.earliest].time,
+            rate=steady.rate,
+            confirmed=series[last.seen].time,
+            ended=None if steady.end is None else part[steady.end].time,
+        ),
+    )
+
+
+def _change(
+    rig: str, observable: str, series: Sequence[Entry], shift: chart.Shift, newest: int
+) -> Change:
+    """Give a change; `newest` is where the campaigns begin whose parameters are those after it."""
+    gaps = [entry.gaps[observable] for entry in series]
+    old, new = slice(shift.start, shift.began), slice(newest, shift.end)
+    growth = grown(series[old], series[new])
+    return Change(
+        rig=rig,
+        observable=observable,
+        unit=gaps[0].unit,
+        before=level(gaps[old]),
+        after=level(gaps[new]),
+        last_before=series[shift.began - 1].time,
+        began=series[shift.began].time,
+        seen=series[shift.seen].time,
+        campaigns=shift.seen - shift.began + 1,
+        stage=growth.stage if growth else _stage([*series[new], *series[old]]),
+        growth=growth,
+        back=_back(series, observable, shift),
+        newest=gaps[-1].before,
+    )
 
 
 def _back(series: Sequence[Entry], observable: str, shift: chart.Shift) -> Back | None:

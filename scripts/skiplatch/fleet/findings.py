@@ -146,10 +146,8 @@ def _some(rigs: Sequence[str]) -> str:
 
 def change_text(change: Change) -> str:
     """Say a change in one line."""
-    before, after = (compact(gap, SHOWN_DIGITS) for gap in (change.before, change.after))
-    way = "grew" if change.is_worse else "shrank"
     words = [
-        f"{change.rig}: {change.observable} gap {way} from {before} to {after} {change.unit}",
+        f"{change.rig}: {moved_text(change, SHOWN_DIGITS)}",
         f"began {change.last_before:%Y-%m-%d} … {change.began:%Y-%m-%d}",
         f"seen {change.seen:%Y-%m-%d}",
     ]
@@ -159,6 +157,24 @@ def change_text(change: Change) -> str:
     elif change.stage:
         words.append(f"{change.stage} stage")
     return "; ".join(words)
+
+
+def moved_text(change: Change, digits: int) -> str:
+    """Say how a gap moved, in steps or steadily."""
+    before, after = (compact(gap, digits) for gap in (change.before, change.after))
+    way = "grew" if change.is_worse else "shrank"
+    return (
+        f"{change.observable} gap {way}{_rate_text(change)} from {before} to {after} {change.unit}"
+    )
+
+
+def _rate_text(change: Change) -> str:
+    if change.rate is None:
+        return ""
+    ends = sorted((abs(change.rate.low), abs(change.rate.high)))
+    rate, low, high = (compact(one, SHOWN_DIGITS) for one in (abs(change.rate.value), *ends))
+    until = f" until {change.ended:%Y-%m-%d}" if change.ended else ""
+    return f" steadily{until}, by {rate} ({low} … {high}) {change.unit} a month,"
 
 
 def details(change: Change) -> list[str]:

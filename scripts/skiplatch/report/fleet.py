@@ -6,7 +6,14 @@ from datetime import date, datetime, timedelta
 from itertools import pairwise
 
 from skiplatch.fleet.changes import Change
-from skiplatch.fleet.findings import Findings, details, left_out_text, shared_text, unlike_text
+from skiplatch.fleet.findings import (
+    Findings,
+    details,
+    left_out_text,
+    moved_text,
+    shared_text,
+    unlike_text,
+)
 from skiplatch.fleet.history import Entry, History, Parameter
 from skiplatch.report import glossary
 from skiplatch.report.layout import render
@@ -270,11 +277,10 @@ def _parameter(one: Parameter) -> str:
 
 
 def _task(change: Change, rig: int) -> Task:
-    before, after = (compact(gap, GAP_DIGITS) for gap in (change.before, change.after))
-    way = "grew" if change.is_worse else "shrank"
+    began = "some time between" if change.rate is None else "beginning some time between"
     words = (
-        f"Its {change.observable} gap {way} from {before} to {after} {change.unit}, "
-        f"some time between {change.last_before:{DAY}} and {change.began:{DAY}}."
+        f"Its {moved_text(change, GAP_DIGITS)}, "
+        f"{began} {change.last_before:{DAY}} and {change.began:{DAY}}."
     )
     words += "".join(f" {detail}." for detail in details(change))
     stage = change.stage or ""
