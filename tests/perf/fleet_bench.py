@@ -12,8 +12,10 @@ from diagnosis_bench import NOMINAL, SKIPLATCH, conditions, played
 
 from skiplatch.campaign import read_nominal, write_campaign
 from skiplatch.fleet import layout
+from skiplatch.fleet.contents import digest_of
 from skiplatch.fleet.reading import opened as opened_store
 from skiplatch.fleet.store import opened_for_writing
+from skiplatch.fleet.wholeness import index_digest
 from skiplatch.simulator.effects import Effect
 
 RIGS, WEEKS, TOUCHES = 200, 52, 1_000
@@ -22,18 +24,20 @@ ADDED, ADDED_AIM_S = 1_000, 60.0
 """Campaigns that are added: the first and the last tenth by a command of their own."""
 EFFECT = Effect("trigger_delay", {"delay_us": 60.0})
 INDEX = """
-COPY (
-    SELECT * EXCLUDE (rig_number, week) REPLACE (
-        'rig-' || lpad(rig_number::VARCHAR, 3, '0') AS rig,
-        md5(rig_number || '-' || week) || md5(week || '-' || rig_number) AS campaign,
-        recorded_at + week * INTERVAL 7 DAY AS recorded_at,
-        strftime(recorded_at + week * INTERVAL 7 DAY, '%Y-%m') AS month
-    )
-    FROM read_parquet($index), range($rigs) rigs(rig_number), range($weeks) weeks(week)
-    ORDER BY rig, recorded_at
-) TO '{target}' (FORMAT parquet, COMPRESSION zstd)
+CREATE TABLE campaigns AS SELECT * EXCLUDE (rig_number, week) REPLACE (
+    'rig-' || lpad(rig_number::VARCHAR, 3, '0') AS rig,
+    md5(rig_number || '-' || week) || md5(week || '-' || rig_number) AS campaign,
+    recorded_at + week * INTERVAL 7 DAY AS recorded_at,
+    strftime(recorded_at + week * INTERVAL 7 DAY, '%Y-%m') AS month
+)
+FROM read_parquet($index), range($rigs) rigs(rig_number), range($weeks) weeks(week)
 """
-ROWS = "SELECT rig, month, campaign, content FROM read_parquet(?)"
+ROWS = "SELECT rig, month, campaign, content FROM campaigns ORDER BY rig, recorded_at"
+TOUCHES_DIGEST = "UPDATE campaigns SET touches_sha256 = ? WHERE campaign = ?"
+INDEX_DIGEST = "UPDATE campaigns SET index_sha256 = ?"
+WRITTEN = """
+COPY (FROM campaigns ORDER BY rig, recorded_at) TO '{target}' (FORMAT parquet, COMPRESSION zstd)
+"""
 OF_CAMPAIGN = """
 COPY (SELECT * REPLACE ($campaign AS campaign) FROM read_parquet($file, hive_partitioning = false))
 TO '{target}' (FORMAT parquet, COMPRESSION zstd)
@@ -56,19 +60,21 @@ def fill(folder: Path, rigs: int, weeks: int, touches: int) -> Path:
     index = store / layout.INDEX_FILE
     with duckdb.connect(":memory:") as engine:
         whole = {"index": str(index), "rigs": rigs, "weeks": weeks}
-        engine.execute(INDEX.format(target=index.with_suffix(".new")), whole)
-        index.with_suffix(".new").replace(index)
-        rows = engine.execute(ROWS, [str(index)]).fetchall()
+        engine.execute(INDEX, whole)
+        rows = engine.execute(ROWS).fetchall()
         for rig, month, key, content in rows:
             touches_file = room(store, layout.TOUCHES, rig, month, key)
             if rig == rows[0][0]:
                 of_campaign = {"campaign": key, "file": str(first)}
                 engine.execute(OF_CAMPAIGN.format(target=touches_file), of_campaign)
+                engine.execute(TOUCHES_DIGEST, [digest_of(touches_file).hex(), key])
             else:
                 touches_file.hardlink_to(first)
             folder_file = room(store, layout.FOLDERS, rig, month, content)
             if not folder_file.exists():
                 folder_file.hardlink_to(packed)
+        engine.execute(INDEX_DIGEST, [index_digest(engine)])
+        engine.execute(WRITTEN.format(target=index))
     return store
 
 
