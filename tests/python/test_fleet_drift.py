@@ -137,6 +137,7 @@ def test_a_rate_is_told_in_the_line_and_on_the_page(
         assert change_text(change).startswith(f"{change.rig}: {words}")
         assert f"Its {words}" in page
         assert f") {change.unit} a month, from " in page
+        assert f"; now {change.newest:.3g} {change.unit}; " in page
 
 
 def test_a_growth_that_ended_says_until_when(

@@ -280,9 +280,9 @@ def _task(change: Change, rig: int) -> Task:
     began = "some time between" if change.rate is None else "beginning some time between"
     words = (
         f"Its {moved_text(change, GAP_DIGITS)}, "
-        f"{began} {change.last_before:{DAY}} and {change.began:{DAY}}."
+        f"{began} {change.last_before:{DAY}} and {change.began:{DAY}}"
     )
-    words += "".join(f" {detail}." for detail in details(change))
+    words = "; ".join([words, *details(change)]) + "."
     stage = change.stage or ""
     what = NEXT.get(stage, NEXT_UNKNOWN) if change.is_worse != change.is_over else NEXT_BETTER
     return Task(rig, change.rig, words, stage, what)
