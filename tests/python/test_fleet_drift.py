@@ -120,7 +120,8 @@ def test_a_slow_drift_is_one_change_with_its_rate(
         assert change.rate is not None
         assert change.rate.value == pytest.approx(a_month, rel=0.2)
         assert change.last_before < change.began <= change.seen
-        assert change.news == change.confirmed >= change.seen
+        assert change.news == change.confirmed
+        assert change.news >= change.seen
         assert change.growth is not None
         assert change.growth.effect == fault.observable.effect
 
