@@ -1,5 +1,6 @@
 """``skiplatch import mdf``: with asammdf, and what is said without it."""
 
+import subprocess
 import sys
 from pathlib import Path
 
@@ -22,6 +23,38 @@ def test_missing_reader_is_named(
     said = refused("import", "mdf", tmp_path / "b.mf4", "--out", tmp_path / "made")
 
     assert "asammdf, which is not installed: pip install asammdf" in said
+    assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize(
+    ("dies", "said"),
+    [
+        ("os.kill(os.getpid(), signal.SIGSEGV)", "its reader died of it"),
+        ("os._exit(0)", "its reader died of it"),
+        ("raise IndexError('of a block')", 'no MDF recording: "of a block"'),
+    ],
+)
+def test_damage_that_its_reader_dies_of_is_one_line(
+    dies: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither its compiled parts nor what it logs reach the user, of whatever it is made."""
+    lines = [
+        "import os, signal",
+        "os.write(2, b'ERROR: a block\\n')",
+        "def MDF(path):",
+        f"    {dies}",
+    ]
+    (tmp_path / "asammdf.py").write_text("\n".join(lines), encoding="utf-8")
+    (tmp_path / "b.mf4").write_bytes(b"MDF     4.10    ")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+
+    words = ["import", "mdf", str(tmp_path / "b.mf4"), "--out", str(tmp_path / "made")]
+    command = [sys.executable, "-m", "skiplatch", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert (done.returncode, done.stdout) == (2, "")
+    assert said in done.stderr
+    assert len(done.stderr.splitlines()) == 1
     assert not (tmp_path / "made").exists()
 
 
