@@ -1,7 +1,9 @@
 """``skiplatch import mdf``: with asammdf, and what is said without it."""
 
+import os
 import subprocess
 import sys
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +14,8 @@ from numpy.typing import NDArray
 from refusals import Program
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
+from skiplatch.errors import CampaignWarning
+from skiplatch.importing.apart import read_apart
 
 
 def test_missing_reader_is_named(
@@ -26,36 +30,53 @@ def test_missing_reader_is_named(
     assert not (tmp_path / "made").exists()
 
 
+@pytest.mark.parametrize("kind", ["mdf", "can"])
 @pytest.mark.parametrize(
-    ("dies", "said"),
+    ("happens", "said"),
     [
-        ("os.kill(os.getpid(), signal.SIGSEGV)", "its reader died of it"),
-        ("os._exit(0)", "its reader died of it"),
-        ("raise IndexError('of a block')", 'no MDF recording: "of a block"'),
+        ("os.kill(os.getpid(), signal.SIGSEGV)", "cannot be read: its reader died of it"),
+        ("os._exit(0)", "cannot be read: its reader died of it"),
+        ("raise IndexError('of a block')", '"of a block"'),
     ],
 )
 def test_damage_that_its_reader_dies_of_is_one_line(
-    dies: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    happens: str, said: str, kind: str, tmp_path: Path
 ) -> None:
-    """Neither its compiled parts nor what it logs reach the user, of whatever it is made."""
-    lines = [
-        "import os, signal",
-        "os.write(2, b'ERROR: a block\\n')",
-        "def MDF(path):",
-        f"    {dies}",
-    ]
-    (tmp_path / "asammdf.py").write_text("\n".join(lines), encoding="utf-8")
+    """In place of asammdf stands what logs a line, and then dies as it does of damaged files."""
+    stand_in = f"""
+import os, signal, sys
+def dies(*_, **__):
+    os.write(2, b"asammdf - ERROR - could not parse header")
+    {happens}
+def __getattr__(_):
+    return dies
+for name in ("mdf", "blocks", "blocks.mdf_v4", "blocks.v4_blocks", "blocks.v4_constants"):
+    sys.modules["asammdf." + name] = sys.modules[__name__]
+"""
+    (tmp_path / "asammdf.py").write_text(stand_in)
     (tmp_path / "b.mf4").write_bytes(b"MDF     4.10    ")
-    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
 
-    words = ["import", "mdf", str(tmp_path / "b.mf4"), "--out", str(tmp_path / "made")]
+    words = ["import", kind, str(tmp_path / "b.mf4"), "--out", str(tmp_path / "made")]
     command = [sys.executable, "-m", "skiplatch", *words]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    sees = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run(command, env=sees, capture_output=True, text=True, check=False)
 
     assert (done.returncode, done.stdout) == (2, "")
-    assert said in done.stderr
+    assert done.stderr.endswith(f"{said}\n")
     assert len(done.stderr.splitlines()) == 1
     assert not (tmp_path / "made").exists()
+
+
+def test_what_a_reader_warns_of_is_told() -> None:
+    with pytest.warns(CampaignWarning, match="x: cut") as told:
+        assert read_apart(warns, Path("x")) == 7
+
+    assert len(told) == 1
+
+
+def warns(path: Path) -> int:
+    warnings.warn(CampaignWarning(path, None, None, "cut"), stacklevel=1)
+    return 7
 
 
 def test_channels_of_volts_and_of_bits_are_edges(tmp_path: Path) -> None:

@@ -17,11 +17,14 @@ from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import NOT_RECORDED, InputPath, Kind, Status, Touches
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import foreign_reader
+from skiplatch.importing.apart import read_apart
 from skiplatch.importing.candump import is_logged, is_shown, shown_frames
 from skiplatch.importing.encodings import in_utf8
 from skiplatch.importing.model import Imported
 from skiplatch.units import NS_PER_US
 
+MDF = ".mf4"
+"""Ending of what python-can has asammdf read."""
 MOST_BYTES = 2 * 2**30
 MOST_MISSED = 0.5  # of the edges; with more of them the two clocks are hardly the same
 LATEST_NS = 1_000_000_000  # from an edge to its latch
@@ -52,7 +55,7 @@ def read_can(path: Path) -> Imported:
     Raises:
         InputError: It cannot be read, or holds no latch record.
     """
-    traffic = _read(path)
+    traffic = read_apart(_read, path) if path.suffix.lower() == MDF else _read(path)
     if not traffic.latches:
         expected = f"expected latch records, two frames of id {LATCH_ID:#x} each, found none"
         raise InputError(path, None, None, expected)

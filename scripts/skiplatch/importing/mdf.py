@@ -1,26 +1,16 @@
-"""ASAM MDF: recordings of measuring instruments and loggers, by asammdf where it is installed.
+"""ASAM MDF: recordings of measuring instruments and loggers, by asammdf where it is installed."""
 
-It runs in a process of its own: of some damaged files its compiled parts die, and of others it logs
-more than a line.
-"""
-
-import os
 from importlib.util import find_spec
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
-from pebble import ProcessExpired, concurrent
 
 from skiplatch.arrays import FloatArray
 from skiplatch.errors import InputError
 from skiplatch.files import foreign_reader
 from skiplatch.importing.analyser import Capture, refuse_times
+from skiplatch.importing.apart import read_apart
 from skiplatch.importing.captures import MOST_BYTES
-
-LIMIT_S = 600.0
-"""After so long the reader hangs."""
-STDERR = 2
 
 
 def read_mdf(path: Path) -> Capture:
@@ -32,19 +22,10 @@ def read_mdf(path: Path) -> Capture:
     if find_spec("asammdf") is None:
         message = "MDF is read by asammdf, which is not installed: pip install asammdf"
         raise InputError(path, None, None, message)
-    try:
-        capture: Capture = _read_apart(path).result()
-    except ProcessExpired as error:
-        raise InputError(path, None, None, "no MDF recording: its reader died of it") from error
-    except TimeoutError as error:
-        message = f"no MDF recording: its reader came to no end within {LIMIT_S:g} s"
-        raise InputError(path, None, None, message) from error
-    return capture
+    return read_apart(_read, path)
 
 
-@concurrent.process(timeout=LIMIT_S, mp_context=get_context("forkserver"))
-def _read_apart(path: Path) -> Capture:
-    os.dup2(os.open(os.devnull, os.O_WRONLY), STDERR)
+def _read(path: Path) -> Capture:
     from asammdf import MDF  # noqa: PLC0415 - an extra
 
     changes: dict[str, tuple[FloatArray, FloatArray]] = {}
