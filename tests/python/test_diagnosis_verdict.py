@@ -237,6 +237,15 @@ def test_what_gains_too_little_is_named_in_words() -> None:
     assert failure.words == "backlash gains 25% of what it does where it is there"
 
 
+@pytest.mark.parametrize(("high", "stays"), [(-A_BIT, False), (0.0, True), (0.2, True)])
+def test_a_gap_stays_that_shrinks_by_nothing_or_up_to_the_threshold(
+    high: float, stays: bool
+) -> None:
+    shown = replace(FOUND, gaps=gaps(gap(-1.0, high)), is_chancy=True, nats=70.0)
+
+    assert bool(failures([RULES["shrinks_somewhere"]], shown)) is stays
+
+
 def test_one_gap_that_may_shrink_is_enough_for_touches_that_are_likelier() -> None:
     no_smaller, open_yet = gap(-0.2, 0.1), gap(-0.1, 0.9)
     shown = replace(FOUND, gaps=gaps(no_smaller, open_yet), is_chancy=True, nats=70.0)

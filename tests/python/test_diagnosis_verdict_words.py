@@ -45,6 +45,16 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
             Evidence(outlying=6, outlying_in=["edge"], outlying_with="feed", touches=200),
             "6 of 200 touches are far off all plays in edge and go with feed: that is no accident",
         ),
+        (
+            "few_outliers",
+            Evidence(outlying=40, outlying_in=["edge", "report"], touches=200),
+            "40 of 200 touches are far off all plays in edge and report: that is no accident",
+        ),
+        (
+            "undoes_nothing",
+            Evidence(undoing=["servo_hold", "following_error"]),
+            "each undoes what another one does: servo_hold, following_error",
+        ),
         ("has_form", Evidence(is_loose=True), "its form is as far off as can be"),
         (
             "held_out",
