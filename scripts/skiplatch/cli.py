@@ -6,6 +6,7 @@ import signal
 import sys
 import warnings
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager, suppress
 from importlib import import_module
 from io import TextIOWrapper
@@ -166,6 +167,8 @@ def main() -> None:
         sys.exit(NO_READER)
     except (InputError, SimulationError) as error:
         _refuse(str(error))
+    except BrokenExecutor:
+        _refuse("a process that did a part of the work died, as out of memory; try fewer --jobs")
     except (OSError, MemoryError, RecursionError) as error:
         if isinstance(error, OSError) and error.errno in FULL and error.filename is None:
             _refuse(f"stdout: cannot write: {error.strerror}")

@@ -1,0 +1,37 @@
+"""A process that works for a command is killed, as where memory runs out."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+CAMPAIGN = Path(__file__).parents[2] / "scripts" / "samples" / "bench_isr_latency"
+PATIENCE_S = 60.0
+
+
+def child_of(program: subprocess.Popen[str]) -> int:
+    """Wait for the first process that a program starts."""
+    children = Path(f"/proc/{program.pid}/task/{program.pid}/children")
+    end = time.monotonic() + PATIENCE_S
+    while time.monotonic() < end:
+        if found := children.read_text(encoding="ascii").split():
+            return int(found[0])
+        time.sleep(0.01)
+    raise AssertionError("it starts no process")
+
+
+def test_a_diagnosis_whose_process_is_killed_ends_in_one_line() -> None:
+    """With status 2: 1 would say that there is a gap."""
+    words = ["diagnose", str(CAMPAIGN), "--jobs", "2", "--fail-on-gap"]
+    command = [sys.executable, "-m", "skiplatch", *words]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as program:
+        os.kill(child_of(program), signal.SIGKILL)
+        stdout, stderr = program.communicate(timeout=PATIENCE_S)
+
+    assert (program.returncode, stdout) == (2, "")
+    died = "a process that did a part of the work died, as out of memory; try fewer --jobs"
+    assert stderr == f"skiplatch: {died}\n"
