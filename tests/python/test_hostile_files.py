@@ -11,10 +11,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
+import click
 import pytest
 from click.testing import CliRunner
 
-from hostile import HOSTILE, Place, call, make, places
+from hostile import HOSTILE, Place, call, commands, make, places
 from skiplatch.cli import group
 from skiplatch.errors import InputError
 
@@ -37,6 +38,12 @@ FINE = {
     ("fleet watch argument 1", "folder"),
 }
 """A truth without errors, stores that are made anew, a folder in which nothing has appeared."""
+TEXTS = {
+    *("--map", "--probe", "--latch", "--report", "--plc-latch"),
+    *("interface", "--can", "--can-backend", "--chip", "--inject-line"),
+    *("--rig", "rig", "sql", "campaign", "campaigns"),
+}
+"""What takes any text and no path; chips and interfaces are of the system."""
 FEW = ["fifo", "a terabyte", "no UTF-8", "deep object", "a list"]
 MANY = [kind for kind in HOSTILE if kind not in FEW]
 
@@ -85,6 +92,16 @@ def test_a_hostile_file_is_refused(place: Place, kind: str, tmp_path: Path) -> N
 @pytest.mark.parametrize("place", READ, ids=str)
 def test_any_hostile_file_is_refused(place: Place, kind: str, tmp_path: Path) -> None:
     check(place, kind, tmp_path)
+
+
+def test_no_path_is_taken_as_a_text() -> None:
+    """Or it would not be among the places above."""
+    parameters = [parameter for _, command in commands() for parameter in command.params]
+    found = {
+        max(p.opts, key=len) for p in parameters if isinstance(p.type, click.types.StringParamType)
+    }
+
+    assert found == TEXTS
 
 
 def test_a_ratio_of_a_thousand_million_digits_is_refused() -> None:
