@@ -18,7 +18,13 @@ def stamps(period: float, fine: float, count: int, seed: int) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize(
     ("period", "fine", "count"),
-    [(54.742174, 0.25, 300), (9.87, 0.25, 300), (20.0, 1.0, 200), (1234.567, 0.0625, 40)],
+    [
+        (54.742174, 0.25, 300),
+        (9.87, 0.25, 300),
+        (20.0, 1.0, 200),
+        (1234.567, 0.0625, 40),
+        (6.13, 0.25, 400),
+    ],
 )
 def test_a_coarse_clock_is_told_to_a_part_of_its_tick(
     period: float, fine: float, count: int, seed: int
@@ -40,6 +46,7 @@ def test_no_grid_is_coarser_than_the_widest_and_none_is_told_by_a_few() -> None:
     assert grid_told(stamps(54.7, 0.25, 300, 1), 0.25, 50.0) is None
     assert grid_told(stamps(54.7, 0.25, 5, 1), 0.25, WIDEST) is None
     assert grid_told(np.full(300, 54.7), 0.25, WIDEST) is None
+    assert grid_told(np.empty(0), 0.25, WIDEST) is None
 
 
 @pytest.mark.parametrize("seed", range(5))

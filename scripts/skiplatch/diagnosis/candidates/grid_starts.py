@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import optimize
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.positions import positions
@@ -20,6 +21,8 @@ from skiplatch.simulator.effects import parameter_of
 from skiplatch.simulator.library import connection
 from skiplatch.units import DEG_PER_TURN, UM_PER_MM
 
+MOST_VALUES = 2000
+"""By which lines are told, of more."""
 WITHOUT_WORST = (0.02, 0.98)
 CLEAR = 6.0
 """Standard deviations over which ages spread that are not all the same."""
@@ -42,12 +45,15 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         return usual
     width = _box_of(sigma, tick)
     seen = [[width, mean + 0.5 * width, 0.0]]
-    stamps = scene.touches.latch_us[scene.streams["latch_skip"].rows]
     widest = parameter_of("timer_quantisation", "tick_us").high
-    for pitch, turn in _lines_told(stamps, tick, widest):
-        line = turn * pitch + 0.5 * tick  # stamps are rounded down from it
-        whole = np.rint((mean + 0.5 * pitch - line) / pitch)
-        seen.append([pitch, line + whole * pitch, 0.0])
+    # Stamps are rounded down; those of both paths, if one clock makes them.
+    stamps = scene.touches.latch_us + 0.5 * tick
+    on_skip = stamps[scene.streams["latch_skip"].rows]
+    told = _lines_told(stamps[~np.isnan(stamps)], tick, widest)
+    for pitch, turn in told or _lines_told(on_skip, tick, widest):
+        for nearest in (0.0, 1.0):
+            whole = np.rint((mean + 0.5 * (1.0 - nearest) * pitch) / pitch - turn)
+            seen.append([pitch, (turn + whole) * pitch, nearest])
     return [*seen, *usual]
 
 
@@ -95,7 +101,9 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     ages_us = (law.mean - stream.residuals) / scene.speed
     unsure_us = law.spread / scene.speed
     rows = stream.rows & scene.has_stamps
-    sharp = rows & (unsure_us <= np.median(unsure_us[rows]))
+    if rows.sum() < FEWEST_STAMPS:
+        return usual
+    sharp = rows & (unsure_us <= np.sort(unsure_us[rows])[FEWEST_STAMPS - 1])
     span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
     is_news = span_us > CLEAR * float(unsure_us[sharp].max())
     sharp = rows & (unsure_us < SHARP_AGE * span_us)
@@ -133,7 +141,31 @@ def _lines_told(values: FloatArray, fine: float, widest: float) -> list[tuple[fl
     """
     grid = grid_told(np.sort(values), fine, widest)
     far = connection()[1].SIM_LINES_APART * fine
-    return [_coarsest(values, *grid)] if grid and grid[0] > far else []
+    if not grid or grid[0] <= far:
+        return []
+    pitch, line = _midway(values, *_coarsest(values, *grid))
+    return [(pitch, line / pitch % 1.0)]
+
+
+def _midway(values: FloatArray, pitch: float, turn: float) -> tuple[float, float]:
+    """Move lines so that no value is farther from its own than it has to be; give pitch and line.
+
+    Rounded values lie within half a step of what they were rounded from, and none lies beyond: by
+    the mean of all, some of many do.
+    """
+    some = values[np.linspace(0, len(values) - 1, min(len(values), MOST_VALUES)).astype(int)]
+    line = turn * pitch
+    counts = np.rint((some - line) / pitch)
+    off, most = some - line - counts * pitch, float(np.abs(counts).max()) or 1.0
+    lines, farthest = np.column_stack([counts / most, np.ones(len(some))]), -np.ones((len(some), 1))
+    found = optimize.linprog(
+        [0.0, 0.0, 1.0],
+        A_ub=np.block([[lines, farthest], [-lines, farthest]]),
+        b_ub=np.concatenate([off, -off]),
+        bounds=(None, None),
+    )
+    moved = np.zeros(3) if found.x is None else found.x
+    return pitch + float(moved[0]) / most, line + float(moved[1])
 
 
 def _box_of(sigma: float, known: float = 0.0) -> float:

@@ -15,11 +15,17 @@ from skiplatch.diagnosis.scene.grid import (
     folded,
     grid_period,
     mean_turn,
+    off_grid,
     sharpened,
 )
 from skiplatch.diagnosis.scene.scene import Scene
 
 FEWEST_LATE = 3
+MOST_SCANS_LATE = 8
+PLACES = 20
+"""Of a scan, at which edges are counted."""
+EARLIEST = 0.02
+"""Share of the scans that may begin sooner than what is taken for on time."""
 WELL_KEPT = 0.95
 """Length of the mean turn of stamps that keep a grid, from which on no other is looked for."""
 OTHER_PERIODS = tuple(APART**k for k in (-3, -2, -1, 1, 2, 3))
@@ -46,14 +52,45 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     low, span = float(late.min()), float(np.ptp(late))
     reaches = [(low, span), (low + period, span), (0.0, low + span), (float(np.median(late)), 0.0)]
     apart = _apart(stream.known % period, period)
-    seen = [(len(apart), float(apart.min()), float(np.ptp(apart)))]
+    first, width = float(apart.min()), float(np.ptp(apart))
+    seen = [(len(apart), first, width)]
     seen += [(len(late), us, more) for us, more in reaches]
+    # By whole periods more, too; scans so late that most edges meet them are thought to be on time.
+    for whole_us in period * np.arange(1, _whole_scans_late(scene) + 1):
+        seen.append((len(apart), first + whole_us, width))
+        seen.append((len(stream.known) - len(apart), whole_us - first - width, 0.0))
     # The longer gap before a late scan meets more edges than it is scans.
     met = [
         [n / len(stream.known) / (1.0 + (us + more / 2.0) / period), us, more]
         for n, us, more in seen
     ]
     return [*met, *usual]
+
+
+def _whole_scans_late(scene: Scene) -> int:
+    """Give by how many whole scans the longest wait is longer than any should be."""
+    stream = scene.streams.get("latch_plc")
+    if stream is None or not stream.rows.any():
+        return 0
+    longest_us = float(np.max((stream.residuals - stream.law.mean)[stream.rows]))
+    return min(int(longest_us / scene.nominal.plc.scan_us + 0.5), MOST_SCANS_LATE)
+
+
+def jitters(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
+    """Propose how late scans are by how far their stamps lie behind the first of the grid."""
+    usual = [[20.0, 5.0, 0.0], [200.0, 100.0, 0.0], [100.0, 500.0, 0.0], [10.0, 0.0, 0.5]]
+    stream = scene.streams.get("lattice")
+    if stream is None:
+        return usual
+    off_us = off_grid(stream.known, scene.nominal.plc.scan_us)
+    late_us = off_us - np.quantile(off_us, EARLIEST)
+    is_late = late_us > FEW_TICKS * scene.nominal.skip.tick_us
+    if is_late.sum() < FEWEST_LATE:
+        return usual
+    mean_us, box_us = float(np.mean(late_us)), float(np.sqrt(12.0) * np.std(late_us))
+    often_us, on_time = float(np.mean(late_us[is_late])), 1.0 - float(is_late.mean())
+    now_and_then = [[0.0, often_us, on_time], [2.0 * often_us, 0.0, on_time]]
+    return [[box_us, 0.0, 0.0], [0.0, mean_us, 0.0], *now_and_then, *usual]
 
 
 def _apart(places: FloatArray, period: float) -> FloatArray:
@@ -85,7 +122,25 @@ def locks(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     turns = np.exp(2j * np.pi * waits.residuals[rows][is_off] / period)
     wait = float(np.angle(turns.mean())) / (2.0 * np.pi)
     spread = float(np.sqrt(max(-2.0 * np.log(np.abs(turns.mean())), 1e-6))) / (2.0 * np.pi)
-    return [[-wait % 1.0, min(spread, LOOSEST), 1.0 - float(is_off.mean()), 0.0, 0.0], *usual]
+    unlocked = 1.0 - float(is_off.mean())
+    two = _two_points(np.angle(np.conj(turns)) / (2.0 * np.pi) % 1.0)
+    return [
+        [-wait % 1.0, min(spread, LOOSEST), unlocked, 0.0, 0.0],
+        [two[0], 1.0 / PLACES, unlocked, *two[1:]],
+        *usual,
+    ]
+
+
+def _two_points(phases: FloatArray) -> tuple[float, float, float]:
+    """Give where most phases lie, how much later others do, and what share those are."""
+    counts, edges = np.histogram(phases, PLACES, (0.0, 1.0))
+    near = counts + np.roll(counts, 1) + np.roll(counts, -1)
+    first = int(np.argmax(near))
+    apart = (np.arange(PLACES) - first) % PLACES
+    others = np.where((apart > 2) & (apart < PLACES - 2), near, 0)
+    second = int(np.argmax(others))
+    share = float(others[second]) / float(near[first] + others[second])
+    return float(edges[first]) + 0.5 / PLACES, float(apart[second]) / PLACES, share
 
 
 def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

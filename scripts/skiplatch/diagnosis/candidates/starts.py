@@ -89,12 +89,21 @@ def now_and_then(usual: Sequence[Sequence[float]], as_late: Sequence[Sequence[fl
             # Slow touches seem early or late by far more than sharp ones.
             late_us = late_us - np.quantile(late_us + SURE * spread_us, SOON)
         far = late_us > FAR_LATE * spread_us
-        if not far.any():
-            return usual
-        share, period = float(far.mean()), float(np.median(late_us[far]))
-        return [*usual, *([share, *(period * value for value in times)] for times in as_late)]
+        seen = _told_by_moments(*later_us(scene, given))
+        if far.any():
+            seen.append((float(far.mean()), float(np.median(late_us[far]))))
+        more = [[share, *(us * value for value in one)] for share, us in seen for one in as_late]
+        return [*usual, *more]
 
     return starts
+
+
+def _told_by_moments(mean_us: float, sigma_us: float) -> list[tuple[float, float]]:
+    """Give the share of touches, and by how much those are late, of this mean and scatter."""
+    if not mean_us > 0.0 or not sigma_us > 0.0:
+        return []
+    late_us = mean_us + sigma_us**2 / mean_us
+    return [(mean_us / late_us, late_us)]
 
 
 def _late_us(

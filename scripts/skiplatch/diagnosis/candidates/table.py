@@ -161,9 +161,7 @@ CANDIDATES: Mapping[str, Candidate] = {
             "scan_jitter",
             ("jitter_us", "tail_us", "on_time_share"),
             scan_surrogates.jitter,
-            starts.fixed(
-                [20.0, 5.0, 0.0], [200.0, 100.0, 0.0], [100.0, 500.0, 0.0], [10.0, 0.0, 0.5]
-            ),
+            scan_starts.jitters,
             refinements=({2: 0.3},),
         ),
         Candidate(
@@ -279,7 +277,7 @@ CANDIDATES: Mapping[str, Candidate] = {
                 y_excess_ratio=3,
             ),
             applies=varies("temp_c"),
-            refinements=axes_of_their_own(3),
+            refinements=({2: 0.5}, *axes_of_their_own(3)),
         ),
         Candidate(
             "rotary_pivot",

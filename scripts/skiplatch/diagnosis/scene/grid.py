@@ -34,6 +34,8 @@ ROUNDED = 3.0
 """Standard deviations of rounding up to which two values are the same."""
 ALIKE = 1.5
 """Times the smallest difference up to which differences are one step."""
+SURE = 0.1
+"""Of a step, by which the standard deviation of a whole number of steps may leave it open."""
 REACH = 0.25
 """Turns over all stamps by which one harmonic may leave the next one off."""
 FINEST_HARMONIC = 2**16
@@ -126,10 +128,16 @@ def kept_grid(stamps: FloatArray, guess: float, first: int) -> tuple[float, floa
         guess: Roughly the period, in the same unit.
         first: As for `grid_period`.
     """
-    period = grid_period(stamps, guess, first)
+    return _sharpened_if_kept(stamps, grid_period(stamps, guess, first))
+
+
+def _sharpened_if_kept(
+    stamps: FloatArray, period: float, fine: float = 0.0
+) -> tuple[float, float] | None:
+    """Tell a grid more closely if stamps, rounded to what is fine, keep it by no accident."""
     turn = mean_turn(stamps, period)
-    tries = 1.0 + np.ptp(stamps) * 2.0 * MARGIN / guess
-    stretch = 2.0 * float(np.abs(off_grid(stamps, period)).max()) / period
+    tries = 1.0 + np.ptp(stamps) * 2.0 * MARGIN / period
+    stretch = (2.0 * float(np.abs(off_grid(stamps, period)).max()) + fine) / period
     all_in_it = -(len(stamps) - FITTED) * np.log(max(stretch, SMALLEST))
     if max(len(stamps) * np.abs(turn) ** 2, all_in_it) < np.log(tries / ACCIDENT):
         return None
@@ -152,17 +160,38 @@ def grid_told(stamps: FloatArray, fine: float, widest: float) -> tuple[float, fl
         Its period, and where it lies, a share of it; None for none.
     """
     values, sigma = stamps, fine / math.sqrt(12.0)
+    whole, sigmas = [stamps - stamps[:1]], [np.full(len(stamps), math.sqrt(2.0) * sigma)]
     for _ in range(ROUNDS):
         steps = np.diff(np.unique(values))
         sigma *= math.sqrt(2.0)
         values = steps[steps > ROUNDED * sigma]
         if len(values) < FIRST:
             return None
+        whole.append(values)
+        sigmas.append(np.full(len(values), sigma))
         step = float(np.median(values[values < ALIKE * values.min()]))
-        found = kept_grid(stamps, step, FIRST) if step < widest else None
-        if found:
-            return found
+        if step < widest:
+            period = _grown(np.concatenate(whole), np.concatenate(sigmas), step)
+            found = _sharpened_if_kept(stamps, period, fine)
+            if found:
+                return found
     return None
+
+
+def _grown(whole: FloatArray, sigmas: FloatArray, step: float) -> float:
+    """Tell a step by what is a whole number of it, known to sigmas: by ever longer ones.
+
+    Each tells the step more closely, and so how many of them a longer one is.
+    """
+    known, before = np.abs(whole) < ALIKE * step, 0
+    while known.sum() > before:
+        before = int(known.sum())
+        counts = np.rint(whole[known] / step)
+        weights = counts / sigmas[known] ** 2
+        step = float(weights @ whole[known] / (weights @ counts))
+        unsure = 1.0 / math.sqrt(float(weights @ counts))
+        known |= whole * unsure < SURE * step**2
+    return step
 
 
 def sharpened(stamps: FloatArray, period: float) -> tuple[float, float]:
