@@ -1,7 +1,7 @@
 """``skiplatch import klipper``: which command a touch belongs to, and what moves Z between touches.
 
 The wording is that of Klipper's probe.py, z_tilt.py, quad_gantry_level.py, screws_tilt_adjust.py
-and bed_screws.py, from 2018 on.
+and bed_screws.py, from 2018 on, and of touch_mode.py and accuracy.py of Cartographer's plugin.
 """
 
 from pathlib import Path
@@ -374,3 +374,77 @@ def test_settings_of_marlin_in_inches_tell_no_step(tmp_path: Path, steps: str) -
 
     assert run.campaign.nominal.axis.resolution_um == 2.5
     assert any("settings in inches (G20)" in line for line in run.said["assumed"])
+
+
+CARTOGRAPHER = """[cartographer] touch accuracy at X:150.000 Y:140.000 Z:3.000 (samples=2 {})
+[cartographer] Starting touch sequence for 3 samples within 10 touches...
+[cartographer] Touch 1: 0.0125
+[cartographer] Touch 2: -0.0100
+[cartographer] Touch 3: 0.0150
+[cartographer] Acceptable samples found: (0.0125, -0.0100, 0.0150)
+range 0.0250 (limit 0.0300), min -0.0100, max 0.0150,
+mean 0.0058, median 0.0125
+[cartographer] Touch 1: 0.0131
+[cartographer] Measurements gathered: 0.012500, 0.013100
+[cartographer] touch accuracy results:
+maximum 0.013100, minimum 0.012500, range 0.000600,
+"""
+LISTED = """touch accuracy at X:150.000 Y:140.000 Z:3.000 (samples=3 retract=1.000 lift_speed=5.0)
+Measurements gathered: [0.0125, -0.01, np.float64(0.015)]
+touch accuracy results: maximum 0.015000, minimum -0.010000, range 0.025
+"""
+OF_READINGS = "readings of TOUCH_ACCURACY are taken for touches"
+
+
+def z_um(run: Run) -> list[float]:
+    touches = run.campaign.touches
+    return [round(float(z), 1) for z in touches.deviation_um[0] - touches.deviation_um]
+
+
+def test_touches_of_cartographer_are_read_rather_than_the_readings_made_of_them(
+    tmp_path: Path,
+) -> None:
+    text = CARTOGRAPHER.format("retract=1.000 lift_speed=5.0 threshold=2000 speed=2.0")
+
+    run = imported(tmp_path, text)
+
+    assert z_um(run) == [0.0, -22.5, 2.5, 0.6]
+    assert feeds(run) == [120.0] * 4
+    assert sessions(run) == ["by contact"] * 4
+    assert "unread" not in run.said
+    assert not any(OF_READINGS in line for line in run.said["assumed"])
+
+
+def test_touches_of_cartographer_without_a_speed_have_none(tmp_path: Path) -> None:
+    run = imported(tmp_path, CARTOGRAPHER.format("retract=1.000 lift_speed=5.0"))
+
+    assert not any("mm/s" in line for line in run.said["assumed"])
+
+
+def test_readings_of_cartographer_are_touches_where_no_others_show(tmp_path: Path) -> None:
+    run = imported(tmp_path, LISTED + LISTED.replace("touch", "scan"))
+
+    assert z_um(run) == [0.0, -22.5, 2.5]
+    assert any(line.startswith(f"3 {OF_READINGS}") for line in run.said["assumed"])
+    assert "unread" not in run.said
+
+
+def test_z_is_anew_after_a_touch_of_cartographer_homed_it(tmp_path: Path) -> None:
+    home = "[cartographer] Touch home at (150.000, 140.000) adjusted z by -0.012 mm\n"
+
+    first, second = "Touch 1: 0.0125\nTouch 2: 0.0131\n", "Touch 1 of 3: 0.01\nTouch 2 of 3: 0.02\n"
+
+    run = imported(tmp_path, f"{TOUCHES}{first}{home}{second}{TOUCHES}")
+
+    homed = "after homing 1"
+    assert sessions(run)[2:] == [*["by contact"] * 2, *[f"{homed} by contact"] * 2, *[homed] * 2]
+
+
+def test_a_log_of_cartographer_is_told_from_others(tmp_path: Path) -> None:
+    log = tmp_path / "k.log"
+    log.write_text(LISTED)
+
+    run = CliRunner().invoke(group, ["repeat", str(log)])
+
+    assert run.exit_code == 0
+    assert "log of klipper, 3 touches" in run.output

@@ -3,12 +3,15 @@
 The forms of the heads are those that the exports of these makers have.
 """
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from refusals import Program
+from skiplatch.cli import group
 from test_import_logs import Run
 
 STEP_S = 1e-6
@@ -37,6 +40,9 @@ def counted() -> str:
 RIGOL = "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-2.000000e-03,1.000000e-06\n" + counted()
 KEYSIGHT = "x-axis,1,2\nsecond,Volt,Volt\n" + rows()
 SIGLENT = "Record Length,Analog:8000\nVertical Units,CH1:V CH2:V\nSecond,Volt,Volt\n" + rows()
+RIGOL_TIMELESS = "CH1V,CH2V,t0 = -2.0e-03, tInc = 1.0e-06,\n" + "".join(
+    f"{a:.6f},{b:.6f},\n" for a, b in volts()
+)
 PICO = "Time,Channel A,Channel B\n(ms),(V),(V)\n\n" + rows(1e-3)
 PICO_GERMAN = "Zeit;Kanal A;Kanal B\n(ms);(V);(V)\n\n" + rows(1e-3, separator=";").replace(".", ",")
 TEKTRONIX = "Model,MDO3024\nHorizontal Units,S,\nRecord Length,8000,\n\nTIME,CH1,CH2\n" + rows()
@@ -47,6 +53,7 @@ SALEAE_ANALOG = "Time [s],Channel 0,Channel 1\n" + rows()
     ("text", "probe", "latch"),
     [
         (RIGOL, "CH1", "CH2"),
+        (RIGOL_TIMELESS, "CH1", "CH2"),
         (KEYSIGHT, "1", "2"),
         (SIGLENT, "CH1", "CH2"),
         (PICO, "Channel A", "Channel B"),
@@ -54,7 +61,16 @@ SALEAE_ANALOG = "Time [s],Channel 0,Channel 1\n" + rows()
         (TEKTRONIX, "CH1", "CH2"),
         (SALEAE_ANALOG, "Channel 0", "Channel 1"),
     ],
-    ids=["rigol", "keysight", "siglent", "pico", "pico_german", "tektronix", "saleae"],
+    ids=[
+        "rigol",
+        "rigol_timeless",
+        "keysight",
+        "siglent",
+        "pico",
+        "pico_german",
+        "tektronix",
+        "saleae",
+    ],
 )
 def test_voltages_are_edges_and_latches(tmp_path: Path, text: str, probe: str, latch: str) -> None:
     (tmp_path / "c.csv").write_text(text)
@@ -67,6 +83,73 @@ def test_voltages_are_edges_and_latches(tmp_path: Path, text: str, probe: str, l
     assert late_us == pytest.approx([LATE * STEP_S * 1e6] * TOUCHES, abs=0.01)
     assert np.diff(touches.edge_us) == pytest.approx([2000.0] * (TOUCHES - 1), abs=0.01)
     assert any(f"{probe} from 1.6" in line for line in run.said["assumed"])
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        (RIGOL, "an oscilloscope"),
+        (RIGOL_TIMELESS, "an oscilloscope"),
+        (KEYSIGHT, "an oscilloscope"),
+        (SIGLENT, "an oscilloscope"),
+        (PICO, "an oscilloscope"),
+        (PICO_GERMAN, "an oscilloscope"),
+        (TEKTRONIX, "an oscilloscope"),
+        (SALEAE_ANALOG, "a logic analyser"),
+    ],
+)
+def test_repeat_takes_voltages_without_being_told_what_they_are(
+    tmp_path: Path, text: str, what: str
+) -> None:
+    (tmp_path / "c.csv").write_text(text)
+
+    run = CliRunner().invoke(group, ["repeat", str(tmp_path / "c.csv")])
+
+    assert run.exit_code == 0, run.output
+    assert f"log of {what}, {TOUCHES} touches" in run.output
+
+
+def test_a_table_of_positions_is_no_capture(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("X,Y,Z\n0.125,1.5,-2.5\n0.25,1.5,-2.75\n")
+
+    assert "for others see skiplatch import" in refused("repeat", str(tmp_path / "t.csv"))
+
+
+def gaussian(at: int, noise: np.random.Generator) -> float:
+    return float(noise.normal(1.6, 0.03))
+
+
+def flickering(at: int, noise: np.random.Generator) -> float:
+    """Between two steps of the converter."""
+    return 0.04 * int(noise.integers(2))
+
+
+@pytest.mark.parametrize("wave", [gaussian, flickering])
+@pytest.mark.parametrize("options", [(), ("--probe", "1", "--latch", "2")])
+def test_a_channel_of_noise_alone_has_no_edges(
+    tmp_path: Path,
+    refused: Program,
+    wave: Callable[[int, np.random.Generator], float],
+    options: tuple[str, ...],
+) -> None:
+    noise = np.random.default_rng(2)
+    samples = (f"{i * 1e-6:.6f},{a:.4f},{wave(i, noise):.4f}\n" for i, (a, _) in enumerate(volts()))
+    (tmp_path / "c.csv").write_text("x-axis,1,2\nsecond,Volt,Volt\n" + "".join(samples))
+
+    said = refused("import", "edges", tmp_path / "c.csv", *options, "-o", tmp_path / "c")
+
+    expected = (
+        'channel "2" swings between no two levels: it is noise, or slopes'
+        if options
+        else "expected two channels that change; there are: 1, 2 (noise)"
+    )
+    assert f"c.csv: {expected}" in said
+
+
+def test_blank_rows_below_the_samples_are_none(tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_text(f"{KEYSIGHT},,\n")
+
+    assert len(Run(tmp_path, "edges", str(tmp_path / "c.csv")).campaign.touches) == TOUCHES
 
 
 def test_time_without_a_unit_is_taken_for_seconds_and_said(tmp_path: Path) -> None:

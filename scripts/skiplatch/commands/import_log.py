@@ -243,7 +243,8 @@ def _touches_of(
     scan_us: float | None,
     **channels: str | None,
 ) -> Imported:
-    from skiplatch.importing.edges import Channels, read_edges  # noqa: PLC0415
+    from skiplatch.importing.edge_channels import Channels  # noqa: PLC0415
+    from skiplatch.importing.edges import read_edges  # noqa: PLC0415
 
     holdoff_s, named = holdoff_us / 1e6, Channels(**channels)
     found = read_edges(path, capture, named, falling=falling, holdoff_s=holdoff_s)

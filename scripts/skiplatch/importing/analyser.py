@@ -26,11 +26,13 @@ class Capture:
         changes: For each channel by name: times in s of its changes, and the levels after them.
         step_s: Distance of two samples; None where the file does not say it.
         assumed: What was assumed of the times.
+        noise: Channels of voltages that do not swing between two levels.
     """
 
     changes: Mapping[str, tuple[FloatArray, FloatArray]]
     step_s: float | None
     assumed: tuple[str, ...] = ()
+    noise: tuple[str, ...] = ()
 
     def edges(self, name: str, *, falling: bool) -> FloatArray:
         """Give the times in s of a channel's edges, without its state at first."""

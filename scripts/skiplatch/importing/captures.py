@@ -16,7 +16,7 @@ from skiplatch.files import foreign_reader
 from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
 from skiplatch.importing.capture_csv import read_levels, read_sheet
 from skiplatch.importing.encodings import in_utf8
-from skiplatch.importing.scope_csv import holds_voltages, read_voltages
+from skiplatch.importing.scope_csv import holds_voltages, read_voltages, with_times
 
 MOST_BYTES = 2 * 2**30
 MOST_TICKS = 2**63
@@ -39,7 +39,7 @@ def read_capture(path: Path) -> Capture:
 
 
 def _read_csv(path: Path) -> Capture:
-    sheet = read_sheet(path)
+    sheet = with_times(read_sheet(path))
     return (read_voltages if holds_voltages(sheet) else read_levels)(path, sheet)
 
 

@@ -35,6 +35,12 @@ WITHOUT_TOUCHES: Mapping[str, re.Pattern[str]] = {
 _CAPTURE = re.compile(
     r"^(?:Time ?[\[(][mµun]?s[\])][,;]|;.*(?:libsigrok|Samplerate))", re.MULTILINE
 )
+_SCOPE = re.compile(
+    r'^"?(?:time|x) ?(?:[\[(][mµun]?s[\])])?"?[,;\t]"?(?:ch|voltage)'
+    r"|^\W*(?:sequence|seconds?|[mµun]?s)\W*[,;\t]\W*[mµ]?V(?:olt)?\b|\btInc\s*=",
+    re.IGNORECASE | re.MULTILINE,
+)
+"""How heads of an oscilloscope's CSV name the columns or their units."""
 _LOOKED_AT = 2000  # characters
 HOLDOFF_S = 1e-3
 
@@ -52,6 +58,8 @@ def read_any(path: Path) -> tuple[str, Imported]:
     text = read_text(path)
     if _CAPTURE.search(text[:_LOOKED_AT]):
         return "a logic analyser", _capture(path)
+    if _SCOPE.search(text[:_LOOKED_AT]):
+        return "an oscilloscope", _capture(path)
     for kind, sign in READ.items():
         if sign.search(text):
             return kind, KINDS[kind](path)
@@ -74,7 +82,8 @@ def _is_candump(path: Path) -> bool:
 def _capture(path: Path) -> Imported:
     # The libraries for such files take time to load, which the other logs do not need.
     from skiplatch.importing.captures import read_capture  # noqa: PLC0415
-    from skiplatch.importing.edges import Channels, read_edges  # noqa: PLC0415
+    from skiplatch.importing.edge_channels import Channels  # noqa: PLC0415
+    from skiplatch.importing.edges import read_edges  # noqa: PLC0415
 
     capture = read_capture(path)
     return read_edges(path, capture, Channels(), falling=False, holdoff_s=HOLDOFF_S)

@@ -5,7 +5,11 @@ from collections.abc import Mapping
 
 READ: Mapping[str, re.Pattern[str]] = {
     "grbl": re.compile(r"\[PRB:"),
-    "klipper": re.compile(r"probe(?:: at| at) -?[\d.]+,", re.IGNORECASE),
+    "klipper": re.compile(
+        r"probe(?:: at| at) -?[\d.]+,|\bTouch \d+(?: of \d+)?: -?\d+\.\d{4}|"
+        r"\bMeasurements gathered: ",
+        re.IGNORECASE,
+    ),
     "marlin": re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|(?i:Bed X:)"),
     "linuxcnc": re.compile(r"^\s*(?:-?\d+\.\d+\s+){8}-?\d+\.\d+\s*$", re.MULTILINE),
 }

@@ -1,7 +1,5 @@
 """Edges and latches of a bench in a capture: which channel is the probe, which the latch."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +8,10 @@ from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Kind, Status, Touches
-from skiplatch.errors import InputError, hint, quoted
+from skiplatch.errors import InputError, quoted
 from skiplatch.importing.analyser import Capture
 from skiplatch.importing.bounces import begins_touch, has_within, probe_edges, rested_edges
+from skiplatch.importing.edge_channels import Channels, Named, channels_of
 from skiplatch.importing.model import Imported
 from skiplatch.stand_ins import PLAYED
 from skiplatch.units import US_PER_S
@@ -23,20 +22,6 @@ SOONER = 0.2
 CHANGES_SIDES = (
     1.5  # as many touches answered by both polarities as by one; 2 where each alternates
 )
-
-
-@dataclass(frozen=True, slots=True)
-class Channels:
-    """Channels by name or number; those of None are guessed, but for the last two."""
-
-    probe: str | None = None
-    """The injected edge."""
-    latch: str | None = None
-    """Changes at the latch of the skip input."""
-    report: str | None = None
-    """Changes at the report."""
-    plc_latch: str | None = None
-    """Changes at the latch of the PLC task."""
 
 
 def read_edges(
@@ -56,7 +41,7 @@ def read_edges(
     Raises:
         InputError: A channel is not in it, or has no edge.
     """
-    names = _channels(path, capture, wanted)
+    names = channels_of(path, capture, wanted)
     _refuse_coarse(path, capture)
     all_edges, brief = probe_edges(capture, names.probe, holdoff_s, falling=falling)
     rested = rested_edges(all_edges[~brief], holdoff_s)
@@ -170,16 +155,7 @@ def _together(parts: list[dict[str, NDArray[Any]]]) -> dict[str, NDArray[Any]]:
     return {"touch": np.arange(len(order)), **ordered}
 
 
-@dataclass(frozen=True, slots=True)
-class _Named:
-    """The channels that were found."""
-
-    probe: str
-    latches: Mapping[InputPath, str]
-    report: str | None
-
-
-def _say(found: Imported, capture: Capture, names: _Named, bounces: int, missed: int) -> None:
+def _say(found: Imported, capture: Capture, names: Named, bounces: int, missed: int) -> None:
     reports = f", report {names.report}" if names.report else ""
     latches = ", ".join(
         f"latch {name}" if p is InputPath.SKIP else f"latch of the PLC task {name}"
@@ -230,58 +206,6 @@ def _after_bounces(
     low, middle, high = np.percentile(waits_us, [0, 50, 100])
     said = f"{len(waits_us)} latches of {name} come after a bounce, {middle:.4g} µs"
     return [f"{said} ({low:.4g} … {high:.4g}) after the last edge before them"]
-
-
-def _channels(path: Path, capture: Capture, wanted: Channels) -> _Named:
-    """Take the channels that are named, else those whose names say so, else the first two."""
-    given = {
-        field: _named(path, capture, name)
-        for field in ("probe", "latch", "report", "plc_latch")
-        if (name := getattr(wanted, field)) is not None
-    }
-    _refuse_shared(path, given)
-    probe, latch, plc = given.get("probe"), given.get("latch"), given.get("plc_latch")
-    free = [
-        name
-        for name, (times, _) in capture.changes.items()
-        if len(times) > 1 and name not in given.values()
-    ]
-    probe = probe or _like(free, ("probe", "edge", "trig", "touch", "in")) or next(iter(free), "")
-    if not latch and not plc:
-        others = [name for name in free if name != probe]
-        latch = _like(others, ("latch", "skip", "out", "ack")) or next(iter(others), "")
-    if not probe or not (latch or plc):
-        names = ", ".join(capture.changes)
-        raise InputError(path, None, None, f"expected two channels that change; there are: {names}")
-    latches = {InputPath.SKIP: latch, InputPath.PLC: plc}
-    return _Named(probe, {p: n for p, n in latches.items() if n}, given.get("report"))
-
-
-def _refuse_shared(path: Path, given: Mapping[str, str]) -> None:
-    """Refuse a channel that is to be two things."""
-    option_of: dict[str, str] = {}
-    for field, name in given.items():
-        option = f"--{field.replace('_', '-')}"
-        if name in option_of:
-            message = (
-                f"expected a channel each, got {quoted(name)} for {option_of[name]} and {option}"
-            )
-            raise InputError(path, None, None, message)
-        option_of[name] = option
-
-
-def _like(names: list[str], words: tuple[str, ...]) -> str | None:
-    return next((name for word in words for name in names if word in name.lower()), None)
-
-
-def _named(path: Path, capture: Capture, name: str) -> str:
-    """Give the channel of a name, or of its number."""
-    names = list(capture.changes)
-    for known in names:
-        if name in (known, known.removeprefix("Channel ")) or name.lower() == known.lower():
-            return known
-    message = f"no channel {quoted(name)}{hint(name, names)}; there are: {', '.join(names)}"
-    raise InputError(path, None, None, message)
 
 
 def _following(edges: FloatArray, latches: FloatArray) -> FloatArray:

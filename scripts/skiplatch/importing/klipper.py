@@ -3,19 +3,15 @@
 import math
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.console import (
-    ADJUSTING,
-    CHANGING,
-    HOMING,
-    TURNING,
-    Console,
-    thermometer_name,
-)
+from skiplatch.importing.console import CHANGING, CONTACT, HOMING, Console, thermometer_name
 from skiplatch.importing.dialects import advice
+from skiplatch.importing.klipper_cartographer import PREFIX, Cartographer
+from skiplatch.importing.klipper_commands import COMMAND, MOVED, PROBE_SPEED, TOOL
 from skiplatch.importing.klipper_config import Config
 from skiplatch.importing.klipper_torn import PROBE, Lacking, without_torn_end
 from skiplatch.importing.log_lines import Line, read_lines, read_text
@@ -26,7 +22,8 @@ from skiplatch.units import S_PER_MIN
 _WRAPPED = re.compile(rf"\bprobe(?:: at| at) {NUMBER},\s*{NUMBER},?$", re.IGNORECASE)
 """Cut before its z, as a console does that is narrower than its lines."""
 _ACCURACY = re.compile(
-    rf"PROBE[_ ]ACCURACY:? at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})(?:\s*\((?P<options>[^)]*))?",
+    rf"(?:PROBE|TOUCH)[_ ]ACCURACY:? at X:({NUMBER}) Y:({NUMBER}) Z:({NUMBER})"
+    r"(?:\s*\((?P<options>[^)]*))?",
     re.IGNORECASE,
 )
 _ACCURACY_SPEED = re.compile(rf"^and read (\d+) times with speed of ({NUMBER}) mm/s")
@@ -40,23 +37,6 @@ _RESULTS = re.compile(
     rf"^(?:probe|touch) accuracy results(?:: maximum ({NUMBER}), minimum ({NUMBER}))?",
     re.IGNORECASE,
 )
-_PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({NUMBER})", re.IGNORECASE)
-_COMMAND = re.compile(
-    r"^(?:N\d+\s*)?(?:G\d+\b.*|(?:PROBE|[A-Z]\w*_\w+)(?:\s+\w+=\S+)*\s*(?:[;#*].*)?)$",
-    re.IGNORECASE,
-)
-_MOVED = {
-    HOMING: re.compile(
-        r"^(?:(?:N\d+\s*)?G28|Start printer at|Klipper state: Ready)\b", re.IGNORECASE
-    ),
-    ADJUSTING: re.compile(
-        r"Making the following (?:Z|Z tilt|gantry) adjustments|Probed points range", re.IGNORECASE
-    ),
-    TURNING: re.compile(r"\(base\)\s*:|Then run ACCEPT, ADJUSTED", re.IGNORECASE),
-}
-"""What begins a session: a homing or restart; what QUAD_GANTRY_LEVEL and Z_TILT_ADJUST print as
-they move Z; what SCREWS_TILT_CALCULATE and BED_SCREWS_ADJUST print before somebody turns screws."""
-_TOOL = re.compile(r"^(?:N\d+\s*)?(T\d+|M6|ACTIVATE_EXTRUDER)\b([^:/]*)$", re.IGNORECASE)
 _RULER = re.compile(r"^={5,}(?:( Config file )=*)?$")
 _HALF_DIGIT_MM_S = 0.0501  # of the speed that PROBE_ACCURACY prints
 _DEFAULT_SPEED_MM_S = 5.0  # Config_Reference.md, [probe] speed
@@ -109,6 +89,7 @@ class _Reader(Console):
         self._limited: Counter[str] = Counter()
         self._tested_place: tuple[float, float] | None = None
         self._lacking = Lacking()
+        self._cartographer = Cartographer()
         self._standing = 0
 
     def take(self, line: Line) -> None:
@@ -116,26 +97,33 @@ class _Reader(Console):
         if self._begun:
             line = replace(line, text=f"{self._begun}{line.text}")
         self._begun = f"{line.text} " if _WRAPPED.search(line.text) else ""
-        text = line.text
+        text = line.text.removeprefix(PREFIX)
         self.take_temperatures(text)
+        is_by_contact = self._cartographer.begins(text)
         if match := PROBE.search(text):
             self._touch(match, line)
         elif match := _ACCURACY.search(text):
-            self._test_begins(match)
+            self._test_begins(match, is_by_contact=is_by_contact)
+        elif touches := self._cartographer.touches(text):
+            self._contacts(touches, line)
         elif match := _ACCURACY_SPEED.match(text):
             self._options |= {"samples": float(match[1]), "speed": float(match[2])}
         elif _MISSED.search(text) or _FALSE.search(text):
             self._failed(line)
-        elif match := _STATS.match(text):
-            self._stats_s = float(match[1])
-            self._take_sensors(text)
-        elif match := _RULER.match(text):
-            self._is_config = match[1] is not None
-        else:
+        elif not self._is_of_log(text):
             self._config.take(text)
             if not self._is_config:  # whose macros hold commands that nobody gave
                 self._happened(text)
                 self._tested_to_end(line)
+
+    def _is_of_log(self, text: str) -> bool:
+        """Take a line of statistics or around the configuration, if it is one."""
+        if match := _STATS.match(text):
+            self._stats_s = float(match[1])
+            self._take_sensors(text)
+        elif match := _RULER.match(text):
+            self._is_config = match[1] is not None
+        return match is not None
 
     def _take_sensors(self, text: str) -> None:
         """Take the temperatures of a statistics line; 0 is that of a sensor not read yet."""
@@ -146,11 +134,11 @@ class _Reader(Console):
     def _happened(self, text: str) -> None:
         """Take a command without its comment, or what one prints beside touches."""
         text = text.partition(";")[0].rstrip()  # parentheses are none of Klipper's comments
-        is_homed = self.take_moved(text, _MOVED) == HOMING
-        speed = _PROBE_SPEED.search(text)
-        if tool := _TOOL.match(text):
+        is_homed = self.take_moved(text, MOVED) == HOMING
+        speed = PROBE_SPEED.search(text)
+        if tool := TOOL.match(text):
             self._takes_tool(tool)
-        if speed or is_homed or tool or _COMMAND.match(text):
+        if speed or is_homed or tool or COMMAND.match(text):
             self._command_ends()
             self.take_method(text)
             self._command_speed = float(speed[1]) if speed else None
@@ -159,7 +147,7 @@ class _Reader(Console):
         """Take which tool is asked for; the one that is there is no change."""
         name = " ".join(command.groups()).split(";")[0].split("*")[0].strip().upper()
         if name != self._tool:
-            self.take_moved(command[0], {CHANGING: _TOOL})
+            self.take_moved(command[0], {CHANGING: TOOL})
         self._tool = name
 
     def _tested_to_end(self, line: Line) -> None:
@@ -177,7 +165,17 @@ class _Reader(Console):
         self._options, self._command_speed = {}, None
         self._start_z = self._tested_place = None
 
-    def _test_begins(self, match: re.Match[str]) -> None:
+    def _contacts(self, touches: Sequence[float], line: Line) -> None:
+        """Take touches by the nozzle, whose speed has no default."""
+        method, self._method = self._method, CONTACT
+        for z in touches:
+            place = self._tested_place or ()
+            self.add(z, place, line, feed=self._speed(default=None), time_s=self._stats_s)
+        self._method = method
+        if self._cartographer.shows_touches:
+            self._tested = []  # as the extremes of the test are those of its readings
+
+    def _test_begins(self, match: re.Match[str], *, is_by_contact: bool) -> None:
         """Take what PROBE_ACCURACY says that it will do; its speed has one decimal only."""
         self._options = {k: float(v) for k, v in _OPTION.findall(match["options"] or "")}
         typed = self._command_speed
@@ -186,6 +184,8 @@ class _Reader(Console):
         self.test_begins()
         self._lacking.begins()
         self._start_z = float(match[3])
+        if is_by_contact:  # it says how many readings, each of which takes several touches
+            self._options.pop("samples", None)
         self._tested_place = (float(match[1]), float(match[2]))
 
     def _touch(self, match: re.Match[str], line: Line) -> None:
@@ -225,17 +225,22 @@ class _Reader(Console):
             return self._last_z + retract
         return self._start_z
 
-    def _speed(self) -> float:
+    def _speed(self, default: float | None = _DEFAULT_SPEED_MM_S) -> float | None:
         """Give the feed in mm/min: as asked for, unless the configuration allows Z less."""
         speed = self._asked_speed()
+        if speed is None:
+            if default is None:
+                return None
+            self._at_default += 1
+            speed = default
         limit = self._config.fastest_z()
         if limit and speed > limit[0]:
             self._limited[f"[printer] {limit[1]} is {limit[0]:g} mm/s"] += 1
             speed = limit[0]
         return speed * S_PER_MIN
 
-    def _asked_speed(self) -> float:
-        """Give the speed in mm/s and remember where it is from."""
+    def _asked_speed(self) -> float | None:
+        """Give the speed in mm/s, if it is known, and remember where it is from."""
         for speed, source in (
             (self._options.get("speed"), "PROBE_ACCURACY"),
             (self._command_speed, "PROBE_SPEED"),
@@ -246,14 +251,14 @@ class _Reader(Console):
                 if source not in self._feeds_from:
                     self._feeds_from.append(source)
                 return speed
-        self._at_default += 1
-        return _DEFAULT_SPEED_MM_S
+        return None
 
     def result(self) -> Imported:
         """Say what was found."""
         self._lacking.ends(self._options.get("samples"), "at the end")
         found = self.imported("klipper")
         self._lacking.say(found)
+        self._cartographer.say(found)
         self._feeds(found)
         self._config.put_into(found)
         found.known.append("where each touch was latched, and at which X and Y")

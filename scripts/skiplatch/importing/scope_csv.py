@@ -2,13 +2,16 @@
 
 Voltages stand where logic analysers have levels. Above them stand lines of what the instrument
 noted; the last of these names the columns, or their units, with the names in the line before.
-Rigol counts samples in place of times, and notes their start and increment.
+Rigol counts samples in place of times, or has neither, and notes their start and increment.
 """
 
+import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign.csv_text import Row
@@ -16,11 +19,27 @@ from skiplatch.errors import InputError, quoted
 from skiplatch.importing.analyser import Capture, only_changes, refuse_times
 from skiplatch.importing.capture_csv import S_OF_UNIT, Sheet
 from skiplatch.importing.units_in_heads import bracketed
-from skiplatch.numbers import number
+from skiplatch.numbers import NUMBER, number
 
 HYSTERESIS = 0.1  # of the span of a channel, to either side of its middle, against noise
+MOST_BETWEEN = 0.25  # of the samples, within the hysteresis; noise alone has some half there
+LEAST_SAMPLES = 5  # that the longer levels last; noise crosses the hysteresis at every other one
+_NOTED = re.compile(rf"(t0|tInc)\s*=\s*({NUMBER})", re.IGNORECASE)
+_VOLTS = re.compile(r"(?<=\d)V$")
 _COUNTS = "sequence"
 _START, _INCREMENT = "start", "increment"  # of a count, as heads name them
+
+
+def with_times(sheet: Sheet) -> Sheet:
+    """Put a column of times before the others, where the head notes start and increment alone."""
+    noted = {m[1].lower(): float(m[2]) for cell in sheet.head if (m := _NOTED.search(cell))}
+    step_s = noted.get("tinc")
+    if step_s is None:
+        return sheet
+    names = [_VOLTS.sub("", cell) for cell in sheet.head if cell and not _NOTED.search(cell)]
+    start_s = noted.get("t0", 0.0)
+    rows = [(line, [repr(start_s + i * step_s), *row]) for i, (line, row) in enumerate(sheet.rows)]
+    return replace(sheet, head=["Time (s)", *names], rows=rows)
 
 
 def holds_voltages(sheet: Sheet) -> bool:
@@ -40,21 +59,23 @@ def read_voltages(path: Path, sheet: Sheet) -> Capture:
     first = next((i for i, (_, row) in enumerate(table) if _is_sample(row)), len(table))
     if first in (0, len(table)):
         raise InputError(path, 1, None, "expected names of columns, and samples below them")
-    samples = table[first:]
+    samples = [(line, row) for line, row in table[first:] if any(map(str.strip, row))]
     above = [[cell.strip() for cell in row] for _, row in table[:first]]
     count = sum(1 for cell in samples[0][1] if cell.strip()) - 1
     values = _values(path, samples, count)
     heads, units = _heads_and_units(above)
     times, assumed = _times(heads, units, values[:, 0])
     refuse_times(path, times, [line for line, _ in samples])
-    changes, said = {}, []
+    changes, said, noise = {}, [], []
     for name, volts in zip(_names(heads, count), values.T[1:], strict=True):
-        middle = (volts.min() + volts.max()) / 2
-        changes[name] = only_changes(times, _levels(volts))
-        said.append(f"{name} from {middle:.3g}")
+        levels = _levels(volts)
+        changes[name] = only_changes(times, levels)
+        if _is_noise(volts, levels):
+            noise.append(name)
+        said.append(f"{name} from {_middle(volts):.3g}")
     high = f"high is, half way between the extremes: {', '.join(said)} on"
     step_s = float(np.median(np.diff(times))) if len(times) > 1 else None
-    return Capture(changes, step_s, (*assumed, high))
+    return Capture(changes, step_s, (*assumed, high), tuple(noise))
 
 
 def _number_or_none(text: str) -> float | None:
@@ -119,9 +140,27 @@ def _names(heads: Sequence[str], count: int) -> list[str]:
 
 def _levels(volts: FloatArray) -> FloatArray:
     """Give 1 from above the middle of a channel on, until below it, each by some hysteresis."""
-    low, high = volts.min(), volts.max()
-    middle, spare = (low + high) / 2, HYSTERESIS * (high - low)
-    is_told = np.abs(volts - middle) > spare
+    is_told = ~_is_between(volts)
     is_told[0] = True
     told = np.maximum.accumulate(np.where(is_told, np.arange(len(volts)), 0))
-    return np.asarray((volts[told] > middle).astype(np.float64))
+    return np.asarray((volts[told] > _middle(volts)).astype(np.float64))
+
+
+def _middle(volts: FloatArray) -> float:
+    return float(volts.min() + volts.max()) / 2
+
+
+def _is_between(volts: FloatArray) -> NDArray[np.bool_]:
+    """Tell which samples are too near the middle to be high or low."""
+    spare = HYSTERESIS * (volts.max() - volts.min())
+    return np.asarray(np.abs(volts - _middle(volts)) <= spare)
+
+
+def _is_noise(volts: FloatArray, levels: FloatArray) -> bool:
+    """Tell a channel that does not swing between two levels, but idles or wanders between them."""
+    if levels.min() == levels.max():
+        return False
+    changes = np.flatnonzero(np.diff(levels))
+    lasting = np.diff(changes, prepend=-1, append=len(levels) - 1)
+    is_brief = np.percentile(lasting, 75) < LEAST_SAMPLES
+    return bool(is_brief or _is_between(volts).mean() > MOST_BETWEEN)
