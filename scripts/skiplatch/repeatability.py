@@ -24,14 +24,12 @@ from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
 from skiplatch.succession import InARow, in_a_row
 from skiplatch.surface_fit import Grid, by_t
+from skiplatch.touched_often import beyond_firsts, often, surfaces_of, what_repeats
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
-FEWEST = 2
-"""Touches of a surface from which on it tells a scatter."""
 FEWEST_AFTER_FIRST = 4
-FINEST_WAIT = 6  # decimals of a µs; stamps far from 0 hold no more, and the rest looks like a step
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
 
@@ -62,6 +60,7 @@ class Repeatability:
             first touches, the drifts and the slope. Only these are taken out of `sigma`.
         coordinate: Of the axis that all moved; empty where there are several.
         sense: In which all moved it, 1 or -1; 0 where it is not known or differs.
+        feeds_are_apart: Whether feeds differ, but from surface to surface alone.
         touches_per_h: Where drifts go with time, by which they are turned into those an hour;
             None where they go by the number of the touch.
         is_directed: Whether any sense is known; where none is, positive is a larger coordinate.
@@ -89,6 +88,7 @@ class Repeatability:
     told: frozenset[str]
     coordinate: str
     sense: int
+    feeds_are_apart: bool = False
     touches_per_h: float | None = None
     is_directed: bool = True
     missed: int = 0
@@ -147,30 +147,21 @@ def repeatability(campaign: Campaign) -> Repeatability:
         InputError: No surface was touched often enough, or no deviation was recorded.
     """
     ordered = campaign.touches.in_order_of_time()
-    unit, values = _what_repeats(ordered)
+    unit, values = what_repeats(ordered)
     known = ~np.isnan(values) & ~ordered.false
     touches, values = ordered.select(known), values[known]
-    surface = _surfaces(touches)
-    often = np.bincount(surface, minlength=1)[surface] >= FEWEST if len(surface) else surface > 0
-    if often.sum() - len(set(surface[often].tolist())) < FEWEST_FREE:
+    surface = surfaces_of(touches)
+    often_touched = often(surface)
+    if beyond_firsts(surface) < FEWEST_FREE:
         message = "expected a surface that was touched 3 times, or two that were twice, got "
-        message += "one that was twice" if often.any() else "none that was"
+        message += "one that was twice" if often_touched.any() else "none that was"
         raise InputError(campaign.path, None, None, message)
-    touches, surface = touches.select(often), surface[often]
+    touches, surface = touches.select(often_touched), surface[often_touched]
     surface = np.unique(surface, return_inverse=True)[1].ravel()
-    grid = Grid(common_step(values[often]), _resolution(campaign, unit))
+    grid = Grid(common_step(values[often_touched]), _resolution(campaign, unit))
     at_rest = campaign.nominal.datum.is_at_rest
-    worked_out = _of(touches, values[often], surface, unit, grid, at_rest=at_rest)
+    worked_out = _of(touches, values[often_touched], surface, unit, grid, at_rest=at_rest)
     return replace(worked_out, missed=int(ordered.missed.sum()), false=int(ordered.false.sum()))
-
-
-def _what_repeats(touches: Touches) -> tuple[str, FloatArray]:
-    """Give the deviations, or else those of rotary axes, or the times from edge to latch."""
-    if not np.isnan(touches.deviation_um).all():
-        return "µm", touches.deviation_um
-    if not np.isnan(touches.deviation_arcsec).all():
-        return "arcsec", touches.deviation_arcsec
-    return "µs", np.round(touches.latch_us - touches.edge_us, FINEST_WAIT)
 
 
 def _resolution(campaign: Campaign, unit: str) -> float:
@@ -215,6 +206,7 @@ def _of(
         first=first,
         drift=found.intervals.get("order"),
         axis_drift=found.intervals.get("axis"),
+        feeds_are_apart=_are_apart(speed, surface) and not at_rest and unit != "µs",
         touches_per_h=course.per_h,
         warmth=by_temperature(touches, at_one_feed, dummies, regular),
         in_a_row=in_a_row(fit.residuals, surface, regular, fit.sigma.value),
@@ -251,17 +243,6 @@ def _plain(y: FloatArray, dummies: FloatArray) -> float:
     return float(np.sqrt(np.sum(off**2) / max(len(y) - dummies.shape[1], 1)))
 
 
-def _surfaces(touches: Touches) -> np.typing.NDArray[np.intp]:
-    """Number the surfaces: what was touched alike but for the feed."""
-    names = ("path", "axis", "sign", "alpha_deg", "beta_deg", "session")
-    columns = [np.asarray(getattr(touches, name), dtype=float) for name in names]
-    columns += [np.round(places, 2) for places in (touches.position_mm, touches.position_deg)]
-    if not len(touches):
-        return np.zeros(0, dtype=np.intp)
-    table = np.nan_to_num(np.column_stack(columns), nan=1e300)
-    return np.asarray(np.unique(table, axis=0, return_inverse=True)[1].ravel())
-
-
 def _firsts(touches: Touches, surface: np.typing.NDArray[np.intp]) -> BoolArray:
     """Tell the first touch of each series of one surface and feed, if enough follow it."""
     feed = np.nan_to_num(touches.feed_mm_min, nan=-1.0)
@@ -278,6 +259,11 @@ def _varies_within(values: FloatArray, surface: np.typing.NDArray[np.intp]) -> b
     if np.isnan(values).any():
         return False
     return any(np.ptp(values[surface == s]) > 0.0 for s in range(int(surface.max()) + 1))
+
+
+def _are_apart(values: FloatArray, surface: np.typing.NDArray[np.intp]) -> bool:
+    known = values[np.isfinite(values)]
+    return len(np.unique(known)) > 1 and not _varies_within(values, surface)
 
 
 def _means(y: FloatArray, dummies: FloatArray, rows: BoolArray) -> FloatArray:

@@ -36,9 +36,7 @@ def sentence(found: Repeatability) -> str:
     if found.is_limited_by_resolution:
         step = f" of {found.step:.4g} {unit}" if found.step else ""
         parts.append(f"that is limited by the resolution{step}")
-    if found.slope is not None and "speed" in found.told:
-        sense = "later" if found.slope.value > 0.0 else "earlier"
-        parts.append(f"they come {sense} with the feed, by {_words(found.slope, 'ms')}")
+    parts += _by_feed(found)
     if found.first is not None and "first" in found.told:
         way = way_of(found, found.first.value, ("higher", "lower"))
         parts.append(f"the first of a series is off by {_words(found.first, unit)}, {way}")
@@ -63,6 +61,16 @@ def sentence(found: Repeatability) -> str:
     if found.false:
         parts.append(f"besides, {found.false} {_were(found.false)} latched without a contact")
     return "; ".join(parts) + "."
+
+
+def _by_feed(found: Repeatability) -> list[str]:
+    """Say how touches go with the feed, or that nothing can tell it."""
+    if found.feeds_are_apart:
+        return ["feeds differ between surfaces or sessions alone, so that a delay does not show"]
+    if found.slope is None or "speed" not in found.told:
+        return []
+    sense = "later" if found.slope.value > 0.0 else "earlier"
+    return [f"they come {sense} with the feed, by {_words(found.slope, 'ms')}"]
 
 
 def _without_warmth(found: Repeatability) -> list[str]:

@@ -21,8 +21,9 @@ EXACT_DIGITS = 5  # of a number without an interval
 
 
 def counted(number: float, noun: str) -> str:
-    """Give a number of things in words: 1 rig, 2 rigs, 0.5 days."""
-    return f"{number:.15g} {noun}" if number == 1 else f"{number:.15g} {noun}s"
+    """Give a number of things in words: 1 rig, 2 rigs, 3 touches, 0.5 days."""
+    plural = "es" if noun.endswith("ch") else "s"
+    return f"{number:.15g} {noun}{'' if number == 1 else plural}"
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

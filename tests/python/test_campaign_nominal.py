@@ -163,6 +163,15 @@ def test_wrong_keys_are_named_with_their_place(
     assert complaint(tmp_path, with_line(old, new)) == message
 
 
+def test_unknown_keys_are_told_all_at_once(tmp_path: Path) -> None:
+    text = GOOD.replace("delay_us = 500", "delay_us = 500\ncolour = 3").replace("[plc]", "[plcs]")
+
+    assert complaint(tmp_path, text) == (
+        'nominal.toml:10:1: unknown key "probe.colour"; '
+        'line 20: unknown key "plcs"; did you mean "plc"?'
+    )
+
+
 def test_missing_section_is_told_by_its_first_key(tmp_path: Path) -> None:
     text = GOOD.replace("[plc]\nscan_us = 1_000.0\n", "")
 

@@ -243,7 +243,7 @@ def test_maximum_rate_of_the_axis_limits_its_feed(tmp_path: Path) -> None:
     run = read(tmp_path, f"$110=10\n$112=100.000\n{text}")
 
     assert run.campaign.touches.feed_mm_min.tolist() == [50, 100]
-    assert "1 touches slower than asked for, as $112 is 100 mm/min" in run.said["known"]
+    assert "1 touch slower than asked for, as $112 is 100 mm/min" in run.said["known"]
 
 
 def test_change_of_the_tool_begins_a_session(tmp_path: Path) -> None:

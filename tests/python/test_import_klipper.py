@@ -448,3 +448,29 @@ def test_a_log_of_cartographer_is_told_from_others(tmp_path: Path) -> None:
 
     assert run.exit_code == 0
     assert "log of klipper, 3 touches" in run.output
+
+
+def test_feeds_of_a_session_each_tell_no_slope(tmp_path: Path) -> None:
+    log = "".join(f"{TEST.format(feed)}{TOUCHES}{RESULTS}G28\n" for feed in ("5.0", "10.0"))
+
+    run = imported(tmp_path, log)
+    repeat = CliRunner().invoke(group, ["repeat", str(tmp_path / "k.log")])
+
+    apart = "one feed a session: a delay and a place look alike; touch at two feeds in one session"
+    assert apart in run.said["cannot_be_told_from_it"]
+    assert "feeds differ between surfaces or sessions alone" in " ".join(repeat.output.split())
+
+
+@pytest.mark.parametrize(("touches", "is_next"), [(TOUCH.format(1.0), False), (TOUCHES * 2, True)])
+def test_repeat_is_a_next_step_where_touches_repeat(
+    tmp_path: Path, touches: str, is_next: bool
+) -> None:
+    (tmp_path / "k.log").write_text(touches)
+
+    said = CliRunner().invoke(
+        group, ["import", "klipper", str(tmp_path / "k.log"), "-o", str(tmp_path / "c")]
+    )
+
+    count = "4 touches" if is_next else "1 touch"
+    assert f"machine campaign, {count}\n" in said.output
+    assert ("skiplatch repeat" in said.output) == is_next

@@ -38,7 +38,7 @@ def test_sense_that_no_command_tells_is_said(tmp_path: Path, mode: str, is_told:
 
     run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
 
-    said = any(line.startswith("the sense of 1 touches is not") for line in run.said["assumed"])
+    said = any(line.startswith("the sense of 1 touch is not") for line in run.said["assumed"])
     assert said is not is_told
     assert np.isfinite(run.campaign.touches.sign).all() == is_told
 

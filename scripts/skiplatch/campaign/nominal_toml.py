@@ -94,14 +94,17 @@ class _Document:
         raise self._wrong(_FORMAT, " or ".join(f'"{name}"' for name in FORMATS.values()))
 
     def check_keys(self, version: int) -> None:
-        """Complain of the first unknown key, else of all that are missing."""
+        """Complain of all unknown keys, else of all that are missing."""
+        unknown = []
         for key in self.entries:
             if len(key) == 1 and key[0] in {*_TABLES, NOTES}:
                 raise self._wrong(key, "a table")
             if key not in _known():
-                raise self._unknown(key)
-            if version == 1 and key not in (_FORMAT, _KIND, *_in_version_1()):
-                raise self._unknown(key, f'; it needs format = "{FORMATS[2]}"')
+                unknown.append(self._unknown(key))
+            elif version == 1 and key not in (_FORMAT, _KIND, *_in_version_1()):
+                unknown.append(self._unknown(key, f'; it needs format = "{FORMATS[2]}"'))
+        if unknown:
+            raise _all_of(unknown)
         missing = [key for key in (_KIND, *_in_version_1()) if key not in self.entries]
         if version == 1 and missing:
             raise self._missing(missing)
@@ -209,6 +212,13 @@ class _Document:
 
     def _error(self, place: Position | None, column: int | None, message: str) -> InputError:
         return InputError(self.path, place.line if place else None, column, message)
+
+
+def _all_of(errors: list[InputError]) -> InputError:
+    """Make one of them, at the place of the first."""
+    first, *others = errors
+    further = (f"line {error.line or '?'}: {error.message}" for error in others)
+    return InputError(first.path, first.line, first.column, "; ".join((first.message, *further)))
 
 
 def _known() -> Iterator[KeyPath]:

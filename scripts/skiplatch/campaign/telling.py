@@ -9,6 +9,7 @@ from skiplatch.campaign.folder import Campaign
 from skiplatch.campaign.kind import Kind
 from skiplatch.campaign.nominal import KEYS, Nominal
 from skiplatch.campaign.touches import Touches
+from skiplatch.tables import counted
 
 # What a column or a key is for; where there is none of that, nobody misses it.
 _OF_A_BENCH = {"edge_us"}
@@ -84,6 +85,10 @@ def cannot_be_told(campaign: Campaign) -> list[str]:
         said.append("positions at rest: nothing shows that goes by time or comes with a touch")
     elif _one_value(touches.feed_mm_min):
         said.append("one feed: a delay and a length look alike; touch at a second feed")
+    elif _feeds_are_apart(campaign.nominal, touches):
+        said.append(
+            "one feed a session: a delay and a place look alike; touch at two feeds in one session"
+        )
     if campaign.nominal.kind is Kind.MACHINE:
         said += _not_varied_on_a_machine(touches, at_rest=at_rest)
         said += [HIDES_BACKLASH] if hides_backlash(campaign.nominal, touches) else []
@@ -91,7 +96,7 @@ def cannot_be_told(campaign: Campaign) -> list[str]:
         said.append("one temperature: growth with it does not show; touch while the rig warms up")
     count = len(campaign.touches)
     if count < _FEW_TOUCHES:
-        said.append(f"{count} touches: only what stands far out of the scatter shows")
+        said.append(f"{counted(count, 'touch')}: only what stands far out of the scatter shows")
     return said + _order_lost(campaign.touches)
 
 
@@ -127,6 +132,14 @@ def _not_varied_on_a_machine(touches: Touches, *, at_rest: bool) -> list[str]:
     if _one_value(touches.alpha_deg) and not at_rest:
         said.append("one direction: the probe's lobes do not show; touch from others")
     return said
+
+
+def _feeds_are_apart(nominal: Nominal, touches: Touches) -> bool:
+    """Tell whether feeds differ only where the surface may lie elsewhere, too."""
+    names, feeds = datum_names(nominal, touches), touches.feed_mm_min
+    if names is None or not np.isfinite(feeds).all() or _one_value(feeds):
+        return False
+    return all(_one_value(feeds[names == name]) for name in np.unique(names))
 
 
 def _one_value(values: FloatArray) -> bool:

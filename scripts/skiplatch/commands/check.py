@@ -13,6 +13,7 @@ from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.stand_ins import refuse_unplayable
+from skiplatch.tables import counted
 
 EPILOG = """\b
 Example:
@@ -47,7 +48,7 @@ def check_text(campaign: Campaign) -> str:
         ("Not recorded or left out, and what cannot be told for it", lost),
         ("Not varied, and what would help", cannot_be_told(campaign)),
     )
-    lines = [f"{campaign.path}: {kind} campaign, {n} touches"]
+    lines = [f"{campaign.path}: {kind} campaign, {counted(n, 'touch')}"]
     for head, found in parts:
         lines += ["", head, *(f"  {line}" for line in found or ["nothing"])]
     return "\n".join(lines)

@@ -17,6 +17,7 @@ from skiplatch.commands.options import (
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.comparison import DEFAULT_ALPHA, as_json, as_text, compare
 from skiplatch.stand_ins import read_playable
+from skiplatch.tables import counted
 
 EPILOG = """\b
 Example:
@@ -59,7 +60,9 @@ def command(
     """
     recorded = read_playable(campaign)
     comparison = compare(recorded, seed=seed, jobs=jobs, alpha=alpha)
-    click.echo(f"{campaign}: {recorded.nominal.kind} campaign, {len(recorded.touches)} touches\n")
+    click.echo(
+        f"{campaign}: {recorded.nominal.kind} campaign, {counted(len(recorded.touches), 'touch')}\n"
+    )
     click.echo(as_text(comparison))
     write_json(json_path, {"campaign": str(campaign), **as_json(comparison)})
     if html_path is not None:

@@ -39,6 +39,7 @@ from skiplatch.probing_program import FILES, KINDS, Programs, programs, refuse_n
 from skiplatch.probing_touches import FEED_STEPS_MM_MIN, as_logged, path_of
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable, refuse_unplayable
+from skiplatch.tables import counted
 
 EPILOG = """\b
 Example:
@@ -130,7 +131,7 @@ def command(
     for path, text in texts.items():
         atomic_write_text(path, text)
     click.echo("\n".join(filter(None, (experiment_text(experiment), words.not_told(tied)))))
-    click.echo(f"{', '.join(map(str, texts))}: {len(experiment.touches)} touches{then}")
+    click.echo(f"{', '.join(map(str, texts))}: {counted(len(experiment.touches), 'touch')}{then}")
     logged = {} if gcode is None else {"programs_leave_tied": [list(group) for group in tied]}
     write_json(json_path, {**experiment_json(experiment), **logged})
 

@@ -25,6 +25,7 @@ from skiplatch.commands.worker_options import cluster_option, limit_option
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import read_playable
+from skiplatch.tables import counted
 from skiplatch.transmission.source import read_axis_train
 from skiplatch.workers import Workers
 
@@ -159,7 +160,7 @@ def command(
 def _said(recorded: Campaign, told: Told) -> Told:
     """Print what was found in a campaign."""
     kind, touches = recorded.nominal.kind, len(recorded.touches)
-    click.echo(f"{recorded.path}: {kind} campaign, {touches} touches\n\n{told.text}")
+    click.echo(f"{recorded.path}: {kind} campaign, {counted(touches, 'touch')}\n\n{told.text}")
     return told
 
 

@@ -12,6 +12,8 @@ from skiplatch.commands.inputs import FILE
 from skiplatch.commands.options import Decorator, write_json
 from skiplatch.importing.model import Imported
 from skiplatch.importing.writing import write_imported
+from skiplatch.tables import counted
+from skiplatch.touched_often import touches_repeat
 
 path_option: Decorator = click.option(
     "--path",
@@ -51,7 +53,8 @@ def finish(
         ("Odd", odd),
         ("Cannot be told from it", untold),
     )
-    click.echo(f"wrote {out}: {campaign.nominal.kind} campaign, {len(campaign.touches)} touches")
+    n = counted(len(campaign.touches), "touch")
+    click.echo(f"wrote {out}: {campaign.nominal.kind} campaign, {n}")
     for head, lines in parts:
         if lines:
             click.echo(f"\n{head}")
@@ -65,7 +68,9 @@ def finish(
 
 def _next(campaign: Campaign, out: Path) -> str:
     """Name the commands that take the campaign; a machine's diagnosis needs every feed."""
-    steps = [f"skiplatch check {out}", f"skiplatch repeat {out}"]
+    steps = [f"skiplatch check {out}"]
+    if touches_repeat(campaign):
+        steps.append(f"skiplatch repeat {out}")
     is_touch = campaign.nominal.kind is Kind.MACHINE and not campaign.nominal.datum.is_at_rest
     if is_touch and np.isnan(campaign.touches.feed_mm_min).any():
         return (

@@ -18,7 +18,7 @@ from skiplatch.importing.writing import write_imported
 from skiplatch.latch.text import TITLES
 from skiplatch.repeatability import Repeatability, by_path
 from skiplatch.repeatability_words import OfPath, an_hour, rows_of, sentence
-from skiplatch.tables import table
+from skiplatch.tables import counted, table
 
 SHOWN = 12
 _TOLD = {"first": "first_touch", "order": "drift", "axis": "axis_drift", "speed": "slope"}
@@ -116,7 +116,7 @@ def _read(source: Path) -> tuple[Campaign, str, list[str]]:
             write_imported(Path(folder) / "made", imported, (source,))
             campaign = replace(read_campaign(Path(folder) / "made"), path=source)
         kind, assumed = f"log of {name}", imported.assumed
-    return campaign, f"{source}: {kind}, {len(campaign.touches)} touches", assumed
+    return campaign, f"{source}: {kind}, {counted(len(campaign.touches), 'touch')}", assumed
 
 
 def document(shown: Sequence[OfPath]) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from skiplatch.importing.presets import PRESETS, Preset
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
 from skiplatch.importing.touch_times import begun_before
 from skiplatch.numbers import NUMBER
+from skiplatch.tables import counted
 from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
 _SETTING = re.compile(rf"\$([0-9]{{1,3}})\s*=\s*({NUMBER})")
@@ -274,8 +275,8 @@ class _Reader:
             found.assumed.append("probing commands beside an ok do not tell which reply is theirs")
         if self._without_sense:
             found.assumed.append(
-                f"the sense of {self._without_sense} touches is not known, as no G91 and no place "
-                "before them tells it: log the commands from the beginning"
+                f"the sense of {counted(self._without_sense, 'touch')} is not known, as no G91 and "
+                "no place before tells it: log the commands from the beginning"
             )
         if any(touch.axis == "Z" for touch in self.touches):
             found.assumed.append("Z was touched from above where no command says otherwise")

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from skiplatch.importing.model import Touch
 from skiplatch.importing.probe_move import AXES
 from skiplatch.numbers import NUMBER
+from skiplatch.tables import counted
 
 _STATUS = re.compile(r"<[A-Z]\w*(?::\d+)?\|[^>]*")
 _SPEED = re.compile(rf"\|FS?:({NUMBER})")
@@ -84,4 +85,4 @@ def limit(touches: Iterable[Touch], settings: Mapping[int, float]) -> list[str]:
         if touch.feed is not None and 0.0 < fastest < touch.feed:
             touch.feed = fastest
             limited[f"${number} is {fastest:g} mm/min"] += 1
-    return [f"{n} touches slower than asked for, as {why}" for why, n in limited.items()]
+    return [f"{counted(n, 'touch')} slower than asked for, as {why}" for why, n in limited.items()]

@@ -17,6 +17,7 @@ from skiplatch.importing.klipper_torn import PROBE, Lacking, without_torn_end
 from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import Imported
 from skiplatch.numbers import NUMBER
+from skiplatch.tables import counted
 from skiplatch.units import S_PER_MIN
 
 _WRAPPED = re.compile(rf"\bprobe(?:: at| at) {NUMBER},\s*{NUMBER},?$", re.IGNORECASE)
@@ -284,11 +285,11 @@ class _Reader(Console):
         if self._feeds_from:
             found.known.append(f"feeds from {' and '.join(self._feeds_from)}")
         found.known += [
-            f"{touches} touches slower than asked for, as {why}"
+            f"{counted(touches, 'touch')} slower than asked for, as {why}"
             for why, touches in self._limited.items()
         ]
         if self._at_default:
             found.assumed.append(
-                f"{self._at_default} touches at Klipper's default of {_DEFAULT_SPEED_MM_S:g} mm/s: "
-                "the log does not say their speed; else give --feed"
+                f"{counted(self._at_default, 'touch')} at Klipper's default of "
+                f"{_DEFAULT_SPEED_MM_S:g} mm/s: the log does not say their speed; else give --feed"
             )

@@ -18,6 +18,7 @@ from skiplatch.importing.linuxcnc_rows import read_rows
 from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
+from skiplatch.tables import counted
 from skiplatch.units import MM_PER_INCH
 
 LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
@@ -90,7 +91,9 @@ def read_linuxcnc(
     fallback = axis or _probed_axis(rows)
     guessed = sum(not (move and move.axis) for move in matched)
     if guessed and not axis:
-        untold = f"the program does not tell the axis of {guessed} touches: " if moves else ""
+        untold = (
+            f"the program does not tell the axis of {counted(guessed, 'touch')}: " if moves else ""
+        )
         found.assumed.append(
             f"{untold}axis {fallback}, whose coordinates look touched; else give --axis"
         )

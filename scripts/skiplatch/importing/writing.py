@@ -31,6 +31,7 @@ from skiplatch.importing.model import Figure, Figures, Imported, Touch
 from skiplatch.importing.placing import as_touches, machine_thermometer
 from skiplatch.importing.presets import PRESETS
 from skiplatch.importing.probe_move import LINEAR
+from skiplatch.tables import counted
 
 WIDTH = 98
 
@@ -211,5 +212,5 @@ def _quoted(text: str) -> str:
 def _surfaces(surfaces: Mapping[str, int]) -> str:
     n = sum(surfaces.values())
     if len(surfaces) == 1:
-        return f"{n} touches of one surface"
-    return f"{n} touches of {len(surfaces)} surfaces"
+        return f"{counted(n, 'touch')} of one surface"
+    return f"{counted(n, 'touch')} of {len(surfaces)} surfaces"
