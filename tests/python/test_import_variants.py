@@ -420,3 +420,32 @@ def test_log_of_another_kind_is_named(
     said = refused("import", kind, str(tmp_path / "p.log"), "-o", str(tmp_path / "c"))
 
     assert f"no touches of {kind}, but of {other}: skiplatch import {other} reads them" in said
+
+
+REPORT = """----------------------------------------------------
+COMPONENT NO 1            FEATURE NO 1
+----------------------------------------------------
+SIZE D50.0000   ACTUAL 50.0204   TOL 0.0500     DEV 0.0204
+POSN X80.0000   ACTUAL 79.9764   TOL TP 0.2000  DEV -0.0236
+"""
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        *COMMANDS,
+        ["import", "csv", "--map", "deviation_um=DEV [mm]"],
+        ["import", "csv", "--map", "coordinate_mm=ACTUAL", "--axis", "X"],
+    ],
+)
+def test_report_of_features_says_what_to_print_instead(
+    tmp_path: Path, refused: Program, command: list[str]
+) -> None:
+    """In the form that appendix G of the manual of Inspection Plus gives."""
+    (tmp_path / "r.txt").write_text(REPORT)
+    out = ["-o", tmp_path / "x"] if command[0] == "import" else []
+
+    said = refused(*command, tmp_path / "r.txt", *out)
+
+    assert "r.txt: a report of features, each worked out of several touches: print where" in said
+    assert "DPRNT[X#5061[44]]" in said

@@ -29,6 +29,8 @@ _MAPS: Mapping[str, re.Pattern[str]] = {
     "Repetier-Firmware": re.compile(r"CurrentZ:-?[\d.]+ atZ:|Z-probe average height:"),
 }
 """What a map of the bed looks like, which is worked out of one touch of each place."""
+_FEATURE = re.compile(r"\b(?:POSN|SIZE)\s+[XYZD]\s*-?[\d.]+\s+ACTUAL\s+-?[\d.]+")
+"""What Renishaw's Inspection Plus and Productivity+ print of a feature."""
 _TABLE = "a head, such as Z [mm], for import csv --map coordinate_mm=Z --axis Z"
 
 
@@ -40,6 +42,9 @@ def advice(text: str, kind: str = "") -> str:
     if name := _name(text, _TOUCHES):
         how = f"put their coordinates into a table with {_TABLE}"
         return f"touches of {name}, whose logs are not read: {how}"
+    if _FEATURE.search(text):
+        how = "print where each touch was latched, as DPRNT[X#5061[44]] does, for import csv"
+        return f"a report of features, each worked out of several touches: {how}"
     if name := _name(text, _MAPS):
         how = f"touch one several times, and put its coordinates into a table with {_TABLE}"
         return f"a map of the bed by {name}, with one touch of each place: {how}"

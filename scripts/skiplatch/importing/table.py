@@ -73,7 +73,7 @@ def read_table(
         raise InputError(path, None, None, "expected a header row, got an empty file")
     (header_line, header), body = rows[0], rows[1:]
     heads = [head.strip() for head in header]
-    refuse_no_head(path, header_line, heads, sheet.title)
+    refuse_no_head(path, rows, sheet.title)
     mapped = [in_table(path, header_line, heads, m) for m in mapped]
     sheet.marks.refuse_doubtful(path, {heads.index(m.head) for m in mapped})
     found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")

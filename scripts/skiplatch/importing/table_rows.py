@@ -15,6 +15,7 @@ from skiplatch.importing.spreadsheets import tells
 from skiplatch.numbers import NUMBER
 
 _NUMBER = re.compile(NUMBER)
+_ROWS = 20  # from the head on, that are looked at
 
 _OUTCOMES = {COORDINATE, "edge_us", *(name for name in COLUMNS if COLUMNS[name].is_outcome)}
 """Columns that tell what came of a touch."""
@@ -45,15 +46,16 @@ def touched(
     return kept
 
 
-def refuse_no_head(path: Path, line: int, heads: Sequence[str], title: Sequence[str]) -> None:
-    """Refuse numbers in place of names, and a map of the bed, whose head names no touches.
+def refuse_no_head(path: Path, rows: Sequence[Row], title: Sequence[str]) -> None:
+    """Refuse numbers in place of names, and what is no list of touches, such as a map of the bed.
 
     Columns may be numbered 1, 2, 3; numbers with decimals among them are measured ones.
 
     Raises:
         InputError: It is one.
     """
-    if said := advice("\n".join([*title, *heads])):
+    line, heads = rows[0][0], [head.strip() for head in rows[0][1]]
+    if said := advice("\n".join([*title, *heads, *(" ".join(row) for _, row in rows[1:_ROWS])])):
         raise InputError(path, None, None, said)
     numbers = [head for head in heads if _NUMBER.fullmatch(head)]
     if 2 * len(numbers) > len(heads) and any("." in number for number in numbers):
