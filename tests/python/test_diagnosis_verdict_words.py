@@ -35,6 +35,11 @@ ARE_FAR_OFF = "40 of 200 touches are far off all plays: that is no accident"
         ),
         (
             "shrinks",
+            Evidence(gaps=gaps(gap(-0.6), gap(0.9))),
+            "the gap shrinks for certain only: observable_0 not at all",
+        ),
+        (
+            "shrinks",
             Evidence(gaps=gaps(gap(0.9, is_clear=False))),
             "no gap is clear enough to tell that all of it is gone",
         ),

@@ -212,6 +212,10 @@ def test_a_log_imported_with_the_nominal_of_the_rig_is_of_it(
     """Its datum goes with its own surfaces."""
     tied = made(LAG, ("deviation_um",), 40, seed=3)
     rig = written(tmp_path / "tied", replace(MACHINE, datum=Datum(DatumFreedom.NONE)), tied.touches)
+    nominal_toml = Path(rig, "nominal.toml")
+    nominal_toml.write_text(
+        nominal_toml.read_text().replace("[probe]", "[probe]\ncalibrated_at_c = 20.0")
+    )
     (tmp_path / "p.ngc").write_text("G0 Z1\nG38.2 Z-5 F100\nG0 Z1\nG38.2 Z-5 F200\n")
     (tmp_path / "p.txt").write_text("0 0 -3 0 0 0 0 0 0\n0 0 -3.01 0 0 0 0 0 0\n")
     log = ("linuxcnc", str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc"))

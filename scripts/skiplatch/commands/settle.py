@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from skiplatch.campaign import COLUMNS, NOMINAL_FILE, Campaign, Nominal
+from skiplatch.campaign import COLUMNS, KEYS, NOMINAL_FILE, Campaign, Nominal
 from skiplatch.campaign.datum import Datum
 from skiplatch.campaign.nominal import in_version
 from skiplatch.campaign.telling import HIDES_BACKLASH, hides_backlash
@@ -69,7 +69,10 @@ def _refuse_another_rig(campaign: Path, recorded: Campaign, made: Path, further:
 
 
 def _of_the_rig(nominal: Nominal) -> Nominal:
-    return in_version(replace(nominal, datum=Datum.of_kind(nominal.kind)), 2)
+    """Leave out what goes with the touches, and whether a later key was written or is a default."""
+    unknown = frozenset(path for path in nominal.unknown if KEYS[path].since == 1)
+    own = replace(nominal, datum=Datum.of_kind(nominal.kind), unknown=unknown)
+    return in_version(own, 2)
 
 
 def _refuse_the_same(campaign: Path, recorded: Campaign, made: Path, further: Campaign) -> None:

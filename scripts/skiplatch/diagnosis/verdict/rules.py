@@ -84,7 +84,7 @@ def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> str:
 
 def _shrinks(evidence: Evidence, threshold: float) -> str:
     small = [
-        f"{n} by {g.shrink.low:.0%}"
+        f"{n} by {g.shrink.low:.0%}" if g.shrink.low > 0.0 else f"{n} not at all"
         for n, g in _clear(evidence.gaps).items()
         if g.shrink.low < threshold
     ]
