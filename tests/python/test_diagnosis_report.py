@@ -646,3 +646,17 @@ def test_backlash_along_axes_alone_may_be_a_stylus_off_its_centre(
     said = notes(scene, Verdict.EXPLAINED, [], [], named)
 
     assert any("a stylus off its centre looks like backlash" in one for one in said) is is_said
+
+
+def test_touches_to_make_stand_within_a_narrow_page(window: Browser, tmp_path: Path) -> None:
+    campaign, diagnosis = explained()
+    touches = campaign.touches.select(slice(20))
+    odd = {"feed_mm_min": 2999.5, "approach_mm": 12.345, "position_mm": -136.634}
+    columns = {**touches.columns(), **{name: np.full(20, value) for name, value in odd.items()}}
+    experiment = Experiment("x", None, Touches.from_columns(**columns), 0.1, 0.9, 12, (("a",),))
+    path = tmp_path / "page.html"
+    path.write_text(as_html(campaign, diagnosis, name="a", seed=1, next_experiment=experiment))
+
+    window.open(path, "light", NARROW_PX)
+
+    assert window.evaluate(ASIDE) == []
