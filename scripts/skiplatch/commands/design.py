@@ -155,7 +155,7 @@ def _left(
 ) -> tuple[Sequence[tuple[Effect, ...]], str]:
     """Give the models that a diagnosis leaves, and its verdict."""
     if path is None:
-        diagnosis = diagnose(recorded, seed=seed, jobs=jobs)
+        diagnosis = diagnose(recorded, seed=seed, jobs=jobs, is_shown=True)
         return rivals(diagnosis), str(diagnosis.verdict)
     models, verdict = read_diagnosis_json(path, models_from_json)
     if not other_touches:

@@ -140,7 +140,7 @@ def command(
     )
     kept, page = Kept.beside(json_path), ""
     if len(campaigns) == 1 and cluster is None:
-        found = examine(recorded[0], asked, jobs)
+        found = examine(recorded[0], asked, jobs, is_shown=True)
         done = [_said(recorded[0], told_of(found))]
         if html_path is not None:
             page = _page(recorded[0], found, campaigns[0].resolve().name, seed, jobs)

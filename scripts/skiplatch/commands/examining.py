@@ -54,14 +54,22 @@ class Examined:
         return self.diagnosis.verdict not in (Verdict.NO_GAP, Verdict.UNDECIDED)
 
 
-def examine(recorded: Campaign, asked: Asked, jobs: int) -> Examined:
-    """Diagnose a campaign and say what was found; `jobs` threads work on it."""
+def examine(recorded: Campaign, asked: Asked, jobs: int, *, is_shown: bool = False) -> Examined:
+    """Diagnose a campaign and say what was found.
+
+    Args:
+        recorded: The campaign.
+        asked: What is asked of it.
+        jobs: Processes and threads that work on it.
+        is_shown: A terminal shows how much is done.
+    """
     diagnosis = diagnose(
         recorded,
         seed=asked.seed,
         jobs=jobs,
         materiality=asked.materiality,
         truth=asked.truth or None,
+        is_shown=is_shown,
     )
     experiment = next_experiment(recorded, diagnosis, seed=asked.seed, jobs=jobs)
     sources = periodic_sources([named.effect for named in diagnosis.effects], asked.train)

@@ -50,7 +50,7 @@ def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | 
     recorded, further = read_playable(campaign), read_playable(made)
     _refuse_another_rig(campaign, recorded, made, further)
     _refuse_the_same(campaign, recorded, made, further)
-    models = rivals(diagnose(recorded, seed=seed, jobs=jobs))
+    models = rivals(diagnose(recorded, seed=seed, jobs=jobs, is_shown=True))
     standings = outcome(recorded, further, models, seed=seed, jobs=jobs) if models else []
     nats = borne_out_nats(recorded, further, standings[0].model) if standings else 0.0
     click.echo(_text(standings, nats, further))

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -26,6 +27,7 @@ from skiplatch.diagnosis.verdict.named import sure
 from skiplatch.diagnosis.verdict.reliability import standing
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide
 from skiplatch.diagnosis.verdict.work import Work
+from skiplatch.progress import Counted
 from skiplatch.simulator.effects import Effect
 from skiplatch.ways import Ways
 
@@ -40,6 +42,7 @@ def diagnose(
     jobs: int = 1,
     materiality: Materiality = DEFAULT,
     truth: Sequence[Effect] | None = None,
+    is_shown: bool = False,
 ) -> Diagnosis:
     """Diagnose a recorded campaign; what is not material is no gap.
 
@@ -49,12 +52,14 @@ def diagnose(
         jobs: Processes and threads; the result does not depend on it.
         materiality: From which size on a gap is one.
         truth: The effects of a simulated campaign, for an oracle beside the shrink.
+        is_shown: A terminal shows how much is done.
     """
     whole = scene_of(campaign)
     scene = _drawn(whole, seed)
     executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
+    counted = partial(Counted, title="diagnosing") if is_shown else nullcontext
     # Products here are small: threads that wait for them take a processor from others.
-    with threadpool_limits(1), executor as pool:
+    with threadpool_limits(1), executor as processes, counted(processes) as pool:
         work = Work(scene, pool, seed, jobs, materiality)
         found = _diagnosis(work, concluded(work, truth))
     odd = [oddity.line for oddity in oddities(campaign)]
