@@ -71,11 +71,7 @@ bool hal_edge_level(uint8_t channel)
 /* The time of which the position is read. */
 static sim_ns_t position_time(void)
 {
-    sim_ns_t time = bound->now + bound->captured_later;
-    if (!sim_effects_reach(&bound->effects, SIM_POSITION_TIME)) {
-        return time;
-    }
-    return sim_ns_from_us(sim_change(bound, SIM_POSITION_TIME, sim_us_from_ns(time)));
+    return sim_change_time(bound, SIM_POSITION_TIME, bound->now + bound->captured_later);
 }
 
 int32_t hal_axis_position_counts(uint8_t axis)

@@ -101,6 +101,9 @@ int32_t sim_counts(const sim_t *sim, double position_um);
 /* A time at which `ticks` more of the device clock are over; SIM_NEVER for UINT32_MAX. */
 sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks);
 
+/* A time of the master clock, changed by effects that go by the device clock. */
+sim_ns_t sim_change_time(sim_t *sim, sim_quantity_t quantity, sim_ns_t time);
+
 /* Wake the task at that time. */
 void sim_wake_after(sim_t *sim, uint32_t ticks);
 

@@ -13,6 +13,15 @@ static sim_ns_t device_time(sim_t *sim, sim_ns_t time)
     return sim_ns_from_us(sim_change(sim, SIM_CLOCK, sim_us_from_ns(time)));
 }
 
+sim_ns_t sim_change_time(sim_t *sim, sim_quantity_t quantity, sim_ns_t time)
+{
+    if (!sim_effects_reach(&sim->effects, quantity)) {
+        return time;
+    }
+    double device_us = sim_us_from_ns(device_time(sim, time));
+    return time + sim_ns_from_us(sim_change(sim, quantity, device_us) - device_us);
+}
+
 bool sim_clock_goes_on(sim_t *sim)
 {
     if (!sim_effects_reach(&sim->effects, SIM_CLOCK)) {

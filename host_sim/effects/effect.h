@@ -28,7 +28,7 @@ typedef enum {
     SIM_SCAN_START,    /* µs by which one scan begins late; see sim_effects_most_us */
     SIM_SCAN_PHASE,    /* 0 … 1: where in a scan period the pin changes */
     SIM_IMAGE_DELAY,   /* scans, once */
-    SIM_POSITION_TIME, /* µs, master clock: the time of which the position is read */
+    SIM_POSITION_TIME, /* µs, device clock: the time of which the position is read */
     SIM_POSITION,      /* µm past the surface */
     SIM_READING,       /* the same, as an encoder with lines of its own reads it */
     SIM_REPORT         /* µs of travel of a report */

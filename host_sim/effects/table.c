@@ -29,7 +29,7 @@ static const sim_effect_t EFFECTS[] = {
      SIM_PROBE_DELAY, effect_delay},
     {{"link_slotting", "link", "both", "the link delivers triggers only at slot boundaries",
       {{"slot_us", "µs", "from one slot to the next", 1.0, 20000.0},
-       {"phase_deg", "deg", "of the slots on the device clock; 0: anywhere in each run", 0.0, 360.0}}},
+       {"phase_deg", "deg", "of the slots on a clock without drift; 0: anywhere in each run", 0.0, 360.0}}},
      SIM_LINK, effect_link_slotting},
     {{"link_retry", "link", "both", "a trigger lost on the link arrives one or more retries late",
       {{"probability", "1", "of losing one attempt", 0.0, 0.9},

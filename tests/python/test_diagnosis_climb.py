@@ -15,7 +15,7 @@ from skiplatch.diagnosis.fit.climb import climb
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.likelihood.likelihood import Likelihood, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search import judge as judging
+from skiplatch.diagnosis.search import scored as gaining
 from skiplatch.diagnosis.search import scorer as scoring
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
@@ -79,7 +79,7 @@ def test_a_scene_is_not_worked_on_while_tasks_with_it_are_under_way(
         seen.append(pool.is_under_way)
         return likelihood(part, change, **rest)  # type: ignore[arg-type]
 
-    for module in (judging, scoring):
+    for module in (gaining, scoring):
         monkeypatch.setattr(module, "likelihood", watched)
     judge = Judge(scene, split(len(scene), 1), executor=pool)
     late = Fit((CANDIDATES["isr_latency"],), (np.array([1.0, 0.0, 0.0]),), frozenset())

@@ -65,6 +65,20 @@ def test_servo_hold_updates_at_its_phase_on_the_clock(path: InputPath) -> None:
 
 
 @both_paths
+def test_servo_hold_updates_by_a_device_clock_that_drifts(path: InputPath) -> None:
+    touches = mixed_touches(400, seed=1, path=path)
+    drift = Effect("timer_drift", {"drift_ppm": 50.0})
+    hold = Effect("servo_hold", {"period_us": 2500.0, "phase_deg": 90.0})
+    before, after = run(touches, drift, seed=1), run(touches, drift, hold, seed=1)
+    speed_um_us = touches.feed_mm_min / 6e4
+    fast = speed_um_us > 0.01
+    age_us = (before.deviation_um[0] - after.deviation_um[0]) / speed_um_us
+
+    read_us = (before.latch_us[0] - age_us)[fast]
+    assert_close((read_us - 0.25 * 2500.0 + 1.0) % 2500.0, 1.0, 0.5)
+
+
+@both_paths
 @pytest.mark.parametrize("lag_us", [-80.0, 300.0])
 def test_following_error_reads_ahead_by_the_way_of_the_lag(path: InputPath, lag_us: float) -> None:
     played = trace(path, "following_error", lag_us=lag_us)

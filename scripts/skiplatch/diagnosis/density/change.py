@@ -61,7 +61,7 @@ class Change:
     tick_line_us: float = 0.0
     """A stamp at such a tick, 0 where coarse and believed ticks have the same origin."""
     slots: tuple[float, float] | None = None
-    """Period and phase in µs of the slots on the device clock in which alone triggers arrive."""
+    """Period and phase in µs of the slots in which triggers arrive, on a clock without drift."""
     report_us: Number = 0.0
     pin_extra: tuple[Extra, ...] = ()
     skip_extra: tuple[Extra, ...] = ()

@@ -168,14 +168,15 @@ static residual_part_t *parts_of(const sim_residuals_t *of)
 int sim_law_at_best_datum(const sim_residuals_t *of, const sim_datum_t *datum, double *found,
                           double *log_densities)
 {
+    const uint32_t   group_count = datum->group_count;
     double          *work = calloc((GUESS_ROOM + 1u) * of->n + 1u, sizeof *work);
     residual_part_t *parts = parts_of(of);
-    uint64_t        *members = calloc(of->n + datum->group_count + 1u, sizeof *members);
+    uint64_t        *members = calloc(of->n + group_count + (uint64_t)1, sizeof *members);
     bool             is_room = work != NULL && parts != NULL && members != NULL;
     if (is_room) {
         uint64_t *begins = members + of->n;
         sort(of, datum, members, begins);
-        for (uint32_t g = 0; g < datum->group_count; ++g) {
+        for (uint32_t g = 0; g < group_count; ++g) {
             group_t group = {.of = of,
                              .datum = datum,
                              .parts = parts,

@@ -23,7 +23,7 @@ KEPT = 0.5
 """Mean of the stamps as turns of the scan, from which on they keep to its grid."""
 FEWEST_STAMPS = 16
 ON_THE_CLOCK = {"servo_hold": "period_us", "link_slotting": "slot_us"}
-"""Effects with a phase on the device clock, and the name of their period."""
+"""Effects with a phase on a clock, and the name of their period."""
 TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
 
 

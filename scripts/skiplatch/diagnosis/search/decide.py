@@ -6,13 +6,14 @@ other touches than it was fitted to.
 Several first effects are kept open, for the best of them may be one that takes two for its scatter.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
+from skiplatch.diagnosis.search.first import beside_its_beliefs, first_effects
 from skiplatch.diagnosis.search.groups import TIED, group_of, ranked_group
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.reform import BETTER, reformed
-from skiplatch.diagnosis.search.scored import ENOUGH_FIT, Scored, without_twins, worth
+from skiplatch.diagnosis.search.scored import ENOUGH_FIT, Noticed, Scored, without_twins, worth
 
 MOST_EFFECTS = 4
 PLAIN_SECOND = 0.2
@@ -28,9 +29,6 @@ BEAM = 2
 MOST_TURNED = 3
 """Pairs that are searched from their second effect as well."""
 MOST_SWAPS = 2
-
-Noticed = Callable[[Scored | None], frozenset[str]]
-"""Names the streams in which something can still be seen once a model, or nothing, is played."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -74,11 +72,10 @@ def find(judge: Judge, noticed: Noticed) -> Finding:
 
 
 def _searched(judge: Judge, noticed: Noticed) -> Finding:
-    ranked = _first(judge, noticed)
+    ranked = first_effects(judge, noticed)
     if not ranked or not judge.is_significant(ranked[0]):
         return Finding(None, ranking=tuple(ranked))
-    judge.believe_beside(ranked[0].fit)
-    ranked = sorted(map(judge.scored_anew, ranked), key=lambda scored: -scored.score)
+    ranked = beside_its_beliefs(judge, ranked)
     best = ranked[0]
     if not _asks_for_more(judge, best, noticed):
         return _single(judge, best, ranked)
@@ -92,7 +89,7 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
             ranked = [best, *(s for s in ranked if s.ids != best.ids)]
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
-    model, tried = judge.scored_anew(pairs[0]), [judge.scored_anew(one) for one in pairs]
+    model, tried = judge.score(pairs[0].fit), [judge.score(one.fit) for one in pairs]
     while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
         better = reformed(judge, model)
         if better is not model:
@@ -102,7 +99,7 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
         if not further:
             break
         judge.believe_beside(further[0].fit)
-        model, tried = judge.scored_anew(further[0]), [judge.scored_anew(one) for one in further]
+        model, tried = judge.score(further[0].fit), [judge.score(one.fit) for one in further]
     return several(judge, model, tried)
 
 
@@ -125,24 +122,8 @@ def finds_any(judge: Judge, noticed: Noticed, likely: Collection[str]) -> bool:
     judge.believe_beside(None)
     tried_first = judge.singles(likely)
     return any(map(judge.is_enough, tried_first)) or any(
-        map(judge.is_enough, _first(judge, noticed))
+        map(judge.is_enough, first_effects(judge, noticed))
     )
-
-
-def _first(judge: Judge, noticed: Noticed) -> list[Scored]:
-    """Give every effect alone, and those that begin or end where no lasting one will do.
-
-    One that acts for long shows as it is fitted to all touches, one that acts at an end by what any
-    that lasts leaves. They stand beside beliefs that fit without any; by falling score.
-    """
-    judge.believe_beside(None)
-    ranked = judge.singles()
-    best = ranked[0] if ranked and judge.is_significant(ranked[0]) else None
-    if not ranked or not (judge.may_begin(ranked) or noticed(best)):
-        return ranked
-    least = ranked[0].score + TIED  # one that lasts will do as well
-    begun = [one for one in judge.passing(ranked) if one.score > least]
-    return sorted([*begun, *ranked], key=lambda scored: -scored.score)
 
 
 def _single(judge: Judge, best: Scored, ranked: Sequence[Scored]) -> Finding:

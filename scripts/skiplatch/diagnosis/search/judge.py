@@ -8,19 +8,28 @@ from typing import TypeVar
 
 import numpy as np
 
+from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.applicable import acts
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.beliefs import Belief, Fitted, fit_beliefs, uncertain
-from skiplatch.diagnosis.fit.fit import SLACKS, WORTH_A_REFINEMENT, Fit
+from skiplatch.diagnosis.fit.fit import WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import ends_of, gained_by_an_end, outlives_datum, proposed
-from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood
+from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.parts import Split
-from skiplatch.diagnosis.search.scored import ENOUGH_FIT, PLAIN, Scored, without_twins, worth
+from skiplatch.diagnosis.search.scored import (
+    ENOUGH_FIT,
+    PLAIN,
+    Scored,
+    falling,
+    gain_of,
+    without_twins,
+    worth,
+)
 from skiplatch.diagnosis.search.scorer import Scorer
 from skiplatch.diagnosis.search.tasks import (
     both,
@@ -69,6 +78,8 @@ class Judge(Scorer):
             materiality: From which size on a change matters.
         """
         self._believed, self._executor = scene, executor
+        self.stated = scene.nominal
+        """The chain as nominal.toml states it."""
         self._left_out: set[str] = set()
         super().__init__(scene, parts, materiality)
 
@@ -103,13 +114,12 @@ class Judge(Scorer):
         it would take up any gap.
         """
         beliefs = [b for b in uncertain(self._believed.nominal) if not b.is_noise]
-        nominal = self._fit_beside(model, beliefs).nominal
+        self.believe(self._fit_beside(model, beliefs).nominal)
+
+    def believe(self, nominal: Nominal) -> None:
+        """Hold models from now on against a chain."""
         if nominal != self.scene.nominal:
             self._look_at(self._believed.with_nominal(nominal))
-
-    def scored_anew(self, scored: Scored) -> Scored:
-        """Score a model against the beliefs of now."""
-        return self.score(scored.fit)
 
     def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
         """Every candidate, or those of some effects, alone; by falling score."""
@@ -129,8 +139,8 @@ class Judge(Scorer):
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in ends_of(self._fitting):
             there = self._each(fit_roughly, [(part, c, NOTHING) for c in self._candidates()])
-            gains = [_gain(part, one, NOTHING) for one in there]
-            best = _falling(gains)[:ALSO_PASSING]
+            gains = [gain_of(part, one, NOTHING) for one in there]
+            best = falling(gains)[:ALSO_PASSING]
             fits += [there[i] for i in best if gains[i] > WORTH_A_REFINEMENT]
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
         # One that gains less than a lasting effect is none.
@@ -152,9 +162,9 @@ class Judge(Scorer):
         self, fits: Sequence[Fit], given: Change = NOTHING, beside: float = 0.0
     ) -> list[Fit]:
         """Give fits that come near the best of them, or near what else gains, other forms."""
-        gains = [_gain(self._fitting, found, given) for found in fits]
+        gains = [gain_of(self._fitting, found, given) for found in fits]
         least = max(WORTH_A_REFINEMENT, CONTENDS * max(beside, *gains, 0.0))
-        near = [i for i in _falling(gains)[:MOST_POLISHED] if gains[i] >= least]
+        near = [i for i in falling(gains)[:MOST_POLISHED] if gains[i] >= least]
         formed = self._each(fit_in_forms, [(self._fitting, fits[i], given) for i in near])
         better = dict(zip(near, formed, strict=True))
         return [better.get(i, found) for i, found in enumerate(fits)]
@@ -213,7 +223,7 @@ class Judge(Scorer):
         given = model.fit.change(self._fitting)
         tasks = [(self._fitting, other, given) for other in self._others(model)]
         fits = self._each(fit_roughly, tasks)
-        return any(_gain(self._fitting, one, given) > ENOUGH_FIT for one in fits)
+        return any(gain_of(self._fitting, one, given) > ENOUGH_FIT for one in fits)
 
     def twins(self, model: Scored, position: int) -> list[Scored]:
         """Give a model with other effects, that do just the same, in place of one of it."""
@@ -287,14 +297,3 @@ class Judge(Scorer):
     def _candidates(self) -> list[Candidate]:
         """Give the effects that have to be fitted: one of those that do just the same."""
         return list({c.change: c for c in reversed(self._applicable)}.values())[::-1]
-
-
-def _gain(scene: Scene, found: Fit, given: Change) -> float:
-    """Give what a model gains on top of a change, with its form left open or not."""
-    forms = (found, replace(found, slack=SLACKS[-1]))
-    most = max(likelihood(scene, given.joined(form.change(scene))).total for form in forms)
-    return most - likelihood(scene, given).total
-
-
-def _falling(gains: Sequence[float]) -> list[int]:
-    return sorted(range(len(gains)), key=lambda i: -gains[i])

@@ -1,11 +1,12 @@
 """A fitted model with what it gains, and whether that is more than chance."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 
-from skiplatch.diagnosis.fit.fit import (
-    Fit,
-)
+from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.fit import SLACKS, Fit
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 
 ENOUGH_FIT = 5.0
 """Nats that an effect has to gain, beyond what its parameters are worth."""
@@ -41,6 +42,10 @@ class Scored:
         return tuple(candidate.id for candidate in self.fit.candidates)
 
 
+Noticed = Callable[[Scored | None], frozenset[str]]
+"""Names the streams in which something can still be seen once a model, or nothing, is played."""
+
+
 def worth(parameters: int) -> float:
     """Nats that fitting so many parameters, of the best of all candidates, gains by chance."""
     return 2.0 * parameters
@@ -60,3 +65,15 @@ def without_twins(ranked: Iterable[Scored]) -> list[Scored]:
     for scored in ranked:
         kept.setdefault(scored.fit.candidates[-1].change, scored)
     return list(kept.values())
+
+
+def gain_of(scene: Scene, found: Fit, given: Change) -> float:
+    """Give what a model gains on top of a change, with its form left open or not."""
+    forms = (found, replace(found, slack=SLACKS[-1]))
+    most = max(likelihood(scene, given.joined(form.change(scene))).total for form in forms)
+    return most - likelihood(scene, given).total
+
+
+def falling(gains: Sequence[float]) -> list[int]:
+    """Give the places of gains, the largest first."""
+    return sorted(range(len(gains)), key=lambda i: -gains[i])
