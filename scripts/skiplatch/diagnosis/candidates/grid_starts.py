@@ -103,6 +103,7 @@ def holds(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     rows = stream.rows & scene.has_stamps
     if rows.sum() < FEWEST_STAMPS:
         return usual
+    # Where feeds are far apart, the age shows at the fastest touches alone.
     sharp = rows & (unsure_us <= np.sort(unsure_us[rows])[FEWEST_STAMPS - 1])
     span_us = float(np.ptp(np.quantile(ages_us[sharp], WITHOUT_WORST)))
     is_news = span_us > CLEAR * float(unsure_us[sharp].max())

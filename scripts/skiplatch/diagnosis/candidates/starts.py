@@ -29,7 +29,7 @@ CAPPED = (0.999, 0.99, 0.9, 0.6)
 """Shares of the highest feed that may be the limit of it."""
 FASTEST = 0.8
 """Share of the touches that are slower than those that show such a limit."""
-SOON, SURE, FAR_LATE = 0.1, 2.0, 6.0
+SOON, SEEM_EARLY, FAR_LATE = 0.1, 2.0, 6.0
 """Share of the touches that came at once, spreads by which these may seem early, and spreads beyond
 them by which others are late."""
 TINY = 1e-9
@@ -87,7 +87,7 @@ def now_and_then(usual: Sequence[Sequence[float]], as_late: Sequence[Sequence[fl
         late_us, spread_us = _late_us(scene, given, is_datum_fitted=True)
         if len(late_us):
             # Slow touches seem early or late by far more than sharp ones.
-            late_us = late_us - np.quantile(late_us + SURE * spread_us, SOON)
+            late_us = late_us - np.quantile(late_us + SEEM_EARLY * spread_us, SOON)
         far = late_us > FAR_LATE * spread_us
         seen = _told_by_moments(*later_us(scene, given))
         if far.any():

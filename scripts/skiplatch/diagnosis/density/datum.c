@@ -107,9 +107,10 @@ static void climb(group_t *group, double step)
  * each few of them: that near the middle may be any. */
 static void find_best(group_t *group, guess_t guess, double *asked)
 {
+    bool is_free = group->datum->u <= 0.0;
     evaluate(group, guess.length);
-    if (group->datum->u > 0.0) {
-        evaluate(group, 0.0);
+    if (!is_free) {
+        evaluate(group, 0.0); /* what is believed may have a top of its own */
     }
     double turn = guess.is_spread ? HUGE_VAL : try_top(group, guess.step);
     if (turn > FAR && turn <= FARTHEST) {
@@ -121,7 +122,7 @@ static void find_best(group_t *group, guess_t guess, double *asked)
         }
         climb(group, guess.step);
     }
-    if (fabs(group->best) < NEAR * guess.step) {
+    if (is_free && fabs(group->best) < NEAR * guess.step) {
         evaluate(group, 0.0); /* what is believed loses nothing */
     }
 }

@@ -64,7 +64,8 @@ double residual_part_density(const residual_part_t *part, double x)
     return fabs(part->share) <= 0.0 ? 0.0 : part->share * sum_density(&part->sum, x);
 }
 
-moments_t residual_moments(const residual_part_t *parts, uint64_t n)
+/* Mean and variance of what all n parts of a residual add up to. */
+static moments_t moments_of(const residual_part_t *parts, uint64_t n)
 {
     double mean = 0.0;
     double variance = 0.0;
@@ -83,7 +84,7 @@ moments_t residual_law_moments(const sim_residuals_t *of, uint64_t i, residual_p
     for (uint32_t k = 0; k <= of->extra_count; ++k) {
         room[k] = residual_part(of, i, k);
     }
-    return residual_moments(room, of->extra_count + (uint64_t)1);
+    return moments_of(room, of->extra_count + (uint64_t)1);
 }
 
 static double cauchy(double x, double width)

@@ -25,10 +25,8 @@ residual_part_t residual_part(const sim_residuals_t *of, uint64_t i, uint32_t k)
 /* What a part adds to the density at x. */
 double residual_part_density(const residual_part_t *part, double x);
 
-/* Mean and variance of what all n parts of a residual add up to. */
-moments_t residual_moments(const residual_part_t *parts, uint64_t n);
-
-/* The same of residual i; `room` for its parts: one, and one for each extra. */
+/* Mean and variance of what all parts of residual i add up to; `room` for these: one, and one for
+ * each extra. */
 moments_t residual_law_moments(const sim_residuals_t *of, uint64_t i, residual_part_t *room);
 
 /* A density at x, if one in a thousand residuals may lie within `reach`. */
