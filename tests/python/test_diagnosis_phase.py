@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from played_campaigns import BENCH, played
-from skiplatch.campaign import Campaign
-from skiplatch.diagnosis.plays.phase import at_given_edges, play_in_phase
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Campaign, read_nominal
+from skiplatch.diagnosis.plays.clock import scans_at_us
+from skiplatch.diagnosis.plays.edges import at_given_edges
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
+from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 
 REPLICATES = 4
 FAR_US = 50_000.0
@@ -19,14 +22,14 @@ FAR_US = 50_000.0
 
 def predicted(campaign: Campaign, *effects: Effect, seed: int = 5) -> Outcomes:
     """Predict the recorded touches themselves, with the random numbers of another seed."""
-    return play_in_phase(
-        Rig(campaign.nominal, effects),
-        campaign.touches,
-        campaign.touches,
-        seed=seed,
-        replicates=REPLICATES,
-        jobs=1,
-    )
+    rig = rig_of(campaign, *effects)
+    return rig.play(campaign.touches, seed=seed, replicates=REPLICATES, in_phase=True)
+
+
+def rig_of(campaign: Campaign, *effects: Effect) -> Rig:
+    """Give the rig of a campaign, whose stamps tell when its scans began."""
+    at_us = scans_at_us(campaign.touches, campaign.nominal.plc.scan_us)
+    return Rig(campaign.nominal, effects, scans_at_us=at_us)
 
 
 def test_scans_of_a_prediction_begin_when_the_recorded_ones_did() -> None:
@@ -68,6 +71,22 @@ def test_updates_of_the_position_are_those_of_the_record_on_both_paths() -> None
 
     # Beside an update or a scan by a hair's breadth it is the other one.
     assert (np.abs(off_um) <= 2.0 * campaign.nominal.axis.resolution_um).mean() > 0.9
+
+
+def test_plays_keep_how_old_a_position_is_in_a_scan_that_lasts_whole_updates() -> None:
+    period_us = read_nominal(BENCH / "nominal.toml").plc.scan_us / 8.0
+    held = Effect("servo_hold", {"period_us": period_us, "phase_deg": 70.0})
+    campaign = played(BENCH, held)
+    touches = campaign.touches
+
+    def ages_us(rig: Rig) -> FloatArray:
+        plays = rig.play(touches, seed=5, replicates=REPLICATES)
+        waits_us = plays.latch_us - plays.true_edge_us
+        shown_us = plays.deviation_um / (touches.feed_mm_min * UM_PER_MM / S_PER_MIN / US_PER_S)
+        return np.median((waits_us - shown_us)[:, touches.on_plc], axis=1)
+
+    kept, drawn = (ages_us(rig) for rig in (rig_of(campaign, held), Rig(campaign.nominal, [held])))
+    assert np.ptp(kept) < 0.03 * period_us < 0.1 * period_us < np.ptp(drawn)
 
 
 def test_noise_of_the_reference_instrument_moves_no_contact() -> None:

@@ -1,7 +1,10 @@
 """Plays of conditions on the rig that is believed in, its datum where it was fitted."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +15,16 @@ from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
+from skiplatch.diagnosis.plays.clock import has_phase, later_by_us, moved
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced
 from skiplatch.simulator.rig import Controller
 from skiplatch.span import ALWAYS, Span
-from skiplatch.units import UM_PER_MM
+from skiplatch.units import UM_PER_MM, US_PER_S
 
 ENCODER, SCAN_LOCK, SCAN_PERIOD = "encoder_quantisation", "scan_phase_lock", "scan_period"
+TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -72,6 +77,9 @@ class Rig:
     nominal: Nominal
     effects: Sequence[Effect] = ()
     datum: FittedDatum = field(default_factory=FittedDatum)
+    scans_at_us: float = np.nan
+    """When one of its scans began, on the device clock; NaN where no stamps tell it. Each play
+    begins its scans anew: what else runs on the clock keeps its distance from them."""
 
     @property
     def spans(self) -> list[Span]:
@@ -101,17 +109,61 @@ class Rig:
         *,
         seed: int,
         replicates: int,
+        jobs: int = 1,
+        in_phase: bool = False,
+    ) -> Outcomes:
+        """Play the conditions of touches so often, each replicate a rig switched on anew.
+
+        Args:
+            touches: The conditions, n.
+            seed: Picks the random numbers.
+            replicates: How often.
+            jobs: Threads; the result does not depend on it.
+            in_phase: Let scans begin when its own do, where that is known: each touch of a
+                replicate then waits as long for one as it would have on this rig.
+        """
+        free = self._played(touches, seed=seed, replicates=replicates, jobs=jobs)
+        plc = touches.on_plc
+        is_bound = in_phase or any(map(has_phase, self.effects))
+        if np.isnan(self.scans_at_us) or not plc.any() or not is_bound:
+            return free
+        later_us = later_by_us(free.latch_us[:, plc], self.scans_at_us, self.scan_us)
+        with ThreadPoolExecutor(jobs) as threads:
+            alone = partial(self._played_later, touches, seed=seed, moves=in_phase)
+            plays = list(threads.map(alone, range(replicates), later_us.tolist()))
+
+        def taken(name: str) -> NDArray[Any]:
+            bound = np.concatenate([getattr(one, name) for one in plays])
+            return np.where(plc, bound, getattr(free, name))
+
+        return Outcomes(*(taken(f.name) for f in fields(Outcomes)))
+
+    def _played_later(
+        self, touches: Touches, replicate: int, by_us: float, *, seed: int, moves: bool
+    ) -> Outcomes:
+        """Play a replicate with what runs on the clock, and moves if wanted, as much later."""
+        rig = replace(self, effects=[moved(effect, by_us) for effect in self.effects])
+        back_us = by_us if moves else 0.0
+        begun = replace(touches, time_s=touches.time_s + back_us / US_PER_S)
+        found = rig._played(begun, seed=seed, replicates=1, first_replicate=replicate)  # noqa: SLF001 - the same rig
+        return replace(found, **{name: getattr(found, name) - back_us for name in TIMES})
+
+    def _played(
+        self,
+        touches: Touches,
+        *,
+        seed: int,
+        replicates: int,
         first_replicate: int = 0,
         jobs: int = 1,
     ) -> Outcomes:
-        """Play the conditions of touches so often, each replicate a rig switched on anew."""
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
         approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
-        moved = replace(touches, approach_mm=approach_mm)
+        met = replace(touches, approach_mm=approach_mm)
         return play(
             self.nominal,
-            Controller.for_campaign(self.nominal, moved),
-            moved,
+            Controller.for_campaign(self.nominal, met),
+            met,
             seed=seed,
             replicates=replicates,
             first_replicate=first_replicate,
