@@ -50,11 +50,14 @@ typedef struct {
     double  overtravel_mm;    /* how far past the nominal surface the probe may be driven */
     double  back_off_mm;      /* two touches: from the first latch back */
     double  fast_feed_mm_min; /* two touches: of the first touch, back-off and return */
-    double  reaction_us; /* stop request to the start of the deceleration: task, motion queue */
-    double  confirm_us;  /* debounce: the level rests this long to confirm a touch */
-    double  holdoff_us;  /* bounces within this time belong to the touch */
-    double  settle_us;   /* the release may come this long after the end of a retreat */
-    int32_t two_touches; /* 0 or 1 */
+    double  reaction_us;     /* stop request to the start of the deceleration: task, motion queue */
+    double  confirm_us;      /* debounce: the level rests this long to confirm a touch */
+    double  holdoff_us;      /* bounces within this time belong to the touch */
+    double  settle_us;       /* the release may come this long after the end of a retreat */
+    double  scan_phase_us;   /* PLC: a time at which a scan begins; 0: anywhere in each run */
+    double  scan_spread_us;  /* PLC: with a phase, by up to so much later, drawn for each run */
+    double  start_spread_us; /* PLC: by up to so much the move of a touch begins later */
+    int32_t two_touches;     /* 0 or 1 */
     int32_t image_delay_scans; /* PLC: age of the input image */
     int32_t every_scan;        /* 1: execute also the scans in which nothing can happen */
 } sim_controller_t;
@@ -105,15 +108,16 @@ typedef struct {
 
 /* What came of one touch. What was not recorded is NaN. */
 typedef struct {
-    double  edge_us;       /* the reference instrument's; bench only */
-    double  latch_us;      /* the firmware's time stamp, device clock */
-    double  report_us;     /* arrival of the report */
-    double  deviation_um;  /* latched minus nominal position along the approach */
-    double  overtravel_um; /* latch to standstill, measuring touch */
-    double  cycle_s;       /* the whole cycle, back at the start */
-    double  true_edge_us;  /* when the contact really closed at the connector */
-    int32_t status;        /* SIM_STATUS_* */
-    int32_t error;         /* touch_error_t of the firmware's cycle */
+    double  edge_us;        /* the reference instrument's; bench only */
+    double  latch_us;       /* the firmware's time stamp, device clock */
+    double  report_us;      /* arrival of the report */
+    double  deviation_um;   /* latched minus nominal position along the approach */
+    double  overtravel_um;  /* latch to standstill, measuring touch */
+    double  cycle_s;        /* the whole cycle, back at the start */
+    double  true_edge_us;   /* when the contact really closed at the connector */
+    double  start_delay_us; /* by which the move began later than it was to */
+    int32_t status;         /* SIM_STATUS_* */
+    int32_t error;          /* touch_error_t of the firmware's cycle */
 } sim_outcome_t;
 
 #endif

@@ -77,16 +77,12 @@ void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *setting
     sim_bus_reset(&sim->bus);
 }
 
-sim_ns_t sim_touch_start(const sim_touch_t *touch)
-{
-    return (sim_ns_t)llrint(touch->time_s * SIM_NS_PER_S);
-}
-
 void sim_begin_touch(sim_t *sim, const sim_touch_t *touch)
 {
     sim->touch = touch;
     sim->off_line_um = touch->datum_um - rint(touch->datum_um / sim->count_um) * sim->count_um;
-    sim->now = sim_touch_start(touch);
+    sim->now = sim_touch_start(sim, touch);
+    sim->start_delay = sim->now - sim_ns_from_s(touch->time_s);
     sim->axis_at = SIM_NEVER;
     sim->edge_at = SIM_NEVER;
     sim->wake_at = SIM_NEVER;

@@ -52,6 +52,8 @@ typedef struct {
     sim_ns_t           ticks_time;  /* the last time turned into ticks, and the ticks it is */
     uint64_t           ticks;
     uint32_t           tick_ps;
+    double             start_spread_us; /* by up to which moves of the PLC path begin later */
+    sim_ns_t           start_delay;     /* by which the present one does */
     bool               is_edge_armed;
     sim_random_t       random;
     sim_axis_t         axis;
@@ -73,9 +75,6 @@ void sim_boot(sim_t *sim, const sim_chain_t *chain, const sim_setting_t *setting
 /* What the effects make of a quantity of the chain. */
 double sim_change(sim_t *sim, sim_quantity_t quantity, double value);
 
-/* The time at which a touch begins. */
-sim_ns_t sim_touch_start(const sim_touch_t *touch);
-
 /*
  * Jump to the start of a touch: axis at rest at the stand-off, contact open. `touch` has to
  * outlive it.
@@ -96,7 +95,7 @@ bool sim_is_moving(const sim_t *sim);
 /* A position as a counter tells it, SIM_COUNTS_MAX either way at most. */
 int32_t sim_counts(const sim_t *sim, double position_um);
 
-/* ---- the clock of the device, and its stamps: sim_clock.c ---- */
+/* ---- the clock of the device, its stamps, and when touches begin: sim_clock.c ---- */
 
 /* A time at which `ticks` more of the device clock are over; SIM_NEVER for UINT32_MAX. */
 sim_ns_t sim_time_after(sim_t *sim, uint32_t ticks);
@@ -115,5 +114,12 @@ uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time);
 
 /* The same now, as it gets into a stamp; and by how much `later` than a believed tick that is. */
 uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later);
+
+/* After sim_boot(): let scans, and moves of the PLC path, begin when a controller has them begin.
+ */
+void sim_set_begins(sim_t *sim, const sim_controller_t *controller);
+
+/* The time at which a touch begins. */
+sim_ns_t sim_touch_start(const sim_t *sim, const sim_touch_t *touch);
 
 #endif

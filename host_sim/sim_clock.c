@@ -1,5 +1,8 @@
 #include "sim.h"
 
+#include <math.h>
+
+#define START_LANE 128u /* of random numbers, between those of effects */
 #define SECOND     ((sim_ns_t)SIM_NS_PER_S)
 #define SLOWEST_NS (SECOND / 2) /* of a second: what waits for the clock has to end */
 #define FASTEST_NS (SECOND * 2) /* and its picoseconds have to fit 64 bits after 100 days */
@@ -71,4 +74,26 @@ uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later)
     *later = sim_ns_from_us(stamp_us - believed_us);
     int64_t ticks = (int64_t)floor(stamp_us * ticks_per_us);
     return (uint64_t)ticks; /* below 0 it wraps, as a clock does */
+}
+
+void sim_set_begins(sim_t *sim, const sim_controller_t *controller)
+{
+    sim->start_spread_us = controller->start_spread_us;
+    if (controller->scan_phase_us > 0.0) {
+        double later_us = sim_random_uniform(&sim->random, controller->scan_spread_us);
+        double begin_ns = (controller->scan_phase_us + later_us) * SIM_NS_PER_US;
+        sim->scan.phase = (sim_ns_t)fmod(ceil(begin_ns), sim->scan.period_ns);
+        sim_scan_restart(&sim->scan, sim->now);
+    }
+}
+
+sim_ns_t sim_touch_start(const sim_t *sim, const sim_touch_t *touch)
+{
+    sim_ns_t start = sim_ns_from_s(touch->time_s);
+    if (sim->start_spread_us <= 0.0 || touch->path != SIM_PATH_PLC) {
+        return start;
+    }
+    sim_random_t random;
+    sim_random_begin(&random, sim->seed, sim->replicate, touch->touch, START_LANE);
+    return start + (sim_ns_t)sim_random_uniform(&random, sim->start_spread_us * SIM_NS_PER_US);
 }

@@ -20,6 +20,11 @@ static inline sim_ns_t sim_ns_from_us(double us)
     return (sim_ns_t)llrint(us * SIM_NS_PER_US);
 }
 
+static inline sim_ns_t sim_ns_from_s(double s)
+{
+    return (sim_ns_t)llrint(s * SIM_NS_PER_S);
+}
+
 static inline double sim_us_from_ns(sim_ns_t ns)
 {
     return (double)ns / SIM_NS_PER_US;

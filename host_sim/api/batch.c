@@ -88,6 +88,8 @@ static bool is_controller(const sim_controller_t *controller)
                                      is_within(controller->fast_feed_mm_min, 0.0, FEED_MAX_MM_MIN));
     return motion && two && is_duration(controller->confirm_us) &&
            is_duration(controller->holdoff_us) && is_duration(controller->settle_us) &&
+           is_duration(controller->scan_phase_us) && is_duration(controller->scan_spread_us) &&
+           is_duration(controller->start_spread_us) &&
            is_within(controller->image_delay_scans, 0.0, PLC_IMAGE_DELAY_MAX);
 }
 
@@ -152,7 +154,7 @@ static int play_block(const job_t *job, rig_t *rig, uint64_t number)
     const sim_rig_t *is = job->rig;
 
     rig_boot(rig, is->chain, is->controller, is->settings, is->settings_count, is->seed,
-             is->replicate + replicate, sim_touch_start(&job->touches[begin]));
+             is->replicate + replicate, sim_ns_from_s(job->touches[begin].time_s));
     for (uint64_t i = begin; i < end; ++i) {
         int wrong = rig_play(rig, &job->touches[i], &outcomes[i]);
         if (wrong != 0) {

@@ -34,6 +34,7 @@ void rig_boot(rig_t *rig, const sim_chain_t *chain, const sim_controller_t *cont
 {
     *rig = (rig_t){.controller = controller, .path = NO_PATH};
     sim_boot(&rig->sim, chain, settings, count, seed, replicate, now);
+    sim_set_begins(&rig->sim, controller);
     bind(rig);
 }
 
@@ -244,8 +245,8 @@ static void finish(rig_t *rig, sim_outcome_t *outcome)
 {
     const touch_result_t *result = touch_cycle_result(&rig->cycle);
     sim_t                *sim = &rig->sim;
-
     outcome->error = (int32_t)result->error;
+    outcome->start_delay_us = sim_us_from_ns(sim->start_delay);
     if (sim->closed_at != SIM_NEVER) {
         outcome->true_edge_us = sim_us_from_ns(sim->closed_at);
         if (!sim->chain->is_machine) {
@@ -255,7 +256,7 @@ static void finish(rig_t *rig, sim_outcome_t *outcome)
     }
     if (result->error == TOUCH_OK) {
         outcome->overtravel_um = result->overtravel_counts * sim->count_um;
-        outcome->cycle_s = (double)(rig->done_at - sim_touch_start(sim->touch)) / SIM_NS_PER_S;
+        outcome->cycle_s = (double)(rig->done_at - sim_touch_start(sim, sim->touch)) / SIM_NS_PER_S;
     } else {
         stop_path(rig); /* as an operator would, set up anew after a failure */
     }
@@ -276,9 +277,9 @@ static void start_cycle(rig_t *rig, const sim_touch_t *touch)
 
 int rig_play(rig_t *rig, const sim_touch_t *touch, sim_outcome_t *outcome)
 {
-    *outcome = (sim_outcome_t){NAN, NAN, NAN, NAN, NAN, NAN, NAN, SIM_STATUS_MISSED, TOUCH_OK};
+    *outcome = (sim_outcome_t){NAN, NAN, NAN, NAN, NAN, NAN, NAN, 0.0, SIM_STATUS_MISSED, TOUCH_OK};
     bind(rig);
-    if (sim_touch_start(touch) < rig->sim.now) {
+    if (sim_touch_start(&rig->sim, touch) < rig->sim.now) {
         stop_path(rig); /* the last cycle ended later than this one begins: as if it had not been */
     }
     sim_begin_touch(&rig->sim, touch);

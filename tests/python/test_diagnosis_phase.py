@@ -8,9 +8,9 @@ import pytest
 from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_nominal
-from skiplatch.diagnosis.plays.clock import scans_at_us
 from skiplatch.diagnosis.plays.edges import at_given_edges
 from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
@@ -28,8 +28,7 @@ def predicted(campaign: Campaign, *effects: Effect, seed: int = 5) -> Outcomes:
 
 def rig_of(campaign: Campaign, *effects: Effect) -> Rig:
     """Give the rig of a campaign, whose stamps tell when its scans began."""
-    at_us = scans_at_us(campaign.touches, campaign.nominal.plc.scan_us)
-    return Rig(campaign.nominal, effects, scans_at_us=at_us)
+    return Rig(campaign.nominal, effects).whose_scans_are(campaign.touches)
 
 
 def test_scans_of_a_prediction_begin_when_the_recorded_ones_did() -> None:
@@ -87,6 +86,50 @@ def test_plays_keep_how_old_a_position_is_in_a_scan_that_lasts_whole_updates() -
 
     kept, drawn = (ages_us(rig) for rig in (rig_of(campaign, held), Rig(campaign.nominal, [held])))
     assert np.ptp(kept) < 0.03 * period_us < 0.1 * period_us < np.ptp(drawn)
+
+
+def test_plays_round_the_stamps_of_scans_as_the_clock_that_was_recorded_did() -> None:
+    coarse = Effect("timer_quantisation", {"tick_us": 11.0})
+    campaign = played(BENCH, coarse)
+    period_us, plc = campaign.nominal.plc.scan_us, campaign.touches.on_plc
+
+    plays = rig_of(campaign, coarse).play(campaign.touches, seed=5, replicates=REPLICATES)
+
+    off_us = off_grid(plays.latch_us[:, plc], period_us)
+    recorded_us = off_grid(campaign.touches.latch_us[plc], period_us)
+    assert np.std(recorded_us) > 3.0
+    assert (np.abs(off_us - recorded_us) < 1.5).mean() > 0.95  # beside a scan it is the other one
+
+
+def test_plays_wait_for_the_recorded_scans_as_long_as_for_any() -> None:
+    campaign = played(BENCH)
+    touches, scan_us = campaign.touches, campaign.nominal.plc.scan_us
+
+    plays = rig_of(campaign).play(touches, seed=5, replicates=50)
+
+    waits = (plays.latch_us - plays.true_edge_us)[:, touches.on_plc] / scan_us
+    assert np.mean(waits) == pytest.approx(0.5, abs=0.01)
+    assert np.std(waits) == pytest.approx(1.0 / np.sqrt(12.0), abs=0.01)
+    late = (plays.latch_us - touches.latch_us)[:, touches.on_plc]
+    assert (np.abs(late) < 0.01 * scan_us).mean() > 0.98
+    assert not plays.start_delay_us[:, touches.on_skip].any()
+
+
+@pytest.mark.parametrize(
+    ("tick_us", "open_us"),
+    [(None, 0.25), (8.0, 8.0), (11.0, 1.0), (3.0, 1.0)],  # of scans of 4000 µs
+)
+def test_it_stays_open_by_how_much_scans_may_move_before_a_stamp_shows_it(
+    tick_us: float | None, open_us: float
+) -> None:
+    effects = [Effect("timer_quantisation", {"tick_us": tick_us})] if tick_us else []
+    campaign = played(BENCH, *effects)
+    assert (campaign.nominal.plc.scan_us, campaign.nominal.skip.tick_us) == (4000.0, 0.25)
+
+    scans = rig_of(campaign, *effects).scans
+
+    assert scans is not None
+    assert scans.open_us == pytest.approx(open_us)
 
 
 def test_noise_of_the_reference_instrument_moves_no_contact() -> None:

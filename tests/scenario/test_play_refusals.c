@@ -51,6 +51,9 @@ static const range_t CONTROLLER_RANGES[] = {
     {offsetof(sim_controller_t, confirm_us), DURATION},
     {offsetof(sim_controller_t, holdoff_us), DURATION},
     {offsetof(sim_controller_t, settle_us), DURATION},
+    {offsetof(sim_controller_t, scan_phase_us), DURATION},
+    {offsetof(sim_controller_t, scan_spread_us), DURATION},
+    {offsetof(sim_controller_t, start_spread_us), DURATION},
 };
 
 static const range_t TOUCH_RANGES[] = {

@@ -1,7 +1,7 @@
 """What comes of conditions that were played: columns, data frame, CSV."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
@@ -10,7 +10,6 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Touches
 from skiplatch.campaign.touches import SerialArray
 from skiplatch.dataframes import DataFrame, Library, dataframe
-from skiplatch.diagnosis.plays.clock import scans_at_us
 from skiplatch.diagnosis.plays.edges import at_given_edges
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.simulator.playing import Outcomes
@@ -102,7 +101,7 @@ def predicted(
     """
     given = at_given_edges(rig, conditions)
     if recorded is not None:
-        rig = replace(rig, scans_at_us=scans_at_us(recorded, rig.scan_us))
+        rig = rig.whose_scans_are(recorded)
     outcomes = rig.play(given, seed=seed, replicates=replicates, jobs=jobs, in_phase=True)
     return Prediction.of(conditions, outcomes)
 

@@ -170,6 +170,11 @@ class Touches:
         return _mask(self.path == InputPath.PLC)
 
     @property
+    def start_delay_us(self) -> FloatArray:
+        """By which moves began later than `time_s`; none is known; shape (n,)."""
+        return np.zeros(len(self))
+
+    @property
     def turns(self) -> BoolArray:
         """Made by a rotary axis; shape (n,)."""
         return _mask(self.axis >= Axis.A)

@@ -31,6 +31,10 @@ class Recorded(Protocol):
     def deviation_um(self) -> FloatArray:
         """Latched minus nominal position."""
 
+    @property
+    def start_delay_us(self) -> FloatArray:
+        """By which the move began later than conditions say."""
+
 
 @dataclass(frozen=True, slots=True)
 class Observable:
@@ -74,7 +78,8 @@ class Observable:
 
 def _latch_after_contact(recorded: Recorded, contact: Contact) -> FloatArray:
     """Where an edge was recorded, that is the better start."""
-    return np.where(np.isnan(recorded.edge_us), recorded.latch_us - contact.time_us, np.nan)
+    contact_us = contact.time_us + recorded.start_delay_us
+    return np.where(np.isnan(recorded.edge_us), recorded.latch_us - contact_us, np.nan)
 
 
 OBSERVABLES = (

@@ -47,6 +47,8 @@ class Outcomes:
     """The whole cycle, until the axis is back at the start."""
     true_edge_us: FloatArray
     """When the contact really closed at the connector."""
+    start_delay_us: FloatArray
+    """By which the move began later than it was to."""
     status: NDArray[np.int32]
     """Codes of `Status`."""
     error: NDArray[np.int32]

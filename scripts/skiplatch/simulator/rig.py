@@ -36,6 +36,12 @@ class Controller:
     two_touches: bool = False
     image_delay_scans: int = 0
     every_scan: bool = False
+    scan_phase_us: float = 0.0
+    """A time at which a scan of the PLC begins; 0: anywhere in each replicate."""
+    scan_spread_us: float = 0.0
+    """By up to so much later than that, drawn for each replicate."""
+    start_spread_us: float = 0.0
+    """By up to so much the move of a touch on the PLC path begins later than it is to."""
 
     @classmethod
     def for_campaign(cls, nominal: Nominal, touches: Touches) -> Self:

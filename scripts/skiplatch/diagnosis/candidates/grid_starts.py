@@ -48,9 +48,11 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     widest = parameter_of("timer_quantisation", "tick_us").high
     # Stamps are rounded down; those of both paths, if one clock makes them.
     stamps = scene.touches.latch_us + 0.5 * tick
-    on_skip = stamps[scene.streams["latch_skip"].rows]
-    told = _lines_told(stamps[~np.isnan(stamps)], tick, widest)
-    for pitch, turn in told or _lines_told(on_skip, tick, widest):
+    on_skip, stamps = stamps[scene.streams["latch_skip"].rows], stamps[~np.isnan(stamps)]
+    told = _lines_told(stamps, tick, widest) or _lines_told(on_skip, tick, widest)
+    # Few stamps tell no steps, but show how wide they are.
+    kept = _grids_kept(stamps, width) if width >= MANY_STEPS * tick else []
+    for pitch, turn in (*told, *kept):
         for nearest in (0.0, 1.0):
             whole = np.rint((mean + 0.5 * (1.0 - nearest) * pitch) / pitch - turn)
             seen.append([pitch, (turn + whole) * pitch, nearest])

@@ -207,6 +207,15 @@ def _is_shown(stream: Stream, before: Law, after: Law) -> bool:
     return bool(np.median(np.abs(off - shift)[large]) < MOST_LEFT * np.median(np.abs(off)[large]))
 
 
+def starts_of(scene: Scene, candidate: Candidate, given: Change) -> list[list[float]]:
+    """Give the starts of a candidate without what the datum takes up, which is none of its own."""
+    taken = list(candidate.taken_up(scene))
+    starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
+    for start in starts:
+        start[taken] = 0.0
+    return [start.tolist() for start in starts if start.any()]
+
+
 def fit(
     scene: Scene,
     candidates: Sequence[Candidate],

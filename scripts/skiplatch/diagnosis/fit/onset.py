@@ -7,11 +7,11 @@ import numpy as np
 
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import NOTHING
-from skiplatch.diagnosis.fit.fit import FINEST, SLACKS, Fit, fit
+from skiplatch.diagnosis.fit.fit import FINEST, SLACKS, Fit, fit, starts_of
 from skiplatch.diagnosis.fit.forms import polish
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.span import Span
+from skiplatch.span import ALWAYS, Span
 
 FEWEST = 8
 """Touches without an effect, and with it, that tell when it begins."""
@@ -68,12 +68,26 @@ def gained_by_an_end(scene: Scene, fits: Sequence[Fit]) -> float:
 
 
 def passing(scene: Scene, found: Fit) -> Fit:
-    """Fit the parameters of an effect that begins or ends, and the touch, in turn."""
+    """Fit the parameters of an effect that begins or ends, and the touch, in turn.
+
+    What it was proposed with is of other touches than those at which it acts.
+    """
+    found = _cut(scene, found)
+    starts = _starts_there(scene, found)
     for _ in range(TIMES):
-        found = _cut(scene, found)
-        starts = [np.concatenate(found.parameters).tolist()]
-        found = fit(scene, found.candidates, starts, widenings=FINEST)
+        starts = [np.concatenate(found.parameters).tolist(), *starts]
+        found = _cut(scene, fit(scene, found.candidates, starts, widenings=FINEST))
+        starts = []
     return found
+
+
+def _starts_there(scene: Scene, found: Fit) -> list[list[float]]:
+    """Give what an effect would be if there were no other touches than those at which it acts."""
+    (acting,) = found.candidates
+    there = scene.select(acting.span.holds(scene.touches.touch))
+    lasting = replace(acting, span=ALWAYS)
+    starts = starts_of(there, lasting, NOTHING)
+    return [fit(there, [lasting], starts).parameters[0].tolist()] if starts else []
 
 
 def polished(scene: Scene, found: Fit) -> Fit:

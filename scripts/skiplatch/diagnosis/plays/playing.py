@@ -1,10 +1,8 @@
 """Plays of conditions on the rig that is believed in, its datum where it was fitted."""
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, fields, replace
-from functools import partial
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,16 +13,16 @@ from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
-from skiplatch.diagnosis.plays.clock import has_phase, later_by_us, moved
+from skiplatch.diagnosis.plays.scans import Begins, Scans
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced
 from skiplatch.simulator.rig import Controller
 from skiplatch.span import ALWAYS, Span
-from skiplatch.units import UM_PER_MM, US_PER_S
+from skiplatch.units import UM_PER_MM
 
-ENCODER, SCAN_LOCK, SCAN_PERIOD = "encoder_quantisation", "scan_phase_lock", "scan_period"
-TIMES = ("edge_us", "latch_us", "report_us", "true_edge_us")
+ENCODER, TICK = "encoder_quantisation", "timer_quantisation"
+SCAN_LOCK, SCAN_PERIOD = "scan_phase_lock", "scan_period"
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -77,9 +75,8 @@ class Rig:
     nominal: Nominal
     effects: Sequence[Effect] = ()
     datum: FittedDatum = field(default_factory=FittedDatum)
-    scans_at_us: float = np.nan
-    """When one of its scans began, on the device clock; NaN where no stamps tell it. Each play
-    begins its scans anew: what else runs on the clock keeps its distance from them."""
+    scans: Scans | None = None
+    """Where stamps tell when they began."""
 
     @property
     def spans(self) -> list[Span]:
@@ -97,6 +94,16 @@ class Rig:
         """Period of its scans: the believed one, and what an effect that is always there adds."""
         lasting = (e for e in self.effects if e.id == SCAN_PERIOD and e.span == ALWAYS)
         return self.nominal.plc.scan_us + sum(e.parameters["period_us"] for e in lasting)
+
+    @property
+    def tick_us(self) -> float:
+        """What its clock rounds stamps to, believed or found."""
+        coarse = (e.parameters["tick_us"] for e in self.effects if e.id == TICK)
+        return max([self.nominal.skip.tick_us, *coarse])
+
+    def whose_scans_are(self, recorded: Touches) -> Self:
+        """Give it with the scans that touches of its own tell."""
+        return replace(self, scans=Scans.of(recorded, self.scan_us, self.tick_us))
 
     @property
     def keeps_scan_grid(self) -> bool:
@@ -119,58 +126,35 @@ class Rig:
             seed: Picks the random numbers.
             replicates: How often.
             jobs: Threads; the result does not depend on it.
-            in_phase: Let scans begin when its own do, where that is known: each touch of a
-                replicate then waits as long for one as it would have on this rig.
+            in_phase: Where it is known when scans began, let each touch wait for one as long as it
+                would have; else it falls anywhere before the scan that its stamp tells.
         """
-        free = self._played(touches, seed=seed, replicates=replicates, jobs=jobs)
-        plc = touches.on_plc
-        is_bound = in_phase or any(map(has_phase, self.effects))
-        if np.isnan(self.scans_at_us) or not plc.any() or not is_bound:
-            return free
-        later_us = later_by_us(free.latch_us[:, plc], self.scans_at_us, self.scan_us)
-        with ThreadPoolExecutor(jobs) as threads:
-            alone = partial(self._played_later, touches, seed=seed, moves=in_phase)
-            plays = list(threads.map(alone, range(replicates), later_us.tolist()))
-
-        def taken(name: str) -> NDArray[Any]:
-            bound = np.concatenate([getattr(one, name) for one in plays])
-            return np.where(plc, bound, getattr(free, name))
-
-        return Outcomes(*(taken(f.name) for f in fields(Outcomes)))
-
-    def _played_later(
-        self, touches: Touches, replicate: int, by_us: float, *, seed: int, moves: bool
-    ) -> Outcomes:
-        """Play a replicate with what runs on the clock, and moves if wanted, as much later."""
-        rig = replace(self, effects=[moved(effect, by_us) for effect in self.effects])
-        back_us = by_us if moves else 0.0
-        begun = replace(touches, time_s=touches.time_s + back_us / US_PER_S)
-        found = rig._played(begun, seed=seed, replicates=1, first_replicate=replicate)  # noqa: SLF001 - the same rig
-        return replace(found, **{name: getattr(found, name) - back_us for name in TIMES})
-
-    def _played(
-        self,
-        touches: Touches,
-        *,
-        seed: int,
-        replicates: int,
-        first_replicate: int = 0,
-        jobs: int = 1,
-    ) -> Outcomes:
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
         approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
         met = replace(touches, approach_mm=approach_mm)
-        return play(
-            self.nominal,
-            Controller.for_campaign(self.nominal, met),
-            met,
-            seed=seed,
-            replicates=replicates,
-            first_replicate=first_replicate,
-            jobs=jobs,
-            datum_um=surface_um + coordinate_um,
-            switched_on=self.effects,
-        )
+        controller = Controller.for_campaign(self.nominal, met)
+
+        def play_one(touches: Touches, replicates: int, begins: Begins) -> Outcomes:
+            return play(
+                self.nominal,
+                replace(
+                    controller,
+                    scan_phase_us=begins.scan_phase_us,
+                    scan_spread_us=begins.scan_spread_us,
+                    start_spread_us=begins.start_spread_us,
+                ),
+                touches,
+                seed=seed,
+                replicates=replicates,
+                jobs=jobs,
+                datum_um=surface_um + coordinate_um,
+                switched_on=self.effects,
+            )
+
+        if self.scans is None or not self.keeps_scan_grid or not touches.on_plc.any():
+            return play_one(met, replicates, Begins())
+        bound = self.scans.in_phase if in_phase else self.scans.at_recorded
+        return bound(play_one, met, replicates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -32,11 +32,12 @@ def observed(
         scan_us: Period of that grid, if it is not the believed one.
     """
     edges = scene.touches.edge_us
-    begin = np.where(np.isnan(edges), scene.contact.time_us, recorded.edge_us)
+    contact_us = scene.contact.time_us + recorded.start_delay_us
+    begin = np.where(np.isnan(edges), contact_us, recorded.edge_us)
     later = recorded.latch_us - begin
     beyond = recorded.deviation_um - scene.speed * later
     return {
-        "edge": recorded.edge_us - scene.contact.time_us,
+        "edge": recorded.edge_us - contact_us,
         "latch": later,
         "grid": off_grid(
             np.where(scene.plc, recorded.latch_us, np.nan), scan_us or scene.nominal.plc.scan_us

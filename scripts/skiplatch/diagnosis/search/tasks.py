@@ -2,11 +2,9 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import NARROWER, Fit, fit
+from skiplatch.diagnosis.fit.fit import NARROWER, Fit, fit, starts_of
 from skiplatch.diagnosis.fit.forms import polish, refine
 from skiplatch.diagnosis.fit.onset import passing, polished
 from skiplatch.diagnosis.scene.scene import Scene
@@ -53,19 +51,10 @@ def fit_in_forms(model: tuple[Scene, Fit, Change]) -> Fit:
 def fit_plainly(model: tuple[Scene, Candidate, Change]) -> Fit:
     """Fit a candidate from its starts, on a scene, on top of a change that stays."""
     scene, candidate, given = model
-    return fit(scene, [candidate], _starts(scene, candidate, given), given)
+    return fit(scene, [candidate], starts_of(scene, candidate, given), given)
 
 
 def fit_roughly(model: tuple[Scene, Candidate, Change]) -> Fit:
     """Do the same, no closer than a proposal has to be."""
     scene, candidate, given = model
-    return fit(scene, [candidate], _starts(scene, candidate, given), given, widenings=ROUGH)
-
-
-def _starts(scene: Scene, candidate: Candidate, given: Change) -> list[list[float]]:
-    """Give the starts without what the datum takes up, which is nothing of its own."""
-    taken = list(candidate.taken_up(scene))
-    starts = [np.array(start, dtype=float) for start in candidate.starts(scene, given)]
-    for start in starts:
-        start[taken] = 0.0
-    return [start.tolist() for start in starts if start.any()]
+    return fit(scene, [candidate], starts_of(scene, candidate, given), given, widenings=ROUGH)

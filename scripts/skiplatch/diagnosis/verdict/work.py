@@ -14,7 +14,6 @@ from skiplatch.diagnosis.fit.beliefs import Belief, fit_beliefs, uncertain
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import settled
 from skiplatch.diagnosis.fit.material import Materiality
-from skiplatch.diagnosis.plays.clock import scans_at_us
 from skiplatch.diagnosis.plays.left import CHANCE, Left, Memo
 from skiplatch.diagnosis.plays.leftover import Beside, left_over, noticed
 from skiplatch.diagnosis.plays.playing import FittedDatum, Folds, Rig
@@ -188,7 +187,7 @@ def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
     believed = scene.with_nominal(nominal)
     datum = FittedDatum.of(believed, fit.change(believed) if fit else NOTHING)
     rig = Rig(nominal, as_effects(fit) if fit else (), datum)
-    return replace(rig, scans_at_us=scans_at_us(scene.touches, rig.scan_us))
+    return rig.whose_scans_are(scene.touches)
 
 
 def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:

@@ -1,0 +1,130 @@
+"""Plays whose scans begin when recorded ones did.
+
+A play of its own switches the PLC on at some moment. The recorded rig's was switched on at one, and
+its stamps show which: they lie on the grid of the scans. What else runs on a clock, its ticks or
+the updates of a servo, keeps its distance from that grid. It is chance once, and not in each play.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Protocol, Self
+
+import numpy as np
+
+from skiplatch.arrays import FloatArray
+from skiplatch.campaign import Touches
+from skiplatch.diagnosis.scene.grid import mean_turn
+from skiplatch.simulator.playing import Outcomes
+from skiplatch.units import US_PER_S
+
+KEPT = 0.5
+"""Mean of the stamps as turns of the scan, from which on they keep to its grid."""
+FEWEST_STAMPS = 16
+RESOLVED = 6
+"""Decimals of a µs to which ticks and scans are told."""
+DRAWN = 16
+"""Replicates by which the scans of plays are set, at least, and stamps of all of them together."""
+STAMPS = 256
+SETTINGS = 2
+"""How often: how a clock rounds depends on when it is read."""
+
+
+@dataclass(frozen=True, slots=True)
+class Begins:
+    """When scans and moves begin; see `Controller`."""
+
+    scan_phase_us: float = 0.0
+    scan_spread_us: float = 0.0
+    start_spread_us: float = 0.0
+
+
+class Player(Protocol):
+    """Plays touches on a rig."""
+
+    def __call__(self, touches: Touches, replicates: int, begins: Begins) -> Outcomes:
+        """Play them so often."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scans:
+    """Scans that were recorded.
+
+    Attributes:
+        stamp_us: Of one of them.
+        period_us: From one to the next.
+        open_us: By which they may be moved before a stamp shows it, for stamps are rounded.
+    """
+
+    stamp_us: float
+    period_us: float
+    open_us: float
+
+    @classmethod
+    def of(cls, recorded: Touches, period_us: float, tick_us: float) -> Self | None:
+        """Find them by the stamps of touches; None where these keep no grid."""
+        stamps = recorded.latch_us[recorded.on_plc]
+        turn = mean_turn(stamps, period_us)
+        if abs(turn) < KEPT or np.isfinite(stamps).sum() < FEWEST_STAMPS:
+            return None
+        stamp_us = float(np.angle(turn)) / (2.0 * np.pi) * period_us
+        turns = np.rint((stamps[np.isfinite(stamps)] - stamp_us) / period_us)
+        rests_us = np.unique(np.round(turns * period_us % tick_us, RESOLVED)) % tick_us
+        gaps_us = np.diff(np.append(rests_us, rests_us[0] + tick_us))
+        return cls(stamp_us, period_us, float(gaps_us.max()))
+
+    def in_phase(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
+        """Play touches so that each waits as long for a scan as it would have."""
+        phase_us, _ = self._set(play, touches)
+        return play(touches, replicates, Begins(phase_us, self.open_us))
+
+    def at_recorded(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
+        """Play touches so that each falls anywhere before the scan that its stamp tells.
+
+        What has no stamp falls anywhere before some scan.
+        """
+        phase_us, plays = self._set(play, touches)
+        later_us = np.where(touches.on_plc, self._later_us(touches, phase_us, plays), 0.0)
+        begun_s = touches.time_s + later_us / US_PER_S
+        before, after = (np.argsort(times, kind="stable") for times in (touches.time_s, begun_s))
+        if not np.array_equal(before, after):
+            later_us, begun_s = np.zeros(len(touches)), touches.time_s
+        begun = replace(touches, time_s=begun_s)
+        outcomes = play(begun, replicates, self._begins(phase_us))
+        return replace(outcomes, start_delay_us=outcomes.start_delay_us + later_us)
+
+    def _set(self, play: Player, touches: Touches) -> tuple[float, Outcomes]:
+        """Find when scans begin whose stamps are those recorded: a clock may read late."""
+        phase_us, plc = self.stamp_us, touches.on_plc
+        replicates = max(DRAWN, STAMPS // max(int(plc.sum()), 1))
+        plays = play(touches, replicates, self._begins(phase_us))
+        for _ in range(SETTINGS):
+            phase_us -= self._off_us(plays.latch_us[:, plc])
+            plays = play(touches, replicates, self._begins(phase_us))
+        return self._within(phase_us), plays
+
+    def _begins(self, phase_us: float) -> Begins:
+        """Give scans at about a phase, and moves that begin anywhere before one."""
+        return Begins(self._within(phase_us), self.open_us, self.period_us)
+
+    def _within(self, phase_us: float) -> float:
+        """Bring a phase into a period, but to no 0, which leaves scans anywhere."""
+        return phase_us % self.period_us or self.period_us
+
+    def _off_us(self, stamps: FloatArray) -> float:
+        """Give by how much scans are stamped later than these, within half a period."""
+        own = np.exp(2j * np.pi * self.stamp_us / self.period_us)
+        off = np.angle(mean_turn(stamps.ravel(), self.period_us) * np.conj(own))
+        return float(off / (2.0 * np.pi) * self.period_us)
+
+    def _later_us(self, touches: Touches, phase_us: float, plays: Outcomes) -> FloatArray:
+        """Give by how much moves have to begin later to wait the most for the recorded scans."""
+        least_us = np.nanmin(
+            (self._begun_us(plays.latch_us, phase_us) - plays.true_edge_us)[:, touches.on_plc]
+        )
+        edges_us = np.nanmean(plays.true_edge_us - plays.start_delay_us, axis=0)
+        wanted_us = self._begun_us(touches.latch_us, phase_us) - least_us - self.period_us
+        return np.asarray(np.nan_to_num(wanted_us - edges_us))
+
+    def _begun_us(self, stamps: FloatArray, phase_us: float) -> FloatArray:
+        """Give when scans began by their stamps."""
+        turns = np.rint((stamps - self.stamp_us) / self.period_us)
+        return np.asarray(phase_us + turns * self.period_us)
