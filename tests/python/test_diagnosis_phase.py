@@ -117,14 +117,14 @@ def test_plays_wait_for_the_recorded_scans_as_long_as_for_any() -> None:
 
 @pytest.mark.parametrize(
     ("tick_us", "open_us"),
-    [(None, 0.25), (8.0, 8.0), (11.0, 1.0), (3.0, 1.0)],  # of scans of 4000 µs
+    [(None, 0.25), (8.0, 8.0), (11.0, 1.0), (3.0, 1.0)],  # of scans of 2000 µs
 )
 def test_it_stays_open_by_how_much_scans_may_move_before_a_stamp_shows_it(
     tick_us: float | None, open_us: float
 ) -> None:
     effects = [Effect("timer_quantisation", {"tick_us": tick_us})] if tick_us else []
     campaign = played(BENCH, *effects)
-    assert (campaign.nominal.plc.scan_us, campaign.nominal.skip.tick_us) == (4000.0, 0.25)
+    assert (campaign.nominal.plc.scan_us, campaign.nominal.skip.tick_us) == (2000.0, 0.25)
 
     scans = rig_of(campaign, *effects).scans
 
