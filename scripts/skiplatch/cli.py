@@ -15,7 +15,7 @@ from typing import Any, NoReturn, TextIO
 
 import click
 
-from skiplatch.errors import CampaignWarning, InputError, hint, one_line, quoted
+from skiplatch.errors import CampaignWarning, InputError, as_told, hint, one_line, quoted
 from skiplatch.simulator.library import SimulationError
 from skiplatch.undo import INTERRUPTED, TERMINATED, taken_back_on_failure
 
@@ -206,7 +206,7 @@ def _show_what_no_terminal_has() -> None:
 def _refuse(message: str) -> NoReturn:
     """Say it, if there is somewhere left to say it; what stdout still holds goes nowhere."""
     with suppress(OSError):
-        click.echo(f"skiplatch: {message}", err=True)
+        click.echo(as_told(message), err=True)
     _drop_output()
     sys.exit(BAD_INPUT)
 

@@ -1,14 +1,16 @@
-"""What is wrong with the user's input, told in one line."""
+"""What is wrong with the user's input, told in one line, or in one for each of several things."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from typing import Self
+from typing import Any
 
 SHOWN_CHARACTERS = 40
 """Of a piece of the input that a message quotes."""
 MOST_CHARACTERS = 1000
 """Of a message: libraries quote in theirs what they could not read, however long it is."""
+MOST_TOLD = 20
+"""Of the things that are wrong with one file."""
 
 
 class _Located:
@@ -33,7 +35,7 @@ class _Located:
         self.column = column
         self.message = message
 
-    def __reduce__(self) -> tuple[type[Self], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.path, self.line, self.column, self.message)
 
     def __str__(self) -> str:
@@ -48,11 +50,44 @@ class _Located:
 
 
 class InputError(_Located, Exception):
-    """The input is wrong and cannot be used."""
+    """The input is wrong and cannot be used.
+
+    Attributes:
+        further: What else is wrong with the same input; each is a line of its own.
+    """
+
+    further: Sequence["InputError"] = ()
+
+    @property
+    def apart(self) -> Sequence["InputError"]:
+        """All of them, one by one."""
+        return (InputError(self.path, self.line, self.column, self.message), *self.further)
+
+    @classmethod
+    def together(cls, errors: Sequence["InputError"]) -> "InputError":
+        """Make one of several on the same input, by their lines."""
+        first, *others = sorted(errors, key=lambda error: error.line or 0)
+        joined = cls(first.path, first.line, first.column, first.message)
+        joined.further = tuple(others)
+        return joined
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return *super().__reduce__(), {"further": self.further}
+
+    def __str__(self) -> str:
+        lines = [super().__str__(), *map(str, self.further[: MOST_TOLD - 1])]
+        if more := len(self.further) + 1 - len(lines):
+            lines.append(f"{one_line(os.fspath(self.path))}: and {more} more")
+        return "\n".join(lines)
 
 
 class CampaignWarning(_Located, UserWarning):
     """The campaign can be used, but something in it is ignored; given by ``warnings.warn``."""
+
+
+def as_told(error: object) -> str:
+    """Give it as the command line says it: each line begins with the program's name."""
+    return "\n".join(f"skiplatch: {line}" for line in str(error).split("\n"))
 
 
 def one_line(text: str) -> str:

@@ -6,7 +6,7 @@ is emptied. Of a rotary axis a degree counts as a millimetre.
 
 import os
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,21 +64,24 @@ PLAYED_TOUCHES = {"time_s": (0.0, 8.64e6), "feed_mm_min": (1e-3, 1e6), "approach
 
 
 def refuse_unplayable(path: Path, nominal: Nominal, besides: Sequence[Effect] = ()) -> None:
-    """Raise InputError for what was read from `path` and cannot be simulated.
+    """Raise InputError for all that was read from `path` and cannot be simulated.
 
     Args:
         path: Of nominal.toml, or of a diagnosis.
         nominal: The rig, with the effects that it is believed to have.
         besides: Effects that act, too.
     """
+    errors: list[InputError] = []
     for (section, name), limits in PLAYED.items():
-        _refuse_beyond(path, f"{section}.{name}", nominal.number(section, name), limits)
+        errors += _beyond(path, f"{section}.{name}", nominal.number(section, name), limits)
     switched_on = with_believed(nominal, besides)
     if len(switched_on) > MOST_EFFECTS:
         message = f"expected at most {MOST_EFFECTS}, got {len(switched_on)}"
-        raise InputError(path, None, "effect", message)
+        errors.append(InputError(path, None, "effect", message))
     for effect in switched_on:
-        refuse_unknown(path, effect)
+        errors += _unknown(path, effect)
+    if errors:
+        raise InputError.together(errors)
 
 
 def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
@@ -89,7 +92,8 @@ def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
         if len(beyond):
             first = int(beyond[0])
             where = f"{name} of touch {touches.touch[first]}"
-            _refuse_beyond(path, where, float(values[first]), (least, most))
+            for error in _beyond(path, where, float(values[first]), (least, most)):
+                raise error
 
 
 def refuse_endless_move(path: Path, nominal: Nominal, touches: Touches) -> None:
@@ -103,27 +107,31 @@ def refuse_endless_move(path: Path, nominal: Nominal, touches: Touches) -> None:
         raise InputError(path, None, "axis.accel_mm_s2", f"{expected}; {fastest}")
 
 
-def _refuse_beyond(path: Path, where: str, value: float, limits: tuple[float, float]) -> None:
+def _beyond(
+    path: Path, where: str, value: float, limits: tuple[float, float]
+) -> Iterator[InputError]:
     least, most = limits
     if not least <= value <= most:
         expected = f"expected {least:g} to {most:g}, which is what can be simulated"
-        raise InputError(path, None, where, f"{expected}, got {value:g}")
+        yield InputError(path, None, where, f"{expected}, got {value:g}")
 
 
-def refuse_unknown(path: Path, effect: Effect) -> None:
-    """Raise InputError for an effect, a parameter or a value that the simulator does not have."""
+def _unknown(path: Path, effect: Effect) -> Iterator[InputError]:
+    """Give what the simulator does not have: an effect, parameters or values."""
     if effect.id not in effects():
-        raise InputError(path, None, "effect.id", f"no effect is called {quoted(effect.id)}")
+        yield InputError(path, None, "effect.id", f"no effect is called {quoted(effect.id)}")
+        return
     parameters = {parameter.name: parameter for parameter in effects()[effect.id].parameters}
     for name, value in effect.parameters.items():
         column = f"effect.{effect.id}.{name}"
         if name not in parameters:
             known = ", ".join(parameters)
-            raise InputError(path, None, column, f"no such parameter; there are {known}")
+            yield InputError(path, None, column, f"no such parameter; there are {known}")
+            continue
         known_as = parameters[name]
         if not known_as.low <= value <= known_as.high:
             expected = f"expected {known_as.low:g} to {known_as.high:g}, got {value:g}"
-            raise InputError(path, None, column, expected)
+            yield InputError(path, None, column, expected)
 
 
 def read_playable(path: str | os.PathLike[str]) -> Campaign:

@@ -36,6 +36,19 @@ def test_error_survives_the_way_back_from_a_worker_process() -> None:
     assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301
 
 
+def test_several_errors_are_a_line_each_by_their_place_also_from_a_worker() -> None:
+    error = InputError.together([InputError("a", 4, 1, "x\ny"), InputError("a", 2, None, "z")])
+
+    assert str(pickle.loads(pickle.dumps(error))) == "a:2: z\na:4:1: x\\ny"  # noqa: S301
+    assert [str(one) for one in error.apart] == ["a:2: z", "a:4:1: x\\ny"]
+
+
+def test_of_very_many_errors_the_first_are_told() -> None:
+    error = InputError.together([InputError("a", line, None, "x") for line in range(1, 100)])
+
+    assert str(error).splitlines()[-2:] == ["a:20: x", "a: and 79 more"]
+
+
 def test_warning_speaks_like_an_error() -> None:
     assert str(CampaignWarning("touches.csv", 1, None, "odd")) == "touches.csv:1: odd"
 

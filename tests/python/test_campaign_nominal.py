@@ -167,9 +167,37 @@ def test_unknown_keys_are_told_all_at_once(tmp_path: Path) -> None:
     text = GOOD.replace("delay_us = 500", "delay_us = 500\ncolour = 3").replace("[plc]", "[plcs]")
 
     assert complaint(tmp_path, text) == (
-        'nominal.toml:10:1: unknown key "probe.colour"; '
-        'line 20: unknown key "plcs"; did you mean "plc"?'
+        'nominal.toml:10:1: unknown key "probe.colour"\n'
+        f'{tmp_path}/nominal.toml:20:2: unknown key "plcs"; did you mean "plc"?'
     )
+
+
+WRONG_AT_ONCE = {
+    "delay_us = 500": "delay_us = -500",
+    "lobe_um = -2.5": 'lobe_um = "2.5 mm"',
+    "tick_us = 0.5": "tick_us = 0",
+    "scan_us = 1_000.0": "scan_ms = 1",
+    "filter_us = 5.0": "filter_us = {value = true, u = -1}",
+}
+
+
+def test_all_that_is_wrong_is_told_at_once_by_line(tmp_path: Path) -> None:
+    text = GOOD.replace("campaign/1", "campaign/2")
+    for good, wrong in WRONG_AT_ONCE.items():
+        text = text.replace(good, wrong)
+    text += "[datum]\nfree = 3\nu_um = -1\n"
+    choices = '"none", "campaign", "axis", "axis_sense", "session" or "zero"'
+
+    assert complaint(tmp_path, text).replace(f"{tmp_path}/", "").splitlines() == [
+        'nominal.toml:6:11: probe.lobe_um: expected a number in µm, got "2.5 mm"',
+        "nominal.toml:9:12: probe.delay_us: expected a number >= 0 in µs, got -500",
+        "nominal.toml:12:13: input.filter_us: expected a number >= 0 in µs, got true",
+        "nominal.toml:12:13: input.filter_us.u: expected a number >= 0, got -1",
+        "nominal.toml:17:11: skip.tick_us: expected a number > 0 in µs, got 0",
+        'nominal.toml:20:1: unknown key "plc.scan_ms"; did you mean "plc.scan_us"?',
+        f"nominal.toml:33:8: datum.free: expected {choices}, got 3",
+        "nominal.toml:34:8: datum.u_um: expected a number >= 0 in µm, got -1",
+    ]
 
 
 def test_missing_section_is_told_by_its_first_key(tmp_path: Path) -> None:

@@ -80,7 +80,7 @@ def test_table_that_is_no_value_is_told(tmp_path: Path, written: str) -> None:
 def test_negative_uncertainty_is_told(tmp_path: Path) -> None:
     said = refusal(nominal, tmp_path, "plc.scan_us = {value = 9, u = -1}\n", folder=tmp_path)
 
-    assert said == "nominal.toml:2:15: plc.scan_us: expected a number >= 0, got -1"
+    assert said == "nominal.toml:2:15: plc.scan_us.u: expected a number >= 0, got -1"
 
 
 @pytest.mark.parametrize("version", [1, 2])
@@ -137,12 +137,26 @@ def test_believed_effects_are_read(tmp_path: Path) -> None:
     [
         ("effect = 3", "effect: expected tables written as [[effect]], got 3"),
         ("[effect]\nid = 'x'", "effect: expected tables written as [[effect]], got a table"),
-        ("[[effect]]\nx = 3", 'effect: expected a table with id = "…", got an array'),
+        ("[[effect]]\nx = 3", 'effect: expected a table with id = "…", got a table'),
         ("[[effect]]\nid = 'x'\ny = 'z'", 'effect.y: expected a number, got "z"'),
     ],
 )
 def test_wrong_believed_effect_is_told(tmp_path: Path, text: str, message: str) -> None:
     assert message in refusal(nominal, tmp_path, text)
+
+
+def test_each_believed_effect_that_is_wrong_is_told_by_its_own_line(tmp_path: Path) -> None:
+    good = "[[effect]]\nid = 'isr_latency'\nlatency_us = 4\n"
+    text = good + good.replace("4", "'4'") + "[[effect]]\nx = 1\n" + good.replace("4", "true")
+
+    told = refusal(nominal, tmp_path, text).splitlines()
+
+    start = BARE.count("\n")
+    assert [line.split(": ")[0] for line in told] == [
+        f"{tmp_path}/nominal.toml:{start + 6}:14",
+        f"{tmp_path}/nominal.toml:{start + 7}",
+        f"{tmp_path}/nominal.toml:{start + 11}:14",
+    ]
 
 
 def test_nominal_is_written_in_the_oldest_version_that_holds_it(machine_sample: Path) -> None:

@@ -2,12 +2,14 @@
 
 import re
 import shutil
+import sys
 from pathlib import Path
 
 import click
 import pytest
 from click.testing import CliRunner
 
+from skiplatch import cli
 from skiplatch.cli import group
 from skiplatch.commands.numbers import CountType
 from skiplatch.errors import InputError
@@ -52,6 +54,37 @@ def test_figure_that_cannot_be_simulated_is_named(command: str, tmp_path: Path) 
     assert isinstance(result.exception, InputError)
     expected = "plc.scan_us: expected 100 to 20000, which is what can be simulated, got 2"
     assert str(result.exception) == f"{nominal}: {expected}"
+
+
+def test_all_that_is_wrong_with_a_rig_is_told_at_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copytree(BENCH, tmp_path / "bench")
+    nominal = tmp_path / "bench" / "nominal.toml"
+    nominal.write_text(
+        'format = "skiplatch-campaign/2"\nkind = "bench"\n'
+        "plc.scan_us = 2\naxis.resolution_um = 1e5\n"
+        "[[effect]]\nid = 'backlahs'\n[[effect]]\nid = 'isr_latency'\nlatency_s = 4\ntail_us = -1\n"
+    )
+    monkeypatch.setattr(sys, "argv", ["skiplatch", "compare", str(tmp_path / "bench")])
+
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+
+    assert ended.value.code == cli.BAD_INPUT
+    beginnings = [line.split(":")[:3] for line in capsys.readouterr().err.splitlines()]
+    assert beginnings == [
+        ["skiplatch", f" {nominal}", f" {key}"]
+        for key in (
+            "plc.scan_us",
+            "axis.resolution_um",
+            "effect.id",
+            "effect.isr_latency.latency_s",
+            "effect.isr_latency.tail_us",
+        )
+    ]
+    odd = CliRunner().invoke(group, ["check", str(tmp_path / "bench")]).output
+    assert odd.count(f"  {nominal}: ") == len(beginnings)
 
 
 def test_a_log_that_cannot_be_repeated_is_told_by_its_own_name() -> None:

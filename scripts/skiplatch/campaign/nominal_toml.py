@@ -1,8 +1,8 @@
-"""Reading nominal.toml."""
+"""Reading nominal.toml; all that is wrong in it is told at once."""
 
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,13 @@ from skiplatch.campaign.nominal import (
     Nominal,
 )
 from skiplatch.campaign.nominal_text import fits
-from skiplatch.campaign.toml_positions import KeyPath, Position, key_positions
+from skiplatch.campaign.toml_positions import (
+    KeyPath,
+    Position,
+    is_nth_table,
+    key_positions,
+    nth_table,
+)
 from skiplatch.campaign.toml_text import parse_toml, read_toml_text
 from skiplatch.errors import InputError, hint, quoted
 from skiplatch.former_names import present_names
@@ -57,12 +63,14 @@ def parse_nominal(path: Path, text: str) -> Nominal:
     numbers = {key: given[key][0] if key in given else KEYS[key].default for key in KEYS}
     document.check_reach(numbers[_LEAST], numbers[_GREATEST])
     kind = document.kind()
+    datum, effects = document.datum(kind), document.effects()
+    document.refuse()
     nominal = Nominal(
         kind=kind,
         **{name: _section(name, numbers) for name in SECTIONS},
         uncertainty={key: u for key, (_, u) in given.items() if u is not None},
-        datum=document.datum(kind),
-        believed_effects=document.effects(),
+        datum=datum,
+        believed_effects=effects,
         version=version,
     )
     if nominal.version == 1:
@@ -78,11 +86,17 @@ def _section(section: str, numbers: Mapping[tuple[str, str], float]) -> Any:  # 
 
 @dataclass(frozen=True, slots=True)
 class _Document:
-    """What stands in the file, by key, and where it stands."""
+    """What stands in the file, by key, where it stands, and what is wrong with it."""
 
     path: Path
     entries: Mapping[KeyPath, object]
     positions: Mapping[KeyPath, Position]
+    errors: list[InputError] = field(default_factory=list)
+
+    def refuse(self) -> None:
+        """Raise what was found to be wrong, if anything was."""
+        if self.errors:
+            raise InputError.together(self.errors)
 
     def version(self) -> int:
         """Judge the format before the keys, which another one may have others of."""
@@ -94,58 +108,56 @@ class _Document:
         raise self._wrong(_FORMAT, " or ".join(f'"{name}"' for name in FORMATS.values()))
 
     def check_keys(self, version: int) -> None:
-        """Complain of all unknown keys, else of all that are missing."""
-        unknown = []
+        """Complain of unknown keys, else of those that are missing."""
         for key in self.entries:
             if len(key) == 1 and key[0] in {*_TABLES, NOTES}:
-                raise self._wrong(key, "a table")
-            if key not in _known():
-                unknown.append(self._unknown(key))
+                self._tell(self._wrong(key, "a table"))
+            elif key not in _known():
+                self._tell(self._unknown(key))
             elif version == 1 and key not in (_FORMAT, _KIND, *_in_version_1()):
-                unknown.append(self._unknown(key, f'; it needs format = "{FORMATS[2]}"'))
-        if unknown:
-            raise _all_of(unknown)
+                self._tell(self._unknown(key, f'; it needs format = "{FORMATS[2]}"'))
         missing = [key for key in (_KIND, *_in_version_1()) if key not in self.entries]
-        if version == 1 and missing:
-            raise self._missing(missing)
+        if version == 1 and missing and not self.errors:
+            self._tell(self._missing(missing))
 
     def check_reach(self, least_mm: float, greatest_mm: float) -> None:
         """Complain of an axis that can reach nothing."""
         if least_mm > greatest_mm:
             expected = f"at least {'.'.join(_LEAST)} = {least_mm:g} in mm"
-            raise self._wrong(_GREATEST, expected, greatest_mm)
+            self._tell(self._wrong(_GREATEST, expected, greatest_mm))
 
     def kind(self) -> Kind:
-        """Give the kind or complain of it."""
-        kinds = {str(kind): kind for kind in Kind}
-        return kinds[self._choice(_KIND, kinds, Kind.MACHINE)]
+        """Give the kind, or complain of it."""
+        return Kind(self._choice(_KIND, [*Kind], Kind.MACHINE))
 
     def datum(self, kind: Kind) -> Datum:
         """Give how the place of the surface is unknown, or complain of it."""
         default = Datum.of_kind(kind)
-        choices = {str(free): free for free in DatumFreedom}
-        free = choices[self._choice(_FREE, choices, default.free)]
+        free = DatumFreedom(self._choice(_FREE, [*DatumFreedom], default.free))
         if _U_UM not in self.entries:
             return Datum(free)
         return Datum(free, self._plain(_U_UM, self.entries[_U_UM], _U_OF_DATUM))
 
     def effects(self) -> tuple[BelievedEffect, ...]:
-        """Give the effects that are believed, or complain of one."""
+        """Give the effects that are believed, or complain of each that is wrong."""
         written = self.entries.get((EFFECT,), [])
         if not isinstance(written, list):
-            raise self._wrong((EFFECT,), "tables written as [[effect]]")
-        return tuple(self._effect(table) for table in written)
+            self._tell(self._wrong((EFFECT,), "tables written as [[effect]]"))
+            return ()
+        numbered = enumerate(written, 1)
+        return tuple(self._effect(table, (EFFECT, nth_table(n))) for n, table in numbered)
 
     def number(self, key: KeyPath, expected: Key) -> tuple[float, float | None]:
         """Give the number of a key and its standard uncertainty, if it is given one."""
         return self._measured(key, self.entries[key], expected)
 
-    def _effect(self, table: object) -> BelievedEffect:
+    def _effect(self, table: object, where: KeyPath) -> BelievedEffect:
         if not isinstance(table, dict) or not isinstance(table.get("id"), str):
-            raise self._wrong((EFFECT,), 'a table with id = "…"')
+            self._tell(self._wrong(where, 'a table with id = "…"', table))
+            return BelievedEffect("", {})
         numbers = {
-            name: self._measured((EFFECT, name), value, _PARAMETER)
-            for name, value in self._named(table).items()
+            name: self._measured((*where, name), value, _PARAMETER)
+            for name, value in self._named(table, where).items()
             if name != "id"
         }
         return BelievedEffect(
@@ -154,35 +166,44 @@ class _Document:
             {name: u for name, (_, u) in numbers.items() if u is not None},
         )
 
-    def _named(self, table: dict[str, object]) -> dict[str, object]:
+    def _named(self, table: dict[str, object], where: KeyPath) -> dict[str, object]:
         try:
             return present_names(table)
         except ValueError as error:
-            raise self._error(self._place((EFFECT,)), None, str(error)) from error
+            self._tell(self._error(self._place(where), None, str(error)))
+            return table
 
-    def _choice(self, key: KeyPath, choices: Mapping[str, object], default: str) -> str:
+    def _choice(self, key: KeyPath, choices: Sequence[str], default: str) -> str:
         value = self.entries.get(key, default)
-        if not isinstance(value, str) or value not in choices:
-            *others, last = (f'"{choice}"' for choice in choices)
-            raise self._wrong(key, f"{', '.join(others)} or {last}")
-        return str(value)
+        if isinstance(value, str) and value in choices:
+            return value
+        *others, last = (f'"{choice}"' for choice in choices)
+        self._tell(self._wrong(key, f"{', '.join(others)} or {last}"))
+        return default
 
     def _measured(self, key: KeyPath, given: object, expected: Key) -> tuple[float, float | None]:
         if not isinstance(given, dict):
             return self._plain(key, given, expected), None
         if "value" not in given or given.keys() - {"value", "u"}:
-            raise self._wrong(key, "a number or {value = …, u = …}", given)
+            self._tell(self._wrong(key, "a number or {value = …, u = …}", given))
+            return expected.default, None
         value = self._plain(key, given["value"], expected)
-        return value, self._plain(key, given["u"], _U) if "u" in given else None
+        return value, self._plain((*key, "u"), given["u"], _U) if "u" in given else None
 
     def _plain(self, key: KeyPath, value: object, expected: Key) -> float:
         unit = f" in {expected.unit}" if expected.unit else ""
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self._wrong(key, f"{expected.constraint.words}{unit}", value)
+            self._tell(self._wrong(key, f"{expected.constraint.words}{unit}", value))
+            return expected.default
         number = _as_float(value)
         if not fits(expected, number):
-            raise self._wrong(key, f"{expected.constraint.words_against(number)}{unit}", value)
+            words = expected.constraint.words_against(number)
+            self._tell(self._wrong(key, f"{words}{unit}", value))
+            return expected.default
         return number
+
+    def _tell(self, error: InputError) -> None:
+        self.errors.append(error)
 
     def _missing(self, keys: list[KeyPath]) -> InputError:
         names = ", ".join(quoted(".".join(key)) for key in keys)
@@ -205,20 +226,14 @@ class _Document:
         place = self._place(key)
         got = _described(self.entries[key] if value is None else value)
         column = place.value_column if place else None
-        return self._error(place, column, f"{'.'.join(key)}: expected {expected}, got {got}")
+        name = ".".join(part for part in key if not is_nth_table(part))
+        return self._error(place, column, f"{name}: expected {expected}, got {got}")
 
     def _place(self, key: KeyPath) -> Position | None:
         return self.positions.get(key) or self.positions.get(key[:-1])
 
     def _error(self, place: Position | None, column: int | None, message: str) -> InputError:
         return InputError(self.path, place.line if place else None, column, message)
-
-
-def _all_of(errors: list[InputError]) -> InputError:
-    """Make one of them, at the place of the first."""
-    first, *others = errors
-    further = (f"line {error.line or '?'}: {error.message}" for error in others)
-    return InputError(first.path, first.line, first.column, "; ".join((first.message, *further)))
 
 
 def _known() -> Iterator[KeyPath]:

@@ -60,5 +60,5 @@ def _odd(campaign: Campaign) -> list[Oddity]:
     try:
         refuse_unplayable(campaign.path / NOMINAL_FILE, campaign.nominal)
     except InputError as error:
-        found.append(Oddity(str(error)))
+        found += [Oddity(str(one)) for one in error.apart]
     return found

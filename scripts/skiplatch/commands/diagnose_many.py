@@ -9,7 +9,7 @@ import click
 from skiplatch.campaign import Campaign
 from skiplatch.commands.examining import Asked, Examined, examine
 from skiplatch.commands.kept import Kept, key_of
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, as_told
 from skiplatch.executors import software
 from skiplatch.progress import shown
 from skiplatch.workers import Failed, Workers, finished, opened
@@ -83,7 +83,7 @@ def told_as_done(
 
 def _refuse(refused: Sequence[InputError], done: int, kept: Kept) -> None:
     for error in refused[:-1]:
-        click.echo(f"skiplatch: {error}", err=True)
+        click.echo(as_told(error), err=True)
     if kept.folder is not None:
         click.echo(f"{done} done are kept in {kept.folder}; the same command goes on", err=True)
     raise refused[-1]

@@ -12,7 +12,7 @@ import click
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import NumberType
 from skiplatch.commands.options import Decorator
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, as_told
 from skiplatch.fleet.budget import ALARMS_A_MONTH
 from skiplatch.fleet.reading import Answer
 from skiplatch.tables import NOTHING, number, table
@@ -50,7 +50,7 @@ rate_option: Decorator = click.option(
 def tell_refused(refused: Iterable[tuple[Path, InputError]]) -> None:
     """Say which campaigns were refused, a line each."""
     for _, error in refused:
-        click.echo(f"skiplatch: {error}", err=True)
+        click.echo(as_told(error), err=True)
 
 
 def refused_json(refused: Iterable[tuple[Path, InputError]]) -> list[dict[str, str]]:

@@ -22,7 +22,7 @@ from skiplatch.commands.options import (
     write_json,
 )
 from skiplatch.commands.worker_options import cluster_option, limit_option
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, as_told
 from skiplatch.files import atomic_write_text
 from skiplatch.fleet.arrivals import Arrivals, noticed
 from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, is_diagnosed
@@ -239,7 +239,7 @@ def _tell(intake: Intake, folder: Path, taken: str | InputError) -> None:
     """Say that a campaign is new, or what is wrong with it."""
     if isinstance(taken, InputError):
         _refuse_whole_store(intake, taken)
-        click.echo(f"skiplatch: {taken}", err=True)
+        click.echo(as_told(taken), err=True)
     elif taken:
         click.echo(f"{folder}: {taken}")
 
