@@ -53,6 +53,7 @@ def effect(effect_id: str, **given: float) -> Effect:
 
 LATE = effect("isr_latency", latency_us=41.7)
 FILTER = effect("input_filter", delay_us=41.7)
+LATE_LATCH = Place("latch", "skip", "latch_skip", "everywhere", 41.7, "µs", ("isr_latency",))
 
 
 def diagnosed(campaign: Campaign, verdict: Verdict, *found: Effect) -> Diagnosis:
@@ -63,7 +64,7 @@ def diagnosed(campaign: Campaign, verdict: Verdict, *found: Effect) -> Diagnosis
     believed, rig = Rig(campaign.nominal), Rig(campaign.nominal, found)
     return Diagnosis(
         verdict=verdict,
-        where=[Place("latch", "skip", "latch_skip", "everywhere", 41.7, "µs")] if found else [],
+        where=[LATE_LATCH] if found else [],
         effects=[Named(one, "latch", intervals, ("input_filter",), 0.9) for one in found],
         gap=PlayedRigs.of(scene, believed, rig, seed=1, jobs=2).gaps(everything),
         ranking=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5), Ranked((), -2.0)],
@@ -229,7 +230,7 @@ def test_unknown_says_where_it_sits_and_what_it_looks_like(pages: dict[str, str]
     text = prose(pages["unknown"])
 
     assert "no effect of the catalogue explains it" in text
-    assert "It shows in latch_skip" in text
+    assert "It shows in latch." in text
     assert "latch, the skip path goes with time 0.400 µs 1e-21" in text
     assert re.findall(r'class="stage left"><b>(\w+)', pages["unknown"]) == ["latch"]
     assert "What causes it" not in text
@@ -493,7 +494,9 @@ def of_axes(*, all_turn: bool) -> tuple[Campaign, Diagnosis]:
     diagnosis = diagnosed(campaign, Verdict.PARTLY_EXPLAINED, play)
     return campaign, replace(
         diagnosis,
-        where=[Place("position", "skip", "deviation_skip", "everywhere", 10.0, "µm")],
+        where=[
+            Place("position", "skip", "deviation_skip", "everywhere", 10.0, "µm", ("backlash",))
+        ],
         left=[Left("position", "skip", "shift", ("time",), 2.0, "µm", 1.2, 0.33, 0.25, 9.5)],
         effects=[Named(play, "position", {n: (v, v) for n, v in play.parameters.items()}, (), 0.9)],
         ranking=[],
@@ -583,7 +586,7 @@ def test_each_path_is_told_in_the_unit_of_its_axes() -> None:
     diagnosis = replace(
         diagnosis,
         where=[
-            Place("position", path, f"deviation_{path}", "everywhere", 10.0, "µm")
+            Place("position", path, f"deviation_{path}", "everywhere", 10.0, "µm", ("backlash",))
             for path in ("skip", "plc")
         ],
         ways_of_paths=Ways.of_paths(touches),
@@ -591,8 +594,8 @@ def test_each_path_is_told_in_the_unit_of_its_axes() -> None:
 
     said = as_text(diagnosis)
 
-    assert re.search(r"deviation_skip .* 10\.0 µm ", said)
-    assert re.search(r"deviation_plc .* 36\.0 arcsec ", said)
+    assert re.search(r"position .* skip .* 10\.0 µm ", said)
+    assert re.search(r"position .* plc .* 36\.0 arcsec ", said)
 
 
 def test_what_is_short_of_an_explanation_is_told_in_degrees() -> None:

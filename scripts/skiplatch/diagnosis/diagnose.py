@@ -19,6 +19,7 @@ from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
+from skiplatch.diagnosis.reported.wanting import MOST_TOUCHES
 from skiplatch.diagnosis.reported.where import places
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.scored import Scored
@@ -30,9 +31,6 @@ from skiplatch.diagnosis.verdict.work import Work
 from skiplatch.progress import Counted
 from skiplatch.simulator.effects import Effect
 from skiplatch.ways import Ways
-
-MOST_TOUCHES = 4_000
-"""Touches that the search looks at; a larger campaign is drawn from."""
 
 
 def diagnose(
@@ -93,6 +91,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
     remains = evidence.after if is_named or is_small else evidence.before
     left = [one for one in remains if one.is_significant]
     rig = found.rig if is_named else believed
+    closest = finding.model.ids if finding.model and not is_named else ()
     return Diagnosis(
         verdict=verdict,
         where=places(scene.with_nominal(rig.nominal), kept, before, left),
@@ -107,7 +106,12 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
         touches=len(scene),
         used=len(scene),
         notes=notes(
-            scene, verdict, failures, evidence.before, evidence.effects if is_named else ()
+            scene,
+            verdict,
+            failures,
+            evidence.before,
+            evidence.effects if is_named else (),
+            closest,
         ),
         believed=believed,
         rig=rig,
@@ -115,6 +119,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
         beliefs=_values(work, rig),
         outliers=found.accidents,
         failures=failures,
+        closest=closest,
         ways=Ways.of(scene.touches),
         ways_of_paths=Ways.of_paths(scene.touches),
     )

@@ -1,11 +1,14 @@
 """A diagnosis as one page of HTML: no script, nothing from elsewhere, light and dark."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.experiment.text import REST, VARIED
+from skiplatch.diagnosis.reported.text import floor_told
 from skiplatch.diagnosis.reported.units_told import for_people
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
 from skiplatch.figures.inline import Drawing
@@ -15,6 +18,7 @@ from skiplatch.report.evidence import POSITION, Evidence, Seen, gather
 from skiplatch.report.layout import render
 
 TEMPLATE = "diagnosis.html"
+FLOOR = "What plays of the same simulation score against each other: no effect takes that away."
 MOST_FEEDS = 3
 MOST_CONDITIONS = 4
 
@@ -57,6 +61,7 @@ def as_html(
         residuals=_residuals(evidence),
         shrink=_shrink(diagnosis),
         gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
+        floor=floor_told(diagnosis),
         missed=words.missed_table(evidence.missed),
         ranking=ranks,
         cut_bars=ranking.cut_bars(ranks),
@@ -65,12 +70,17 @@ def as_html(
         left=words.left_table(diagnosis),
         next_experiment=next_experiment and words.next_touches(next_experiment),
         notes=diagnosis.notes,
-        glossary=glossary.words(
-            *("95 % interval", "chain", "confidence", "deviation", "direction α", "effect", "gap"),
-            *("held out", "latch", "nats", "noise floor", "nominal", "p", "PLC task", "scan"),
-            *("sense", "shrink", "skip input", "stage", "stretch"),
-            *((*VARIED, REST) if next_experiment is not None else ()),
-        ),
+        glossary={**_words(has_next=next_experiment is not None), "noise floor": FLOOR},
+    )
+
+
+def _words(*, has_next: bool) -> Mapping[str, str]:
+    """Give the words that the page uses, explained, in the order of the alphabet."""
+    return glossary.words(
+        *("95 % interval", "chain", "confidence", "deviation", "direction α", "effect", "gap"),
+        *("held out", "latch", "nats", "noise floor", "nominal", "p", "PLC task", "scan"),
+        *("sense", "shrink", "skip input", "stage", "stretch"),
+        *((*VARIED, REST) if has_next else ()),
     )
 
 

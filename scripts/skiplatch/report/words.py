@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from skiplatch.diagnosis import Diagnosis, Named, Verdict
 from skiplatch.diagnosis.experiment import Experiment, remarks, touches_table
+from skiplatch.diagnosis.reported.text import nothing_seen
+from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.latch.text import TITLES
 from skiplatch.report.evidence import Missed
@@ -77,9 +79,15 @@ def lead(diagnosis: Diagnosis, telling: str) -> str:
     if not diagnosis.where:
         return "No single stretch of the chain tells where it sits."
     if diagnosis.verdict == Verdict.UNKNOWN:
-        shows = _listed([place.observable for place in diagnosis.where])
+        shows = _listed([place.stretch for place in diagnosis.where])
         looks = _listed([place.conditions for place in diagnosis.where])
         return f"It shows in {shows}. What it depends on or looks like: {looks}."
+    return _lead_of_effects(diagnosis, telling) + (
+        f" {nothing_seen(diagnosis).capitalize()}." if diagnosis.leaves_nothing_seen else ""
+    )
+
+
+def _lead_of_effects(diagnosis: Diagnosis, telling: str) -> str:
     gap = _shown(diagnosis, telling)
     many = len(diagnosis.effects) > 1
     said = "Simulated along with the rest, " + _listed([n.effect.id for n in diagnosis.effects])
@@ -129,12 +137,17 @@ def found(named: Named, diagnosis: Diagnosis) -> Found:
 
 
 def where_table(diagnosis: Diagnosis) -> Table:
-    """Give where the gap sits."""
-    rows = [
-        (p.observable, p.stage, PATHS[p.paths], _with_unit(p.size, p.unit), p.conditions)
-        for p in diagnosis.where
-    ]
-    return Table(("stretch", "stage", "where", "size", "how"), rows)
+    """Give where the gap sits: where the effects show, if there are any."""
+    header = ("stretch", "stage", "where", "size", "how")
+    if not diagnosis.effects:
+        return Table(header, [_place(place) for place in diagnosis.where])
+    rows = [(*_place(p), " and ".join(p.effects)) for p in diagnosis.where if p.effects]
+    return Table((*header, "by"), rows)
+
+
+def _place(place: Place) -> tuple[str, ...]:
+    size = _with_unit(place.size, place.unit)
+    return (place.stretch, place.stage, PATHS[place.paths], size, place.conditions)
 
 
 def left_table(diagnosis: Diagnosis) -> Table:

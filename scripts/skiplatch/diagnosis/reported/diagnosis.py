@@ -7,6 +7,7 @@ from skiplatch.diagnosis.fit.beliefs import Belief
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.reported.wanting import FAILED_FOR_WANT, Wanting, wanting
 from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.shrink import Gap
@@ -22,10 +23,6 @@ class Ranked:
     effects: tuple[Effect, ...]
     score_nats: float
     """Gain in log-likelihood, less what so many parameters gain by chance."""
-
-
-FAILED_FOR_WANT = frozenset({"shrinks", "held_out", "known"})
-"""Rules that more touches may let hold."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -58,7 +55,9 @@ class Diagnosis:
     outliers: Sequence[int] = ()
     """Serial numbers of touches that are far off what the finding plays."""
     failures: Sequence[Failure] = ()
-    """The rules that candidates failed, and by how much."""
+    """The rules that the finding failed, or what came closest, and by how much."""
+    closest: tuple[str, ...] = ()
+    """Ids of the effects that came closest, where they were refused; they are no finding."""
     ways: Ways = Ways.LINEAR
     """What the axes do; of rotary ones a µm stands for 0.001°."""
     ways_of_paths: Mapping[str, Ways] = field(default_factory=dict)
@@ -71,11 +70,21 @@ class Diagnosis:
         return self.ways_of_paths.get(paths, self.ways)
 
     @property
-    def seems_whole(self) -> bool:
-        """Of a gap that is explained in part nothing is seen to be left: touches are too few."""
+    def leaves_nothing_seen(self) -> bool:
+        """Of a gap that is explained in part nothing is seen to be left."""
         is_part = self.verdict is Verdict.PARTLY_EXPLAINED
         is_wanting = {failure.rule for failure in self.failures} <= FAILED_FOR_WANT
         return is_part and is_wanting and not self.left and not self.outliers
+
+    @property
+    def seems_whole(self) -> bool:
+        """It is explained as far as can be seen: touches are too few."""
+        return self.leaves_nothing_seen and (self.wanting is None or self.wanting.is_likely)
+
+    @property
+    def wanting(self) -> Wanting | None:
+        """What more of the gap would have to go, if nothing but that is missing."""
+        return wanting(self.failures, self.gap.values(), self.used)
 
     @property
     def moved_far(self) -> Sequence[tuple[Belief, float]]:

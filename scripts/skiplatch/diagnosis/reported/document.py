@@ -11,6 +11,7 @@ from skiplatch.diagnosis.fit.beliefs import believing
 from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.schema import FORMAT, whole
+from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.simulator.effects import Effect
 from skiplatch.span import Span
@@ -33,6 +34,7 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
                 "conditions": p.conditions,
                 "size": p.size,
                 "unit": p.unit,
+                "effects": list(p.effects),
             }
             for p in diagnosis.where
         ],
@@ -40,13 +42,13 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
             {
                 "id": named.effect.id,
                 "stage": named.stage,
-                "params": dict(named.effect.parameters),
-                "intervals": {name: list(ends) for name, ends in named.intervals.items()},
+                "params": {name: named.effect.parameters[name] for name in _told(named)},
+                "intervals": {name: list(named.intervals[name]) for name in _told(named)},
                 "since": named.effect.span.since,
                 "until": named.effect.span.until,
                 "alternatives": list(named.alternatives),
                 "confidence": named.confidence,
-                "at_limit": {name: name in named.at_limit for name in named.effect.parameters},
+                "at_limit": {name: name in named.at_limit for name in _told(named)},
             }
             for named in diagnosis.effects
         ],
@@ -65,12 +67,19 @@ def as_json(diagnosis: Diagnosis) -> dict[str, Any]:
         "outliers": list(diagnosis.outliers),
         "beliefs": _beliefs_json(diagnosis),
         "failed": [asdict(failure) for failure in diagnosis.failures],
+        "closest": list(diagnosis.closest),
         "material": asdict(diagnosis.materiality),
         "touches": diagnosis.touches,
         "fingerprint": diagnosis.fingerprint,
         "touches_searched": diagnosis.used,
         "notes": list(diagnosis.notes),
     }
+
+
+def _told(named: Named) -> list[str]:
+    """Name the parameters but for those at rest of which no touch tells, as of other axes."""
+    values = named.effect.parameters
+    return [name for name, value in values.items() if value or name not in named.idle]
 
 
 def _beliefs_json(diagnosis: Diagnosis) -> dict[str, dict[str, Any]]:

@@ -28,6 +28,7 @@ def notes(
     failures: Sequence[Failure],
     mattering: Sequence[Left],
     named: Collection[str] = (),
+    closest: Collection[str] = (),
 ) -> list[str]:
     """Say what it looks like, what kept it from being explained, and what cannot be told.
 
@@ -37,13 +38,13 @@ def notes(
         failures: The rules that were missed.
         mattering: What the believed chain leaves that matters.
         named: Ids of the effects that are named.
+        closest: Ids of those that came closest and were refused.
     """
     found: list[str] = []
     if verdict is Verdict.UNKNOWN and mattering:
         found.append(_looks_like(mattering))
     if verdict is not Verdict.EXPLAINED:
-        ways = Ways.of(scene.touches)
-        found += [f"Not explained: {ways.relabelled(failure.words)}." for failure in failures]
+        found += _missed(Ways.of(scene.touches), failures, closest)
     for path in InputPath:
         found += _of_path(scene, path)
     if not scene.has_stamps.any():
@@ -75,6 +76,14 @@ def _looks_like(mattering: Sequence[Left]) -> str:
     telling = next((left for left in mattering if left.is_of(first) and left.is_predicted), first)
     ways = "; ".join(dict.fromkeys((first.looks_like, telling.looks_like)))
     return f"What it looks like: {first.observable}, {first.path} path: {ways}."
+
+
+def _missed(ways: Ways, failures: Sequence[Failure], closest: Collection[str]) -> list[str]:
+    """Say which rules kept a gap from being explained, and what came closest but was refused."""
+    if not closest:
+        return [f"Not explained: {ways.relabelled(failure.words)}." for failure in failures]
+    why = "; ".join(f"{ways.relabelled(one.words)} (rule {one.rule})" for one in failures)
+    return [f"Closest, but no finding: {' + '.join(closest)}, refused because {why}."]
 
 
 def _is_along_axes(scene: Scene) -> bool:

@@ -6,6 +6,7 @@ from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
 from skiplatch.diagnosis.reported.document import datum_json
 from skiplatch.diagnosis.reported.units_told import datum_told, for_people
+from skiplatch.diagnosis.reported.where import Place
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.rules import EXPLAINS, HAS_GAP, NAMES, SEES
 from skiplatch.diagnosis.verdict.shrink import Gap
@@ -22,10 +23,6 @@ VERDICTS = {
     Verdict.UNKNOWN: "There is a gap, and no effect of the catalogue explains it.",
     Verdict.UNDECIDED: "Too few touches to tell whether there is a gap.",
 }
-SEEMS_WHOLE = (
-    "The gap is explained in part: nothing is seen to be left, "
-    "but the touches are too few to be sure of all of it."
-)
 HALF = 0.5
 """Standard uncertainties by which a belief has to move to be told."""
 MOST_LISTED = 12
@@ -36,16 +33,13 @@ def as_text(diagnosis: Diagnosis) -> str:
     diagnosis, ways = for_people(diagnosis), diagnosis.ways
     effect_texts = [_effect_text(named, diagnosis) for named in diagnosis.effects]
     parts = [_verdict_text(diagnosis), *effect_texts]
-    if diagnosis.where:
-        rows = [
-            (p.observable, p.stage, p.paths, _size(p.size, p.unit), p.conditions)
-            for p in diagnosis.where
-        ]
-        parts.append("Where\n" + table(("stretch", "stage", "paths", "size", "how"), rows))
+    parts += _where_texts(diagnosis)
     if diagnosis.verdict in (Verdict.NO_GAP, Verdict.UNDECIDED):
         parts.append(_hidden_text(diagnosis.gap))
     if diagnosis.effects:
         parts.append("Gap on touches held out from the search\n" + _gap_table(diagnosis.gap))
+        if told := floor_told(diagnosis):
+            parts.append(told)
     parts.append(_threshold_text(diagnosis.materiality, ways))
     if moved := _moved(diagnosis):
         parts.append(
@@ -62,7 +56,9 @@ def as_text(diagnosis: Diagnosis) -> str:
 
 def _verdict_text(diagnosis: Diagnosis) -> str:
     """Say what the diagnosis came to; without a gap also by which beliefs that is so."""
-    said = SEEMS_WHOLE if diagnosis.seems_whole else VERDICTS[diagnosis.verdict]
+    said = VERDICTS[diagnosis.verdict]
+    if diagnosis.leaves_nothing_seen:
+        said = f"The gap is explained in part: {nothing_seen(diagnosis)}."
     if diagnosis.verdict is not Verdict.NO_GAP or not diagnosis.moved_far:
         return said
     beliefs = (
@@ -70,6 +66,46 @@ def _verdict_text(diagnosis: Diagnosis) -> str:
         for belief, now in diagnosis.moved_far
     )
     return f"{said[:-1]}, where {' and '.join(beliefs)}."
+
+
+def floor_told(diagnosis: Diagnosis) -> str:
+    """Explain a noise floor above what was there; nothing where there is none."""
+    if not any(gap.noise_floor > gap.before for gap in diagnosis.gap.values()):
+        return ""
+    played = "the simulation with the effects" if diagnosis.effects else "the simulation"
+    may_be = ", or effects that scatter more than what was recorded" if diagnosis.effects else ""
+    return (
+        f"The noise floor is what plays of {played} score against each other. "
+        f"A score below it is luck{may_be}."
+    )
+
+
+def nothing_seen(diagnosis: Diagnosis) -> str:
+    """Say what keeps a gap from being explained of which nothing is seen to be left."""
+    wanting = diagnosis.wanting
+    why = wanting.words if wanting else "but the touches are too few to be sure of all of it"
+    return f"nothing is seen to be left, {why}"
+
+
+def _where_texts(diagnosis: Diagnosis) -> list[str]:
+    """Give a table of where each effect shows, and one of where something is left."""
+    shown = [place for place in diagnosis.where if place.effects]
+    left = [place for place in diagnosis.where if not place.effects]
+    header = ("stretch", "stage", "paths", "size", "how")
+    parts = []
+    if shown:
+        rows = [(*_place(place), " + ".join(place.effects)) for place in shown]
+        title = "Where the effects show, and how far off the simulation is without them\n"
+        parts.append(title + table((*header, "by"), rows))
+    if left:
+        title = "Where something is left\n" if diagnosis.effects else "Where\n"
+        parts.append(title + table(header, [_place(place) for place in left]))
+    return parts
+
+
+def _place(place: Place) -> tuple[str, ...]:
+    size = _size(place.size, place.unit)
+    return (place.stretch, place.stage, place.paths, size, place.conditions)
 
 
 def _effect_text(named: Named, diagnosis: Diagnosis) -> str:

@@ -1,16 +1,18 @@
 """Where the gap sits: the stretch of the chain, its size, and the conditions that it goes with."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.leftover import MISSED
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.simulator.effects import effects
 
 LEAST_NATS = 5.0
@@ -42,6 +44,7 @@ class Place:
         conditions: What it goes with; or that it is everywhere.
         size: Root mean square of what the nominal chain is off by there.
         unit: Of the size; "1" for a share of the touches.
+        effects: Ids of the effects found that show there; none where something is left of the gap.
     """
 
     stage: str
@@ -50,6 +53,12 @@ class Place:
     conditions: str
     size: float
     unit: str
+    effects: tuple[str, ...] = ()
+
+    @property
+    def stretch(self) -> str:
+        """What it shows in, as what is left is told; `paths` says on which path."""
+        return OBSERVABLES.get(self.observable, self.observable)
 
 
 def places(
@@ -71,15 +80,40 @@ def places(
         least = max(LEAST_NATS, LEAST_SHARE * max(nats.values()))
         stages = {effects()[i].stage for i in finding.model.ids}
         ordered = sorted(nats, key=lambda name: -nats[name])
-        found = [_place(scene, name, stages, before) for name in ordered if nats[name] > least]
+        showing = _showing(scene, finding.model, gained)
+        found = [
+            _place(scene, name, stages, before, showing(name))
+            for name in ordered
+            if nats[name] > least
+        ]
     return found + [_rest(one) for one in left[:MOST_LEFT]]
 
 
-def _place(scene: Scene, name: str, stages: set[str], before: Sequence[Left]) -> Place:
+def _showing(
+    scene: Scene, model: Scored, gained: Mapping[str, FloatArray]
+) -> Callable[[str], tuple[str, ...]]:
+    """Tell of each stream which effects it needs; all of them where none by itself."""
+    without = [
+        likelihood(scene, model.fit.without(number).change(scene)).streams
+        for number in range(len(model.ids))
+        if len(model.ids) > 1
+    ]
+
+    def showing(name: str) -> tuple[str, ...]:
+        lost = [float((gained[name] - others[name]).sum()) for others in without]
+        needed = [one for one, nats in zip(model.ids, lost, strict=False) if nats > LEAST_NATS]
+        return tuple(dict.fromkeys(needed or model.ids))
+
+    return showing
+
+
+def _place(
+    scene: Scene, name: str, stages: set[str], before: Sequence[Left], showing: tuple[str, ...]
+) -> Place:
     stream = scene.streams.get(name)
     if stream is None:
         share = float(scene.touches.missed.mean())
-        return Place("input", "both", MISSED, EVERYWHERE, share, "1")
+        return Place("input", "both", MISSED, EVERYWHERE, share, "1", showing)
     off = (stream.residuals - stream.law.mean)[stream.rows]
     shared = [stage for stage in stream.stages if stage in stages]
     return Place(
@@ -89,6 +123,7 @@ def _place(scene: Scene, name: str, stages: set[str], before: Sequence[Left]) ->
         conditions=_conditions(name, before),
         size=float(np.sqrt(np.mean(off**2))),
         unit=stream.unit,
+        effects=showing,
     )
 
 
