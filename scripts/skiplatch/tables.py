@@ -4,6 +4,7 @@ import io
 import math
 import shutil
 import sys
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Literal
 
@@ -46,6 +47,29 @@ def listing(rows: Sequence[Sequence[str]]) -> str:
     """Lay out rows of words without a header, all columns to the left; wraps as a table does."""
     text, room = _plain(rows, str.ljust), _room()
     return text if _width(text) <= room else _wrapped(rows, "left", room)
+
+
+def prose(text: str) -> str:
+    """Break lines between words so that they fit a terminal; elsewhere the text stays as it is.
+
+    What goes on is indented by two spaces more than an indented line.
+    """
+    room = _room()
+    return "\n".join(_broken(line, room) for line in text.split("\n"))
+
+
+def _broken(line: str, room: int) -> str:
+    if len(line) <= room:
+        return line
+    indent = len(line) - len(line.lstrip())
+    further = " " * (indent + GAP if indent else 0)
+    return textwrap.fill(
+        line,
+        room,
+        subsequent_indent=further,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
 
 
 def _room() -> int:

@@ -97,7 +97,7 @@ def test_what_effects_explain_stands_apart_from_what_is_left() -> None:
     unknown = told(Verdict.UNKNOWN, where=[rest], left=left)
 
     assert WHERE_SHOWN in as_text(explained)
-    assert "latch    latch   skip  60.0 µs  everywhere  isr_latency" in as_text(explained)
+    assert "latch    latch  skip   60.0 µs  everywhere  isr_latency" in as_text(explained)
     assert "is left" not in as_text(explained)
     assert "\n\nWhere something is left\nstretch " in as_text(partly)
     assert "\n\nWhere\nstretch " in as_text(unknown)
@@ -173,11 +173,15 @@ def test_parameters_of_axes_that_are_not_there_are_not_in_the_document() -> None
 
 def test_a_noise_floor_above_the_gap_is_explained() -> None:
     calm = {"a": gap(0.0, 0.0, 0.0, before=0.4)}
+    unclear = {"a": replace(calm["a"], is_clear=False)}
     usual, low = (
         told(Verdict.EXPLAINED, LATE, gap=one) for one in ({"a": gap(1.0, 1.0, 1.0)}, calm)
     )
 
-    assert "A score below it is luck, or effects that scatter more than" in as_text(low)
+    assert "A score below it is luck, or the effects scatter more than" in as_text(low)
     assert "A score below it" not in as_text(usual)
+    said = as_text(told(Verdict.EXPLAINED, LATE, gap=unclear))
+    assert "0.400   1.00        0.500  below the noise floor" in said
+    assert "A score below it" not in said
     page = as_html(campaign(), told(Verdict.NO_GAP, gap=calm), name="a", seed=1)
-    assert "A score below it is luck." in page
+    assert "A score below it shows no gap in the mean" in page

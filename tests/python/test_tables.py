@@ -3,7 +3,7 @@
 import pytest
 
 from skiplatch.statistics import Interval
-from skiplatch.tables import beside, compact, listing, number, table, whole, with_interval
+from skiplatch.tables import beside, compact, listing, number, prose, table, whole, with_interval
 
 
 @pytest.mark.parametrize(
@@ -92,6 +92,17 @@ def test_table_with_no_room_becomes_a_list_a_row(monkeypatch: pytest.MonkeyPatch
     text = table(("path", "a", "b", "c"), wide)
 
     assert text == "path  skip\na     0.123456\nb     1.123456\nc     2.123456"
+
+
+def test_prose_breaks_between_words_on_a_terminal_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "one two three four\n\n  a = 1 (0 … 2) mm, far-away\nshort"
+
+    assert prose(text) == text
+    on_a_terminal(monkeypatch, 14)
+    assert prose(text).splitlines() == [
+        *("one two three", "four", ""),
+        *("  a = 1 (0 …", "    2) mm,", "    far-away", "short"),
+    ]
 
 
 def test_table_in_a_pipe_heeds_no_terminal(monkeypatch: pytest.MonkeyPatch) -> None:

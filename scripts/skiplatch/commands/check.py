@@ -13,7 +13,7 @@ from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
 from skiplatch.stand_ins import refuse_unplayable
-from skiplatch.tables import counted
+from skiplatch.tables import counted, prose
 
 EPILOG = """\b
 Example:
@@ -51,7 +51,7 @@ def check_text(campaign: Campaign) -> str:
     lines = [f"{campaign.path}: {kind} campaign, {counted(n, 'touch')}"]
     for head, found in parts:
         lines += ["", head, *(f"  {line}" for line in found or ["nothing"])]
-    return "\n".join(lines)
+    return prose("\n".join(lines))
 
 
 def _odd(campaign: Campaign) -> list[Oddity]:

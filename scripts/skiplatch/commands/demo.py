@@ -55,7 +55,7 @@ class _Demo:
 
     def seed_figures(self) -> Mapping[str, Any]:
         """Show that every figure of the seed document is found again."""
-        _heading("The figures of the document on probing strategies, simulated")
+        _heading("Figures of probing strategies, simulated")
         found = seed_document.seed_figures(self._effort.at_most(TOUCHES_OF_A_FIGURE))
         click.echo(seed_document.as_text(found))
         dots = self._effort.at_most(TOUCHES_OF_A_DOT)
@@ -116,9 +116,9 @@ def _heading(text: str) -> None:
 def command(out: Path, seed: int, jobs: int, json_path: Path | None) -> None:
     """Show the whole program at work, in about a minute, and draw the pictures.
 
-    Latch errors of both input paths from a million touches each, every figure of the document on
-    probing strategies, a plan, two recorded samples beside the simulation, and a small fleet with
-    its page.
+    Latch errors of both input paths from a million touches each, figures of probing strategies
+    beside what was stated of them, a plan, two recorded samples beside the simulation, and a small
+    fleet with its page.
     """
     demo = _Demo(out, Effort(TOUCHES, seed, jobs))
     result = {

@@ -148,7 +148,7 @@ def _named(folder: Path, error: InputError | OSError) -> InputError:
     type=TIME_S,
     default=10.0,
     show_default=True,
-    metavar="s",
+    metavar="SECONDS",
     help="A campaign is whole once nothing in its folder has changed for so long.",
 )
 @click.option("--once", is_flag=True, help="Take what is there and whole, and end.")

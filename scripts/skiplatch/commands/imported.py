@@ -12,7 +12,7 @@ from skiplatch.commands.inputs import FILE
 from skiplatch.commands.options import Decorator, write_json
 from skiplatch.importing.model import Imported
 from skiplatch.importing.writing import write_imported
-from skiplatch.tables import counted
+from skiplatch.tables import counted, prose
 from skiplatch.touched_often import touches_repeat
 
 path_option: Decorator = click.option(
@@ -59,7 +59,7 @@ def finish(
         if lines:
             click.echo(f"\n{head}")
             for line in lines:
-                click.echo(f"  {line}")
+                click.echo(prose(f"  {line}"))
     click.echo(f"\nNext: {_next(campaign, out)}")
     said = {name.lower().replace(" ", "_"): lines for name, lines in parts}
     about = {"out": str(out), "kind": campaign.nominal.kind, "touches": len(campaign.touches)}

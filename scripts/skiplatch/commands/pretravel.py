@@ -92,8 +92,8 @@ def command(
     """Measure a probe, compensate it by variable feeds, and measure it again, in simulation.
 
     The delay comes from runs on a ring, the map from touches all over a sphere, the feeds from the
-    firmware's mathematics; every touch goes through the firmware's latch. The table has the
-    document's figures beside ours, and says which of them the simulation was set up to give.
+    firmware's mathematics; every touch goes through the firmware's latch. The table has
+    published figures beside ours, and says which of them the simulation was set up to give.
     """
     if table_path is not None and iterations > 1:
         raise click.UsageError("--table says at which feeds to measure: no --iterations with it")

@@ -18,7 +18,7 @@ from skiplatch.importing.writing import write_imported
 from skiplatch.latch.text import TITLES
 from skiplatch.repeatability import Repeatability, by_path
 from skiplatch.repeatability_words import OfPath, an_hour, rows_of, sentence
-from skiplatch.tables import counted, table
+from skiplatch.tables import counted, prose, table
 
 SHOWN = 12
 _TOLD = {"first": "first_touch", "order": "drift", "axis": "axis_drift", "speed": "slope"}
@@ -53,11 +53,11 @@ def command(
     shown = _shown(campaign)
     click.echo(head)
     for one in shown:
-        click.echo(f"\n{_text(one)}")
+        click.echo(prose(f"\n{_text(one)}"))
     for path in _untold(campaign, shown):
         click.echo(f"\n{path}: no surface was touched often enough")
     if assumed:
-        click.echo("\n".join(("", "Assumed", *(f"  {line}" for line in assumed))))
+        click.echo("\n".join(("", "Assumed", *(prose(f"  {line}") for line in assumed))))
     write_json(json_path, {"source": str(source), **document(shown), "assumed": assumed})
     # Drawing takes time to load, which only those pay who want a picture.
     if html_path is not None:

@@ -20,7 +20,7 @@ from skiplatch.diagnosis.experiment.words import A_GAUGE, name
 from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.errors import InputError
 from skiplatch.stand_ins import read_playable
-from skiplatch.tables import number, table
+from skiplatch.tables import number, prose, table
 
 EPILOG = """\b
 Example:
@@ -53,7 +53,7 @@ def command(campaign: Path, made: Path, seed: int, jobs: int, json_path: Path | 
     models = rivals(diagnose(recorded, seed=seed, jobs=jobs, is_shown=True))
     standings = outcome(recorded, further, models, seed=seed, jobs=jobs) if models else []
     nats = borne_out_nats(recorded, further, standings[0].model) if standings else 0.0
-    click.echo(_text(standings, nats, further))
+    click.echo(prose(_text(standings, nats, further)))
     write_json(json_path, _json(standings, nats))
 
 

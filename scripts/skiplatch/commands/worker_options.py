@@ -49,7 +49,7 @@ limit_option: Decorator = click.option(
     "--task-limit-s",
     "limit_s",
     type=TIME_S,
-    metavar="s",
+    metavar="SECONDS",
     default=LIMIT_S,
     show_default=True,
     help="A piece of spread work that takes longer is ended, tried again, and in the end told by "

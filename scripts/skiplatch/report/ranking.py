@@ -43,7 +43,8 @@ def ranking(diagnosis: Diagnosis) -> list[Rank]:
     best = max((model.score_nats for model in models), default=0.0)
     rivals = {_name(model.effects) for model in diagnosis.rivals}
     finding = {named.effect.id for named in diagnosis.effects}
-    return [_rank(model, best, rivals, finding) for model in models]
+    closest = set(diagnosis.closest)
+    return [_rank(model, best, rivals, finding, closest) for model in models]
 
 
 def cut_bars(ranks: Iterable[Rank]) -> str:
@@ -67,10 +68,15 @@ def _gaining(diagnosis: Diagnosis) -> list[Ranked]:
     return [model for model in diagnosis.ranking if model.score_nats > 0.0]
 
 
-def _rank(model: Ranked, best: float, rivals: set[str], finding: set[str]) -> Rank:
+def _rank(
+    model: Ranked, best: float, rivals: set[str], finding: set[str], closest: set[str]
+) -> Rank:
     name = _name(model.effects)
-    if {effect.id for effect in model.effects} == finding:
+    ids = {effect.id for effect in model.effects}
+    if ids == finding:
         said = "finding"
+    elif ids == closest:
+        said = "closest, but refused"
     else:
         said = "cannot be told from it" if name in rivals else ""
     behind = best - model.score_nats

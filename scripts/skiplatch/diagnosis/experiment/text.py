@@ -7,9 +7,10 @@ from typing import Any
 from skiplatch.campaign import COLUMNS, Touches
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import Experiment
-from skiplatch.tables import compact, table
+from skiplatch.tables import compact, prose, table
 
 SHOWN = 10
+DECIMALS = 3
 REST = "rest_s"
 VARIED = (
     "path",
@@ -26,13 +27,16 @@ VARIED = (
 
 def experiment_text(experiment: Experiment) -> str:
     """What to do and why, with the touches that are to be made most often."""
-    return "\n".join([experiment.words, table(*touches_table(experiment)), *remarks(experiment)])
+    words = prose(experiment.words)
+    return "\n".join([words, table(*touches_table(experiment)), *remarks(experiment)])
 
 
 def touches_table(experiment: Experiment) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
     """Give header and rows of the touches made most often, without what is empty in all."""
     header = (*VARIED, REST, "touches")
-    rows = [(*cells, str(count)) for cells, count in _distinct(experiment.touches)[:SHOWN]]
+    rows = [
+        (*map(_short, cells), str(count)) for cells, count in _distinct(experiment.touches)[:SHOWN]
+    ]
     kept = [i for i in range(len(header)) if not rows or any(row[i] for row in rows)]
     return [header[i] for i in kept], [[row[i] for i in kept] for row in rows]
 
@@ -71,6 +75,12 @@ def _distinct(touches: Touches) -> list[tuple[tuple[str, ...], int]]:
     rests = [f"{rest:.1f}" for rest in rests_s(touches)]
     cells = zip(*(COLUMNS[name].format(columns[name]) for name in VARIED), rests, strict=True)
     return Counter(cells).most_common()
+
+
+def _short(cell: str) -> str:
+    """Give a number of many decimals to a thousandth; what is made of it has all of them."""
+    decimals = cell.partition(".")[2]
+    return cell if len(decimals) <= DECIMALS else f"{float(cell):.{DECIMALS}f}"
 
 
 def _plain(cells: dict[str, str]) -> dict[str, str | float | None]:

@@ -13,7 +13,7 @@ from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import effects
 from skiplatch.statistics import Interval
-from skiplatch.tables import number, table
+from skiplatch.tables import listing, number, prose, table
 from skiplatch.ways import LENGTH, Ways
 
 VERDICTS = {
@@ -51,7 +51,7 @@ def as_text(diagnosis: Diagnosis) -> str:
         parts.append(f"Far off the rest, by touch: {listed}{more}")
     if diagnosis.notes:
         parts.append("\n".join(diagnosis.notes))
-    return "\n\n".join(parts)
+    return prose("\n\n".join(parts))
 
 
 def _verdict_text(diagnosis: Diagnosis) -> str:
@@ -69,14 +69,18 @@ def _verdict_text(diagnosis: Diagnosis) -> str:
 
 
 def floor_told(diagnosis: Diagnosis) -> str:
-    """Explain a noise floor above what was there; nothing where there is none."""
-    if not any(gap.noise_floor > gap.before for gap in diagnosis.gap.values()):
+    """Explain a noise floor above what was there; nothing where no gap is said to be either."""
+    high = [gap for gap in diagnosis.gap.values() if gap.noise_floor > gap.before]
+    if not any(gap.is_clear or not diagnosis.effects for gap in high):
         return ""
-    played = "the simulation with the effects" if diagnosis.effects else "the simulation"
-    may_be = ", or effects that scatter more than what was recorded" if diagnosis.effects else ""
+    if not diagnosis.effects:
+        return (
+            "The noise floor is what plays of the simulation score against each other. "
+            "A score below it shows no gap in the mean of all touches."
+        )
     return (
-        f"The noise floor is what plays of {played} score against each other. "
-        f"A score below it is luck{may_be}."
+        "The noise floor is what plays of the simulation with the effects score against each "
+        "other. A score below it is luck, or the effects scatter more than what was recorded."
     )
 
 
@@ -96,10 +100,10 @@ def _where_texts(diagnosis: Diagnosis) -> list[str]:
     if shown:
         rows = [(*_place(place), " + ".join(place.effects)) for place in shown]
         title = "Where the effects show, and how far off the simulation is without them\n"
-        parts.append(title + table((*header, "by"), rows))
+        parts.append(title + listing([(*header, "by"), *rows]))
     if left:
         title = "Where something is left\n" if diagnosis.effects else "Where\n"
-        parts.append(title + table(header, [_place(place) for place in left]))
+        parts.append(title + listing([header, *map(_place, left)]))
     return parts
 
 
@@ -175,13 +179,17 @@ def _gap_table(gaps: Mapping[str, Gap]) -> str:
             number(gap.before, 3),
             number(gap.after, 3),
             number(gap.noise_floor, 3),
-            _shrunk(gap.shrink) if gap.is_clear else "no gap beyond the noise",
+            _shrunk(gap.shrink) if gap.is_clear else _no_gap(gap),
             *([] if gap.oracle_shrink is None else [_shrunk(gap.oracle_shrink)]),
         )
         for name, gap in gaps.items()
     ]
     header = ("observable", "unit", "before", "after", "noise floor", "shrunk by", "the truth does")
     return table(header[: len(rows[0])], rows) if rows else "  nothing was recorded"
+
+
+def _no_gap(gap: Gap) -> str:
+    return "no gap beyond the noise" if gap.before > gap.noise_floor else "below the noise floor"
 
 
 def _shrunk(share: Interval) -> str:
@@ -196,7 +204,7 @@ def explained(diagnosis: Diagnosis) -> str:
         for group in (NAMES, EXPLAINS, HAS_GAP, SEES)
         for rule in group
     ]
-    parts = ["Rules\n" + table(("rule", "threshold", "finding", "why this threshold"), rules)]
+    parts = ["Rules\n" + listing([("rule", "threshold", "finding", "why this threshold"), *rules])]
     if diagnosis.ranking:
         best = diagnosis.ranking[0].score_nats
         tried = [
