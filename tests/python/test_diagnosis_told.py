@@ -131,9 +131,9 @@ def test_an_unknown_gap_names_what_came_closest_and_what_refused_it() -> None:
     [
         (
             [gap(0.7, 1.0, 1.0)],
-            "but 400 touches are too few to be sure of all of it; about 900 of their kind would do",
+            "400 touches are too few to be sure of all of it; about 1 800 of their kind would do",
         ),
-        ([gap(0.7, 1.0, 1.0), gap(0.76, 0.9, 1.0)], "about 900 of their kind"),
+        ([gap(0.7, 1.0, 1.0), gap(0.76, 0.9, 1.0)], "about 1 800 of their kind"),
         ([gap(0.1, 0.9, 1.0)], "as many as are looked at, 4000, may not do"),
         ([gap(0.2, 0.4, 1.0)], "but these touches show 40% of it go, and 80% would have to"),
         ([gap(-0.1, 0.2, 0.3)], "but no more than 30% of it goes"),

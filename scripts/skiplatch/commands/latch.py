@@ -12,6 +12,7 @@ from skiplatch.commands.outputs import OutputFolder
 from skiplatch.commands.rig_options import rig_json, rig_options
 from skiplatch.commands.worker_options import cluster_if_named, cluster_option, limit_option
 from skiplatch.latch import Effort, as_json, as_text, examine
+from skiplatch.tables import prose
 
 EPILOG = """\b
 Example:
@@ -81,7 +82,7 @@ def command(
     effort = Effort(touches, seed, jobs)
     with cluster_if_named(cluster, limit_s) as executor:
         results = {path: examine(rig, path, feed_mm_min, effort, executor) for path in paths}
-    click.echo(as_text(rig, feed_mm_min, results))
+    click.echo(prose(as_text(rig, feed_mm_min, results)))
     conditions = {"touches": touches, "feed_mm_min": feed_mm_min, "seed": seed}
     document = {"format": "skiplatch-latch/1", **conditions, "rig": rig_json(rig)}
     write_json(json_path, {**document, "paths": as_json(results)})

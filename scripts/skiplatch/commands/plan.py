@@ -10,6 +10,7 @@ from skiplatch.commands.options import Decorator, jobs_option, json_option, seed
 from skiplatch.commands.rig_options import rig_options
 from skiplatch.latch import Effort
 from skiplatch.planner import Limits, as_json, as_text, make_plan
+from skiplatch.tables import prose
 
 EPILOG = """\b
 Example:
@@ -86,7 +87,7 @@ def command(
         margin_mm=margin_mm,
     )
     plan = make_plan(limits, wanted_um, Effort(CYCLES, seed, jobs))
-    click.echo(as_text(plan))
+    click.echo(prose(as_text(plan)))
     write_json(json_path, as_json(plan))
     if plan.best is None:
         ctx.exit(UNREACHABLE)

@@ -13,6 +13,9 @@ MOST_TOUCHES = 4_000
 FAILED_FOR_WANT = frozenset({"shrinks", "held_out", "known"})
 """Rules that more touches may let hold."""
 SHRINKS = "shrinks"
+SURELY = 2.0
+"""Times what would do on average, so that it mostly does: it did for 20 of 24 simulated campaigns
+of 120 touches, and half of it for 17 of 29."""
 DIGITS = 2
 """Of an estimated number of touches."""
 
@@ -50,7 +53,7 @@ class Wanting:
         if not self.shares or any(share.value <= self.level for share in self.shares):
             return None
         halves = [(s.value - s.low) / (s.value - self.level) for s in self.shares]
-        wanted = self.touches * max(halves) ** 2
+        wanted = SURELY * self.touches * max(halves) ** 2
         return round(wanted) if wanted <= MOST_TOUCHES else None
 
     @property
