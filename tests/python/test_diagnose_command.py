@@ -13,6 +13,7 @@ from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
 BENCH = SAMPLES / "bench_isr_latency"
+QUIET_BENCH = Path(__file__).parent / "data" / "bench_no_gap"
 
 
 def run(*arguments: str) -> str:
@@ -49,17 +50,24 @@ def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
     return CliRunner().invoke(cli.group, ["diagnose", str(BENCH), *options]), path
 
 
-def test_several_campaigns_are_a_list_in_their_order(tmp_path: Path) -> None:
-    quiet = Path(__file__).parent / "data" / "bench_no_gap"
-    out = tmp_path / "several.json"
+@pytest.fixture(scope="module")
+def without_a_gap(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
+    """What comes of two campaigns without a gap, which nobody watches; and their JSON file."""
+    path = tmp_path_factory.mktemp("without_a_gap") / "several.json"
+    words = ["diagnose", str(QUIET_BENCH), str(SAMPLES / "machine_no_gap"), "--fail-on-gap"]
+    return CliRunner().invoke(cli.group, [*words, "--json", str(path)]), path
 
-    said = run("diagnose", str(quiet), str(SAMPLES / "machine_no_gap"), "--json", str(out))
 
+def test_several_campaigns_are_a_list_in_their_order(without_a_gap: tuple[Result, Path]) -> None:
+    result, out = without_a_gap
+
+    said = result.output
     bench, machine = json.loads(out.read_text())
     assert (bench["verdict"], machine["verdict"]) == ("no_gap", "no_gap")
     assert bench["seed"] == machine["seed"] == 1
     assert bench["gap"].keys() > machine["gap"].keys()
-    assert said.index(f"{quiet}: bench campaign") < said.index("machine_no_gap: machine campaign")
+    first, second = f"{QUIET_BENCH}: bench campaign", "machine_no_gap: machine campaign"
+    assert said.index(first) < said.index(second)
 
 
 def test_a_folder_that_is_none_is_refused_before_any_is_diagnosed(tmp_path: Path) -> None:
@@ -167,9 +175,8 @@ def test_json_for_stdout_is_alone_there() -> None:
     assert "400 touches" in result.stderr
 
 
-def test_a_gap_fails_a_run_that_nobody_watches(diagnosed: tuple[Result, Path]) -> None:
-    sample = str(SAMPLES / "machine_no_gap")
-    without = CliRunner().invoke(cli.group, ["diagnose", sample, "--fail-on-gap"])
-
+def test_a_gap_fails_a_run_that_nobody_watches(
+    diagnosed: tuple[Result, Path], without_a_gap: tuple[Result, Path]
+) -> None:
     assert diagnosed[0].exit_code == 1, diagnosed[0].output
-    assert without.exit_code == 0, without.output
+    assert without_a_gap[0].exit_code == 0, without_a_gap[0].output

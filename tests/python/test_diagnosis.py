@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -64,9 +65,14 @@ def test_a_form_as_far_off_as_can_be_is_counted_by_itself() -> None:
     assert reliability(FAR_OFF) < reliability(Verdict.PARTLY_EXPLAINED)
 
 
-@pytest.mark.parametrize("folder", [SAMPLES / "machine_no_gap", DATA / "bench_no_gap"])
+@cache
+def of_recorded(folder: Path) -> Diagnosis:
+    return diagnose(read_campaign(folder), seed=1, jobs=JOBS)
+
+
+@pytest.mark.parametrize("folder", [MACHINE, DATA / "bench_no_gap"])
 def test_recorded_campaigns_without_a_gap_get_no_name(folder: Path) -> None:
-    diagnosis = diagnose(read_campaign(folder), seed=1, jobs=JOBS)
+    diagnosis = of_recorded(folder)
 
     assert diagnosis.verdict == Verdict.NO_GAP
     assert not diagnosis.effects
@@ -147,12 +153,9 @@ def test_a_stranger_is_not_named() -> None:
 
 
 def test_the_result_depends_on_the_seed_and_not_on_the_number_of_processes() -> None:
-    campaign = read_campaign(SAMPLES / "machine_no_gap")
+    one = as_json(diagnose(read_campaign(MACHINE), seed=1, jobs=1))
 
-    one = as_json(diagnose(campaign, seed=4, jobs=1))
-    two = as_json(diagnose(campaign, seed=4, jobs=JOBS))
-
-    assert one == two
+    assert one == as_json(of_recorded(MACHINE))
 
 
 def test_effects_come_back_from_json() -> None:

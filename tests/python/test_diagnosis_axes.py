@@ -5,13 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from diagnosed import Search
 from played_campaigns import MACHINE, played_again
 from skiplatch.campaign import Axis, Campaign, read_campaign
-from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates.first_axis import first_axis, first_of_its_own
 from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
+from standing_fits import standing, whole
+
+LONG = Effect("scale_error", {"scale_ppm": 80.0})
 
 
 def along(*axes: Axis) -> Campaign:
@@ -43,11 +47,14 @@ def test_the_first_axis_has_nothing_more_than_x(
 
 def test_a_scale_of_y_alone_is_known_as_closely_as_one_of_x() -> None:
     def width_ppm(axis: Axis) -> float:
-        campaign = played_again(along(axis), Effect("scale_error", {"scale_ppm": 80.0}))
-        (named,) = diagnose(campaign, seed=1, jobs=2).effects
-        low, high = named.intervals["scale_ppm"]
-        assert named.effect.id == "scale_error"
+        scene = Scene.of(played_again(along(axis), LONG))
+        (found,) = estimates(scene, standing(scene, LONG), (whole(LONG),))
+        low, high = found.intervals["scale_ppm"]
         assert low < 80.0 < high
         return high - low
 
     assert width_ppm(Axis.Y) < 2.0 * width_ppm(Axis.X)
+
+
+def test_a_scale_of_y_alone_is_the_likeliest_effect() -> None:
+    assert Search(played_again(along(Axis.Y), LONG)).judge.singles()[0].ids == (LONG.id,)

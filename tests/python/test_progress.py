@@ -6,11 +6,22 @@ import struct
 import subprocess
 import sys
 from fcntl import ioctl
-from pathlib import Path
 from termios import TIOCSWINSZ
 
-LATE_BENCH = Path(__file__).parents[2] / "scripts" / "samples" / "bench_isr_latency"
-DIAGNOSE = [sys.executable, "-m", "skiplatch", "diagnose", str(LATE_BENCH)]
+import numpy as np
+import pytest
+
+from played_campaigns import LATE_BENCH
+from skiplatch.campaign import read_campaign, write_campaign
+
+
+@pytest.fixture(scope="module")
+def diagnose(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """The command that diagnoses a campaign with a gap, of few touches: it shows as much."""
+    campaign, folder = read_campaign(LATE_BENCH), tmp_path_factory.mktemp("late") / "bench"
+    few = campaign.touches.select(np.arange(0, len(campaign.touches), 8))
+    write_campaign(folder, campaign.nominal, few)
+    return [sys.executable, "-m", "skiplatch", "diagnose", str(folder)]
 
 
 def on_a_terminal(command: list[str]) -> str:
@@ -33,15 +44,15 @@ def on_a_terminal(command: list[str]) -> str:
     return shown.decode()
 
 
-def test_a_diagnosis_shows_on_a_terminal_how_much_is_done() -> None:
-    shown = on_a_terminal(DIAGNOSE)
+def test_a_diagnosis_shows_on_a_terminal_how_much_is_done(diagnose: list[str]) -> None:
+    shown = on_a_terminal(diagnose)
 
     counts = [line.split()[1] for line in shown.split("\r") if line.startswith("diagnosing: ")]
     assert len(set(counts)) > 2
     assert not shown.endswith("tasks/s]")
 
 
-def test_a_diagnosis_is_silent_in_a_pipe() -> None:
-    ran = subprocess.run(DIAGNOSE, capture_output=True, check=True)
+def test_a_diagnosis_is_silent_in_a_pipe(diagnose: list[str]) -> None:
+    ran = subprocess.run(diagnose, capture_output=True, check=True)
 
     assert ran.stderr == b""
