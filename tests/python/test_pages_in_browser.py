@@ -36,7 +36,7 @@ def comparison(folder: Path) -> Path:
 
 def kinematics(folder: Path) -> Path:
     program = kinematics_programs.SAMPLES / "optimise_then_check.h"
-    result = kinematics_programs.run(program, folder)
+    result = kinematics_programs.run(program, folder, has_charts=True)
     assert result.exit_code == 0, result.output
     return folder / "log.html"
 
