@@ -1,6 +1,6 @@
 """Programs with cycles 450 and 451 for tests, and the sample machine that they run on."""
 
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from unittest.mock import patch
 
@@ -21,6 +21,11 @@ def program_of(folder: Path, text: str) -> Path:
     return path
 
 
+def without_charts() -> AbstractContextManager[object]:
+    """Have no charts drawn in the log of a run: they take ten times as long as all the rest."""
+    return patch("skiplatch.report.kinematics.draw_axis", return_value={})
+
+
 def run(
     program: Path, folder: Path, *more: str, truth: Path = LOCATIONS, has_charts: bool = False
 ) -> Result:
@@ -28,11 +33,10 @@ def run(
 
 
 def evaluated(program: Path, folder: Path, *more: str, has_charts: bool = False) -> Result:
-    """Run a program; without charts in its log, which take ten times as long as all the rest."""
+    """Run a program, without charts in its log unless they are wanted."""
     files = {"--html": "log.html", "--memory": "store.bin", "--json": "out.json"}
     options = [text for flag, name in files.items() for text in (flag, str(folder / name))]
-    without = patch("skiplatch.report.kinematics.draw_axis", return_value={})
-    with nullcontext() if has_charts else without:
+    with nullcontext() if has_charts else without_charts():
         return CliRunner().invoke(group, ["kinematics", "run", str(program), *options, *more])
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kinematics_programs import SAMPLES, TRUTH
+from kinematics_programs import SAMPLES, TRUTH, without_charts
 from rotary_machines import (
     TABLE_TABLE,
     Array,
@@ -56,7 +56,7 @@ def run(
     files = [str(word) for key, name in options.items() for word in (key, folder / name)]
     program = str(folder / "program.h")
     monkeypatch.setattr("sys.argv", ["skiplatch", "kinematics", "run", program, *files, *words])
-    with pytest.raises(SystemExit) as ended:
+    with without_charts(), pytest.raises(SystemExit) as ended:
         main()
     return int(ended.value.code or 0)
 
@@ -303,7 +303,7 @@ def test_what_a_simulated_cycle_wrote_is_evaluated_alike(
         out = tmp_path / f"{name}.json"
         words = ["kinematics", "run", program, *more, *common, str(out)]
         monkeypatch.setattr("sys.argv", ["skiplatch", *words])
-        with pytest.raises(SystemExit) as ended:
+        with without_charts(), pytest.raises(SystemExit) as ended:
             main()
         assert ended.value.code in (0, None)
         runs.append(json.loads(out.read_text(encoding="utf-8"))["runs"][0])

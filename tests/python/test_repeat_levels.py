@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Touches, read_campaign
+from skiplatch.campaign import Campaign, Nominal, Touches, read_campaign
 from skiplatch.commands.repeat import as_json
 from skiplatch.repeatability import Repeatability, repeatability
 from skiplatch.repeatability_words import sentence
@@ -19,18 +20,21 @@ CHANCE = {"first": 0.01, "order": 0.01, "outlier": 0.05}
 LUCK = 3.3  # standard errors: one in a thousand
 
 
+@cache
+def nominal_of(folder: Path) -> Nominal:
+    return read_campaign(folder).nominal
+
+
 def of(
     folder: Path, off_um: Sequence[float] | FloatArray, step_um: float = RESOLUTION_UM
 ) -> Repeatability:
     """Work out touches downwards along Z of one surface."""
-    campaign = read_campaign(folder)
-    n = len(off_um)
+    believed, n = nominal_of(folder), len(off_um)
     touches = Touches.from_columns(
         touch=np.arange(n), axis=np.full(n, 2), sign=np.full(n, -1), deviation_um=np.array(off_um)
     )
-    axis = replace(campaign.nominal.axis, resolution_um=step_um)
-    nominal = replace(campaign.nominal, axis=axis)
-    return repeatability(replace(campaign, nominal=nominal, touches=touches))
+    nominal = replace(believed, axis=replace(believed.axis, resolution_um=step_um))
+    return repeatability(Campaign(nominal, touches, folder))
 
 
 def rates(folder: Path, effect: FloatArray, step: float, draws: int) -> dict[str, float]:
