@@ -1,5 +1,7 @@
 """Touches that go with those before them: found where they do, and no more often than stated."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -24,13 +26,16 @@ def states(n: int, seed: int) -> np.ndarray:
     return rng.normal(size=n) + np.cumsum(changes) % 2
 
 
+@cache
+def of_noise(n: int) -> list[Memory | None]:
+    rng = np.random.default_rng(3)
+    return [look(rng.normal(size=n)) for _ in range(DRAWS)]
+
+
 @pytest.mark.parametrize("n", [25, 100, 300])
 @pytest.mark.parametrize("z", [2.0, 3.0])
 def test_noise_is_no_memory_more_often_than_stated(n: int, z: float) -> None:
-    rng = np.random.default_rng(3)
-    found = [look(rng.normal(size=n)) for _ in range(DRAWS)]
-
-    often = sum(one is not None and one.z > z for one in found)
+    often = sum(one is not None and one.z > z for one in of_noise(n))
 
     assert often <= stats.binom.ppf(CONFIDENCE, DRAWS, stats.norm.sf(z))
 
