@@ -250,6 +250,7 @@ def test_next_experiment_is_a_table_if_there_is_one(pages: dict[str, str]) -> No
     assert "What to do next" not in pages["no_gap"]
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_ranking_shows_differences_and_no_powers_of_ten() -> None:
     campaign, diagnosis = explained()
     tiny = replace(FILTER, parameters={**FILTER.parameters, "tail_us": 3.66e-08})
@@ -264,6 +265,7 @@ def test_ranking_shows_differences_and_no_powers_of_ten() -> None:
     assert "e-08" not in prose(page)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_no_bar_is_called_cut_that_ends_within_the_scale() -> None:
     campaign, diagnosis = explained()
     close = [Ranked((LATE,), 1658.0), Ranked((FILTER,), 1628.0)]
@@ -306,6 +308,7 @@ def test_simulation_with_the_effects_leaves_less() -> None:
     assert abs(seen.left_after[skip].mean()) < 0.5
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_missed_touches_are_counted() -> None:
     campaign, diagnosis = explained()
     touches = campaign.touches
@@ -333,6 +336,7 @@ def test_condition_that_matters_most_comes_first() -> None:
     assert len(chosen) == 2
 
 
+@pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize(
     ("share", "said"),
     [
@@ -351,6 +355,7 @@ def test_shrink_is_told_with_its_interval(share: Interval, said: str) -> None:
     assert f"shrinks the gap in latch − edge by {said}, from 40.0 to 1.00 µs" in text
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_gap_within_the_noise_is_not_said_to_shrink() -> None:
     campaign, diagnosis = explained()
     within = Gap("latch − edge", "µs", 0.4, 0.4, 0.5, Interval(0.0, -0.5, 0.5), is_clear=False)
@@ -507,6 +512,7 @@ def of_axes(*, all_turn: bool) -> tuple[Campaign, Diagnosis]:
     )
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_gap_of_which_nothing_is_seen_to_be_left_is_told_from_one_with_more() -> None:
     campaign, more = of_axes(all_turn=False)
     whole = replace(more, left=[])
@@ -525,6 +531,7 @@ def test_a_gap_of_which_nothing_is_seen_to_be_left_is_told_from_one_with_more() 
         assert ("explains part of the gap" in page) != is_whole
 
 
+@pytest.mark.usefixtures("unrendered")
 @pytest.mark.parametrize("factor", [1.2, 1.6])
 def test_no_gap_says_which_beliefs_it_rests_on(factor: float) -> None:
     campaign, diagnosis = no_gap()
@@ -538,6 +545,7 @@ def test_no_gap_says_which_beliefs_it_rests_on(factor: float) -> None:
     assert ("with another probe.repeatability_um" in page) == is_far
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_a_rotary_axis_is_told_in_arcsec() -> None:
     campaign, diagnosis = of_axes(all_turn=True)
 
@@ -565,6 +573,7 @@ def test_what_could_hide_at_a_rotary_axis_is_told_in_arcsec() -> None:
     assert re.search(r"deviation_arcsec +arcsec +7\.2\n", said)
 
 
+@pytest.mark.usefixtures("unrendered")
 def test_linear_and_rotary_axes_of_a_campaign_have_pictures_in_their_own_units() -> None:
     campaign, diagnosis = of_axes(all_turn=False)
 
