@@ -41,7 +41,8 @@ def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
         monkeypatch.setattr(sys, "argv", ["skiplatch", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
             cli.main()
-        said = capsys.readouterr().err
+        out, said = capsys.readouterr()
+        assert out == ""
         assert ended.value.code == cli.BAD_INPUT
         assert said.count("\n") == 1
         return said

@@ -9,6 +9,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from skiplatch import cli
+from skiplatch.diagnosis import Verdict
+from skiplatch.diagnosis.verdict.reliability import reliability
 from skiplatch.errors import InputError
 
 SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
@@ -89,6 +91,27 @@ def test_a_page_shows_one_campaign(tmp_path: Path) -> None:
 
     assert result.exit_code == 2
     assert "--html shows one campaign" in result.output
+
+
+def test_a_recorded_interrupt_latency_is_named_and_the_gap_shrinks(
+    diagnosed: tuple[Result, Path],
+) -> None:
+    result, path = diagnosed
+    found = json.loads(path.read_text())
+
+    assert found["verdict"] == Verdict.EXPLAINED
+    assert "A gap counts from 0.2 of the rig's own spread on." in result.output
+    (named,) = found["effects"]
+    assert named["id"] == "isr_latency"
+    assert named["params"]["latency_us"] == pytest.approx(41.7, abs=0.1)
+    assert not named["alternatives"]
+    assert named["confidence"] == pytest.approx(reliability(Verdict.EXPLAINED), rel=0.01)
+    assert found["where"][0]["stage"] == "latch"
+    assert found["where"][0]["paths"] == "skip"
+    gap = found["gap"]["latch_after_edge_us"]
+    assert gap["before"] == pytest.approx(41.7, abs=0.3)
+    assert gap["after"] < 0.3
+    assert gap["shrink_interval"][0] > 0.95
 
 
 def test_diagnosis_and_prediction_go_together(

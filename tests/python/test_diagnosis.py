@@ -27,24 +27,6 @@ def ids(diagnosis: Diagnosis) -> list[str]:
     return [named.effect.id for named in diagnosis.effects]
 
 
-def test_a_recorded_interrupt_latency_is_named_and_the_gap_shrinks() -> None:
-    diagnosis = diagnose(read_campaign(SAMPLES / "bench_isr_latency"), seed=1, jobs=JOBS)
-
-    assert diagnosis.verdict == Verdict.EXPLAINED
-    assert "A gap counts from 0.2 of the rig's own spread on." in as_text(diagnosis)
-    assert ids(diagnosis) == ["isr_latency"]
-    (named,) = diagnosis.effects
-    assert named.effect.parameters["latency_us"] == pytest.approx(41.7, abs=0.1)
-    assert not named.alternatives
-    assert named.confidence == pytest.approx(reliability(Verdict.EXPLAINED), rel=0.01)
-    assert diagnosis.where[0].stage == "latch"
-    assert diagnosis.where[0].paths == "skip"
-    gap = diagnosis.gap["latch_after_edge_us"]
-    assert gap.before == pytest.approx(41.7, abs=0.3)
-    assert gap.after < 0.3
-    assert gap.shrink.low > 0.95
-
-
 @pytest.mark.parametrize(
     ("right", "wrong", "least"),
     [(0, 0, 0.1), (9, 0, 0.1**0.1), (99, 0, 0.1**0.01), (0, 9, 1.0 - 0.9**0.1)],

@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import quote
@@ -13,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from kinematics_programs import MACHINE, SAMPLES, TRUTH, program_of, run
+from refusals import Program
 from skiplatch.cli import group
 from skiplatch.errors import InputError
 from skiplatch.figures import theme
@@ -40,15 +39,10 @@ def test_a_refused_parameter_is_named_where_it_stands(tmp_path: Path) -> None:
     assert not (tmp_path / "log.html").exists()
 
 
-def test_bad_input_is_one_line_and_status_2(tmp_path: Path) -> None:
+def test_bad_input_is_one_line_and_status_2(tmp_path: Path, refused: Program) -> None:
     program = program_of(tmp_path, "12 TCH PROBE 450 X ~\nQ410=x\n")
-    command = [sys.executable, "-m", "skiplatch.cli", "kinematics", "run", str(program)]
 
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert len(done.stderr.splitlines()) == 1
+    assert refused("kinematics", "run", program).startswith(f"skiplatch: {program}:2:")
 
 
 def test_backlash_of_each_axis_comes_back(tmp_path: Path) -> None:
