@@ -75,7 +75,7 @@ def test_a_train_without_a_screw_is_refused(tmp_path: Path) -> None:
 
 @pytest.mark.long
 def test_a_diagnosis_names_the_shaft(tmp_path: Path, description: Path) -> None:
-    touches = mixed_touches(600, seed=5)
+    touches = mixed_touches(300, seed=5)
     controller = Controller.for_campaign(MACHINE, touches)
     played = play(MACHINE, controller, touches, seed=5, switched_on=[error(4.0)])
     status = np.where(played.ok[0], Status.OK, Status.MISSED).astype(np.int8)
