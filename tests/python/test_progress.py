@@ -11,14 +11,14 @@ from termios import TIOCSWINSZ
 import numpy as np
 import pytest
 
-from played_campaigns import LATE_BENCH
+from played_campaigns import BENCH
 from skiplatch.campaign import read_campaign, write_campaign
 
 
 @pytest.fixture(scope="module")
 def diagnose(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
-    """The command that diagnoses a campaign with a gap, of few touches: it shows as much."""
-    campaign, folder = read_campaign(LATE_BENCH), tmp_path_factory.mktemp("late") / "bench"
+    """The command that diagnoses a campaign of few touches: it shows as much as of many."""
+    campaign, folder = read_campaign(BENCH), tmp_path_factory.mktemp("few") / "bench"
     few = campaign.touches.select(np.arange(0, len(campaign.touches), 8))
     write_campaign(folder, campaign.nominal, few)
     return [sys.executable, "-m", "skiplatch", "diagnose", str(folder)]
