@@ -8,7 +8,7 @@ listed below: ELSEWHERE by the test that runs it, NOWHERE by the reason.
 """
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,9 @@ import pytest
 from click.testing import CliRunner
 
 from documents import PAGES, ROOT, Example, examples, leaves, shown_by_help, words_of
+from skiplatch.campaign import Campaign, fingerprint
 from skiplatch.cli import group
+from skiplatch.diagnosis import Diagnosis, diagnose
 from users_files import put
 
 WHOLE = "TUTORIAL.md"
@@ -194,6 +196,24 @@ def test_command_is_one(where: str, words: list[str]) -> None:
     parse(words)
     own = [word for word in words if word.startswith(("scripts/", "tests/", "docs/"))]
     assert [word for word in own if not Path(word).exists()] == []
+
+
+DIAGNOSED: dict[str, Diagnosis] = {}
+
+
+@pytest.fixture(autouse=True)
+def diagnosed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Diagnose once what several pages diagnose, wherever it lies, asked in the same way."""
+
+    def known(campaign: Campaign, **told: object) -> Diagnosis:
+        touches = f"{fingerprint(campaign.touches)} {sorted(campaign.stood_in)}"
+        key = f"{touches} {campaign.nominal!r} {told!r}"
+        if key not in DIAGNOSED:
+            DIAGNOSED[key] = diagnosis_of(campaign, **told)
+        return DIAGNOSED[key]
+
+    diagnosis_of: Callable[..., Diagnosis] = diagnose
+    monkeypatch.setattr("skiplatch.commands.examining.diagnose", known)
 
 
 @pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
