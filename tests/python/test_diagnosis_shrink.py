@@ -17,8 +17,9 @@ from skiplatch.comparison.observables import OBSERVABLES
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, TouchScores, floor_of
-from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs, _gap, _share_gone
+from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs, _floor, _gap, _share_gone
 from skiplatch.simulator.effects import Effect
+from skiplatch.statistics import Interval
 
 LATE = Effect("isr_latency", {"latency_us": 41.7})
 DELAY = Effect("trigger_delay", {"delay_us": 150.0})
@@ -181,10 +182,16 @@ def scored(before: float, after: float, floor: float, nominal_floor: float) -> C
     return CellScores(ones, before * ones, after * ones, floor * ones, nominal_floor * ones, None)
 
 
+def share_gone(scores: CellScores, *, is_clear: bool) -> Interval:
+    """Give the share of their gap that is gone."""
+    samples = (scores.before - scores.after, scores.before - _floor(scores))
+    return _share_gone(samples, seed=1, is_clear=is_clear)
+
+
 def test_without_a_clear_gap_the_interval_holds_zero() -> None:
     scores = scored(2.0, 1.0, 0.5, 0.5)
-    unclear = _share_gone(scores, scores.after, seed=1, is_clear=False)
-    clear = _share_gone(scores, scores.after, seed=1, is_clear=True)
+    unclear = share_gone(scores, is_clear=False)
+    clear = share_gone(scores, is_clear=True)
 
     assert (unclear.low, unclear.value) == (0.0, 0.0)
     assert clear.value == clear.low == clear.high == pytest.approx(2.0 / 3.0)
@@ -197,14 +204,14 @@ def test_a_gap_that_is_hardly_one_is_measured_by_one_floor() -> None:
     ones = np.ones(len(luck))
     scores = CellScores(ones, 10.1 + luck, 9.8 * ones, 10.0 * ones, ones, None)
 
-    assert _share_gone(scores, scores.after, seed=1, is_clear=True).low == pytest.approx(1.0)
+    assert share_gone(scores, is_clear=True).low == pytest.approx(1.0)
 
 
 def test_effects_that_scatter_too_much_do_not_make_the_gap_small() -> None:
     """Their own floor lies above what was there before: 1 of 20 above the nominal one is gone."""
     scores = scored(before=30.0, after=29.0, floor=40.0, nominal_floor=10.0)
 
-    assert _share_gone(scores, scores.after, seed=1, is_clear=True).value == pytest.approx(0.05)
+    assert share_gone(scores, is_clear=True).value == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize(("miss", "is_clear"), [(0.4, False), (0.7, True)])

@@ -55,7 +55,8 @@ class Gap:
     before: float
     after: float
     noise_floor: float
-    """What the simulation with the effects scores on its own plays, and by its rounding."""
+    """What the simulation with the effects scores on its own plays, and by its rounding; without
+    them, where that is above what was there before."""
     shrink: Interval
     """Share of what lay above the noise floor that is gone."""
     could_hide: float = 0.0
@@ -215,8 +216,11 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
     scores = CellScores.of(clear or cells, least)
     whole = float(np.sum(1.0 / scores.units))  # turns units of the floor into those of the figures
 
+    floor = _floor(scores)
+
     def share_gone(after: FloatArray) -> Interval:
-        return _share_gone(scores, after, seed, is_clear=bool(clear))
+        samples = (scores.before - after, scores.before - floor)
+        return _share_gone(samples, seed, is_clear=bool(clear))
 
     shrinks = share_gone(scores.after)
     return Gap(
@@ -224,7 +228,7 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
         unit=observable.unit,
         before=float(scores.before.sum()) / whole,
         after=float(scores.after.sum()) / whole,
-        noise_floor=float(scores.floor.sum()) / whole,
+        noise_floor=float(floor.sum()) / whole,
         shrink=shrinks,
         is_clear=bool(clear),
         # Cells that are clear for what did not come there were chosen by luck: all of them count.
@@ -235,16 +239,24 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
     )
 
 
-def _share_gone(scores: CellScores, after: FloatArray, seed: int, *, is_clear: bool) -> Interval:
-    """Give the share with its interval, by the scores after it; 0 without a gap.
+def _floor(scores: CellScores) -> FloatArray:
+    """Give the noise floor of each touch: what a rig with the effects scores on its own plays.
 
-    A floor above what was there before is that of effects which scatter too much, and no measure of
-    a gap: then the floor of the nominal simulation is, which makes the gap rather too large.
+    One above what was there before is that of effects which scatter too much, and no measure of a
+    gap: then that of the nominal simulation is, which makes the gap rather too large.
     """
-    above = scores.before - scores.floor
-    if above.sum() <= 0.0:
-        above = scores.before - scores.nominal_floor
-    samples = (scores.before - after, above)
+    is_below = (scores.before - scores.floor).sum() > 0.0
+    return scores.floor if is_below else scores.nominal_floor
+
+
+def _share_gone(samples: tuple[FloatArray, FloatArray], seed: int, *, is_clear: bool) -> Interval:
+    """Give the share of a gap that is gone, with its interval; 0 without a gap.
+
+    Args:
+        samples: By touch, what is gone, and what was there above the floor.
+        seed: Of the bootstrap.
+        is_clear: There is a gap.
+    """
     value = float(_share(*samples)) if is_clear else 0.0
     resampled = stats.bootstrap(
         samples,
