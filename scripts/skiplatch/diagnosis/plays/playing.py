@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Self
 
 import numpy as np
@@ -129,32 +130,34 @@ class Rig:
             in_phase: Where it is known when scans began, let each touch wait for one as long as it
                 would have; else it falls anywhere before the scan that its stamp tells.
         """
+        alone = partial(self._played, seed=seed, jobs=jobs)
+        if self.scans is None or not self.keeps_scan_grid or not touches.on_plc.any():
+            return alone(touches, replicates, Begins())
+        bound = self.scans.in_phase if in_phase else self.scans.at_recorded
+        return bound(alone, touches, replicates)
+
+    def _played(
+        self, touches: Touches, replicates: int, begins: Begins, *, seed: int, jobs: int
+    ) -> Outcomes:
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
         approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
         met = replace(touches, approach_mm=approach_mm)
-        controller = Controller.for_campaign(self.nominal, met)
-
-        def play_one(touches: Touches, replicates: int, begins: Begins) -> Outcomes:
-            return play(
-                self.nominal,
-                replace(
-                    controller,
-                    scan_phase_us=begins.scan_phase_us,
-                    scan_spread_us=begins.scan_spread_us,
-                    start_spread_us=begins.start_spread_us,
-                ),
-                touches,
-                seed=seed,
-                replicates=replicates,
-                jobs=jobs,
-                datum_um=surface_um + coordinate_um,
-                switched_on=self.effects,
-            )
-
-        if self.scans is None or not self.keeps_scan_grid or not touches.on_plc.any():
-            return play_one(met, replicates, Begins())
-        bound = self.scans.in_phase if in_phase else self.scans.at_recorded
-        return bound(play_one, met, replicates)
+        controller = replace(
+            Controller.for_campaign(self.nominal, met),
+            scan_phase_us=begins.scan_phase_us,
+            scan_spread_us=begins.scan_spread_us,
+            start_spread_us=begins.start_spread_us,
+        )
+        return play(
+            self.nominal,
+            controller,
+            met,
+            seed=seed,
+            replicates=replicates,
+            jobs=jobs,
+            datum_um=surface_um + coordinate_um,
+            switched_on=self.effects,
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

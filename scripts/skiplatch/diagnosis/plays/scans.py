@@ -73,37 +73,35 @@ class Scans:
 
     def in_phase(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
         """Play touches so that each waits as long for a scan as it would have."""
-        phase_us, _ = self._set(play, touches)
-        return play(touches, replicates, Begins(phase_us, self.open_us))
+        begins = Begins(self._phase_us(play, touches), self.open_us)
+        return play(touches, replicates, begins)
 
     def at_recorded(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
         """Play touches so that each falls anywhere before the scan that its stamp tells.
 
         What has no stamp falls anywhere before some scan.
         """
-        phase_us, plays = self._set(play, touches)
-        later_us = np.where(touches.on_plc, self._later_us(touches, phase_us, plays), 0.0)
+        phase_us = self._phase_us(play, touches)
+        begins = Begins(phase_us, self.open_us, self.period_us)
+        later_us = self._later_us(play, touches, begins)
         begun_s = touches.time_s + later_us / US_PER_S
         before, after = (np.argsort(times, kind="stable") for times in (touches.time_s, begun_s))
         if not np.array_equal(before, after):
             later_us, begun_s = np.zeros(len(touches)), touches.time_s
-        begun = replace(touches, time_s=begun_s)
-        outcomes = play(begun, replicates, self._begins(phase_us))
+        outcomes = play(replace(touches, time_s=begun_s), replicates, begins)
         return replace(outcomes, start_delay_us=outcomes.start_delay_us + later_us)
 
-    def _set(self, play: Player, touches: Touches) -> tuple[float, Outcomes]:
+    def _phase_us(self, play: Player, touches: Touches) -> float:
         """Find when scans begin whose stamps are those recorded: a clock may read late."""
-        phase_us, plc = self.stamp_us, touches.on_plc
-        replicates = max(DRAWN, STAMPS // max(int(plc.sum()), 1))
-        plays = play(touches, replicates, self._begins(phase_us))
+        plc = np.flatnonzero(touches.on_plc)
+        some = touches.select(plc[:: max(1, len(plc) // FEWEST_STAMPS)])
+        replicates = max(DRAWN, STAMPS // len(some))
+        phase_us = self._within(self.stamp_us)
         for _ in range(SETTINGS):
-            phase_us -= self._off_us(plays.latch_us[:, plc])
-            plays = play(touches, replicates, self._begins(phase_us))
-        return self._within(phase_us), plays
-
-    def _begins(self, phase_us: float) -> Begins:
-        """Give scans at about a phase, and moves that begin anywhere before one."""
-        return Begins(self._within(phase_us), self.open_us, self.period_us)
+            begins = Begins(phase_us, self.open_us, self.period_us)
+            stamps = play(some, replicates, begins).latch_us
+            phase_us = self._within(phase_us - self._off_us(stamps))
+        return phase_us
 
     def _within(self, phase_us: float) -> float:
         """Bring a phase into a period, but to no 0, which leaves scans anywhere."""
@@ -115,14 +113,15 @@ class Scans:
         off = np.angle(mean_turn(stamps.ravel(), self.period_us) * np.conj(own))
         return float(off / (2.0 * np.pi) * self.period_us)
 
-    def _later_us(self, touches: Touches, phase_us: float, plays: Outcomes) -> FloatArray:
+    def _later_us(self, play: Player, touches: Touches, begins: Begins) -> FloatArray:
         """Give by how much moves have to begin later to wait the most for the recorded scans."""
-        least_us = np.nanmin(
-            (self._begun_us(plays.latch_us, phase_us) - plays.true_edge_us)[:, touches.on_plc]
-        )
+        phase_us, plc = begins.scan_phase_us, touches.on_plc
+        plays = play(touches, 1 + STAMPS // int(plc.sum()), begins)
         edges_us = np.nanmean(plays.true_edge_us - plays.start_delay_us, axis=0)
-        wanted_us = self._begun_us(touches.latch_us, phase_us) - least_us - self.period_us
-        return np.asarray(np.nan_to_num(wanted_us - edges_us))
+        waits_us = self._begun_us(plays.latch_us, phase_us) - plays.true_edge_us
+        longest_us = np.nanmin(waits_us[:, plc]) + self.period_us
+        later_us = self._begun_us(touches.latch_us, phase_us) - longest_us - edges_us
+        return np.where(plc, np.nan_to_num(later_us), 0.0)
 
     def _begun_us(self, stamps: FloatArray, phase_us: float) -> FloatArray:
         """Give when scans began by their stamps."""
