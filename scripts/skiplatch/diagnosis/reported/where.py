@@ -6,7 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.density.change import NOTHING
+from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.density.law import Law
+from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.leftover import MISSED
@@ -42,7 +45,8 @@ class Place:
         paths: "skip", "plc" or "both".
         observable: Stretch of the chain in which it shows.
         conditions: What it goes with; or that it is everywhere.
-        size: Root mean square of what the nominal chain is off by there.
+        size: Root mean square of what the effects shift and scatter there; of what is left, see
+            `Left`.
         unit: Of the size; "1" for a share of the touches.
         effects: Ids of the effects found that show there; none where something is left of the gap.
     """
@@ -82,7 +86,7 @@ def places(
         ordered = sorted(nats, key=lambda name: -nats[name])
         showing = _showing(scene, finding.model, gained)
         found = [
-            _place(scene, name, stages, before, showing(name))
+            _place(scene, name, change, stages, before, showing(name))
             for name in ordered
             if nats[name] > least
         ]
@@ -108,23 +112,36 @@ def _showing(
 
 
 def _place(
-    scene: Scene, name: str, stages: set[str], before: Sequence[Left], showing: tuple[str, ...]
+    scene: Scene,
+    name: str,
+    change: Change,
+    stages: set[str],
+    before: Sequence[Left],
+    showing: tuple[str, ...],
 ) -> Place:
     stream = scene.streams.get(name)
     if stream is None:
         share = float(scene.touches.missed.mean())
         return Place("input", "both", MISSED, EVERYWHERE, share, "1", showing)
-    off = (stream.residuals - stream.law.mean)[stream.rows]
     shared = [stage for stage in stream.stages if stage in stages]
     return Place(
         stage=shared[0] if shared else stream.stages[-1],
         paths=_paths(name),
         observable=name,
         conditions=_conditions(name, before),
-        size=float(np.sqrt(np.mean(off**2))),
+        size=_changed(stream, law_under(scene, stream, change)),
         unit=stream.unit,
         effects=showing,
     )
+
+
+def _changed(stream: Stream, law: Law) -> float:
+    """Give the root mean square of how far a law shifts and scatters touches off the nominal one.
+
+    What they scatter by anyhow, as in the wait for a scan, is none of it.
+    """
+    shift, scatter = law.mean - stream.law.mean, np.abs(law.variance - stream.law.variance)
+    return float(np.sqrt(np.mean((shift**2 + scatter)[stream.rows])))
 
 
 def _conditions(name: str, before: Sequence[Left]) -> str:
