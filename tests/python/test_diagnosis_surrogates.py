@@ -1,16 +1,19 @@
 """The laws that propose, against the simulator: nothing near the truth is much likelier than it."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy import stats
 
-from played_campaigns import BENCH, MACHINE, played
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import estimates
+from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect, effects
 from standing_fits import standing
@@ -72,3 +75,21 @@ def test_nothing_near_the_truth_is_likelier(folder: Path, truth: Effect, seed: i
     gained = total(there) - likelihood(scene, Change(), there.reached).total
     assert gained > SEEN
     assert total(standing(scene, found.effect)) - total(there) < chance + ROUGH * gained
+
+
+@pytest.mark.parametrize("percent", [-30.0, 40.0])
+def test_a_probe_scatters_in_time_by_the_real_speed(percent: float) -> None:
+    """Not by the believed one: as far as the noise is uncertain, that would be taken for less."""
+    truth = whole("feed_error", feed_percent=percent)
+    machine = stamped_machine()
+    probe = replace(machine.nominal.probe, repeatability_um=0.5)
+    scattering = replace(machine, nominal=replace(machine.nominal, probe=probe))
+    scene = Scene.of(played_again(scattering, truth))
+    touches, stream = scene.touches, scene.streams["latch_skip"]
+
+    law = law_under(scene, stream, standing(scene, truth).change(scene))
+
+    plays = Rig(scene.nominal, [truth]).play(touches, seed=5, replicates=200)
+    slowest = stream.rows & (touches.feed_mm_min == touches.feed_mm_min.min())
+    scatter_us = np.std(plays.latch_us[:, slowest], axis=0)
+    assert np.median(law.spread[slowest]) == pytest.approx(np.median(scatter_us), rel=0.03)

@@ -12,6 +12,7 @@ typedef struct {
     const sim_touches_t *of;
     const sim_change_t  *change;
     uint64_t             i;
+    double               ratio; /* of speeds, changed over believed */
     double               speed; /* once it is changed */
     double               coarser_us;
     double               coarser_um;
@@ -19,11 +20,13 @@ typedef struct {
 
 static touch_t touch_at(const sim_touches_t *of, const sim_change_t *change, uint64_t i)
 {
+    double ratio = number_at(change->speed_ratio, i);
     return (touch_t){
         .of = of,
         .change = change,
         .i = i,
-        .speed = of->speed[i] * number_at(change->speed_ratio, i),
+        .ratio = ratio,
+        .speed = of->speed[i] * ratio,
         .coarser_us = fmax(0.0, change->coarse_us - of->tick_us),
         .coarser_um = fmax(0.0, change->coarse_um - of->resolution_um),
     };
@@ -84,6 +87,12 @@ static double norm(double a, double b)
     return fabs(b) > 0.0 ? sqrt(square(a) + square(b)) : a;
 }
 
+/* Scatter of when the pin changes: at a machine that of a length, passed at another speed. */
+static double scatter_us(const touch_t *touch, double believed_us)
+{
+    return touch->of->is_machine != 0u ? believed_us / touch->ratio : believed_us;
+}
+
 static sim_law_t latch_law(const touch_t *touch, uint32_t stream, sim_law_t law)
 {
     const sim_change_t *change = touch->change;
@@ -91,7 +100,7 @@ static sim_law_t latch_law(const touch_t *touch, uint32_t stream, sim_law_t law)
     double              stamp_us = number_at(change->stamp_us, touch->i);
     double              rounded = rounded_again(touch->coarser_us, touch->of->tick_us, is_held);
     law.offset += mechanics_us(touch) + stamp_us + path_us(touch, stream) - touch->coarser_us;
-    law.sigma = norm(law.sigma, rounded);
+    law.sigma = norm(scatter_us(touch, law.sigma), rounded);
     law.box_a = wait_box(touch, stream, law.box_a, 1.0);
     law.box_b += touch->coarser_us;
     return law;
@@ -115,7 +124,7 @@ static sim_law_t position_law(const touch_t *touch, sim_law_t law)
     double               shift = way - of->speed[i] * since_us + number_at(change->position_um, i);
     law.offset += shift - touch->coarser_um / 2.0;
     law.sigma = norm(law.sigma, number_at(change->position_sigma_um, i));
-    law.box_a += of->speed[i] * after_stamp_us(touch);
+    law.box_a = law.box_a * touch->ratio + touch->speed * after_stamp_us(touch);
     law.box_b += touch->coarser_um;
     return law;
 }
@@ -130,7 +139,7 @@ static sim_law_t deviation_law(const touch_t *touch, uint32_t stream, sim_law_t 
     double shift = pretravel_um(touch) - of->pretravel_um[i] + faster * of->wait_us[i] +
                    touch->speed * delays_us + number_at(change->position_um, i);
     double sooner = is_polled(stream) ? 0.0 : touch->speed * touch->coarser_us;
-    double box = law.box_a * number_at(change->speed_ratio, i);
+    double box = law.box_a * touch->ratio;
     law.offset += shift - touch->coarser_um / 2.0 - sooner;
     law.sigma = norm(law.sigma, number_at(change->position_sigma_um, i));
     law.box_a = wait_box(touch, stream, box, touch->speed);
