@@ -133,19 +133,30 @@ def blocking(_scene: Scene, p: Parameters) -> Change:
 
 
 def transmission(scene: Scene, p: Parameters) -> Change:
-    """The position errs periodically, with harmonics, each axis by a screw of its own."""
+    """The position errs periodically, with harmonics, each axis by a screw of its own.
+
+    Where it was latched has the error in it, which goes by where the axis was.
+    """
     position = np.nan_to_num(_where_mm(scene, p))
     known = _where_mm(scene.whole or scene, p)
     span = float(np.nanmax(known) - np.nanmin(known)) if not np.isnan(known).all() else 0.0
     period = max(abs(p[1]), SHORTEST_MM)
     if not (scene.whole or scene).shortest_wave_mm <= period <= max(span, SHORTEST_MM):
         return NOTHING  # what shows less than a period is not periodic, nor what nobody can see
-    turn = 2.0 * np.pi * position / period + np.deg2rad(scene.beyond_x(p[9], p[10]))
-    error_um = p[0] * np.sin(turn + np.deg2rad(p[2]))
-    for order, size_um, phase_deg in ((2.0, p[3], p[4]), (3.0, p[5], p[6])):
-        if size_um:
-            error_um = error_um + size_um * np.sin(order * turn + np.deg2rad(phase_deg))
-    return Change(position_um=scene.sign * error_um * scene.over_x(p[7], p[8]))
+    ahead, size = np.deg2rad(scene.beyond_x(p[9], p[10])), scene.over_x(p[7], p[8])
+
+    def error_um(position_mm: FloatArray) -> FloatArray:
+        turn = 2.0 * np.pi * position_mm / period + ahead
+        found = p[0] * np.sin(turn + np.deg2rad(p[2]))
+        for order, size_um, phase_deg in ((2.0, p[3], p[4]), (3.0, p[5], p[6])):
+            if size_um:
+                found = found + size_um * np.sin(order * turn + np.deg2rad(phase_deg))
+        return np.asarray(size * found)
+
+    error = error_um(position)
+    if p[11] <= HALF_WAY:
+        error = error_um(position - error / UM_PER_MM)
+    return Change(position_um=scene.sign * error)
 
 
 def _where_mm(scene: Scene, p: Parameters) -> FloatArray:
