@@ -35,14 +35,17 @@ def machine_sample() -> Path:
 
 @pytest.fixture
 def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Program:
-    """The program, called with bad input: ends with 2; gives the one line that it says."""
+    """The program, called with bad input: ends with 2; gives the one line that it says.
 
-    def call(*arguments: object) -> str:
+    Beside others that are good it may print what came of them, where `is_silent` is not asked for.
+    """
+
+    def call(*arguments: object, is_silent: bool = False) -> str:
         monkeypatch.setattr(sys, "argv", ["skiplatch", *map(str, arguments)])
         with pytest.raises(SystemExit) as ended:
             cli.main()
         out, said = capsys.readouterr()
-        assert out == ""
+        assert not (is_silent and out)
         assert ended.value.code == cli.BAD_INPUT
         assert said.count("\n") == 1
         return said

@@ -112,7 +112,16 @@ def test_a_datum_that_is_known_is_not_moved() -> None:
 def diagnosed(rig: Rig, believed: Campaign) -> Diagnosis:
     """A diagnosis that says what a rig is."""
     beliefs = uncertain(believed.nominal)
-    named = [Named(one, "position", {}, (), 0.9) for one in rig.effects]
+    named = [
+        Named(
+            one,
+            "position",
+            {name: (v, v) for name, v in one.parameters.items()},
+            (),
+            0.9,
+        )
+        for one in rig.effects
+    ]
     return Diagnosis(
         verdict=Verdict.EXPLAINED,
         where=[],

@@ -1,6 +1,7 @@
 """``skiplatch kinematics run --from-points``: recorded centres instead of a simulated machine."""
 
 import json
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +45,7 @@ def run(
     *words: str,
     points_a: int = 7,
     more: str = "",
+    has_charts: bool = False,
 ) -> int:
     text = PROGRAM.format(mode=mode, points_a=points_a, more=more)
     (folder / "program.h").write_text(text, encoding="utf-8")
@@ -56,7 +58,8 @@ def run(
     files = [str(word) for key, name in options.items() for word in (key, folder / name)]
     program = str(folder / "program.h")
     monkeypatch.setattr("sys.argv", ["skiplatch", "kinematics", "run", program, *files, *words])
-    with without_charts(), pytest.raises(SystemExit) as ended:
+    charts = nullcontext() if has_charts else without_charts()
+    with charts, pytest.raises(SystemExit) as ended:
         main()
     return int(ended.value.code or 0)
 
@@ -85,7 +88,7 @@ def assert_lines(found: dict[str, Line], points: dict[str, Line], turns: dict[st
 def test_a_check_corrects_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     planted, _, _ = recorded(tmp_path, 1)
 
-    assert run(tmp_path, monkeypatch, "+0") == 0
+    assert run(tmp_path, monkeypatch, "+0", has_charts=True) == 0
 
     assert_lines(corrected(tmp_path), planted.believed, planted.believed)
     result = json.loads((tmp_path / "out.json").read_text(encoding="utf-8"))
