@@ -19,6 +19,7 @@ from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
 from skiplatch.diagnosis.verdict.cell_scores import Ensemble, floor_of
 from skiplatch.diagnosis.verdict.shrink import PlayedRigs
 from skiplatch.simulator.effects import Effect
+from standing_fits import standing
 
 TOUCHES = 260
 SPAN_MM = 190.0
@@ -167,6 +168,13 @@ def test_a_wave_through_a_few_places_that_are_off_anyhow_is_not_told(
     base, reached = (likelihood(scene, c).total for c in (NOTHING, found.change(scene)))
     assert reached > base + 30.0
     assert are_waves_told(scene, found) == [is_told]
+
+
+def test_a_wave_without_a_length_is_told_by_no_place() -> None:
+    scene = Scene.of(played_again(polled(), WAVE))
+    flat = Effect("transmission_error", {**WAVE.parameters, "period_mm": 0.0})
+
+    assert are_waves_told(scene, standing(scene, flat)) == [False]
 
 
 @pytest.mark.long

@@ -71,8 +71,10 @@ def _log_chance(
     """Give the logarithm of the chance that a wave of any period explains so much of the places.
 
     By the F test of a fit beside the data and a straight line for each axis; -inf where hardly a
-    place was touched again.
+    place was touched again, and 0 of what is no wave there.
     """
+    if not wave_um[rows].any():
+        return 0.0
     values = dict(zip(candidate.names, parameters.tolist(), strict=True))
     free = sum(v != 0.0 for n, v in values.items() if n not in OF_AN_AXIS and n not in SWITCHES)
     touches = told.rows[rows]
