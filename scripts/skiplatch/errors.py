@@ -46,7 +46,7 @@ class _Located:
             place += f": {self.column}"
         elif self.column is not None:
             place += f":{self.column}"
-        return one_line(f"{place}: {_shortened(self.message, MOST_CHARACTERS)}")
+        return one_line(f"{place}: {shortened(self.message, MOST_CHARACTERS)}")
 
 
 class InputError(_Located, Exception):
@@ -97,10 +97,10 @@ def one_line(text: str) -> str:
 
 def quoted(text: str) -> str:
     """Quote a piece of the input for a message, shortened when it is long."""
-    return f'"{_shortened(text, SHOWN_CHARACTERS)}"'
+    return f'"{shortened(text)}"'
 
 
-def _shortened(text: str, most: int) -> str:
+def shortened(text: str, most: int = SHOWN_CHARACTERS) -> str:
     """Give at most so many characters, with an ellipsis for what is left out."""
     return text if len(text) <= most else text[: most - 1] + "…"
 

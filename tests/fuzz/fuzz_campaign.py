@@ -18,7 +18,7 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
-from mutations import expect_one_line, mutated
+from mutations import expect_one_line, expect_refusal, mutated
 
 from skiplatch.campaign import (
     CONDITIONS,
@@ -88,7 +88,7 @@ def check(suffix: str, data: bytes) -> str:
                 warnings.simplefilter("always")
                 check_nominal(path) if suffix == ".toml" else check_touches(path)
         except InputError as error:
-            expect_one_line(str(error))
+            expect_refusal(error)
             return "refused"
         for warning in caught:
             assert isinstance(warning.message, CampaignWarning), warning.message

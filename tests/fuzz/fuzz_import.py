@@ -23,7 +23,7 @@ from io import BytesIO
 from pathlib import Path
 
 from click.testing import CliRunner
-from mutations import expect_one_line, mutated
+from mutations import expect_refusal, mutated
 
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID
 from skiplatch.campaign import read_campaign
@@ -147,7 +147,7 @@ def check(name: str, data: bytes) -> str:
                 return "read"
         if not isinstance(result.exception, InputError):
             raise result.exception
-        expect_one_line(str(result.exception))
+        expect_refusal(result.exception)
         assert not out.exists(), "refused, and written"
         return "refused"
 

@@ -4,6 +4,8 @@ import random
 import re
 from pathlib import Path
 
+from skiplatch.errors import MOST_TOLD, InputError
+
 TOKEN = re.compile(rb"[A-Za-z0-9_.+-]+|\s+|[^A-Za-z0-9_.+\s-]")
 
 TEXTS = (
@@ -24,6 +26,13 @@ def expect_one_line(message: str) -> None:
     """Raise unless the message is one printable line of sensible length."""
     assert message.isprintable(), message
     assert 0 < len(message) < 2000, message
+
+
+def expect_refusal(error: InputError) -> None:
+    """Raise unless all that is wrong is told, each as such a line, and not too much at once."""
+    for one in error.apart:
+        expect_one_line(str(one))
+    assert str(error).count("\n") <= MOST_TOLD
 
 
 def mutated(rng: random.Random, data: bytes, seeds: dict[Path, bytes]) -> bytes:

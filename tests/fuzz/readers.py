@@ -13,7 +13,7 @@ from types import FrameType
 import fuzz_campaign
 import fuzz_import
 import numpy as np
-from mutations import expect_one_line
+from mutations import expect_one_line, expect_refusal
 
 from skiplatch.api.diagnosed import read_diagnosis
 from skiplatch.bench.plan import read_plan
@@ -220,6 +220,6 @@ def check(name: str, data: bytes) -> str:
             try:
                 reader.read(path)
             except InputError as error:
-                expect_one_line(str(error))
+                expect_refusal(error)
                 return "refused"
     return "read"

@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeVar
 
 from skiplatch.campaign.constraints import LARGEST
 from skiplatch.diagnosis.verdict.verdict import Verdict
-from skiplatch.errors import InputError, hint, quoted
+from skiplatch.errors import InputError, hint, quoted, shortened
 from skiplatch.files import read_json
 from skiplatch.former_names import renewed
 from skiplatch.simulator.effects import effects
@@ -97,7 +97,7 @@ def _entries(where: str, value: Json) -> Iterator[tuple[str, Json]]:
 
 
 def _join(where: str, name: str) -> str:
-    return f"{where}.{name}" if where else name
+    return f"{where}.{shortened(name)}" if where else shortened(name)
 
 
 def _refuse(where: str, expected: str, value: Json) -> NoReturn:
@@ -212,7 +212,7 @@ def _effect(where: str, value: Json) -> None:
     for key in ("params", "intervals"):
         for name in value.get(key, {}):
             if name not in ranges:
-                raise ValueError(f"{where}.{key}.{name}: no such parameter; {there_are}")
+                raise ValueError(f"{_join(f'{where}.{key}', name)}: no such parameter; {there_are}")
     for name, number in value["params"].items():
         if not ranges[name].low <= number <= ranges[name].high:
             expected = f"{ranges[name].low:g} to {ranges[name].high:g}"
