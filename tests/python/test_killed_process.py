@@ -5,7 +5,12 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import BrokenExecutor
 from pathlib import Path
+
+import pytest
+
+from skiplatch.side_by_side import processes
 
 CAMPAIGN = Path(__file__).parents[2] / "scripts" / "samples" / "bench_isr_latency"
 PATIENCE_S = 60.0
@@ -29,9 +34,27 @@ def test_a_diagnosis_whose_process_is_killed_ends_in_one_line() -> None:
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as program:
-        os.kill(child_of(program), signal.SIGKILL)
-        stdout, stderr = program.communicate(timeout=PATIENCE_S)
+        try:
+            os.kill(child_of(program), signal.SIGKILL)
+            stdout, stderr = program.communicate(timeout=PATIENCE_S)
+        finally:
+            program.kill()
 
     assert (program.returncode, stdout) == (2, "")
     died = "a process that did a part of the work died, as out of memory; try fewer --jobs"
     assert stderr == f"skiplatch: {died}\n"
+
+
+def test_a_busy_process_ends_when_it_is_told_to_whatever_the_program_does_then() -> None:
+    """The pool tells it so where another one died, and waits for that."""
+    before = signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    try:
+        with processes(1) as executor:
+            busy_pid = executor.submit(os.getpid).result(PATIENCE_S)
+            busy = executor.submit(time.sleep, PATIENCE_S)
+            time.sleep(0.2)
+            os.kill(busy_pid, signal.SIGTERM)
+            with pytest.raises(BrokenExecutor):
+                busy.result(PATIENCE_S)
+    finally:
+        signal.signal(signal.SIGTERM, before)

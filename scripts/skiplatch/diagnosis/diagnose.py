@@ -1,7 +1,6 @@
 """The diagnosis of a campaign: where the gap lies, what causes it, how far it shrinks."""
 
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
@@ -29,6 +28,7 @@ from skiplatch.diagnosis.verdict.reliability import standing
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide
 from skiplatch.diagnosis.verdict.work import Work
 from skiplatch.progress import Counted
+from skiplatch.side_by_side import processes
 from skiplatch.simulator.effects import Effect
 from skiplatch.ways import Ways
 
@@ -54,10 +54,10 @@ def diagnose(
     """
     whole = scene_of(campaign)
     scene = _drawn(whole, seed)
-    executor = ProcessPoolExecutor(jobs) if jobs > 1 else nullcontext()
+    executor = processes(jobs) if jobs > 1 else nullcontext()
     counted = partial(Counted, title="diagnosing") if is_shown else nullcontext
     # Products here are small: threads that wait for them take a processor from others.
-    with threadpool_limits(1), executor as processes, counted(processes) as pool:
+    with threadpool_limits(1), executor as started, counted(started) as pool:
         work = Work(scene, pool, seed, jobs, materiality)
         found = _diagnosis(work, concluded(work, truth))
     odd = [oddity.line for oddity in oddities(campaign)]
