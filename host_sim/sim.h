@@ -115,8 +115,7 @@ uint64_t sim_clock_ticks(sim_t *sim, sim_ns_t time);
 /* The same now, as it gets into a stamp; and by how much `later` than a believed tick that is. */
 uint64_t sim_stamp_ticks(sim_t *sim, sim_ns_t *later);
 
-/* After sim_boot(): let scans, and moves of the PLC path, begin when a controller has them begin.
- */
+/* After sim_boot(): let scans, and moves of the PLC path, begin when the controller says. */
 void sim_set_begins(sim_t *sim, const sim_controller_t *controller);
 
 /* The time at which a touch begins. */

@@ -8,7 +8,7 @@ from skiplatch.campaign import Campaign, InputPath
 from skiplatch.diagnosis import Diagnosis
 from skiplatch.diagnosis.experiment import Experiment
 from skiplatch.diagnosis.experiment.text import REST, VARIED
-from skiplatch.diagnosis.reported.text import floor_told
+from skiplatch.diagnosis.reported.text import EFFECTS_SHOW, floor_told
 from skiplatch.diagnosis.reported.units_told import for_people
 from skiplatch.figures.diagnosis import draw_distribution, draw_residuals, draw_shrink
 from skiplatch.figures.inline import Drawing
@@ -62,6 +62,7 @@ def as_html(
         shrink=_shrink(diagnosis),
         gaps=words.gap_table(diagnosis.gap.values(), after=bool(diagnosis.effects)),
         floor=floor_told(diagnosis),
+        effects_show=EFFECTS_SHOW,
         missed=words.missed_table(evidence.missed),
         ranking=ranks,
         cut_bars=ranking.cut_bars(ranks),

@@ -51,8 +51,7 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     on_skip, stamps = stamps[scene.streams["latch_skip"].rows], stamps[~np.isnan(stamps)]
     told = _lines_told(stamps, tick, widest) or _lines_told(on_skip, tick, widest)
     # Few stamps tell no steps, but show how wide they are.
-    kept = _grids_kept(stamps, width) if width >= MANY_STEPS * tick else []
-    for pitch, turn in (*told, *kept):
+    for pitch, turn in (*told, *_grids_as_wide(stamps, width, tick)):
         for nearest in (0.0, 1.0):
             whole = np.rint((mean + 0.5 * (1.0 - nearest) * pitch) / pitch - turn)
             seen.append([pitch, (turn + whole) * pitch, nearest])
@@ -133,7 +132,7 @@ def _coordinate_lines(scene: Scene, given: Change) -> list[list[float]]:
     widest = parameter_of("encoder_quantisation", "resolution_um").high
     told = _lines_told(where_um, fine, widest)
     seen_um = _box_of(unknown_sigma(told_of.off_um, told_of.spread_um), fine)
-    seen = _grids_kept(where_um, seen_um) if seen_um >= MANY_STEPS * fine else []
+    seen = _grids_as_wide(where_um, seen_um, fine)
     return [[pitch, 1.0, turn or 1.0] for pitch, turn in (*told, *seen)]
 
 
@@ -181,6 +180,11 @@ def _coarsest(values: FloatArray, period: float, turn: float) -> tuple[float, fl
     lines = np.rint(values / period - turn).astype(np.int64)
     step = int(np.gcd.reduce(lines - lines[0])) or 1
     return step * period, (int(lines[0]) % step + turn) / step
+
+
+def _grids_as_wide(values: FloatArray, width: float, fine: float) -> list[tuple[float, float]]:
+    """Give the grids that values keep about as wide as their scatter says, if rounding is none."""
+    return _grids_kept(values, width) if width >= MANY_STEPS * fine else []
 
 
 def _grids_kept(values: FloatArray, guess: float) -> list[tuple[float, float]]:

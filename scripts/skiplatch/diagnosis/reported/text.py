@@ -16,6 +16,7 @@ from skiplatch.statistics import Interval
 from skiplatch.tables import listing, number, prose, table
 from skiplatch.ways import LENGTH, Ways
 
+EFFECTS_SHOW = "Where the effects show, and how far off the simulation is without them"
 VERDICTS = {
     Verdict.NO_GAP: "No gap: the campaign is what the nominal simulation plays.",
     Verdict.EXPLAINED: "The gap is explained.",
@@ -99,8 +100,7 @@ def _where_texts(diagnosis: Diagnosis) -> list[str]:
     parts = []
     if shown:
         rows = [(*_place(place), " + ".join(place.effects)) for place in shown]
-        title = "Where the effects show, and how far off the simulation is without them\n"
-        parts.append(title + listing([(*header, "by"), *rows]))
+        parts.append(f"{EFFECTS_SHOW}\n" + listing([(*header, "by"), *rows]))
     if left:
         title = "Where something is left\n" if diagnosis.effects else "Where\n"
         parts.append(title + listing([header, *map(_place, left)]))
