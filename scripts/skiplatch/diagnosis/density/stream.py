@@ -45,7 +45,9 @@ class Stream:
     @cached_property
     def far(self) -> float:
         """Size that a tenth of the residuals exceeds."""
-        return float(np.quantile(np.abs(self.known), 0.9))
+        # Beliefs are tried out by the hundred: np.quantile takes ten times as long.
+        place = len(self.indices) * 9 // 10
+        return float(np.partition(np.abs(self.known), place)[place])
 
     @cached_property
     def _parts(self) -> dict[bytes, "Stream"]:

@@ -6,6 +6,7 @@ distribution. What it can take up is no effect: an effect counts by what it gain
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from scipy import optimize
@@ -253,6 +254,7 @@ class _Moves:
         """Move one belief, a mask, where others have moved the same so far already."""
         names = self.at(places).differing(self.at(np.where(own, places + 1.0, places)))
 
+        @cache
         def cost(x: float) -> float:
             return 0.5 * x**2 - self.at(np.where(own, x, places), names).total
 

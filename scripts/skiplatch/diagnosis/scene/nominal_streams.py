@@ -104,8 +104,11 @@ def _stream(
     known = rows & ~np.isnan(residuals) & ~chain.false
     offset, sigma, box_a, box_b = (_full(chain, value) for value in law)
     full_law = Law(offset, sigma, box_a, box_b)
-    return Stream(name, unit, stages, np.nan_to_num(residuals), full_law, known, full_law)
+    values = np.where(np.isnan(residuals), 0.0, residuals)
+    return Stream(name, unit, stages, values, full_law, known, full_law)
 
 
 def _full(chain: NominalChain, value: float | FloatArray) -> FloatArray:
-    return np.broadcast_to(np.asarray(value, dtype=float), (len(chain),)).copy()
+    full = np.empty(len(chain))
+    full[:] = value
+    return full
