@@ -59,6 +59,15 @@ def test_late_scans_show_beside_the_grid_that_they_should_keep() -> None:
     assert gap.shrink.value > 0.8
 
 
+def test_a_lock_is_asked_for_the_grid_where_the_record_has_left_it() -> None:
+    """Plays move scans to the touches; a rig whose touches wait for its scans keeps their grid."""
+    lock = Effect("scan_phase_lock", {"phase": 0.3, "spread": 0.03})
+    left = shrunk(played(BENCH, lock), lock)
+
+    assert left["latch_off_scan_grid_us"].shrink.low > 0.9
+    assert "latch_off_scan_grid_us" not in shrunk(played(BENCH), lock)
+
+
 def test_half_of_the_cause_takes_away_part_of_the_gap() -> None:
     gap = shrunk(played(MACHINE, DELAY), HALF, truth=[DELAY])["deviation_um"]
 

@@ -37,6 +37,11 @@ class Begins:
     start_spread_us: float = 0.0
 
 
+def keep_grid(stamps: FloatArray, period_us: float) -> bool:
+    """Tell whether stamps, µs, NaN if unknown, lie on the grid of scans."""
+    return bool(abs(mean_turn(stamps, period_us)) >= KEPT)
+
+
 class Player(Protocol):
     """Plays touches on a rig."""
 
@@ -62,10 +67,9 @@ class Scans:
     def of(cls, recorded: Touches, period_us: float, tick_us: float) -> Self | None:
         """Find them by the stamps of touches; None where these keep no grid."""
         stamps = recorded.latch_us[recorded.on_plc]
-        turn = mean_turn(stamps, period_us)
-        if abs(turn) < KEPT or np.isfinite(stamps).sum() < FEWEST_STAMPS:
+        if not keep_grid(stamps, period_us) or np.isfinite(stamps).sum() < FEWEST_STAMPS:
             return None
-        stamp_us = float(np.angle(turn)) / (2.0 * np.pi) * period_us
+        stamp_us = float(np.angle(mean_turn(stamps, period_us))) / (2.0 * np.pi) * period_us
         turns = np.rint((stamps[np.isfinite(stamps)] - stamp_us) / period_us)
         rests_us = np.unique(np.round(turns * period_us % tick_us, RESOLVED)) % tick_us
         gaps_us = np.diff(np.append(rests_us, rests_us[0] + tick_us))

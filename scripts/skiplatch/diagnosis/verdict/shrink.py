@@ -23,6 +23,7 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.plays.playing import Folds, Rig
+from skiplatch.diagnosis.plays.scans import keep_grid
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
@@ -143,7 +144,10 @@ def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
         stamps = np.where(scene.plc, recorded.latch_us, np.nan)
         return np.asarray(np.round(off_grid(stamps, after.scan_us), NS))
 
-    if "lattice" in scene.streams and after.keeps_scan_grid:
+    # Scans that plays move to touches keep no grid; the record of such a rig may all the same.
+    stamps_us = scene.touches.latch_us[scene.plc]
+    is_alike = after.keeps_scan_grid or not keep_grid(stamps_us, after.scan_us)
+    if "lattice" in scene.streams and is_alike:
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
 
