@@ -1,5 +1,5 @@
 /* hal_axis.h: the position counter, whole, in any context. */
-/* LINK: tests/support/port_host_sim.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/port_under_test.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
 #include "../contract/port_under_test.h"
 #include "edge_log.h"
 #include "hal_axis.h"

@@ -1,5 +1,5 @@
 /* hal_bus.h: frames arrive whole, once and in order, or are refused. */
-/* LINK: tests/support/port_host_sim.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/port_under_test.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
 #include <string.h>
 
 #include "../contract/port_under_test.h"

@@ -1,5 +1,5 @@
 /* hal_clock.h: a counter of constant ticks that wraps and never runs backwards. */
-/* LINK: tests/support/port_host_sim.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/port_under_test.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
 #include "../contract/port_under_test.h"
 #include "hal_clock.h"
 #include "hal_critical.h"

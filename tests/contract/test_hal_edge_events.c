@@ -1,5 +1,5 @@
 /* hal_edge_events.h: when an edge is delivered, and what time it carries. */
-/* LINK: tests/support/port_host_sim.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/port_under_test.c tests/support/edge_log.c $(OUT)/libskiplatch_sim.a */
 #include "../contract/port_under_test.h"
 #include "edge_log.h"
 #include "hal_clock.h"

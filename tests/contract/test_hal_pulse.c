@@ -1,5 +1,5 @@
 /* hal_pulse.h: what is kept of two pulse trains, in which order, with what time. */
-/* LINK: tests/support/pulse_lines_host_sim.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/pulse_lines.c $(OUT)/libskiplatch_sim.a */
 #include "../contract/pulse_lines_under_test.h"
 #include "hal_clock.h"
 #include "hal_error.h"

@@ -3,7 +3,7 @@
  * trains of bounces never move the latch off the first edge, and a train that comes to nothing is
  * none.
  */
-/* LINK: tests/support/port_host_sim.c tests/support/dice.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/port_under_test.c tests/support/dice.c $(OUT)/libskiplatch_sim.a */
 #include "../contract/port_under_test.h"
 #include "dice.h"
 #include "hal_clock.h"

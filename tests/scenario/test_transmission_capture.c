@@ -2,7 +2,7 @@
  * A gear train turns, its encoders drive the two pulse lines of the simulated rig, and the firmware
  * takes what the port has captured: eccentricity and play come out as they were put in.
  */
-/* LINK: tests/support/pulse_lines_host_sim.c $(OUT)/libskiplatch_sim.a */
+/* LINK: host_sim/tests/pulse_lines.c $(OUT)/libskiplatch_sim.a */
 #include <math.h>
 
 #include "../contract/pulse_lines_under_test.h"
