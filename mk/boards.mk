@@ -5,7 +5,8 @@
 # What a board.mk may say, all of it with `.$(board)` at the end of the name:
 #
 #   FAMILY       avr, arm, riscv: runs on a board of that compiler; host: compiled and linked here, run nowhere;
-#                hosted: runs here by rules of its own, which set HOSTED (sources), HOSTED_PROGRAMS and HOSTED_SUITES
+#                hosted: runs here by rules of its own, which set HOSTED (sources), HOSTED_PROGRAMS, HOSTED_SUITES
+#                and HOSTED_RIG (sources)
 #   SHARED       folder of hal/ports with what boards of one chip have in common, as FAMILY's is
 #   FLAGS        the processor, for the compiler
 #   LINKER_SCRIPT   in its folder

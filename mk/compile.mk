@@ -5,7 +5,7 @@ library: $(OUT)/libskiplatch_sim.so
 	@:
 program: $(if $(MAIN),$(OUT)/skiplatch-sim) $(HOSTED_PROGRAMS)
 	@:
-OTHERS   := $(SIM) $(DIAGNOSIS) $(MAIN) $(UNHOSTED) $(HOSTED) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(RIG)
+OTHERS   := $(SIM) $(DIAGNOSIS) $(MAIN) $(UNHOSTED) $(HOSTED) $(TESTS) $(FUZZ) $(PERF) $(SOAK) $(HOSTED_RIG)
 objects: $(call object_of,$(FIRMWARE) $(if $(TARGET),$(PORT_SOURCES),$(OTHERS))) \
          $(patsubst %,$(OUT)/headers/%.ok,$(if $(TARGET),$(call headers_of,$(notdir $(PORT_FOLDERS))),$(C_HEADERS)))
 

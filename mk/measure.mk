@@ -21,7 +21,7 @@ build/perf/libfloor.so: $(call object_of,$(PERF)) $(OUT)/libskiplatch_sim.a
 
 .PHONY: bench
 bench: setup $(STAMPS)/bench $(STAMPS)/system-rig ## measure speed
-	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so) $(if $(HOSTED),$(RIG:%.c=$(OUT)/%)) program
+	@$(INNER_MAKE) $(if $(PERF),build/perf/libfloor.so) $(HOSTED_RIG:%.c=$(OUT)/%) program
 	@$(VENV_PYTHON) tests/perf/bench.py
 	@$(VENV_PYTHON) -m tests.bench.latency
 

@@ -20,7 +20,6 @@ FUZZ           := $(wildcard tests/fuzz/fuzz_*.c)
 FUZZ_PYTHON    := $(wildcard tests/fuzz/fuzz_*.py)
 PERF           := $(wildcard tests/perf/*.c)
 SOAK           := $(wildcard tests/soak/*.c)
-RIG            := $(if $(HOSTED),$(wildcard tests/bench/*.c))
 
 # A board's headers are checked where its own are compiled.
 headers_of = $(wildcard $(1:%=hal/ports/%/*.h))

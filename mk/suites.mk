@@ -68,20 +68,3 @@ $(RESULTS)/python/pytest.xml $(RESULTS)/long/pytest.xml: \
                               library program $(OUT)/inject-codec $(RUN_HERE:%=programs-%) FORCE
 	@$(ONE_THREAD) $(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \
 	    -m '$(MARKED)' --quiet --junitxml=$@ $(PYTHON_TESTS) || true
-
-# ---- the rig of the Linux port: one in the virtual machine, one on this host's vcan and gpio-sim ----
-
-RIG_SUITES := bench-vm bench-host
-.PHONY: $(RIG_SUITES) $(RIG_SUITES:%=run-%)
-bench-vm: setup setup-test ## test the Linux port in a virtual machine with CAN and GPIO, and time it
-	$(call run_suites,$@)
-bench-host: setup setup-test ## the same on this host, as root, with vcan and gpio-sim
-	$(call run_suites,$@)
-
-RESULTS.bench-vm   := $(RESULTS)/bench-vm/bench-vm.check
-RESULTS.bench-host := $(RESULTS)/bench-host/bench-host.check
-# Whatever the suite wrote beside its one declared result is counted as well.
-$(RIG_SUITES:%=run-%): run-bench-%: program $(if $(HOSTED),$(HOSTED_SUITES:%=%-programs) $(RIG:%.c=$(OUT)/%))
-	@scripts/run_check.sh $(RESULTS)/bench-$*/bench-$*.check bench-$* \
-	    $(if $(HOSTED),tests/bench/run_suite.sh $* $(RESULTS)/bench-$*,$(call skip,no libgpiod 2 here))
-	@sed -n '/^scan wake-up/,$$p' $(RESULTS)/bench-$*/bench.txt 2>/dev/null || true

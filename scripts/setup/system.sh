@@ -39,7 +39,7 @@ packages_of() {
     # the real controller that the latch is held beside; see docs/LINUXCNC.md
     linuxcnc) echo linuxcnc-uspace linuxcnc-uspace-dev ;;
     arduino) echo arduino-builder arduino-core-avr ;;
-    # On distributions that have version 2; see setup/gpiod.sh.
+    # On distributions that have version 2; see the setup.sh of the port that wants it.
     bench) echo libgpiod-dev ;;
     *)
         say "no such group: $1" >&2

@@ -42,11 +42,10 @@ LONG = (
 )
 """Beginnings of what takes more than a few seconds: run by `make long`."""
 MAKE = "make "
+RIGS = ".venv/bin/python -m hal.ports."
 EXPERIMENT = "tests/python/test_pretravel_experiment.py"
 ELSEWHERE = {
-    ".venv/bin/python -m hal.ports.atmega328p": "hal/ports/atmega328p/tests/transmission_rig.py",
-    ".venv/bin/python -m hal.ports.cortex_m3": "hal/ports/cortex_m3/tests/qemu_rig.py",
-    ".venv/bin/python -m hal.ports.rp2040": "hal/ports/rp2040/tests/test_board_grblhal.py",
+    RIGS: "mk/on_board.mk",
     "build/host/skiplatch-recorder": "tests/bench/test_pulses.py",
     "candump vcan0 |": "tests/python/test_packages_can.py",
     "cc -DSKIPLATCH_IMPLEMENTATION": "tests/python/test_packages_packed.py",
@@ -274,6 +273,12 @@ def test_what_runs_it_elsewhere_is_there(path: str) -> None:
     assert (ROOT / path).is_file()
 
 
+def test_rigs_of_boards_are_there() -> None:
+    modules = [line.split()[2] for line in others() if line.startswith(RIGS)]
+
+    assert [name for name in modules if not (ROOT / f"{name.replace('.', '/')}.py").is_file()] == []
+
+
 def test_python_and_outputs_are_tested_somewhere() -> None:
     with_python = {example.page for example in EXAMPLES if example.language == "python"}
     outputs = [str(block) for block in BLOCKS if block.output and not any(map(is_run, block.lines))]
@@ -283,7 +288,8 @@ def test_python_and_outputs_are_tested_somewhere() -> None:
 
 
 def test_targets_of_make_are_there() -> None:
-    rules = "\n".join(path.read_text() for path in [ROOT / "Makefile", *ROOT.glob("mk/*.mk")])
+    makefiles = [ROOT / "Makefile", *ROOT.glob("mk/*.mk"), *ROOT.glob("hal/ports/*/board.mk")]
+    rules = "\n".join(path.read_text() for path in makefiles)
     lines = [line for block in BLOCKS for line in block.lines if line.startswith(MAKE)]
 
     for target in (line.split()[1] for line in lines):

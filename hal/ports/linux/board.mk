@@ -1,8 +1,7 @@
 # A kernel with a GPIO character device and SocketCAN. It runs here, as programs of its own.
 FAMILY.$(board) := hosted
 
-# libgpiod 2 of the system, or the one that setup/gpiod.sh has unpacked aside; without it there is no
-# Linux port.
+# libgpiod 2 of the system, or the one that setup.sh has unpacked aside; without it there is no Linux port.
 GPIOD_SYSTEM := $(shell grep -ls gpiod_chip_request_lines /usr/include/gpiod.h)
 GPIOD_ASIDE  := $(if $(GPIOD_SYSTEM),,$(wildcard build/gpiod/usr/include/gpiod.h))
 GPIOD_LIB    := $(if $(GPIOD_SYSTEM),-lgpiod,$(wildcard build/gpiod/usr/lib/*/libgpiod.a))
@@ -28,6 +27,7 @@ $(HOSTED_PROGRAMS):
 	$(Q)$(CC) $(FLAGS) -fno-lto $^ $(GPIOD_LIB) -lm -o $@
 
 # The programs of the rig in tests/bench.
+HOSTED_RIG := $(if $(HOSTED),$(wildcard tests/bench/*.c))
 $(OUT)/tests/bench/%: $(OUT)/obj/tests/bench/%.o $(OUT)/liblinux_port.a
 	@mkdir -p $(@D)
 	$(SAY) 'link $@'
@@ -49,3 +49,20 @@ RESULTS.contract-linux := $(RESULTS)/contract-linux/contract-linux.check
 run-contract-linux: $(RESULTS.contract-linux)
 $(RESULTS.contract-linux): contract-linux-programs FORCE
 	$(check) $(if $(HOSTED),tests/bench/run_contract.sh $(@D),$(call skip,no libgpiod 2 here))
+
+# ---- the rig: one in the virtual machine, one on this host's vcan and gpio-sim ----
+
+RIG_SUITES := bench-vm bench-host
+.PHONY: $(RIG_SUITES) $(RIG_SUITES:%=run-%)
+bench-vm: setup setup-test ## test the Linux port in a virtual machine with CAN and GPIO, and time it
+	$(call run_suites,$@)
+bench-host: setup setup-test ## the same on this host, as root, with vcan and gpio-sim
+	$(call run_suites,$@)
+
+RESULTS.bench-vm   := $(RESULTS)/bench-vm/bench-vm.check
+RESULTS.bench-host := $(RESULTS)/bench-host/bench-host.check
+# Whatever the suite wrote beside its one declared result is counted as well.
+$(RIG_SUITES:%=run-%): run-bench-%: program $(if $(HOSTED),$(HOSTED_SUITES:%=%-programs) $(HOSTED_RIG:%.c=$(OUT)/%))
+	@scripts/run_check.sh $(RESULTS)/bench-$*/bench-$*.check bench-$* \
+	    $(if $(HOSTED),tests/bench/run_suite.sh $* $(RESULTS)/bench-$*,$(call skip,no libgpiod 2 here))
+	@sed -n '/^scan wake-up/,$$p' $(RESULTS)/bench-$*/bench.txt 2>/dev/null || true

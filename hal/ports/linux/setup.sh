@@ -5,15 +5,15 @@
 # has version 1 and, in its backports, version 2. From there header and library are unpacked into
 # build/gpiod, so that nothing of the system changes. The library is linked in whole, and the programs run without build/gpiod.
 #
-# Where neither can be had, it says so and succeeds: what needs the library is then left out.
+# Ends with 77 and a line that says why where neither can be had.
 set -eu
 
-scripts=$(cd "$(dirname "$0")/.." && pwd)
+project=$(cd "$(dirname "$0")/../../.." && pwd)
 # shellcheck source=scripts/setup/apt_aside.sh
-. "$scripts/setup/apt_aside.sh"
-target=$scripts/../build/gpiod
+. "$project/scripts/setup/apt_aside.sh"
+target=$project/build/gpiod
 
-say() { printf 'setup_gpiod: %s\n' "$*"; }
+say() { printf 'linux: %s\n' "$*"; }
 
 as_root() {
     if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi
@@ -23,8 +23,8 @@ as_root() {
 is_version_2() { grep -qs gpiod_chip_request_lines "$1"; }
 
 skip() {
-    say "SKIPPED: $*; the Linux port will be left out"
-    exit 0
+    say "$*"
+    exit 77
 }
 
 is_version_2 /usr/include/gpiod.h && exit 0
@@ -37,7 +37,7 @@ candidate() { apt-cache policy libgpiod-dev 2>/dev/null | sed -n 's/^ *Candidate
     skip "package lists cannot be read"
 case $(candidate) in
 [2-9].*)
-    "$scripts/setup/system.sh" bench || skip "libgpiod-dev cannot be installed"
+    "$project/scripts/setup/system.sh" bench || skip "libgpiod-dev cannot be installed"
     is_version_2 /usr/include/gpiod.h || skip "libgpiod-dev is not version 2"
     exit 0
     ;;
