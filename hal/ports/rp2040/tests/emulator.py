@@ -127,3 +127,7 @@ class Emulator(EmulatedBoard):
     def last_step(self) -> int:
         """Give when the axis has made its last step."""
         return self.ask("step")
+
+    def entered(self, interrupt: int) -> int:
+        """Give how often an interrupt was entered, by its number."""
+        return self.ask("entered", interrupt=interrupt)

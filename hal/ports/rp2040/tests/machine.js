@@ -18,6 +18,7 @@ const VECTORS = 0x10000100;
 const TRIGGER_PIN = 2;
 const DRIVER_PIN = 3;
 const AXIS_SLICE = 0;
+const FIRST_INTERRUPT = 16; // of the exceptions
 const PT_LOAD = 1;
 
 function refuse(component, message) {
@@ -50,10 +51,12 @@ class Machine {
     this.clock = this.chip.clock;
     this.sent = []; // bytes, by UART 0
     this.stepNs = 0; // of the axis, the last one
+    this.entered = new Map(); // how often, by the number of the interrupt
     this.ended = false;
     this.chip.uart[0].onByte = (byte) => this.sent.push(byte);
     this.chip.gpio[DRIVER_PIN].addListener((state) => this.setLine(state === GPIOPinState.High));
     this.watchSteps();
+    this.watchInterrupts();
     this.load(fs.readFileSync(program));
   }
 
@@ -74,6 +77,16 @@ class Machine {
         this.stepNs = this.clock.nanos;
       }
       interrupt(slice);
+    };
+  }
+
+  watchInterrupts() {
+    const { core } = this.chip;
+    const enter = core.exceptionEntry.bind(core);
+    core.exceptionEntry = (exception) => {
+      const interrupt = exception - FIRST_INTERRUPT;
+      this.entered.set(interrupt, (this.entered.get(interrupt) ?? 0) + 1);
+      enter(exception);
     };
   }
 
