@@ -20,6 +20,7 @@ PWM_RUN_ONCE = 1 << 13 | 1 << 9  # until the first compare, which sets the count
 COUNTS = 1 << 31
 COMPARES = 4
 COMPARE_MAX = 0xFFFF
+COMPARE_BITS = 15  # of those set here, so that none is rounded up beyond that
 SCALE_MAX = 15
 TRIGGER_PIN = 4
 
@@ -66,10 +67,11 @@ class Emulator(QemuBoard):
         self.write(PWM0 + PWM_CFG, 0)
 
     def deflect_in(self, ticks: int) -> int:
-        """Let the line go high in about so many ticks; give the master clock of that. Stopped."""
-        scale = max(ticks.bit_length() - COMPARE_MAX.bit_length(), 0)
-        compare = ticks >> scale
-        self.write(PWM0 + PWM_COUNT, 0)
+        """Let the line go high in so many ticks; give the master clock of that. Stopped."""
+        scale = max(ticks.bit_length() - COMPARE_BITS, 0)
+        compare = -(-ticks >> scale)
+        ahead = (compare << scale) - ticks  # compares are coarse, counts are not
+        self.write(PWM0 + PWM_COUNT, ahead)
         self.write(PWM0 + PWM_CMP, compare)
         self.write(PWM0 + PWM_CFG, PWM_RUN_ONCE | scale)
-        return self.now() + (compare << scale) + 1  # the request comes a tick after the count
+        return self.now() + ticks + 1  # the request comes a tick after the count
