@@ -28,7 +28,7 @@ C_HEADERS := $(wildcard firmware/*.h firmware/*/*.h hal/include/*.h host_sim/*.h
                         $(DIAGNOSIS:.c=.h)) \
              $(call headers_of,$(HOST_PORTS)) $(if $(HOSTED),$(call headers_of,$(call ports_of,hosted)))
 C_FILES   := $(sort $(C_SOURCES) $(C_HEADERS) \
-                    $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] tests/*/*.[ch]))
+                    $(wildcard hal/ports/*/*.[ch] hal/ports/*/tests/*.[ch] host_sim/tests/*.[ch] tests/*/*.[ch]))
 PYTHON_FOLDERS := scripts $(wildcard tests hal)
 PYTHON_FILES   := $(wildcard scripts/skiplatch) \
                   $(wildcard scripts/*.py scripts/lint/*.py tests/python/*.py tests/fuzz/*.py tests/perf/*.py \

@@ -1,7 +1,7 @@
 /*
  * What a port has to offer for the suites of this folder to run on it: its stimuli and its ears,
- * and a few facts about the board. One implementation is linked per port: tests/port_under_test.c of
- * its folder. A later port adds a file of its own and touches no suite.
+ * and a few facts about the board. One implementation is linked per port: tests/port_under_test.c
+ * of its folder. A later port adds a file of its own and touches no suite.
  *
  * hal_edge_on_latch() is implemented by tests/support/edge_log.c.
  */
