@@ -23,7 +23,7 @@ from skiplatch.campaign.datum import Datum
 from skiplatch.campaign.far_off import surfaces_apart
 from skiplatch.campaign.nominal import Key
 from skiplatch.campaign.nominal_text import format_nominal
-from skiplatch.campaign.nominal_toml import read_nominal
+from skiplatch.campaign.nominal_toml import parse_nominal, read_nominal
 from skiplatch.campaign.writing import InadmissibleError
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_folder
@@ -31,9 +31,11 @@ from skiplatch.importing.model import Figure, Figures, Imported, Touch
 from skiplatch.importing.placing import as_touches, machine_thermometer
 from skiplatch.importing.presets import PRESETS
 from skiplatch.importing.probe_move import LINEAR
+from skiplatch.importing.scatter import told_in_a_row
 from skiplatch.tables import counted
 
 WIDTH = 98
+REPEATABILITY = ("probe", "repeatability_um")
 
 
 def write_imported(
@@ -76,7 +78,10 @@ def write_imported(
                 "left empty: they tell nothing of the scatter"
             )
     _refuse_impossible(sources[0], imported.figures)
-    toml = _toml(imported, sources, free) if nominal is None else _given(nominal, imported, free)
+    if nominal is None:
+        toml = _toml(imported, sources, free, touches)
+    else:
+        toml = _given(nominal, imported, free)
     try:
         text = format_touches(touches)
     except InadmissibleError as error:  # a log can tell what is impossible
@@ -85,8 +90,12 @@ def write_imported(
     atomic_write_folder(out, {NOMINAL_FILE: toml, TOUCHES_FILE: text})
 
 
-def _toml(imported: Imported, sources: Sequence[Path], free: DatumFreedom) -> str:
+def _toml(imported: Imported, sources: Sequence[Path], free: DatumFreedom, touches: Touches) -> str:
     figures = {**PRESETS[imported.preset].figures, **imported.figures}
+    if REPEATABILITY in figures and REPEATABILITY not in imported.figures:
+        guessed = parse_nominal(sources[0], nominal_text(imported.kind, figures, free))
+        if scatter := told_in_a_row(touches, guessed):
+            figures[REPEATABILITY] = scatter
     notes = {
         "made_from": ", ".join(path.name for path in sources),
         "known": imported.known,
