@@ -53,7 +53,8 @@ class InputError(_Located, Exception):
     """The input is wrong and cannot be used.
 
     Attributes:
-        further: What else is wrong with the same input; each is a line of its own.
+        further: What else is wrong with the same input, or with another file of it; each is a line
+            of its own.
     """
 
     further: Sequence["InputError"] = ()

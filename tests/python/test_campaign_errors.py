@@ -1,10 +1,13 @@
 """The one line in which the user learns what is wrong."""
 
 import pickle
+import re
+import shutil
 from pathlib import Path
 
 import pytest
 
+from skiplatch.campaign import read_campaign
 from skiplatch.errors import CampaignWarning, InputError, hint, quoted
 
 
@@ -61,3 +64,20 @@ def test_long_quotation_is_shortened() -> None:
 def test_hint_names_the_close_word_only() -> None:
     assert hint("delay_ms", ["delay_us", "tick_us"]) == '; did you mean "delay_us"?'
     assert hint("colour", ["delay_us", "tick_us"]) == ""
+
+
+def test_what_is_wrong_with_either_file_is_told_in_one_run(
+    machine_sample: Path, tmp_path: Path
+) -> None:
+    rig = shutil.copytree(machine_sample, tmp_path / "rig")
+    nominal, touches = rig / "nominal.toml", rig / "touches.csv"
+    nominal.write_text(re.sub("tick_us.*", "tick_us = -1.0", nominal.read_text()))
+    touches.write_text(touches.read_text().replace(",skip,", ",slip,", 1))
+
+    with pytest.raises(InputError) as refused:
+        read_campaign(rig)
+
+    of_rig, of_touches = str(refused.value).splitlines()
+    assert "nominal.toml:" in of_rig
+    assert "skip.tick_us" in of_rig
+    assert 'path: expected skip or plc, got "slip"' in of_touches

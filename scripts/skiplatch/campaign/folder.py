@@ -51,7 +51,11 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
     """
     folder = Path(path)
     refuse_no_campaign(folder)
-    nominal = read_nominal(folder / NOMINAL_FILE)
+    try:
+        nominal = read_nominal(folder / NOMINAL_FILE)
+    except InputError as error:
+        error.further = (*error.further, *_faults_of_touches(folder))
+        raise
     required = REQUIRED_IN_VERSION_1 if nominal.version == 1 else REQUIRED
     touches = read_touches(folder / TOUCHES_FILE, required)
     if nominal.kind is Kind.MACHINE and not np.isnan(touches.edge_us).all():
@@ -59,6 +63,15 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         warning = CampaignWarning(folder / TOUCHES_FILE, None, "edge_us", message)
         warnings.warn(warning, stacklevel=2)
     return Campaign(nominal, touches, folder)
+
+
+def _faults_of_touches(folder: Path) -> list[InputError]:
+    """Give what is wrong with touches.csv, whatever nominal.toml says."""
+    try:
+        read_touches(folder / TOUCHES_FILE, REQUIRED)
+    except InputError as error:
+        return [error]
+    return []
 
 
 def refuse_no_campaign(folder: Path) -> None:
