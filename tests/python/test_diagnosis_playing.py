@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from made_diagnoses import made
 from played_campaigns import BENCH, MACHINE, stamped_machine
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Campaign, read_campaign
@@ -122,21 +123,8 @@ def diagnosed(rig: Rig, believed: Campaign) -> Diagnosis:
         )
         for one in rig.effects
     ]
-    return Diagnosis(
-        verdict=Verdict.EXPLAINED,
-        where=[],
-        effects=named,
-        gap={},
-        ranking=[],
-        rivals=[],
-        left=[],
-        touches=1,
-        used=1,
-        notes=[],
-        believed=Rig(believed.nominal),
-        rig=rig,
-        beliefs=[(b, getattr(getattr(rig.nominal, b.key[0]), b.key[1])) for b in beliefs],
-    )
+    known = [(b, getattr(getattr(rig.nominal, b.key[0]), b.key[1])) for b in beliefs]
+    return made(Verdict.EXPLAINED, Rig(believed.nominal), rig, named, beliefs=known)
 
 
 def test_a_rig_comes_back_from_json() -> None:

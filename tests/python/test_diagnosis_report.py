@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner
 
 from browser import Browser
+from made_diagnoses import made
 from page_faults import ASIDE, CUT
 from skiplatch import cli
 from skiplatch.campaign import Axis, Campaign, Status, Touches, read_campaign
@@ -62,19 +63,18 @@ def diagnosed(campaign: Campaign, verdict: Verdict, *found: Effect) -> Diagnosis
     everything = scene.has_stamps | ~scene.has_stamps
     intervals = {name: (value - 0.5, value + 0.5) for name, value in LATE.parameters.items()}
     believed, rig = Rig(campaign.nominal), Rig(campaign.nominal, found)
-    return Diagnosis(
-        verdict=verdict,
+    return made(
+        verdict,
+        believed,
+        rig,
+        [Named(one, "latch", intervals, ("input_filter",), 0.9) for one in found],
         where=[LATE_LATCH] if found else [],
-        effects=[Named(one, "latch", intervals, ("input_filter",), 0.9) for one in found],
         gap=PlayedRigs.of(scene, believed, rig, seed=1, jobs=2).gaps(everything),
         ranking=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5), Ranked((), -2.0)],
         rivals=[Ranked((LATE,), 900.0), Ranked((FILTER,), 898.5)],
-        left=[],
         touches=len(scene),
         used=len(scene),
         notes=["A note."],
-        believed=believed,
-        rig=rig,
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from made_diagnoses import made
 from played_campaigns import BENCH, played
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis import Diagnosis, Named, Place, Verdict
@@ -50,21 +51,7 @@ def told(verdict: Verdict, *found: Effect, **others: Any) -> Diagnosis:  # noqa:
         name: (value - 1.0, value + 1.0) for one in found for name, value in one.parameters.items()
     }
     named = [Named(one, effects()[one.id].stage, ends, (), 0.9) for one in found]
-    bare = Diagnosis(
-        verdict=verdict,
-        where=[],
-        effects=named,
-        gap={},
-        ranking=[],
-        rivals=[],
-        left=[],
-        touches=400,
-        used=400,
-        notes=[],
-        believed=rig,
-        rig=replace(rig, effects=found),
-    )
-    return replace(bare, **others)
+    return made(verdict, rig, replace(rig, effects=found), named, **others)
 
 
 def test_each_place_names_the_effects_that_it_needs() -> None:
