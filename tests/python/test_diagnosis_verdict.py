@@ -18,6 +18,7 @@ from skiplatch.diagnosis.verdict.rules import (
     may_be_accidents,
     told_of_chance,
 )
+from skiplatch.diagnosis.verdict.shrink import Gap
 from skiplatch.diagnosis.verdict.verdict import Verdict, decide, failures, shows_too_little
 from verdict_evidence import GROWING, gap, gaps, left, missing
 
@@ -212,6 +213,20 @@ def test_every_clear_gap_has_to_shrink_and_one_is_enough_for_a_name() -> None:
     mixed = Evidence(gaps=gaps(gap(0.95), gap(0.1)))
 
     assert [f.rule for f in failures(list(RULES.values()), mixed)] == ["shrinks"]
+
+
+def test_a_gap_that_effects_leave_as_it_is_counts_unless_it_may_be_luck() -> None:
+    """One run may have its scans where in a tick few others have them."""
+    same = replace(gap(-0.05, 0.05), after=5.01)
+    lucky, less = replace(same, may_be_luck=True), replace(gap(0.4, 0.6), may_be_luck=True)
+
+    def words(*several: Gap) -> list[str]:
+        return [f.words for f in failures([RULES["shrinks"]], Evidence(gaps=gaps(*several)))]
+
+    assert words(gap(0.9), same)
+    assert not words(gap(0.9), lucky)
+    assert words(gap(0.9), less)
+    assert words(lucky) == ["no gap is clear enough to tell that all of it is gone"]
 
 
 def test_touches_that_are_likelier_show_a_finding_that_no_gap_is_clear_of() -> None:

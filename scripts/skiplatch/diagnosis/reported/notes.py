@@ -61,6 +61,11 @@ def notes(
             "Touches along the axes alone: a stylus off its centre looks like backlash; "
             "touch at azimuths between them."
         )
+    if "backlash" in named and scene.datum_groups is not None:
+        found.append(
+            "Coordinates whose zero is off by half of the backlash read the same: far in one sense "
+            "and near in the other."
+        )
     found += _untold(scene)
     if verdict is Verdict.NO_GAP and scene.datum_groups is not None and scene.datum_u_um is None:
         found.append(

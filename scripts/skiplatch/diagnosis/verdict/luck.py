@@ -25,6 +25,15 @@ def is_no_luck(cells: Sequence[Cell], least: float) -> bool:
     return all(by_luck < own for own, by_luck in (_both(cells, least, one) for one in lost))
 
 
+def may_be_luck(cells: Sequence[Cell], least: float) -> bool:
+    """Tell whether any play of the effects scores as badly beside the others as the record does.
+
+    What all touches of a run share, as where in a tick its scans begin, is drawn once for each.
+    """
+    scored = ([cell.beside(k) for cell in cells] for k in _lots(cells)) if cells else ()
+    return any(by_luck >= own for own, by_luck in (_both(cells, least, one) for one in scored))
+
+
 def tightness(cells: Sequence[Cell], least: float) -> float:
     """Give what the effects score over their noise floor; 1 if any of their plays scores as low.
 

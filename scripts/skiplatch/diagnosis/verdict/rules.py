@@ -22,6 +22,8 @@ no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Bala
 (2020) 16880, eq. 6)."""
 GAINED = 2.0 / 3.0
 """Share of what an effect gains on plays of itself that it has to gain on the record."""
+UNMOVED = 0.1
+"""Share of a gap by which scores of plays differ where effects leave it as it is."""
 MOST_OUTLIERS = 0.05
 """Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
 RARELY = 0.01
@@ -82,13 +84,20 @@ def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> str:
     return ", ".join(found)
 
 
+def _is_left_alone(gap: Gap) -> bool:
+    """Tell whether effects leave a gap as it is that may be luck: of several one often is."""
+    moved = abs(gap.after - gap.before)
+    return gap.may_be_luck and moved <= UNMOVED * (gap.before - gap.noise_floor)
+
+
 def _shrinks(evidence: Evidence, threshold: float) -> str:
+    clear = {n: g for n, g in _clear(evidence.gaps).items() if not _is_left_alone(g)}
     small = [
         f"{n} by {g.shrink.low:.0%}" if g.shrink.low > 0.0 else f"{n} not at all"
-        for n, g in _clear(evidence.gaps).items()
+        for n, g in clear.items()
         if g.shrink.low < threshold
     ]
-    if not _clear(evidence.gaps) and not _is_lost_no_more(evidence, threshold):
+    if not clear and not _is_lost_no_more(evidence, threshold):
         return "no gap is clear enough to tell that all of it is gone"
     return f"the gap shrinks for certain only: {', '.join(small)}" if small else ""
 

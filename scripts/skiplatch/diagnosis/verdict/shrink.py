@@ -28,7 +28,7 @@ from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
-from skiplatch.diagnosis.verdict.luck import is_no_luck, tightness
+from skiplatch.diagnosis.verdict.luck import is_no_luck, may_be_luck, tightness
 from skiplatch.motion import Contact
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span
@@ -64,6 +64,8 @@ class Gap:
     """Shift of half of the touches against the others that could have hidden, 95 %."""
     is_clear: bool = True
     """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
+    may_be_luck: bool = False
+    """Some play of the effects is as far off the others as the record is."""
     grows: bool = False
     """The effects score worse than their own plays would if they were the truth."""
     tightness: float = 1.0
@@ -235,6 +237,7 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
         noise_floor=float(floor.sum()) / whole,
         shrink=shrinks,
         is_clear=bool(clear),
+        may_be_luck=may_be_luck(cells, least),
         # Cells that are clear for what did not come there were chosen by luck: all of them count.
         grows=shrinks.high < 0.0 and is_no_luck(cells, least),
         tightness=tightness(clear, least) if clear else 1.0,
