@@ -27,6 +27,7 @@ from skiplatch.campaign import (
     read_conditions,
 )
 from skiplatch.campaign.nominal import InputNominal, ProbeNominal, SkipNominal
+from skiplatch.campaign.touches import last_known
 from skiplatch.errors import CampaignWarning, InputError, quoted
 from skiplatch.motion import expected_contact
 from skiplatch.simulator.effects import Effect, effects
@@ -238,9 +239,19 @@ def _with_time_to_move(touches: Touches, travel_s: FloatArray) -> Touches:
 def _times(touches: Touches, travel_s: FloatArray) -> FloatArray:
     """Give starts by which the surface is met at the edge, or one after the other."""
     if np.isnan(touches.edge_us).any():
-        return np.asarray(np.cumsum(travel_s + BETWEEN_TOUCHES_S) - travel_s)
+        return _paced(touches.time_s, np.cumsum(travel_s + BETWEEN_TOUCHES_S) - travel_s)
     starts = touches.edge_us / US_PER_S - travel_s
     return np.asarray(np.maximum(starts, 0.0))
+
+
+def _paced(time_s: FloatArray, pace_s: FloatArray) -> FloatArray:
+    """Go on from each known time at a pace, no further than to the next one in the file."""
+    before = last_known(time_s)
+    after = len(time_s) - 1 - last_known(time_s[::-1])[::-1]
+    begun_s = np.where(before < 0, 0.0, time_s[before])
+    since_s = pace_s - np.where(before < 0, 0.0, pace_s[before])
+    ends_s = np.append(time_s, np.nan)[after]
+    return np.asarray(np.fmax(np.fmin(begun_s + since_s, ends_s), begun_s))
 
 
 def _as_linear(touches: Touches) -> Touches:

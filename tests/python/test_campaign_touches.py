@@ -408,6 +408,14 @@ def test_rows_are_selected_and_ordered(tmp_path: Path) -> None:
     assert len(touches.select(touches.time_s < 0)) == 0
 
 
+def test_touch_without_a_time_stays_behind_the_one_before_it() -> None:
+    time_s = np.array([np.nan, 4.0, np.nan, 1.0, np.nan, np.nan, 2.0])
+
+    ordered = Touches.from_columns(touch=np.arange(7), time_s=time_s).in_order_of_time()
+
+    assert ordered.touch.tolist() == [0, 3, 4, 5, 6, 1, 2]
+
+
 def test_touches_are_built_from_some_columns() -> None:
     touches = Touches.from_columns(
         touch=np.arange(2),

@@ -206,7 +206,7 @@ def test_cells_of_what_may_be_left_out_may_be_empty(tmp_path: Path) -> None:
 
     assert read.path.tolist() == [InputPath.SKIP, InputPath.PLC]
     assert np.isnan(read.time_s[0])
-    assert read.in_order_of_time().touch.tolist() == [2, 1]
+    assert read.in_order_of_time().touch.tolist() == [1, 2]
 
 
 def test_sessions_are_numbered_as_they_come(tmp_path: Path) -> None:

@@ -215,6 +215,17 @@ def test_bare_machine_says_all_that_is_missing(tmp_path: Path) -> None:
     ]
 
 
+def test_times_that_are_missing_here_and_there_are_said(machine_sample: Path) -> None:
+    campaign = read_campaign(machine_sample)
+    time_s = np.where(np.arange(len(campaign.touches)) < 3, np.nan, campaign.touches.time_s)
+
+    some = replace(campaign, touches=replace(campaign.touches, time_s=time_s))
+
+    said = "no time of 3 touches: each counts as made after the row before it"
+    assert said in cannot_be_told(some)
+    assert not any("time" in line for line in cannot_be_told(campaign))
+
+
 def test_command_says_and_writes_it(bench_sample: Path, tmp_path: Path) -> None:
     campaign = read_campaign(bench_sample)
     wrong = replace(campaign.touches, feed_mm_min=campaign.touches.feed_mm_min / 60.0)

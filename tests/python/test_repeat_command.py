@@ -534,3 +534,13 @@ def test_drift_goes_by_number_where_time_is_no_better(machine_sample: Path) -> N
 
     assert holds(found.drift, 1.0)
     assert as_json(found)["drift_um_per_h"] is None
+
+
+def test_drift_shows_where_the_first_times_are_missing(machine_sample: Path) -> None:
+    time_s = np.where(np.arange(40) < 10, np.nan, 10.0 * np.arange(40))
+
+    found = of(machine_sample, noise(40) + 1.0 * np.arange(40), time_s=time_s)
+
+    assert holds(found.drift, 1.0)
+    assert holds(found.sigma, SIGMA_UM)
+    assert found.touches == tuple(range(40))

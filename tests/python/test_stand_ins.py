@@ -152,6 +152,21 @@ def test_a_touch_without_a_time_begins_once_the_one_before_has_met_its_surface(
     assert np.all(made.touches.time_s[1:] > contact_s[:-1])
 
 
+@pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")
+def test_times_that_stand_in_beside_known_ones_keep_the_order_of_the_file(
+    machine_sample: Path,
+) -> None:
+    campaign = read_campaign(machine_sample)
+    touches = campaign.touches.in_order_of_time()
+    time_s = touches.time_s - touches.time_s[3]
+    time_s[[0, 1, 2, 5, 6, 20]] = np.nan
+
+    made = playable(replace(campaign, touches=replace(touches, time_s=time_s))).touches
+
+    assert (np.diff(made.time_s) >= 0.0).all()
+    assert (made.time_s[[0, 1, 2]] == 0.0).all()
+
+
 def test_machine_without_feed_is_told(machine_sample: Path) -> None:
     said = refusal(playable, without(read_campaign(machine_sample), "feed_mm_min"))
 

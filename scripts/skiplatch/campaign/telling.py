@@ -148,6 +148,9 @@ def _one_value(values: FloatArray) -> bool:
 
 
 def _order_lost(touches: Touches) -> list[str]:
-    if np.isfinite(touches.time_s).any() or np.isfinite(touches.edge_us).all():
+    unknown = np.isnan(touches.time_s)
+    if not unknown.any() or np.isfinite(touches.edge_us).all():
         return []
-    return ["no times: the order of the rows counts as that of the touches"]
+    if unknown.all():
+        return ["no times: the order of the rows counts as that of the touches"]
+    return [f"no time of {unknown.sum()} touches: each counts as made after the row before it"]

@@ -155,9 +155,11 @@ class Touches:
     def in_order_of_time(self) -> Self:
         """Sort by the start of the measuring move; equal ones stay in the order of the file.
 
-        So do touches whose time was not recorded, behind all others.
+        A touch whose time was not recorded stays behind the touch before it in the file.
         """
-        return self.select(np.argsort(self.time_s, kind="stable"))
+        last = last_known(self.time_s)
+        times_s = np.where(last < 0, -np.inf, self.time_s[last])
+        return self.select(np.argsort(times_s, kind="stable"))
 
     @property
     def on_skip(self) -> BoolArray:
@@ -200,6 +202,12 @@ class Touches:
     def false(self) -> BoolArray:
         """Recorded as latched with no contact; shape (n,)."""
         return _mask(self.status == Status.FALSE)
+
+
+def last_known(values: FloatArray) -> NDArray[np.intp]:
+    """Give of each row the last one up to it with a value, -1 where there is none; shape (n,)."""
+    rows = np.where(np.isnan(values), -1, np.arange(len(values)))
+    return np.asarray(np.maximum.accumulate(rows))
 
 
 def _mask(comparison: BoolArray) -> BoolArray:
