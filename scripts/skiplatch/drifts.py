@@ -100,7 +100,11 @@ def _gain(one: Settled, other: Settled) -> float:
 
 
 def by_temperature(
-    touches: Touches, y: FloatArray, dummies: FloatArray, regular: BoolArray
+    touches: Touches,
+    y: FloatArray,
+    dummies: FloatArray,
+    conditions: dict[str, FloatArray],
+    regular: BoolArray,
 ) -> dict[str, Warmth]:
     """Give the line in each thermometer that moves, in place of the drift by number.
 
@@ -108,8 +112,9 @@ def by_temperature(
 
     Args:
         touches: In order of time; n of them.
-        y: What repeats, without what goes with the feed; shape (n,).
+        y: What repeats; shape (n,).
         dummies: 1 where a touch is of a surface, else 0; shape (n, s).
+        conditions: What there is a line in besides, fitted together with that in each thermometer.
         regular: The touches that are fitted; shape (n,).
     """
     named = touches.thermometers
@@ -122,12 +127,15 @@ def by_temperature(
         for name, (t, rows) in known.items()
         if rows.sum() > surfaces + FEWEST_FREE and np.ptp(t[rows]) > 0.0
     }
-    lines = {name: _in_readings(t, y, dummies, rows) for name, (t, rows) in tried.items()}
+    lines = {
+        name: _in_readings(t, y, dummies, conditions, rows) for name, (t, rows) in tried.items()
+    }
     found = {}
     for name, line in lines.items():
         if line is not None:
             t, rows = tried[name]
-            fit = fit_surfaces(y, dummies, {"warmth": np.nan_to_num(t - t[rows].mean())}, rows)
+            warm = {"warmth": np.nan_to_num(t - t[rows].mean())}
+            fit = fit_surfaces(y, dummies, warm | conditions, rows)
             reach, needed = (
                 line.error * float(stats.t.isf(chance / 2.0 / len(tried), line.freedom))
                 for chance in (1.0 - CONFIDENCE, TOLD_BY_CHANCE)
@@ -147,20 +155,23 @@ class _Line:
 
 
 def _in_readings(
-    t: FloatArray, y: FloatArray, dummies: FloatArray, rows: BoolArray
+    t: FloatArray,
+    y: FloatArray,
+    dummies: FloatArray,
+    conditions: dict[str, FloatArray],
+    rows: BoolArray,
 ) -> _Line | None:
     """Fit a line to the means of touches that share a reading; None where these are too few.
 
     Readings that are alike to those before, while what is left is too, count as fewer.
     """
-    own = dummies[rows]
-    middles = own / np.maximum(own.sum(axis=0), 1.0)
-    x, off = (values[rows] - own @ (middles.T @ values[rows]) for values in (t, y))
+    beside, both = (np.column_stack(of)[rows] for of in ([dummies, *conditions.values()], [t, y]))
+    x, off = (both - beside @ np.linalg.lstsq(beside, both, rcond=None)[0]).T
     reading = np.cumsum(np.diff(t[rows], prepend=np.nan) != 0.0) - 1
     count = np.bincount(reading)
     x, off = (np.bincount(reading, values) / count for values in (x, off))
     squares = float(np.sum(count * x**2))
-    free = min(len(count) - 2, int(rows.sum()) - dummies.shape[1] - 1)
+    free = min(len(count) - 2 - len(conditions), len(both) - beside.shape[1] - 1)
     if free < FEWEST_FREE or squares < NOTHING:
         return None
     slope = float(np.sum(count * x * off)) / squares

@@ -193,7 +193,7 @@ def _of(
     rows = ~is_first if is_off else np.ones(len(y), dtype=bool)
     found = settle(y, dummies, lines, rows, ~is_first, grid)
     regular, fit = found.regular, found.fit
-    at_one_feed = y - fit.part("speed", speed) if "speed" in fit.lines else y
+    beside = {name: x for name, x in conditions.items() if name in fit.lines}
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
         unit=unit,
@@ -208,7 +208,7 @@ def _of(
         axis_drift=found.intervals.get("axis"),
         feeds_are_apart=_are_apart(speed, surface) and not at_rest and unit != "µs",
         touches_per_h=course.per_h,
-        warmth=by_temperature(touches, at_one_feed, dummies, regular),
+        warmth=by_temperature(touches, y, dummies, beside, regular),
         in_a_row=in_a_row(fit.residuals, surface, regular, fit.sigma.value),
         reversal=reversal_of(touches, y, surface, regular, fit.sigma.value, fit.freedom)
         if at_rest

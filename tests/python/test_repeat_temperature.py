@@ -99,3 +99,18 @@ def test_few_readings_tell_no_slope(machine_sample: Path) -> None:
 
     assert found.warmth == {}
     assert "temperature" not in sentence(found)
+
+
+def test_growth_is_told_from_what_goes_with_the_feed(machine_sample: Path) -> None:
+    """Fast touches were made while it was warmer: a delay that is fitted alone takes both."""
+    fast = np.arange(120) // 12 % 2 == 1
+    warm_c = 21.0 + np.sin(np.arange(120) / 9.0) + fast
+    feed = np.where(fast, 600.0, 120.0)
+    off_um = np.random.default_rng(7).normal(0.0, 1.0, 120) + 4.0 * warm_c + 2.0 * feed / 60.0
+
+    touches = Touches.from_columns(
+        touch=np.arange(120), deviation_um=off_um, feed_mm_min=feed, temp_c=warm_c
+    )
+    found = repeatability(replace(read_campaign(machine_sample), touches=touches))
+
+    assert found.per_kelvin["machine"].low < 4.0 < found.per_kelvin["machine"].high
