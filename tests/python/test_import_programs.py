@@ -349,6 +349,34 @@ def test_lines_that_lie_on_no_way_of_their_moves_give_what_all_moves_share(tmp_p
     assert "only what is the same in all of them was taken from it" in run.text
 
 
+BORE = (
+    "G21 G90\nG0 X0 Y0\no1 repeat [3]\n"
+    + "".join(f"G38.2 {to} F100\nG0 {to[0]}0\n" for to in ("X9", "X-9", "Y9", "Y-9"))
+    + "o1 endrepeat\nM2\n"
+)
+FIRST_SIX = [(5.01, 0.0), (-5.02, 0.0), (0.0, 5.03), (0.0, -5.04), (5.011, 0.0), (-5.021, 0.0)]
+
+
+def test_log_of_a_program_that_was_stopped_has_its_first_moves(tmp_path: Path) -> None:
+    run = read(tmp_path, BORE, "".join(row(*place) for place in FIRST_SIX))
+
+    faces = [("X", 1, 100.0), ("X", -1, 100.0), ("Y", 1, 100.0), ("Y", -1, 100.0)]
+    assert told(run) == [*faces, *faces[:2]]
+    assert "the log ends with move 6 of 12 of the program" in run.text
+
+
+def test_lines_of_several_axes_that_lie_on_no_way_are_refused(
+    tmp_path: Path, refused: Program
+) -> None:
+    (tmp_path / "p.ngc").write_text(BORE)
+    (tmp_path / "p.txt").write_text("".join(row(*place) for place in FIRST_SIX[:2] + FIRST_SIX[3:]))
+    words = [str(tmp_path / "p.txt"), "--program", str(tmp_path / "p.ngc")]
+
+    said = refused("import", "linuxcnc", *words, "-o", str(tmp_path / "c"))
+
+    assert "5 lines and the program 12 probing moves along X, Y: which line is of which" in said
+
+
 def test_a_line_that_cannot_be_read_is_not_taken_for_a_repeat(tmp_path: Path) -> None:
     lines = [row(x) for x in [4.01, 4.02, -4.0, -4.01] * 2]
     lines[3] = "torn\n"

@@ -3,6 +3,7 @@
 LinuxCNC writes no line for a touch that ends exactly where the one before did, as happens with a
 coarse encoder. So in their order each move has the line after that of the move before it, or has
 none and ended where that move did. Either way it ended on its own way, between start and target.
+Where some move did not, the program may have been stopped before it.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -64,7 +65,7 @@ def told_apart(
     onward = _reached(fitting[::-1], len(rows) - 1, -1)[::-1]
     possible = [a & b for a, b in zip(reached, onward, strict=True)]
     if not all(possible):
-        return None
+        return _stopped(rows, moves, unit, again)
     ways = list(islice(_ways(possible), MOST_WAYS + 1))
     known = again([rows[i] for i in ways[0]])
     if len(known) != len(moves):
@@ -75,6 +76,21 @@ def told_apart(
             known = again([rows[i] for i in held[0]])
             possible = [set(lines) for lines in zip(*held, strict=True)]
     return _told(rows, known, possible)
+
+
+def _stopped(
+    rows: Sequence[Row],
+    moves: Sequence[ProbeMove],
+    unit: float,
+    again: Callable[[Sequence[Row]], Sequence[ProbeMove]],
+) -> Told | None:
+    """Give each line the move of its number, as where a program was stopped, if all lie on it."""
+    followed = again([*rows, *[rows[-1]] * (len(moves) - len(rows))])
+    known = (followed if len(followed) == len(moves) else moves)[: len(rows)]
+    if not all(map(_fits, rows, known, repeat(unit))):
+        return None
+    said = f"the log ends with move {len(rows)} of {len(moves)} of the program, as if stopped there"
+    return Told(range(len(rows)), known, said)
 
 
 def _holds(

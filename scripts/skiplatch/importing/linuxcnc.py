@@ -140,7 +140,11 @@ def _subroutines(done: Run) -> str:
 def _matched(
     path: Path, rows: Sequence[Row], moves: Sequence[ProbeMove], found: Imported
 ) -> list[ProbeMove | None]:
-    """Give each line its move, where there are as many."""
+    """Give each line its move, where there are as many; else what all moves share.
+
+    Raises:
+        InputError: They do not share what a line is by, as touch or release, or as their axis.
+    """
     if len(rows) == len(moves):
         return list(moves)
     if moves:
@@ -154,6 +158,10 @@ def _matched(
                 f"{differ}, {releases} of them away from the surface (G38.4, G38.5): which lines "
                 "are touches cannot be told; back off by G0 or G1 instead",
             )
+        axes = sorted({move.axis for move in moves if move.axis})
+        if len(axes) > 1:
+            told = f"{differ} along {', '.join(axes)}: which line is of which cannot be told"
+            raise InputError(path, None, None, f"{told}; log each axis into a file of its own")
         found.assumed.append(
             f"{differ}, so only what is the same in all of them was taken from it (LinuxCNC "
             "writes no line for a touch that ends exactly where the one before did)"
