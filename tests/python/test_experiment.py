@@ -328,6 +328,20 @@ def test_only_surfaces_that_were_touched_are_asked_for_all_as_often() -> None:
     assert not are_varied(touches)
 
 
+def test_surfaces_that_never_latched_are_not_asked_for() -> None:
+    touches = surfaces_of_a_router()
+    is_x = touches.axis == Axis.X
+    missed = replace(
+        touches,
+        status=np.where(is_x, Status.MISSED, Status.OK).astype(np.int8),
+        deviation_um=np.where(is_x, np.nan, 0.0),
+    )
+
+    drawn = spread_out(missed, 100, np.random.default_rng(1)).touches
+
+    assert set(drawn.axis) == {Axis.Z}
+
+
 def test_surfaces_out_of_reach_are_not_asked_for_unless_the_reach_is_wrong() -> None:
     touches = surfaces_of_a_router()
     rng = np.random.default_rng(1)

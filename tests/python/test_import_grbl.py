@@ -286,3 +286,41 @@ def test_settings_that_are_not_in_the_log_are_named(
 
     by_default = [line for line in assumed if "as grbl has it by default" in line]
     assert by_default == [f"{expected} as grbl has it by default; type $$ before probing"]
+
+
+ALARMED = "G38.2 Z-9 F100\nALARM:5\n[PRB:{}:0]\nok\n$X\nok\n"
+"""A touch that failed: grbl tells the place of the one before, or zeros."""
+TOUCHED = probing("-20.000,-30.000,-40.000") + "G0 Z2\nok\n" + probing("-20.000,-30.000,-40.005")
+
+
+def test_touch_that_failed_before_any_other_has_no_place(tmp_path: Path) -> None:
+    run = read(tmp_path, f"G21 G91\nok\n{ALARMED.format('0.000,0.000,0.000')}{TOUCHED}")
+
+    touches = run.campaign.touches
+    assert touches.missed.tolist() == [True, False, False]
+    assert np.isnan(touches.position_mm[0])
+    assert touches.position_mm[1:].tolist() == [-40.0025, -40.0025]
+    assert np.isnan(touches.approach_mm[1])
+
+
+def test_touch_that_failed_leaves_where_the_axis_is_unknown(tmp_path: Path) -> None:
+    failed = ALARMED.format("0.000,0.000,0.000")
+
+    run = read(tmp_path, f"G21 G91\nok\n{TOUCHED}G0 Z2\nok\n{failed}G0 Z9\nok\n{TOUCHED}")
+
+    touches = run.campaign.touches
+    assert "4 touches of one surface" in run.text
+    assert touches.position_mm[2] == pytest.approx(-40.0025)
+    assert np.isnan(touches.approach_mm[3])
+    assert touches.approach_mm[4] == pytest.approx(2.0, abs=0.01)
+
+
+def test_move_without_an_alarm_ends_at_its_target(tmp_path: Path) -> None:
+    """By G38.3 nothing has to be met, and the reply says where the move ended."""
+    missed = "G0 Z2\nok\nG38.3 Z-9 F100\n[PRB:-20.000,-30.000,-47.005:0]\nok\n"
+
+    run = read(tmp_path, f"G21 G91\nok\n{TOUCHED}{missed}G0 Z9\nok\n{probing('-20,-30,-40')}")
+
+    touches = run.campaign.touches
+    assert touches.missed.tolist() == [False, False, True, False]
+    assert touches.approach_mm[3] == pytest.approx(2.0, abs=0.01)

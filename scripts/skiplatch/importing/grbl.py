@@ -1,6 +1,7 @@
 """grbl, grblHAL, FluidNC, Grbl_Esp32: ``[PRB:…]``, the commands before it, and `$` settings."""
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from skiplatch.errors import InputError
@@ -164,8 +165,11 @@ class _Reader:
         """Take what a probing move ended with; one that is broken answers its move all the same."""
         move = self._dialogue.touched()
         position = self._unit.position(reply)[: len(AXES)] if reply.numbers else ()
+        is_told = reply.has_touched or bool(move and move.ended_at(position))
+        # Where an alarm ended it, the reply has the place of a touch before, or zeros.
+        place = position if is_told or not position else self._last or ()
         feed = self._speeds.feed(move.feed if move else None, self._unit.mm)
-        axis = (move.axis if move else None) or self._guessed.axis(position, self._last)
+        axis = (move.axis if move else None) or self._guessed.axis(place, self._last)
         index = AXES.index(axis)
         if index >= len(position):
             self.broken += 1
@@ -177,7 +181,7 @@ class _Reader:
                 axis=axis,
                 coordinate=position[index] if reply.has_touched else None,
                 sign=(move.sign if move else None) or (-1 if axis == "Z" else None),
-                place=tuple(v for i, v in enumerate(position) if i != index),
+                place=_beside(place, axis),
                 feed=feed or self._feed,
                 share=move.share if move else 1.0,
                 start=start if reply.has_touched else None,
@@ -187,8 +191,9 @@ class _Reader:
                 is_release=bool(move and move.is_release),
             )
         )
-        self._last = position
-        self._commands.touched(position)
+        if is_told:
+            self._last = position
+            self._commands.touched(position)
 
     def _not_begun(self, move: ProbeMove, line: Line) -> None:
         """Take a move that the controller refused, as the probe was triggered before (ALARM:4)."""
@@ -198,7 +203,7 @@ class _Reader:
                 axis=axis,
                 coordinate=None,
                 sign=move.sign or (-1 if axis == "Z" else None),
-                place=tuple(v for i, v in enumerate(self._last or ()) if i != AXES.index(axis)),
+                place=_beside(self._last or (), axis),
                 feed=move.feed or self._feed,
                 share=move.share,
                 time_s=line.time_s,
@@ -280,6 +285,10 @@ class _Reader:
             )
         if any(touch.axis == "Z" for touch in self.touches):
             found.assumed.append("Z was touched from above where no command says otherwise")
+
+
+def _beside(position: Sequence[float], axis: str) -> tuple[float, ...]:
+    return tuple(v for i, v in enumerate(position) if i != AXES.index(axis))
 
 
 def _step_mm(preset: Preset) -> float:

@@ -4,6 +4,7 @@ Nobody knows where the surface is. Touches that belong to one surface are held a
 middle, and the campaign says by `[datum]` that this middle is unknown.
 """
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -172,7 +173,7 @@ def _near(group: Sequence[Touch]) -> list[list[Touch]]:
 
 def _reference(group: Sequence[Touch]) -> float:
     known = [touch.coordinate for touch in group if touch.coordinate is not None]
-    return round(median(known), PLACE_DECIMALS) if known else 0.0
+    return round(median(known), PLACE_DECIMALS) if known else math.nan
 
 
 def _is_held(surface: Sequence[Touch]) -> bool:

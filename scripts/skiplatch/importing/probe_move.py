@@ -1,7 +1,7 @@
 """Moves by G38.2 to G38.5: along which axis, in which sense, from where."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 AXES = "XYZABC"
@@ -69,6 +69,14 @@ class ProbeMove:
             return start
         low, high = sorted((start, target))
         return start if low - BESIDE_MM <= latched <= high + BESIDE_MM else None
+
+    def ended_at(self, position: Sequence[float]) -> bool:
+        """Tell whether a place, by axes in their order, is known to be where the move would end."""
+        ends = {**self.start, **self.targets}
+        if not self.targets or not self.targets.keys() <= self.start.keys():
+            return False
+        ways = [(ends[axis], at) for axis, at in zip(AXES, position, strict=False) if axis in ends]
+        return all(end is not None and abs(end - at) <= BESIDE_MM for end, at in ways)
 
 
 def direction_of(ways: Mapping[str, float | None]) -> tuple[str | None, int | None, float | None]:

@@ -18,8 +18,11 @@ def touched(recorded: Touches, reach_mm: tuple[float, float]) -> NDArray[np.intp
     """Give a row of each surface that was touched within reach, in a fixed order.
 
     Where none lies within reach, the reach is wrong: they were touched. All of them then count.
+    None was touched where no move latched.
     """
-    _, rows = np.unique(_where(recorded), axis=0, return_index=True)
+    latched = np.flatnonzero(~(recorded.missed | recorded.false))
+    some = latched if latched.size else np.arange(len(recorded))
+    rows = some[np.unique(_where(recorded)[some], axis=0, return_index=True)[1]]
     at_mm, sign = recorded.position_mm[rows], recorded.sign[rows]
     inside = ~(room_before_mm(at_mm, sign, reach_mm) < LEAST_APPROACH_MM)
     inside &= ~((at_mm < reach_mm[0]) | (at_mm > reach_mm[1]))
