@@ -365,6 +365,24 @@ def test_log_of_a_program_that_was_stopped_has_its_first_moves(tmp_path: Path) -
     assert "the log ends with move 6 of 12 of the program" in run.text
 
 
+def test_what_a_program_does_where_nothing_was_met_is_followed(tmp_path: Path) -> None:
+    program = """G21 G90
+o1 repeat [3]
+G0 Z-2
+G38.3 Z-30 F100
+o2 if [#5070 EQ 1]
+G38.5 Z-2 F25
+o2 endif
+o1 endrepeat
+M2
+"""
+
+    run = read(tmp_path, program, "".join(row(0, z=z) for z in (-8.001, -7.99, -30, -8.002, -7.99)))
+
+    assert run.campaign.touches.missed.tolist() == [False, True, False]
+    assert "2 moves away from the surface" in run.text
+
+
 def test_lines_of_several_axes_that_lie_on_no_way_are_refused(
     tmp_path: Path, refused: Program
 ) -> None:

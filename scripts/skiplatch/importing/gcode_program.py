@@ -1,6 +1,7 @@
 """Programs of G-code: loops, branches and subroutines, with what is known of parameters.
 
-A probing move is taken for one that has touched, and a condition that is not known for true.
+A probing move is taken for one that has touched, unless the log says that it went on to its
+target, and a condition that is not known for true.
 """
 
 import re
@@ -8,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 
-from skiplatch.importing.gcode import Machine, bracketed, without_comments
+from skiplatch.importing.gcode import HAS_TOUCHED, Machine, bracketed, without_comments
 from skiplatch.importing.probe_move import ProbeMove
 
 MOST_LINES = 10_000  # executed, and so many more a touch, so that a loop that never ends does
@@ -155,7 +156,11 @@ class _Program:
             return
         machine.touched(next(self._log, ()) if self._is_logged else ())
         if self._is_logged:
-            yield move.latched_at(machine.position)
+            move = move.latched_at(machine.position)
+            axis = move.axis or ""
+            if axis in machine.position and move.met_nothing(axis, machine.position[axis]):
+                machine.parameters[HAS_TOUCHED] = 0.0
+            yield move
 
     def _next(self, machine: Machine, at: int, flow: re.Match[str], left: dict[int, int]) -> int:
         """Give the line to go on at."""

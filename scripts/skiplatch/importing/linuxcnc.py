@@ -24,8 +24,6 @@ from skiplatch.units import MM_PER_INCH
 LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
 ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
 NEGLIGIBLE = 1e-4
-AT_TARGET_MM = 2e-3
-"""From the target of a move, within which nothing was met: it ended there to the last count."""
 FROM_ABOVE = "Z was touched from above"
 
 _PROBES = re.compile(r"G38\.[2-5]", re.IGNORECASE)
@@ -204,8 +202,7 @@ def _touch(
     number = AXES.index(axis)
     scale = [unit if letter in LINEAR else 1.0 for letter in AXES]
     coordinate = row[number] * scale[number]
-    target = move.targets.get(axis) if move and not move.is_release else None
-    is_missed = target is not None and abs(coordinate - target) < AT_TARGET_MM
+    is_missed = bool(move and move.met_nothing(axis, coordinate))
     return Touch(
         axis=axis,
         coordinate=None if is_missed else coordinate,

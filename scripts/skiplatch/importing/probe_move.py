@@ -11,6 +11,9 @@ SHORTEST_REST = 0.01  # of a move, in mm or degrees, that tells its direction
 BESIDE_MM = 0.1
 """From a move, within which it may end still: places are rounded, and an axis comes to rest."""
 
+AT_TARGET_MM = 2e-3
+"""From the target of a move, within which nothing was met: it ended there to the last count."""
+
 
 @dataclass(frozen=True, slots=True)
 class ProbeMove:
@@ -69,6 +72,11 @@ class ProbeMove:
             return start
         low, high = sorted((start, target))
         return start if low - BESIDE_MM <= latched <= high + BESIDE_MM else None
+
+    def met_nothing(self, axis: str, ended: float) -> bool:
+        """Tell whether a move towards a surface went on to its target, by where an axis ended."""
+        target = self.targets.get(axis)
+        return not self.is_release and target is not None and abs(ended - target) < AT_TARGET_MM
 
     def ended_at(self, position: Sequence[float]) -> bool:
         """Tell whether a place, by axes in their order, is known to be where the move would end."""
