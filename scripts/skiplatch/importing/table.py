@@ -13,6 +13,7 @@ from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.dates import iso_of
+from skiplatch.importing.faces import are_faces, put_deviations
 from skiplatch.importing.mapped import COORDINATE, Mapped, in_table, named_in, refuse_twice, unit_of
 from skiplatch.importing.model import Imported, Touch
 from skiplatch.importing.rings import axes_round, centred
@@ -84,6 +85,7 @@ def read_table(
     refuse_surplus(path, heads, body)
     say_empty(heads, body, mapped, found)
     columns = {m.column: _cells(path, heads, body, m) for m in mapped}
+    probed = axis or USUAL_AXIS
     found.lines = [line for line, _ in body]
     if not body:
         raise InputError(path, header_line, None, "expected touches after the header, got none")
@@ -101,12 +103,14 @@ def read_table(
     ignored = [head for head in heads if head not in {m.head for m in mapped} and head]
     if ignored:
         found.unread.append(f"columns that no --map names: {', '.join(ignored[:20])}")
-    if COORDINATE not in columns:
+    is_machine = kind is Kind.MACHINE
+    by_faces = is_machine and COORDINATE in columns and are_faces(found, columns, Axis[probed])
+    if COORDINATE not in columns or by_faces:
         _as_they_are(found, columns, len(body), axis, sign, feed)
         return found
     if axis is None and "axis" not in columns:
         found.assumed.append(AXIS_ASSUMED)
-    _from_coordinates(found, columns, found.lines, axis or USUAL_AXIS, sign, feed)
+    _from_coordinates(found, columns, found.lines, probed, sign, feed)
     return found
 
 
@@ -192,6 +196,8 @@ def _as_they_are(
         if without is not None:
             columns["deviation_um"] = without
         _add_axis(found, columns, rows, axis, sign)
+        if COORDINATE in columns:
+            put_deviations(found, columns)
     if feed is not None:
         columns.setdefault("feed_mm_min", np.full(rows, feed))
     warmth = {place_of(name): columns.pop(name) for name in list(columns) if is_thermometer(name)}
