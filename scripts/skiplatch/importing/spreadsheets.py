@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -17,7 +17,8 @@ from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.encodings import encoding_of, refuse_no_text
 from skiplatch.importing.markdown_tables import is_markdown, markdown_rows
 from skiplatch.importing.model import Imported
-from skiplatch.importing.words_of_lines import is_of_words, word_rows
+from skiplatch.importing.named_lines import NAMED
+from skiplatch.importing.words_of_lines import is_of_words, word_table
 
 WINDOWS = "cp1252"
 MOST_BEFORE_TABLE = 60  # lines of a title, an instrument, an operator
@@ -48,12 +49,14 @@ class Spreadsheet:
         encoding: That it is in.
         title: Lines before its head.
         marks: Of decimals and of thousands.
+        below: Lines below it that have not its shape, where these are known apart.
     """
 
     rows: list[Row]
     encoding: str
     title: list[str]
     marks: Marks
+    below: Sequence[str] = ()
 
     def say(self, found: Imported) -> None:
         """Say what the table does not name itself, and what of it was passed over."""
@@ -67,6 +70,8 @@ class Spreadsheet:
             found.assumed.append(f"thousands are parted: {quoted(first)} was read as {whole}")
         if self.title:
             found.unread.append(f"lines before the head of the table: {len(self.title)}")
+        if self.below:
+            found.unread.append(_said_below(self.below))
 
 
 def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
@@ -83,17 +88,25 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
             lines = first_lines(path, sys.maxsize, encoding)
             before, rows = markdown_rows(path, lines)
             return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks)
-        if is_of_words(lines):
-            lines = first_lines(path, sys.maxsize, encoding)
-            return Spreadsheet(word_rows(path, lines), encoding, [], marks)
         before = _lines_before_head(lines, is_head)
-        rows = list(read_rows(path, encoding, after=before, in_points=marks.with_points))
-        return Spreadsheet(rows, encoding, lines[:before], marks)
+        if before is None and is_of_words(lines):
+            return _of_words(path, encoding, marks)
+        after = before or 0
+        rows = list(read_rows(path, encoding, after=after, in_points=marks.with_points))
+        return Spreadsheet(rows, encoding, lines[:after], marks)
     except UnicodeError as error:
         raise InputError(path, None, None, f"neither UTF-8 nor {encoding} text") from error
 
 
-def _lines_before_head(lines: list[str], is_head: IsHead) -> int:
+def _of_words(path: Path, encoding: str, marks: Marks) -> Spreadsheet:
+    """Read a table of words; commas in its numbers are decimal ones or of thousands."""
+    table = word_table(path, first_lines(path, sys.maxsize, encoding))
+    has_commas = any("," in cell for _, row in table.rows for cell in row)
+    rows = marks.with_points(table.rows) if has_commas else table.rows
+    return Spreadsheet(rows, encoding, table.before, marks, table.below)
+
+
+def _lines_before_head(lines: list[str], is_head: IsHead) -> int | None:
     filled = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for (number, line), (_, below) in pairwise([*filled, (0, "")]):
         row, next_row = (
@@ -101,7 +114,7 @@ def _lines_before_head(lines: list[str], is_head: IsHead) -> int:
         )
         if is_head(row, next_row):
             return number
-    return 0
+    return None
 
 
 def tells(cell: str) -> bool:
@@ -125,10 +138,16 @@ def without_lines_below(body: list[Row], found: Imported) -> list[Row]:
     if end == 0 or above.intersection(first):
         end = _end(body, lambda row: bool(WORKED_OUT.match(_first_cell(row).strip())))
     if 0 < end < len(body):
-        below = [quoted(cell.strip()) for _, row in body[end:] if (cell := _first_cell(row))]
-        found.unread.append(f"lines below the table: {len(below)}, {', '.join(below[:5])}")
+        found.unread.append(
+            _said_below([cell.strip() for _, row in body[end:] if (cell := _first_cell(row))])
+        )
         return body[:end]
     return body
+
+
+def _said_below(below: Sequence[str]) -> str:
+    named = ", ".join(quoted(text) for text in below[:NAMED])
+    return f"lines below the table: {len(below)}, {named}"
 
 
 def _end(body: list[Row], is_below: Callable[[list[str]], bool]) -> int:
