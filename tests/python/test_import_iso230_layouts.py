@@ -361,3 +361,13 @@ def test_runs_in_rows_may_have_a_sign_for_their_sense(tmp_path: Path) -> None:
     signs = run.campaign.touches.sign
     assert (signs == 1).sum() == (signs == -1).sum() == 4
     assert "runs are in rows, positions in the head" in run.said["assumed"]
+
+
+def test_runs_aligned_by_spaces_are_read(tmp_path: Path) -> None:
+    text = "mm      1 up   1 down\n0       0.1    -5.9\n100     1.1    -4.9\n"
+    (tmp_path / "x.txt").write_text(text)
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.txt"), "--axis", "X")
+
+    assert run.campaign.touches.position_mm.tolist() == [0.0, 100.0, 100.0, 0.0]
+    assert run.campaign.touches.sign.tolist() == [1.0, 1.0, -1.0, -1.0]

@@ -64,3 +64,32 @@ def test_what_no_campaign_may_hold_is_told_of_the_table(
 
     assert message in said
     assert not (tmp_path / "x").exists()
+
+
+ALIGNED = """Probe at the vice, X+
+  Nr      Error [mm]     F
+----------------------------
+   1          0.001    100
+   2         -0.003   1000
+"""
+
+
+def test_columns_may_be_aligned_by_spaces(tmp_path: Path) -> None:
+    (tmp_path / "t.txt").write_text(f"{ALIGNED}  2 touches\n")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.txt"), *MAPPED)
+
+    assert run.campaign.touches.deviation_um.tolist() == [1.0, -3.0]
+    assert run.campaign.touches.feed_mm_min.tolist() == [100.0, 1000.0]
+    assert run.said["could_not_be_read"][:2] == [
+        "lines before the head of the table: 1",
+        'lines below the table: 1, "2 touches"',
+    ]
+
+
+def test_aligned_row_with_an_empty_cell_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.txt").write_text(f"{ALIGNED}   3                  100\n   4      0.001   100\n")
+
+    said = refused("import", "csv", tmp_path / "t.txt", *MAPPED, "-o", tmp_path / "x")
+
+    assert "t.txt:6: expected 3 cells, two spaces or more apart, got 2" in said

@@ -13,6 +13,7 @@ from skiplatch.campaign.constraints import INSTANT_US
 from skiplatch.campaign.csv_text import MAX_BYTES, UTF8, Row, cells_of, first_lines, read_rows
 from skiplatch.errors import InputError, quoted
 from skiplatch.files import failures_named, refuse_special_or_large
+from skiplatch.importing.aligned_columns import aligned_cells, aligned_rows, without_asides
 from skiplatch.importing.decimal_marks import Marks
 from skiplatch.importing.encodings import encoding_of, refuse_no_text
 from skiplatch.importing.markdown_tables import is_markdown, markdown_rows
@@ -89,6 +90,10 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
             before, rows = markdown_rows(path, lines)
             return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks)
         before = _lines_before_head(lines, is_head)
+        if before is None and (aligned := _before_aligned_head(lines, is_head)) is not None:
+            lines = first_lines(path, sys.maxsize, encoding)
+            rows, below = aligned_rows(path, lines, aligned)
+            return Spreadsheet(marks.with_points(rows), encoding, lines[:aligned], marks, below)
         if before is None and is_of_words(lines):
             return _of_words(path, encoding, marks)
         after = before or 0
@@ -106,15 +111,26 @@ def _of_words(path: Path, encoding: str, marks: Marks) -> Spreadsheet:
     return Spreadsheet(rows, encoding, table.before, marks, table.below)
 
 
-def _lines_before_head(lines: list[str], is_head: IsHead) -> int | None:
+def _lines_before_head(
+    lines: list[str], is_head: IsHead, parted: Callable[[str, str], list[str]] = cells_of
+) -> int | None:
+    """Give how many lines are above the head; None where no line is one."""
     filled = [(number, line) for number, line in enumerate(lines) if line.strip()]
     for (number, line), (_, below) in pairwise([*filled, (0, "")]):
-        row, next_row = (
-            [cell.strip() for cell in cells_of(text, head=line)] for text in (line, below)
-        )
+        row, next_row = ([cell.strip() for cell in parted(text, line)] for text in (line, below))
         if is_head(row, next_row):
             return number
     return None
+
+
+def _before_aligned_head(lines: list[str], is_head: IsHead) -> int | None:
+    """Give the same of a table whose columns are aligned by spaces, a head and a row alike."""
+
+    def is_aligned(row: list[str], below: list[str]) -> bool:
+        return len(row) == len(below) > 1 and is_head(row, below)
+
+    telling = without_asides(lines)
+    return _lines_before_head(telling, is_aligned, lambda text, _: aligned_cells(text))
 
 
 def tells(cell: str) -> bool:
