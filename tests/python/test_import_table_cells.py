@@ -93,3 +93,21 @@ def test_aligned_row_with_an_empty_cell_is_refused(tmp_path: Path, refused: Prog
     said = refused("import", "csv", tmp_path / "t.txt", *MAPPED, "-o", tmp_path / "x")
 
     assert "t.txt:6: expected 3 cells, two spaces or more apart, got 2" in said
+
+
+def test_columns_without_a_head_go_by_their_numbers(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("3,20.0,-0.200,0\n4,20.0,-0.201,0\n5,20.0,-0.203,0\n")
+    maps = ("--map", "coordinate_mm=3 [in]", "--axis", "Z", "--sign", "-1")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *maps)
+
+    assert run.coordinates() == pytest.approx([-5.08, -5.1054, -5.1562])
+    assert any(line.startswith("columns go by their numbers") for line in run.said["assumed"])
+
+
+def test_number_of_no_column_names_those_there_are(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("1,20.0,-0.200\n2,20.0,-0.201\n")
+
+    said = refused("import", "csv", tmp_path / "t.csv", "--map", "coordinate_mm=4", "-o", "x")
+
+    assert "expected a column by its number, 1 to 3, got 4" in said

@@ -107,6 +107,9 @@ def in_table(path: Path, line: int, heads: list[str], m: Mapped) -> Mapped:
         if (wrong := no_unit(head, unit_of(m.column))) and bracketed(head)[0] == m.name:
             raise InputError(path, line, None, _unknown(m.column, head, wrong))
     if all(_NUMBER.fullmatch(head.strip()) for head in heads):
+        if m.name.isdecimal():
+            expected = f"expected a column by its number, 1 to {len(heads)}, got {m.name}"
+            raise InputError(path, line, None, expected)
         expected = "expected a line of heads above the numbers, such as X [mm],Z [mm]"
         raise InputError(path, line, None, f"{expected}; got {', '.join(heads[:20])}")
     there = ", ".join(head[:40] for head in heads[:20])

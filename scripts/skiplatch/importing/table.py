@@ -24,11 +24,14 @@ from skiplatch.importing.spreadsheets import (
     without_lines_below,
 )
 from skiplatch.importing.table_rows import (
+    are_by_number,
+    is_measured,
     refuse_no_head,
     refuse_surplus,
     say_empty,
     say_short,
     touched,
+    with_numbers,
 )
 from skiplatch.importing.units_in_heads import UNITS
 
@@ -68,8 +71,9 @@ def read_table(
         InputError: It cannot be read, lacks a column, or holds a wrong cell.
     """
     refuse_twice(path, mapped)
-    sheet = read_spreadsheet(path, lambda row, _: all(named_in(row, m) for m in mapped))
-    rows = sheet.rows
+    sheet = read_spreadsheet(path, lambda row, _: _is_head(row, mapped))
+    found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
+    rows = with_numbers(sheet.rows, mapped, found)
     if not rows:
         raise InputError(path, None, None, "expected a header row, got an empty file")
     (header_line, header), body = rows[0], rows[1:]
@@ -77,7 +81,6 @@ def read_table(
     refuse_no_head(path, rows, sheet.title)
     mapped = [in_table(path, header_line, heads, m) for m in mapped]
     sheet.marks.refuse_doubtful(path, {heads.index(m.head) for m in mapped})
-    found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
     sheet.say(found)
     body = without_lines_below(body, found)
     say_short(heads, body, mapped, found)
@@ -112,6 +115,12 @@ def read_table(
         found.assumed.append(AXIS_ASSUMED)
     _from_coordinates(found, columns, found.lines, probed, sign, feed)
     return found
+
+
+def _is_head(row: list[str], mapped: Sequence[Mapped]) -> bool:
+    """Tell the head by its names; a 3 among measured numbers names no column."""
+    is_numbers = are_by_number(mapped) and is_measured(row)
+    return not is_numbers and all(named_in(row, m) for m in mapped)
 
 
 def _in(mapped: Mapped) -> str:

@@ -46,6 +46,26 @@ def touched(
     return kept
 
 
+def with_numbers(rows: list[Row], mapped: Sequence[Mapped], found: Imported) -> list[Row]:
+    """Put the numbers of the columns, from 1, above measured ones that are mapped by these."""
+    if not (are_by_number(mapped) and rows and is_measured(rows[0][1])):
+        return rows
+    line, first = rows[0]
+    found.assumed.append("columns go by their numbers from 1, as the table has no head")
+    return [(line, [str(i) for i, _ in enumerate(first, start=1)]), *rows]
+
+
+def are_by_number(mapped: Sequence[Mapped]) -> bool:
+    """Tell whether each column is mapped by a number, ``3`` or ``3 [in]``."""
+    return all(m.name.isdecimal() for m in mapped)
+
+
+def is_measured(row: Sequence[str]) -> bool:
+    """Tell numbers, decimals among them, from heads, which may be whole numbers."""
+    numbers = [cell for cell in row if _NUMBER.fullmatch(cell.strip())]
+    return 2 * len(numbers) > len(row) and any("." in number for number in numbers)
+
+
 def refuse_no_head(path: Path, rows: Sequence[Row], title: Sequence[str]) -> None:
     """Refuse numbers in place of names, and what is no list of touches, such as a map of the bed.
 
@@ -57,9 +77,9 @@ def refuse_no_head(path: Path, rows: Sequence[Row], title: Sequence[str]) -> Non
     line, heads = rows[0][0], [head.strip() for head in rows[0][1]]
     if said := advice("\n".join([*title, *heads, *(" ".join(row) for _, row in rows[1:_ROWS])])):
         raise InputError(path, None, None, said)
-    numbers = [head for head in heads if _NUMBER.fullmatch(head)]
-    if 2 * len(numbers) > len(heads) and any("." in number for number in numbers):
+    if is_measured(heads):
         expected = "expected a line of heads above the numbers, such as X [mm],Z [mm]"
+        expected += ", or columns by number, --map coordinate_mm=3"
         raise InputError(path, line, None, f"{expected}; got {', '.join(heads[:20])}")
 
 
