@@ -111,3 +111,23 @@ def test_number_of_no_column_names_those_there_are(tmp_path: Path, refused: Prog
     said = refused("import", "csv", tmp_path / "t.csv", "--map", "coordinate_mm=4", "-o", "x")
 
     assert "expected a column by its number, 1 to 3, got 4" in said
+
+
+def test_sense_beside_an_axis_and_feed_as_a_word_are_read(tmp_path: Path) -> None:
+    rows = "Y+,F60,0.001", "Y-,f 300,0.002", "+Y,F60.,0.003", "\u2212,60,0.004"
+    (tmp_path / "t.csv").write_text("\n".join(["dir,F,Error", *rows]) + "\n", encoding="utf-8")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *MAPPED, "--map", "sign=dir")
+
+    assert run.campaign.touches.sign.tolist() == [1.0, -1.0, 1.0, -1.0]
+    assert run.campaign.touches.feed_mm_min.tolist() == [60.0, 300.0, 60.0, 60.0]
+
+
+def test_cell_that_only_begins_with_an_axis_is_no_sense(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("dir,F,Error\nY,F60,0.001\n")
+
+    said = refused(
+        *("import", "csv", tmp_path / "t.csv", *MAPPED, "--map", "sign=dir", "-o", tmp_path / "x")
+    )
+
+    assert "t.csv:2: dir: expected" in said

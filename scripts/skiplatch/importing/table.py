@@ -1,5 +1,6 @@
 """Any table: which of its columns is which of a campaign's, in which unit."""
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -45,6 +46,9 @@ ALSO = (
 USUAL_AXIS = "Z"
 AXIS_ASSUMED = f"{USUAL_AXIS} probed, as no column and no --axis says which axis did"
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
+_MOVED = re.compile(rf"[XYZABC]?\s*([{re.escape(''.join(_SENSES))}])\s*[XYZABC]?", re.IGNORECASE)
+"""A sense, as a cell tells it with or without the axis: ``+``, ``Y+``, ``-Z``."""
+_F_WORD = re.compile(r"\s*F\s*(?=[\d.])", re.IGNORECASE)
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
 
 
@@ -131,7 +135,10 @@ def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped) -> Values:
     position = heads.index(m.head)
     cells = [row[position] if position < len(row) else "" for _, row in body]
     if m.column == "sign":
-        cells = [_SENSES.get(cell.strip(), cell) for cell in cells]
+        moved = map(_MOVED.fullmatch, (cell.strip() for cell in cells))
+        cells = [_SENSES[m[1]] if m else cell for m, cell in zip(moved, cells, strict=True)]
+    if m.column == "feed_mm_min":
+        cells = [_F_WORD.sub("", cell, count=1) for cell in cells]
     if m.column == TIME_NAME:
         cells = [iso_of(cell.strip()) for cell in cells]
     about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
