@@ -10,6 +10,7 @@ like them. Outliers do not enter. Each input path has figures of its own: a PLC 
 scan.
 """
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -24,12 +25,15 @@ from skiplatch.settled import first_off, is_shown, settle
 from skiplatch.statistics import Interval
 from skiplatch.succession import InARow, in_a_row
 from skiplatch.surface_fit import Grid, by_t
+from skiplatch.tables import counted
 from skiplatch.touched_often import beyond_firsts, often, surfaces_of, what_repeats
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
 FEWEST_AFTER_FIRST = 4
+_HOMED = re.compile(r"after homing \d+")
+"""How importers name sessions that homing began."""
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
 
@@ -140,6 +144,15 @@ def by_path(campaign: Campaign) -> dict[InputPath, Repeatability]:
     return found
 
 
+def _homed(touches: Touches) -> str:
+    """Say how many sessions an importer began after homing; nothing where it began none."""
+    found = map(_HOMED.match, touches.session_names)
+    homed = {match[0] for match in found if match}
+    if not homed:
+        return ""
+    return f": homing began {counted(len(homed), 'session')}, and touches are compared within one"
+
+
 def repeatability(campaign: Campaign) -> Repeatability:
     """Work it out for all touches together.
 
@@ -155,6 +168,7 @@ def repeatability(campaign: Campaign) -> Repeatability:
     if beyond_firsts(surface) < FEWEST_FREE:
         message = "expected a surface that was touched 3 times, or two that were twice, got "
         message += "one that was twice" if often_touched.any() else "none that was"
+        message += _homed(touches)
         raise InputError(campaign.path, None, None, message)
     touches, surface = touches.select(often_touched), surface[often_touched]
     surface = np.unique(surface, return_inverse=True)[1].ravel()

@@ -166,11 +166,12 @@ class Console:
             found.known.append(f"false triggers, before the axis moved: {false} {attempts}")
 
     def _say_adjusted(self, found: Imported) -> None:
-        """Say which sessions begin where something moved, rather than was homed."""
+        """Say which sessions begin, and where what moved."""
         sessions = {touch.session for touch in self.touches}
         if len({session.endswith(CONTACT) for session in sessions}) == 2:
             found.assumed.append("touches by contact are none of the surface that others read")
         for what, why in (
+            (HOMING, "homing (G28) or a restart, as touches are compared within a session only"),
             (ADJUSTING, "an adjustment of Z, as it moves the gantry or the bed"),
             (TURNING, "a list of how far to turn screws of the bed, as if they were turned"),
             (CHANGING, "a change of the tool, as each has a length of its own"),
