@@ -37,7 +37,7 @@ _TABLE = "a head, such as Z [mm], for import csv --map coordinate_mm=Z --axis Z"
 def advice(text: str, kind: str = "") -> str:
     """Give what to do with a log whose touches are of another kind than it was read as.
 
-    It is empty where nothing tells that.
+    It is empty where nothing tells that. `kind` is that as which it was read, ``grbl``.
     """
     if name := _name(text, _TOUCHES):
         how = f"put their coordinates into a table with {_TABLE}"
