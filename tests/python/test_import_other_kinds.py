@@ -32,3 +32,14 @@ def test_table_without_a_column_still_names_those_there_are(
     said = refused("import", "csv", tmp_path / "t.csv", "--map", "coordinate_mm=Z", "-o", "x")
 
     assert 't.csv:1: no column "Z"; there are: X, F' in said
+
+
+@pytest.mark.parametrize("name", ["t.csv", "t.log"])
+def test_table_that_is_no_log_of_a_bus_is_told_so(
+    tmp_path: Path, refused: Program, name: str
+) -> None:
+    (tmp_path / name).write_text("Side,X\n+,1.5\n-,1.6\n")
+
+    said = refused("import", "can", tmp_path / name, "-o", tmp_path / "x")
+
+    assert f"{name}: expected frames of a CAN bus, as candump and python-can write them" in said

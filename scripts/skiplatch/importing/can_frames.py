@@ -114,9 +114,10 @@ def _up_to_a_break(path: Path, reader: can.io.generic.MessageReader) -> Iterator
     while True:
         try:
             message = next(messages, None)
-        except ValueError:
+        except ValueError as error:
             if not read:
-                raise
+                expected = "expected frames of a CAN bus, as candump and python-can write them"
+                raise InputError(path, None, None, f"{expected}, found none") from error
             said = f"a line holds no frame: nothing was read after the {read} frames before it"
             warnings.warn(CampaignWarning(path, None, None, said), stacklevel=2)
             return
