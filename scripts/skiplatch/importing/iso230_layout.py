@@ -33,7 +33,9 @@ def is_head(cells: list[str], below: list[str]) -> bool:
     """Tell the head of a table of any layout by the line after it."""
     if len(cells) < 2 or len(below) != len(cells) or not any(below[1:]):
         return False
-    if columns_of_list(cells) or _is_above_senses(cells, below) or _are_merged_senses(cells, below):
+    if columns_of_list(cells, below):
+        return True
+    if _is_above_senses(cells, below) or _are_merged_senses(cells, below):
         return True
     if labels := _labels_with_a_sense(cells):
         return _are_numbers(below[labels:])
@@ -52,7 +54,8 @@ def laid_out(path: Path, rows: list[Row], found: Imported) -> RunTable:
     rows = [row for row in rows if any(row[1])]
     if not rows:
         return RunTable([], [], [])
-    if columns := columns_of_list(rows[0][1]) or columns_where_places_repeat(rows):
+    first = rows[1][1] if len(rows) > 1 else []
+    if columns := columns_of_list(rows[0][1], first) or columns_where_places_repeat(rows):
         return gathered(path, rows, columns, found)
     if len(rows) > 1 and _is_above_senses(rows[0][1], rows[1][1]):
         return _from_form(rectangular(path, rows), found)

@@ -20,15 +20,17 @@ _NUMBER_OF = re.compile(
 )
 """What ends the head of a column that numbers what stands before it."""
 _RUNS = COLUMNS_BY_HEAD["run"]
+_SIDE = re.compile(r"side|seite", re.IGNORECASE)
+_SIGNS = ("+", "-", "\u2212")
 _SIGN = re.compile(r"[A-Z]?[+-]|[+-]?1(?:\.0*)?", re.ASCII)
 
 
-def columns_of_list(heads: Sequence[str]) -> Mapping[str, int]:
+def columns_of_list(heads: Sequence[str], below: Sequence[str] = ()) -> Mapping[str, int]:
     """Give which columns a list of touches has, by what they hold; none if it is no such list.
 
     It tells the sense or the run of each; a head such as Run 1 is that of a run itself.
     """
-    found = _columns(heads)
+    found = _columns(heads, below)
     is_numbered = "run" in found and bool(_RUNS.search(_stem(heads[found["run"]])))
     return found if "sense" in found or is_numbered else {}
 
@@ -36,7 +38,7 @@ def columns_of_list(heads: Sequence[str]) -> Mapping[str, int]:
 def columns_where_places_repeat(rows: Sequence[Row]) -> Mapping[str, int]:
     """Give them of a table with one value a row, some of whose positions come again."""
     (_, heads), *body = rows
-    found = _columns(heads)
+    found = _columns(heads, body[0][1] if body else ())
     has_runs = any(says_sense(head) for i, head in enumerate(heads) if i not in found.values())
     if not found or has_runs:
         return {}
@@ -44,8 +46,11 @@ def columns_where_places_repeat(rows: Sequence[Row]) -> Mapping[str, int]:
     return found if len(set(places)) < len(places) else {}
 
 
-def _columns(heads: Sequence[str]) -> dict[str, int]:
-    """Give what columns hold; nothing if two hold the same, or none a position or a value."""
+def _columns(heads: Sequence[str], below: Sequence[str]) -> dict[str, int]:
+    """Give what columns hold; nothing if two hold the same, or none a position or a value.
+
+    A side tells the sense where no other column does, and a sign stands below its head.
+    """
     found: dict[str, int] = {}
     for i, head in enumerate(heads):
         kind = _kind(bracketed(head)[0])
@@ -53,6 +58,9 @@ def _columns(heads: Sequence[str]) -> dict[str, int]:
             return {}
         if kind:
             found[kind] = i
+    for i, (head, cell) in enumerate(zip(heads, below, strict=False)):
+        if _SIDE.fullmatch(head.strip()) and cell.strip() in _SIGNS:
+            found.setdefault("sense", i)
     has_both = "position" in found and found.keys() & {"deviation", "actual"}
     return found if has_both else {}
 
