@@ -84,28 +84,38 @@ def read_spreadsheet(path: Path, is_head: IsHead) -> Spreadsheet:
     encoding = _encoding(path)
     try:
         lines = first_lines(path, MOST_BEFORE_TABLE, encoding)
-        marks = Marks()
         if is_markdown(lines):
-            lines = first_lines(path, sys.maxsize, encoding)
-            before, rows = markdown_rows(path, lines)
-            return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks)
-        before = _lines_before_head(lines, is_head)
-        if before is None and (aligned := _before_aligned_head(lines, is_head)) is not None:
-            lines = first_lines(path, sys.maxsize, encoding)
-            rows, below = aligned_rows(path, lines, aligned)
-            return Spreadsheet(marks.with_points(rows), encoding, lines[:aligned], marks, below)
-        if before is None and is_of_words(lines):
-            return _of_words(path, encoding, marks)
-        after = before or 0
-        rows = list(read_rows(path, encoding, after=after, in_points=marks.with_points))
-        return Spreadsheet(rows, encoding, lines[:after], marks)
+            return _of_markdown(path, encoding)
+        if (before := _lines_before_head(lines, is_head)) is not None:
+            return _of_cells(path, encoding, before)
+        if (before := _before_aligned_head(lines, is_head)) is not None:
+            return _aligned(path, encoding, before)
+        return _of_words(path, encoding) if is_of_words(lines) else _of_cells(path, encoding, 0)
     except UnicodeError as error:
         raise InputError(path, None, None, f"neither UTF-8 nor {encoding} text") from error
 
 
-def _of_words(path: Path, encoding: str, marks: Marks) -> Spreadsheet:
+def _of_cells(path: Path, encoding: str, before: int) -> Spreadsheet:
+    title, marks = first_lines(path, before, encoding), Marks()
+    rows = list(read_rows(path, encoding, after=before, in_points=marks.with_points))
+    return Spreadsheet(rows, encoding, title, marks)
+
+
+def _of_markdown(path: Path, encoding: str) -> Spreadsheet:
+    lines, marks = first_lines(path, sys.maxsize, encoding), Marks()
+    before, rows = markdown_rows(path, lines)
+    return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks)
+
+
+def _aligned(path: Path, encoding: str, before: int) -> Spreadsheet:
+    lines, marks = first_lines(path, sys.maxsize, encoding), Marks()
+    rows, below = aligned_rows(path, lines, before)
+    return Spreadsheet(marks.with_points(rows), encoding, lines[:before], marks, below)
+
+
+def _of_words(path: Path, encoding: str) -> Spreadsheet:
     """Read a table of words; commas in its numbers are decimal ones or of thousands."""
-    table = word_table(path, first_lines(path, sys.maxsize, encoding))
+    table, marks = word_table(path, first_lines(path, sys.maxsize, encoding)), Marks()
     has_commas = any("," in cell for _, row in table.rows for cell in row)
     rows = marks.with_points(table.rows) if has_commas else table.rows
     return Spreadsheet(rows, encoding, table.before, marks, table.below)
