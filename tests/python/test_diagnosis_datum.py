@@ -26,6 +26,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.named import named
+from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import effects
 from skiplatch.simulator.library import connection
 from skiplatch.stand_ins import playable
@@ -272,6 +273,25 @@ def test_what_is_known_of_a_datum_holds_it_back() -> None:
 
     assert half == pytest.approx(0.5 * anywhere, rel=0.15)
     assert none == pytest.approx(0.0, abs=0.01)
+
+
+def test_a_surface_far_off_is_where_the_axis_meets_it_on_its_ramp() -> None:
+    """It comes to another speed there, which was taken for a feed that is wrong."""
+    machine = read_campaign(MACHINE)
+    axis = replace(machine.nominal.axis, accel_mm_s2=300.0)
+    slow = replace(machine, nominal=replace(machine.nominal, axis=axis))
+    surface = FittedDatum({"X": -98.0, "Y": -79.0, "Z": -60.0})
+    met = replace(slow, touches=surface.met(slow.nominal, slow.touches))
+    off_um, _ = surface.sizes_um(slow.nominal, slow.touches)
+    recorded = played_again(met).touches.deviation_um + off_um
+
+    found = diagnose(
+        replace(slow, touches=replace(slow.touches, deviation_um=recorded)), seed=1, jobs=2
+    )
+
+    assert found.verdict is Verdict.NO_GAP
+    assert found.rig.datum.surface_um["X"] == pytest.approx(-98.0, abs=1.0)
+    assert abs(found.rig.datum.coordinate_um["X"]) < 1.0
 
 
 def test_stamps_and_coordinates_tell_of_a_datum_each() -> None:

@@ -10,12 +10,14 @@ from threadpoolctl import threadpool_limits
 
 from skiplatch.campaign import Campaign, fingerprint
 from skiplatch.campaign.plausibility import oddities
+from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.as_effects import as_effects
-from skiplatch.diagnosis.fit.beliefs import Belief, value_of
+from skiplatch.diagnosis.fit.beliefs import WORTH_MOVING, Belief, value_of
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.directions import UNDIRECTED
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
-from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.reported.wanting import MOST_TOUCHES
@@ -58,18 +60,40 @@ def diagnose(
     counted = partial(Counted, title="diagnosing") if is_shown else nullcontext
     # Products here are small: threads that wait for them take a processor from others.
     with threadpool_limits(1), executor as started, counted(started) as pool:
-        work = Work(scene, pool, seed, jobs, materiality)
+        work, surface = _begun(Work(scene, pool, seed, jobs, materiality))
         found = _diagnosis(work, concluded(work, truth))
+    believed, rig = (
+        replace(one, datum=one.datum.beyond(surface)) for one in (found.believed, found.rig)
+    )
     odd = [oddity.line for oddity in oddities(campaign)]
     if not whole.is_directed:
         odd.append(UNDIRECTED)
     odd += first_touch(campaign)
     return replace(
         found,
+        believed=believed,
+        rig=rig,
         touches=len(whole),
         notes=[*odd, *found.notes],
         fingerprint=campaign.fingerprint or fingerprint(campaign.touches),
     )
+
+
+def _begun(work: Work) -> tuple[Work, FittedDatum]:
+    """Begin with surfaces where touches without stamps say that they are, if that is all there is.
+
+    On its ramp the axis has its speed by its way, so that a surface tells where it is by more than
+    a coordinate that is off. Effects have a mean as well: these are looked for on the way believed.
+    """
+    scene = work.scene
+    surface = FittedDatum(FittedDatum.of(scene, NOTHING).coordinate_um)
+    if scene.has_stamps.any() or not surface.surface_um:
+        return work, FittedDatum()
+    met = replace(scene, touches=surface.met(scene.nominal, scene.touches))
+    gained = likelihood(met, NOTHING).total - likelihood(scene, NOTHING).total
+    there = Work(met, work.pool, work.seed, work.jobs, work.materiality)
+    is_all = gained > WORTH_MOVING and not there.is_noticed
+    return (there, surface) if is_all else (work, FittedDatum())
 
 
 def _drawn(scene: Scene, seed: int) -> Scene:

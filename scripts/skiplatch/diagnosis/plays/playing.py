@@ -56,6 +56,19 @@ class FittedDatum:
             return cls(by_name(BY_STAMPS), by_name(BY_COORDINATES))
         return cls({}, by_name(WITHOUT_STAMPS))
 
+    def beyond(self, surface: "FittedDatum") -> "FittedDatum":
+        """Give it with a surface whose place it was fitted beside, without any of its own."""
+        rest = {
+            name: um - surface.surface_um.get(name, 0.0) for name, um in self.coordinate_um.items()
+        }
+        return FittedDatum(surface.surface_um, rest) if surface.surface_um else self
+
+    def met(self, nominal: Nominal, touches: Touches) -> Touches:
+        """Give touches with the way that the axis goes to where the surface is."""
+        surface_um, _ = self.sizes_um(nominal, touches)
+        approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
+        return replace(touches, approach_mm=approach_mm)
+
     def sizes_um(self, nominal: Nominal, touches: Touches) -> tuple[FloatArray, FloatArray]:
         """Give both for touches, along their approach; shape (n,) each."""
         names = datum_names(nominal, touches)
@@ -140,8 +153,7 @@ class Rig:
         self, touches: Touches, replicates: int, begins: Begins, *, seed: int, jobs: int
     ) -> Outcomes:
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
-        approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
-        met = replace(touches, approach_mm=approach_mm)
+        met = self.datum.met(self.nominal, touches)
         controller = replace(
             Controller.for_campaign(self.nominal, met),
             scan_phase_us=begins.scan_phase_us,
