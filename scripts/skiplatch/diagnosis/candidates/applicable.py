@@ -10,8 +10,10 @@ from skiplatch.simulator.effects import effects
 MICROSECONDS, POSITION = "µs", "position"
 FEWEST_AZIMUTHS = 7
 """Directions, to a degree, that show three lobes in a turn: two each and one more (Nyquist)."""
-FEWEST_STAMPED = 4
-"""The same where stamps tell them from backlash: both senses of two axes."""
+FEWEST_TOLD_APART = 4
+"""The same where something else tells them from backlash: both senses of two axes."""
+FALLEN = 0.1
+"""Share of the lobes by which they have to differ with the elevation."""
 
 
 def acts(effect_id: str, scene: Scene) -> bool:
@@ -46,8 +48,13 @@ def shows_waves(scene: Scene) -> bool:
 def shows_lobes(scene: Scene) -> bool:
     """Tell lobes from backlash: the two senses of two axes show no three of anything in a turn.
 
-    But lobes make a trigger late, and backlash does not.
+    But lobes make a trigger late, and fall with the elevation. Backlash does neither.
     """
-    known = scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]
-    fewest = FEWEST_STAMPED if scene.has_stamps.any() else FEWEST_AZIMUTHS
-    return scene.is_machine and len(np.unique(np.round(known))) >= fewest
+    touches = scene.touches
+    falls = np.cos(np.radians(np.nan_to_num(touches.beta_deg)))
+    sides = ~np.isnan(touches.alpha_deg) & (falls > FALLEN)
+    if not scene.is_machine or not sides.any():
+        return False
+    is_told_apart = scene.has_stamps.any() or np.ptp(falls[sides]) > FALLEN
+    fewest = FEWEST_TOLD_APART if is_told_apart else FEWEST_AZIMUTHS
+    return len(np.unique(np.round(touches.alpha_deg[sides]))) >= fewest
