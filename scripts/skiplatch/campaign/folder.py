@@ -66,7 +66,9 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
 
 
 def _faults_of_touches(folder: Path) -> list[InputError]:
-    """Give what is wrong with touches.csv, whatever nominal.toml says."""
+    """Give what is wrong with touches.csv, if there is one, whatever nominal.toml says."""
+    if not (folder / TOUCHES_FILE).exists():
+        return []
     try:
         read_touches(folder / TOUCHES_FILE, REQUIRED)
     except InputError as error:

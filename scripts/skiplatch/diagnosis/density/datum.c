@@ -10,7 +10,6 @@
 #define FAR         0.7 /* steps to the top beyond which a parabola is drawn again */
 #define NARROWER    0.3 /* steps to either side, over those before, to see a top better */
 #define PLACES      8   /* lengths that residuals ask for, where the guess is near no top */
-#define TELLING     32u /* residuals, about, that are asked which of these is best */
 #define MOST_ROUNDS 8   /* parabolas from the best of those on */
 #define WIDER       3.0 /* steps to either side, over those before, while the top is out of sight */
 #define NEAR        4.0 /* steps within which 0 may be as likely as the best length */
@@ -45,12 +44,12 @@ static double density_at(const group_t *group, double length, uint64_t i)
     return residual_parts_density(parts, part_count, x, of->reach[i]);
 }
 
-/* Log-likelihood at a length of one residual in `stride`. */
-static double log_likelihood(group_t *group, double length, uint64_t stride)
+/* Give the log-likelihood at a length, and keep it if it is the best. */
+static double evaluate(group_t *group, double length)
 {
     double value = believed(length, group->datum->u);
     double product = 1.0; /* one logarithm does for many */
-    for (uint64_t k = 0; k < group->count; k += stride) {
+    for (uint64_t k = 0; k < group->count; ++k) {
         uint64_t i = group->members[k];
         group->seen[i] = density_at(group, length, i);
         product *= group->seen[i];
@@ -59,13 +58,7 @@ static double log_likelihood(group_t *group, double length, uint64_t stride)
             product = 1.0;
         }
     }
-    return value + log(product);
-}
-
-/* Give the log-likelihood at a length, and keep it if it is the best. */
-static double evaluate(group_t *group, double length)
-{
-    double value = log_likelihood(group, length, 1);
+    value += log(product);
     if (value > group->most) {
         group->best = length;
         group->most = value;
@@ -108,24 +101,6 @@ static void climb(group_t *group, double step)
     }
 }
 
-/* Give the likeliest of some lengths that the residuals ask for, as far as some of them tell: their
- * tops are far apart. The order of `asked` is lost. */
-static double likeliest_place(group_t *group, double *asked)
-{
-    uint64_t stride = group->count / TELLING + 1u;
-    double   best = 0.0;
-    double   most = -HUGE_VAL;
-    for (int place = 0; place < PLACES; ++place) {
-        double length = guess_quantile(asked, group->count, (place + 0.5) / PLACES);
-        double value = log_likelihood(group, length, stride);
-        if (value > most) {
-            best = length;
-            most = value;
-        }
-    }
-    return best;
-}
-
 /* Find the likeliest length. `asked` holds those that the residuals ask for, whose order is lost.
  *
  * Where many residuals are off by far more than their laws allow, the likelihood has a top about
@@ -142,7 +117,9 @@ static void find_best(group_t *group, guess_t guess, double *asked)
         turn = try_top(group, NARROWER * guess.step);
     }
     if (turn > FARTHEST && group->count > 0u) {
-        evaluate(group, likeliest_place(group, asked));
+        for (int place = 0; place < PLACES; ++place) {
+            evaluate(group, guess_quantile(asked, group->count, (place + 0.5) / PLACES));
+        }
         climb(group, guess.step);
     }
     if (is_free && fabs(group->best) < NEAR * guess.step) {
