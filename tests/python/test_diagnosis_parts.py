@@ -322,12 +322,14 @@ def test_what_hardly_moves_all_the_while_does_not_follow_the_temperature() -> No
 
 
 def test_lobes_are_told_from_backlash_by_more_directions_than_two_axes_have() -> None:
+    """At one elevation; by how they fall from one to another four will do."""
     campaign = read_campaign(MACHINE)
     lobes = CANDIDATES["pretravel_lobing"]
 
     def shows(step_deg: float, touches: Touches) -> bool:
         alpha_deg = np.round(touches.alpha_deg / step_deg) * step_deg % 360.0
-        turned = replace(touches, alpha_deg=alpha_deg)
+        level = np.zeros(len(touches))
+        turned = replace(touches, alpha_deg=alpha_deg, beta_deg=level)
         return lobes.applies(Scene.of(replace(campaign, touches=turned)))
 
     assert [shows(step_deg, campaign.touches) for step_deg in (90.0, 60.0, 45.0)] == [
