@@ -21,7 +21,7 @@ from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT
 from skiplatch.diagnosis.density.law import Extra, Law
 from skiplatch.diagnosis.fit.fit import fit
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig, met_at
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.scored import Scored
@@ -281,8 +281,8 @@ def test_a_surface_far_off_is_where_the_axis_meets_it_on_its_ramp() -> None:
     axis = replace(machine.nominal.axis, accel_mm_s2=300.0)
     slow = replace(machine, nominal=replace(machine.nominal, axis=axis))
     surface = FittedDatum({"X": -98.0, "Y": -79.0, "Z": -60.0})
-    met = replace(slow, touches=surface.met(slow.nominal, slow.touches))
     off_um, _ = surface.sizes_um(slow.nominal, slow.touches)
+    met = replace(slow, touches=met_at(slow.touches, off_um))
     recorded = played_again(met).touches.deviation_um + off_um
 
     found = diagnose(

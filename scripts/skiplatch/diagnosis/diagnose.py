@@ -17,7 +17,7 @@ from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.directions import UNDIRECTED
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
-from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig, met_at
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis, Ranked
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.reported.wanting import MOST_TOUCHES
@@ -89,7 +89,8 @@ def _begun(work: Work) -> tuple[Work, FittedDatum]:
     surface = FittedDatum(FittedDatum.of(scene, NOTHING).coordinate_um)
     if scene.has_stamps.any() or not surface.surface_um:
         return work, FittedDatum()
-    met = replace(scene, touches=surface.met(scene.nominal, scene.touches))
+    surface_um, _ = surface.sizes_um(scene.nominal, scene.touches)
+    met = replace(scene, touches=met_at(scene.touches, surface_um))
     gained = likelihood(met, NOTHING).total - likelihood(scene, NOTHING).total
     there = Work(met, work.pool, work.seed, work.jobs, work.materiality)
     is_all = gained > WORTH_MOVING and not there.is_noticed

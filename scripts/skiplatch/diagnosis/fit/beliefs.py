@@ -254,10 +254,7 @@ class _Moves:
         """Move one belief, a mask, where others have moved the same so far already."""
         names = self.at(places).differing(self.at(np.where(own, places + 1.0, places)))
 
-        @cache
-        def cost(x: float) -> float:
-            return 0.5 * x**2 - self.at(np.where(own, x, places), names).total
-
+        cost = cache(lambda x: 0.5 * x**2 - self.at(np.where(own, x, places), names).total)
         ends = max(-FARTHEST, -FARTHEST - others), min(FARTHEST, FARTHEST - others)
         belief = self._beliefs[int(own.argmax())]
         best = _least(cost, _guesses(self._scene, self._change, belief, self._tried), ends)

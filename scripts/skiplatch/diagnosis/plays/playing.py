@@ -63,12 +63,6 @@ class FittedDatum:
         }
         return FittedDatum(surface.surface_um, rest) if surface.surface_um else self
 
-    def met(self, nominal: Nominal, touches: Touches) -> Touches:
-        """Give touches with the way that the axis goes to where the surface is."""
-        surface_um, _ = self.sizes_um(nominal, touches)
-        approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
-        return replace(touches, approach_mm=approach_mm)
-
     def sizes_um(self, nominal: Nominal, touches: Touches) -> tuple[FloatArray, FloatArray]:
         """Give both for touches, along their approach; shape (n,) each."""
         names = datum_names(nominal, touches)
@@ -80,6 +74,12 @@ class FittedDatum:
             for known in (self.surface_um, self.coordinate_um)
         )
         return surface, coordinate
+
+
+def met_at(touches: Touches, surface_um: FloatArray) -> Touches:
+    """Give n touches with the way that the axis goes to surfaces that lie so much farther."""
+    approach_mm = np.maximum(touches.approach_mm + surface_um / UM_PER_MM, SHORTEST_MM)
+    return replace(touches, approach_mm=approach_mm)
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,7 +153,7 @@ class Rig:
         self, touches: Touches, replicates: int, begins: Begins, *, seed: int, jobs: int
     ) -> Outcomes:
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
-        met = self.datum.met(self.nominal, touches)
+        met = met_at(touches, surface_um)
         controller = replace(
             Controller.for_campaign(self.nominal, met),
             scan_phase_us=begins.scan_phase_us,

@@ -37,9 +37,9 @@ class Begins:
     start_spread_us: float = 0.0
 
 
-def keep_grid(stamps: FloatArray, period_us: float) -> bool:
-    """Tell whether stamps, µs, NaN if unknown, lie on the grid of scans."""
-    return bool(abs(mean_turn(stamps, period_us)) >= KEPT)
+def keep_grid(turn: complex) -> bool:
+    """Tell by the mean of stamps as turns of the scan whether they lie on its grid."""
+    return bool(abs(turn) >= KEPT)
 
 
 class Player(Protocol):
@@ -67,9 +67,10 @@ class Scans:
     def of(cls, recorded: Touches, period_us: float, tick_us: float) -> Self | None:
         """Find them by the stamps of touches; None where these keep no grid."""
         stamps = recorded.latch_us[recorded.on_plc]
-        if not keep_grid(stamps, period_us) or np.isfinite(stamps).sum() < FEWEST_STAMPS:
+        turn = complex(mean_turn(stamps, period_us))
+        if not keep_grid(turn) or np.isfinite(stamps).sum() < FEWEST_STAMPS:
             return None
-        stamp_us = float(np.angle(mean_turn(stamps, period_us))) / (2.0 * np.pi) * period_us
+        stamp_us = float(np.angle(turn)) / (2.0 * np.pi) * period_us
         turns = np.rint((stamps[np.isfinite(stamps)] - stamp_us) / period_us)
         rests_us = np.unique(np.round(turns * period_us % tick_us, RESOLVED)) % tick_us
         gaps_us = np.diff(np.append(rests_us, rests_us[0] + tick_us))

@@ -30,7 +30,7 @@ def may_be_luck(cells: Sequence[Cell], least: float) -> bool:
 
     What all touches of a run share, as where in a tick its scans begin, is drawn once for each.
     """
-    scored = ([cell.beside(k) for cell in cells] for k in _lots(cells)) if cells else ()
+    scored = ([cell.beside(k) for cell in cells] for k in _lots(cells))
     return any(by_luck >= own for own, by_luck in (_both(cells, least, one) for one in scored))
 
 

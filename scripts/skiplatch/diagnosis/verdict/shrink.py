@@ -24,7 +24,7 @@ from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.plays.playing import Folds, Rig
 from skiplatch.diagnosis.plays.scans import keep_grid
-from skiplatch.diagnosis.scene.grid import off_grid
+from skiplatch.diagnosis.scene.grid import mean_turn, off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
@@ -65,7 +65,7 @@ class Gap:
     is_clear: bool = True
     """There is a gap somewhere, before or after, beyond the luck of the held-out touches."""
     may_be_luck: bool = False
-    """Some play of the effects is as far off the others as the record is."""
+    """It is clear, and some play of the effects is as far off the others as the record is."""
     grows: bool = False
     """The effects score worse than their own plays would if they were the truth."""
     tightness: float = 1.0
@@ -147,8 +147,8 @@ def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
         return np.asarray(np.round(off_grid(stamps, after.scan_us), NS))
 
     # Scans that plays move to touches keep no grid; the record of such a rig may all the same.
-    stamps_us = scene.touches.latch_us[scene.plc]
-    is_alike = after.keeps_scan_grid or not keep_grid(stamps_us, after.scan_us)
+    turn = mean_turn(scene.touches.latch_us[scene.plc], after.scan_us)
+    is_alike = after.keeps_scan_grid or not keep_grid(complex(turn))
     if "lattice" in scene.streams and is_alike:
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
@@ -237,7 +237,7 @@ def _gap(cells: Sequence[Cell], observable: Observable, least: float, seed: int)
         noise_floor=float(floor.sum()) / whole,
         shrink=shrinks,
         is_clear=bool(clear),
-        may_be_luck=may_be_luck(cells, least),
+        may_be_luck=bool(clear) and may_be_luck(cells, least),
         # Cells that are clear for what did not come there were chosen by luck: all of them count.
         grows=shrinks.high < 0.0 and is_no_luck(cells, least),
         tightness=tightness(clear, least) if clear else 1.0,
