@@ -235,6 +235,7 @@ def test_touches_that_are_likelier_show_a_finding_that_no_gap_is_clear_of() -> N
     shown = replace(FOUND, gaps=unclear, is_chancy=True, nats=7.0 + A_BIT)
 
     assert decide(replace(shown, nats=7.0))[0] == Verdict.UNKNOWN
+    assert decide(replace(shown, is_loose=True))[0] == Verdict.UNKNOWN  # the slack's, then
     assert decide(replace(shown, is_chancy=False))[0] == Verdict.UNKNOWN
     verdict, failed = decide(shown)
     assert verdict == Verdict.PARTLY_EXPLAINED

@@ -111,7 +111,7 @@ class Change:
             position_um=self.position_um + other.position_um,
             position_box_um=self.position_box_um + other.position_box_um,
             position_sigma_um=np.hypot(self.position_sigma_um, other.position_sigma_um),
-            position_extra=_both(self.position_extra, other.position_extra),
+            position_extra=both(self.position_extra, other.position_extra),
             coarse_um=max(self.coarse_um, other.coarse_um),
             line_um=self.line_um if self.coarse_um >= other.coarse_um else other.line_um,
             coarse_us=max(self.coarse_us, other.coarse_us),
@@ -120,11 +120,11 @@ class Change:
             ),
             slots=self.slots or other.slots,
             report_us=self.report_us + other.report_us,
-            pin_extra=_both(self.pin_extra, other.pin_extra),
-            skip_extra=_both(self.skip_extra, other.skip_extra),
-            lattice_extra=_both(self.lattice_extra, other.lattice_extra),
-            scan_extra=_both(self.scan_extra, other.scan_extra),
-            report_extra=_both(self.report_extra, other.report_extra),
+            pin_extra=both(self.pin_extra, other.pin_extra),
+            skip_extra=both(self.skip_extra, other.skip_extra),
+            lattice_extra=both(self.lattice_extra, other.lattice_extra),
+            scan_extra=both(self.scan_extra, other.scan_extra),
+            report_extra=both(self.report_extra, other.report_extra),
             slack=max(self.slack, other.slack),
             lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
             passing=self.passing + other.passing,
@@ -134,14 +134,14 @@ class Change:
 NOTHING = Change()
 
 
-def _both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:
+def both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:
     """Give the extras of two independent causes, with the touches that get both."""
     if not first or not second:
         return first + second
     rest_first = 1.0 - sum(extra.share for extra in first)
     rest_second = 1.0 - sum(extra.share for extra in second)
-    alone = [replace(e, share=e.share * rest_second) for e in first]
-    alone += [replace(e, share=e.share * rest_first) for e in second]
+    alone = [e.with_share(e.share * rest_second) for e in first]
+    alone += [e.with_share(e.share * rest_first) for e in second]
     together = [_sum(a, b) for a in first for b in second]
     return tuple(extra for extra in alone + together if extra.share > 0.0)
 

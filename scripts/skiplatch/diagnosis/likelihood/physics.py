@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from functools import cache, reduce
+from operator import attrgetter
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.density.change import Change, Number
+from skiplatch.diagnosis.density.change import Change, Number, both
 from skiplatch.diagnosis.density.datum import BY_STAMPS
 from skiplatch.diagnosis.density.law import SMALLEST, Extra
 from skiplatch.diagnosis.density.residuals import fill
@@ -133,23 +134,29 @@ def line_bonus(scene: Scene, stream: Stream, change: Change) -> FloatArray:
     return found
 
 
+class _Fields:
+    """Fields of a change in C that are of one type, and how a change gives them all at once."""
+
+    def __init__(self, kind: str) -> None:
+        fields = connection()[0].typeof("sim_change_t").fields
+        named = (name for name, field in fields if field.type.cname == kind)
+        self.names = tuple(name for name in named if name in Change.__dataclass_fields__)
+        self.of = attrgetter(*self.names)
+
+
 @cache
-def _fields() -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Name the fields of a change in C: numbers by touch, and those that a change has for all."""
-    fields = connection()[0].typeof("sim_change_t").fields
-    by_touch = [name for name, field in fields if field.type.cname == "sim_number_t"]
-    plain = [name for name, field in fields if field.type.cname == "double"]
-    return tuple(by_touch), tuple(n for n in plain if n in Change.__dataclass_fields__)
+def _fields() -> tuple[_Fields, _Fields]:
+    """Give the fields of a change in C: numbers by touch, and those that hold for all of them."""
+    return _Fields("sim_number_t"), _Fields("double")
 
 
 def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOut:
     """Lay out a change that is the same throughout, with the extras of some streams."""
     laid_out = LaidOut("sim_change_t")
     at, (by_touch, plain) = laid_out.at[0], _fields()
-    for name in by_touch:
-        _put(laid_out, at, name, getattr(change, name))
-    for name in plain:
-        value = getattr(change, name)
+    for name, number in zip(by_touch.names, by_touch.of(change), strict=True):
+        _put(laid_out, at, name, number)
+    for name, value in zip(plain.names, plain.of(change), strict=True):
         if value:
             setattr(at, name, value)
     at.scan_us = scan_period_us(scene, change)
@@ -213,11 +220,7 @@ def _position_extras(change: Change) -> tuple[Extra, ...]:
 
 def _joint(*groups: tuple[Extra, ...]) -> tuple[Extra, ...]:
     """Give the extras of independent causes together."""
-    some = [extras for extras in groups if extras]
-    if len(some) < 2:
-        return some[0] if some else ()
-    changes = (Change(pin_extra=extras) for extras in some)
-    return reduce(Change.joined, changes).pin_extra
+    return reduce(both, groups)
 
 
 def _scaled(extra: Extra, scale: FloatArray) -> Extra:

@@ -18,7 +18,8 @@ from skiplatch.diagnosis.search.scored import ENOUGH_FIT, Noticed, Scored, witho
 MOST_EFFECTS = 4
 PLAIN_SECOND = 0.2
 """Gain of a further effect over that of the others where it acts, from which on it is no form of
-theirs; one that gains less has to shift what no other form does, or leave nothing in a stream."""
+theirs; one that gains less has to explain touches that they do not reach, shift what no other form
+does, or leave nothing in a stream."""
 FAINTEST = 0.03
 """The same below which it is not believed beside an effect that needs slack: that much any
 approximate model is off by."""
@@ -231,7 +232,7 @@ def _is_further(judge: Judge, larger: Scored, smaller: Scored, noticed: Noticed)
     share = judge.share(larger, smaller)
     if larger.fit.is_loose or (share < FAINTEST and smaller.fit.slack > 0.0):
         return False
-    if share >= PLAIN_SECOND:
+    if share >= PLAIN_SECOND or judge.is_beyond_reach(larger, smaller):
         return True
     way = judge.own_way(larger)
     if way.beyond_form > ENOUGH_FIT + worth(larger.fit.size - smaller.fit.size):

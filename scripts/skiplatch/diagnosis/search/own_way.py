@@ -8,20 +8,23 @@ Statistical Society B 63 (2001) 425), and what it takes up as well is no effect 
 is off by a share of the shift: what had to be off by more than that is no form of the effect.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import SMALLEST
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 
 POWERS = (1, 2, 3)
 """Of the shift, and of the shift times the sense, that another form may have."""
+REACH = 6.0
+"""Standard deviations of scatter, beyond its whole shift, that an effect reaches in any form."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +71,35 @@ def _gains(scene: Scene, stream: Stream, last: Change, others: Change) -> tuple[
         for forms in ([], bent)
     )
     return as_formed, beyond_form
+
+
+def gain_beyond_reach(scene: Scene, change: Change, others: Change) -> float:
+    """Give the nats that a change gains over others at touches that no form of theirs comes near.
+
+    A form is off by no more than the effect shifts touches: what lies far beyond that and the
+    scatter is of another kind, however little of the campaign it is.
+    """
+    with_it, without = (likelihood(scene, one).streams for one in (change, others))
+    data = fitted_datum_um(scene, others)
+    return float(
+        sum(
+            (with_it[name] - without[name])[_beyond_reach(scene, stream, others, data)].sum()
+            for name, stream in scene.streams.items()
+        )
+    )
+
+
+def _beyond_reach(
+    scene: Scene, stream: Stream, others: Change, data: Mapping[tuple[str, ...], FloatArray]
+) -> BoolArray:
+    """Tell which touches no form of some effects reaches in a stream; shape (n,)."""
+    law = law_under(scene, stream, others)
+    off = stream.residuals - law.mean
+    for family, datum_um in data.items():
+        if stream.name in family and scene.datum_groups is not None:
+            off = off - datum_um[scene.datum_groups] * scene.per_datum_um(stream)
+    reach = np.abs(law.mean - stream.law.mean) + REACH * np.sqrt(law.variance)
+    return np.asarray(stream.rows & (np.abs(off) > reach))
 
 
 def by_giving_way(scene: Scene, last: Change, others: Change) -> float:

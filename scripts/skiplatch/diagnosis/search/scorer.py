@@ -13,7 +13,12 @@ from skiplatch.diagnosis.fit.material import DEFAULT, Materiality, is_material
 from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
 from skiplatch.diagnosis.likelihood.likelihood import MISSED, affected, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.search.own_way import OwnWay, by_giving_way, own_way
+from skiplatch.diagnosis.search.own_way import (
+    OwnWay,
+    by_giving_way,
+    gain_beyond_reach,
+    own_way,
+)
 from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.places import are_waves_told
 from skiplatch.diagnosis.search.scored import Scored, is_no_accident
@@ -133,6 +138,14 @@ class Scorer:
             gain_in(part, pair.fit, names) - gain_in(part, first.fit, names)
             for part in (self._fitting, self._checking)
             for names in [_narrowed(part, pair.fit.change(part), first.fit.change(part))]
+        )
+        return is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
+
+    def is_beyond_reach(self, pair: Scored, first: Scored) -> bool:
+        """Tell whether the last effect explains touches that no form of the others comes near."""
+        fitted, checked = (
+            gain_beyond_reach(part, pair.fit.change(part), first.fit.change(part))
+            for part in (self._fitting, self._checking)
         )
         return is_no_accident(fitted, checked, pair.fit.size - first.fit.size)
 

@@ -113,7 +113,10 @@ def _may_shrink_unseen(evidence: Evidence, threshold: float) -> bool:
     """Tell whether a gap may shrink that its score forgives: it does so of what comes by chance.
 
     One that stays, for certain, speaks against that; one that is larger by luck says nothing.
+    Likelier by all the slack there is, is likelier by the slack, which is no effect.
     """
+    if evidence.is_loose:
+        return False
     clear = _clear(evidence.gaps).values()
     stay = (gap.grows or 0.0 <= gap.shrink.high <= threshold for gap in clear)
     return evidence.is_chancy and (not clear or not all(stay))
