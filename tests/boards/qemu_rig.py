@@ -96,7 +96,7 @@ class Rig(ABC):
         stamp = device_ticks * self._tick - self._ahead
         return about + (stamp - about + span // 2) % span - span // 2
 
-    def _pass(self, us: float) -> None:
+    def run_for(self, us: float) -> None:
         """Let the program run for at least so long, and stop."""
         end = self._emulator.now() + us * self.TICKS_PER_US
         self._emulator.go()
@@ -108,7 +108,7 @@ class Rig(ABC):
         """Set the board to a path and a feed."""
         for command in (b"n", feed, path):
             self._emulator.serial.sendall(command)
-            self._pass(SETTLE_US)
+            self.run_for(SETTLE_US)
 
     def touch(self, path: bytes, feed: bytes, wait_us: float) -> Recorded:
         """Inject an edge so much later; give what came of it."""

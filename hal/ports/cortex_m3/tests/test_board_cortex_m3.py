@@ -11,6 +11,7 @@ from hal.ports.cortex_m3.tests import qemu_rig
 from skiplatch.bench.latches import Latch
 from tests.boards.qemu_checks import Checks, astray_um, speeds_um_us
 from tests.boards.record import Recorded
+from tests.boards.train_checks import TrainChecks
 
 SKIP_LATE_US = 1.2
 STEP_LATE_US = 2.0 * SKIP_LATE_US  # a step counts late: masked, then a more urgent interrupt
@@ -31,6 +32,13 @@ class TestCortexM3(Checks):
         step_late_um = speeds_um_us(recorded) * STEP_LATE_US
 
         assert np.all(astray_um(recorded) <= qemu_rig.RESOLUTION_UM / 2.0 + step_late_um)
+
+
+class TestTrain(TrainChecks):
+    """The program whose edges come at each interrupt of timer 1."""
+
+    RIG = qemu_rig.CortexM3
+    ARMED_BY = 0x40006410  # of port C
 
 
 def test_a_deviation_counts_from_the_very_place_of_the_edge() -> None:

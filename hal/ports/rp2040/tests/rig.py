@@ -69,7 +69,7 @@ class Rp2040(Rig):
         offset_ticks = self._emulator.read(self._symbols["clock_offset_ticks"])
         return self._emulator.now() + offset_ticks * self._tick
 
-    def _pass(self, us: float) -> None:
+    def run_for(self, us: float) -> None:
         self._emulator.run(int(us * TICKS_PER_US))
 
     def start_block(self, path: bytes, feed: bytes) -> None:

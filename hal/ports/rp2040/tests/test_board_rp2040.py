@@ -7,16 +7,15 @@ import pytest
 
 from hal.ports.rp2040.tests.emulator import Emulator
 from hal.ports.rp2040.tests.rig import RESOLUTION_UM, Rp2040
-from skiplatch.bench.latches import FRAMES_PER_RECORD
 from tests.boards.qemu_checks import Checks, astray_um, speeds_um_us
-from tests.boards.qemu_rig import FRAME_BYTES, symbols_of
+from tests.boards.qemu_rig import symbols_of
 from tests.boards.record import Recorded
+from tests.boards.train_checks import counted_by_latch, records_in
 
 PROGRAM = Path("build/boards/rp2040/firmware.elf")
 TICK_US = 1.0
 SKIP_LATE_US = 3.0
 STEPS, EDGE = 4, 13  # interrupts
-COUNTERS = 12  # bytes into a latch_t: four of 16 bits
 TRAIN, SPACING_NS = 512, 20_000
 REST_NS = 100_000_000
 STEPS_AT_REST = 1000  # of 5 µm, at 3000 mm/min
@@ -57,10 +56,7 @@ def running(symbols: dict[str, int]) -> Iterator[Emulator]:
 
 def told_of(running: Emulator, symbols: dict[str, int]) -> int:
     """Give how many edges the skip input has told of: sent, or counted by its latch."""
-    counters = running.read(symbols["measuring"]) + COUNTERS
-    words = [running.read(counters), running.read(counters + 4)]
-    counted = sum((word & 0xFFFF) + (word >> 16) for word in words)
-    return counted + len(running.sent) // (FRAME_BYTES * FRAMES_PER_RECORD)
+    return counted_by_latch(running, symbols) + records_in(len(running.sent))
 
 
 def test_no_edge_of_a_train_is_lost_while_all_interrupts_run(

@@ -5,6 +5,7 @@ import numpy as np
 from hal.ports.sifive_u.tests.qemu_rig import INSTRUCTION_US, RESOLUTION_UM, SifiveU
 from tests.boards.qemu_checks import Checks, astray_um
 from tests.boards.record import Recorded
+from tests.boards.train_checks import TrainChecks
 
 
 class TestSifiveU(Checks):
@@ -23,3 +24,10 @@ class TestSifiveU(Checks):
         within_ns = {round(1000.0 * np.fmod(t.edge_us, INSTRUCTION_US)) for t in recorded}
 
         assert len(within_ns) > 8  # of 16; false alarm: less than 10^-13
+
+
+class TestTrain(TrainChecks):
+    """The program whose edges come at each interrupt of CLINT's timer."""
+
+    RIG = SifiveU
+    ARMED_BY = 0x10060018  # GPIO_RISE_IE

@@ -78,7 +78,7 @@ class Stm32F4(Rig):
 
     def _inject(self, wait_us: float) -> int:
         self._emulator.release()
-        self._pass(wait_us)
+        self.run_for(wait_us)
         self._edge_counts = self._emulator.read(TIM5_CNT)
         return self._emulator.deflect()
 

@@ -3,6 +3,7 @@
 from hal.ports.stm32f4.tests.qemu_rig import RESOLUTION_UM, Stm32F4
 from tests.boards.qemu_checks import Checks, astray_um, speeds_um_us
 from tests.boards.record import Recorded
+from tests.boards.train_checks import TrainChecks
 
 COUNT_LATE_US = 2.0  # a scan reads time, line and count one after the other
 
@@ -22,3 +23,10 @@ class TestStm32F4(Checks):
         count_late_um = speeds_um_us(recorded) * COUNT_LATE_US
 
         assert (astray_um(recorded) <= RESOLUTION_UM / 2.0 + count_late_um).all()
+
+
+class TestTrain(TrainChecks):
+    """The program whose edges come at each interrupt of SysTick."""
+
+    RIG = Stm32F4
+    ARMED_BY = 0x40013C00  # EXTI_IMR
