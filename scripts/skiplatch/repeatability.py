@@ -10,13 +10,13 @@ like them. Outliers do not enter. Each input path has figures of its own: a PLC 
 scan.
 """
 
-import re
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches
+from skiplatch.campaign.session_names import HOMING, begun_by
 from skiplatch.campaign.steps import common_step
 from skiplatch.drifts import FEWEST_FREE, Warmth, by_temperature, course_of, with_drift
 from skiplatch.errors import InputError
@@ -32,8 +32,6 @@ from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 PER_MS = {"µm": 1.0 / 60.0, "arcsec": 3.6 / 60.0, "µs": 1.0 / 60.0}
 """A mm/min in µm/ms, a deg/min in arcsec/ms; on a bench that has a feed, what a µm would be."""
 FEWEST_AFTER_FIRST = 4
-_HOMED = re.compile(r"after homing \d+")
-"""How importers name sessions that homing began."""
 HIDING = 0.6  # of a step; a scatter below it is the rounding's own, 1/√12, and little more
 
 
@@ -146,8 +144,7 @@ def by_path(campaign: Campaign) -> dict[InputPath, Repeatability]:
 
 def _homed(touches: Touches) -> str:
     """Say how many sessions an importer began after homing; nothing where it began none."""
-    found = map(_HOMED.match, touches.session_names)
-    homed = {match[0] for match in found if match}
+    homed = {begun_by(name, HOMING) for name in touches.session_names} - {None}
     if not homed:
         return ""
     return f": homing began {counted(len(homed), 'session')}, and touches are compared within one"

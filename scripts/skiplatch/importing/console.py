@@ -7,6 +7,7 @@ latch elsewhere once Z was homed anew, or the gantry or the bed was adjusted.
 import re
 from collections.abc import Mapping
 
+from skiplatch.campaign.session_names import HOMING, begun_by, session_after
 from skiplatch.importing.log_lines import Line
 from skiplatch.importing.model import NO_TIMES, Imported, Touch
 from skiplatch.importing.touch_times import begun_before
@@ -14,7 +15,7 @@ from skiplatch.numbers import NUMBER
 
 _TEMPERATURE = re.compile(rf"\b(B|T[0-9]?):\s*({NUMBER})\s*/")
 _PLACES = {"B": "bed", "T": "nozzle", "T0": "nozzle"}
-HOMING, ADJUSTING, TURNING = "homing", "adjusting Z", "turning screws"
+ADJUSTING, TURNING = "adjusting Z", "turning screws"
 CHANGING = "a tool change"
 CONTACT = "by contact"
 OFFSET = "setting the probe's offset"
@@ -70,7 +71,7 @@ class Console:
         what = next((what for what, sign in signs.items() if sign.search(text)), "")
         if what and self._has_touches:
             self._sessions += 1
-            self._session = f"after {what} {self._sessions}"
+            self._session = session_after({what: self._sessions})
             self._has_touches = False
         return what
 
@@ -177,6 +178,6 @@ class Console:
             (CHANGING, "a change of the tool, as each has a length of its own"),
             (OFFSET, "a new offset of the probe (M851), which moves where z is 0"),
         ):
-            times = sum(session.startswith(f"after {what}") for session in sessions)
+            times = sum(begun_by(session, what) is not None for session in sessions)
             if times:
                 found.assumed.append(f"sessions of their own after {why}: {times}")

@@ -4,6 +4,7 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
+from skiplatch.campaign.session_names import HOMING, session_after
 from skiplatch.errors import InputError
 from skiplatch.importing.dialects import advice
 from skiplatch.importing.gcode import without_comments
@@ -214,9 +215,7 @@ class _Reader:
         )
 
     def _session_name(self) -> str:
-        counts = {"homing": self._session, "tool change": self._commands.tools}
-        after = [f"{what} {count}" for what, count in counts.items() if count]
-        return f"after {' and '.join(after)}" if after else ""
+        return session_after({HOMING: self._session, "tool change": self._commands.tools})
 
     def result(self) -> Imported:
         """Say what was found."""

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from skiplatch.campaign.session_names import HOMING
 from skiplatch.errors import InputError
-from skiplatch.importing.console import CHANGING, CONTACT, HOMING, Console, thermometer_name
+from skiplatch.importing.console import CHANGING, CONTACT, Console, thermometer_name
 from skiplatch.importing.dialects import advice
 from skiplatch.importing.klipper_cartographer import PREFIX, Cartographer
 from skiplatch.importing.klipper_commands import COMMAND, MOVED, PROBE_SPEED, TOOL

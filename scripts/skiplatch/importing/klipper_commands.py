@@ -2,7 +2,8 @@
 
 import re
 
-from skiplatch.importing.console import ADJUSTING, HOMING, TURNING
+from skiplatch.campaign.session_names import HOMING
+from skiplatch.importing.console import ADJUSTING, TURNING
 from skiplatch.numbers import NUMBER
 
 PROBE_SPEED = re.compile(rf"\bPROBE_SPEED\s*=\s*({NUMBER})", re.IGNORECASE)

@@ -3,10 +3,10 @@
 import re
 from pathlib import Path
 
+from skiplatch.campaign.session_names import HOMING
 from skiplatch.errors import InputError
 from skiplatch.importing.console import (
     ADJUSTING,
-    HOMING,
     OFFSET,
     TURNING,
     Console,
