@@ -114,3 +114,42 @@ def test_growth_is_told_from_what_goes_with_the_feed(machine_sample: Path) -> No
     found = repeatability(replace(read_campaign(machine_sample), touches=touches))
 
     assert found.per_kelvin["machine"].low < 4.0 < found.per_kelvin["machine"].high
+
+
+def test_drift_delay_and_growth_are_told_from_one_another(machine_sample: Path) -> None:
+    """It grew warmer all along, and fast touches were made while it was warmer."""
+    number, rng = np.arange(120), np.random.default_rng(8)
+    fast = rng.random(120) < 0.5
+    warm_c = 21.0 + 0.5 * np.sin(number / 9.0) + number / 60.0 + 0.3 * fast
+    feed = np.where(fast, 600.0, 120.0)
+    off_um = rng.normal(0.0, 1.0, 120) + 4.0 * warm_c + 0.05 * number + 2.0 * feed / 60.0
+
+    touches = Touches.from_columns(
+        touch=number, deviation_um=off_um, feed_mm_min=feed, temp_c=warm_c
+    )
+    found = repeatability(replace(read_campaign(machine_sample), touches=touches))
+
+    assert found.drift is not None
+    assert found.slope is not None
+    assert found.drift.low < 0.05 < found.drift.high < 0.08  # of which growth alone makes 0.067
+    assert found.slope.low < 2.0 < found.slope.high < 2.1
+    assert found.per_kelvin["machine"].low < 4.0 < found.per_kelvin["machine"].high
+    assert {"order", "speed"} <= found.told
+    assert found.warmth["machine"].sigma.value == pytest.approx(1.0, abs=0.2)
+    assert found.sigma.value > 2.0  # the temperature's share stays in it
+
+
+@pytest.mark.parametrize("is_warmth", [True, False])
+def test_of_a_drift_and_growth_that_look_alike_one_is_told(
+    machine_sample: Path, is_warmth: bool
+) -> None:
+    number, rng = np.arange(120), np.random.default_rng(9)
+    warm_c = 20.0 + number / 50.0 + rng.normal(0.0, 0.05, 120).cumsum()
+    cause = 4.0 * warm_c if is_warmth else 0.08 * number
+
+    found = of(machine_sample, rng.normal(0.0, 1.0, 120) + cause, frame=warm_c)
+
+    assert ("order" in found.told) != is_warmth
+    assert found.warmth["frame"].is_told == is_warmth
+    slope = found.per_kelvin["frame"]
+    assert slope.low < (4.0 if is_warmth else 0.0) < slope.high
