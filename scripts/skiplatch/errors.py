@@ -3,7 +3,7 @@
 import os
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, Self
 
 SHOWN_CHARACTERS = 40
 """Of a piece of the input that a message quotes."""
@@ -65,7 +65,7 @@ class InputError(_Located, Exception):
         return (InputError(self.path, self.line, self.column, self.message), *self.further)
 
     @classmethod
-    def together(cls, errors: Sequence["InputError"]) -> "InputError":
+    def together(cls, errors: Sequence["InputError"]) -> Self:
         """Make one of several on the same input, by their lines."""
         first, *others = sorted(errors, key=lambda error: error.line or 0)
         joined = cls(first.path, first.line, first.column, first.message)

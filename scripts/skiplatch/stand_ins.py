@@ -4,7 +4,6 @@ A stand-in is put only where what is left to look at does not depend on it; what
 is emptied. Of a rotary axis a degree counts as a millimetre.
 """
 
-import os
 import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -23,8 +22,6 @@ from skiplatch.campaign import (
     Nominal,
     Touches,
     fingerprint,
-    read_campaign,
-    read_conditions,
 )
 from skiplatch.campaign.nominal import InputNominal, ProbeNominal, SkipNominal
 from skiplatch.campaign.touches import last_known
@@ -86,15 +83,20 @@ def refuse_unplayable(path: Path, nominal: Nominal, besides: Sequence[Effect] = 
 
 
 def refuse_unplayable_touches(path: Path, touches: Touches) -> None:
-    """Raise InputError for a condition of a touch, read from `path`, that cannot be simulated."""
+    """Raise InputError for conditions of touches, read from `path`, that cannot be simulated.
+
+    Of each column the first one is told.
+    """
+    errors: list[InputError] = []
     for name, (least, most) in PLAYED_TOUCHES.items():
         values = getattr(touches, name)
         beyond = np.flatnonzero((values < least) | (values > most))
         if len(beyond):
             first = int(beyond[0])
             where = f"{name} of touch {touches.touch[first]}"
-            for error in _beyond(path, where, float(values[first]), (least, most)):
-                raise error
+            errors += _beyond(path, where, float(values[first]), (least, most))
+    if errors:
+        raise InputError.together(errors)
 
 
 def refuse_endless_move(path: Path, nominal: Nominal, touches: Touches) -> None:
@@ -135,15 +137,6 @@ def _unknown(path: Path, effect: Effect) -> Iterator[InputError]:
             yield InputError(path, None, column, expected)
 
 
-def read_playable(path: str | os.PathLike[str]) -> Campaign:
-    """Read a campaign and make it playable.
-
-    Raises:
-        InputError: It cannot be read, or something is missing for which nothing can stand in.
-    """
-    return playable(read_campaign(path))
-
-
 def playable(campaign: Campaign) -> Campaign:
     """Give the campaign with stand-ins; warns of each column that has one.
 
@@ -166,15 +159,15 @@ def playable(campaign: Campaign) -> Campaign:
     for name, rows in missing.items():
         lost = f"what cannot be told without it: {COLUMNS[name].lost}"
         if not at_rest or name == "time_s":
-            _warn(campaign.path / TOUCHES_FILE, name, rows, lost)
-    stood_in = frozenset(name for name, rows in missing.items() if rows.any())
-    if stood_in or no_time.any():
-        touches = _stood_in(campaign.nominal, touches)
+            warn_missing(campaign.path / TOUCHES_FILE, name, rows, lost)
+    lacking = frozenset(name for name, rows in missing.items() if rows.any())
+    if lacking or no_time.any():
+        touches = stood_in(campaign.nominal, touches)
     refuse_endless_move(campaign.path / NOMINAL_FILE, campaign.nominal, touches)
     known_as = fingerprint(campaign.touches)
     nominal = _rested(campaign.nominal) if at_rest else campaign.nominal
     return replace(
-        campaign, nominal=nominal, touches=touches, stood_in=stood_in, fingerprint=known_as
+        campaign, nominal=nominal, touches=touches, stood_in=lacking, fingerprint=known_as
     )
 
 
@@ -185,25 +178,8 @@ def _rested(nominal: Nominal) -> Nominal:
     return replace(nominal, probe=scatter, input=InputNominal(), skip=SkipNominal(), uncertainty=u)
 
 
-def read_played(path: Path, nominal: Nominal) -> Touches:
-    """Read conditions that are to be played; those of an imported log may lack times and ways.
-
-    What is missing has a stand-in, of which it warns.
-
-    Raises:
-        InputError: They cannot be read, lack a feed on a machine, or cannot be simulated.
-    """
-    is_machine = nominal.kind is Kind.MACHINE
-    conditions = read_conditions(path, ("touch", "feed_mm_min") if is_machine else ("touch",))
-    refuse_unplayable_touches(path, conditions)
-    for name in PLAYED_TOUCHES:
-        _warn(path, name, np.isnan(getattr(conditions, name)), "a stand-in is played")
-    if any(np.isnan(getattr(conditions, name)).any() for name in PLAYED_TOUCHES):
-        conditions = _stood_in(nominal, conditions)
-    return conditions
-
-
-def _stood_in(nominal: Nominal, touches: Touches) -> Touches:
+def stood_in(nominal: Nominal, touches: Touches) -> Touches:
+    """Put stand-ins for what was not recorded; what depends on them is emptied."""
     no_feed, no_time = np.isnan(touches.feed_mm_min), np.isnan(touches.time_s)
     contact_unknown = no_feed | no_time | np.isnan(touches.approach_mm)
     stamps_hang = contact_unknown & np.isnan(touches.edge_us)
@@ -275,7 +251,8 @@ def _empty(values: FloatArray, rows: BoolArray) -> FloatArray:
     return np.where(rows, np.nan, values)
 
 
-def _warn(path: Path, name: str, missing: BoolArray, what: str) -> None:
+def warn_missing(path: Path, name: str, missing: BoolArray, what: str) -> None:
+    """Warn that a column was not recorded, and of what comes of that."""
     if missing.any():
         how_often = "not recorded" if missing.all() else f"not recorded in {missing.sum()} touches"
         warnings.warn(CampaignWarning(path, None, name, f"{how_often}; {what}"), stacklevel=4)

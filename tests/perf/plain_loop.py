@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 from skiplatch.commands.diagnose_many import tell
 from skiplatch.commands.examining import Asked
 from skiplatch.commands.options import write_json
-from skiplatch.stand_ins import read_playable
+from skiplatch.played_files import read_playable
 
 
 def main(arguments: Sequence[str]) -> None:

@@ -37,7 +37,7 @@ from skiplatch.commands.kept import Kept, key_of
 from skiplatch.commands.options import json_text
 from skiplatch.executors import client_of, software
 from skiplatch.files import atomic_write_text
-from skiplatch.stand_ins import read_playable
+from skiplatch.played_files import read_playable
 from skiplatch.workers import Failed, Workers, finished, opened
 
 EMPTY = (1_000, 10_000)

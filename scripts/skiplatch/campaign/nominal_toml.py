@@ -43,6 +43,16 @@ _U = Key("", Range("a number >= 0", low=0.0), 0.0, "standard uncertainty", "")
 _U_OF_DATUM = Key("µm", SIZE_UM, 0.0, "standard uncertainty", "")
 
 
+class NominalError(InputError):
+    """Values in nominal.toml are wrong.
+
+    Attributes:
+        so_far: What the rest says of the rig; what is wrong stands at its default there.
+    """
+
+    so_far: Nominal | None = None
+
+
 def read_nominal(path: str | os.PathLike[str]) -> Nominal:
     """Read nominal.toml.
 
@@ -64,7 +74,6 @@ def parse_nominal(path: Path, text: str) -> Nominal:
     document.check_reach(numbers[_LEAST], numbers[_GREATEST])
     kind = document.kind()
     datum, effects = document.datum(kind), document.effects()
-    document.refuse()
     nominal = Nominal(
         kind=kind,
         **{name: _section(name, numbers) for name in SECTIONS},
@@ -73,6 +82,7 @@ def parse_nominal(path: Path, text: str) -> Nominal:
         believed_effects=effects,
         version=version,
     )
+    document.refuse(nominal)
     if nominal.version == 1:
         return nominal
     # A negative pretravel makes version 2 of a file of version 1, which knows no new key.
@@ -93,10 +103,12 @@ class _Document:
     positions: Mapping[KeyPath, Position]
     errors: list[InputError] = field(default_factory=list)
 
-    def refuse(self) -> None:
+    def refuse(self, so_far: Nominal) -> None:
         """Raise what was found to be wrong, if anything was."""
         if self.errors:
-            raise InputError.together(self.errors)
+            error = NominalError.together(self.errors)
+            error.so_far = so_far
+            raise error
 
     def version(self) -> int:
         """Judge the format before the keys, which another one may have others of."""
@@ -145,21 +157,26 @@ class _Document:
             self._tell(self._wrong((EFFECT,), "tables written as [[effect]]"))
             return ()
         numbered = enumerate(written, 1)
-        return tuple(self._effect(table, (EFFECT, nth_table(n))) for n, table in numbered)
+        effects = [self._effect(table, (EFFECT, nth_table(n))) for n, table in numbered]
+        return tuple(effect for effect in effects if effect is not None)
 
     def number(self, key: KeyPath, expected: Key) -> tuple[float, float | None]:
         """Give the number of a key and its standard uncertainty, if it is given one."""
         return self._measured(key, self.entries[key], expected)
 
-    def _effect(self, table: object, where: KeyPath) -> BelievedEffect:
+    def _effect(self, table: object, where: KeyPath) -> BelievedEffect | None:
+        """Give an effect, or complain of it and give none."""
+        told = len(self.errors)
         if not isinstance(table, dict) or not isinstance(table.get("id"), str):
             self._tell(self._wrong(where, 'a table with id = "…"', table))
-            return BelievedEffect("", {})
+            return None
         numbers = {
             name: self._measured((*where, name), value, _PARAMETER)
             for name, value in self._named(table, where).items()
             if name != "id"
         }
+        if len(self.errors) > told:
+            return None
         return BelievedEffect(
             table["id"],
             {name: value for name, (value, _) in numbers.items()},

@@ -19,6 +19,7 @@ from skiplatch.diagnosis.reported.adoption import adopted, with_effects
 from skiplatch.diagnosis.reported.belonging import refuse_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
+from skiplatch.played_files import all_faults_told
 from skiplatch.stand_ins import refuse_unplayable
 
 EPILOG = """\b
@@ -47,8 +48,9 @@ def command(
     of an earlier campaign.
     """
     path = campaign / NOMINAL_FILE
-    nominal = read_nominal(path)
-    refuse_unplayable(path, nominal)
+    with all_faults_told(path):
+        nominal = read_nominal(path)
+        refuse_unplayable(path, nominal)
     found = read_diagnosis_json(diagnosis, adopted)
     if not other_touches and (campaign / TOUCHES_FILE).exists():
         known_as = fingerprint(read_campaign(campaign).touches)

@@ -5,13 +5,14 @@ from pathlib import Path
 
 import click
 
-from skiplatch.campaign import NOMINAL_FILE, Campaign, read_campaign
+from skiplatch.campaign import NOMINAL_FILE, TOUCHES_FILE, Campaign, read_campaign
 from skiplatch.campaign.oddity import Oddity
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.campaign.telling import cannot_be_told, missing_columns, missing_keys
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import json_option, write_json
 from skiplatch.errors import InputError
+from skiplatch.played_files import all_faults_told, recorded
 from skiplatch.stand_ins import refuse_unplayable
 from skiplatch.tables import counted, prose
 
@@ -26,7 +27,8 @@ Example:
 @json_option
 def command(campaign: Path, json_path: Path | None) -> None:
     """Say in a second what in a CAMPAIGN is odd, what is missing, and what it cannot tell."""
-    read = read_campaign(campaign)
+    with all_faults_told(campaign / NOMINAL_FILE, campaign / TOUCHES_FILE, recorded):
+        read = read_campaign(campaign)
     click.echo(check_text(read))
     found = {
         "odd": [asdict(oddity) for oddity in _odd(read)],

@@ -16,7 +16,7 @@ from skiplatch.commands.options import (
 )
 from skiplatch.commands.outputs import OutputFolder
 from skiplatch.comparison import DEFAULT_ALPHA, as_json, as_text, compare
-from skiplatch.stand_ins import read_playable
+from skiplatch.played_files import read_playable
 from skiplatch.tables import counted
 
 EPILOG = """\b

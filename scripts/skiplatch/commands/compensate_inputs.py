@@ -21,7 +21,7 @@ from skiplatch.compensation.probe_figures import ProbeFigures, probe_figures, wa
 from skiplatch.compensation.probe_map import ProbeMap, read_map
 from skiplatch.compensation.speeds import read_speeds
 from skiplatch.compensation.uncertainty import Uncertainty, assess
-from skiplatch.stand_ins import read_playable
+from skiplatch.played_files import read_playable
 
 PER_CENT = 100.0
 

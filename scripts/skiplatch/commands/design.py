@@ -35,10 +35,11 @@ from skiplatch.diagnosis.reported.belonging import refuse_of_others
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.errors import InputError
 from skiplatch.files import atomic_write_text
+from skiplatch.played_files import read_playable
 from skiplatch.probing_program import FILES, KINDS, Programs, programs, refuse_name
 from skiplatch.probing_touches import FEED_STEPS_MM_MIN, as_logged, path_of
 from skiplatch.simulator.effects import Effect
-from skiplatch.stand_ins import read_playable, refuse_unplayable
+from skiplatch.stand_ins import refuse_unplayable
 from skiplatch.tables import counted
 
 EPILOG = """\b

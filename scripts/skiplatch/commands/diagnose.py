@@ -23,8 +23,8 @@ from skiplatch.commands.options import (
 )
 from skiplatch.commands.worker_options import cluster_option, limit_option
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
+from skiplatch.played_files import read_playable
 from skiplatch.simulator.effects import Effect
-from skiplatch.stand_ins import read_playable
 from skiplatch.tables import counted
 from skiplatch.transmission.source import read_axis_train
 from skiplatch.workers import Workers

@@ -29,8 +29,8 @@ from skiplatch.fleet.diagnosed import DIAGNOSIS_FILE, is_diagnosed
 from skiplatch.fleet.intake import refuse_unfit
 from skiplatch.fleet.lock import BusyError
 from skiplatch.fleet.store import opened_for_writing, refuse_unusable
+from skiplatch.played_files import read_playable
 from skiplatch.simulator.library import SimulationError
-from skiplatch.stand_ins import read_playable
 from skiplatch.workers import Failed, Workers
 
 UNNOTICED_S = 60.0

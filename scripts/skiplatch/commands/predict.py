@@ -15,7 +15,8 @@ from skiplatch.diagnosis import rig_from_json
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.reported.schema import read_diagnosis_json
 from skiplatch.files import atomic_write_text
-from skiplatch.stand_ins import read_played, refuse_endless_move, refuse_unplayable
+from skiplatch.played_files import all_faults_told, read_played
+from skiplatch.stand_ins import refuse_endless_move, refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -63,10 +64,11 @@ def command(
     Where the conditions give edge_us (on a bench), the contacts close there. With a diagnosis the
     scans of the PLC keep the phase that the recorded stamps show.
     """
-    nominal = read_nominal(campaign / NOMINAL_FILE)
-    refuse_unplayable(campaign / NOMINAL_FILE, nominal)
-    conditions = read_played(conditions_path, nominal)
-    refuse_endless_move(campaign / NOMINAL_FILE, nominal, conditions)
+    with all_faults_told(campaign / NOMINAL_FILE, conditions_path):
+        nominal = read_nominal(campaign / NOMINAL_FILE)
+        refuse_unplayable(campaign / NOMINAL_FILE, nominal)
+        conditions = read_played(conditions_path, nominal)
+        refuse_endless_move(campaign / NOMINAL_FILE, nominal, conditions)
     rig = _rig(diagnosis, nominal)
     recorded = read_campaign(campaign).touches if diagnosis else None
     prediction = predicted(rig, recorded, conditions, replicates=replicates, seed=seed, jobs=jobs)

@@ -12,6 +12,7 @@ from skiplatch.campaign import KEYS, Nominal, read_nominal
 from skiplatch.commands.inputs import FILE
 from skiplatch.commands.numbers import NumberType
 from skiplatch.latch.probing import DEFAULT_RIG, on_bench
+from skiplatch.played_files import all_faults_told
 from skiplatch.stand_ins import refuse_unplayable
 
 
@@ -57,7 +58,7 @@ def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @wraps(command)
     def with_rig(*args: Any, nominal_path: Path | None, **values: Any) -> Any:  # noqa: ANN401
-        rig = DEFAULT_RIG if nominal_path is None else on_bench(read_nominal(nominal_path))
+        rig = DEFAULT_RIG if nominal_path is None else _on_bench(nominal_path)
         for flag, option in RIG_OPTIONS.items():
             value = values.pop(flag.removeprefix("--").replace("-", "_"))
             if value is not None:
@@ -71,6 +72,12 @@ def rig_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for flag, option in reversed(RIG_OPTIONS.items()):
         described = option.add_to(described, flag)
     return described
+
+
+def _on_bench(path: Path) -> Nominal:
+    """Read a rig and take its probe away, whose figures are not played."""
+    with all_faults_told(path, as_played=on_bench):
+        return on_bench(read_nominal(path))
 
 
 def rig_json(rig: Nominal) -> dict[str, float]:

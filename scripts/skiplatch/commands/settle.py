@@ -19,7 +19,7 @@ from skiplatch.diagnosis.experiment.rivals import NO_EFFECT, Model
 from skiplatch.diagnosis.experiment.words import A_GAUGE, name
 from skiplatch.diagnosis.search.groups import TIED
 from skiplatch.errors import InputError
-from skiplatch.stand_ins import read_playable
+from skiplatch.played_files import read_playable
 from skiplatch.tables import number, prose, table
 
 EPILOG = """\b

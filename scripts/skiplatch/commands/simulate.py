@@ -16,8 +16,9 @@ from skiplatch.commands.options import (
     write_json,
 )
 from skiplatch.commands.outputs import OutputFolder
+from skiplatch.played_files import all_faults_told, read_played
 from skiplatch.simulator.effects import Effect
-from skiplatch.stand_ins import read_played, refuse_endless_move, refuse_unplayable
+from skiplatch.stand_ins import refuse_endless_move, refuse_unplayable
 
 EPILOG = """\b
 Example:
@@ -66,11 +67,12 @@ def command(
 
     What is played is the nominal chain, and the effects that are switched on.
     """
-    nominal = read_nominal(nominal_path)
-    refuse_idle(switched_on, nominal.kind)
-    refuse_unplayable(nominal_path, nominal)
-    conditions = read_played(conditions_path, nominal)
-    refuse_endless_move(nominal_path, nominal, conditions)
+    with all_faults_told(nominal_path, conditions_path):
+        nominal = read_nominal(nominal_path)
+        refuse_idle(switched_on, nominal.kind)
+        refuse_unplayable(nominal_path, nominal)
+        conditions = read_played(conditions_path, nominal)
+        refuse_endless_move(nominal_path, nominal, conditions)
     touches = simulate(nominal, conditions, effects=switched_on, seed=seed, jobs=jobs).touches
     write_campaign(out, nominal, touches)
     missed = int(touches.missed.sum())
