@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH
+from played_campaigns import BENCH, MACHINE
 from skiplatch.campaign import read_campaign
+from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.reported.notes import notes
 from skiplatch.diagnosis.scene.scene import Scene
@@ -41,3 +42,24 @@ def test_an_unknown_gap_says_what_tells_of_it_though_it_shows_everywhere() -> No
     whole = "What it looks like: latch, skip path: scatter everywhere"
     assert said[0] == f"{whole}; scatter goes with touches since a change of axis."
     assert bare[0] == f"{whole}."
+
+
+def with_datum(free: DatumFreedom) -> Scene:
+    campaign = read_campaign(MACHINE)
+    return Scene.of(replace(campaign, nominal=replace(campaign.nominal, datum=Datum(free))))
+
+
+@pytest.mark.parametrize(
+    ("free", "named", "is_said"),
+    [
+        (DatumFreedom.AXIS, ("backlash",), True),
+        (DatumFreedom.AXIS, ("scale_error",), False),
+        (DatumFreedom.NONE, ("backlash",), False),  # where the faces are known
+    ],
+)
+def test_zero_off_by_half_of_a_backlash_is_said_to_read_the_same(
+    free: DatumFreedom, named: tuple[str, ...], is_said: bool
+) -> None:
+    said = notes(with_datum(free), Verdict.EXPLAINED, (), [], named)
+
+    assert any("zero is off by half of the backlash" in line for line in said) == is_said

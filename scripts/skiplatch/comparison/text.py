@@ -48,7 +48,7 @@ def header(observable: Observable) -> tuple[str, ...]:
         "distance",
         "floor",
         "p",
-        "",
+        "verdict",
     )
 
 

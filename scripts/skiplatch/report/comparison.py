@@ -74,5 +74,5 @@ def _part(comparison: Comparison, observable: Observable) -> _Part:
         caption=f"{observable.title} in {observable.unit}: mean ± spread; recorded minus simulated "
         "± half of the 95 % interval",
         drawings=drawings,
-        table=Table((*header(observable)[:-1], "verdict"), rows),
+        table=Table(header(observable), rows),
     )
