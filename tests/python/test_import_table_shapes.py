@@ -295,3 +295,85 @@ def test_date_with_halves_of_the_day_has_the_month_first(tmp_path: Path) -> None
     run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), *maps)
 
     assert run.campaign.touches.time_s.tolist() == [0.0, 10.0, 3602.0]
+
+
+def test_what_came_of_a_touch_may_be_told_in_other_words(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(
+        "Z,result\n-3.014,FOUND\n-10.000,NOT FOUND\n,no_contact\n-3.012,ok\n"
+    )
+
+    run = Run(
+        tmp_path,
+        *("csv", str(tmp_path / "t.csv"), "--map", "coordinate_mm=Z", "--map", "status=result"),
+    )
+
+    assert run.campaign.touches.missed.tolist() == [False, True, True, False]
+    assert run.campaign.touches.deviation_um[[0, 3]] == pytest.approx([-1.0, 1.0])
+    said = 'status: "FOUND" counts as ok, "NOT FOUND" counts as missed, '
+    assert f'{said}"no_contact" counts as missed' in run.said["assumed"]
+    ends = "coordinates of missed touches are where the move ended: 1"
+    assert ends in run.said["assumed"]
+
+
+@pytest.mark.parametrize(
+    ("answers", "missed", "false"),
+    [
+        (("TRUE", "FALSE"), [False, True], [False, False]),
+        (("1", "0"), [False, True], [False, False]),
+        (("0", "1"), [True, False], [False, False]),
+        (("ok", "false"), [False, False], [False, True]),
+    ],
+)
+def test_false_is_no_touch_only_beside_true(
+    tmp_path: Path, answers: tuple[str, str], missed: list[bool], false: list[bool]
+) -> None:
+    rows = "".join(f"{'' if gone else 3},{a}\n" for a, gone in zip(answers, missed, strict=True))
+    (tmp_path / "t.csv").write_text(f"err,came\n{rows}")
+
+    run = Run(
+        tmp_path,
+        *("csv", str(tmp_path / "t.csv"), "--map", "deviation_um=err", "--map", "status=came"),
+    )
+
+    assert run.campaign.touches.missed.tolist() == missed
+    assert run.campaign.touches.false.tolist() == false
+
+
+def test_a_word_that_nobody_knows_is_refused(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("err,came\n3.2,perhaps\n")
+    maps = ("--map", "deviation_um=err", "--map", "status=came")
+
+    said = refused("import", "csv", tmp_path / "t.csv", *maps, "-o", tmp_path / "x")
+
+    assert 't.csv:2: came: expected ok, missed or false, got "perhaps"' in said
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        "0.0,0.0,-3.014\n0.0,0.0,-3.012\n",
+        "0;0;-3,014\n0;0;-3,012\n",
+        "0,0,-3\n0,0,-3.01\n",  # whole numbers alone in the first row
+        "  0.0   0.0   -3.014\n  0.0   0.0   -3.012\n",
+    ],
+)
+@pytest.mark.parametrize("title", ["", "Vise jaw, 3 March\n\n", "Vise jaw\nrun 7\n"])
+def test_numbers_without_a_head_may_stand_below_a_title(
+    tmp_path: Path, title: str, rows: str
+) -> None:
+    (tmp_path / "t.csv").write_text(title + rows)
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), "--map", "coordinate_mm=3")
+
+    touches = run.campaign.touches
+    z_mm = touches.position_mm + touches.deviation_um / 1e3
+    expected = [-3.0, -3.01] if ",-3\n" in rows else [-3.014, -3.012]
+    assert z_mm == pytest.approx(expected)
+
+
+def test_numbers_that_are_heads_stay_heads(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("Vise jaw\n1,2,3\n0,0,-3.014\n0,0,-3.012\n")
+
+    run = Run(tmp_path, "csv", str(tmp_path / "t.csv"), "--map", "coordinate_mm=3")
+
+    assert len(run.campaign.touches) == 2

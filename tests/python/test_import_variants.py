@@ -347,7 +347,6 @@ COMMANDS = [["repeat"], *(["import", kind] for kind in ("grbl", "marlin", "klipp
         ("Send: G30\nRecv: Z:4.6062 C:737\nRecv: ok\n", "Smoothieware"),
         ("Recv: Z-probe:20.580 X:-0.01 Y:0.00\n", "Repetier-Firmware"),
         ("Recv: echo:Starting probe at 1\nRecv: echo:endstops hit:  Z:19.53\n", "Prusa's Buddy"),
-        ("G30 S-1\nStopped at height 1.234 mm\nok\n", "RepRapFirmware (Duet)"),
         ('{"gc":"g38.2 z-10 f100"}\n{"prb":{"e":1,"x":0.0,"z":-5.1}}\n', "TinyG or g2core"),
     ],
 )

@@ -116,6 +116,7 @@ STAND_INS: dict[str, Callable[[Path], None]] = {
     "serial.log": partial(_copy, LOGS / "grbl_serial.log"),
     "x_axis.csv": partial(_copy, LOGS / "iso230_x.csv"),
     "m48.log": partial(_copy, LOGS / "marlin_m48.log"),
+    "duet.log": partial(_copy, LOGS / "marlin_duet.log"),
     "capture.vcd": _capture,
     "t.csv": _table,
     "gauge.csv": _gauge,

@@ -109,11 +109,19 @@ def _rows(
         delimiter = delimiter_of(lead[-1] if lead else "")
         rows = _parsed(path, chain(lead, lines), delimiter, after)
         if in_points:
-            yield from in_points(rows)
+            yield from _in_points(list(rows), delimiter, in_points)
         else:
             yield from rows if delimiter == "," else _with_points(path, rows)
     except UnicodeDecodeError as error:
         raise InputError(path, _undecodable_line(path), None, "not UTF-8 text") from error
+
+
+def _in_points(
+    rows: list[Row], delimiter: str, in_points: Callable[[Iterable[Row]], Iterable[Row]]
+) -> Iterable[Row]:
+    """Turn decimal marks into points; where no cell has a comma beside ones between, they are."""
+    has_commas = delimiter != "," or any("," in cell for _, row in rows for cell in row)
+    return in_points(rows) if has_commas else rows
 
 
 def _parsed(path: Path, lines: Iterator[str], delimiter: str, after: int) -> Iterator[Row]:

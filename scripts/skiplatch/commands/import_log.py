@@ -116,7 +116,7 @@ def klipper(log: Path, feed: float | None, **written: Any) -> None:  # noqa: ANN
 @out_option
 @json_option
 def marlin(log: Path, feed: float | None, **written: Any) -> None:  # noqa: ANN401
-    """Read the console of M48 V4 or G30 as LOG."""
+    """Read the console of M48 V4 or G30 as LOG, or of G30 S-1 on a Duet."""
     from skiplatch.importing.marlin import read_marlin  # noqa: PLC0415
 
     finish(read_marlin(log, feed), (log,), **written)

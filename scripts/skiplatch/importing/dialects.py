@@ -3,6 +3,8 @@
 import re
 from collections.abc import Mapping
 
+from skiplatch.importing.duet_touches import STOPPED
+
 READ: Mapping[str, re.Pattern[str]] = {
     "grbl": re.compile(r"\[PRB:"),
     "klipper": re.compile(
@@ -10,12 +12,11 @@ READ: Mapping[str, re.Pattern[str]] = {
         r"\bMeasurements gathered: ",
         re.IGNORECASE,
     ),
-    "marlin": re.compile(r"(?<!\d)\d{1,6} of \d{1,6}:?\s*z:|(?i:Bed X:)"),
+    "marlin": re.compile(rf"(?<!\d)\d{{1,6}} of \d{{1,6}}:?\s*z:|(?i:Bed X:)|{STOPPED}"),
     "linuxcnc": re.compile(r"^\s*(?:-?\d+\.\d+\s+){8}-?\d+\.\d+\s*$", re.MULTILINE),
 }
 """What a touch looks like in a log that `skiplatch import` reads, by the kind that it is called."""
 _TOUCHES: Mapping[str, re.Pattern[str]] = {
-    "RepRapFirmware (Duet)": re.compile(r"Stopped at height -?[\d.]+ ?mm"),
     "TinyG or g2core": re.compile(r'\{"prb":'),
     "Smoothieware": re.compile(r"\bZ:-?[\d.]+ C:-?\d+\s*$", re.MULTILINE),
     "Repetier-Firmware": re.compile(r"Z-probe:\s*-?[\d.]+ X:"),

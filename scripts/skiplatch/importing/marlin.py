@@ -1,4 +1,4 @@
-"""Marlin: M48 at V2 and above, and G30."""
+"""Marlin: M48 at V2 and above, and G30; and RepRapFirmware, whose G30 S-1 is the like."""
 
 import re
 from pathlib import Path
@@ -14,6 +14,8 @@ from skiplatch.importing.console import (
     half_digit,
 )
 from skiplatch.importing.dialects import advice
+from skiplatch.importing.duet_touches import HOMING as DUET_HOMING
+from skiplatch.importing.duet_touches import LEVELLING, Duet, fails, is_false
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.marlin_series import TEST, Series
@@ -61,7 +63,10 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
     for line in read_lines(path):
         reader.take(line)
     if not reader.has_touched:
-        expected = 'expected lines such as "1 of 10: z: 0.185" of M48 V4, or "Bed X: … Z: …" of G30'
+        expected = (
+            'expected lines such as "1 of 10: z: 0.185" of M48 V4, "Bed X: … Z: …" of G30, or '
+            '"Stopped at height 0.185 mm" of G30 S-1'
+        )
         if reader.has_tested:
             expected += ", got M48 without samples: type M48 V4"
         elif reader.has_mesh:
@@ -86,6 +91,7 @@ class _Reader(Console):
         self._from_means = 0
         self._is_bed_last = False
         self._series = Series()
+        self._duet = Duet()
 
     def take(self, line: Line) -> None:
         """Take in a line, without comments."""
@@ -95,6 +101,8 @@ class _Reader(Console):
             self._sample(match, line)
             return
         self._series.take(text, line.number)
+        if self._takes_of_duet(text, line):
+            return
         if match := _PLACE.search(text):
             self._place, self._in_test = (float(match[1]), float(match[2])), False
         elif match := _BED.search(text):
@@ -112,6 +120,18 @@ class _Reader(Console):
             self.has_mesh |= bool(_MESH.search(text))
         if TEST.search(text):
             self._in_test = self.has_tested = True
+
+    def _takes_of_duet(self, text: str, line: Line) -> bool:
+        """Take a touch of RepRapFirmware, or what tells of the next one."""
+        duet, feed = self._duet, self.feed or self._duet.feed
+        if (z := duet.height(text)) is not None or fails(text):
+            self.add(z, duet.place, line, feed=feed)
+            return True
+        if is_false(text):
+            self.add(None, duet.place, line, feed=feed, is_false=True)
+            return True
+        duet.take(text)
+        return duet.has_touched and bool(self.take_moved(text, {HOMING: DUET_HOMING} | LEVELLING))
 
     def _settings(self, text: str, line: Line) -> None:
         """Take a setting, as typed or as M503 lists it."""
@@ -187,10 +207,20 @@ class _Reader(Console):
                 "for certain; type G21 and M503"
             )
         else:
-            found.assumed.append("400 steps/mm of Z, Marlin's default; M503 prints yours (M92)")
+            prints = (
+                "type M92 Z with yours" if self._duet.has_touched else "M503 prints yours (M92)"
+            )
+            found.assumed.append(f"400 steps/mm of Z, Marlin's default; {prints}")
         if self._accel:
             found.figure("axis", "accel_mm_s2", self._accel, "M201 of the log")
-        if self.feed is None:
+        if self._duet.taps > 1:
+            several = f"M558 A{self._duet.taps}: a height may be the mean of so many touches"
+            found.assumed.append(f"{several}; with A1 it is one")
+        if self._duet.has_touched and all(touch.feed for touch in self.touches):
+            found.known.append("feeds from M558, or as given")
+        elif self._duet.has_touched:
+            found.assumed.append("the feed is not known before M558 tells it; give --feed")
+        elif self.feed is None:
             found.assumed.append(
                 "the feed is not known: Marlin does not print it; give --feed "
                 "(Z_PROBE_FEEDRATE_SLOW of Configuration.h, mm/min)"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import COLUMNS, Axis, Kind, Touches
+from skiplatch.campaign import COLUMNS, Axis, Kind, Status, Touches
 from skiplatch.campaign.column_kinds import CellError, LabelColumn, NumberColumn, Values
 from skiplatch.campaign.columns import TIME, is_thermometer, place_of
 from skiplatch.campaign.csv_text import Row
@@ -27,9 +27,9 @@ from skiplatch.importing.spreadsheets import (
     say_digit,
     without_lines_below,
 )
+from skiplatch.importing.status_words import as_status
 from skiplatch.importing.table_rows import (
-    are_by_number,
-    is_measured,
+    begins_numbers,
     refuse_no_head,
     refuse_surplus,
     say_empty,
@@ -95,7 +95,8 @@ def read_table(
     body = touched(body, heads, mapped, found)
     refuse_surplus(path, heads, body)
     say_empty(heads, body, mapped, found)
-    columns = {m.column: _cells(path, heads, body, m) for m in mapped}
+    columns = {m.column: _cells(path, heads, body, m, found) for m in mapped}
+    _leave_out_ends(found, columns)
     probed = axis or USUAL_AXIS
     found.lines = [line for line, _ in body]
     if not body:
@@ -140,21 +141,34 @@ def _others_named(path: Path) -> Iterator[None]:
 
 
 def _is_head(row: list[str], mapped: Sequence[Mapped]) -> bool:
-    """Tell the head by its names; a 3 among measured numbers names no column."""
-    is_numbers = are_by_number(mapped) and is_measured(row)
-    return not is_numbers and all(named_in(row, m) for m in mapped)
+    """Tell the head by its names, or the first row of numbers where the columns go by theirs."""
+    return begins_numbers(row, mapped) or all(named_in(row, m) for m in mapped)
 
 
 def _in(mapped: Mapped) -> str:
     return f" in {mapped.unit}" if mapped.unit else ""
 
 
-def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped) -> Values:
+def _leave_out_ends(found: Imported, columns: Mapping[str, FloatArray]) -> None:
+    """Leave out coordinates of missed touches: there the move ended, and nothing was latched."""
+    if COORDINATE not in columns or "status" not in columns:
+        return
+    ends = (columns["status"] == Status.MISSED) & ~np.isnan(columns[COORDINATE])
+    columns[COORDINATE][ends] = np.nan
+    if ends.any():
+        found.assumed.append(
+            f"coordinates of missed touches are where the move ended: {ends.sum()}"
+        )
+
+
+def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped, found: Imported) -> Values:
     position = heads.index(m.head)
     cells = [row[position] if position < len(row) else "" for _, row in body]
     if m.column == "sign":
         moved = map(_MOVED.fullmatch, (cell.strip() for cell in cells))
         cells = [_SENSES[m[1]] if m else cell for m, cell in zip(moved, cells, strict=True)]
+    if m.column == "status":
+        cells = as_status(cells, found)
     if m.column == "feed_mm_min":
         cells = [_F_WORD.sub("", cell, count=1) for cell in cells]
     if m.column == TIME_NAME:

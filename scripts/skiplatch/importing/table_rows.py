@@ -8,13 +8,14 @@ from skiplatch.campaign import COLUMNS
 from skiplatch.campaign.csv_text import Row
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.dialects import advice
-from skiplatch.importing.mapped import COORDINATE, Mapped
+from skiplatch.importing.mapped import COORDINATE, Mapped, named_in
 from skiplatch.importing.model import Imported
 from skiplatch.importing.named_lines import named
 from skiplatch.importing.spreadsheets import tells
 from skiplatch.numbers import NUMBER
 
-_NUMBER = re.compile(NUMBER)
+_NUMBER = re.compile(rf"{NUMBER}|[-+]?[0-9]*,[0-9]+")
+"""With a decimal comma too, as cells are looked at before these are points."""
 _ROWS = 20  # from the head on, that are looked at
 
 _OUTCOMES = {COORDINATE, "edge_us", *(name for name in COLUMNS if COLUMNS[name].is_outcome)}
@@ -48,7 +49,9 @@ def touched(
 
 def with_numbers(rows: list[Row], mapped: Sequence[Mapped], found: Imported) -> list[Row]:
     """Put the numbers of the columns, from 1, above measured ones that are mapped by these."""
-    if not (are_by_number(mapped) and rows and is_measured(rows[0][1])):
+    if not (rows and are_by_number(mapped)):
+        return rows
+    if not (is_measured(rows[0][1]) or begins_numbers(rows[0][1], mapped)):
         return rows
     line, first = rows[0]
     found.assumed.append("columns go by their numbers from 1, as the table has no head")
@@ -60,10 +63,25 @@ def are_by_number(mapped: Sequence[Mapped]) -> bool:
     return all(m.name.isdecimal() for m in mapped)
 
 
+def begins_numbers(row: list[str], mapped: Sequence[Mapped]) -> bool:
+    """Tell numbers where columns are mapped by theirs; 1, 2 and 3 themselves are heads.
+
+    A 3 among measured numbers names no column. What has fewer cells is a line above them.
+    """
+    if not are_by_number(mapped) or len(row) < max(int(m.name) for m in mapped):
+        return False
+    is_named = all(named_in(row, m) for m in mapped)
+    return is_measured(row) or (2 * len(_numbers(row)) > len(row) and not is_named)
+
+
 def is_measured(row: Sequence[str]) -> bool:
     """Tell numbers, decimals among them, from heads, which may be whole numbers."""
-    numbers = [cell for cell in row if _NUMBER.fullmatch(cell.strip())]
-    return 2 * len(numbers) > len(row) and any("." in number for number in numbers)
+    numbers = _numbers(row)
+    return 2 * len(numbers) > len(row) and any("." in number or "," in number for number in numbers)
+
+
+def _numbers(row: Sequence[str]) -> list[str]:
+    return [cell for cell in row if _NUMBER.fullmatch(cell.strip())]
 
 
 def refuse_no_head(path: Path, rows: Sequence[Row], title: Sequence[str]) -> None:
