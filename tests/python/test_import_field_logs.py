@@ -269,3 +269,16 @@ def test_log_of_linuxcnc_without_a_touch_is_refused(tmp_path: Path, refused: Pro
     said = refused("import", "linuxcnc", tmp_path / "p.txt", *words)
 
     assert "expected a touch, got 2 probing moves that ended without one" in said
+
+
+def test_settings_that_candle_puts_in_one_line_are_all_read(tmp_path: Path) -> None:
+    (tmp_path / "c.log").write_text(
+        "$$ < $0=10; $13=0; $102=800.000; $122=50.000 ($120=7 of X); ok\n"
+        "G38.2Z-20F50 < [PRB:-200.000,-150.000,-12.300:1]; ok\n"
+    )
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "c.log"))
+
+    axis = run.campaign.nominal.axis
+    assert (axis.resolution_um, axis.accel_mm_s2) == (1.25, 50.0)
+    assert not any("$122" in line for line in run.said["assumed"])

@@ -14,7 +14,7 @@ from skiplatch.importing.grbl_digits import DIGIT_INCH, DIGIT_MM, are_finer_than
 from skiplatch.importing.grbl_finding import Finding
 from skiplatch.importing.grbl_guesses import Guesses
 from skiplatch.importing.grbl_replies import Reply, Unit, reply_in
-from skiplatch.importing.grbl_settings import ACCEL, INCHES, STEPS, say_missing
+from skiplatch.importing.grbl_settings import ACCEL, INCHES, STEPS, say_missing, settings_in
 from skiplatch.importing.grbl_speed import Speeds, limit
 from skiplatch.importing.log_lines import Line, read_lines, read_text
 from skiplatch.importing.model import NO_TIMES, Imported, Touch, refuse_all_missed
@@ -25,7 +25,6 @@ from skiplatch.numbers import NUMBER
 from skiplatch.tables import counted
 from skiplatch.units import MM_PER_INCH, UM_PER_MM
 
-_SETTING = re.compile(rf"\$([0-9]{{1,3}})\s*=\s*({NUMBER})")
 _MODES = re.compile(r"\[GC:([^\]]*)\]")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
 _GRBL_HAL = re.compile(
@@ -85,10 +84,10 @@ class _Reader:
     def take(self, line: Line) -> None:
         """Take in a line: settings, a command, a reply, or several of them in one."""
         plain = without_comments(line.text)
-        for number, value in _SETTING.findall(plain):
-            self._settings[int(number)] = float(value)
-            if int(number) == INCHES:
-                self._unit.tell(inch=float(value) == 1)
+        for number, value in settings_in(line.text):
+            self._settings[number] = value
+            if number == INCHES:
+                self._unit.tell(inch=value == 1)
         if ends := _RANGE.search(line.text):
             self._ranges[ends[1]] = (float(ends[2]), float(ends[3]))
         self._is_hal = self._is_hal or bool(_GRBL_HAL.search(line.text))
