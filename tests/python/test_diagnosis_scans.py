@@ -15,7 +15,10 @@ from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit, fit
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.reported.where import places
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.decide import Finding
+from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.simulator.effects import Effect
 
 PLC = ("latch_plc", "lattice")
@@ -245,6 +248,31 @@ def test_edges_bound_to_the_scans_propose_no_period_that_no_scan_can_have() -> N
     periods = [believed + start[0] for start in scan_periods(scene, Change())]
 
     assert min(periods) >= 0.08 * believed
+
+
+def test_all_stamps_propose_a_period_that_half_of_them_do_not_tell() -> None:
+    """Of 24 touches half serve the fit; the period is off by 40 ppm."""
+    campaign = played(BENCH, Effect("scan_period", {"period_us": 0.08}))
+    polled = np.flatnonzero(Scene.of(campaign).plc)[:24]
+    scene = Scene.of(replace(campaign, touches=campaign.touches.select(polled)))
+    half = scene.select(np.arange(len(scene)) % 2 == 0)
+
+    seen = [start[0] for start in scan_periods(half, Change())]
+
+    assert seen[0] == pytest.approx(0.08, rel=0.02)
+
+
+def test_stamps_of_another_period_lie_anywhere_on_the_believed_grid() -> None:
+    scene = Scene.of(played(BENCH, Effect("scan_period", {"period_us": 0.08})))
+    fit = Fit((CANDIDATES["scan_period"],), (np.array([0.08]),), frozenset(scene.streams))
+
+    (grid,) = (
+        place
+        for place in places(scene, Finding(Scored(fit, 100.0, 50.0)), [], [])
+        if place.stretch == "grid"
+    )
+
+    assert grid.size == pytest.approx(scene.nominal.plc.scan_us / np.sqrt(12.0), rel=0.1)
 
 
 @pytest.mark.parametrize("turns", [-1.0, 1.0])

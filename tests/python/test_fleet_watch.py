@@ -178,7 +178,7 @@ def test_a_copy_with_old_times_is_not_whole_at_once(inbox: Path, store: Path) ->
 def test_a_bad_campaign_is_one_line_and_costs_no_other(
     inbox: Path, store: Path, diagnosed: list[Path | None], refused: Program
 ) -> None:
-    (put(inbox / "a bad one") / "touches.csv").write_text("touch\nx\n")
+    (put(inbox / "a bad one") / "touches.csv").write_text("touch\n1\n")
     put(inbox / "monday")
 
     said = refused("fleet", "watch", inbox, "--store", store, "--once", "--settle-s", AT_ONCE_S)

@@ -14,6 +14,7 @@ from skiplatch.diagnosis.scene.grid import (
     APART,
     folded,
     grid_period,
+    kept_grid,
     mean_turn,
     off_grid,
     sharpened,
@@ -30,6 +31,8 @@ WELL_KEPT = 0.95
 """Length of the mean turn of stamps that keep a grid, from which on no other is looked for."""
 OTHER_PERIODS = tuple(APART**k for k in (-3, -2, -1, 1, 2, 3))
 """Of the scan, over the believed one, about which a grid is looked for."""
+MOST_STAMPS = 1000
+"""Touches of a whole campaign, up to which half of it may have too few stamps to tell a grid."""
 SHARP = 0.02
 """Scatter of the edge, over the scan period, that does not blur the waits for a scan."""
 
@@ -149,7 +152,7 @@ def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     coarse = [[share * believed] for share in (-0.5, -0.2, -0.05, 0.05, 0.2, 0.5, 1.0)]
     stream = scene.streams.get("latch_plc")
     if stream is None or stream.rows.sum() < FEWEST_STAMPS:
-        return coarse
+        return [*_told_by_all(scene), *coarse]
     sharp = stream.rows & (scene.mechanics_us < SHARP * believed)
     waits = stream.residuals[sharp if sharp.sum() >= FEWEST_STAMPS else stream.rows]
     # Where the scans bind the edges, the waits differ by far less than a period.
@@ -159,6 +162,18 @@ def scan_periods(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     far = [] if np.abs(mean_turn(stamps, near[1])) > WELL_KEPT else _far_periods(stamps, believed)
     periods = [sharpened(stamps, period)[0] for period in (*near, *far)]
     return [*([period - believed] for period in periods), [width - believed], *coarse]
+
+
+def _told_by_all(scene: Scene) -> list[list[float]]:
+    """Propose the grid that all stamps of a campaign keep by no accident, if a part is too few.
+
+    The scans run on from touch to touch. What the period gains is judged by touches apart.
+    """
+    whole, _ = scene.in_sequence(MOST_STAMPS)
+    stamps, believed = np.sort(whole.touches.latch_us[whole.plc]), scene.nominal.plc.scan_us
+    stamps = stamps[~np.isnan(stamps)]
+    grid = kept_grid(stamps, believed, FEWEST_STAMPS) if len(stamps) >= FEWEST_STAMPS else None
+    return [[grid[0] - believed]] if grid else []
 
 
 def _far_periods(stamps: FloatArray, believed: float) -> list[float]:

@@ -9,10 +9,12 @@ from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.likelihood.laws import law_under
+from skiplatch.diagnosis.likelihood.laws import LATTICE, law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.likelihood.scan_wait import scan_period_us
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left
 from skiplatch.diagnosis.plays.leftover import MISSED
+from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.scored import Scored
@@ -129,10 +131,25 @@ def _place(
         paths=_paths(name),
         observable=name,
         conditions=_conditions(name, before),
-        size=_changed(stream, law_under(scene, stream, change)),
+        size=max(
+            _changed(stream, law_under(scene, stream, change)), _regridded(scene, name, change)
+        ),
         unit=stream.unit,
         effects=showing,
     )
+
+
+def _regridded(scene: Scene, name: str, change: Change) -> float:
+    """Give the root mean square by which stamps lie off the believed grid, and not off the changed.
+
+    Another period, or scans that edges begin, move no stamp by themselves: the law is the same.
+    """
+    if name != LATTICE:
+        return 0.0
+    stamps = scene.touches.latch_us[scene.streams[name].rows]
+    periods = scene.nominal.plc.scan_us, scan_period_us(scene, change)
+    was, still = (float(np.mean(off_grid(stamps, period) ** 2)) for period in periods)
+    return float(np.sqrt(was if change.wait else max(was - still, 0.0)))
 
 
 def _changed(stream: Stream, law: Law) -> float:
