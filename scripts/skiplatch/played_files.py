@@ -93,8 +93,10 @@ def all_faults_told(
         if not nominal_path.is_file():
             raise
         told = {str(one) for one in error.apart}
+        # A table that cannot be read is told as whoever asked wants it read.
+        is_told = any(one.path == touches_path for one in error.apart)
         with warnings.catch_warnings(action="ignore"):  # they were given when it was read
-            faults = _faults(nominal_path, touches_path, read, as_played)
+            faults = _faults(nominal_path, None if is_told else touches_path, read, as_played)
         error.further = (*error.further, *(one for one in faults if str(one) not in told))
         raise
 
