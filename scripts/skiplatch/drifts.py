@@ -1,14 +1,13 @@
 """By what touches drift: by their number, with time, or with a temperature."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Touches
-from skiplatch.settled import CONDITION, TOLD_BY_CHANCE, WARMTH, Settled, fit_shown, settle
+from skiplatch.settled import TOLD_BY_CHANCE, Settled, settle
 from skiplatch.statistics import CONFIDENCE, Interval
 from skiplatch.succession import follows
 from skiplatch.surface_fit import NOTHING, Grid, fit_surfaces
@@ -41,7 +40,7 @@ class Warmth:
 
     Attributes:
         slope: A kelvin.
-        sigma: What touches scatter by without it, and without the lines beside it.
+        sigma: What touches scatter by without it, and without any drift by number or time.
         is_told: Whether the slope is shown, as many as were looked at.
     """
 
@@ -107,7 +106,7 @@ def by_temperature(
     conditions: dict[str, FloatArray],
     regular: BoolArray,
 ) -> dict[str, Warmth]:
-    """Give the line in each thermometer that moves.
+    """Give the line in each thermometer that moves, in place of the drift by number.
 
     Intervals hold for all thermometers together, as the one that fits best is looked at.
 
@@ -118,7 +117,10 @@ def by_temperature(
         conditions: What there is a line in besides, fitted together with that in each thermometer.
         regular: The touches that are fitted; shape (n,).
     """
-    known = {name: (t, regular & ~np.isnan(t)) for name, t in _thermometers(touches).items()}
+    named = touches.thermometers
+    is_named = any(np.array_equal(touches.temp_c, t, equal_nan=True) for t in named.values())
+    warmth = dict(named) if is_named else {"machine": touches.temp_c, **named}
+    known = {name: (t, regular & ~np.isnan(t)) for name, t in warmth.items()}
     surfaces = dummies.shape[1]
     tried = {
         name: (t, rows)
@@ -141,60 +143,6 @@ def by_temperature(
             slope = Interval(line.slope, line.slope - reach, line.slope + reach)
             found[name] = Warmth(slope, fit.sigma, is_told=abs(line.slope) > needed)
     return found
-
-
-def beside_warmth(
-    touches: Touches,
-    y: FloatArray,
-    dummies: FloatArray,
-    lines: dict[str, FloatArray],
-    found: Settled,
-    grid: Grid,
-) -> tuple[Settled, dict[str, Warmth]]:
-    """Fit drifts and the slope with the feed together with the thermometer that is told.
-
-    It is looked for in place of a drift, and else beside one: what grows with the time of day may
-    grow with the temperature. Of two that tell the same, fitted together, that stays which is shown
-    better. The scatter is given with what goes with the temperature still in it.
-
-    Args:
-        touches: In order of time; n of them.
-        y: What repeats; shape (n,).
-        dummies: 1 where a touch is of a surface, else 0; shape (n, s).
-        lines: What there may be a line in besides; shape (n,) each.
-        found: What touches show without a thermometer.
-        grid: What readings are rounded to.
-    """
-
-    def warmth_beside(names: Iterable[str]) -> dict[str, Warmth]:
-        return by_temperature(touches, y, dummies, {n: lines[n] for n in names}, found.regular)
-
-    shown = found.fit.lines
-    first = warmth_beside(name for name in shown if name == CONDITION)
-    tried = [first, warmth_beside(shown)] if {*shown} - {CONDITION} else [first]
-    for name in dict.fromkeys(name for warmth in tried for name in _told(warmth)):
-        t = _thermometers(touches)[name]
-        rows = found.regular & ~np.isnan(t)
-        warm = np.nan_to_num(t - t[rows].mean())
-        joint = fit_shown(y, dummies, lines | {WARMTH: warm}, rows, grid.finest(y[rows]))
-        warmth = warmth_beside(each for each in joint.fit.lines if each != WARMTH)
-        if WARMTH in joint.fit.lines and name in warmth and warmth[name].is_told:
-            fit = joint.fit.with_line_left_in(WARMTH, warm, rows)
-            return Settled(fit, found.regular, joint.intervals), warmth
-    return found, {name: replace(warmth, is_told=False) for name, warmth in tried[-1].items()}
-
-
-def _told(warmth: dict[str, Warmth]) -> list[str]:
-    """Give the thermometers that are told, first that which leaves the least scatter."""
-    told = [name for name, each in warmth.items() if each.is_told]
-    return sorted(told, key=lambda name: warmth[name].sigma.value)
-
-
-def _thermometers(touches: Touches) -> dict[str, FloatArray]:
-    """Give all of them by their names, that of the machine among them."""
-    named = touches.thermometers
-    is_named = any(np.array_equal(touches.temp_c, t, equal_nan=True) for t in named.values())
-    return dict(named) if is_named else {"machine": touches.temp_c, **named}
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,11 +3,11 @@
 What repeats is the deviation in µm, of rotary axes in arcsec; on a bench without motion, the time
 from edge to latch in µs.
 
-Deviations are held against the middle of their surface. One straight line each in the number of the
-touch, or in its time, in the feed, and in a thermometer that they go with is fitted to all of them
-together. A line that is not shown is not taken out, nor is that in a temperature. First touches of
-a series that are not told from the others are touches like them. Outliers do not enter. Each input
-path has figures of its own: a PLC task scatters by its scan.
+Deviations are held against the middle of their surface, and one straight line each in the number
+of the touch, or in its time, and in the feed is fitted to all of them together. A line that is not
+shown is not taken out, and first touches of a series that are not told from the others are touches
+like them. Outliers do not enter. Each input path has figures of its own: a PLC task scatters by its
+scan.
 """
 
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Axis, Campaign, InputPath, Touches
 from skiplatch.campaign.session_names import HOMING, begun_by
 from skiplatch.campaign.steps import common_step
-from skiplatch.drifts import FEWEST_FREE, Warmth, beside_warmth, course_of, with_drift
+from skiplatch.drifts import FEWEST_FREE, Warmth, by_temperature, course_of, with_drift
 from skiplatch.errors import InputError
 from skiplatch.reversal import Reversal, reversal_of
 from skiplatch.settled import first_off, is_shown, settle
@@ -202,9 +202,9 @@ def _of(
     freedom = int((~is_first).sum()) - dummies.shape[1]
     is_off = first is not None and is_shown(first, freedom) and abs(first.value) > grid.finest(y)
     rows = ~is_first if is_off else np.ones(len(y), dtype=bool)
-    alone = settle(y, dummies, lines, rows, ~is_first, grid)
-    found, warmth = beside_warmth(touches, y, dummies, lines, alone, grid)
+    found = settle(y, dummies, lines, rows, ~is_first, grid)
     regular, fit = found.regular, found.fit
+    beside = {name: x for name, x in conditions.items() if name in fit.lines}
     return Repeatability(
         touches=tuple(touches.touch.tolist()),
         unit=unit,
@@ -219,7 +219,7 @@ def _of(
         axis_drift=found.intervals.get("axis"),
         feeds_are_apart=_are_apart(speed, surface) and not at_rest and unit != "µs",
         touches_per_h=course.per_h,
-        warmth=warmth,
+        warmth=by_temperature(touches, y, dummies, beside, regular),
         in_a_row=in_a_row(fit.residuals, surface, regular, fit.sigma.value),
         reversal=reversal_of(touches, y, surface, regular, fit.sigma.value, fit.freedom)
         if at_rest

@@ -26,10 +26,8 @@ from skiplatch.surface_fit import (
 
 CONDITION = "speed"
 """The line in the feed, which readings differ by as they do by their surface."""
-WARMTH = "warmth"
-"""The line in a thermometer."""
-DRIFTS = ("order", "axis", WARMTH)
-"""Lines in what goes on as the touches do: what these keep of those before is no drift."""
+DRIFTS = ("order", "axis")
+"""Lines in the order of the touches: what these keep of those before is no drift."""
 TOLD_BY_CHANCE = 0.01
 """Chance with which a figure that is 0 is told; its interval, of 95 %, leaves 0 out more often."""
 OUTLIER_BY_CHANCE = 0.01

@@ -1,6 +1,6 @@
 """Middles of surfaces and straight lines by least squares, and what lies far off them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import stats
@@ -47,20 +47,6 @@ class SurfaceFit:
         """Give what a line adds, less its mean; shape (n,)."""
         slope = self.lines.get(name, (0.0, 0.0))[0]
         return np.asarray(slope * (values - values.mean()))
-
-    def with_line_left_in(self, name: str, values: FloatArray, rows: BoolArray) -> "SurfaceFit":
-        """Give the fit with what a line adds among the residuals, the others as they are.
-
-        Args:
-            name: Of the line.
-            values: It is in; shape (n,).
-            rows: The touches that were fitted; shape (n,).
-        """
-        residuals = self.residuals + self.lines[name][0] * values
-        variance = float(np.sum(residuals[rows] ** 2) / (self.freedom + 1))
-        lines = {each: line for each, line in self.lines.items() if each != name}
-        sigma = _sigma(variance, self.freedom + 1)
-        return replace(self, residuals=residuals, lines=lines, sigma=sigma)
 
     def errors(self) -> FloatArray:
         """Give the standard error of each touch against the fit, if it is none of those fitted."""
