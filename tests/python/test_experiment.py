@@ -12,7 +12,8 @@ import pytest
 from scipy import integrate, stats
 
 from effects_rig import CONTROLLER, MACHINE, SCAN_US, mixed_touches
-from skiplatch.campaign import Axis, Campaign, Status, Touches
+from played_campaigns import BENCH
+from skiplatch.campaign import Axis, Campaign, Status, Touches, read_campaign
 from skiplatch.diagnosis import Diagnosis, Verdict
 from skiplatch.diagnosis.experiment import (
     Experiment,
@@ -20,6 +21,7 @@ from skiplatch.diagnosis.experiment import (
     experiment_text,
     next_experiment,
     settle,
+    touches_table,
 )
 from skiplatch.diagnosis.experiment.choice import choose
 from skiplatch.diagnosis.experiment.conditions import elsewhere, spread_out
@@ -462,3 +464,15 @@ def test_json_counts_the_touches_and_the_text_names_them() -> None:
     assert document["expected_bits"] == pytest.approx(1.0, abs=0.05)
     assert document["separates"] == [["trigger_delay"], ["following_error"]]
     assert "feed_mm_min" in experiment_text(experiment)
+
+
+def test_a_bench_without_motion_is_asked_for_none() -> None:
+    """Edges and latches alone: feeds and ways stood in for what it does not have."""
+    campaign = replace(read_campaign(BENCH), stood_in=frozenset({"feed_mm_min", "approach_mm"}))
+
+    experiment = next_experiment(campaign, diagnosed(Verdict.NO_GAP, [], []), seed=1)
+
+    header, _ = touches_table(experiment)
+    assert not {"feed_mm_min", "approach_mm", "rest_s"} & set(header)
+    for touch in experiment_json(experiment)["touches"]:
+        assert touch["feed_mm_min"] is touch["approach_mm"] is touch["rest_s"] is None

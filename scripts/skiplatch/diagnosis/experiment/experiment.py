@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, Touches
+from skiplatch.campaign import Campaign, Kind, Touches
 from skiplatch.diagnosis.experiment import words
 from skiplatch.diagnosis.experiment.channels import channels, recordable, recorded
 from skiplatch.diagnosis.experiment.choice import choose
@@ -61,6 +61,7 @@ class Experiment:
         touches_needed: After so many the groups of `separates` are told apart with a probability
             of 0.95; None if nothing is told apart.
         separates: The models by group: those within one remain tied. Empty without rivals.
+        invented: Columns of the touches that stand in for the motion of a bench without any.
     """
 
     words: str
@@ -70,6 +71,7 @@ class Experiment:
     expected_bits: float
     touches_needed: int | None
     separates: tuple[tuple[str, ...], ...]
+    invented: frozenset[str] = frozenset()
 
     @property
     def resolves(self) -> bool:
@@ -118,18 +120,19 @@ def experiment_for(
     touches: int = TOUCHES,
     as_recorded: bool = False,
 ) -> Experiment:
-    """Do the same for what a diagnosis has left: its models and its verdict.
-
-    With `as_recorded`, no column is recommended that the campaign does not have.
-    """
+    """Do so for models and a verdict; `as_recorded`, with no column that the campaign lacks."""
     if len(models) > 1:
-        return settle(
+        found = settle(
             campaign, models, seed=seed, jobs=jobs, touches=touches, as_recorded=as_recorded
         )
-    rng = np.random.default_rng(seed)
-    plan = spread_out(campaign.touches, touches, rng, _reach_mm(campaign)).touches
-    why = words.without_rivals(verdict, words.name(models[0]) if models else "")
-    return Experiment(why, None, plan, 0.0, 0.0, None, ())
+    else:
+        rng = np.random.default_rng(seed)
+        plan = spread_out(campaign.touches, touches, rng, _reach_mm(campaign)).touches
+        why = words.without_rivals(verdict, words.name(models[0]) if models else "")
+        found = Experiment(why, None, plan, 0.0, 0.0, None, ())
+    if campaign.nominal.kind is Kind.BENCH:
+        found = replace(found, invented=campaign.stood_in & {"feed_mm_min", "approach_mm"})
+    return found
 
 
 def settle(

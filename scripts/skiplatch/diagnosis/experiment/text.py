@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from skiplatch.campaign import COLUMNS, Touches
+from skiplatch.campaign import COLUMNS
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import Experiment
 from skiplatch.tables import compact, prose, table
@@ -34,16 +34,14 @@ def experiment_text(experiment: Experiment) -> str:
 def touches_table(experiment: Experiment) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
     """Give header and rows of the touches made most often, without what is empty in all."""
     header = (*VARIED, REST, "touches")
-    rows = [
-        (*map(_short, cells), str(count)) for cells, count in _distinct(experiment.touches)[:SHOWN]
-    ]
+    rows = [(*map(_short, cells), str(count)) for cells, count in _distinct(experiment)[:SHOWN]]
     kept = [i for i in range(len(header)) if not rows or any(row[i] for row in rows)]
     return [header[i] for i in kept], [[row[i] for i in kept] for row in rows]
 
 
 def remarks(experiment: Experiment) -> list[str]:
     """Say what is not in the table, and what is expected of all touches."""
-    more = len(_distinct(experiment.touches)) - SHOWN
+    more = len(_distinct(experiment)) - SHOWN
     said = [f"… and {more} other conditions"] if more > 0 else []
     if experiment.touches_needed is not None:
         said.append(
@@ -60,7 +58,7 @@ def experiment_json(experiment: Experiment) -> dict[str, Any]:
         "record": experiment.record,
         "touches": [
             {**_plain(dict(zip((*VARIED, REST), cells, strict=True))), "count": count}
-            for cells, count in _distinct(experiment.touches)
+            for cells, count in _distinct(experiment)
         ],
         "expected_bits": experiment.expected_bits,
         "bits_per_touch": experiment.bits_per_touch,
@@ -69,12 +67,19 @@ def experiment_json(experiment: Experiment) -> dict[str, Any]:
     }
 
 
-def _distinct(touches: Touches) -> list[tuple[tuple[str, ...], int]]:
-    """Give the cells of the distinct conditions, and how often each is to be made."""
+def _distinct(experiment: Experiment) -> list[tuple[tuple[str, ...], int]]:
+    """Give the cells of the distinct conditions, and how often each is to be made.
+
+    What was invented is empty, and with it the rest, which is what motion leaves of the time.
+    """
+    touches, empty = experiment.touches, [""] * len(experiment.touches)
     columns = touches.columns()
-    rests = [f"{rest:.1f}" for rest in rests_s(touches)]
-    cells = zip(*(COLUMNS[name].format(columns[name]) for name in VARIED), rests, strict=True)
-    return Counter(cells).most_common()
+    cells = [
+        empty if name in experiment.invented else COLUMNS[name].format(columns[name])
+        for name in VARIED
+    ]
+    rests = empty if experiment.invented else [f"{rest:.1f}" for rest in rests_s(touches)]
+    return Counter(zip(*cells, rests, strict=True)).most_common()
 
 
 def _short(cell: str) -> str:
