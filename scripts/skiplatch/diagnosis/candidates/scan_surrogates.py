@@ -4,7 +4,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.surrogates import LOOSEST, Parameters, as_part, as_share
-from skiplatch.diagnosis.density.change import Change, Wait
+from skiplatch.diagnosis.density.change import Change, Gaps, Wait
 from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -49,8 +49,7 @@ def overrun(scene: Scene, p: Parameters) -> Change:
             Extra(met * part, offset=_left_out(scene, begin), width=span / parts)
             for part, begin in zip(parts_met.tolist(), begins.tolist(), strict=True)
         ),
-        scan_extra=_gaps(
-            scene,
+        gaps=_shown(
             *zip((longer * parts_met).tolist(), (1.0 + ratios).tolist(), strict=True),
             (alone * max(0.0, 1.0 - ratio), 1.0 - ratio),
         ),
@@ -68,12 +67,8 @@ def _left_out(scene: Scene, late_us: float) -> float:
     return float(whole) if is_left_out else late_us
 
 
-def _gaps(scene: Scene, *gaps: tuple[float, float]) -> tuple[Extra, ...]:
-    """Shares of edges that fall into gaps between scans of other lengths, in periods."""
-    period = scene.nominal.plc.scan_us
-    return tuple(
-        Extra(share, width=length * period, boxless=1.0) for share, length in gaps if share > 0.0
-    )
+def _shown(*gaps: tuple[float, float]) -> Gaps:
+    return tuple((share, length) for share, length in gaps if share > 0.0)
 
 
 def jitter(scene: Scene, p: Parameters) -> Change:
@@ -82,11 +77,11 @@ def jitter(scene: Scene, p: Parameters) -> Change:
     late_us = np.where(punctual > CHANCE, 0.0, span * EVEN - tail * np.log1p(-FALLING))
     return Change(
         lattice_extra=(Extra(1.0 - punctual, width=span, mean=tail),),
-        scan_extra=_gaps(scene, *_lengths(scene, late_us)),
+        gaps=_lengths(scene, late_us),
     )
 
 
-def _lengths(scene: Scene, late_us: FloatArray) -> list[tuple[float, float]]:
+def _lengths(scene: Scene, late_us: FloatArray) -> Gaps:
     """Give what shares of edges meet gaps of what length, in periods, between scans so late.
 
     The lengths are means of a few parts, each of which meets about as many edges as any other.
@@ -97,11 +92,11 @@ def _lengths(scene: Scene, late_us: FloatArray) -> list[tuple[float, float]]:
     met = np.cumsum(lengths) - lengths / 2.0
     parts = (LENGTHS * met / lengths.sum()).astype(np.intp)
     totals, counts = np.bincount(parts, lengths), np.bincount(parts)
-    return [
+    return tuple(
         (float(total / lengths.sum()), float(total / count))
         for total, count in zip(totals, counts, strict=True)
         if total > 0.0
-    ]
+    )
 
 
 def locked(_: Scene, p: Parameters) -> Change:

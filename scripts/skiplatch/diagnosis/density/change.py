@@ -11,6 +11,10 @@ from skiplatch.diagnosis.density.law import Extra
 from skiplatch.span import Span
 
 Number = FloatArray | float
+Gaps = tuple[tuple[float, float], ...]
+"""Shares of the edges that fall into gaps between scans, with how long these are in periods."""
+MOST_GAPS = 12
+"""Lengths of gaps that are told apart."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +72,9 @@ class Change:
     lattice_extra: tuple[Extra, ...] = ()
     """Stamps of scans that begin late."""
     scan_extra: tuple[Extra, ...] = ()
-    """What such scans add to the wait for one."""
+    """What is added to the wait for a scan."""
+    gaps: Gaps = ()
+    """Gaps between scans that are not one period long."""
     report_extra: tuple[Extra, ...] = ()
     lost: float = 0.0
     """Share of touches that are never seen."""
@@ -124,6 +130,7 @@ class Change:
             skip_extra=both(self.skip_extra, other.skip_extra),
             lattice_extra=both(self.lattice_extra, other.lattice_extra),
             scan_extra=both(self.scan_extra, other.scan_extra),
+            gaps=gaps_of_both(self.gaps, other.gaps),
             report_extra=both(self.report_extra, other.report_extra),
             slack=max(self.slack, other.slack),
             lost=1.0 - (1.0 - self.lost) * (1.0 - other.lost),
@@ -132,6 +139,39 @@ class Change:
 
 
 NOTHING = Change()
+
+
+def gaps_of_both(first: Gaps, second: Gaps) -> Gaps:
+    """Give the gaps between scans that are late for two independent reasons.
+
+    What makes them longer or shorter adds up, and the longer a gap, the more edges it meets.
+    """
+    if not first or not second:
+        return first + second
+    found = sorted(
+        (one + other - 1.0, share * part / (one * other) * (one + other - 1.0))
+        for share, one in _with_usual(first)
+        for part, other in _with_usual(second)
+        if one + other > 1.0
+    )
+    while len(found) > MOST_GAPS:
+        _merge(found, min(range(len(found)), key=lambda i: found[i][1]))
+    whole = sum(share for _, share in found)
+    return tuple((share / whole, length) for length, share in found if length != 1.0 and share)
+
+
+def _with_usual(gaps: Gaps) -> Gaps:
+    """Add the gaps of one period."""
+    return (*gaps, (1.0 - sum(share for share, _ in gaps), 1.0))
+
+
+def _merge(gaps: list[tuple[float, float]], at: int) -> None:
+    """Take a length with its share, of some by length, for one with that which is nearest."""
+    (length, share), near = gaps[at], (i for i in (at - 1, at + 1) if 0 <= i < len(gaps))
+    other = min(near, key=lambda i: abs(gaps[i][0] - length))
+    whole = share + gaps[other][1]
+    mean = (share * length + gaps[other][1] * gaps[other][0]) / whole if whole else length
+    gaps[min(at, other) : max(at, other) + 1] = [(mean, whole)]
 
 
 def both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:

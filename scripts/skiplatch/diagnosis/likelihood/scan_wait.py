@@ -24,6 +24,12 @@ def scan_period_us(scene: Scene, change: Change) -> float:
     return max(believed + change.period_us, SHORTEST_PERIOD * believed)
 
 
+def gap_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
+    """Edges that fall into gaps of other lengths than a period, which they fall into evenly."""
+    period = scan_period_us(scene, change)
+    return tuple(Extra(share, width=length * period, boxless=1.0) for share, length in change.gaps)
+
+
 def locked_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
     """Touches whose wait for the scan is about a value, as extras that lack the scan's box."""
     wait = change.wait

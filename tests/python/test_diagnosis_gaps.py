@@ -1,0 +1,82 @@
+"""Gaps between scans that are late for two reasons, and the waits of the edges that meet them."""
+
+import numpy as np
+import pytest
+
+from played_campaigns import BENCH, played
+from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density import change
+from skiplatch.diagnosis.density.change import MOST_GAPS, Change, Gaps, gaps_of_both
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import Effect
+
+SPREAD: Gaps = tuple((0.2, 0.96 + 0.02 * i) for i in range(5))
+RARE: Gaps = ((0.12, 1.4), (0.06, 0.6))
+
+
+def mean_length(gaps: Gaps) -> float:
+    """Of the gaps that edges meet, those of one period among them; in periods."""
+    return 1.0 + sum(share * (length - 1.0) for share, length in gaps)
+
+
+def test_what_makes_gaps_longer_adds_up() -> None:
+    """Drawn scan by scan: every gap weighs as much as it is long, for that many edges it meets."""
+    rng, n = np.random.default_rng(5), 400_000
+    one, other = (drawn(gaps, rng, n) for gaps in (SPREAD, RARE))
+    lengths = one + other - 1.0
+
+    found = gaps_of_both(SPREAD, RARE)
+
+    mean = float(np.average(lengths, weights=lengths))
+    assert mean_length(found) == pytest.approx(mean, abs=0.002)
+    long = float(sum(share for share, length in found if length > 1.2))
+    assert long == pytest.approx(float(lengths[lengths > 1.2].sum() / lengths.sum()), abs=0.002)
+
+
+def drawn(gaps: Gaps, rng: np.random.Generator, n: int) -> FloatArray:
+    """Draw the lengths of gaps, each as often as there are some of it."""
+    rest = 1.0 - sum(share for share, _ in gaps)
+    shares, lengths = np.array([*gaps, (rest, 1.0)]).T
+    often = shares / lengths
+    return rng.choice(lengths, n, p=often / often.sum())
+
+
+def test_gaps_of_one_reason_stay_as_they_are() -> None:
+    assert gaps_of_both(RARE, ()) == gaps_of_both((), RARE) == RARE
+
+
+def test_of_many_lengths_the_rarest_are_taken_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The gaps that edges meet stay as long in the mean."""
+    many = tuple((0.01 * (i + 1), 1.1 + 0.1 * i) for i in range(8))
+
+    found = gaps_of_both(many, SPREAD)
+    monkeypatch.setattr(change, "MOST_GAPS", 1000)
+    each = gaps_of_both(many, SPREAD)
+
+    assert len(found) <= MOST_GAPS < len(each)
+    assert [length for _, length in found] == sorted(length for _, length in found)
+    assert mean_length(found) == pytest.approx(mean_length(each))
+
+
+@pytest.mark.parametrize("jitter_us", [20.0, 300.0])
+def test_edges_wait_as_late_scans_let_them(jitter_us: float) -> None:
+    """Both reasons together tell the waits about as well as the larger one, or better."""
+    jitter = Effect("scan_jitter", {"jitter_us": jitter_us})
+    overrun = Effect("scan_overrun", {"probability": 0.08, "overrun_us": 800.0})
+    scene = Scene.of(played(BENCH, jitter, overrun))
+    one, other = (changed(scene, effect) for effect in (jitter, overrun))
+
+    alone, together = (
+        float(likelihood(scene, there, names=["latch_plc"]).streams["latch_plc"].sum())
+        for there in (other, other.joined(one))
+    )
+
+    assert together > alone - 3.0
+
+
+def changed(scene: Scene, effect: Effect) -> Change:
+    candidate = CANDIDATES[effect.id]
+    values = [effect.parameters.get(name, 0.0) for name in candidate.names]
+    return candidate.change(scene, np.array(values))
