@@ -1,14 +1,16 @@
-"""Gaps between scans that are late for two reasons, and the waits of the edges that meet them."""
+"""Gaps between scans that are late for two reasons, and waits for scans that were played again."""
 
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, played, played_again, stamped_machine
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density import change
 from skiplatch.diagnosis.density.change import MOST_GAPS, Change, Gaps, gaps_of_both
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.replay import replayed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
@@ -74,6 +76,22 @@ def test_edges_wait_as_late_scans_let_them(jitter_us: float) -> None:
     )
 
     assert together > alone - 3.0
+
+
+def test_a_campaign_played_again_draws_the_age_of_images_once() -> None:
+    """Half of the images are one scan old, half two: edges wait for one to three scans."""
+    old = Effect("input_image_delay", {"scans": 1.5})
+    campaign = played_again(stamped_machine(), old)
+    scene = Scene.of(campaign)
+    rig = Rig(campaign.nominal, (old,)).whose_scans_are(campaign.touches)
+
+    (again,) = replayed(scene, np.arange(len(scene)), rig, seed=3, campaigns=1)
+
+    waits = again.streams["latch_plc"]
+    scans = (waits.known - waits.law.offset[waits.rows]) / campaign.nominal.plc.scan_us
+    assert scans.mean() == pytest.approx(2.0, abs=0.1)
+    assert scans.min() > 0.99
+    assert scans.max() < 3.01
 
 
 def changed(scene: Scene, effect: Effect) -> Change:
