@@ -162,7 +162,7 @@ def gaps_of_both(first: Gaps, second: Gaps) -> Gaps:
 
 def _with_usual(gaps: Gaps) -> Gaps:
     """Add the gaps of one period."""
-    return (*gaps, (1.0 - sum(share for share, _ in gaps), 1.0))
+    return (*gaps, (max(0.0, 1.0 - sum(share for share, _ in gaps)), 1.0))
 
 
 def _merge(gaps: list[tuple[float, float]], at: int) -> None:

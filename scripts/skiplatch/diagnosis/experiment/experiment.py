@@ -120,7 +120,7 @@ def experiment_for(
     touches: int = TOUCHES,
     as_recorded: bool = False,
 ) -> Experiment:
-    """Do so for models and a verdict; `as_recorded`, with no column that the campaign lacks."""
+    """Do the same for models and a verdict; `as_recorded` asks for no column that is not there."""
     if len(models) > 1:
         found = settle(
             campaign, models, seed=seed, jobs=jobs, touches=touches, as_recorded=as_recorded
