@@ -9,6 +9,7 @@ from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density import change
 from skiplatch.diagnosis.density.change import MOST_GAPS, Change, Gaps, gaps_of_both
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.likelihood.scan_wait import other_waits
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.plays.replay import replayed
 from skiplatch.diagnosis.scene.scene import Scene
@@ -70,12 +71,46 @@ def test_edges_wait_as_late_scans_let_them(jitter_us: float) -> None:
     scene = Scene.of(played(BENCH, jitter, overrun))
     one, other = (changed(scene, effect) for effect in (jitter, overrun))
 
-    alone, together = (
-        float(likelihood(scene, there, names=["latch_plc"]).streams["latch_plc"].sum())
-        for there in (other, other.joined(one))
-    )
+    alone, together = (nats_of_waits(scene, there) for there in (other, other.joined(one)))
 
     assert together > alone - 3.0
+
+
+@pytest.mark.parametrize(
+    "late",
+    [
+        Effect("scan_jitter", {"jitter_us": 300.0}),
+        Effect("scan_overrun", {"probability": 0.08, "overrun_us": 800.0}),
+    ],
+    ids=["jitter", "overrun"],
+)
+def test_edges_locked_to_the_grid_wait_for_scans_that_are_late_on_it(late: Effect) -> None:
+    """The lock and the lateness tell the waits together far better than either does."""
+    lock = Effect("scan_phase_lock", {"phase": 0.3, "spread": 0.03, "unlocked": 0.6})
+    scene = Scene.of(played(BENCH, lock, late))
+    one, other = (changed(scene, effect) for effect in (lock, late))
+
+    first, second, together = (
+        nats_of_waits(scene, there) for there in (one, other, one.joined(other))
+    )
+
+    assert together > max(first, second) + 30.0
+
+
+def test_edges_that_are_not_locked_fall_into_gaps_evenly() -> None:
+    """Touches of which half wait at a point of the scan meet the gaps of the other half."""
+    scene = Scene.of(played(BENCH))
+    lock = changed(scene, Effect("scan_phase_lock", {"phase": 0.3, "unlocked": 0.5}))
+
+    extras = other_waits(scene, lock.joined(Change(gaps=RARE)))
+
+    period = scene.nominal.plc.scan_us
+    assert [(e.share, e.width) for e in extras[1:]] == [(0.06, 1.4 * period), (0.03, 0.6 * period)]
+    assert sum(extra.share for extra in extras) == pytest.approx(0.5 + 0.5 * 0.18)
+
+
+def nats_of_waits(scene: Scene, there: Change) -> float:
+    return float(likelihood(scene, there, names=["latch_plc"]).streams["latch_plc"].sum())
 
 
 def test_a_campaign_played_again_draws_the_age_of_images_once() -> None:

@@ -182,8 +182,12 @@ def both(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ..
     rest_second = 1.0 - sum(extra.share for extra in second)
     alone = [e.with_share(e.share * rest_second) for e in first]
     alone += [e.with_share(e.share * rest_first) for e in second]
-    together = [_sum(a, b) for a in first for b in second]
-    return tuple(extra for extra in alone + together if extra.share > 0.0)
+    return tuple(extra for extra in (*alone, *together(first, second)) if extra.share > 0.0)
+
+
+def together(first: tuple[Extra, ...], second: tuple[Extra, ...]) -> tuple[Extra, ...]:
+    """Give what the touches get that get an extra of each of two independent causes."""
+    return tuple(_sum(a, b) for a in first for b in second)
 
 
 def _sum(a: Extra, b: Extra) -> Extra:

@@ -15,7 +15,7 @@ from skiplatch.diagnosis.density.datum import BY_STAMPS
 from skiplatch.diagnosis.density.law import SMALLEST, Extra
 from skiplatch.diagnosis.density.residuals import fill
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.likelihood.scan_wait import gap_waits, locked_waits, scan_period_us
+from skiplatch.diagnosis.likelihood.scan_wait import other_waits, scan_period_us
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import CData, connection, layout
 
@@ -202,8 +202,7 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
     if name == "position":
         return beyond
     if name.endswith("_plc"):
-        waits = gap_waits(scene, change), locked_waits(scene, change)
-        latch = _joint(change.pin_extra, change.scan_extra, *waits)
+        latch = _joint(change.pin_extra, change.scan_extra, other_waits(scene, change))
     else:
         latch = _joint(change.pin_extra, change.skip_extra)
     if not beyond:

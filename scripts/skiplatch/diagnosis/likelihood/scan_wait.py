@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 from scipy import special
 
-from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.change import Change, Wait, together
 from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -24,20 +24,33 @@ def scan_period_us(scene: Scene, change: Change) -> float:
     return max(believed + change.period_us, SHORTEST_PERIOD * believed)
 
 
-def gap_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
-    """Edges that fall into gaps of other lengths than a period, which they fall into evenly."""
-    period = scan_period_us(scene, change)
-    return tuple(Extra(share, width=length * period, boxless=1.0) for share, length in change.gaps)
+def other_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
+    """Touches that do not fall evenly into a period before their scan, as extras without its box.
 
-
-def locked_waits(scene: Scene, change: Change) -> tuple[Extra, ...]:
-    """Touches whose wait for the scan is about a value, as extras that lack the scan's box."""
-    wait = change.wait
+    They wait about a value, if they are locked to the scans, or fall into a longer or shorter gap.
+    """
+    wait, period = change.wait, scan_period_us(scene, change)
+    anywhere = 1.0 if wait is None else wait.unlocked
+    gaps = tuple(
+        Extra(anywhere * share, width=length * period, boxless=1.0) for share, length in change.gaps
+    )
     if wait is None:
-        return ()
-    period, locked = scan_period_us(scene, change), 1.0 - wait.unlocked
+        return gaps
+    # The edges are locked to the grid, on which a scan may be late.
+    locked, late = _locked(wait, period), change.lattice_extra
+    in_time = 1.0 - sum(extra.share for extra in late)
+    punctual = (extra.with_share(extra.share * in_time) for extra in locked if in_time > 0.0)
+    return (*punctual, *together(locked, late), *gaps)
+
+
+def _locked(wait: Wait, period: float) -> tuple[Extra, ...]:
     return tuple(
-        Extra(locked * there * share, offset=mean * period, sigma=sigma * period, boxless=1.0)
+        Extra(
+            (1.0 - wait.unlocked) * there * share,
+            offset=mean * period,
+            sigma=sigma * period,
+            boxless=1.0,
+        )
         for centre, there in wait.points
         for share, mean, sigma in _wrapped(centre, wait.spread)
     )
