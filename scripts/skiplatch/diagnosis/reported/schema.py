@@ -11,7 +11,7 @@ from typing import Any, NoReturn, TypeVar
 
 from skiplatch.campaign.constraints import LARGEST
 from skiplatch.diagnosis.verdict.verdict import Verdict
-from skiplatch.errors import InputError, hint, quoted, shortened
+from skiplatch.errors import InputError, hint, one_line, quoted, shortened
 from skiplatch.files import read_json
 from skiplatch.former_names import renewed
 from skiplatch.simulator.effects import effects
@@ -97,7 +97,8 @@ def _entries(where: str, value: Json) -> Iterator[tuple[str, Json]]:
 
 
 def _join(where: str, name: str) -> str:
-    return f"{where}.{shortened(name)}" if where else shortened(name)
+    shown = one_line(shortened(name))
+    return f"{where}.{shown}" if where else shown
 
 
 def _refuse(where: str, expected: str, value: Json) -> NoReturn:
