@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, Kind, Status, read_campaign
+from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import play
 from skiplatch.simulator.rig import Controller
@@ -23,6 +25,12 @@ def stamped_machine() -> Campaign:
     bench = read_campaign(BENCH)
     touches = replace(bench.touches, edge_us=np.full(len(bench.touches), np.nan))
     return replace(bench, nominal=replace(bench.nominal, kind=Kind.MACHINE), touches=touches)
+
+
+def values_of(effect: Effect) -> FloatArray:
+    """Parameters of an effect as its candidate takes them, 0 where it has none; shape (p,)."""
+    names = catalogue()[effect.id].names
+    return np.array([effect.parameters.get(name, 0.0) for name in names])
 
 
 def played(folder: Path, *switched_on: Effect, seed: int = 11) -> Campaign:

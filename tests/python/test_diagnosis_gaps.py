@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played, played_again, stamped_machine
+from played_campaigns import BENCH, played, played_again, stamped_machine, values_of
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density import change
@@ -130,6 +130,4 @@ def test_a_campaign_played_again_draws_the_age_of_images_once() -> None:
 
 
 def changed(scene: Scene, effect: Effect) -> Change:
-    candidate = CANDIDATES[effect.id]
-    values = [effect.parameters.get(name, 0.0) for name in candidate.names]
-    return candidate.change(scene, np.array(values))
+    return CANDIDATES[effect.id].change(scene, values_of(effect))

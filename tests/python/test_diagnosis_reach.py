@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import played_again, stamped_machine
+from played_campaigns import played_again, stamped_machine, values_of
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import Change
@@ -73,8 +73,4 @@ def test_what_comes_seldom_is_beyond_what_always_does() -> None:
 
 def fitted(scene: Scene, *effects: Effect) -> Fit:
     candidates = tuple(catalogue()[effect.id] for effect in effects)
-    values = tuple(
-        np.array([effect.parameters.get(name, 0.0) for name in candidate.names])
-        for candidate, effect in zip(candidates, effects, strict=True)
-    )
-    return Fit(candidates, values, frozenset(scene.streams))
+    return Fit(candidates, tuple(map(values_of, effects)), frozenset(scene.streams))

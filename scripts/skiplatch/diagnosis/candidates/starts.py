@@ -11,7 +11,7 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
-from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
+from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, shifted_by_datum
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.units import MM_PER_M, S_PER_MIN, US_PER_H, US_PER_S
 
@@ -117,11 +117,10 @@ def _late_us(
     for family in (BY_STAMPS, WITHOUT_STAMPS):
         stream = scene.streams.get(family[0])
         if stream is not None:
-            law, found = law_under(scene, stream, given), np.zeros(scene.datum_count)
-            if is_datum_fitted:
-                found = fitted_datum_um(scene, given).get(family, found)
+            law = law_under(scene, stream, given)
+            data = fitted_datum_um(scene, given) if is_datum_fitted else {}
             late = (stream.residuals - law.mean)[stream.rows]
-            late = late - found[scene.datum_of(stream)] * scene.per_datum_um(stream)[stream.rows]
+            late = late - shifted_by_datum(scene, stream, data)
             per_us = scene.speed[stream.rows] if stream.unit == "µm" else np.ones(len(late))
             return late / per_us, law.spread[stream.rows] / per_us
     return np.empty(0), np.empty(0)

@@ -13,6 +13,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import FAMILIES, SHIFTED
 from skiplatch.diagnosis.density.law import Law
+from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import LATTICE, law_of
 from skiplatch.diagnosis.likelihood.physics import (
     change_for,
@@ -172,3 +173,18 @@ def fitted_datum_um(scene: Scene, change: Change) -> dict[tuple[str, ...], Float
     _, datum_um = _evaluated(scene, scene.with_beliefs(change), names, SHARP)
     families = zip(FAMILIES, datum_um, strict=True)
     return {family: found for family, found in families if names.intersection(family)}
+
+
+def shifted_by_datum(
+    scene: Scene, stream: Stream, data_um: Mapping[tuple[str, ...], FloatArray]
+) -> FloatArray:
+    """Give by what data shift the residuals of a stream's rows, in its unit; shape (m,).
+
+    Args:
+        scene: The touches.
+        stream: One of theirs.
+        data_um: As `fitted_datum_um` gives them; a family that is not there has none.
+    """
+    none = np.zeros(scene.datum_count)
+    found = next((um for family, um in data_um.items() if stream.name in family), none)
+    return np.asarray(found[scene.datum_of(stream)] * scene.per_datum_um(stream)[stream.rows])

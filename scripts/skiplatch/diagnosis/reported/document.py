@@ -10,10 +10,9 @@ from skiplatch.campaign.nominal import KEYS
 from skiplatch.diagnosis.fit.beliefs import believing
 from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
 from skiplatch.diagnosis.reported.diagnosis import Diagnosis
-from skiplatch.diagnosis.reported.schema import FORMAT, whole
+from skiplatch.diagnosis.reported.schema import FORMAT, key_path, whole
 from skiplatch.diagnosis.verdict.named import Named
 from skiplatch.diagnosis.verdict.shrink import Gap
-from skiplatch.errors import one_line, shortened
 from skiplatch.simulator.effects import Effect
 from skiplatch.span import Span
 
@@ -163,11 +162,11 @@ def rig_from_json(document: Json, nominal: Nominal) -> Rig:
         first, _, rest = name.partition(".")
         datum, _, kind = rest.rpartition(".")
         if first == "datum" and kind in kinds:
-            kinds[kind][datum] = _place_um(f"beliefs.{one_line(name)}", entry["fitted"])
+            kinds[kind][datum] = _place_um(key_path("beliefs", name), entry["fitted"])
         elif (first, rest) in KEYS or (first, rest) in believed:
             values[first, rest] = entry["fitted"]
         else:
-            where = f"beliefs.{one_line(shortened(name))}"
+            where = key_path("beliefs", name)
             raise ValueError(f"{where}: no such belief about the rig in nominal.toml")
     found = FittedDatum(kinds[SURFACE], kinds[COORDINATE])
     return Rig(believing(nominal, values), effects_of(read), found)

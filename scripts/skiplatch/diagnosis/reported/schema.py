@@ -84,19 +84,20 @@ def _need(where: str, value: Json, parts: list[str]) -> None:
         for place, inner in _entries(where, value):
             _need(place, inner, parts[1:])
     elif parts[0] not in value:
-        raise ValueError(f"{_join(where, parts[0])}: missing from the diagnosis")
+        raise ValueError(f"{key_path(where, parts[0])}: missing from the diagnosis")
     else:
-        _need(_join(where, parts[0]), value[parts[0]], parts[1:])
+        _need(key_path(where, parts[0]), value[parts[0]], parts[1:])
 
 
 def _entries(where: str, value: Json) -> Iterator[tuple[str, Json]]:
     if isinstance(value, list):
         yield from ((f"{where}[{index}]", inner) for index, inner in enumerate(value))
     else:
-        yield from ((_join(where, name), inner) for name, inner in value.items())
+        yield from ((key_path(where, name), inner) for name, inner in value.items())
 
 
-def _join(where: str, name: str) -> str:
+def key_path(where: str, name: str) -> str:
+    """Give the path of a key, as messages show it."""
     shown = one_line(shortened(name))
     return f"{where}.{shown}" if where else shown
 
@@ -197,7 +198,7 @@ def _record(has_to: Mapping[str, Check], may: Mapping[str, Check]) -> Check:
             _need(where, value, [name])
         for name, check in {**has_to, **may}.items():
             if name in value:
-                check(_join(where, name), value[name])
+                check(key_path(where, name), value[name])
 
     return checked
 
@@ -213,7 +214,9 @@ def _effect(where: str, value: Json) -> None:
     for key in ("params", "intervals"):
         for name in value.get(key, {}):
             if name not in ranges:
-                raise ValueError(f"{_join(f'{where}.{key}', name)}: no such parameter; {there_are}")
+                raise ValueError(
+                    f"{key_path(f'{where}.{key}', name)}: no such parameter; {there_are}"
+                )
     for name, number in value["params"].items():
         if not ranges[name].low <= number <= ranges[name].high:
             expected = f"{ranges[name].low:g} to {ranges[name].high:g}"

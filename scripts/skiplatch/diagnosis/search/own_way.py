@@ -18,7 +18,11 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.law import SMALLEST
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
-from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um, likelihood
+from skiplatch.diagnosis.likelihood.likelihood import (
+    fitted_datum_um,
+    likelihood,
+    shifted_by_datum,
+)
 from skiplatch.diagnosis.scene.scene import Scene
 
 POWERS = (1, 2, 3)
@@ -83,7 +87,9 @@ def gain_beyond_reach(scene: Scene, change: Change, others: Change) -> float:
     data = fitted_datum_um(scene, others)
     return float(
         sum(
-            (with_it[name] - without[name])[_beyond_reach(scene, stream, others, data)].sum()
+            (with_it[name] - without[name])[stream.rows][
+                _beyond_reach(scene, stream, others, data)
+            ].sum()
             for name, stream in scene.streams.items()
         )
     )
@@ -92,14 +98,11 @@ def gain_beyond_reach(scene: Scene, change: Change, others: Change) -> float:
 def _beyond_reach(
     scene: Scene, stream: Stream, others: Change, data: Mapping[tuple[str, ...], FloatArray]
 ) -> BoolArray:
-    """Tell which touches no form of some effects reaches in a stream; shape (n,)."""
+    """Tell which touches of a stream's rows no form of some effects reaches; shape (m,)."""
     law = law_under(scene, stream, others)
-    off = stream.residuals - law.mean
-    for family, datum_um in data.items():
-        if stream.name in family and scene.datum_groups is not None:
-            off = off - datum_um[scene.datum_groups] * scene.per_datum_um(stream)
+    off = (stream.residuals - law.mean)[stream.rows] - shifted_by_datum(scene, stream, data)
     reach = np.abs(law.mean - stream.law.mean) + REACH * np.sqrt(law.variance)
-    return np.asarray(stream.rows & (np.abs(off) > reach))
+    return np.asarray(np.abs(off) > reach[stream.rows])
 
 
 def by_giving_way(scene: Scene, last: Change, others: Change) -> float:
