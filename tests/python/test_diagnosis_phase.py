@@ -115,6 +115,25 @@ def test_plays_wait_for_the_recorded_scans_as_long_as_for_any() -> None:
     assert not plays.start_delay_us[:, touches.on_skip].any()
 
 
+def test_a_move_at_the_beginning_of_time_waits_for_a_later_scan() -> None:
+    """It would have to begin before, for some waits that the recorded scan allows."""
+    campaign = played(BENCH)
+    plc = np.flatnonzero(campaign.touches.on_plc)
+    for first in plc[:8]:
+        touches = campaign.touches.select(slice(first, None))
+        begun_s = touches.time_s[0]
+        stamps = ("edge_us", "latch_us", "report_us")
+        sooner = {name: getattr(touches, name) - begun_s * US_PER_S for name in stamps}
+        touches = replace(touches, time_s=touches.time_s - begun_s, **sooner)
+        rig = Rig(campaign.nominal).whose_scans_are(touches)
+
+        plays = rig.play(touches, seed=5, replicates=50)
+
+        waits = (plays.latch_us - plays.true_edge_us)[:, 0] / campaign.nominal.plc.scan_us
+        assert np.all((waits >= 0.0) & (waits < 1.01))
+        assert np.std(waits) > 0.2
+
+
 @pytest.mark.parametrize(
     ("tick_us", "open_us"),
     [(None, 0.25), (8.0, 8.0), (11.0, 1.0), (3.0, 1.0)],  # of scans of 2000 µs

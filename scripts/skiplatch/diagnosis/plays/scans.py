@@ -126,7 +126,10 @@ class Scans:
         waits_us = self._begun_us(plays.latch_us, phase_us) - plays.true_edge_us
         longest_us = np.nanmin(waits_us[:, plc]) + self.period_us
         later_us = self._begun_us(touches.latch_us, phase_us) - longest_us - edges_us
-        return np.where(plc, np.nan_to_num(later_us), 0.0)
+        later_us = np.where(plc, np.nan_to_num(later_us), 0.0)
+        # No time is before 0, where a campaign may begin: there the move waits for a later scan.
+        early_us = np.maximum(-later_us - touches.time_s * US_PER_S, 0.0)
+        return np.asarray(later_us + np.ceil(early_us / self.period_us) * self.period_us)
 
     def _begun_us(self, stamps: FloatArray, phase_us: float) -> FloatArray:
         """Give when scans began by their stamps."""
