@@ -154,3 +154,16 @@ def test_what_tells_chance_that_hides_within_a_step_matters() -> None:
 
     assert "sense" in found[0].conditions
     assert found[0].size < 0.5 * 0.5
+
+
+def test_a_clock_that_wanders_is_off_by_more_than_its_stamps_lie_off_the_grid() -> None:
+    """What it shifts them by counts, whole periods of the scan among it."""
+    drift = Effect("timer_drift", {"drift_ppm": 6.0})
+    campaign = played(BENCH, drift)
+    touches = campaign.touches
+    off_us = 100.0 * np.sin(touches.time_s / touches.time_s.max() * 4.0 * np.pi)
+    wandering = replace(campaign, touches=replace(touches, latch_us=touches.latch_us + off_us))
+    shifts_us = 6.0 * touches.time_s
+
+    assert {one.observable for one in told(wandering, drift)} == {"grid", "latch"}
+    assert told(wandering, drift, discrepancy=200.0 / float(np.sqrt(np.mean(shifts_us**2)))) == []

@@ -64,7 +64,11 @@ def _chancy_touches(beside: Beside, before: Beside) -> Iterator[tuple[str, str, 
 
 
 def _shift(beside: Beside, before: Beside, name: str, rows: BoolArray) -> float:
-    """Give the root mean square of what a finding shifts the middle of touches by."""
+    """Give the root mean square of what a finding shifts the middle of touches by.
+
+    Off its grid a stamp lies by what it is shifted by, less whole periods.
+    """
+    name = "latch" if name == "grid" else name
     now, was = (np.nanmedian(plays.played[name][:, rows], axis=0) for plays in (beside, before))
     return float(np.sqrt(np.mean((now - was) ** 2)))
 
