@@ -9,15 +9,17 @@ from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
 from skiplatch.diagnosis.verdict.evidence import Evidence
-from skiplatch.diagnosis.verdict.guilty import without_guilty
+from skiplatch.diagnosis.verdict.guilty import SHOWN_IN, without_guilty
 from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated, _unset
+from skiplatch.diagnosis.verdict.shrink import PlayedRigs
 from skiplatch.simulator.effects import Effect, effects
-from verdict_evidence import left
+from verdict_evidence import gap, left
 
 LATE = Effect("isr_latency", {"latency_us": 6.0, "jitter_us": 5.0})
 REPORT = Effect("report_delay", {"delay_us": 300.0})
@@ -46,6 +48,8 @@ def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
         (Evidence(chance=[OF_LATCH]), "report_delay"),
         (Evidence(chance=[OF_LATCH], after=[OF_REPORT]), "report_delay"),
         (Evidence(at_limit=["report_delay.delay_us"]), "isr_latency"),
+        (Evidence(everywhere={"latch_after_edge_us": gap(0.9, tightness=0.1)}), "report_delay"),
+        (Evidence(gaps={"deviation_um": gap(0.9, tightness=0.1)}), "report_delay"),
     ],
 )
 def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, kept: str) -> None:
@@ -62,11 +66,23 @@ def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, ke
         Evidence(),
         Evidence(after=[OF_LATCH, OF_REPORT]),  # both are guilty
         Evidence(before=[OF_LATCH], after=[replace(OF_LATCH, size=1.0, relative=1.0)]),
+        Evidence(gaps={"latch_after_edge_us": gap(0.9)}),
+        Evidence(gaps={"report_after_latch_us": gap(0.9, tightness=0.1)}),
         Evidence(chance=[OF_REPORT]),  # a delay that is always the same leaves nothing to chance
     ],
 )
 def test_nothing_is_taken_out(judged: tuple[Judge, Finding], evidence: Evidence) -> None:
     assert without_guilty(*judged, evidence) is None
+
+
+def test_it_is_known_where_each_gap_shows(judged: tuple[Judge, Finding]) -> None:
+    scene = judged[0].scene
+    plays = PlayedRigs.of(
+        scene, Rig(scene.nominal), Rig(scene.nominal, (LATE,)), seed=1, jobs=1
+    ).gaps(np.ones(len(scene), dtype=np.bool_))
+
+    assert plays.keys() <= SHOWN_IN.keys()
+    assert frozenset().union(*SHOWN_IN.values()) >= scene.streams.keys() - {"motion"}
 
 
 def test_nothing_found_has_no_guilty_part(judged: tuple[Judge, Finding]) -> None:

@@ -4,23 +4,33 @@ What one effect leaves speaks against that one, and not against the others: thes
 themselves.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from skiplatch.diagnosis.plays.leftover import streams_of
+from skiplatch.diagnosis.plays.leftover import STREAMS, streams_of
 from skiplatch.diagnosis.search.decide import Finding, reduced
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.mostly import mostly_left
-from skiplatch.diagnosis.verdict.rules import gains_too_little, told_of_chance
+from skiplatch.diagnosis.verdict.rules import gains_too_little, told_of_chance, too_wide
+
+SHOWN_IN: Mapping[str, frozenset[str]] = {
+    "deviation_um": frozenset((*STREAMS["position"], *STREAMS["latch"])),
+    "deviation_beyond_stamp_um": frozenset(STREAMS["position"]),
+    "latch_after_edge_us": frozenset(STREAMS["latch"]),
+    "latch_after_contact_us": frozenset(STREAMS["latch"]),
+    "latch_off_scan_grid_us": frozenset(STREAMS["grid"]),
+    "report_after_latch_us": frozenset(STREAMS["report"]),
+}
+"""Streams of the likelihood that show what a gap is of."""
 
 
 def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
     They are those that gain too little; or that are at a limit; or that undo each other; or that
-    scatter where their chance can be told; or that change anything at all where much of what there
-    was is left.
+    scatter where their chance can be told, or where the record does so far less; or that change
+    anything at all where much of what there was is left.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -45,9 +55,10 @@ def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[i
     """Number the effects of a model that are accused, for one reason after the other."""
     for ids in (gains_too_little(evidence), evidence.effects_at_limit, evidence.undoing):
         yield [i for i, name in enumerate(model.ids) if name in ids]
-    for looks, acts in (
-        (told_of_chance(evidence), judge.scatters),
-        (mostly_left(evidence), judge.reaches),
+    for streams, acts in (
+        (map(streams_of, told_of_chance(evidence)), judge.scatters),
+        ((SHOWN_IN[name] for name in too_wide(evidence)), judge.scatters),
+        (map(streams_of, mostly_left(evidence)), judge.reaches),
     ):
-        streams = frozenset(name for one in looks for name in streams_of(one))
-        yield [i for i in range(len(model.ids)) if acts(model, i) & streams]
+        there = frozenset[str]().union(*streams)
+        yield [i for i in range(len(model.ids)) if acts(model, i) & there]

@@ -5,8 +5,6 @@ from collections.abc import Iterable, Sequence
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.verdict.cell_scores import Cell
 
-MOST_LUCKY = 60
-"""Plays of the effects, at most, none of which may do as the record does for it to be no luck."""
 ADDED = 1.2
 """Times the noise floor of the believed rig, from which on effects add scatter."""
 HIDES_A_GAP = 0.1
@@ -68,9 +66,8 @@ def _both(
 
 
 def _lots(cells: Sequence[Cell]) -> range:
-    """Number the plays of the effects that stand for what might have been recorded."""
-    of_effects = cells[0].ensembles[1:2]
-    return range(min([MOST_LUCKY, *(len(one.plays) for one in of_effects)]) if of_effects else 0)
+    """Number the plays of the effects, each of which stands for what might have been recorded."""
+    return range(len(cells[0].ensembles[1].plays) if len(cells[0].ensembles) > 1 else 0)
 
 
 def _in_units(cells: Sequence[Cell], least: float, scores: Iterable[FloatArray]) -> float:

@@ -22,6 +22,8 @@ no luck, whatever the touches are: one in a thousand (Wasserman, Ramdas and Bala
 (2020) 16880, eq. 6)."""
 GAINED = 2.0 / 3.0
 """Share of what an effect gains on plays of itself that it has to gain on the record."""
+TIGHTEST = 0.5
+"""How far the record may be off plays of a finding, over how far these are off each other."""
 UNMOVED = 0.1
 """Share of a gap by which scores of plays differ where effects leave it as it is."""
 MOST_OUTLIERS = 0.05
@@ -77,11 +79,10 @@ def _clear(gaps: Mapping[str, Gap]) -> Mapping[str, Gap]:
     return {name: gap for name, gap in gaps.items() if gap.is_clear}
 
 
-def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> str:
+def _seen_where(evidence: Evidence, shows: Callable[[Gap], bool]) -> list[str]:
     """Name the observables whose clear gap shows something, held out or on all touches."""
     each = (evidence.gaps, evidence.everywhere)
-    found = {name: None for gaps in each for name, gap in _clear(gaps).items() if shows(gap)}
-    return ", ".join(found)
+    return [*{name: None for gaps in each for name, gap in _clear(gaps).items() if shows(gap)}]
 
 
 def _is_left_alone(gap: Gap) -> bool:
@@ -141,11 +142,16 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
 
 def _grows_nowhere(evidence: Evidence, _: float) -> str:
     grown = _seen_where(evidence, lambda gap: gap.grows)
-    return f"the gap grows: {grown}" if grown else ""
+    return f"the gap grows: {', '.join(grown)}" if grown else ""
+
+
+def too_wide(evidence: Evidence, threshold: float = TIGHTEST) -> list[str]:
+    """Name the observables that scatter far less in the record than in plays of a finding."""
+    return _seen_where(evidence, lambda gap: gap.tightness < threshold)
 
 
 def _is_as_wide(evidence: Evidence, threshold: float) -> str:
-    wide = _seen_where(evidence, lambda gap: gap.tightness < threshold)
+    wide = ", ".join(too_wide(evidence, threshold))
     return f"what was recorded scatters far less than it plays: {wide}" if wide else ""
 
 
@@ -248,7 +254,7 @@ NAMES: Sequence[Rule] = (
     ),
     Rule(
         "is_as_wide",
-        0.5,
+        TIGHTEST,
         "a level: a right name scatters no more than what was recorded, by its form or by luck",
         _is_as_wide,
     ),
