@@ -167,3 +167,13 @@ def test_a_clock_that_wanders_is_off_by_more_than_its_stamps_lie_off_the_grid() 
 
     assert {one.observable for one in told(wandering, drift)} == {"grid", "latch"}
     assert told(wandering, drift, discrepancy=200.0 / float(np.sqrt(np.mean(shifts_us**2)))) == []
+
+
+def test_stamps_that_a_drift_leads_through_their_ticks_are_not_left_to_chance() -> None:
+    """Where in a tick a scan begins goes with time, in waves of what the clock drifts by a tick."""
+    drift = Effect("timer_drift", {"drift_ppm": -9.85})
+    coarse = read_campaign(BENCH)
+    nominal = replace(coarse.nominal, skip=replace(coarse.nominal.skip, tick_us=2.0))
+    campaign = played_again(replace(coarse, nominal=nominal), drift)
+
+    assert [one.observable for one in looks(campaign, drift) if one.observable == "grid"] == []

@@ -86,5 +86,8 @@ def _adds_scatter(beside: Beside, before: Beside, name: str, rows: BoolArray) ->
 
 
 def _variance(played: FloatArray, step: float) -> float:
-    """Give the mean variance of touches, shape (r, m), but of no less than rounding makes."""
-    return max(float(np.nanmean(np.nanvar(played, axis=0))), step**2 / 12.0, SMALLEST)
+    """Give the mean variance of touches, shape (r, m), but of no less than rounding makes.
+
+    A touch is rounded, and so is what it is held against, as the grid of its scans.
+    """
+    return max(float(np.nanmean(np.nanvar(played, axis=0))), 2.0 * step**2 / 12.0, SMALLEST)
