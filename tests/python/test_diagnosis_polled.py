@@ -141,13 +141,17 @@ def test_what_plays_do_not_tell_of_touches_is_that_of_their_pool() -> None:
     assert apart.floor.mean() == pytest.approx(alike.floor.mean(), rel=0.02)
 
 
-@pytest.mark.parametrize(("places", "is_told"), [(12, False), (60, True)])
+@pytest.mark.parametrize(
+    ("places", "surface_um", "is_told"),
+    [(12, 0.0, False), (60, 0.0, True), (60, 500.0, True), (12, 500.0, False)],
+)
 def test_a_wave_through_a_few_places_that_are_off_anyhow_is_not_told(
-    places: int, *, is_told: bool
+    places: int, surface_um: float, *, is_told: bool
 ) -> None:
     """One of so many periods and orders runs through them; through five times as many, a true one.
 
-    The errors of few places are drawn by lot, those of many are of a wave.
+    The errors of few places are drawn by lot, those of many are of a wave. By what surfaces lie
+    farther the senses are apart at each place.
     """
     rng = np.random.default_rng(2)
     campaign = polled()
@@ -159,7 +163,7 @@ def test_a_wave_through_a_few_places_that_are_off_anyhow_is_not_told(
     played = played_again(campaign, *([WAVE] if is_told else []))
     by_lot = np.zeros(places) if is_told else rng.normal(0.0, 20.0, places)
     sign = Scene.of(campaign).sign
-    off = played.touches.deviation_um + sign * by_lot[place]
+    off = played.touches.deviation_um + surface_um + sign * by_lot[place]
     scene = Scene.of(replace(played, touches=replace(played.touches, deviation_um=off)))
     wave = CANDIDATES[WAVE.id]
 

@@ -92,18 +92,20 @@ def _log_chance(
         return np.asarray(np.bincount(place, weights * values) / whole)
 
     signs = scene.sign[touches]
+    data = signs[:, None] * told.data[rows]
     lines = [(axes == axis) * line for axis in np.unique(axes) for line in (1.0, where_mm)]
-    beside = np.column_stack(
-        [at_places(column) for column in (*(signs * d for d in told.data[rows].T), *lines)]
-    )
-    off_um = _medians(signs * told.off_um[rows], weights, place, count)
+    beside = np.column_stack([at_places(column) for column in (*data.T, *lines)])
+    off_um, wave_um = signs * told.off_um[rows], wave_um[rows]
+    # A place has no middle while its two senses are apart by what is theirs.
+    off_um -= _of_data(off_um - wave_um, weights, place, data, np.column_stack(lines))
+    off_um = _medians(off_um, weights, place)
     root = np.sqrt(whole)
 
     def left(errors: FloatArray) -> float:
         found, *_ = np.linalg.lstsq(beside * root[:, None], errors * root, rcond=None)
         return float(np.sum((root * (errors - beside @ found)) ** 2))
 
-    before, after = left(off_um), left(off_um - at_places(wave_um[rows]))
+    before, after = left(off_um), left(off_um - at_places(wave_um))
     open_ones = count - int(np.linalg.matrix_rank(beside)) - free
     if open_ones < 1 or after >= before:
         return 0.0
@@ -112,10 +114,37 @@ def _log_chance(
     return float(stats.f.logsf(over, free, open_ones)) + math.log(periods)
 
 
-def _medians(values: FloatArray, weights: FloatArray, place: IndexArray, count: int) -> FloatArray:
-    """Give the weighted median of the values of each place, whatever some of them do; (count,)."""
-    medians = np.empty(count)
-    for k in range(count):
+def _of_data(
+    values: FloatArray,
+    weights: FloatArray,
+    place: IndexArray,
+    data: FloatArray,
+    lines: FloatArray,
+) -> FloatArray:
+    """Give what data make of values of touches, beside straight lines; shape (m,).
+
+    Args:
+        values: Shape (m,).
+        weights: Likewise.
+        place: Number of that of each touch.
+        data: By how much a µm of each of d data shifts them; shape (m, d).
+        lines: Shape (m, l).
+    """
+    beside = np.column_stack([data, lines])
+    _, first, alike = np.unique(
+        np.column_stack([place, data]), axis=0, return_index=True, return_inverse=True
+    )
+    alike = alike.ravel()
+    root = np.sqrt(np.bincount(alike, weights))
+    middles = _medians(values, weights, alike)
+    sizes, *_ = np.linalg.lstsq(beside[first] * root[:, None], middles * root, rcond=None)
+    return np.asarray(data @ sizes[: data.shape[1]])
+
+
+def _medians(values: FloatArray, weights: FloatArray, place: IndexArray) -> FloatArray:
+    """Give the weighted median of the values of each place, whatever some of them do."""
+    medians = np.empty(int(place.max()) + 1)
+    for k in range(len(medians)):
         here = np.flatnonzero(place == k)
         here = here[np.argsort(values[here])]
         up_to = np.cumsum(weights[here])
