@@ -101,6 +101,19 @@ def test_plays_round_the_stamps_of_scans_as_the_clock_that_was_recorded_did() ->
     assert (np.abs(off_us - recorded_us) < 1.5).mean() > 0.95  # beside a scan it is the other one
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_stamps_of_a_coarse_clock_tell_when_scans_began_as_closely_as_can_be(seed: int) -> None:
+    """A tick of 0.3 of a scan: their mean tells it to some twentieth of one."""
+    coarse = Effect("timer_quantisation", {"tick_us": 610.0})
+    campaign = played(BENCH, coarse, seed=seed)
+    plc = campaign.touches.on_plc
+
+    plays = rig_of(campaign, coarse).play(campaign.touches, seed=5, replicates=50)
+
+    off_us = plays.latch_us[:, plc] - campaign.touches.latch_us[plc]
+    assert (off_us == 0.0).mean() > 0.97
+
+
 def test_plays_wait_for_the_recorded_scans_as_long_as_for_any() -> None:
     campaign = played(BENCH)
     touches, scan_us = campaign.touches, campaign.nominal.plc.scan_us

@@ -21,9 +21,8 @@ KEPT = 0.5
 FEWEST_STAMPS = 16
 RESOLVED = 6
 """Decimals of a µs to which ticks and scans are told."""
-DRAWN = 16
-"""Replicates by which the scans of plays are set, at least, and stamps of all of them together."""
 STAMPS = 256
+"""By which the scans of plays are set, at least."""
 SETTINGS = 2
 """How often: how a clock rounds depends on when it is read."""
 
@@ -54,11 +53,13 @@ class Scans:
     """Scans that were recorded.
 
     Attributes:
+        recorded: The touches that tell them.
         stamp_us: Of one of them.
         period_us: From one to the next.
         open_us: By which they may be moved before a stamp shows it, for stamps are rounded.
     """
 
+    recorded: Touches
     stamp_us: float
     period_us: float
     open_us: float
@@ -66,19 +67,22 @@ class Scans:
     @classmethod
     def of(cls, recorded: Touches, period_us: float, tick_us: float) -> Self | None:
         """Find them by the stamps of touches; None where these keep no grid."""
-        stamps = recorded.latch_us[recorded.on_plc]
+        recorded = recorded.select(recorded.on_plc & np.isfinite(recorded.latch_us))
+        stamps = recorded.latch_us
         turn = complex(mean_turn(stamps, period_us))
-        if not keep_grid(turn) or np.isfinite(stamps).sum() < FEWEST_STAMPS:
+        if not keep_grid(turn) or len(stamps) < FEWEST_STAMPS:
             return None
         stamp_us = float(np.angle(turn)) / (2.0 * np.pi) * period_us
-        turns = np.rint((stamps[np.isfinite(stamps)] - stamp_us) / period_us)
-        rests_us = np.unique(np.round(turns * period_us % tick_us, RESOLVED)) % tick_us
-        gaps_us = np.diff(np.append(rests_us, rests_us[0] + tick_us))
-        return cls(stamp_us, period_us, float(gaps_us.max()))
+        turns = np.rint((stamps - stamp_us) / period_us)
+        open_us = tick_us - float(np.ptp(stamps - turns * period_us))
+        if open_us <= 0.0:  # scans are late by more than a tick, some of them
+            rests_us = np.unique(np.round(turns * period_us % tick_us, RESOLVED)) % tick_us
+            open_us = float(np.diff(np.append(rests_us, rests_us[0] + tick_us)).max())
+        return cls(recorded, stamp_us, period_us, open_us)
 
     def in_phase(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
         """Play touches so that each waits as long for a scan as it would have."""
-        begins = Begins(self._phase_us(play, touches), self.open_us)
+        begins = Begins(self._phase_us(play), self.open_us)
         return play(touches, replicates, begins)
 
     def at_recorded(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
@@ -86,40 +90,39 @@ class Scans:
 
         What has no stamp falls anywhere before some scan.
         """
-        phase_us = self._phase_us(play, touches)
-        begins = Begins(phase_us, self.open_us, self.period_us)
+        begins = Begins(self._phase_us(play), self.open_us, self.period_us)
         later_us = self._later_us(play, touches, begins)
-        begun_s = touches.time_s + later_us / US_PER_S
-        before, after = (np.argsort(times, kind="stable") for times in (touches.time_s, begun_s))
-        if not np.array_equal(before, after):
-            later_us, begun_s = np.zeros(len(touches)), touches.time_s
-        outcomes = play(replace(touches, time_s=begun_s), replicates, begins)
+        outcomes = play(_begun_later(touches, later_us), replicates, begins)
         return replace(outcomes, start_delay_us=outcomes.start_delay_us + later_us)
 
-    def _phase_us(self, play: Player, touches: Touches) -> float:
-        """Find when scans begin whose stamps are those recorded: a clock may read late."""
-        plc = np.flatnonzero(touches.on_plc)
-        some = touches.select(plc[:: max(1, len(plc) // FEWEST_STAMPS)])
-        replicates = max(DRAWN, STAMPS // len(some))
+    def _phase_us(self, play: Player) -> float:
+        """Find when scans begin whose stamps are those recorded: a clock may read late.
+
+        Touch by touch, and scan by scan: where in a tick some of them begin is no mean of all.
+        """
+        replicates = 1 + STAMPS // len(self.recorded)
         phase_us = self._within(self.stamp_us)
         for _ in range(SETTINGS):
             begins = Begins(phase_us, self.open_us, self.period_us)
-            stamps = play(some, replicates, begins).latch_us
-            phase_us = self._within(phase_us - self._off_us(stamps))
+            moves = _begun_later(self.recorded, self._later_us(play, self.recorded, begins))
+            off_us = play(moves, replicates, begins).latch_us - self.recorded.latch_us
+            phase_us = self._within(phase_us - self._middle_us(off_us))
         return phase_us
 
     def _within(self, phase_us: float) -> float:
         """Bring a phase into a period, but to no 0, which leaves scans anywhere."""
         return phase_us % self.period_us or self.period_us
 
-    def _off_us(self, stamps: FloatArray) -> float:
-        """Give by how much scans are stamped later than these, within half a period."""
-        own = np.exp(2j * np.pi * self.stamp_us / self.period_us)
-        off = np.angle(mean_turn(stamps.ravel(), self.period_us) * np.conj(own))
-        return float(off / (2.0 * np.pi) * self.period_us)
+    def _middle_us(self, off_us: FloatArray) -> float:
+        """Give by how much stamps are off others in the mean, within half a period."""
+        turn = complex(mean_turn(off_us.ravel(), self.period_us))
+        return float(np.angle(turn) / (2.0 * np.pi) * self.period_us)
 
     def _later_us(self, play: Player, touches: Touches, begins: Begins) -> FloatArray:
-        """Give by how much moves have to begin later to wait the most for the recorded scans."""
+        """Give by how much moves have to begin later to wait the most for the recorded scans.
+
+        All of them by nothing, where the order of the touches would be another one.
+        """
         phase_us, plc = begins.scan_phase_us, touches.on_plc
         plays = play(touches, 1 + STAMPS // int(plc.sum()), begins)
         edges_us = np.nanmean(plays.true_edge_us - plays.start_delay_us, axis=0)
@@ -129,9 +132,17 @@ class Scans:
         later_us = np.where(plc, np.nan_to_num(later_us), 0.0)
         # No time is before 0, where a campaign may begin: there the move waits for a later scan.
         early_us = np.maximum(-later_us - touches.time_s * US_PER_S, 0.0)
-        return np.asarray(later_us + np.ceil(early_us / self.period_us) * self.period_us)
+        later_us += np.ceil(early_us / self.period_us) * self.period_us
+        times = touches.time_s, _begun_later(touches, later_us).time_s
+        before, after = (np.argsort(each, kind="stable") for each in times)
+        return later_us if np.array_equal(before, after) else np.zeros(len(touches))
 
     def _begun_us(self, stamps: FloatArray, phase_us: float) -> FloatArray:
         """Give when scans began by their stamps."""
         turns = np.rint((stamps - self.stamp_us) / self.period_us)
         return np.asarray(phase_us + turns * self.period_us)
+
+
+def _begun_later(touches: Touches, later_us: FloatArray) -> Touches:
+    """Give touches whose moves begin so much later; shape (n,)."""
+    return replace(touches, time_s=touches.time_s + later_us / US_PER_S)
