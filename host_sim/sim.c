@@ -16,6 +16,7 @@ double sim_change(sim_t *sim, sim_quantity_t quantity, double value)
         .chain = sim->chain,
         .touch = sim->touch,
         .now_us = sim_us_from_ns(sim->now),
+        .scan_us = sim->scan.period_ns / SIM_NS_PER_US,
         .speed_um_us = sim_axis_speed_um_us(&sim->axis, sim->now),
     };
     return sim_effects_change(&sim->effects, &scene, quantity, value);

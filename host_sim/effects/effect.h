@@ -45,6 +45,7 @@ typedef struct {
     sim_random_t      *random;     /* of this effect and touch; of this effect and scan for scans */
     double             rig;        /* uniform in [0, 1), fixed while the rig is switched on */
     double             now_us;     /* master clock */
+    double             scan_us;    /* from one scan to the next, once the rig is switched on */
     double             speed_um_us; /* of the axis now, along the approach */
 } sim_effect_call_t;
 

@@ -18,11 +18,16 @@ double effect_scan_jitter(const sim_effect_call_t *call, double late_us)
     return late_us + sim_random_uniform(call->random, call->parameters[0]) + tail_us;
 }
 
+/* A scan that is left out, and those after it, is one that begins whole periods later. */
 double effect_scan_overrun(const sim_effect_call_t *call, double late_us)
 {
     bool   is_overrun = sim_random_uniform(call->random, 1.0) < call->parameters[0];
     double span_us = sim_random_uniform(call->random, call->parameters[2]);
-    return is_overrun ? late_us + call->parameters[1] + span_us : late_us;
+    double by_us = call->parameters[1] + span_us;
+    if (call->parameters[3] > 0.5) {
+        by_us = ceil(by_us / call->scan_us) * call->scan_us;
+    }
+    return is_overrun ? late_us + by_us : late_us;
 }
 
 /* Between two ages, the image is now the one and now the other. */

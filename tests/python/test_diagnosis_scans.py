@@ -9,6 +9,7 @@ from played_campaigns import BENCH, played
 from skiplatch.arrays import FloatArray
 from skiplatch.diagnosis.candidates.grid_starts import _coarsest
 from skiplatch.diagnosis.candidates.scan_starts import overruns, scan_periods
+from skiplatch.diagnosis.candidates.surrogates import HALF_WAY
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.as_effects import as_effects
@@ -81,7 +82,7 @@ def test_the_phase_is_found_to_a_tick_however_fine_that_is(tick_us: float) -> No
 def test_overruns_are_found_wherever_they_reach(late_us: float, span_us: float) -> None:
     truth = {"probability": 0.1, "overrun_us": late_us, "span_us": span_us}
 
-    share, late, span = np.abs(searched(Effect("scan_overrun", truth)))
+    share, late, span, _ = np.abs(searched(Effect("scan_overrun", truth)))
 
     assert share == pytest.approx(0.1, rel=0.5)
     assert late == pytest.approx(late_us, abs=1.0 + 0.15 * span_us)
@@ -96,6 +97,26 @@ def test_overruns_are_proposed_beside_scans_that_are_a_little_late() -> None:
 
     near = [start for start in starts if abs(start[1] - 404.0) < 10.0 and start[2] < 40.0]
     assert [start[0] for start in near] == [pytest.approx(0.12, rel=0.3)]
+
+
+def test_scans_that_are_left_out_are_found_though_all_stamps_keep_the_grid() -> None:
+    """Drawn without the simulator's form of it: now and then three to seven scans are left out."""
+    campaign = played(BENCH, seed=5)
+    touches, period, rng = campaign.touches, campaign.nominal.plc.scan_us, np.random.default_rng(5)
+    gaps = np.where(rng.random(200_000) < 0.03, rng.integers(4, 9, 200_000), 1)
+    begins = np.cumsum(gaps)
+    edge = rng.uniform(begins[0], begins[-1], len(touches))
+    more = np.floor(begins[np.searchsorted(begins, edge)] - edge)
+    stamps = touches.latch_us + period * np.where(touches.on_plc, more, 0.0)
+    scene = Scene.of(replace(campaign, touches=replace(touches, latch_us=stamps)))
+    overrun, bounce = CANDIDATES["scan_overrun"], CANDIDATES["contact_bounce"]
+
+    found = [fit(scene, [c], c.starts(scene, Change())) for c in (overrun, bounce)]
+    gains = [likelihood(scene, f.change(scene), names=PLC).total for f in found]
+
+    assert gains[0] > gains[1]
+    assert found[0].parameters[0][3] > HALF_WAY
+    assert abs(found[0].parameters[0][0]) == pytest.approx(0.03, rel=0.5)
 
 
 def test_scans_may_wait_for_some_moves_and_keep_their_grid_for_the_others() -> None:
@@ -219,9 +240,8 @@ def test_a_scan_late_by_a_whole_period_is_not_early() -> None:
     scene = Scene.of(played(BENCH))
     period, tick = scene.nominal.plc.scan_us, scene.nominal.skip.tick_us
 
-    (late,) = (
-        CANDIDATES["scan_overrun"].change(scene, np.array([0.1, period - tick, 0.0])).lattice_extra
-    )
+    overrun = np.array([0.1, period - tick, 0.0, 0.0])
+    (late,) = CANDIDATES["scan_overrun"].change(scene, overrun).lattice_extra
 
     assert late.offset == period
 

@@ -40,6 +40,17 @@ def whole(effect_id: str, **known: float) -> Effect:
         (BENCH, whole("scan_overrun", probability=0.03, overrun_us=9000.0)),
         (BENCH, whole("scan_overrun", probability=0.45, overrun_us=300.0, span_us=100.0)),
         (BENCH, whole("scan_overrun", probability=0.1, overrun_us=50.0, span_us=9000.0)),
+        (BENCH, whole("scan_overrun", probability=0.05, overrun_us=9000.0, left_out=1.0)),
+        (
+            BENCH,
+            whole(
+                "scan_overrun",
+                probability=0.03,
+                overrun_us=1000.0,
+                span_us=9000.0,
+                left_out=1.0,
+            ),
+        ),
         (BENCH, whole("scan_jitter", jitter_us=400.0, tail_us=150.0)),
         (BENCH, whole("scan_phase_lock", phase=0.99, spread=0.1)),
         (

@@ -180,6 +180,30 @@ def test_a_scan_overrun_holds_up_the_scans_behind_it(overrun_us: float) -> None:
     assert_deviation_follows_the_latch(played)
 
 
+@pytest.mark.parametrize(("overrun_us", "span_us"), [(10.0, 0.0), (400.0, 5000.0)])
+def test_scans_that_are_left_out_leave_the_others_on_the_lattice(
+    overrun_us: float, span_us: float
+) -> None:
+    played = trace(
+        PLC,
+        "scan_overrun",
+        n=10_000,
+        probability=0.15,
+        overrun_us=overrun_us,
+        span_us=span_us,
+        left_out=1.0,
+    )
+    rng = np.random.default_rng(3)
+    late_us = overrun_us + rng.uniform(0.0, span_us, (40_000, 50))
+    whole_us = np.ceil(late_us / SCAN_US) * SCAN_US * (rng.random((40_000, 50)) < 0.15)
+    model_us = waits_of_late_scans(whole_us, seed=4)
+
+    assert stats.ks_2samp(wait_us(played), model_us).pvalue > RARE
+    after_scan_us = (played.changed.latch_us[0] - played.scan_phase_us + 0.02) % SCAN_US
+    assert after_scan_us.max() < 0.05
+    assert_deviation_follows_the_latch(played)
+
+
 def test_when_every_scan_overruns_the_whole_lattice_is_late() -> None:
     played = trace(PLC, "scan_overrun", probability=1.0, overrun_us=3400.0)
     expected_us = first_scan_us(played.pin_us, played.scan_phase_us + 3400.0)

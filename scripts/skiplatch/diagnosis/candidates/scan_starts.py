@@ -41,9 +41,11 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose the reach of the late stamps, that scan or the one after being late."""
     period = scene.nominal.plc.scan_us
     usual = [
-        [0.05, share * period, span * period]
+        [0.05, share * period, span * period, 0.0]
         for share, span in ((0.3, 0.0), (0.5, 0.0), (1.2, 0.0), (2.3, 0.0), (0.5, 1.0), (1.5, 1.0))
     ]
+    longest = _whole_scans_late(scene)
+    usual.append([0.02, 0.0, max(longest, 2) * period, 1.0])
     stream = scene.streams.get("lattice")
     if stream is None:
         return usual
@@ -59,12 +61,12 @@ def overruns(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     seen = [(len(apart), first, width)]
     seen += [(len(late), us, more) for us, more in reaches]
     # By whole periods more, too; scans so late that most edges meet them are thought to be on time.
-    for whole_us in period * np.arange(1, _whole_scans_late(scene) + 1):
+    for whole_us in period * np.arange(1, longest + 1):
         seen.append((len(apart), first + whole_us, width))
         seen.append((len(stream.known) - len(apart), whole_us - first - width, 0.0))
     # The longer gap before a late scan meets more edges than it is scans.
     met = [
-        [n / len(stream.known) / (1.0 + (us + more / 2.0) / period), us, more]
+        [n / len(stream.known) / (1.0 + (us + more / 2.0) / period), us, more, 0.0]
         for n, us, more in seen
     ]
     return [*met, *usual]

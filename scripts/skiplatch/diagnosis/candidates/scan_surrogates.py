@@ -3,8 +3,14 @@
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates.surrogates import LOOSEST, Parameters, as_part, as_share
-from skiplatch.diagnosis.density.change import Change, Gaps, Wait
+from skiplatch.diagnosis.candidates.surrogates import (
+    HALF_WAY,
+    LOOSEST,
+    Parameters,
+    as_part,
+    as_share,
+)
+from skiplatch.diagnosis.density.change import MOST_GAPS, Change, Gaps, Wait
 from skiplatch.diagnosis.density.law import Extra
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -31,29 +37,47 @@ def image_delay(scene: Scene, p: Parameters) -> Change:
 
 
 def overrun(scene: Scene, p: Parameters) -> Change:
-    """The grid shows a late scan by its lateness; an edge waits for it from the scan before on."""
+    """The grid shows a late scan by its lateness; an edge waits for it from the scan before on.
+
+    Where scans are left out until then, it is on the grid as any other.
+    """
     share, late, span = as_part(p[0]), abs(p[1]), abs(p[2])
     period = scene.nominal.plc.scan_us
-    parts = SPAN_PARTS if span > period else 1  # the later of such scans, the more edges they meet
-    begins = late + span * np.arange(parts) / parts
-    ratios = (begins + span / parts / 2.0) / period
-    ratio = float(ratios.mean())
+    if p[3] > HALF_WAY:
+        ratios, weights = _whole_gaps(late / period, span / period)
+        begins, width = np.zeros(0), 0.0
+    else:
+        parts = SPAN_PARTS if span > period else 1  # the later of such scans, the more edges meet
+        begins, width = late + span * np.arange(parts) / parts, span / parts
+        ratios, weights = (begins + width / 2.0) / period, np.full(parts, 1.0 / parts)
+    ratio = float(weights @ ratios)
     # The gap before a late scan is longer and the one behind it shorter, unless that is late too.
     alone = share * (1.0 - share)
     is_apart = ratio < 1.0
     met = share + alone * ratio if is_apart else 1.0 - (1.0 - share) ** (1.0 + ratio)
     longer = alone * (1.0 + ratio) if is_apart else met
-    parts_met = (1.0 + ratios) / np.sum(1.0 + ratios)
+    parts_met = weights * (1.0 + ratios) / (1.0 + ratio)
     return Change(
         lattice_extra=tuple(
-            Extra(met * part, offset=_left_out(scene, begin), width=span / parts)
-            for part, begin in zip(parts_met.tolist(), begins.tolist(), strict=True)
+            Extra(met * part, offset=_left_out(scene, begin), width=width)
+            for part, begin in zip(parts_met.tolist(), begins.tolist(), strict=False)
         ),
         gaps=_shown(
             *zip((longer * parts_met).tolist(), (1.0 + ratios).tolist(), strict=True),
             (alone * max(0.0, 1.0 - ratio), 1.0 - ratio),
         ),
     )
+
+
+def _whole_gaps(late: float, span: float) -> tuple[FloatArray, FloatArray]:
+    """Give by how many whole periods scans are late, from so many on, and with what shares."""
+    span = max(span, TIGHTEST)
+    number = np.arange(np.floor(late), np.ceil(late + span)) + 1.0
+    shares = np.minimum(number, late + span) - np.maximum(number - 1.0, late)
+    parts = list(zip(*(np.array_split(v, MOST_GAPS) for v in (number, shares)), strict=True))
+    means = [(float(n @ s / s.sum()), float(s.sum() / span)) for n, s in parts if s.any()]
+    ratios, weights = np.array(means).T
+    return ratios, weights
 
 
 def _left_out(scene: Scene, late_us: float) -> float:

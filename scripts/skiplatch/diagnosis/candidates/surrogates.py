@@ -21,7 +21,7 @@ MOST_AGAIN = 0.95
 MOST = 0.6
 NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
 """Effects on some touches or scans, at most that share of them."""
-SWITCHES = ("along_approach", "at_surface", "is_coordinate", "mirrored")
+SWITCHES = ("along_approach", "at_surface", "is_coordinate", "left_out", "mirrored")
 """Parameters of which nothing but the one or the other end has a meaning."""
 PLACES = ("phase", "second_after", "origin")
 """Parameters that are a place within a period, as a share of it."""

@@ -166,9 +166,10 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scan_overrun",
-            ("probability", "overrun_us", "span_us"),
+            ("probability", "overrun_us", "span_us", "left_out"),
             scan_surrogates.overrun,
             scan_starts.overruns,
+            refinements=({1: lambda p: float(p[2] / 4.0)},),
         ),
         Candidate(
             "input_image_delay",
