@@ -17,8 +17,10 @@ from skiplatch.campaign import NOMINAL_FILE, Touches
 from skiplatch.errors import quoted
 from skiplatch.probing_klartext import LOGGED, klartext, masks
 from skiplatch.probing_touches import (
+    BESIDE_MM,
     BEYOND_MM,
     LOCATING_MM,
+    SAME_SURFACE_MM,
     Touch,
     as_logged,
     as_made,
@@ -27,6 +29,7 @@ from skiplatch.probing_touches import (
     locating_mm,
     locating_mm_min,
     path_of,
+    taken_for_one,
 )
 from skiplatch.units import S_PER_MIN
 
@@ -43,7 +46,7 @@ FILES: Mapping[str, Sequence[str]] = {
 KINDS = tuple(FILES)
 _NAME = re.compile(r"[A-Za-z0-9_-]+")
 _UNSAFE = re.compile(r"[^ -}]|[!?]")  # in a comment too: grbl obeys !, ? and ~ wherever they stand
-_PROBED = {"X": "#5061", "Y": "#5062", "Z": "#5063"}  # parameters of LinuxCNC
+_PROBED = {axis: f"#{5061 + i}" for i, axis in enumerate("XYZABC")}  # parameters of LinuxCNC
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +56,12 @@ class Programs:
     Attributes:
         texts: Of the programs and of what they need, by the name of the file.
         then: The command that imports what it logs.
+        doubts: What cannot be known of the surfaces.
     """
 
     texts: Mapping[str, str]
     then: str
+    doubts: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,12 +137,22 @@ def programs(
     names = _names(kind, stem, len(groups))
     then = _import(kind, stem, names, path, campaign / NOMINAL_FILE)
     if kind == "klipper":
-        return Programs({f"{stem}.gcode": _text(_klipper(groups, then))}, then)
+        return Programs({f"{stem}.gcode": _text(_klipper(groups, then))}, then, _doubts(made))
     texts = {
         name + FILES[kind][0]: _WRITERS[kind](_Part(group, stem, name, then, number, len(names)))
         for number, (group, name) in enumerate(zip(groups, names, strict=True), 1)
     }
-    return Programs(texts | (masks(stem, path) if kind == "heidenhain" else {}), then)
+    texts |= masks(stem, path) if kind == "heidenhain" else {}
+    return Programs(texts, then, _doubts(made))
+
+
+def _doubts(touches: Sequence[Touch]) -> list[str]:
+    """Say where several surfaces may have been taken for one."""
+    return [
+        f"{touch.title}: places within {SAME_SURFACE_MM:g} mm along {touch.axis} count as one, as "
+        "the campaign does not say where they lie on the other axes"
+        for touch in taken_for_one(touches)
+    ]
 
 
 def _names(kind: str, stem: str, surfaces: int) -> list[str]:
@@ -179,7 +194,7 @@ def _linuxcnc(part: _Part) -> Iterator[str]:
     yield "; with the same G54 to G59.3, G92 and tool offset (G43) as its program"
     yield "G21 G90 G94 G40"
     yield from _located(part.touches)
-    yield f"o1 if [ABS[{_PROBED[first.axis]} - [{first.surface:.3f}]] LE {BEYOND_MM:g}]"
+    yield f"o1 if {_is_there(first)}"
     yield f"G1 {back.axis}{back.start:.3f} F{locating_mm_min(part.touches):g}"
     yield f"(PROBEOPEN {part.name}.txt)"
     for touch in part.touches:
@@ -192,6 +207,14 @@ def _linuxcnc(part: _Part) -> Iterator[str]:
     yield f"(MSG, this is not {first.title}, or not in its coordinates)"
     yield "o1 endif"
     yield "%"
+
+
+def _is_there(touch: Touch) -> str:
+    """Give the condition that the surface which was found is the one that is meant."""
+    near = f"[ABS[{_PROBED[touch.axis]} - [{touch.surface:.3f}]] LE {BEYOND_MM:g}]"
+    for axis, value in touch.beside.items():
+        near = f"[{near} AND [ABS[{_PROBED[axis]} - [{value:g}]] LE {BESIDE_MM:g}]]"
+    return near
 
 
 def _located(touches: Sequence[Touch]) -> Iterator[str]:
@@ -226,6 +249,8 @@ def _klipper(groups: Sequence[Sequence[Touch]], then: str) -> Iterator[str]:
     yield "; speeds are multiples of 0.1 mm/s, as Klipper's log prints one decimal"
     yield from (f"; {line}" for line in _then(then))
     yield "G90"
+    if touches[0].place:
+        yield f"; begins with {touches[0].title}"
     for before, touch in pairwise([touches[0], *touches]):
         if not touch.is_of(before):
             yield f"M117 {touch.title}"

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from skiplatch.campaign import Axis, InputPath, Touches
+from skiplatch.campaign.session_names import place_in
 from skiplatch.units import UM_PER_MM
 
 SAME_SURFACE_MM = 0.5
@@ -17,9 +18,12 @@ LOCATING_MM = 10.0
 LEAST_LOCATING_MM = 0.1
 """The same, at least: nearer, nobody can set a probe by hand."""
 NEGLIGIBLE_MM = 1e-6
+BESIDE_MM = 0.5
+"""How far beside its place a surface may be touched."""
 LOCATING_MM_MIN = 100.0
 """The feed of the touch that finds the surface, where no touch asked for is slower."""
 
+LINEAR = "XYZ"
 FEED_STEPS_MM_MIN: Mapping[str, float] = {"klipper": 6.0}
 """By controller: PROBE_ACCURACY prints its speed with one decimal of mm/s."""
 
@@ -28,7 +32,9 @@ FEED_STEPS_MM_MIN: Mapping[str, float] = {"klipper": 6.0}
 class Touch:
     """One touch: places in mm along its axis, feed in mm/min, rest before it in s.
 
-    `room` is the way from the surface to the limit of the axis behind it.
+    `room` is the way from the surface to the limit of the axis behind it. `place` is what tells
+    the surface from others beside it; empty where the campaign does not say it. `beside` has the
+    coordinates of the other axes, where that is what it is: of rotary ones those that are not 0.
     """
 
     axis: str
@@ -39,11 +45,20 @@ class Touch:
     room: float
     feed: float
     rest_s: float
+    place: tuple[float, ...] = ()
+    beside: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def title(self) -> str:
         """Say which surface it is."""
-        return f"surface {self.axis}{'+' if self.sign > 0 else '-'} at {self.surface:g} mm"
+        side = f"{self.axis}{'+' if self.sign > 0 else '-'}"
+        return f"surface {side} at {self.surface:g} mm{self._there}"
+
+    @property
+    def _there(self) -> str:
+        if self.beside:
+            return f", {' '.join(f'{axis}{value:g}' for axis, value in self.beside.items())}"
+        return f", place {' '.join(f'{value:g}' for value in self.place)}" if self.place else ""
 
     @property
     def approach(self) -> float:
@@ -51,9 +66,12 @@ class Touch:
         return abs(self.surface - self.start)
 
     def is_of(self, other: "Touch") -> bool:
-        """Tell whether it touches the same surface."""
+        """Tell whether it touches the same surface.
+
+        At one height there may be many, so places tell them apart where they are known.
+        """
         near = abs(self.surface - other.surface) <= SAME_SURFACE_MM
-        return near and (self.axis, self.sign) == (other.axis, other.sign)
+        return near and (self.axis, self.sign, self.place) == (other.axis, other.sign, other.place)
 
 
 def as_logged(kind: str, touches: Touches) -> Touches:
@@ -99,6 +117,15 @@ def by_surface(touches: Sequence[Touch]) -> list[list[Touch]]:
     return groups
 
 
+def taken_for_one(touches: Sequence[Touch]) -> list[Touch]:
+    """Give a touch of each surface that may be several, as the campaign says no places of them."""
+    return [
+        group[0]
+        for group in by_surface(touches)
+        if not group[0].place and len({touch.surface for touch in group}) > 1
+    ]
+
+
 def locating_mm_min(touches: Sequence[Touch]) -> float:
     """Give the feed of the touch that finds a surface."""
     return min(LOCATING_MM_MIN, *(touch.feed for touch in touches))
@@ -141,4 +168,20 @@ def _touch(touches: Touches, i: int, rest_s: float, reach_mm: tuple[float, float
     room = sign * (reach_mm[1 if sign > 0 else 0] - surface)
     start, end = np.clip([surface - sign * approach, surface + sign * BEYOND_MM], *reach_mm)
     axis = Axis(int(touches.axis[i])).name
-    return Touch(axis, int(sign), float(start), surface, float(end), room, feed, rest_s)
+    place = place_in(touches.session_names[touches.session[i]])
+    # A table may tell surfaces apart by the azimuth in place of coordinates.
+    is_coordinates = len(place) >= len(LINEAR) - 1 and np.isnan(touches.alpha_deg[i])
+    others = zip((other.name for other in Axis if other.name != axis), place, strict=False)
+    beside = {other: value for other, value in others if other in LINEAR or value}
+    return Touch(
+        axis,
+        int(sign),
+        float(start),
+        surface,
+        float(end),
+        room,
+        feed,
+        rest_s,
+        place,
+        beside if is_coordinates else {},
+    )

@@ -476,3 +476,14 @@ def test_a_bench_without_motion_is_asked_for_none() -> None:
     assert not {"feed_mm_min", "approach_mm", "rest_s"} & set(header)
     for touch in experiment_json(experiment)["touches"]:
         assert touch["feed_mm_min"] is touch["approach_mm"] is touch["rest_s"] is None
+
+
+def test_places_of_one_height_are_all_asked_for() -> None:
+    z = surfaces_of_a_router().select(np.arange(40))
+    names = ("after homing 2 Z- at 0 0", "Z- at 50 0")
+    placed = replace(z, session=np.arange(40) % 2, session_names=names)
+
+    drawn = spread_out(placed, 100, np.random.default_rng(1)).touches
+
+    asked = [drawn.session_names[number] for number in drawn.session]
+    assert {name: asked.count(name) for name in asked} == {"Z- at 0 0": 50, "Z- at 50 0": 50}

@@ -40,7 +40,7 @@ from skiplatch.probing_program import FILES, KINDS, Programs, programs, refuse_n
 from skiplatch.probing_touches import FEED_STEPS_MM_MIN, as_logged, path_of
 from skiplatch.simulator.effects import Effect
 from skiplatch.stand_ins import refuse_unplayable
-from skiplatch.tables import counted
+from skiplatch.tables import counted, prose
 
 EPILOG = """\b
 Example:
@@ -120,7 +120,7 @@ def command(
         touches=touches,
         as_recorded=as_recorded or gcode is not None,
     )
-    then, tied = "", []
+    then, tied, doubts = "", [], []
     if gcode is not None:
         experiment = _as_logged(gcode, experiment)
     texts = {out: format_touches(experiment.touches, CONDITIONS)}
@@ -128,10 +128,13 @@ def command(
         made = _programs(gcode, campaign, recorded, experiment, out)
         tied = not_told(recorded, models, experiment.touches, seed=seed, jobs=jobs)
         texts |= {out.with_name(name): text for name, text in made.texts.items()}
+        doubts = [prose(doubt) for doubt in made.doubts]
         then = f"{_feeds_said(gcode)}\nThen: {made.then}"
     for path, text in texts.items():
         atomic_write_text(path, text)
-    click.echo("\n".join(filter(None, (experiment_text(experiment), words.not_told(tied)))))
+    click.echo(
+        "\n".join(filter(None, (experiment_text(experiment), words.not_told(tied), *doubts)))
+    )
     click.echo(f"{', '.join(map(str, texts))}: {counted(len(experiment.touches), 'touch')}{then}")
     logged = {} if gcode is None else {"programs_leave_tied": [list(group) for group in tied]}
     write_json(json_path, {**experiment_json(experiment), **logged})

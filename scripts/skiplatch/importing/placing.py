@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, DatumFreedom, InputPath, Status, Touches
 from skiplatch.campaign.columns import PLACE_DECIMALS
+from skiplatch.campaign.session_names import surface_name
 from skiplatch.importing.model import Touch
 from skiplatch.units import ARCSEC_PER_DEG, UM_PER_MM
 
@@ -196,10 +197,8 @@ def _name(key: Key, surfaces: dict[Key, list[Touch]]) -> str:
 
 def _words(key: Key) -> str:
     session, axis, sign, place, number = key
-    where = " ".join(f"{value:g}" for value in place)
     sense = {1: "+", -1: "-", 0: ""}[sign]
-    parts = (session, f"{axis}{sense}", f"at {where}" if place else "", f"#{number}" * (number > 0))
-    return " ".join(part for part in parts if part)
+    return surface_name(session, f"{axis}{sense}", place, number)
 
 
 def _column(values: Iterable[float | None]) -> FloatArray:

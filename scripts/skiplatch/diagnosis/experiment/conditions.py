@@ -12,6 +12,7 @@ from skiplatch.campaign import Axis, Touches
 from skiplatch.diagnosis.experiment.surfaces import (
     LEAST_APPROACH_MM,
     NARROW_POSITIONS_MM,
+    by_places,
     longest_approach_mm,
     room_before_mm,
     touched,
@@ -91,7 +92,7 @@ def spread_out(
     """
     shares = _shares(count, rng)
     rows = _picked(touched(recorded, reach_mm), shares["surface"])
-    return _made(recorded, shares, recorded.select(rows), reach_mm)
+    return _made(recorded, shares, by_places(recorded).select(rows), reach_mm)
 
 
 def elsewhere(
@@ -107,6 +108,8 @@ def elsewhere(
         alpha_deg=(surfaces.alpha_deg + np.where(flipped, 180.0, 0.0)) % 360.0,
         position_mm=_positions(recorded, shares["position"], reach_mm),
         rotary_deg=_picked(_angles(recorded), shares["rotary"]),
+        session=np.zeros(count, dtype=np.int64),
+        session_names=("",),
     )
     return _made(recorded, shares, surfaces, reach_mm)
 
@@ -143,6 +146,8 @@ def _made(
         position_mm=surfaces.position_mm,
         rotary_deg=surfaces.rotary_deg,
         temp_c=np.full(count, _median(recorded.temp_c)),
+        session=surfaces.session,
+        session_names=surfaces.session_names,
     )
     return timed(touches, _rests(recorded, shares["rest"]))
 

@@ -18,7 +18,7 @@ COLUMNS = frozenset({"deviation_um"})
 
 def as_imported(nominal: Nominal, touches: Touches) -> tuple[Nominal, Touches]:
     """Give touches as their log is imported: each surface may lie anywhere, with a session."""
-    where = np.column_stack([touches.axis, touches.sign, touches.position_mm])
+    where = np.column_stack([touches.axis, touches.sign, touches.position_mm, touches.session])
     surfaces, numbers = np.unique(where, axis=0, return_inverse=True)
     names = tuple(map(str, range(len(surfaces))))
     apart = replace(touches, session=numbers.ravel(), session_names=names)

@@ -1,10 +1,13 @@
 """Surfaces that a campaign touched, and others that an experiment would want."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Axis, Touches
+from skiplatch.campaign.session_names import surface_in
 
 WHERE = ("axis", "sign", "alpha_deg", "beta_deg", "position_mm", "rotary_deg")
 NOWHERE = -1e30
@@ -27,6 +30,19 @@ def touched(recorded: Touches, reach_mm: tuple[float, float]) -> NDArray[np.intp
     inside = ~(room_before_mm(at_mm, sign, reach_mm) < LEAST_APPROACH_MM)
     inside &= ~((at_mm < reach_mm[0]) | (at_mm > reach_mm[1]))
     return np.asarray(rows[inside] if inside.any() else rows)
+
+
+def by_places(touches: Touches) -> Touches:
+    """Give the touches in sessions of their places, as far as the campaign says them."""
+    names, numbers = _placed(touches)
+    return replace(touches, session=numbers, session_names=names)
+
+
+def _placed(touches: Touches) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """Give the surfaces whose places are known, and the number of each touch's; shape (n,)."""
+    surface_of = [surface_in(name) for name in touches.session_names]
+    names = tuple(dict.fromkeys(surface_of))
+    return names, np.array([names.index(name) for name in surface_of])[touches.session]
 
 
 def room_before_mm(
@@ -74,7 +90,9 @@ def asked_for(plan: Touches, recorded: Touches) -> str:
 
 def _where(touches: Touches) -> FloatArray:
     columns = touches.columns()
-    cells = np.column_stack([np.asarray(columns[name], dtype=float) for name in WHERE])
+    cells = np.column_stack(
+        [*(np.asarray(columns[name], dtype=float) for name in WHERE), _placed(touches)[1]]
+    )
     return np.asarray(np.nan_to_num(cells, nan=NOWHERE))
 
 

@@ -4,6 +4,8 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from skiplatch.campaign import COLUMNS
 from skiplatch.diagnosis.experiment.conditions import rests_s
 from skiplatch.diagnosis.experiment.experiment import Experiment
@@ -22,6 +24,7 @@ VARIED = (
     "approach_mm",
     "position_mm",
     "rotary_deg",
+    "session",
 )
 
 
@@ -74,6 +77,7 @@ def _distinct(experiment: Experiment) -> list[tuple[tuple[str, ...], int]]:
     """
     touches, empty = experiment.touches, [""] * len(experiment.touches)
     columns = touches.columns()
+    columns["session"] = np.array(touches.session_names, dtype=object)[touches.session]
     cells = [
         empty if name in experiment.invented else COLUMNS[name].format(columns[name])
         for name in VARIED
@@ -90,5 +94,5 @@ def _short(cell: str) -> str:
 
 def _plain(cells: dict[str, str]) -> dict[str, str | float | None]:
     """Turn cells into numbers where they are some, and into None where they are empty."""
-    texts = ("path", "axis")
+    texts = ("path", "axis", "session")
     return {k: (v if k in texts else float(v)) if v else None for k, v in cells.items()}
