@@ -270,7 +270,7 @@ def test_probe_that_idles_high_is_pointed_out(tmp_path: Path) -> None:
         for folder, words in zip(folders, ([], ["--falling"]), strict=True)
     )
 
-    hint = "if it idles high, import edges with --falling"
+    hint = "as if it idled high; else give --falling"
     assert [any(hint in line for line in run.said["assumed"]) for run in (plain, falling)] == [
         True,
         False,

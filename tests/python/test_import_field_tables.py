@@ -28,7 +28,7 @@ def test_distance_that_a_probe_reads_at_rest_grows_as_the_bed_sinks(tmp_path: Pa
     assert np.diff(run.campaign.touches.deviation_um).tolist() == pytest.approx([1.0] * 3)
     assert np.isnan(run.campaign.touches.feed_mm_min).all()
     assert "4 distances that a probe read at rest" in run.text
-    assert "diagnose needs a feed all the same: give --feed" in run.text
+    assert "diagnose needs a feed all the same, by which nothing is found; give --feed" in run.text
 
 
 def test_distance_read_at_rest_takes_the_feed_that_is_given(tmp_path: Path) -> None:

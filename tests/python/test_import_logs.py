@@ -206,7 +206,7 @@ def test_marlin_g30_goes_on_past_midnight(tmp_path: Path) -> None:
     assert run.campaign.touches.time_s.tolist() == [0, 43190, 43194]
     assert run.campaign.nominal.axis.resolution_um == 2.5
     assert run.campaign.touches.thermometers["bed"].tolist() == [60.25] * 3
-    assert any("Marlin does not print it; give --feed" in line for line in run.said["assumed"])
+    assert any("mm/min); give --feed" in line for line in run.said["assumed"])
 
 
 def test_linuxcnc_log_gets_feeds_and_senses_from_its_program(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from test_import_logs import Run
 
 MAPPED = ("--map", "alpha_deg=Angle", "--map", "deviation_um=Error [um]", "--feed", "100")
 ROUND = np.arange(0.0, 360.0, 20.0)
-ASSUMED_Z = "Z probed, as no column and no --axis says which axis did"
+ASSUMED_Z = "Z probed, as no column says which axis did; else give --axis"
 
 
 def waves(angles: FloatArray, *, lobes_um: float, centre_um: float) -> FloatArray:

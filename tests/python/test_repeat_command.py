@@ -1,6 +1,7 @@
 """``skiplatch repeat``: what repeated touches show with nothing believed of the rig."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -22,8 +23,9 @@ from skiplatch.campaign import (
 )
 from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.cli import group
-from skiplatch.commands.repeat import as_json
+from skiplatch.commands.repeat import OPTIONS_OF_IMPORT, as_json
 from skiplatch.errors import InputError
+from skiplatch.importing.detect import read_any
 from skiplatch.repeatability import Repeatability, repeatability
 from skiplatch.repeatability_words import sentence
 from skiplatch.statistics import Interval
@@ -152,6 +154,32 @@ def test_what_was_assumed_of_a_log_is_said() -> None:
 
     assert "Assumed\n" in result.output
     assert "  the program's unit was the millimetre; else give --inch" in result.output
+
+
+@pytest.mark.parametrize("path", sorted(LOGS.glob("*.[ltv][oxc][gtd]")), ids=lambda path: path.name)
+def test_importers_name_their_options_apart_from_their_sentences(path: Path) -> None:
+    imported = read_any(path)[1]
+
+    named = re.findall(r"(?<!init )--[a-z-]+", "\n".join(imported.assumed))
+    assert set(named) == set(imported.options)
+
+
+def test_options_that_are_named_are_said_to_be_those_of_import() -> None:
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / "linuxcnc_probe.txt")])
+
+    (said,) = (line for line in result.output.splitlines() if OPTIONS_OF_IMPORT in line)
+    assert said == f"  --axis, --program, --feed, --inch: {OPTIONS_OF_IMPORT}"
+
+
+def test_hyphens_of_a_sentence_are_no_option(monkeypatch: pytest.MonkeyPatch) -> None:
+    kind, imported = read_any(LOGS / "klippy.log")
+    imported.assumed.append("the section [probe -- old] of the configuration is the one in use")
+    monkeypatch.setattr("skiplatch.commands.repeat.read_any", lambda _: (kind, imported))
+
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / "klippy.log")])
+
+    assert "probe -- old" in result.output
+    assert "of skiplatch import" not in result.output
 
 
 def test_two_conditions_in_one_are_no_outliers(machine_sample: Path) -> None:

@@ -21,9 +21,7 @@ from skiplatch.repeatability_words import OfPath, an_hour, rows_of, sentence
 from skiplatch.tables import counted, prose, table
 
 SHOWN = 12
-OPTIONS_OF_IMPORT = (
-    "options named here are those of skiplatch import; repeat reads its folder as well"
-)
+OPTIONS_OF_IMPORT = "of skiplatch import, whose folder repeat reads as well"
 _TOLD = {"first": "first_touch", "order": "drift", "axis": "axis_drift", "speed": "slope"}
 EPILOG = """\b
 Example:
@@ -119,8 +117,8 @@ def _read(source: Path) -> tuple[Campaign, str, list[str]]:
             write_imported(Path(folder) / "made", imported, (source,))
             campaign = replace(read_campaign(Path(folder) / "made"), path=source)
         kind, assumed = f"log of {name}", imported.assumed
-        if any(" --" in line for line in assumed if "init --preset" not in line):
-            assumed = [*assumed, OPTIONS_OF_IMPORT]
+        if imported.options:
+            assumed = [*assumed, f"{', '.join(imported.options)}: {OPTIONS_OF_IMPORT}"]
     return campaign, f"{source}: {kind}, {counted(len(campaign.touches), 'touch')}", assumed
 
 

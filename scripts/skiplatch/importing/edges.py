@@ -77,7 +77,8 @@ def read_edges(
         own_us = _after_us(edges, latches[p])
         soon_us = _after_us(others, _answers(capture, name, others)[0])
         if soon_us < SOONER * own_us:
-            found.assumed.append(_idles(names.probe, own_us, soon_us, falling=falling))
+            idles = _idles(names.probe, own_us, soon_us, falling=falling)
+            found.assume(idles, "--falling", by="else leave out" if falling else "else give")
     return found
 
 
@@ -91,11 +92,11 @@ def _refuse_coarse(path: Path, capture: Capture) -> None:
 
 def _idles(probe: str, own_us: float, soon_us: float, *, falling: bool) -> str:
     """Say that latches come sooner after the edges of the probe that do not count."""
-    sense, idle, option = ("falling", "low", "without") if falling else ("rising", "high", "with")
+    sense, idle = ("falling", "low") if falling else ("rising", "high")
     own = f"{own_us:.4g} µs" if np.isfinite(own_us) else "never"
     return (
         f"the {sense} edges of {probe} are contacts, though latches come {own} after them and "
-        f"{soon_us:.4g} µs after the others: if it idles {idle}, import edges {option} --falling"
+        f"{soon_us:.4g} µs after the others, as if it idled {idle}"
     )
 
 
@@ -169,10 +170,10 @@ def _say(found: Imported, capture: Capture, names: Named, bounces: int, missed: 
     elif missed:
         found.known.append(f"edges without a latch within {LONGEST_WAIT_S:g} s: {missed}")
     if bounces:
-        found.assumed.append(
-            f"{bounces} edges so near to one before are its bounces (--holdoff-us); a campaign "
-            "holds the first edge of a touch alone, so which of them was latched cannot be told "
-            "from it"
+        found.assume(
+            f"{bounces} edges so near to one before are its bounces, of which a campaign holds no "
+            "more than the edge before them, so which of them was latched cannot be told from it",
+            "--holdoff-us",
         )
     if capture.step_s:
         step_us = capture.step_s * US_PER_S
@@ -182,9 +183,7 @@ def _say(found: Imported, capture: Capture, names: Named, bounces: int, missed: 
     found.assumed += capture.assumed
     found.assumed.append("the latch output changes at the latch itself, not some time later")
     if InputPath.PLC not in names.latches:
-        found.assumed.append(
-            "the latches are those of the skip input; --plc-latch names those of a PLC task"
-        )
+        found.assume("the latches are those of the skip input, none of a PLC task", "--plc-latch")
 
 
 def _after_bounces(

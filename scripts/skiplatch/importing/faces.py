@@ -48,4 +48,4 @@ def put_deviations(found: Imported, columns: dict[str, NDArray[Any]]) -> None:
         "where each face is: deviations are coordinate_mm - position_mm, along the approach"
     )
     if "sign" not in columns:
-        found.assumed.append("the positive sense, as no column and no --sign says which it was")
+        found.assume("the positive sense, as no column says which it was", "--sign")

@@ -254,10 +254,12 @@ class _Reader:
         if self.broken:
             found.unread.append(f"replies ([PRB:…]) that are cut or garbled: {self.broken}")
         say_missing(found, self._settings, axis)
-        found.assumed += [*self._unit.assumed(self._commands.units), *self._speeds.assumed()]
+        for words, *options in self._unit.assumed(self._commands.units):
+            found.assume(words, *options)
+        found.assumed += self._speeds.assumed()
         self._say_moves(found)
         if any(touch.feed is None for touch in self.touches):
-            found.assumed.append("the feed is not known: log the commands too, or give --feed")
+            found.assume("the feed is not known: log the commands too", "--feed", by="or give")
         if all(touch.time_s is None for touch in self.touches):
             found.assumed.append(NO_TIMES)
         found.assumed.append(

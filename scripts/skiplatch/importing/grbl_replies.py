@@ -75,18 +75,16 @@ class Unit:
         linear = (number * self.mm for number in reply.numbers[:_LINEAR_AXES])
         return (*linear, *reply.numbers[_LINEAR_AXES:])
 
-    def assumed(self, command_units: Collection[str]) -> Iterator[str]:
-        """Say which units were taken where nothing tells them.
+    def assumed(self, command_units: Collection[str]) -> Iterator[tuple[str, ...]]:
+        """Say which units were taken where nothing tells them, each with options that would.
 
         Args:
             command_units: Which of G20 and G21 the log has.
         """
         if True in self._taken:
-            yield "replies in inches, as they have four decimals and no $13 says otherwise"
+            yield ("replies in inches, as they have four decimals and no $13 says otherwise",)
         if False in self._taken and "G20" in command_units:
-            yield (
-                "replies in mm, as they have fewer than four decimals, though commands are in "
-                "inches (G20); --inch says otherwise"
-            )
+            few = "replies in mm, as they have fewer than four decimals"
+            yield f"{few}, though commands are in inches (G20)", "--inch"
         if self.is_inch and not command_units and not self._is_given:
-            yield "commands in mm, as the log has neither G20 nor G21; --inch says otherwise"
+            yield "commands in mm, as the log has neither G20 nor G21", "--inch"

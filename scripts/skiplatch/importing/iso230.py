@@ -145,7 +145,7 @@ def _scale(
     if given and given not in units:
         raise InputError(path, None, None, f"--unit {given}: expected one of {', '.join(units)}")
     if said is None:
-        found.assumed.append(f"deviations are in {given or usual}; else give --unit")
+        found.assume(f"deviations are in {given or usual}", "--unit")
         return units[given or usual]
     if given and said != given:
         message = f"the heads of the runs say {said}, and --unit says {given}"

@@ -279,9 +279,8 @@ class _Reader(Console):
                 "and nothing of a delay"
             )
             if self.feed is None:
-                found.assumed.append(
-                    "diagnose needs a feed all the same: give --feed, by which nothing is found"
-                )
+                needed = "diagnose needs a feed all the same, by which nothing is found"
+                found.assume(needed, "--feed", by="give")
             return
         if self._feeds_from:
             found.known.append(f"feeds from {' and '.join(self._feeds_from)}")
@@ -290,7 +289,8 @@ class _Reader(Console):
             for why, touches in self._limited.items()
         ]
         if self._at_default:
-            found.assumed.append(
+            found.assume(
                 f"{counted(self._at_default, 'touch')} at Klipper's default of "
-                f"{_DEFAULT_SPEED_MM_S:g} mm/s: the log does not say their speed; else give --feed"
+                f"{_DEFAULT_SPEED_MM_S:g} mm/s: the log does not say their speed",
+                "--feed",
             )

@@ -92,9 +92,7 @@ def read_linuxcnc(
         untold = (
             f"the program does not tell the axis of {counted(guessed, 'touch')}: " if moves else ""
         )
-        found.assumed.append(
-            f"{untold}axis {fallback}, whose coordinates look touched; else give --axis"
-        )
+        found.assume(f"{untold}axis {fallback}, whose coordinates look touched", "--axis")
     if done.not_found:
         found.assumed.append(f"{_subroutines(done)}: taken for without probing moves and feeds")
     for line, row, move in zip(lines, rows, matched, strict=True):
@@ -240,13 +238,13 @@ def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inc
     if missed:
         found.known.append(f"missed touches, as the move ended at its target: {missed}")
     if not moves:
-        found.assumed.append("no program was given (--program FILE.ngc), so no senses are known")
+        found.assume("no program was given, so no senses are known", "--program", by="give")
         if any(touch.axis == "Z" for touch in found.touches):
             found.assumed.append(FROM_ABOVE)
     if feed is None and any(touch.feed is None for touch in found.touches):
-        found.assumed.append("the feed is not known: give it by --program or --feed")
+        found.assume("the feed is not known", "--program", "--feed", by="give")
     if inch:
         found.known.append("the program's unit was the inch")
     elif not moves:
-        found.assumed.append("the program's unit was the millimetre; else give --inch")
+        found.assume("the program's unit was the millimetre", "--inch")
     found.assumed.append("a servo period of 1 ms (SERVO_PERIOD in the .ini); plc.scan_us says so")

@@ -219,10 +219,12 @@ class _Reader(Console):
         if self._duet.has_touched and all(touch.feed for touch in self.touches):
             found.known.append("feeds from M558, or as given")
         elif self._duet.has_touched:
-            found.assumed.append("the feed is not known before M558 tells it; give --feed")
+            found.assume("the feed is not known before M558 tells it", "--feed", by="give")
         elif self.feed is None:
-            found.assumed.append(
-                "the feed is not known: Marlin does not print it; give --feed "
-                "(Z_PROBE_FEEDRATE_SLOW of Configuration.h, mm/min)"
+            found.assume(
+                "the feed is not known: Marlin does not print it (Z_PROBE_FEEDRATE_SLOW of "
+                "Configuration.h, mm/min)",
+                "--feed",
+                by="give",
             )
         return found

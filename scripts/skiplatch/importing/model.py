@@ -70,7 +70,8 @@ class Imported:
         preset: Name of the figures that such a rig has where the log says nothing else.
         figures: What the log says of the rig.
         known: What is known, a sentence each.
-        assumed: What was assumed.
+        assumed: What was assumed, by `assume` where an option would tell it.
+        options: Of `skiplatch import`, those that sentences of `assumed` name.
         unread: What could not be read.
     """
 
@@ -85,7 +86,13 @@ class Imported:
     figures: dict[KeyPath, Figure] = field(default_factory=dict)
     known: list[str] = field(default_factory=list)
     assumed: list[str] = field(default_factory=list)
+    options: list[str] = field(default_factory=list)
     unread: list[str] = field(default_factory=list)
+
+    def assume(self, words: str, *options: str, by: str = "else give") -> None:
+        """Note what was assumed, and by which options of `skiplatch import` it would be told."""
+        self.assumed.append(f"{words}; {by} {' or '.join(options)}" if options else words)
+        self.options += [option for option in options if option not in self.options]
 
     def figure(self, section: str, name: str, value: float, source: str) -> None:
         """Note what the log says of the rig."""
@@ -98,6 +105,7 @@ class Imported:
         for said, more in (
             (self.known, other.known),
             (self.assumed, other.assumed),
+            (self.options, other.options),
             (self.unread, other.unread),
         ):
             said += [line for line in more if line not in said]

@@ -47,7 +47,7 @@ ALSO = (
 )
 """Columns that go along with coordinates as they are."""
 USUAL_AXIS = "Z"
-AXIS_ASSUMED = f"{USUAL_AXIS} probed, as no column and no --axis says which axis did"
+AXIS_ASSUMED = f"{USUAL_AXIS} probed, as no column says which axis did"
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
 _MOVED = re.compile(rf"[XYZABC]?\s*([{re.escape(''.join(_SENSES))}])\s*[XYZABC]?", re.IGNORECASE)
 """A sense, as a cell tells it with or without the axis: ``+``, ``Y+``, ``-Z``."""
@@ -121,7 +121,7 @@ def read_table(
         _as_they_are(found, columns, len(body), axis, sign, feed)
         return found
     if axis is None and "axis" not in columns:
-        found.assumed.append(AXIS_ASSUMED)
+        found.assume(AXIS_ASSUMED, "--axis")
     _from_coordinates(found, columns, found.lines, probed, sign, feed)
     return found
 
@@ -263,7 +263,7 @@ def _add_axis(
         found.assumed.append("X or Y moved, whichever goes more along the azimuth, alpha_deg")
         return
     if axis is None and "axis" not in columns:
-        found.assumed.append(AXIS_ASSUMED)
+        found.assume(AXIS_ASSUMED, "--axis")
     columns.setdefault("axis", np.full(rows, Axis[axis or USUAL_AXIS]))
     if sign is not None:
         columns.setdefault("sign", np.full(rows, float(sign)))
