@@ -412,7 +412,15 @@ def test_capture_is_no_table_of_iso_230(tmp_path: Path, refused: Program) -> Non
 
     said = refused("import", "iso230", tmp_path / "c.csv", "-o", tmp_path / "made")
 
-    assert 'expected positions in mm, got "Time [s]"' in said
+    assert "no runs of ISO 230-2, but edges of a capture: skiplatch import edges reads" in said
+
+
+def test_table_of_times_is_no_table_of_positions(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "t.csv").write_text("Time,Run 1,Run 2\n0.0,0.5,0.7\n0.1,1.5,1.2\n")
+
+    said = refused("import", "iso230", tmp_path / "t.csv", "-o", tmp_path / "made")
+
+    assert 't.csv:1: expected positions in the first column, got "Time"' in said
 
 
 def runs_of_iso_230(folder: Path) -> Run:

@@ -8,6 +8,7 @@ import click
 
 from skiplatch.campaign import Kind
 from skiplatch.commands.imported import finish, nominal_option, path_option
+from skiplatch.commands.importers import Importers
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import FEED_MM_MIN, NumberType
 from skiplatch.commands.options import Decorator, json_option
@@ -38,7 +39,7 @@ axis_option: Decorator = click.option(
 )
 
 
-@click.group(epilog=EPILOG)
+@click.group(cls=Importers, epilog=EPILOG)
 def command() -> None:
     """Make a campaign out of a log, and say what is known, assumed, and cannot be told from it.
 

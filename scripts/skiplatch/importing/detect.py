@@ -5,13 +5,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.files import failures_named, refuse_special_or_large
-from skiplatch.importing.candump import is_logged, is_shown
-from skiplatch.importing.dialects import READ, advice
+from skiplatch.files import failures_named
+from skiplatch.importing.dialects import advice
 from skiplatch.importing.grbl import read_grbl
+from skiplatch.importing.kinds import HOLDS, is_scope, kind_of
 from skiplatch.importing.klipper import read_klipper
 from skiplatch.importing.linuxcnc import read_linuxcnc
-from skiplatch.importing.log_lines import MAX_BYTES, read_text
+from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.marlin import read_marlin
 from skiplatch.importing.model import Imported
 
@@ -31,17 +31,6 @@ WITHOUT_TOUCHES: Mapping[str, re.Pattern[str]] = {
 }
 """What is clearly of a kind, though no touch shows; its reader says what is missing."""
 
-
-_CAPTURE = re.compile(
-    r"^(?:Time ?[\[(][mµun]?s[\])][,;]|;.*(?:libsigrok|Samplerate))", re.MULTILINE
-)
-_SCOPE = re.compile(
-    r'^"?(?:time|x) ?(?:[\[(][mµun]?s[\])])?"?[,;\t]"?(?:ch|voltage)'
-    r"|^\W*(?:sequence|seconds?|[mµun]?s)\W*[,;\t]\W*[mµ]?V(?:olt)?\b|\btInc\s*=",
-    re.IGNORECASE | re.MULTILINE,
-)
-"""How heads of an oscilloscope's CSV name the columns or their units."""
-_LOOKED_AT = 2000  # characters
 HOLDOFF_S = 1e-3
 
 
@@ -53,30 +42,26 @@ def read_any(path: Path) -> tuple[str, Imported]:
     """
     if path.suffix.lower() in (".vcd", ".sr"):
         return "a logic analyser", _capture(path)
-    if path.suffix.lower() in (".asc", ".blf") or _is_candump(path):
+    if path.suffix.lower() in (".asc", ".blf"):
+        return "CAN traffic", _can(path)
+    with failures_named(path, "read"):
+        kind = kind_of(path)
+    if kind == "can":
         return "CAN traffic", _can(path)
     text = read_text(path)
-    if _CAPTURE.search(text[:_LOOKED_AT]):
-        return "a logic analyser", _capture(path)
-    if _SCOPE.search(text[:_LOOKED_AT]):
-        return "an oscilloscope", _capture(path)
-    for kind, sign in READ.items():
-        if sign.search(text):
-            return kind, KINDS[kind](path)
+    if kind == "edges":
+        return "an oscilloscope" if is_scope(text) else "a logic analyser", _capture(path)
+    if kind in KINDS:
+        return kind, KINDS[kind](path)
     if said := advice(text):
         raise InputError(path, None, None, said)
-    for kind, sign in WITHOUT_TOUCHES.items():
+    for name, sign in WITHOUT_TOUCHES.items():
         if sign.search(text):
-            return kind, KINDS[kind](path)
+            return name, KINDS[name](path)
     kinds = ", ".join(KINDS)
-    message = f"expected a campaign or a log of {kinds}; for others see skiplatch import"
+    others = f"skiplatch import {kind} reads it" if kind in HOLDS else "see skiplatch import"
+    message = f"expected a campaign or a log of {kinds}; for others {others}"
     raise InputError(path, None, None, message)
-
-
-def _is_candump(path: Path) -> bool:
-    with failures_named(path, "read"):
-        refuse_special_or_large(path, MAX_BYTES)
-        return is_shown(path) or is_logged(path)
 
 
 def _capture(path: Path) -> Imported:

@@ -35,11 +35,8 @@ _FEATURE = re.compile(r"\b(?:POSN|SIZE)\s+[XYZD]\s*-?[\d.]+\s+ACTUAL\s+-?[\d.]+"
 _TABLE = "a head, such as Z [mm], for import csv --map coordinate_mm=Z --axis Z"
 
 
-def advice(text: str, kind: str = "") -> str:
-    """Give what to do with a log whose touches are of another kind than it was read as.
-
-    It is empty where nothing tells that. `kind` is that as which it was read, ``grbl``.
-    """
+def advice(text: str) -> str:
+    """Give what to do with a log of touches that no importer reads; empty where nothing tells."""
     if name := _name(text, _TOUCHES):
         how = f"put their coordinates into a table with {_TABLE}"
         return f"touches of {name}, whose logs are not read: {how}"
@@ -49,9 +46,6 @@ def advice(text: str, kind: str = "") -> str:
     if name := _name(text, _MAPS):
         how = f"touch one several times, and put its coordinates into a table with {_TABLE}"
         return f"a map of the bed by {name}, with one touch of each place: {how}"
-    others = {name: sign for name, sign in READ.items() if name != kind}
-    if kind and (name := _name(text, others)):
-        return f"no touches of {kind}, but of {name}: skiplatch import {name} reads them"
     return ""
 
 

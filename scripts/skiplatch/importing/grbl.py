@@ -53,7 +53,7 @@ def read_grbl(path: Path, feed: float | None, *, inch: bool = False) -> Imported
         reader.take(line)
     if not reader.touches:
         message = f"expected replies such as [PRB:0.000,0.000,-5.123:1]{reader.instead}"
-        raise InputError(path, None, None, advice(read_text(path), "grbl") or message)
+        raise InputError(path, None, None, advice(read_text(path)) or message)
     refuse_all_missed(path, reader.touches)
     return reader.result()
 

@@ -8,6 +8,8 @@ and other results that stand beside or below the runs are left out. Runs may als
 touches lines of a list with columns of position, sense and deviation.
 """
 
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ import numpy as np
 from skiplatch.arrays import FloatArray, IndexArray
 from skiplatch.campaign import Axis, DatumFreedom, Touches
 from skiplatch.campaign.column_kinds import CellError
-from skiplatch.errors import InputError
+from skiplatch.errors import InputError, quoted
 from skiplatch.importing.iso230_heads import (
     RUN_UNITS,
     is_negative,
@@ -31,6 +33,7 @@ from skiplatch.importing.spreadsheets import ANY_NUMBER, read_spreadsheet, say_d
 from skiplatch.units import ARCSEC_PER_MILLIDEGREE
 
 DECIMALS = 3  # of a deviation in a campaign
+_TIME = re.compile(r"\W*(?:time\b|(?:seconds?|[mµun]?s)\W*$)", re.IGNORECASE)
 CLOSE = 0.01  # of the span of the targets, within which what was measured is a position
 LEAST_SIGMA_UM = 1e-3  # a campaign tells no less
 
@@ -51,6 +54,7 @@ def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) 
     found = Imported(preset="plc-4ms")
     sheet.say(found)
     sheet.marks.refuse_doubtful(path, range(len(sheet.rows[0][1]) if sheet.rows else 0))
+    _refuse_times(path, sheet.rows)
     laid = laid_out(path, sheet.rows, found)
     table = with_senses(path, sheet.rows[0][0], laid) if laid.heads else laid
     table = _without_what_is_worked_out(table, found)
@@ -110,6 +114,13 @@ def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) 
         "the positions were read at rest: no touch, no feed and no delay is in them"
     )
     return found
+
+
+def _refuse_times(path: Path, rows: Sequence[tuple[int, list[str]]]) -> None:
+    """Refuse times where positions stand, as of an oscilloscope: they grow evenly as well."""
+    if rows and (heads := rows[0][1]) and _TIME.match(heads[0]):
+        message = f"expected positions in the first column, got {quoted(heads[0])}"
+        raise InputError(path, rows[0][0], None, message)
 
 
 def _without_what_is_worked_out(table: RunTable, found: Imported) -> RunTable:

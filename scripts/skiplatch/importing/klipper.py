@@ -63,7 +63,7 @@ def read_klipper(path: Path, feed: float | None) -> Imported:
         expected = 'expected lines such as "probe at 97.000,2.000 is z=1.320000"'
         if reader.has_results:
             expected += ", got results of a test alone: keep the lines above them too"
-        raise InputError(path, None, None, advice(read_text(path), "klipper") or expected)
+        raise InputError(path, None, None, advice(read_text(path)) or expected)
     found = reader.result()
     if len(whole) < len(lines):
         found.unread.append(f"a touch that the end of the log cuts off: line {lines[-1].number}")

@@ -71,7 +71,7 @@ def read_marlin(path: Path, feed: float | None) -> Imported:
             expected += ", got M48 without samples: type M48 V4"
         elif reader.has_mesh:
             expected += ", got a mesh that is done: type G29 V4, or M48 V4 at one place"
-        raise InputError(path, None, None, advice(read_text(path), "marlin") or expected)
+        raise InputError(path, None, None, advice(read_text(path)) or expected)
     return reader.result()
 
 

@@ -1,8 +1,7 @@
 """Any table: which of its columns is which of a campaign's, in which unit."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,7 @@ from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, quoted
 from skiplatch.importing.dates import iso_of
-from skiplatch.importing.dialects import advice
 from skiplatch.importing.faces import are_faces, put_deviations
-from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.mapped import COORDINATE, Mapped, in_table, named_in, refuse_twice, unit_of
 from skiplatch.importing.model import Imported, Touch
 from skiplatch.importing.rings import axes_round, centred
@@ -79,15 +76,14 @@ def read_table(
     """
     refuse_twice(path, mapped)
     found = Imported(kind=kind, preset="bench" if kind is Kind.BENCH else "plc-4ms")
-    with _others_named(path):
-        sheet = read_spreadsheet(path, lambda row, _: _is_head(row, mapped))
-        rows = with_numbers(sheet.rows, mapped, found)
-        if not rows:
-            raise InputError(path, None, None, "expected a header row, got an empty file")
-        (header_line, header), body = rows[0], rows[1:]
-        heads = [head.strip() for head in header]
-        refuse_no_head(path, rows, sheet.title)
-        mapped = [in_table(path, header_line, heads, m) for m in mapped]
+    sheet = read_spreadsheet(path, lambda row, _: _is_head(row, mapped))
+    rows = with_numbers(sheet.rows, mapped, found)
+    if not rows:
+        raise InputError(path, None, None, "expected a header row, got an empty file")
+    (header_line, header), body = rows[0], rows[1:]
+    heads = [head.strip() for head in header]
+    refuse_no_head(path, rows, sheet.title)
+    mapped = [in_table(path, header_line, heads, m) for m in mapped]
     sheet.marks.refuse_doubtful(path, {heads.index(m.head) for m in mapped})
     sheet.say(found)
     body = without_lines_below(body, found)
@@ -124,20 +120,6 @@ def read_table(
         found.assume(AXIS_ASSUMED, "--axis")
     _from_coordinates(found, columns, found.lines, probed, sign, feed)
     return found
-
-
-@contextmanager
-def _others_named(path: Path) -> Iterator[None]:
-    """Where what is refused is a log of another kind, say which importer reads it."""
-    try:
-        yield
-    except InputError as error:
-        text = ""
-        with suppress(InputError):
-            text = read_text(path)
-        if said := advice(text, "a table"):
-            raise InputError(path, None, None, said) from error
-        raise
 
 
 def _is_head(row: list[str], mapped: Sequence[Mapped]) -> bool:
