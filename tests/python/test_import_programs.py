@@ -7,6 +7,7 @@ import pytest
 
 from refusals import Program
 from skiplatch.importing.gcode_program import run
+from skiplatch.importing.nc_text import read_program
 from test_import_logs import Run
 
 BOTH_WORDS = """G21 G90
@@ -421,3 +422,63 @@ def test_probing_moves_in_two_units_are_refused(tmp_path: Path, refused: Program
     said = refused("import", "linuxcnc", *words, "-o", str(tmp_path / "c"))
 
     assert f"{tmp_path / 'p.ngc'}:6: expected probing moves in one unit, got inches in" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "said"),
+    [
+        ("p.png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "no text: expected an NC program of lines"),
+        (
+            "p.csv",
+            b"feed,move\n100,G38.2 Z-5 F100\n",
+            ":1: expected an NC program of lines such as",
+        ),
+        ("p.toml", b'[probe]\nmove = "G38.2 Z-20 F100"\n', 'got "[probe]"'),
+        (
+            "p.log",
+            b">>> G38.2 Z-5 F100\n[PRB:0.000,0.000,-1.230:1]\nok\n",
+            "expected an NC program",
+        ),
+        ("p.md", b"Send `G38.2 Z-5 F100`,\nthen look at the log.\n", "expected an NC program"),
+    ],
+)
+def test_what_is_no_program_is_none(
+    tmp_path: Path, refused: Program, name: str, data: bytes, said: str
+) -> None:
+    (tmp_path / name).write_bytes(data)
+    (tmp_path / "p.txt").write_text(row(0, 0, -3) * 2)
+
+    words = ("--program", tmp_path / name, "-o", tmp_path / "made")
+    told = refused("import", "linuxcnc", tmp_path / "p.txt", *words)
+
+    assert told.count("\n") == 1
+    assert said in told
+    assert name in told
+    assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "G38.2 Z-5 F100",
+        "n10g0x1y2",
+        "/G1 X#<_a> Y[#1 + [2*#<b>]] F-[3]",
+        "#<_depth> = [#5063 - 2.5]",
+        "#1=5 #2=6.",
+        "o<probe> call [1] [2]",
+        "o100 if [#5070 EQ 1]",
+        "O0001",
+        "N20 IF [#1 GT 3] GOTO 40",
+        "%",
+        "%_N_PROBE_MPF",
+        "M98P1000L2",
+        "G1 X1 *71",
+        "G0 @5 ^30",
+        "T1 M6 (a probe)",
+        "S500. ; what follows is none",
+    ],
+)
+def test_lines_of_a_program_are_known_as_such(tmp_path: Path, line: str) -> None:
+    (tmp_path / "p.ngc").write_text(f"{line}\n")
+
+    assert read_program(tmp_path / "p.ngc") == f"{line}\n"

@@ -15,8 +15,8 @@ from skiplatch.importing.dropped_lines import only, told_apart
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, logs_parts, offsets_of, run
 from skiplatch.importing.linuxcnc_rows import read_rows
-from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
+from skiplatch.importing.nc_text import read_program
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
 from skiplatch.tables import counted
 from skiplatch.units import MM_PER_INCH
@@ -69,7 +69,7 @@ def read_linuxcnc(
     """
     read = read_rows(path)
     rows, lines = read.rows, read.lines
-    text = read_text(program) if program else ""
+    text = read_program(program) if program else ""
     done = run(text, rows, inch=inch, name=path.name)
     moves = done.moves
     if program and not moves:

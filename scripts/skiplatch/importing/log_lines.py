@@ -64,13 +64,13 @@ class Line:
     time_s: float | None
 
 
-def read_text(path: Path) -> str:
-    """Read a log in any of the usual encodings; lines too long for a touch are blank.
+def read_text(path: Path, wanted: str = "a log") -> str:
+    """Read what is `wanted` in any of the usual encodings; lines too long for a touch are blank.
 
     Raises:
         InputError: It cannot be read or is no text of lines.
     """
-    text = _decoded(path)
+    text = _decoded(path, wanted)
     lines = text.splitlines()
     long = [number for number, line in enumerate(lines) if len(line) > MAX_LINE_CHARACTERS]
     if not long:
@@ -78,14 +78,14 @@ def read_text(path: Path) -> str:
     for number in long:
         lines[number] = ""
     if not any(line.strip() for line in lines):
-        message = f"a line of more than {MAX_LINE_CHARACTERS} characters: expected a log"
+        message = f"a line of more than {MAX_LINE_CHARACTERS} characters: expected {wanted}"
         raise InputError(path, long[0] + 1, None, message)
     message = f"lines of more than {MAX_LINE_CHARACTERS} characters are left out: {len(long)}"
     warnings.warn(CampaignWarning(path, long[0] + 1, None, message), stacklevel=2)
     return "\n".join(lines)
 
 
-def _decoded(path: Path) -> str:
+def _decoded(path: Path, wanted: str) -> str:
     with failures_named(path, "read"):
         refuse_special_or_large(path, MAX_BYTES)
         data = path.read_bytes()
@@ -95,7 +95,7 @@ def _decoded(path: Path) -> str:
         return data.decode(encoding, errors="replace")
     refuse_no_text(path, data)
     if b"\0" in data[:4096]:
-        raise InputError(path, None, None, "no text: expected a log")
+        raise InputError(path, None, None, f"no text: expected {wanted}")
     return data.decode("utf-8", errors="replace")
 
 
