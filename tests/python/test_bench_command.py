@@ -117,7 +117,7 @@ def test_session_of_the_page_hears_its_edge_and_its_latch(
     channel: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """On a virtual bus in place of the kernel's."""
-    session, encoding = [
+    _, session, encoding = [
         one.text for one in examples(ROOT / "docs/INJECTION.md") if one.language == "python"
     ]
     virtual = session.replace("socketcan", "virtual").replace("vcan0", channel)

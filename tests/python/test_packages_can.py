@@ -1,5 +1,6 @@
 """The frames as others read them: python-can and cantools with the DBC, beside the C codec."""
 
+import ast
 import re
 import subprocess
 import sys
@@ -9,12 +10,14 @@ import can
 import pytest
 
 from bench_rig import c_frames
+from documents import examples
 from packages_rig import run
 from skiplatch.bench.protocol import DBC, LATCH_ID
 
 EXAMPLE = Path("firmware/examples/can/read_log.py")
+SIGNALS = ("Ticks", "PositionCounts", "Channel", "Flags")
 RECORDS = (
-    # ticks, position, sequence, channel, flags
+    # ticks, position, sequence, channel, flags: SIGNALS, and the number between
     (0x12345678, -2, 0x7ABC, 5, 0x9),
     (4294967295, 2147483647, 0, 0, 0x0),
     (0, -2147483648, 32767, 7, 0xF),
@@ -39,10 +42,32 @@ def test_the_example_reads_what_the_c_codec_wrote(ending: str, tmp_path: Path) -
                     timestamp=1.0 + at, arbitration_id=LATCH_ID, data=frame, is_extended_id=False
                 )
             )
-    rows = [line.split()[1:] for line in run(sys.executable, EXAMPLE, DBC, log).splitlines()]
 
-    assert rows == [[str(field) for field in (sequence, channel, flags, ticks, position)]
-                    for ticks, position, sequence, channel, flags in RECORDS]  # fmt: skip
+    latches = latches_read(log)
+
+    read = [[latch[name] for name in SIGNALS] for latch in latches]
+    assert read == [[record[name] for name in (0, 1, 3, 4)] for record in RECORDS]
+    assert list(map(number_of, latches)) == [record[2] for record in RECORDS]
+
+
+def latches_read(log: Path) -> list[dict[str, int]]:
+    """Give the signals that the example prints of each latch of a log."""
+    lines = run(sys.executable, EXAMPLE, DBC, log).splitlines()
+    return [ast.literal_eval(line) for line in lines]
+
+
+def number_of(latch: dict[str, int]) -> int:
+    """Give its number as docs/INJECTION.md says it."""
+    return latch["SequenceHigh"] * 128 + latch["SequenceLow"]
+
+
+def test_the_page_shows_the_example_which_has_ten_lines() -> None:
+    code = EXAMPLE.read_text().split('"""\n', 1)[1].strip("\n")
+
+    lines = [line for line in code.splitlines() if line and not line.startswith("#")]
+    assert len(lines) == 10
+    shown = [one.text for one in examples(Path("docs/INJECTION.md")) if one.language == "python"]
+    assert code in (text.strip("\n") for text in shown)
 
 
 def row_of(frame: bytes, number: str = f"{LATCH_ID:03X}") -> str:
@@ -52,7 +77,7 @@ def row_of(frame: bytes, number: str = f"{LATCH_ID:03X}") -> str:
 def numbers_read(log: Path, *rows: str) -> list[int]:
     """Give the sequence numbers that the example prints of such a log."""
     log.write_text("".join(rows))
-    return [int(line.split()[1]) for line in run(sys.executable, EXAMPLE, DBC, log).splitlines()]
+    return list(map(number_of, latches_read(log)))
 
 
 def test_a_second_half_alone_is_no_latch(tmp_path: Path) -> None:

@@ -7,28 +7,9 @@ import can
 import cantools
 
 RECORD = cantools.database.load_file(sys.argv[1]).get_message_by_name("LatchRecord")
-
-
-def is_half(frame: can.Message) -> bool:
-    """Tell a half of a record from all else on the bus."""
-    is_data = not (frame.is_extended_id or frame.is_remote_frame or frame.is_error_frame)
-    return is_data and frame.arbitration_id == RECORD.frame_id and len(frame.data) == RECORD.length
-
-
-def is_good(data: bytes, start: int) -> bool:
-    """Hold the CRC of a half against its bytes; that of a second half starts from the first's."""
-    return crc_hqx(data[:6], start) == int.from_bytes(data[6:], "little")
-
-
-first = last = b""  # the half that waits for its second one; the record that was printed last
-for frame in filter(is_half, can.LogReader(sys.argv[2])):
-    data = bytes(frame.data)
-    if not data[0] & 1 and is_good(data, 0xFFFF):
-        first = data
-    elif first and data[0] == first[0] | 1 and is_good(data, int.from_bytes(first[6:], "little")):
-        if first + data != last:  # a bus may bring it twice
-            low, high = RECORD.decode(first), RECORD.decode(data)
-            number = high["SequenceHigh"] << 7 | low["SequenceLow"]
-            print(frame.timestamp, number, low["Channel"], low["Flags"], low["Ticks"],
-                  high["PositionCounts"])  # fmt: skip
-        first, last = b"", first + data
+frames = (f for f in can.LogReader(sys.argv[2]) if not f.is_extended_id and len(f.data) == 8)
+halves = [bytes(f.data) for f in frames if f.arbitration_id == RECORD.frame_id]
+# A bus may bring a record twice. What a CRC was made of, and the CRC behind it, has the CRC 0.
+for one, two in dict.fromkeys(zip(halves, halves[1:])):
+    if not crc_hqx(one[:6] + one[:5:-1], 0xFFFF) | crc_hqx(one[:6] + two[:6] + two[:5:-1], 0xFFFF):
+        print(RECORD.decode(one) | RECORD.decode(two))
