@@ -188,6 +188,19 @@ def test_a_wait_that_is_bound_to_the_scan_is_found_though_it_scatters_less() -> 
     }
 
 
+def test_plays_that_move_scans_to_touches_are_not_asked_for_a_grid_that_was_kept() -> None:
+    lock = Effect("scan_phase_lock", {"phase": 0.3, "spread": 0.06})
+    moved = played(BENCH, lock)
+    kept = read_campaign(BENCH)
+
+    def observables(campaign: Campaign) -> set[str]:
+        beside = Beside.of(Scene.of(campaign), Rig(campaign.nominal, [lock]), seed=1)
+        return {look.name for look in beside.looks["plc"]}
+
+    assert "grid" not in observables(kept)
+    assert observables(moved) == {*observables(kept), "grid"}
+
+
 def test_touches_that_all_meet_one_point_of_the_scan_are_found_by_the_edges_recorded() -> None:
     """All waits follow from the edges and the grid: it is the edges that are not anywhere."""
     campaign = played(BENCH, seed=5)

@@ -18,7 +18,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.fit.material import Materiality
 from skiplatch.diagnosis.plays.left import EVERYWHERE, Left, Memo
 from skiplatch.diagnosis.plays.look import FARTHEST, Look
-from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.playing import Rig, has_like_grid
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.telling import FEWEST, SMALLEST, told_which
 from skiplatch.diagnosis.scene.covariates import varying
@@ -96,8 +96,10 @@ class Beside:
         # What a touch does may depend on those before it, whether they are looked at or not.
         sequence, rows = scene.in_sequence(MOST_PLAYED)
         outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
-        apart = _without_rests(scene, *_dithered(scene, rig, outcomes, seed))
-        return cls(Setting(scene, seed), outcomes, *apart, rig.resolution_um)
+        recorded, played = _without_rests(scene, *_dithered(scene, rig, outcomes, seed))
+        if not has_like_grid(rig, sequence.touches):
+            recorded = {**recorded, "grid": np.full(len(scene), np.nan)}
+        return cls(Setting(scene, seed), outcomes, recorded, played, rig.resolution_um)
 
     @property
     def paths(self) -> Mapping[str, BoolArray]:

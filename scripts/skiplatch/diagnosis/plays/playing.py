@@ -14,7 +14,8 @@ from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
-from skiplatch.diagnosis.plays.scans import Begins, Scans
+from skiplatch.diagnosis.plays.scans import Begins, Scans, keep_grid
+from skiplatch.diagnosis.scene.grid import mean_turn
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced
@@ -205,3 +206,12 @@ class Folds:
             rig.play(touches, seed=seed, replicates=replicates, jobs=jobs) for rig in self.rigs
         ]
         return spliced(plays, self.fold)
+
+
+def has_like_grid(rig: Rig | Folds, recorded: Touches) -> bool:
+    """Tell whether stamps of plays lie on the grid of the scans as those recorded do.
+
+    Scans that plays move to touches keep no grid; the record of such a rig may all the same.
+    """
+    turn = mean_turn(recorded.latch_us[recorded.on_plc], rig.scan_us)
+    return rig.keeps_scan_grid or not keep_grid(complex(turn))

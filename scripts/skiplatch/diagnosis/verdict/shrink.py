@@ -22,9 +22,8 @@ from skiplatch.campaign import InputPath
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
-from skiplatch.diagnosis.plays.playing import Folds, Rig
-from skiplatch.diagnosis.plays.scans import keep_grid
-from skiplatch.diagnosis.scene.grid import mean_turn, off_grid
+from skiplatch.diagnosis.plays.playing import Folds, Rig, has_like_grid
+from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
@@ -146,10 +145,7 @@ def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
         stamps = np.where(scene.plc, recorded.latch_us, np.nan)
         return np.asarray(np.round(off_grid(stamps, after.scan_us), NS))
 
-    # Scans that plays move to touches keep no grid; the record of such a rig may all the same.
-    turn = mean_turn(scene.touches.latch_us[scene.plc], after.scan_us)
-    is_alike = after.keeps_scan_grid or not keep_grid(complex(turn))
-    if "lattice" in scene.streams and is_alike:
+    if "lattice" in scene.streams and has_like_grid(after, scene.touches):
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
 
