@@ -11,7 +11,9 @@ from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.believed import scene_of
+from skiplatch.diagnosis.fit.fit import fit
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.tasks import fit_in_forms, fit_plainly
 from skiplatch.simulator.effects import Effect
 from tests.withheld.planted import plant
@@ -99,3 +101,15 @@ def test_searches_reach_the_truth_wherever_in_its_ranges_it_lies() -> None:
     behind = [behind_truth(campaign, effect) for _, effect, campaign in planted]
 
     assert np.mean(np.array(behind) > MISSED_NATS) < 0.16
+
+
+@pytest.mark.parametrize("step_um", [2.2, 2.5, 4.0])
+def test_a_start_that_is_as_likely_as_where_a_climb_ends_is_the_better_one(step_um: float) -> None:
+    """Rounded numbers leave a range of steps as likely; in its middle plays keep their lines."""
+    lines = {"resolution_um": step_um, "is_coordinate": 1.0, "origin": 1.0}
+    scene = Scene.of(played(MACHINE, Effect("encoder_quantisation", lines)))
+    encoder = CANDIDATES["encoder_quantisation"]
+
+    found = fit(scene, [encoder], encoder.starts(scene, NOTHING))
+
+    assert found.parameters[0][0] == pytest.approx(step_um, abs=1e-9)

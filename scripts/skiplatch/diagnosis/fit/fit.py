@@ -14,7 +14,7 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import BY_STAMPS
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.fit.climb import STEP, WORST, climb
+from skiplatch.diagnosis.fit.climb import NATS, STEP, WORST, climb
 from skiplatch.diagnosis.likelihood.laws import AFTER_LATCH, LATTICE, TINY, law_under
 from skiplatch.diagnosis.likelihood.likelihood import affected, likelihood, with_shared_datum
 from skiplatch.diagnosis.scene.scene import Scene
@@ -267,4 +267,6 @@ def fit_form(target: Target, begun: Sequence[FloatArray], widenings: Sequence[fl
     near = min(begun, key=lambda point: target(point, 0.0))
     if target(near, 0.0) < min(target(point, 0.0) for point in points):
         points = [*points, near, climb(target, near, widenings[-1])]
-    return min(points, key=lambda point: target(point, 0.0))
+    best = min(points, key=lambda point: target(point, 0.0))
+    # Where all of some range is as likely, a start may know where in it; a climb ends anywhere.
+    return near if target(near, 0.0) <= target(best, 0.0) + NATS else best
