@@ -33,6 +33,8 @@ from skiplatch.units import ARCSEC_PER_MILLIDEGREE, S_PER_MIN, US_PER_S
 
 FEED_MM_MIN = 60.0
 BEYOND_THE_RAMP_MM = {Kind.MACHINE: 1.0, Kind.BENCH: 0.01}  # a bench may begin with an edge
+NEAREST_MM = 1.0
+"""From which any touch of a machine begins: a longer ramp may not be over, nobody knows."""
 BETWEEN_TOUCHES_S = 1.0
 DURATION_US = (0.0, 1e9)
 LENGTH = (0.0, 10_000.0)  # mm or µm
@@ -160,6 +162,7 @@ def playable(campaign: Campaign) -> Campaign:
         lost = f"what cannot be told without it: {COLUMNS[name].lost}"
         if not at_rest or name == "time_s":
             warn_missing(campaign.path / TOUCHES_FILE, name, rows, lost)
+    _warn_of_ramps(campaign, touches)
     lacking = frozenset(name for name, rows in missing.items() if rows.any())
     if lacking or no_time.any():
         touches = stood_in(campaign.nominal, touches)
@@ -169,6 +172,30 @@ def playable(campaign: Campaign) -> Campaign:
     return replace(
         campaign, nominal=nominal, touches=touches, stood_in=lacking, fingerprint=known_as
     )
+
+
+def _warn_of_ramps(campaign: Campaign, touches: Touches) -> None:
+    left_out = _may_accelerate(campaign.nominal, touches) & ~np.isnan(touches.deviation_um)
+    if left_out.any():
+        feed = np.min(touches.feed_mm_min[left_out])
+        what = (
+            f"deviations of {left_out.sum()} touches are left out, from {feed:g} mm/min on: "
+            f"the ramp is longer than {NEAREST_MM:g} mm there, and may not have been over"
+        )
+        warnings.warn(
+            CampaignWarning(campaign.path / TOUCHES_FILE, None, "approach_mm", what), stacklevel=3
+        )
+
+
+def _may_accelerate(nominal: Nominal, touches: Touches) -> BoolArray:
+    """Tell which touches may have met the surface below their feed, for all that was recorded."""
+    if nominal.kind is Kind.BENCH or nominal.datum.is_at_rest:
+        return np.zeros(len(touches), dtype=np.bool_)
+    return np.isnan(touches.approach_mm) & (_ramps_mm(nominal, touches.feed_mm_min) > NEAREST_MM)
+
+
+def _ramps_mm(nominal: Nominal, feed_mm_min: FloatArray) -> FloatArray:
+    return (feed_mm_min / S_PER_MIN) ** 2 / (2.0 * nominal.axis.accel_mm_s2)
 
 
 def _rested(nominal: Nominal) -> Nominal:
@@ -184,13 +211,14 @@ def stood_in(nominal: Nominal, touches: Touches) -> Touches:
     contact_unknown = no_feed | no_time | np.isnan(touches.approach_mm)
     stamps_hang = contact_unknown & np.isnan(touches.edge_us)
     feed_mm_min = np.where(no_feed, FEED_MM_MIN, touches.feed_mm_min)
-    ramp_mm = (feed_mm_min / S_PER_MIN) ** 2 / (2.0 * nominal.axis.accel_mm_s2)
+    ramp_mm = _ramps_mm(nominal, feed_mm_min)
     beyond_mm = BEYOND_THE_RAMP_MM[nominal.kind]
+    length_unknown = no_feed & (not nominal.datum.is_at_rest) | _may_accelerate(nominal, touches)
     touches = replace(
         touches,
         feed_mm_min=feed_mm_min,
         approach_mm=_or_else(touches.approach_mm, ramp_mm + beyond_mm),
-        deviation_um=_empty(touches.deviation_um, no_feed & (not nominal.datum.is_at_rest)),
+        deviation_um=_empty(touches.deviation_um, length_unknown),
         latch_us=_empty(touches.latch_us, stamps_hang),
         report_us=_empty(touches.report_us, stamps_hang),
     )

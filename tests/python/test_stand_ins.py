@@ -291,3 +291,30 @@ def test_one_effect_more_than_the_simulator_has_room_for_is_refused(bench_sample
     assert simulator_takes(full)
     assert not simulator_takes(over)
     assert refusal(refuse_unplayable, Path("x"), over) == "x: effect: expected at most 8, got 9"
+
+
+def test_a_deviation_tells_nothing_where_the_axis_may_not_have_had_its_feed(
+    machine_sample: Path,
+) -> None:
+    """How far it had come is not recorded: who accelerates for longer than 1 mm may have met it."""
+    campaign = read_campaign(machine_sample)
+    slow = replace(campaign.nominal, axis=replace(campaign.nominal.axis, accel_mm_s2=100.0))
+    feeds = campaign.touches.feed_mm_min
+    is_long = (feeds / 60.0) ** 2 / 200.0 > 1.0
+    assert is_long.any()
+    assert not is_long.all()
+
+    made, said = said_of(without(replace(campaign, nominal=slow), "approach_mm"))
+
+    np.testing.assert_array_equal(
+        np.isnan(made.touches.deviation_um),
+        is_long | np.isnan(campaign.touches.deviation_um),
+    )
+    assert any(
+        f"from {feeds[is_long].min():g} mm/min on: the ramp is longer than 1 mm" in line
+        for line in said
+    )
+    np.testing.assert_array_equal(
+        playable(replace(campaign, nominal=slow)).touches.deviation_um,
+        campaign.touches.deviation_um,
+    )
