@@ -8,6 +8,7 @@ import pytest
 
 from refusals import refusal
 from skiplatch.campaign import Axis, BelievedEffect, Campaign, Nominal, Touches, read_campaign
+from skiplatch.campaign.plausibility import oddities
 from skiplatch.comparison import as_json, as_text, compare
 from skiplatch.diagnosis.scene.covariates import recorded_only, sequence
 from skiplatch.diagnosis.scene.scene import Scene
@@ -43,6 +44,17 @@ def test_what_was_all_recorded_stays_as_it_is(bench_sample: Path) -> None:
     campaign = read_campaign(bench_sample)
 
     assert playable(campaign).touches is campaign.touches
+
+
+def test_time_that_stands_in_for_another_is_not_odd(machine_sample: Path) -> None:
+    recorded = read_campaign(machine_sample)
+    recorded.touches.time_s[:] -= recorded.touches.time_s[2]
+    recorded.touches.time_s[:2] = np.nan  # and before the first known time there is none
+
+    campaign, _ = said_of(recorded)
+
+    assert len(np.unique(campaign.touches.time_s)) < len(campaign.touches)
+    assert not any("more than once" in oddity.line for oddity in oddities(campaign))
 
 
 @pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")

@@ -145,7 +145,8 @@ def _backwards(campaign: Campaign) -> Iterator[Oddity]:
 
 def _equal_stamps(campaign: Campaign) -> Iterator[Oddity]:
     touches = campaign.touches
-    for name in ("time_s", "edge_us", "latch_us", "report_us"):
+    stamps = ("time_s", "edge_us", "latch_us", "report_us")
+    for name in (stamp for stamp in stamps if stamp not in campaign.stood_in):
         values = getattr(touches, name)
         known = np.isfinite(values)
         _, first, which, counts = np.unique(
