@@ -1,4 +1,4 @@
-"""``skiplatch import iso230``: a list whose sides tell the sense."""
+"""``skiplatch import iso230``: a list whose cells, not its heads, tell the sense."""
 
 from pathlib import Path
 
@@ -31,3 +31,18 @@ def test_side_is_no_sense_where_it_has_none_or_another_column_tells_it(
 
     assert run.campaign.touches.sign.tolist() == [1.0, 1.0, -1.0, -1.0]
     assert any("not needed: Side" in line for line in run.said["could_not_be_read"])
+
+
+@pytest.mark.parametrize(("plus", "minus"), [("+", "-"), ("↑", "↓"), ("→", "←")])
+@pytest.mark.parametrize(
+    "heads", ["Posición [mm];Sentido;Pasada;Desviación [µm]", "Position (mm);Sens;Passe;Écart (um)"]
+)
+def test_list_in_another_language_is_told_by_its_signs_and_its_unit(
+    tmp_path: Path, heads: str, plus: str, minus: str
+) -> None:
+    text = f"{heads}\n0;{plus};1;0,5\n100;{plus};1;1,5\n100;{minus};1;-5\n0;{minus};1;-6\n"
+
+    touches = read(tmp_path / "list", text).campaign.touches
+
+    assert touches.sign.tolist() == [1.0, 1.0, -1.0, -1.0]
+    assert touches.position_mm.tolist() == [0.0, 100.0, 100.0, 0.0]

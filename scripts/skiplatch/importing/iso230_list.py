@@ -20,8 +20,10 @@ _NUMBER_OF = re.compile(
 )
 """What ends the head of a column that numbers what stands before it."""
 _RUNS = COLUMNS_BY_HEAD["run"]
-_SIDE = re.compile(r"side|seite", re.IGNORECASE)
-_SIGNS = ("+", "-", "\u2212")
+_BARE_SENSES = ("+", "-", "\u2212", "↑", "↓", "→", "←")
+"""Cells that can be nothing else."""
+_UNITS_OF_DEVIATIONS = ("µm", "um", "arcsec", '"', "″")
+"""In which nobody tells a position."""
 _SIGN = re.compile(r"[A-Z]?[+-]|[+-]?1(?:\.0*)?", re.ASCII)
 
 
@@ -49,7 +51,8 @@ def columns_where_places_repeat(rows: Sequence[Row]) -> Mapping[str, int]:
 def _columns(heads: Sequence[str], below: Sequence[str]) -> dict[str, int]:
     """Give what columns hold; nothing if two hold the same, or none a position or a value.
 
-    A side tells the sense where no other column does, and a sign stands below its head.
+    Where no head does, signs or arrows below it tell that of the senses, and its unit that of the
+    deviations, whatever the language.
     """
     found: dict[str, int] = {}
     for i, head in enumerate(heads):
@@ -58,9 +61,13 @@ def _columns(heads: Sequence[str], below: Sequence[str]) -> dict[str, int]:
             return {}
         if kind:
             found[kind] = i
-    for i, (head, cell) in enumerate(zip(heads, below, strict=False)):
-        if _SIDE.fullmatch(head.strip()) and cell.strip() in _SIGNS:
-            found.setdefault("sense", i)
+    others = [i for i in range(len(heads)) if i not in found.values()]
+    senses = [i for i in others if "".join(below[i : i + 1]).strip() in _BARE_SENSES]
+    deviations = [i for i in others if bracketed(heads[i])[1] in _UNITS_OF_DEVIATIONS]
+    if len(senses) == 1:
+        found.setdefault("sense", senses[0])
+    if len(deviations) == 1 and "actual" not in found:
+        found.setdefault("deviation", deviations[0])
     has_both = "position" in found and found.keys() & {"deviation", "actual"}
     return found if has_both else {}
 
