@@ -43,7 +43,7 @@ def test_distance_read_at_rest_takes_the_feed_that_is_given(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("unit", ["i;1;2;3\nP [mm]", "mm"])
 def test_table_with_positions_in_columns_is_read(tmp_path: Path, unit: str) -> None:
-    runs = "".join(f"{i} {arrow};0,01{i};0,02;0,0{i}\n" for i in (1, 2) for arrow in "↑↓")
+    runs = "".join(f"{i} {arrow};1,{i};2,0;0,{i}\n" for i in (1, 2) for arrow in "↑↓")
     (tmp_path / "t.csv").write_text(f"{unit};-4,0;0,0;4,0\n{runs}")
 
     touches = Run(tmp_path, "iso230", str(tmp_path / "t.csv")).campaign.touches

@@ -371,3 +371,27 @@ def test_runs_aligned_by_spaces_are_read(tmp_path: Path) -> None:
 
     assert run.campaign.touches.position_mm.tolist() == [0.0, 100.0, 100.0, 0.0]
     assert run.campaign.touches.sign.tolist() == [1.0, 1.0, -1.0, -1.0]
+
+
+UNNAMED_MM = (
+    "Position,1 up,1 down,2 up,2 down\n0,0.0001,-0.003,0.0012,-0.0031\n100,0.002,0,0.003,0\n"
+)
+
+
+def test_deviations_in_mm_are_not_taken_for_um(tmp_path: Path, refused: Program) -> None:
+    (tmp_path / "x.csv").write_text(UNNAMED_MM)
+
+    said = refused("import", "iso230", tmp_path / "x.csv", "-o", tmp_path / "made")
+
+    expected = "in µm they would repeat to 0.00053 µm, closer than an axis does; give --unit mm"
+    assert expected in said
+
+
+@pytest.mark.parametrize(("unit", "um"), [("mm", 1.0), ("um", 1e-3)])
+def test_unit_that_is_given_is_not_doubted(tmp_path: Path, unit: str, um: float) -> None:
+    (tmp_path / "x.csv").write_text(UNNAMED_MM)
+
+    run = Run(tmp_path, "iso230", str(tmp_path / "x.csv"), "--unit", unit)
+
+    deviations = run.campaign.touches.deviation_um
+    assert float(np.ptp(deviations)) == pytest.approx(4.0 * um, abs=2.0 * um)

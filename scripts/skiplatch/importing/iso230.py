@@ -36,6 +36,8 @@ DECIMALS = 3  # of a deviation in a campaign
 _TIME = re.compile(r"\W*(?:time\b|(?:seconds?|[mµun]?s)\W*$)", re.IGNORECASE)
 CLOSE = 0.01  # of the span of the targets, within which what was measured is a position
 LEAST_SIGMA_UM = 1e-3  # a campaign tells no less
+NEGLIGIBLE = 1e-9  # of what is left of equal numbers
+UNLIKELY_SIGMA = 0.02  # in µm or arcsec, below which axes do not repeat, and numbers are in mm
 
 
 def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) -> Imported:
@@ -83,7 +85,10 @@ def read_iso230(path: Path, axis: str, *, unit: str | None, feed: float | None) 
     cells = (cell for row in table.rows for cell in row[1:])
     place, beyond = positions[point], (deviations[point, run] - zero) * signs[run]
     say_digit(found, cells, scale / ARCSEC_PER_MILLIDEGREE if turns else scale)
-    _say_repeatability(found, np.column_stack([place, signs[run]]), beyond, turns=turns)
+    sigma, freedom = _repeatability(np.column_stack([place, signs[run]]), beyond)
+    if said is None and unit is None:
+        _refuse_doubtful_unit(path, sheet.rows[0][0], sigma, turns=turns)
+    _say_repeatability(found, sigma, freedom, turns=turns)
     columns: dict[str, np.typing.NDArray[np.generic]] = {
         "touch": np.arange(len(point)),
         "axis": np.full(len(point), Axis[axis]),
@@ -165,31 +170,47 @@ def _scale(
     return units[said]
 
 
-def _say_repeatability(
-    found: Imported, surfaces: FloatArray, beyond: FloatArray, *, turns: bool
-) -> None:
-    """Note how runs repeat at each place and sense, which any belief could only guess.
-
-    A guess that is too wide takes a small scale error and a reversal error for scatter.
+def _repeatability(surfaces: FloatArray, beyond: FloatArray) -> tuple[float, int]:
+    """Give how runs repeat at each place and sense, and by how many degrees of freedom.
 
     Args:
-        found: Is told.
         surfaces: Place and sense of each touch; shape (n, 2).
-        beyond: Deviations, of rotary axes in arcsec; shape (n,).
-        turns: Whether the axis is a rotary one.
+        beyond: Deviations; shape (n,).
     """
     _, which, count = np.unique(surfaces, axis=0, return_inverse=True, return_counts=True)
     which = which.ravel()
     freedom = len(beyond) - len(count)
-    if freedom == 0:
-        return
     left = beyond - (np.bincount(which, beyond) / count)[which]
-    sigma = float(np.sqrt(np.sum(left**2) / freedom)) / (ARCSEC_PER_MILLIDEGREE if turns else 1.0)
-    if sigma > LEAST_SIGMA_UM:
-        u = max(sigma / float(np.sqrt(2.0 * freedom)), LEAST_SIGMA_UM)
+    return float(np.sqrt(np.sum(left**2) / max(freedom, 1))), freedom
+
+
+def _refuse_doubtful_unit(path: Path, line: int, sigma: float, *, turns: bool) -> None:
+    """Refuse numbers that nobody named the unit of, and that repeat better than an axis does.
+
+    Raises:
+        InputError: They do; a table in mm that is taken for one in µm.
+    """
+    if NEGLIGIBLE < sigma < UNLIKELY_SIGMA:
+        usual, coarse, option = ("arcsec", "deg", "arcsec") if turns else ("µm", "mm", "um")
+        message = (
+            f"no unit of the deviations is named, and in {usual} they would repeat to "
+            f"{sigma:.2g} {usual}, closer than an axis does; give --unit {coarse}, or --unit "
+            f"{option} if they do"
+        )
+        raise InputError(path, line, None, message)
+
+
+def _say_repeatability(found: Imported, sigma: float, freedom: int, *, turns: bool) -> None:
+    """Note how runs repeat, which any belief could only guess.
+
+    A guess that is too wide takes a small scale error and a reversal error for scatter.
+    """
+    sigma_um = sigma / ARCSEC_PER_MILLIDEGREE if turns else sigma
+    if freedom and sigma_um > LEAST_SIGMA_UM:
+        u = max(sigma_um / float(np.sqrt(2.0 * freedom)), LEAST_SIGMA_UM)
         source = f"scatter of the runs about their middles, {freedom} degrees of freedom"
         found.figures["probe", "repeatability_um"] = Figure(
-            round(sigma, DECIMALS), source, round(u, DECIMALS)
+            round(sigma_um, DECIMALS), source, round(u, DECIMALS)
         )
 
 
