@@ -51,3 +51,21 @@ def test_words_of_fluidnc_tell_its_controller(tmp_path: Path, word: str) -> None
     run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
 
     assert any("'grblhal'" in line for line in run.said["assumed"])
+
+
+@pytest.mark.parametrize(
+    ("line", "is_hal"),
+    [
+        ("Grbl 1.1f ['$' or '$HELP' for help]", True),
+        ("$341=0", True),
+        (">>> $$\n$376 = 0    (Invert jog, mask)", True),
+        ("Grbl 1.1h ['$' for help]", False),
+        ("$132=200.000", False),
+    ],
+)
+def test_greeting_and_settings_tell_grbl_hal(tmp_path: Path, line: str, *, is_hal: bool) -> None:
+    (tmp_path / "s.log").write_text(f"{line}\nG91G38.2Z-9F60\n[PRB:0.000,0.000,-5.123:1]\nok\n")
+
+    run = Run(tmp_path, "grbl", str(tmp_path / "s.log"))
+
+    assert any("'grblhal'" in line for line in run.said["assumed"]) is is_hal

@@ -28,7 +28,9 @@ from skiplatch.units import MM_PER_INCH, UM_PER_MM
 _MODES = re.compile(r"\[GC:([^\]]*)\]")
 _ANSWERED = re.compile(r"^\[ (?!\[)(.+?) \]\s+(?:ok|\[|error|ALARM)")
 _GRBL_HAL = re.compile(
-    r"grblhal|fluidnc|esp32|\[(?:MSG:(?:INFO|WARN|ERR|DBG)\b|NEWOPT:|BOARD:)", re.IGNORECASE
+    r"grblhal|fluidnc|esp32|'\$HELP'|\[(?:MSG:(?:INFO|WARN|ERR|DBG)\b|NEWOPT:|BOARD:)"
+    r"|^\W*\$[3-9]\d\d ?=",
+    re.IGNORECASE,
 )
 _PARAMETERS = re.compile(r"\[(?:G5[4-9](?:\.\d)?|G28|G30|G92|TL[O0R]|HOME):", re.IGNORECASE)
 _ASKS = re.compile(r"\[?\s*\$#")
