@@ -11,11 +11,19 @@ from dataclasses import dataclass
 from itertools import islice, repeat
 from typing import TypeVar
 
+import numpy as np
+
 from skiplatch.importing.gcode_program import Row
 from skiplatch.importing.probe_move import AXES, BESIDE_MM, LINEAR, ProbeMove
 
 MOST_PAIRS = 300_000
 """Of a line and a move; more are not tried."""
+FEWEST_REPEATS = 5.0
+"""That are to be expected before it tells anything that there is none."""
+MOST_ROWS = 500
+"""That are looked at for it."""
+ONE_SURFACE = 0.1
+"""Within which touches are of one surface, in units of the program."""
 MOST_WAYS = 16
 """To give the lines to the moves; each is tried by running the program, and more are not."""
 Value = TypeVar("Value", str, int, float)
@@ -76,6 +84,27 @@ def told_apart(
             known = again([rows[i] for i in held[0]])
             possible = [set(lines) for lines in zip(*held, strict=True)]
     return _told(rows, known, possible)
+
+
+def say_dropped(rows: Sequence[Row]) -> list[str]:
+    """Say that lines are missing where none is as the one before, though many are alike.
+
+    Without a program nobody knows how many moves there were. Of a line and the next only those
+    tell anything that are of one surface.
+    """
+    places = np.array(rows[:MOST_ROWS])
+    apart = np.abs(places[:, None] - places).max(axis=-1)
+    is_near = apart < ONE_SURFACE
+    next_is_near, alike, near = np.diag(is_near, 1).sum(), (apart == 0.0).sum(), is_near.sum()
+    expected = next_is_near * (alike - len(places)) / max(near - len(places), 1)
+    if expected < FEWEST_REPEATS or (np.diag(apart, 1) == 0.0).any():
+        return []
+    missing = (
+        "no line is as the one before, though many are alike: LinuxCNC writes none for a touch "
+        "that ends exactly where the one before did, so touches are missing, and the rest may "
+        "scatter more than all do"
+    )
+    return [missing]
 
 
 def _stopped(
@@ -166,7 +195,10 @@ def _said(lines: int, moves: int, repeats: int, open_lines: int) -> str:
     if repeats:
         said += f"; {repeats} touches without a line are where the one before is"
     if left := moves - lines - repeats:
-        said += f"; {left} are left out, as it cannot be told which they repeat"
+        said += (
+            f"; {left} are left out, as it cannot be told which they repeat, so the rest may "
+            "scatter more than all do"
+        )
     if open_lines:
         said += (
             f"; {open_lines} lines fit moves that differ, and only what is the same in these was "

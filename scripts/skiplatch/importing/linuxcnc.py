@@ -11,7 +11,7 @@ from itertools import zip_longest
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.dropped_lines import only, told_apart
+from skiplatch.importing.dropped_lines import only, say_dropped, told_apart
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, logs_parts, offsets_of, run
 from skiplatch.importing.linuxcnc_rows import read_rows
@@ -98,6 +98,7 @@ def read_linuxcnc(
     for line, row, move in zip(lines, rows, matched, strict=True):
         found.touches.append(_touch(row, move, fallback, feed, unit))
         found.touches[-1].line = line
+    found.assumed += [] if moves else say_dropped(rows)
     _say_offsets(found, text)
     refuse_all_missed(path, found.touches)
     found.leave_out_releases()
