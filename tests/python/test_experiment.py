@@ -466,6 +466,16 @@ def test_json_counts_the_touches_and_the_text_names_them() -> None:
     assert "feed_mm_min" in experiment_text(experiment)
 
 
+@pytest.mark.parametrize("name", ["X- at 0 -6.3 0 0 0", "2.71828"])
+def test_text_names_a_session_as_it_is(name: str) -> None:
+    experiment = tie("delay, lag")
+    touches = replace(experiment.touches, session_names=(name,))
+
+    said = experiment_text(replace(experiment, touches=touches))
+
+    assert f"  {name}  " in said
+
+
 def test_a_bench_without_motion_is_asked_for_none() -> None:
     """Edges and latches alone: feeds and ways stood in for what it does not have."""
     campaign = replace(read_campaign(BENCH), stood_in=frozenset({"feed_mm_min", "approach_mm"}))

@@ -36,8 +36,11 @@ def experiment_text(experiment: Experiment) -> str:
 
 def touches_table(experiment: Experiment) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
     """Give header and rows of the touches made most often, without what is empty in all."""
-    header = (*VARIED, REST, "touches")
-    rows = [(*map(_short, cells), str(count)) for cells, count in _distinct(experiment)[:SHOWN]]
+    names = (*VARIED, REST)
+    header = (*names, "touches")
+    rows = [
+        (*map(_shown, names, cells), str(count)) for cells, count in _distinct(experiment)[:SHOWN]
+    ]
     kept = [i for i in range(len(header)) if not rows or any(row[i] for row in rows)]
     return [header[i] for i in kept], [[row[i] for i in kept] for row in rows]
 
@@ -86,10 +89,13 @@ def _distinct(experiment: Experiment) -> list[tuple[tuple[str, ...], int]]:
     return Counter(zip(*cells, rests, strict=True)).most_common()
 
 
-def _short(cell: str) -> str:
-    """Give a number of many decimals to a thousandth; what is made of it has all of them."""
-    decimals = cell.partition(".")[2]
-    return cell if len(decimals) <= DECIMALS else f"{float(cell):.{DECIMALS}f}"
+def _shown(column: str, cell: str) -> str:
+    """Give a number of many decimals to a thousandth; what is made of it has all of them.
+
+    A session is named as it is, even if by a number.
+    """
+    is_short = len(cell.partition(".")[2]) <= DECIMALS
+    return cell if is_short or column == "session" else f"{float(cell):.{DECIMALS}f}"
 
 
 def _plain(cells: dict[str, str]) -> dict[str, str | float | None]:
