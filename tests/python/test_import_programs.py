@@ -483,3 +483,23 @@ def test_lines_of_a_program_are_known_as_such(tmp_path: Path, line: str) -> None
     (tmp_path / "p.ngc").write_text(f"{line}\n")
 
     assert read_program(tmp_path / "p.ngc") == f"{line}\n"
+
+
+@pytest.mark.parametrize("left", [-3, -10, -40, -79])
+def test_log_that_is_cut_within_its_last_line_keeps_its_moves(tmp_path: Path, left: int) -> None:
+    program = "G21 G90\n" + "".join(f"G0 X0\nG38.2 X5 F{feed}\n" for feed in [100, 400] * 3)
+    log = "".join(f"{x:.6f}{' 0.000000' * 8}\n" for x in [4.01, 4.02, 4.03, 4.02, 4.01, 4.02])
+
+    run = read(tmp_path, program, log[:left])
+
+    assert told(run) == [("X", 1, feed) for feed in [100, 400, 100, 400, 100]]
+    assert "the end of the log cuts off is that of the last move" in run.text
+
+
+def test_stale_end_of_a_log_is_no_move(tmp_path: Path) -> None:
+    """Which ends with a line of its own: the file was longer before."""
+    program = "G21 G90\n" + "".join(f"G0 X0\nG38.2 X5 F{feed}\n" for feed in [100, 400, 100])
+
+    run = read(tmp_path, program, row(4.01) + row(4.02) + "0.000000 0.000000\n")
+
+    assert "that of the last move" not in run.text

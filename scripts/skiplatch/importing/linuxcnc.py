@@ -14,7 +14,7 @@ from skiplatch.errors import InputError
 from skiplatch.importing.dropped_lines import only, say_dropped, told_apart
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, logs_parts, offsets_of, run
-from skiplatch.importing.linuxcnc_rows import read_rows
+from skiplatch.importing.linuxcnc_rows import ProbeRows, read_rows
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
 from skiplatch.importing.nc_text import read_program
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
@@ -71,11 +71,11 @@ def read_linuxcnc(
     rows, lines = read.rows, read.lines
     text = read_program(program) if program else ""
     done = run(text, rows, inch=inch, name=path.name)
-    moves = done.moves
-    if program and not moves:
+    if program and not done.moves:
         raise InputError(program, None, None, _without_moves(text, done))
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
     read.say(found)
+    moves = _of_whole_lines(done.moves, read, found)
     is_inch = _are_in_inches(program, moves) if program else inch
     unit = MM_PER_INCH if is_inch else 1.0
     told = None
@@ -105,6 +105,16 @@ def read_linuxcnc(
     found.share_feeds()
     _say(found, moves, feed, inch=is_inch)
     return found
+
+
+def _of_whole_lines(
+    moves: Sequence[ProbeMove], read: ProbeRows, found: Imported
+) -> Sequence[ProbeMove]:
+    """Leave out the last move where the end of the log cuts its line off."""
+    if not read.is_cut or len(moves) != len(read.rows) + 1:
+        return moves
+    found.assumed.append("the line that the end of the log cuts off is that of the last move")
+    return moves[:-1]
 
 
 def _are_in_inches(program: Path, moves: Sequence[ProbeMove]) -> bool:

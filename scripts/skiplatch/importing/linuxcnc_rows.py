@@ -44,6 +44,7 @@ class ProbeRows:
         columns: How many numbers a row has.
         broken: Lines without that many numbers.
         stumps: Lines with a number that is not written as those of most others are.
+        is_cut: The last line alone is one of these, and the file ends within it.
     """
 
     rows: list[Row]
@@ -51,6 +52,7 @@ class ProbeRows:
     columns: int
     broken: list[int]
     stumps: list[int]
+    is_cut: bool = False
 
     def say(self, found: Imported) -> None:
         """Say which lines could not be read."""
@@ -85,12 +87,14 @@ def read_rows(path: Path) -> ProbeRows:
     stumps = _stumps(kept)
     read = [one for one in kept if one.line not in stumps]
     lines = {one.line for one in kept}
+    broken = [one.line for one in written if one.line not in lines]
     return ProbeRows(
         rows=[one.values for one in read],
         lines=[one.line for one in read],
         columns=columns,
-        broken=[one.line for one in written if one.line not in lines],
+        broken=broken,
         stumps=stumps,
+        is_cut=broken + stumps == [written[-1].line] and not text.endswith(("\r", "\n")),
     )
 
 
