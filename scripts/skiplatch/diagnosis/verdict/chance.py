@@ -74,20 +74,21 @@ def _shift(beside: Beside, before: Beside, name: str, rows: BoolArray) -> float:
 
 
 def _adds_scatter(beside: Beside, before: Beside, name: str, rows: BoolArray) -> BoolArray:
-    """Tell which touches a finding leaves more to chance: at feeds where variance grows; (n,)."""
-    step = beside.setting.step(name)
+    """Tell which touches a finding leaves more to chance: at feeds where variance grows; (n,).
+
+    Touches that a finding moves apart are each rounded in their own way, and in the middle of a
+    step they showed less noise than there is: as much as rounding may make each of the two.
+    """
+    rounding = beside.setting.step(name) ** 2 / 12.0
     feeds = beside.setting.scene.touches.feed_mm_min
     adds = np.zeros(len(rows), dtype=np.bool_)
     for feed in np.unique(feeds[rows]):
         there = rows & (feeds == feed)
-        now, was = (_variance(plays.played[name][:, there], step) for plays in (beside, before))
-        adds |= there & (now > MORE_VARIANCE * was)
+        now, was = (_variance(plays.played[name][:, there]) for plays in (beside, before))
+        adds |= there & (now - 2.0 * rounding > MORE_VARIANCE * max(was, rounding))
     return adds
 
 
-def _variance(played: FloatArray, step: float) -> float:
-    """Give the mean variance of touches, shape (r, m), but of no less than rounding makes.
-
-    A touch is rounded, and so is what it is held against, as the grid of its scans.
-    """
-    return max(float(np.nanmean(np.nanvar(played, axis=0))), 2.0 * step**2 / 12.0, SMALLEST)
+def _variance(played: FloatArray) -> float:
+    """Give the mean variance of touches, shape (r, m)."""
+    return max(float(np.nanmean(np.nanvar(played, axis=0))), SMALLEST)
