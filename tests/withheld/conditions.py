@@ -41,6 +41,8 @@ FEED_SETS_MM_MIN = (
     (120, 500, 2000, 5000),
 )
 APPROACHES_MM = (2.0, 3.0, 5.0, 8.0)
+FROM_FIRST = 0.3
+"""Share of the campaigns that begin to count time with their first move."""
 
 
 def draw_setup(rng: Rng, recording: Recording, touches: tuple[int, int]) -> Setup:
@@ -161,13 +163,18 @@ def _rotary(rng: Rng, n: int, *, bench: bool) -> FloatArray:
 
 
 def _starts(rng: Rng, feed: FloatArray, approach: FloatArray, accel: float) -> FloatArray:
-    """Leave a rest of some seconds, and now and then a pause, between the moves."""
+    """Leave a rest of some seconds, and now and then a pause, between the moves.
+
+    Some count time from their first move on.
+    """
     n = len(feed)
     speed, accels = feed / 60_000.0, np.full(n, accel * 1e-9)
     move_s = travel_us(approach * 1e3, speed, accels) * 1e-6
     rest_s = rng.uniform(2.0, 6.0, n) + rng.exponential(2.0, n)
     rest_s += (rng.random(n) < 0.04) * rng.uniform(20.0, 90.0, n)
-    return np.round(np.cumsum(rest_s) + np.cumsum(move_s) - move_s, 6)
+    start_s = np.cumsum(rest_s) + np.cumsum(move_s) - move_s
+    is_from_first = rng.spawn(1)[0].random() < FROM_FIRST
+    return np.round(start_s - start_s[0] * is_from_first, 6)
 
 
 def _temperature(rng: Rng, time_s: FloatArray) -> FloatArray:
