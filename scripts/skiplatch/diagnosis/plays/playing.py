@@ -213,5 +213,6 @@ def has_like_grid(rig: Rig | Folds, recorded: Touches) -> bool:
 
     Scans that plays move to touches keep no grid; the record of such a rig may all the same.
     """
-    turn = mean_turn(recorded.latch_us[recorded.on_plc], rig.scan_us)
-    return rig.keeps_scan_grid or not keep_grid(complex(turn))
+    if rig.keeps_scan_grid:
+        return True
+    return not keep_grid(complex(mean_turn(recorded.latch_us[recorded.on_plc], rig.scan_us)))

@@ -72,7 +72,7 @@ class Scans:
         turn = complex(mean_turn(stamps, period_us))
         if not keep_grid(turn) or len(stamps) < FEWEST_STAMPS:
             return None
-        stamp_us = float(np.angle(turn)) / (2.0 * np.pi) * period_us
+        stamp_us = _within_turn(turn, period_us)
         turns = np.rint((stamps - stamp_us) / period_us)
         open_us = tick_us - float(np.ptp(stamps - turns * period_us))
         if open_us <= 0.0:  # scans are late by more than a tick, some of them
@@ -106,17 +106,13 @@ class Scans:
             begins = Begins(phase_us, self.open_us, self.period_us)
             moves = _begun_later(self.recorded, self._later_us(play, self.recorded, begins))
             off_us = play(moves, replicates, begins).latch_us - self.recorded.latch_us
-            phase_us = self._within(phase_us - self._middle_us(off_us))
+            turn = complex(mean_turn(off_us.ravel(), self.period_us))
+            phase_us = self._within(phase_us - _within_turn(turn, self.period_us))
         return phase_us
 
     def _within(self, phase_us: float) -> float:
         """Bring a phase into a period, but to no 0, which leaves scans anywhere."""
         return phase_us % self.period_us or self.period_us
-
-    def _middle_us(self, off_us: FloatArray) -> float:
-        """Give by how much stamps are off others in the mean, within half a period."""
-        turn = complex(mean_turn(off_us.ravel(), self.period_us))
-        return float(np.angle(turn) / (2.0 * np.pi) * self.period_us)
 
     def _later_us(self, play: Player, touches: Touches, begins: Begins) -> FloatArray:
         """Give by how much moves have to begin later to wait the most for the recorded scans.
@@ -146,3 +142,8 @@ class Scans:
 def _begun_later(touches: Touches, later_us: FloatArray) -> Touches:
     """Give touches whose moves begin so much later; shape (n,)."""
     return replace(touches, time_s=touches.time_s + later_us / US_PER_S)
+
+
+def _within_turn(turn: complex, period_us: float) -> float:
+    """Give a mean turn of the period as a time, within half a period."""
+    return float(np.angle(turn)) / (2.0 * np.pi) * period_us
