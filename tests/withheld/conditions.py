@@ -174,7 +174,7 @@ def _starts(rng: Rng, feed: FloatArray, approach: FloatArray, accel: float) -> F
     rest_s += (rng.random(n) < 0.04) * rng.uniform(20.0, 90.0, n)
     start_s = np.cumsum(rest_s) + np.cumsum(move_s) - move_s
     is_from_first = rng.spawn(1)[0].random() < FROM_FIRST
-    return np.round(start_s - start_s[0] * is_from_first, 6)
+    return np.asarray(np.round(start_s - start_s[0] * is_from_first, 6), np.float64)
 
 
 def _temperature(rng: Rng, time_s: FloatArray) -> FloatArray:
