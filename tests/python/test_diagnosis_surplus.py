@@ -2,7 +2,7 @@
 
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, played, thinned
 from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.plays.playing import Rig
@@ -30,7 +30,7 @@ def as_rig(scene: Scene) -> AsRig:
 @pytest.mark.long
 @pytest.mark.parametrize("second", [None, LATE])
 def test_only_a_second_effect_that_is_there_is_kept(second: Effect | None) -> None:
-    scene = Scene.of(played(BENCH, *([JITTER, second] if second else [JITTER]), seed=3))
+    scene = Scene.of(thinned(played(BENCH, *([JITTER, second] if second else [JITTER]), seed=3)))
     judge = Judge(scene, split(len(scene), 1))
     pair = judge.pairs(judge.singles()[0])[0]
 
@@ -44,7 +44,8 @@ def test_only_a_second_effect_that_is_there_is_kept(second: Effect | None) -> No
 @pytest.mark.long
 def test_a_first_effect_that_is_hard_to_hit_does_not_cost_the_second_one() -> None:
     off = Effect("scan_period", {"period_us": -401.149})
-    scene = Scene.of(played(BENCH, off, Effect("lost_trigger", {"probability": 0.05}), seed=3))
+    lost = Effect("lost_trigger", {"probability": 0.05})
+    scene = Scene.of(thinned(played(BENCH, off, lost, seed=3)))
     judge = Judge(scene, split(len(scene), 1))
     pair = judge.pairs(judge.singles()[0])[0]
 

@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played, played_again
+from played_campaigns import BENCH, MACHINE, played, played_again, thinned
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
@@ -213,7 +213,7 @@ def test_an_effect_that_begins_or_ends_is_named_with_the_touch(begins: bool) -> 
     touch = middle_touch(read_campaign(BENCH))
     span = Span(since=touch) if begins else Span(until=touch)
 
-    diagnosis = diagnose(played(BENCH, replace(LATE, span=span)), seed=1)
+    diagnosis = diagnose(thinned(played(BENCH, replace(LATE, span=span))), seed=1)
 
     assert diagnosis.verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
     (named,) = diagnosis.effects
