@@ -101,6 +101,8 @@ OUTPUT_NOWHERE = {
 EXAMPLES = [example for path in PAGES for example in examples(path) if NOT_YET not in example.text]
 BLOCKS = [example for example in EXAMPLES if example.language == "sh"]
 
+pytestmark = pytest.mark.xdist_group("documents")
+
 
 def begins(text: str, beginnings: Sequence[str]) -> bool:
     return text.startswith(tuple(beginnings))

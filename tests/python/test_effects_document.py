@@ -28,6 +28,8 @@ ENVIRONMENT = {"PATH": "/usr/local/bin:/usr/bin:/bin", "LANG": "C.UTF-8"}
 
 Run = Callable[[list[str]], str]
 
+pytestmark = pytest.mark.xdist_group("effects_document")
+
 
 def blocks(text: str, language: str) -> list[str]:
     found = re.findall(rf"^ *```{language}\n(.*?)^ *```$", text, re.DOTALL | re.MULTILINE)

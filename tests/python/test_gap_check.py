@@ -12,7 +12,7 @@ from skiplatch import cli
 from tests.withheld import check, goals, runs
 from tests.withheld.scoring import FAILED, Scored
 
-pytestmark = pytest.mark.long
+pytestmark = [pytest.mark.long, pytest.mark.xdist_group("gap_check")]
 # One of each case and a second single one: what is easy to see, so that a sound diagnosis needs no
 # luck. Both singles and the pair are plain; the rest has nothing to name.
 ORDER = runs.Order(20, 6, "single,two,none,stranger,dull", touches=(200, 220))

@@ -16,6 +16,8 @@ from tests.linuxcnc.campaigns import CONDITIONS
 
 DATA = Path(__file__).parent / "data/linuxcnc"
 
+pytestmark = pytest.mark.xdist_group("linuxcnc_campaigns")
+
 
 @cache
 def diagnosed(name: str) -> Diagnosis:
