@@ -97,7 +97,7 @@ def test_an_effect_of_any_size_is_written_and_read_back(
 @pytest.mark.long
 @each_rig
 @each_effect
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(data=st.data())
 def test_an_effect_of_any_size_is_written_and_read_back_at_length(
     row: EffectDescription, nominal: Nominal, data: st.DataObject

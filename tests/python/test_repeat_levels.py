@@ -59,7 +59,7 @@ def too_often(found: dict[str, float], draws: int) -> dict[str, float]:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("step", [1e-3, 1.0, 2.0])
+@pytest.mark.parametrize("step", [1e-3, 2.0])
 @pytest.mark.parametrize("n", [5, 10, 20])
 def test_noise_shows_nothing_more_often_than_stated(
     machine_sample: Path, n: int, step: float
