@@ -79,7 +79,7 @@ def test_busy_process_is_best_explained_by_late_scans_and_leaves_late_reports() 
 
 @pytest.mark.long
 def test_flood_is_best_explained_by_late_reports() -> None:
-    diagnosis, found = found_in("bus_load")
+    diagnosis, found = found_in("bus_load", one_of=6)
 
     assert "report_delay" in found
     assert found["report_delay"]["queue_us"] > 256.0  # which is how long one frame takes
