@@ -65,7 +65,7 @@ def test_recorded_campaigns_without_a_gap_get_no_name(folder: Path) -> None:
 @pytest.mark.long
 def test_with_positions_alone_a_delay_is_told_with_what_it_cannot_be_told_from() -> None:
     folder = SAMPLES / "machine_no_gap"
-    campaign = played(folder, Effect("trigger_delay", {"delay_us": 300.0}))
+    campaign = thinned(played(folder, Effect("trigger_delay", {"delay_us": 300.0})))
 
     diagnosis = diagnose(campaign, seed=1, jobs=JOBS)
 
@@ -85,7 +85,7 @@ def test_two_effects_are_both_named() -> None:
         Effect("report_delay", {"delay_us": 40.0}),
     )
 
-    diagnosis = diagnose(campaign, seed=1, jobs=JOBS)
+    diagnosis = diagnose(thinned(campaign), seed=1, jobs=JOBS)
 
     assert sorted(ids(diagnosis)) == ["backlash", "report_delay"]
     found = {named.effect.id: named.effect.parameters for named in diagnosis.effects}
@@ -112,7 +112,7 @@ def test_reports_that_take_longer_the_faster_the_axis_steps_are_measured() -> No
 @pytest.mark.long
 def test_a_lag_behind_the_thermometer_is_measured() -> None:
     truth = {"drift_um_k": 1.5, "lag_s": 900.0}
-    campaign = played(DATA / "bench_no_gap", Effect("thermal_drift", truth))
+    campaign = thinned(played(DATA / "bench_no_gap", Effect("thermal_drift", truth)))
 
     (named,) = diagnose(campaign, seed=1, jobs=JOBS).effects
 

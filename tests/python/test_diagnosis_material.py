@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, LATE_BENCH, MACHINE, played
+from played_campaigns import BENCH, LATE_BENCH, MACHINE, played, thinned
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis import Verdict, as_json, as_text, diagnose
 from skiplatch.diagnosis.density.change import Change
@@ -114,7 +114,7 @@ def test_a_delay_below_the_threshold_is_no_gap() -> None:
 
 @pytest.mark.long
 def test_an_error_of_length_is_no_gap_below_the_threshold() -> None:
-    campaign = played(BENCH, Effect("backlash", {"backlash_um": 3.5}))
+    campaign = thinned(played(BENCH, Effect("backlash", {"backlash_um": 3.5})))
     by_default = diagnose(campaign, seed=1, jobs=JOBS)
     below = diagnose(campaign, seed=1, jobs=JOBS, materiality=Materiality(um=10.0))
 

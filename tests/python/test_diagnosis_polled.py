@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import MACHINE, played_again, stamped_machine
+from played_campaigns import MACHINE, played_again, stamped_machine, thinned
 from skiplatch.campaign import Axis, Campaign, Datum, InputPath, Kind, Touches, read_campaign
 from skiplatch.diagnosis import diagnose
 from skiplatch.diagnosis.candidates.positions import positions
@@ -184,7 +184,7 @@ def test_a_wave_without_a_length_is_told_by_no_place() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("stamped", [False, True])
 def test_a_wave_is_named(*, stamped: bool) -> None:
-    found = diagnose(played_again(polled(stamped=stamped), WAVE), seed=1, jobs=2)
+    found = diagnose(thinned(played_again(polled(stamped=stamped), WAVE)), seed=1, jobs=2)
 
     assert [effect.effect.id for effect in found.effects] == [WAVE.id]
     assert found.effects[0].effect.parameters["amplitude_um"] == pytest.approx(6.0, rel=0.1)
