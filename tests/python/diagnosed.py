@@ -35,3 +35,11 @@ class Search:
 def found(campaign: Campaign) -> Finding:
     """The same of a campaign alone."""
     return Search(campaign).found()
+
+
+def groups(finding: Finding) -> list[set[str]]:
+    """Give each effect of a finding with what would do as well."""
+    if finding.model is None:
+        return []
+    pairs = zip(finding.model.ids, finding.alternatives, strict=True)
+    return [{name, *others} for name, others in pairs]
