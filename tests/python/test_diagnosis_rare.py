@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
+from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine, thinned
 from skiplatch.campaign import Campaign
 from skiplatch.diagnosis.diagnose import diagnose
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
@@ -73,7 +73,7 @@ def test_what_does_not_matter_is_not_noticed() -> None:
 @pytest.mark.long
 def test_what_comes_to_few_touches_is_named() -> None:
     """Hardly any of them are held out: all are asked, in turn."""
-    diagnosis = diagnose(played(BENCH, MASKED), seed=1)
+    diagnosis = diagnose(thinned(played(BENCH, MASKED)), seed=1)
 
     assert diagnosis.verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
     (named,) = diagnosis.effects
@@ -81,10 +81,9 @@ def test_what_comes_to_few_touches_is_named() -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(3))
-def test_gross_errors_that_are_as_rare_are_no_effect(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    campaign = played(BENCH, seed=seed)
+def test_gross_errors_that_are_as_rare_are_no_effect() -> None:
+    rng = np.random.default_rng(0)
+    campaign = played(BENCH, seed=0)
     rows = rng.random(len(campaign.touches)) < 0.03
     far_us = rng.choice([-1.0, 1.0], len(rows)) * rng.uniform(300.0, 3000.0, len(rows))
 
