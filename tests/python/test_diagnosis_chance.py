@@ -57,6 +57,11 @@ def in_order() -> Campaign:
     return replace(campaign, touches=campaign.touches.in_order_of_time())
 
 
+def every_third(campaign: Campaign) -> Campaign:
+    rows = np.arange(0, len(campaign.touches), 3)
+    return replace(campaign, touches=campaign.touches.select(rows))
+
+
 def test_nothing_tells_which_touches_bounced() -> None:
     """At this level one finding in a thousand is told by accident."""
     for seed in range(3):
@@ -75,7 +80,7 @@ def test_the_rest_before_tells_which_touches_did_not_bounce_but_came_late() -> N
 def test_few_touches_tell_that_those_of_one_side_alone_came_late() -> None:
     """All of them are late by as much; among each other their ranks are those of the noise."""
     campaign = in_order()
-    few = replace(campaign, touches=campaign.touches.select(np.arange(0, len(campaign.touches), 3)))
+    few = every_third(campaign)
     on_side = (few.touches.alpha_deg > 90.0) & (few.touches.alpha_deg < 180.0)
     bounce = Effect("contact_bounce", {"probability": 0.25, "least_us": 300.0})
 
@@ -83,9 +88,7 @@ def test_few_touches_tell_that_those_of_one_side_alone_came_late() -> None:
 
     assert any(name.startswith("azimuth") for name in found.conditions)
     for seed in range(3):
-        plain = played(MACHINE, bounce, seed=seed)
-        rows = np.arange(0, len(plain.touches), 3)
-        assert told(replace(plain, touches=plain.touches.select(rows)), bounce) == []
+        assert told(every_third(played(MACHINE, bounce, seed=seed)), bounce) == []
 
 
 def test_each_condition_is_asked_for_what_happens_to_some() -> None:
@@ -103,9 +106,10 @@ def test_each_condition_is_asked_for_what_happens_to_some() -> None:
 
 @pytest.mark.long
 def test_bounces_are_told_no_more_often_than_stated() -> None:
-    campaigns = (played(MACHINE, BOUNCE, seed=seed) for seed in range(100, 200))
+    """None of fifty: a rate of 3 % shows as surely as by more than one of a hundred."""
+    campaigns = (every_third(played(MACHINE, BOUNCE, seed=seed)) for seed in range(100, 150))
 
-    assert sum(bool(told(campaign, BOUNCE)) for campaign in campaigns) <= 1
+    assert not any(told(campaign, BOUNCE) for campaign in campaigns)
 
 
 def test_what_leaves_nothing_more_to_chance_cannot_be_told_of() -> None:
