@@ -10,15 +10,13 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played_again
 from skiplatch.campaign import Campaign, read_campaign
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.fit.belief_fit import CLOSE, FARTHEST, fit_beliefs
 from skiplatch.diagnosis.fit.beliefs import (
-    CLOSE,
-    FARTHEST,
     LOBES_U,
     NOISE_U,
     Belief,
     Key,
     believing,
-    fit_beliefs,
     uncertain,
 )
 from skiplatch.diagnosis.likelihood.likelihood import likelihood

@@ -12,7 +12,8 @@ from skiplatch.campaign import Campaign, fingerprint
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.as_effects import as_effects
-from skiplatch.diagnosis.fit.beliefs import WORTH_MOVING, Belief, value_of
+from skiplatch.diagnosis.fit.belief_fit import WORTH_MOVING
+from skiplatch.diagnosis.fit.beliefs import Belief, value_of
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.fit.directions import UNDIRECTED
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality

@@ -1,6 +1,6 @@
 """Plays of conditions on the rig that is believed in, its datum where it was fitted."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Self
@@ -14,7 +14,7 @@ from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
-from skiplatch.diagnosis.plays.scans import Begins, Scans, keep_grid
+from skiplatch.diagnosis.plays.scans import Begins, Player, Scans, keep_grid
 from skiplatch.diagnosis.scene.grid import mean_turn
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
@@ -24,7 +24,7 @@ from skiplatch.span import ALWAYS, Span
 from skiplatch.units import UM_PER_MM
 
 ENCODER, TICK = "encoder_quantisation", "timer_quantisation"
-SCAN_LOCK, SCAN_PERIOD = "scan_phase_lock", "scan_period"
+SCAN_LOCK, SCAN_PERIOD, SLOTS = "scan_phase_lock", "scan_period", "link_slotting"
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -147,8 +147,18 @@ class Rig:
         alone = partial(self._played, seed=seed, jobs=jobs)
         if self.scans is None or not self.keeps_scan_grid or not touches.on_plc.any():
             return alone(touches, replicates, Begins())
-        bound = self.scans.in_phase if in_phase else self.scans.at_recorded
-        return bound(alone, touches, replicates)
+        return self._bound(self.scans, in_phase=in_phase)(alone, touches, replicates)
+
+    def _bound(self, scans: Scans, *, in_phase: bool) -> Callable[[Player, Touches, int], Outcomes]:
+        """Give how touches are bound to scans.
+
+        Slots of a link run on a clock of their own: an edge passes them in its slot alone, and
+        reaches no other scan at the same distance.
+        """
+        if in_phase:
+            return scans.in_phase
+        is_slotted = any(effect.id == SLOTS for effect in self.effects)
+        return scans.anywhere if is_slotted else scans.at_recorded
 
     def _played(
         self, touches: Touches, replicates: int, begins: Begins, *, seed: int, jobs: int

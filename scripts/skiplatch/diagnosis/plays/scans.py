@@ -95,6 +95,11 @@ class Scans:
         outcomes = play(_begun_later(touches, later_us), replicates, begins)
         return replace(outcomes, start_delay_us=outcomes.start_delay_us + later_us)
 
+    def anywhere(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
+        """Play touches so that each falls anywhere in the scans, which keep their grid."""
+        begins = Begins(self._phase_us(play), self.open_us, self.period_us)
+        return play(touches, replicates, begins)
+
     def _phase_us(self, play: Player) -> float:
         """Find when scans begin whose stamps are those recorded: a clock may read late.
 

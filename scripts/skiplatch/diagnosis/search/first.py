@@ -11,16 +11,37 @@ def first_effects(judge: Judge, noticed: Noticed) -> list[Scored]:
     """Give every effect alone, and those that begin or end where no lasting one will do.
 
     One that acts for long shows as it is fitted to all touches, one that acts at an end by what any
-    that lasts leaves. They stand beside beliefs that fit without any; by falling score.
+    that lasts leaves. They stand beside beliefs that fit without any, all that was recorded or one
+    observable; by falling score.
     """
     judge.believe_beside(None)
-    ranked = judge.singles()
+    ranked = _beside_likeliest(judge, judge.singles())
     best = ranked[0] if ranked and judge.is_significant(ranked[0]) else None
     if not ranked or not (judge.may_begin(ranked) or noticed(best)):
         return ranked
     least = ranked[0].score + TIED  # one that lasts will do as well
     begun = [one for one in judge.passing(ranked) if one.score > least]
     return sorted([*begun, *ranked], key=lambda scored: -scored.score)
+
+
+def _beside_likeliest(judge: Judge, ranked: list[Scored]) -> list[Scored]:
+    """Give every effect alone beside the beliefs with which the best of them is likeliest.
+
+    Where one observable tells a belief otherwise than all do, an effect in the others may have
+    moved it: what leaves that observable alone is then found beside its own beliefs only.
+    """
+    held, beliefs = judge.scene.nominal, judge.told_otherwise()
+    if not beliefs:
+        return ranked
+    nats = judge.beliefs_beside(ranked[0].fit if ranked else None).nats
+    for nominal in beliefs:
+        judge.believe(nominal)
+        others = judge.singles()
+        beside = judge.beliefs_beside(others[0].fit if others else None).nats
+        if beside > nats + TIED:
+            held, ranked, nats = nominal, others, beside
+    judge.believe(held)
+    return ranked
 
 
 def beside_its_beliefs(judge: Judge, ranked: Sequence[Scored]) -> list[Scored]:

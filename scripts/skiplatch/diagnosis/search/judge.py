@@ -8,18 +8,17 @@ from typing import TypeVar
 
 import numpy as np
 
-from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.applicable import acts
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
 from skiplatch.diagnosis.density.change import NOTHING, Change
-from skiplatch.diagnosis.fit.beliefs import Belief, Fitted, fit_beliefs, uncertain
 from skiplatch.diagnosis.fit.fit import WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import ends_of, gained_by_an_end, outlives_datum, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.believer import Believer
 from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.scored import (
     ENOUGH_FIT,
@@ -30,7 +29,6 @@ from skiplatch.diagnosis.search.scored import (
     without_twins,
     worth,
 )
-from skiplatch.diagnosis.search.scorer import Scorer
 from skiplatch.diagnosis.search.tasks import (
     both,
     fit_in_forms,
@@ -59,7 +57,7 @@ NEARLY_AS_MUCH = 0.5
 """Share of the best second effect's gain from which on it is as well."""
 
 
-class Judge(Scorer):
+class Judge(Believer):
     """Fits and scores models on one campaign."""
 
     def __init__(
@@ -77,9 +75,7 @@ class Judge(Scorer):
             executor: Fits side by side.
             materiality: From which size on a change matters.
         """
-        self._believed, self._executor = scene, executor
-        self.stated = scene.nominal
-        """The chain as nominal.toml states it."""
+        self._executor = executor
         self._left_out: set[str] = set()
         super().__init__(scene, parts, materiality)
 
@@ -97,29 +93,6 @@ class Judge(Scorer):
         """Try some effects no more."""
         self._left_out.update(ids)
         self._look_at(self._believed)
-
-    def beliefs_beside(self, model: Fit | None) -> Fitted:
-        """Fit the beliefs, as they stand in nominal.toml, beside a model or none."""
-        return self._fit_beside(model, uncertain(self._believed.nominal))
-
-    def _fit_beside(self, model: Fit | None, beliefs: Sequence[Belief]) -> Fitted:
-        naming = self._believed.select(self.parts.naming)
-        change = model.change(naming) if model else NOTHING
-        return fit_beliefs(naming, change, beliefs, self.scene.nominal)
-
-    def believe_beside(self, model: Fit | None) -> None:
-        """Hold models from now on against the chain with the beliefs that fit beside one.
-
-        What a belief takes up would else be found as an effect of its own. Noise stays as believed:
-        it would take up any gap.
-        """
-        beliefs = [b for b in uncertain(self._believed.nominal) if not b.is_noise]
-        self.believe(self._fit_beside(model, beliefs).nominal)
-
-    def believe(self, nominal: Nominal) -> None:
-        """Hold models from now on against a chain."""
-        if nominal != self.scene.nominal:
-            self._look_at(self._believed.with_nominal(nominal))
 
     def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
         """Every candidate, or those of some effects, alone; by falling score."""

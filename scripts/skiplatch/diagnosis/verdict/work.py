@@ -10,7 +10,8 @@ import numpy as np
 from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.density.change import NOTHING
 from skiplatch.diagnosis.fit.as_effects import as_effects
-from skiplatch.diagnosis.fit.beliefs import Belief, fit_beliefs, uncertain
+from skiplatch.diagnosis.fit.belief_fit import fit_beliefs
+from skiplatch.diagnosis.fit.beliefs import Belief, uncertain
 from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import settled
 from skiplatch.diagnosis.fit.material import Materiality
