@@ -36,6 +36,8 @@ MOST_TOUCHES = 1_500
 MOST_PLAYED = 4_000
 NOTICED = 3.5
 """Standard errors from which on something may be worth a search, which then decides."""
+LINE = 0.1
+"""Share of a coarse step within which values lie on the same line."""
 MISSED = "missed"
 USUALLY_MISSED = 1e-3
 """Share of touches that any rig may miss."""
@@ -162,19 +164,27 @@ def _dithered(
     """Take record and plays apart, all lengths spread evenly over what they are rounded to.
 
     Plays lie on lines of the counter; those of a record need not, where its surfaces lie between
-    two of them.
+    two of them. Lines and ticks that were found are where a play and a record round them to: what
+    lies close to one is on it.
     """
-    rng, step_um = np.random.default_rng(seed), rig.resolution_um
+    rng, chain = np.random.default_rng(seed), scene.nominal
+    line_um = LINE * rig.resolution_um * (rig.resolution_um > chain.axis.resolution_um)
+    steps = {
+        "position": line_um if scene.datum_names is None else rig.resolution_um,
+        "latch": LINE * rig.tick_us * (rig.tick_us > chain.skip.tick_us),
+    }
     # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
     recorded, played = (
         observed(scene, seen, scan_us=rig.scan_us) for seen in (scene.touches, outcomes)
     )
-    if scene.datum_names is None:
-        return recorded, played
 
     def spread(values: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
-        position = values["position"]
-        return {**values, "position": position + step_um * (rng.random(position.shape) - 0.5)}
+        dithered = {
+            name: values[name] + step * (rng.random(values[name].shape) - 0.5)
+            for name, step in steps.items()
+            if step > 0.0
+        }
+        return {**values, **dithered}
 
     return spread(recorded), spread(played)
 
