@@ -22,7 +22,7 @@ from skiplatch.diagnosis.plays.scan_place import off_in_scan
 from skiplatch.diagnosis.plays.scores import go_together, normal_scores
 from skiplatch.diagnosis.plays.setting import Setting
 from skiplatch.diagnosis.plays.size import apart, far_off, scatter, upper, wider
-from skiplatch.diagnosis.plays.telling import SMALLEST, best_ranked, told_by_forest
+from skiplatch.diagnosis.plays.telling import SMALLEST, told_by_forest, told_by_one
 from skiplatch.diagnosis.plays.turns import Turn, happens_in_turn, in_turn
 from skiplatch.diagnosis.plays.waves import Wave, waves_along
 from skiplatch.diagnosis.scene.covariates import WITHIN, before, varying
@@ -183,18 +183,17 @@ class Look:
         return self._of("shape", (EVERYWHERE,), size, relative, z)
 
     def straight(self) -> Iterator[Left]:
-        """Correlate the scores with every condition, by ranks, straight and bent.
+        """Correlate the scores with every condition, by ranks, and compare them at its values.
 
         Scores are normal where nothing is left, and tell of a shift no less than what is measured
         does itself; ranks of them tell less (Chernoff and Savage, Annals of Mathematical Statistics
         29 (1958) 972). Their size is not normal, and is ranked.
         """
-        yield from self._ranked("shift", self._scores)
-        yield from self._ranked("scatter", stats.rankdata(self._sizes))
+        yield from self._by_condition("shift", self._scores)
+        yield from self._by_condition("scatter", stats.rankdata(self._sizes))
 
-    def _ranked(self, kind: str, target: FloatArray) -> Iterator[Left]:
-        best = best_ranked(varying(self._setting.known, self._rows), target)
-        if best is not None:
+    def _by_condition(self, kind: str, target: FloatArray) -> Iterator[Left]:
+        for best in told_by_one(varying(self._setting.known, self._rows), target):
             yield self._left(kind, (best.name,), upper(best.values), errors_of(best.chance))
 
     def predicted(self) -> Iterator[Left]:
@@ -207,7 +206,7 @@ class Look:
         By each condition, and by a forest. That tells to which of them something happened that
         happens to some: ranks tell less of it, for among those each has a rank of its own.
         """
-        yield from self._ranked("shift", self._deviations)
+        yield from self._by_condition("shift", self._deviations)
         yield from self._by_forest({"shift": self._deviations})
 
     @cached_property

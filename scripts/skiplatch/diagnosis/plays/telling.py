@@ -20,6 +20,10 @@ FEWEST = 8
 """Touches from which on anything can be seen."""
 FEWEST_HAPPENED = 5
 """Touches to which something happened, or not, from which on it is told to which."""
+FEWEST_LEVELS = 3
+"""Values of a condition from which on it says more than its order."""
+TOUCHES_A_LEVEL = 3
+"""In the mean, from which on its values are few."""
 SMALLEST = 1e-4
 
 
@@ -62,13 +66,19 @@ class Ranked:
     Attributes:
         chance: Of as much by accident, all that were tried counted (Bonferroni).
         name: Of the condition.
-        values: What goes with the target, shape (m,): the condition, or how far its ranks are off
-            their middle.
+        values: What goes with the target, shape (m,): the condition, how far its ranks are off
+            their middle, or the means of the target at its values.
     """
 
     chance: float
     name: str
     values: FloatArray
+
+
+def told_by_one(columns: Mapping[str, FloatArray], target: FloatArray) -> list[Ranked]:
+    """Find what tells a target, shape (m,), by its order, and what tells it by its few values."""
+    found = best_ranked(columns, target), best_levelled(columns, target)
+    return [best for best in found if best is not None]
 
 
 def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked | None:
@@ -101,6 +111,32 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
     values = np.full(len(target), np.nan)
     values[known] = shape
     return Ranked(chance * len(found), name, values)
+
+
+def best_levelled(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked | None:
+    """Find the column, shape (m,), between whose few values a target differs most.
+
+    By an analysis of variance, which knows no order of the values: what comes about at one feed or
+    place alone is neither straight nor bent. None where no column has so few values.
+    """
+    found: list[tuple[float, str, FloatArray]] = []
+    for name, values in columns.items():
+        known = ~np.isnan(values)
+        _, level, count = np.unique(values[known], return_inverse=True, return_counts=True)
+        levels, there = len(count), target[known]
+        if levels < FEWEST_LEVELS or len(there) < TOUCHES_A_LEVEL * levels:
+            continue
+        means = np.bincount(level, there) / count
+        between = float(count @ (means - there.mean()) ** 2) / (levels - 1)
+        within = float(np.sum((there - means[level]) ** 2)) / (len(there) - levels)
+        chance = float(stats.f.sf(between / max(within, SMALLEST), levels - 1, len(there) - levels))
+        shape = np.full(len(target), np.nan)
+        shape[known] = means[level]
+        found.append((chance, name, shape))
+    if not found:
+        return None
+    chance, name, shape = min(found, key=itemgetter(0))
+    return Ranked(chance * len(found), name, shape)
 
 
 def _bent(ranks: FloatArray) -> FloatArray:

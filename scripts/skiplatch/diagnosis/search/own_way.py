@@ -15,6 +15,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.change import Change
+from skiplatch.diagnosis.density.datum import SHIFTED
 from skiplatch.diagnosis.density.law import SMALLEST
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.laws import law_under
@@ -131,7 +132,12 @@ def _given_way(scene: Scene, stream: Stream, last: Change, others: Change) -> fl
 
 
 def _surfaces(scene: Scene, stream: Stream) -> list[FloatArray]:
-    """Give which way each datum moves the touches, 0 for those of others; shape (m,) each."""
+    """Give which way each datum moves the touches, 0 for those of others; shape (m,) each.
+
+    None where the data are known, or move nothing.
+    """
+    if scene.datum_groups is None or stream.name not in SHIFTED:
+        return []
     datum, senses = scene.datum_of(stream), scene.datum_senses[stream.rows]
     return [(datum == group) * senses for group in np.unique(datum)]
 
@@ -159,7 +165,7 @@ def _squares(
         weights: Of the values; shape (m,).
         forms: Columns that count to about ±1 (ridge regression: a normal prior).
     """
-    matrix = np.column_stack([*columns, *forms]) * weights[:, None]
+    matrix = np.reshape([*columns, *forms], (-1, len(values))).T * weights[:, None]
     prior = np.eye(matrix.shape[1])[len(columns) :]
     told, weighted = np.vstack([matrix, prior]), np.append(values * weights, np.zeros(len(prior)))
     fitted, *_ = np.linalg.lstsq(told, weighted, rcond=None)

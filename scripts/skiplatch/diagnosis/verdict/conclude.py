@@ -22,7 +22,7 @@ from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
-from skiplatch.diagnosis.verdict.named import Named, named, open_sizes
+from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
 from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.undoing import undoing
@@ -134,6 +134,7 @@ def _conclusion(
         effects=[one.effect.id for one in found],
         at_limit=[f"{n.effect.id}.{name}" for n in found for name in sorted(n.at_limit)],
         undoing=undoing(scene, work.settled(fit)) if fit else [],
+        vague=[n.effect.id for n in found if is_vague(n)],
         open=[f"{n.effect.id}.{name}" for n in found for name in open_sizes(n)],
         is_loose=fit is not None and fit.is_loose,
         nats=_likelier(scene, held_out, believed, rig, fit) if fit else 0.0,

@@ -26,6 +26,7 @@ class Evidence:
         at_limit: Parameters at an end of their range, as "effect.parameter".
         undoing: Ids of effects that undo each other.
         open: Parameters whose interval tells nothing, likewise.
+        vague: Ids of effects most of whose parameters are open.
         is_loose: The effects need all the slack there is.
         nats: By how much likelier it makes touches that served neither fitting nor naming.
         gains: What each effect found gains over what it gains on plays of the finding; by its id.
@@ -50,6 +51,7 @@ class Evidence:
     at_limit: Sequence[str] = ()
     undoing: Sequence[str] = ()
     open: Sequence[str] = ()
+    vague: Sequence[str] = ()
     is_loose: bool = False
     nats: float = 0.0
     gains: Mapping[str, float] = field(default_factory=dict)

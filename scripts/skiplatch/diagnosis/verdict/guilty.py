@@ -28,9 +28,9 @@ SHOWN_IN: Mapping[str, frozenset[str]] = {
 def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
-    They are those that gain too little; or that are at a limit; or that undo each other; or that
-    scatter where their chance can be told, or where the record does so far less; or that change
-    anything at all where much of what there was is left.
+    They are those that gain too little; or that are at a limit; or that may be almost anything; or
+    that undo each other; or that scatter where their chance can be told, or where the record does
+    so far less; or that change anything at all where much of what there was is left.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -53,7 +53,8 @@ def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Findin
 
 def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[int]]:
     """Number the effects of a model that are accused, for one reason after the other."""
-    for ids in (gains_too_little(evidence), evidence.effects_at_limit, evidence.undoing):
+    alone = gains_too_little(evidence), evidence.effects_at_limit, evidence.vague, evidence.undoing
+    for ids in alone:
         yield [i for i, name in enumerate(model.ids) if name in ids]
     for streams, acts in (
         (map(streams_of, told_of_chance(evidence)), judge.scatters),

@@ -132,6 +132,11 @@ def open_sizes(one: Named) -> list[str]:
     return found
 
 
+def is_vague(one: Named) -> bool:
+    """Tell whether most of the sizes that an effect has may be anything."""
+    return 2 * len(open_sizes(one)) > sum(map(bool, one.effect.parameters.values()))
+
+
 def sure(one: Named, standing: str) -> Named:
     """Give the confidence in an effect the share of those of its standing that are right."""
     share = reliability(standing)

@@ -183,6 +183,10 @@ def _known(evidence: Evidence, _: float) -> str:
     return f"may be anything in its range: {', '.join(evidence.open)}" if evidence.open else ""
 
 
+def _is_definite(evidence: Evidence, _: float) -> str:
+    return f"most of it may be anything: {', '.join(evidence.vague)}" if evidence.vague else ""
+
+
 def _has_form(evidence: Evidence, _: float) -> str:
     return "its form is as far off as can be" if evidence.is_loose else ""
 
@@ -265,6 +269,7 @@ NAMES: Sequence[Rule] = (
         _gains_as_much,
     ),
     Rule("within_limits", 0.0, "theory: at an end of its range nothing is found", _within_limits),
+    Rule("is_definite", 0.0, "theory: what may be anything says nothing", _is_definite),
     Rule(
         "undoes_nothing",
         UNDONE,
