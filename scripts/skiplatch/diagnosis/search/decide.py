@@ -91,6 +91,11 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
     model, tried = judge.score(pairs[0].fit), [judge.score(one.fit) for one in pairs]
+    return _grown(judge, model, tried, noticed)
+
+
+def _grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Noticed) -> Finding:
+    """Extend a model for as long as the touches ask for it; the rivals are what was tried last."""
     while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
         better = reformed(judge, model)
         if better is not model:
@@ -101,7 +106,12 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
             break
         judge.believe_beside(further[0].fit)
         model, tried = judge.score(further[0].fit), [judge.score(one.fit) for one in further]
-    return several(judge, model, tried)
+    return several(judge, model, tried) if len(model.ids) > 1 else _one_of(judge, model)
+
+
+def _one_of(judge: Judge, model: Scored) -> Finding:
+    """Give a finding of one effect, beside all that may stand in its place."""
+    return _single(judge, model, [model, *_others(model, judge.in_place(model, 0))])
 
 
 def _asks_for_more(judge: Judge, model: Scored, noticed: Noticed) -> bool:
@@ -277,6 +287,14 @@ def _others(model: Scored, tried: Iterable[Scored]) -> list[Scored]:
 
 def reduced(judge: Judge, model: Scored) -> Finding:
     """Give a finding with a model that has fewer effects than were found."""
-    if len(model.ids) > 1:
-        return several(judge, model, ())
-    return _single(judge, model, [model, *_others(model, judge.in_place(model, 0))])
+    return several(judge, model, ()) if len(model.ids) > 1 else _one_of(judge, model)
+
+
+def without(judge: Judge, model: Scored, effects: Collection[int], noticed: Noticed) -> Finding:
+    """Search on from a model without some effects: what they stood for is there all the same."""
+    guilty = [model.ids[i] for i in effects]
+    for i in sorted(effects, reverse=True):
+        model = judge.again_without(model, i)
+    judge.leave_out(guilty)
+    judge.believe_beside(model.fit)
+    return _grown(judge, judge.score(model.fit), (), noticed)

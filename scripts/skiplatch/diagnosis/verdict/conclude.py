@@ -83,7 +83,7 @@ def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
             rival = _conclusion(work, *work.standing(other), truth)
             if not failures(NAMES, rival.evidence):
                 return rival
-        kept = without_guilty(work.judge, found.finding, found.evidence)
+        kept = without_guilty(work.judge, found.finding, found.evidence, work.noticed)
         if kept is None:
             return whole
         found = _conclusion(work, *work.confirmed(kept), truth)

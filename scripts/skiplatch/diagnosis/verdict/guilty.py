@@ -7,9 +7,9 @@ themselves.
 from collections.abc import Iterator, Mapping
 
 from skiplatch.diagnosis.plays.leftover import STREAMS, streams_of
-from skiplatch.diagnosis.search.decide import Finding, reduced
+from skiplatch.diagnosis.search.decide import Finding, without
 from skiplatch.diagnosis.search.judge import Judge
-from skiplatch.diagnosis.search.scored import Scored
+from skiplatch.diagnosis.search.scored import Noticed, Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.mostly import mostly_left
 from skiplatch.diagnosis.verdict.rules import gains_too_little, told_of_chance, too_wide
@@ -25,7 +25,9 @@ SHOWN_IN: Mapping[str, frozenset[str]] = {
 """Streams of the likelihood that show what a gap is of."""
 
 
-def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Finding | None:
+def without_guilty(
+    judge: Judge, finding: Finding, evidence: Evidence, noticed: Noticed
+) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
     They are those that gain too little; or that are at a limit; or that may be almost anything; or
@@ -36,18 +38,17 @@ def without_guilty(judge: Judge, finding: Finding, evidence: Evidence) -> Findin
         judge: Fits what is left of the finding anew.
         finding: Of one effect or more.
         evidence: For and against it.
+        noticed: Where a model leaves something.
 
     Returns:
-        The others; None where it is no effect, or all of them.
+        The others, with what is found beside them then; None where it is no effect, or all of them.
     """
     model = finding.model
     if model is None:
         return None
     for guilty in _accused(judge, model, evidence):
         if 0 < len(guilty) < len(model.ids):
-            for i in reversed(guilty):
-                model = judge.again_without(model, i)
-            return reduced(judge, model)
+            return without(judge, model, guilty, noticed)
     return None
 
 
