@@ -14,6 +14,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
+from skiplatch.diagnosis.search.scored import Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.guilty import SHOWN_IN, without_guilty
 from skiplatch.diagnosis.verdict.named import _at_limit, _unrepeated, _unset
@@ -28,13 +29,28 @@ OF_REPORT = replace(left(20.0, relative=3.0), observable="report")
 
 
 @pytest.fixture(scope="module")
-def judged() -> tuple[Judge, Finding]:
+def scene() -> Scene:
+    return Scene.of(played(BENCH, LATE, REPORT, seed=3))
+
+
+@pytest.fixture
+def judged(scene: Scene) -> tuple[Judge, Finding]:
     """Two effects that are found, where each acts in a stream of its own."""
-    scene = Scene.of(played(BENCH, LATE, REPORT, seed=3))
     judge = Judge(scene, split(len(scene), 1))
     late, report = (CANDIDATES[effect.id] for effect in (LATE, REPORT))
     sizes = (_sizes(late.names, LATE), _sizes(report.names, REPORT))
     return judge, Finding(judge.score(Fit((late, report), sizes, frozenset({"latch_skip"}))))
+
+
+@pytest.fixture
+def alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Search no further for what the others leave."""
+    monkeypatch.setattr(Judge, "may_gain", lambda *_: False)
+
+
+def nowhere(_: Scored | None) -> frozenset[str]:
+    """Notice nothing."""
+    return frozenset()
 
 
 def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
@@ -48,12 +64,14 @@ def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
         (Evidence(chance=[OF_LATCH]), "report_delay"),
         (Evidence(chance=[OF_LATCH], after=[OF_REPORT]), "report_delay"),
         (Evidence(at_limit=["report_delay.delay_us"]), "isr_latency"),
+        (Evidence(vague=["isr_latency"]), "report_delay"),
         (Evidence(everywhere={"latch_after_edge_us": gap(0.9, tightness=0.1)}), "report_delay"),
         (Evidence(gaps={"deviation_um": gap(0.9, tightness=0.1)}), "report_delay"),
     ],
 )
+@pytest.mark.usefixtures("alone")
 def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, kept: str) -> None:
-    found = without_guilty(*judged, evidence)
+    found = without_guilty(*judged, evidence, nowhere)
 
     assert found is not None
     assert found.model is not None
@@ -72,7 +90,7 @@ def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, ke
     ],
 )
 def test_nothing_is_taken_out(judged: tuple[Judge, Finding], evidence: Evidence) -> None:
-    assert without_guilty(*judged, evidence) is None
+    assert without_guilty(*judged, evidence, nowhere) is None
 
 
 def test_it_is_known_where_each_gap_shows(judged: tuple[Judge, Finding]) -> None:
@@ -86,25 +104,45 @@ def test_it_is_known_where_each_gap_shows(judged: tuple[Judge, Finding]) -> None
 
 
 def test_nothing_found_has_no_guilty_part(judged: tuple[Judge, Finding]) -> None:
-    assert without_guilty(judged[0], Finding(None), Evidence(after=[OF_LATCH])) is None
+    found = without_guilty(judged[0], Finding(None), Evidence(after=[OF_LATCH]), nowhere)
+
+    assert found is None
 
 
-def test_the_one_that_gains_too_little_is_taken_out(judged: tuple[Judge, Finding]) -> None:
-    judge, finding = judged
-    gains = {LATE.id: 0.5, REPORT.id: 1.0}
+@pytest.mark.usefixtures("alone")
+@pytest.mark.parametrize(
+    ("late", "report", "kept"),
+    [(0.5, 1.0, (REPORT.id,)), (0.5, 0.5, None), (1.0, 1.0, None)],
+)
+def test_the_one_that_gains_too_little_is_taken_out(
+    judged: tuple[Judge, Finding], late: float, report: float, kept: tuple[str, ...] | None
+) -> None:
+    gains = {LATE.id: late, REPORT.id: report}
 
-    kept = without_guilty(judge, finding, Evidence(gains=gains))
+    found = without_guilty(*judged, Evidence(gains=gains), nowhere)
 
-    assert kept is not None
-    assert kept.model is not None
-    assert kept.model.ids == (REPORT.id,)
-    assert without_guilty(judge, finding, Evidence(gains=dict.fromkeys(gains, 0.5))) is None
-    assert without_guilty(judge, finding, Evidence(gains=dict.fromkeys(gains, 1.0))) is None
+    assert (found and found.model and found.model.ids) == kept
+
+
+def test_what_a_guilty_one_stood_for_is_searched_for_again(
+    scene: Scene, judged: tuple[Judge, Finding]
+) -> None:
+    """A scan that is locked to touches is none of a bench's whose interrupt is late."""
+    judge, _ = judged
+    lock, report = CANDIDATES["scan_phase_lock"], CANDIDATES[REPORT.id]
+    wrong = np.zeros(len(lock.names)), _sizes(report.names, REPORT)
+    finding = Finding(judge.score(Fit((lock, report), wrong, frozenset(scene.streams))))
+
+    found = without_guilty(judge, finding, Evidence(gains={lock.id: 0.0}), nowhere)
+
+    assert found is not None
+    assert found.model is not None
+    assert set(found.model.ids) == {LATE.id, REPORT.id}
 
 
 def test_what_acts_elsewhere_stands_in_for_none_that_is_kept(judged: tuple[Judge, Finding]) -> None:
     """However much it gains there: reports that are late do nothing for a latch."""
-    found = without_guilty(*judged, Evidence(after=[OF_REPORT]))
+    found = without_guilty(*judged, Evidence(after=[OF_REPORT]), nowhere)
 
     assert found is not None
     assert REPORT.id not in {name for names in found.alternatives for name in names}

@@ -25,7 +25,7 @@ def test_the_condition_that_tells_most_is_named_with_its_chance(target: FloatArr
     best = best_ranked(columns, target)
 
     assert best is not None
-    assert best.name == "cause"
+    assert best.names == ("cause",)
     ranks = stats.rankdata(columns["cause"])
     tried = 2 * len(columns)  # straight and bent
     assert best.chance == pytest.approx(tried * stats.pearsonr(ranks, target).pvalue)
@@ -42,7 +42,7 @@ def test_touches_without_a_value_of_a_condition_are_left_out_of_it_alone(
     best = best_ranked(columns, target)
 
     assert best is not None
-    assert best.name == "some"
+    assert best.names == ("some",)
     expected = stats.pearsonr(stats.rankdata(some[known]), target[known]).pvalue
     assert best.chance == pytest.approx(4 * expected)
     assert np.array_equal(np.isnan(best.values), ~known)
@@ -57,7 +57,7 @@ def test_what_is_off_at_the_middle_of_a_condition_alone_goes_with_it_as_well() -
     best = best_ranked({"feed": feed, "noise": rng.normal(size=TOUCHES)}, target)
 
     assert best is not None
-    assert best.name == "feed"
+    assert best.names == ("feed",)
     assert best.chance < 1e-4
     assert best.values[feed == 400.0].max() < best.values[feed != 400.0].min()
 

@@ -108,6 +108,10 @@ SIDES: Mapping[str, tuple[Change, Change]] = {
         lambda _: Evidence(at_limit=[]),
         lambda _: Evidence(at_limit=["backlash.backlash_um"]),
     ),
+    "is_definite": (
+        lambda _: Evidence(open=["backlash.backlash_um"], vague=[]),
+        lambda _: Evidence(vague=["scan_phase_lock"]),
+    ),
     "undoes_nothing": (
         lambda _: Evidence(undoing=[]),
         lambda _: Evidence(undoing=["servo_hold", "following_error"]),

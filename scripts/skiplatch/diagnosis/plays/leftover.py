@@ -99,6 +99,8 @@ class Beside:
         sequence, rows = scene.in_sequence(MOST_PLAYED)
         outcomes = rig.play(sequence.touches, seed=seed, replicates=PLAYS, jobs=jobs).select(rows)
         recorded, played = _without_rests(scene, *_dithered(scene, rig, outcomes, seed))
+        # A latch without a contact says nothing of what latches contacts.
+        recorded = {k: np.where(scene.false, np.nan, values) for k, values in recorded.items()}
         if not has_like_grid(rig, sequence.touches):
             recorded = {**recorded, "grid": np.full(len(scene), np.nan)}
         return cls(Setting(scene, seed), outcomes, recorded, played, rig.resolution_um)

@@ -194,7 +194,7 @@ class Look:
 
     def _by_condition(self, kind: str, target: FloatArray) -> Iterator[Left]:
         for best in told_by_one(varying(self._setting.known, self._rows), target):
-            yield self._left(kind, (best.name,), upper(best.values), errors_of(best.chance))
+            yield self._left(kind, best.names, upper(best.values), errors_of(best.chance))
 
     def predicted(self) -> Iterator[Left]:
         """Let a forest predict the scores, and how far they are off, both by the same trees."""

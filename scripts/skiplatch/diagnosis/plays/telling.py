@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import compress
+from itertools import combinations, compress
 from operator import itemgetter
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy import stats
 from sklearn.ensemble import RandomForestRegressor  # type: ignore[import-untyped]
 
 from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.diagnosis.scene.covariates import PAIRED
 
 TREES = 60
 LEAF = 5
@@ -65,19 +66,20 @@ class Ranked:
 
     Attributes:
         chance: Of as much by accident, all that were tried counted (Bonferroni).
-        name: Of the condition.
+        names: Of the condition, or of the two that act together.
         values: What goes with the target, shape (m,): the condition, how far its ranks are off
-            their middle, or the means of the target at its values.
+            their middle, or the means of the target at its values, or the product of two.
     """
 
     chance: float
-    name: str
+    names: tuple[str, ...]
     values: FloatArray
 
 
 def told_by_one(columns: Mapping[str, FloatArray], target: FloatArray) -> list[Ranked]:
-    """Find what tells a target, shape (m,), by its order, and what tells it by its few values."""
-    found = best_ranked(columns, target), best_levelled(columns, target)
+    """Find what tells a target, shape (m,), by its order, by its few values, and with another."""
+    ways = best_ranked, best_levelled, best_paired
+    found = [way(columns, target) for way in ways]
     return [best for best in found if best is not None]
 
 
@@ -110,7 +112,29 @@ def best_ranked(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked
     chance, name, known, shape = min(found, key=itemgetter(0))
     values = np.full(len(target), np.nan)
     values[known] = shape
-    return Ranked(chance * len(found), name, values)
+    return Ranked(chance * len(found), (name,), values)
+
+
+def best_paired(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked | None:
+    """Find the two conditions, shape (m,), with the product of whose ranks a target goes most.
+
+    One may act only where the other is large, or the other way round, and neither tell by itself.
+    None where less than two of them are known of all touches.
+    """
+    names = [name for name in PAIRED if name in columns and not np.isnan(columns[name]).any()]
+    pairs = list(combinations(names, 2))
+    if not pairs or len(target) < FEWEST or np.ptp(target) == 0.0:
+        return None
+    ranks = {name: stats.rankdata(columns[name]) for name in names}
+    off = {name: values - values.mean() for name, values in ranks.items()}
+    products = np.array([off[one] * off[other] for one, other in pairs])
+    shown = np.ptp(products, axis=1) > SMALLEST
+    if not shown.any():
+        return None
+    chances = stats.pearsonr(products[shown], target[None, :], axis=1).pvalue
+    least = int(np.argmin(chances))
+    pair = list(compress(pairs, shown))[least]
+    return Ranked(float(chances[least]) * len(chances), pair, products[shown][least])
 
 
 def best_levelled(columns: Mapping[str, FloatArray], target: FloatArray) -> Ranked | None:
@@ -136,7 +160,7 @@ def best_levelled(columns: Mapping[str, FloatArray], target: FloatArray) -> Rank
     if not found:
         return None
     chance, name, shape = min(found, key=itemgetter(0))
-    return Ranked(chance * len(found), name, shape)
+    return Ranked(chance * len(found), (name,), shape)
 
 
 def _bent(ranks: FloatArray) -> FloatArray:

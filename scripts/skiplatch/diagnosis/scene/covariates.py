@@ -26,6 +26,11 @@ MADE_OF: Mapping[str, tuple[str, ...]] = {
     "alpha_deg": ("azimuth", "elevation", "direction", "turn since"),
 }
 """The same of those that a column makes."""
+PAIRED = (
+    *("feed", "approach", "position", "sense", "temperature", "time", "rest before"),
+    *("azimuth (cosine)", "azimuth (sine)", "rotary angle (cosine)", "rotary angle (sine)"),
+)
+"""Conditions that may act together."""
 RECENT_S = (10.0, 60.0)
 """Times over which touches are counted that were made just before."""
 
