@@ -15,7 +15,7 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.fit.fit import WORTH_A_REFINEMENT, Fit
 from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
-from skiplatch.diagnosis.fit.onset import ends_of, gained_by_an_end, outlives_datum, proposed
+from skiplatch.diagnosis.fit.onset import gained_by_an_end, outlives_datum, parts_of, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.believer import Believer
@@ -104,17 +104,24 @@ class Judge(Believer):
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         return gained_by_an_end(self._fitting, fits) > WORTH_A_REFINEMENT
 
+    def _best_in(self, part: Scene) -> list[Fit]:
+        """Fit every candidate alone to some touches, roughly: those that gain most there."""
+        there = self._each(fit_roughly, [(part, c, NOTHING) for c in self._candidates()])
+        gains = [gain_of(part, one, NOTHING) for one in there]
+        return [there[i] for i in falling(gains)[:ALSO_PASSING] if gains[i] > WORTH_A_REFINEMENT]
+
     def passing(self, singles: Sequence[Scored]) -> list[Scored]:
         """Candidates that begin or end within the campaign, by falling score.
 
         Proposed by how they fit throughout, and how they fit its first and its last touches.
         """
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
-        for part in ends_of(self._fitting):
-            there = self._each(fit_roughly, [(part, c, NOTHING) for c in self._candidates()])
-            gains = [gain_of(part, one, NOTHING) for one in there]
-            best = falling(gains)[:ALSO_PASSING]
-            fits += [there[i] for i in best if gains[i] > WORTH_A_REFINEMENT]
+        for part in parts_of(self._fitting):
+            fits += self._best_in(part)
+        # Where one acts, another may do better, which it hid in all that was fitted to more.
+        for one in proposed(self._fitting, fits)[:1]:
+            span = one.candidates[0].span
+            fits += self._best_in(self._fitting.select(span.holds(self._fitting.touches.touch)))
         tasks = [(self._fitting, one) for one in proposed(self._fitting, fits)]
         # One that gains less than a lasting effect is none.
         lasting = max((scored.fitted for scored in singles), default=0.0)
