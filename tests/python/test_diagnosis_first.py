@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import pytest
 
-from played_campaigns import BENCH, played_again
+from played_campaigns import BENCH, played_again, stamped_machine, thinned
 from skiplatch.campaign import read_campaign
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.fit.beliefs import believing
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.search.first import beside_its_beliefs, first_effects
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.parts import split
 from skiplatch.simulator.effects import Effect
+
+ACCELERATION = ("axis", "accel_mm_s2")
 
 
 def test_an_effect_is_fitted_to_beliefs_as_stated_too_not_only_where_they_fit_without_it() -> None:
@@ -33,3 +37,28 @@ def test_an_effect_is_fitted_to_beliefs_as_stated_too_not_only_where_they_fit_wi
     assert down[[0, 2]].tolist() == pytest.approx([8.0, 0.0])
     filter_us = judge.scene.nominal.input.filter_us
     assert filter_us == pytest.approx(bench.nominal.input.filter_us, abs=0.3)
+
+
+def test_an_effect_that_moves_a_belief_leaves_it_where_another_observable_has_it() -> None:
+    """A late filter asks for a lower acceleration; where latches are read asks for the real one."""
+    machine = stamped_machine()
+    right = machine.nominal.axis.accel_mm_s2
+    late = Effect("input_filter", {"delay_us": 170.0})
+    recorded = played_again(thinned(machine), late)
+    believed = believing(recorded.nominal, {ACCELERATION: 0.97 * right})
+    believed = replace(believed, uncertainty={ACCELERATION: 0.04 * right})
+    scene = scene_of(replace(recorded, nominal=believed))
+    judge = Judge(scene, split(len(scene), 1))
+
+    best, *_ = first_effects(judge, lambda _: frozenset())
+
+    assert "latch_skip" in judge.scene.streams
+    assert best.fit.candidates[-1].change is catalogue()[late.id].change
+    assert best.fit.parameters[0][0] == pytest.approx(170.0, rel=0.1)
+    assert judge.scene.nominal.axis.accel_mm_s2 == pytest.approx(right, rel=1e-3)
+
+
+def test_beliefs_that_all_observables_tell_alike_are_told_once() -> None:
+    scene = scene_of(stamped_machine())
+
+    assert Judge(scene, split(len(scene), 1)).told_otherwise() == []

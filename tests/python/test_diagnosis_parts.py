@@ -85,6 +85,15 @@ def test_a_shift_of_its_own_stays_beyond_any_form_of_another() -> None:
     assert both.beyond_form > 0.3 * both.as_formed
 
 
+def test_what_no_datum_moves_is_shifted_by_its_whole_mean() -> None:
+    """A surface that lies elsewhere makes no report late."""
+    scene = Scene.of(played(BENCH, Effect("report_delay", {"delay_us": 100.0})))
+
+    way = own_way(scene, Change(report_us=100.0), Change())
+
+    assert way.as_formed == way.beyond_form > 100.0
+
+
 def test_what_shifts_nothing_has_no_way_of_its_own() -> None:
     scene = off_by(of_scale)
 

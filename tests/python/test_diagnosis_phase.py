@@ -5,12 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from played_campaigns import BENCH, played
+from played_campaigns import BENCH, played, played_again, stamped_machine
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_nominal
+from skiplatch.diagnosis.fit.material import DEFAULT
 from skiplatch.diagnosis.plays.edges import at_given_edges
+from skiplatch.diagnosis.plays.leftover import Beside, left_over
 from skiplatch.diagnosis.plays.playing import Rig
 from skiplatch.diagnosis.scene.grid import off_grid
+from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
@@ -181,3 +184,15 @@ def test_contacts_close_at_the_edges_that_were_injected(off_us: float) -> None:
     closed_us = play(campaign.nominal, controller, retimed, seed=1).true_edge_us[0]
 
     np.testing.assert_allclose(closed_us, edges, atol=0.01)
+
+
+def test_an_edge_that_waits_for_a_slot_waits_for_the_scan_that_comes_then() -> None:
+    """Slots and scans keep their distance in time: no edge passes both at another one."""
+    slots = Effect("link_slotting", {"slot_us": 900.0, "phase_deg": 40.0})
+    campaign = replace(stamped_machine())
+    recorded = played_again(campaign, slots)
+    scene = Scene.of(recorded)
+
+    found = left_over(Beside.of(scene, rig_of(recorded, slots), seed=1))
+
+    assert [one for one in found if one.is_significant and one.is_material(DEFAULT)] == []

@@ -9,7 +9,7 @@ import pytest
 
 from played_campaigns import BENCH, MACHINE, played, played_again, thinned
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.campaign import Campaign, Nominal, read_campaign
 from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.density.change import Change
@@ -18,9 +18,9 @@ from skiplatch.diagnosis.fit.as_effects import as_effects
 from skiplatch.diagnosis.fit.fit import WORTH_OF_AN_END, Fit, fit
 from skiplatch.diagnosis.fit.onset import (
     FEWEST,
-    ends_of,
     gained_by_an_end,
     outlives_datum,
+    parts_of,
     passing,
     polished,
     proposed,
@@ -126,6 +126,19 @@ def test_the_touch_is_found_at_which_an_effect_begins_or_ends(begins: bool) -> N
     assert effect.parameters["latency_us"] == pytest.approx(40.0, abs=1.0)
 
 
+def test_both_touches_are_found_between_which_an_effect_acts() -> None:
+    first, last = np.quantile(read_campaign(BENCH).touches.touch, [0.3, 0.55]).astype(int).tolist()
+    scene = Scene.of(played(BENCH, replace(LATE, span=Span(since=first, until=last))))
+
+    (likely, *_) = proposed(scene, [of("isr_latency", [20.0, 0.0, 0.0])])
+    found = polished(scene, passing(scene, likely))
+
+    (effect,) = as_effects(found)
+    assert effect.span.since == pytest.approx(first, abs=3)
+    assert effect.span.until == pytest.approx(last, abs=3)
+    assert effect.parameters["latency_us"] == pytest.approx(40.0, abs=1.0)
+
+
 def test_an_end_costs_more_than_a_parameter() -> None:
     throughout = of("isr_latency", [40.0, 0.0, 0.0])
     begun = of("isr_latency", [40.0, 0.0, 0.0], Span(since=5))
@@ -140,9 +153,9 @@ def test_few_touches_have_no_ends() -> None:
 
     assert proposed(few, [of("isr_latency", [20.0, 0.0, 0.0])]) == []
 
-    assert ends_of(scene.select(np.arange(20))) == []
-    first, last = ends_of(scene)
-    assert first.touches.touch.max() < last.touches.touch.min()
+    assert parts_of(scene.select(np.arange(20))) == []
+    first, between, last = (part.touches.touch for part in parts_of(scene))
+    assert first.max() < between.min() <= between.max() < last.min()
 
 
 def test_a_surface_that_was_moved_is_no_effect_that_begins() -> None:
@@ -236,6 +249,9 @@ class Ranking:
 
     def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
         return [self.lasting] if ids is None else []
+
+    def told_otherwise(self) -> list[Nominal]:
+        return []
 
     def may_begin(self, _: list[Scored]) -> bool:
         return False

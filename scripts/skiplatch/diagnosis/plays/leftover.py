@@ -166,19 +166,17 @@ def _dithered(
     """Take record and plays apart, all lengths spread evenly over what they are rounded to.
 
     Plays lie on lines of the counter; those of a record need not, where its surfaces lie between
-    two of them. Lines and ticks that were found are where a play and a record round them to: what
-    lies close to one is on it.
+    two of them. What lies close to a line or a tick that was found is on it.
     """
     rng, chain = np.random.default_rng(seed), scene.nominal
     line_um = LINE * rig.resolution_um * (rig.resolution_um > chain.axis.resolution_um)
     steps = {
         "position": line_um if scene.datum_names is None else rig.resolution_um,
-        "latch": LINE * rig.tick_us * (rig.tick_us > chain.skip.tick_us),
+        **dict.fromkeys(("latch", "grid"), LINE * rig.tick_us * rig.has_coarse_tick),
     }
     # Beside a period that is off a belief by little, stamps over an hour lie anywhere.
-    recorded, played = (
-        observed(scene, seen, scan_us=rig.scan_us) for seen in (scene.touches, outcomes)
-    )
+    both = rig.counted(scene.touches), outcomes
+    recorded, played = (observed(scene, seen, scan_us=rig.scan_us) for seen in both)
 
     def spread(values: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
         dithered = {

@@ -25,6 +25,8 @@ from skiplatch.units import UM_PER_MM
 
 ENCODER, TICK = "encoder_quantisation", "timer_quantisation"
 SCAN_LOCK, SCAN_PERIOD, SLOTS = "scan_phase_lock", "scan_period", "link_slotting"
+WRITTEN_US = 1e-3
+"""To which stamps are written."""
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -118,7 +120,19 @@ class Rig:
 
     def whose_scans_are(self, recorded: Touches) -> Self:
         """Give it with the scans that touches of its own tell."""
-        return replace(self, scans=Scans.of(recorded, self.scan_us, self.tick_us))
+        return replace(self, scans=Scans.of(self.counted(recorded), self.scan_us, self.tick_us))
+
+    @property
+    def has_coarse_tick(self) -> bool:
+        """Its clock ticks more coarsely than believed."""
+        return self.tick_us > self.nominal.skip.tick_us > 0.0
+
+    def counted(self, touches: Touches) -> Touches:
+        """Give touches with their stamps as plays make them: these count in believed ticks."""
+        if not self.has_coarse_tick:
+            return touches
+        tick_us = self.nominal.skip.tick_us
+        return replace(touches, latch_us=(touches.latch_us + WRITTEN_US) // tick_us * tick_us)
 
     @property
     def keeps_scan_grid(self) -> bool:

@@ -30,9 +30,10 @@ def _beside_likeliest(judge: Judge, ranked: list[Scored]) -> list[Scored]:
     Where one observable tells a belief otherwise than all do, an effect in the others may have
     moved it: what leaves that observable alone is then found beside its own beliefs only.
     """
-    held, beliefs = judge.scene.nominal, judge.told_otherwise()
+    beliefs = judge.told_otherwise()
     if not beliefs:
         return ranked
+    held = judge.scene.nominal
     nats = judge.beliefs_beside(ranked[0].fit if ranked else None).nats
     for nominal in beliefs:
         judge.believe(nominal)

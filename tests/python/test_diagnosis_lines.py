@@ -1,0 +1,60 @@
+"""Values on coarse lines are held against plays by the line, and no closer."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from played_campaigns import BENCH, MACHINE, played
+from skiplatch.campaign import Campaign, Status
+from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis.fit.material import DEFAULT
+from skiplatch.diagnosis.plays.left import Left
+from skiplatch.diagnosis.plays.leftover import Beside, left_over
+from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.simulator.effects import Effect
+
+
+def mattering(campaign: Campaign, *effects: Effect) -> list[Left]:
+    rig = Rig(campaign.nominal, effects).whose_scans_are(campaign.touches)
+    found = left_over(Beside.of(Scene.of(campaign), rig, seed=1))
+    return [one for one in found if one.is_significant and one.is_material(DEFAULT)]
+
+
+def test_ticks_are_stamped_as_they_are_though_plays_count_in_believed_ones() -> None:
+    tick_us = 7.654_3
+    coarse = Effect("timer_quantisation", {"tick_us": tick_us})
+    campaign = played(BENCH, coarse)
+    stamps = np.rint(campaign.touches.latch_us / tick_us) * tick_us
+    as_stamped = replace(campaign, touches=replace(campaign.touches, latch_us=stamps))
+
+    assert np.nanmax(np.abs(stamps - campaign.touches.latch_us)) > 0.0
+    assert mattering(as_stamped, coarse) == []
+    assert mattering(as_stamped) != []
+
+
+def test_lines_of_a_counter_are_written_to_some_digits_where_surfaces_are_known() -> None:
+    coarse = Effect("encoder_quantisation", {"resolution_um": 5.453_74, "is_coordinate": 1.0})
+    campaign = played(MACHINE, coarse)
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.NONE))
+    written = np.round(campaign.touches.deviation_um, 3)
+    known = replace(
+        campaign, nominal=nominal, touches=replace(campaign.touches, deviation_um=written)
+    )
+
+    assert mattering(known, coarse) == []
+    assert mattering(known) != []
+
+
+def test_a_latch_without_a_contact_says_nothing_of_the_scans() -> None:
+    campaign = played(BENCH)
+    touches = campaign.touches
+    some = np.flatnonzero(touches.on_plc)[:3]
+    stamps, status = touches.latch_us.copy(), touches.status.copy()
+    stamps[some] -= 700.0
+    off = replace(campaign, touches=replace(touches, latch_us=stamps))
+    status[some] = Status.FALSE
+    false = replace(campaign, touches=replace(touches, latch_us=stamps, status=status))
+
+    assert "grid" in {one.observable for one in mattering(off)}
+    assert mattering(false) == []
