@@ -14,7 +14,7 @@ from skiplatch.campaign.datum import Datum, DatumFreedom
 from skiplatch.diagnosis import Diagnosis, Verdict, as_json, as_text, diagnose, effects_from_json
 from skiplatch.diagnosis.reported.notes import first_touch, notes
 from skiplatch.diagnosis.scene.scene import Scene
-from skiplatch.diagnosis.verdict.reliability import FAR_OFF, reliability, standing
+from skiplatch.diagnosis.verdict.reliability import FAR_OFF, MANY, reliability, standing
 from skiplatch.diagnosis.verdict.rules import EXPLAINS
 from skiplatch.simulator.effects import Effect
 
@@ -42,9 +42,18 @@ def test_a_confidence_is_what_few_counts_leave_for_certain(
 def test_a_form_as_far_off_as_can_be_is_counted_by_itself() -> None:
     failing = {rule.name for rule in EXPLAINS}
 
-    assert standing(Verdict.PARTLY_EXPLAINED, failing) == FAR_OFF
-    assert standing(Verdict.PARTLY_EXPLAINED, failing - {"has_form"}) == Verdict.PARTLY_EXPLAINED
-    assert reliability(FAR_OFF) < reliability(Verdict.PARTLY_EXPLAINED)
+    partly = Verdict.PARTLY_EXPLAINED
+    assert standing(partly, failing, 3) == standing(partly, failing, 1) == FAR_OFF
+    assert standing(partly, failing - {"has_form"}, 3) == partly
+    assert reliability(FAR_OFF) < reliability(partly)
+
+
+def test_what_many_effects_explain_together_is_counted_by_itself() -> None:
+    assert [standing(Verdict.EXPLAINED, (), n) for n in (1, 2, 3)] == [
+        *(2 * [Verdict.EXPLAINED]),
+        MANY,
+    ]
+    assert reliability(MANY) < reliability(Verdict.EXPLAINED)
 
 
 @cache

@@ -97,7 +97,7 @@ class Found:
     @property
     def standing(self) -> str:
         """What its names are counted by."""
-        return standing(self.verdict, self.failed)
+        return standing(self.verdict, self.failed, len(self.names))
 
     @property
     def shrinks_by_half(self) -> bool:

@@ -111,7 +111,7 @@ def _diagnosis(work: Work, found: Conclusion) -> Diagnosis:
     believed, before = work.rig(None), work.before
     verdict, failures = decide(evidence)
     is_named = verdict in (Verdict.EXPLAINED, Verdict.PARTLY_EXPLAINED)
-    stands = standing(verdict, [failure.rule for failure in failures])
+    stands = standing(verdict, [failure.rule for failure in failures], len(found.named))
     kept = finding if is_named else replace(finding, model=None)
     is_small = found.known is not found.rig
     remains = evidence.after if is_named or is_small else evidence.before

@@ -113,7 +113,7 @@ class Judge(Believer):
     def passing(self, singles: Sequence[Scored]) -> list[Scored]:
         """Candidates that begin or end within the campaign, by falling score.
 
-        Proposed by how they fit throughout, and how they fit its first and its last touches.
+        Proposed by how they fit throughout, and how they fit each third of it.
         """
         fits = [scored.fit for scored in without_twins(singles)[:ALSO_PASSING]]
         for part in parts_of(self._fitting):
