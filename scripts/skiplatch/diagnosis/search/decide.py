@@ -290,11 +290,8 @@ def reduced(judge: Judge, model: Scored) -> Finding:
     return several(judge, model, ()) if len(model.ids) > 1 else _one_of(judge, model)
 
 
-def without(judge: Judge, model: Scored, effects: Collection[int], noticed: Noticed) -> Finding:
-    """Search on from a model without some effects: what they stood for is there all the same."""
-    guilty = [model.ids[i] for i in effects]
-    for i in sorted(effects, reverse=True):
-        model = judge.again_without(model, i)
-    judge.leave_out(guilty)
+def beyond(judge: Judge, model: Scored, left_out: Collection[str], noticed: Noticed) -> Finding:
+    """Search on from a model, without effects that stood for what is there all the same."""
+    judge.leave_out(left_out)
     judge.believe_beside(model.fit)
     return _grown(judge, judge.score(model.fit), (), noticed)

@@ -74,18 +74,22 @@ def _is_of_outliers(work: Work, found: Conclusion) -> bool:
 def _found(work: Work, truth: Sequence[Effect] | None) -> Conclusion:
     """Search; what cannot be named gives way to what comes near it, or is taken out.
 
-    Either is worth it only if the rest then can be named.
+    Either is worth it only if the rest then can be named. What was taken out is searched for anew
+    once: what comes of that only gives way.
     """
     finding, confirmed = work.search()
+    searches_on = True
     whole = found = _conclusion(work, finding, confirmed, truth)
     while failures(NAMES, found.evidence):
         for other in instead(found.finding):
             rival = _conclusion(work, *work.standing(other), truth)
             if not failures(NAMES, rival.evidence):
                 return rival
-        kept = without_guilty(work.judge, found.finding, found.evidence, work.noticed)
+        noticed = work.noticed if searches_on else None
+        kept = without_guilty(work.judge, found.finding, found.evidence, noticed)
         if kept is None:
             return whole
+        searches_on = False
         found = _conclusion(work, *work.confirmed(kept), truth)
     return found
 

@@ -7,7 +7,7 @@ themselves.
 from collections.abc import Iterator, Mapping
 
 from skiplatch.diagnosis.plays.leftover import STREAMS, streams_of
-from skiplatch.diagnosis.search.decide import Finding, without
+from skiplatch.diagnosis.search.decide import Finding, beyond, reduced
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Noticed, Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
@@ -26,7 +26,7 @@ SHOWN_IN: Mapping[str, frozenset[str]] = {
 
 
 def without_guilty(
-    judge: Judge, finding: Finding, evidence: Evidence, noticed: Noticed
+    judge: Judge, finding: Finding, evidence: Evidence, noticed: Noticed | None
 ) -> Finding | None:
     """Take out the effects that speak against a finding themselves.
 
@@ -38,7 +38,7 @@ def without_guilty(
         judge: Fits what is left of the finding anew.
         finding: Of one effect or more.
         evidence: For and against it.
-        noticed: Where a model leaves something.
+        noticed: Where a model leaves something, to search on without those; None for no search.
 
     Returns:
         The others, with what is found beside them then; None where it is no effect, or all of them.
@@ -48,7 +48,10 @@ def without_guilty(
         return None
     for guilty in _accused(judge, model, evidence):
         if 0 < len(guilty) < len(model.ids):
-            return without(judge, model, guilty, noticed)
+            ids = [model.ids[i] for i in guilty]
+            for i in reversed(guilty):
+                model = judge.again_without(model, i)
+            return beyond(judge, model, ids, noticed) if noticed else reduced(judge, model)
     return None
 
 
