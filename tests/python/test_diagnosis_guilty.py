@@ -42,12 +42,6 @@ def judged(scene: Scene) -> tuple[Judge, Finding]:
     return judge, Finding(judge.score(Fit((late, report), sizes, frozenset({"latch_skip"}))))
 
 
-@pytest.fixture
-def alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Search no further for what the others leave."""
-    monkeypatch.setattr(Judge, "may_gain", lambda *_: False)
-
-
 def nowhere(_: Scored | None) -> frozenset[str]:
     """Notice nothing."""
     return frozenset()
@@ -69,7 +63,6 @@ def _sizes(names: tuple[str, ...], effect: Effect) -> np.ndarray:
         (Evidence(gaps={"deviation_um": gap(0.9, tightness=0.1)}), "report_delay"),
     ],
 )
-@pytest.mark.usefixtures("alone")
 def test_the_other_is_kept(judged: tuple[Judge, Finding], evidence: Evidence, kept: str) -> None:
     found = without_guilty(*judged, evidence, nowhere)
 
@@ -109,7 +102,6 @@ def test_nothing_found_has_no_guilty_part(judged: tuple[Judge, Finding]) -> None
     assert found is None
 
 
-@pytest.mark.usefixtures("alone")
 @pytest.mark.parametrize(
     ("late", "report", "kept"),
     [(0.5, 1.0, (REPORT.id,)), (0.5, 0.5, None), (1.0, 1.0, None)],
@@ -133,11 +125,17 @@ def test_what_a_guilty_one_stood_for_is_searched_for_again(
     wrong = np.zeros(len(lock.names)), _sizes(report.names, REPORT)
     finding = Finding(judge.score(Fit((lock, report), wrong, frozenset(scene.streams))))
 
-    found = without_guilty(judge, finding, Evidence(gains={lock.id: 0.0}), nowhere)
+    evidence = Evidence(gains={lock.id: 0.0})
 
-    assert found is not None
-    assert found.model is not None
-    assert set(found.model.ids) == {LATE.id, REPORT.id}
+    seen = without_guilty(judge, finding, evidence, lambda _: frozenset({"latch_skip"}))
+    unseen = without_guilty(judge, finding, evidence, nowhere)
+
+    assert seen is not None
+    assert seen.model is not None
+    assert set(seen.model.ids) == {LATE.id, REPORT.id}
+    assert unseen is not None
+    assert unseen.model is not None
+    assert unseen.model.ids == (REPORT.id,)
 
 
 def test_what_acts_elsewhere_stands_in_for_none_that_is_kept(judged: tuple[Judge, Finding]) -> None:

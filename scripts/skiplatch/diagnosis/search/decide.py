@@ -291,7 +291,9 @@ def reduced(judge: Judge, model: Scored) -> Finding:
 
 
 def beyond(judge: Judge, model: Scored, left_out: Collection[str], noticed: Noticed) -> Finding:
-    """Search on from a model, without effects that stood for what is there all the same."""
+    """Search on from a model, without effects that stood for what is there, if that is seen."""
+    if not noticed(model):
+        return reduced(judge, model)
     judge.leave_out(left_out)
     judge.believe_beside(model.fit)
     return _grown(judge, judge.score(model.fit), (), noticed)
