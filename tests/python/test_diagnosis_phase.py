@@ -189,10 +189,8 @@ def test_contacts_close_at_the_edges_that_were_injected(off_us: float) -> None:
 def test_an_edge_that_waits_for_a_slot_waits_for_the_scan_that_comes_then() -> None:
     """Slots and scans keep their distance in time: no edge passes both at another one."""
     slots = Effect("link_slotting", {"slot_us": 900.0, "phase_deg": 40.0})
-    campaign = replace(stamped_machine())
-    recorded = played_again(campaign, slots)
-    scene = Scene.of(recorded)
+    recorded = played_again(stamped_machine(), slots)
 
-    found = left_over(Beside.of(scene, rig_of(recorded, slots), seed=1))
+    found = left_over(Beside.of(Scene.of(recorded), rig_of(recorded, slots), seed=1))
 
     assert [one for one in found if one.is_significant and one.is_material(DEFAULT)] == []

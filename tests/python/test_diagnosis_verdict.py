@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from skiplatch.diagnosis.plays.left import EVERYWHERE, SIGNIFICANT, Left
+from skiplatch.diagnosis.verdict.accidents import may_be_accidents
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.rules import (
     EXPLAINS,
     HAS_GAP,
     NAMES,
     SEES,
-    may_be_accidents,
     told_of_chance,
 )
 from skiplatch.diagnosis.verdict.shrink import Gap

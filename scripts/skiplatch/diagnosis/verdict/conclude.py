@@ -18,12 +18,13 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.search.confirm import Confirmation
 from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.instead import instead
+from skiplatch.diagnosis.verdict.accidents import may_be_accidents
 from skiplatch.diagnosis.verdict.chance import chance_of, is_chancy
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.gains import nats_of, shares_gained
 from skiplatch.diagnosis.verdict.guilty import without_guilty
 from skiplatch.diagnosis.verdict.named import Named, is_vague, named, open_sizes
-from skiplatch.diagnosis.verdict.rules import NAMES, may_be_accidents
+from skiplatch.diagnosis.verdict.rules import NAMES
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs
 from skiplatch.diagnosis.verdict.undoing import undoing
 from skiplatch.diagnosis.verdict.verdict import failures, shows_too_little

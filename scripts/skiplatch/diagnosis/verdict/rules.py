@@ -7,9 +7,8 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scipy import stats
-
 from skiplatch.diagnosis.plays.left import CHANCE, SIGNIFICANT, Left
+from skiplatch.diagnosis.verdict.accidents import MOST_OUTLIERS, may_be_accidents
 from skiplatch.diagnosis.verdict.evidence import Evidence
 from skiplatch.diagnosis.verdict.mostly import MOST, mostly_left
 from skiplatch.diagnosis.verdict.shrink import Gap
@@ -26,10 +25,6 @@ TIGHTEST = 0.5
 """How far the record may be off plays of a finding, over how far these are off each other."""
 UNMOVED = 0.1
 """Share of a gap by which scores of plays differ where effects leave it as it is."""
-MOST_OUTLIERS = 0.05
-"""Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
-RARELY = 0.01
-"""Chance of more of them than that makes no accident."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +42,11 @@ class Rule:
     threshold: float
     reason: str
     misses: Callable[[Evidence, float], str]
+
+
+def _listed(words: str, names: Sequence[str]) -> str:
+    """Say what was found of some names; nothing where there are none."""
+    return f"{words}: {', '.join(names)}" if names else ""
 
 
 def _seen_enough(evidence: Evidence, threshold: float) -> str:
@@ -68,11 +68,6 @@ def _few_outliers(evidence: Evidence, threshold: float) -> str:
     where = f" in {' and '.join(evidence.outlying_in)}" if evidence.outlying_in else ""
     told = told and f" and go with {told}"
     return f"{far} of {touches} touches are far off all plays{where}{told}: that is no accident"
-
-
-def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS, told: str = "") -> bool:
-    """Tell whether so many may be far off where such a share is, in the mean; none that is told."""
-    return bool(not told and far <= stats.binom.ppf(1.0 - RARELY, touches, share))
 
 
 def _clear(gaps: Mapping[str, Gap]) -> Mapping[str, Gap]:
@@ -100,7 +95,7 @@ def _shrinks(evidence: Evidence, threshold: float) -> str:
     ]
     if not clear and not _is_lost_no_more(evidence, threshold):
         return "no gap is clear enough to tell that all of it is gone"
-    return f"the gap shrinks for certain only: {', '.join(small)}" if small else ""
+    return _listed("the gap shrinks for certain only", small)
 
 
 def _shrinks_somewhere(evidence: Evidence, threshold: float) -> str:
@@ -141,8 +136,7 @@ def _share_gone(evidence: Evidence, was: Left) -> float:
 
 
 def _grows_nowhere(evidence: Evidence, _: float) -> str:
-    grown = _seen_where(evidence, lambda gap: gap.grows)
-    return f"the gap grows: {', '.join(grown)}" if grown else ""
+    return _listed("the gap grows", _seen_where(evidence, lambda gap: gap.grows))
 
 
 def too_wide(evidence: Evidence, threshold: float = TIGHTEST) -> list[str]:
@@ -151,8 +145,8 @@ def too_wide(evidence: Evidence, threshold: float = TIGHTEST) -> list[str]:
 
 
 def _is_as_wide(evidence: Evidence, threshold: float) -> str:
-    wide = ", ".join(too_wide(evidence, threshold))
-    return f"what was recorded scatters far less than it plays: {wide}" if wide else ""
+    wide = too_wide(evidence, threshold)
+    return _listed("what was recorded scatters far less than it plays", wide)
 
 
 def gains_too_little(evidence: Evidence, threshold: float = GAINED) -> list[str]:
@@ -176,15 +170,15 @@ def _held_out(evidence: Evidence, _: float) -> str:
 
 
 def _within_limits(evidence: Evidence, _: float) -> str:
-    return f"at a limit of its range: {', '.join(evidence.at_limit)}" if evidence.at_limit else ""
+    return _listed("at a limit of its range", evidence.at_limit)
 
 
 def _known(evidence: Evidence, _: float) -> str:
-    return f"may be anything in its range: {', '.join(evidence.open)}" if evidence.open else ""
+    return _listed("may be anything in its range", evidence.open)
 
 
 def _is_definite(evidence: Evidence, _: float) -> str:
-    return f"most of it may be anything: {', '.join(evidence.vague)}" if evidence.vague else ""
+    return _listed("most of it may be anything", evidence.vague)
 
 
 def _has_form(evidence: Evidence, _: float) -> str:
@@ -192,8 +186,7 @@ def _has_form(evidence: Evidence, _: float) -> str:
 
 
 def _undoes_nothing(evidence: Evidence, _: float) -> str:
-    undoing = evidence.undoing
-    return f"each undoes what another one does: {', '.join(undoing)}" if undoing else ""
+    return _listed("each undoes what another one does", evidence.undoing)
 
 
 def _is_confirmed(evidence: Evidence, _: float) -> str:

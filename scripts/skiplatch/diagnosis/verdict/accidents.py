@@ -1,0 +1,13 @@
+"""How many touches far off all plays may be accidents."""
+
+from scipy import stats
+
+MOST_OUTLIERS = 0.05
+"""Share of touches, in the mean of many campaigns, up to which those far off are accidents."""
+RARELY = 0.01
+"""Chance of more of them than that makes no accident."""
+
+
+def may_be_accidents(far: int, touches: int, share: float = MOST_OUTLIERS, told: str = "") -> bool:
+    """Tell whether so many may be far off where such a share is, in the mean; none that is told."""
+    return bool(not told and far <= stats.binom.ppf(1.0 - RARELY, touches, share))
