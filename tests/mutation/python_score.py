@@ -26,7 +26,7 @@ from tests.mutation.score import KILLED, SURVIVED, status_of, told
 
 PACKAGES = Path("scripts")
 VERDICT = PACKAGES / "skiplatch/diagnosis/verdict"
-SOURCES = [VERDICT / f"{name}.py" for name in ("evidence", "rules", "verdict")]
+SOURCES = [VERDICT / f"{name}.py" for name in ("accidents", "evidence", "rules", "verdict")]
 TESTS = sorted(Path("tests/python").glob("test_diagnosis_verdict*.py"))
 PYTEST = (
     *("-c", "scripts/pyproject.toml", "--rootdir=.", "-x", "-q", "-p", "no:cacheprovider"),
