@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign, Status
@@ -16,7 +17,7 @@ from skiplatch.simulator.effects import Effect
 
 
 def mattering(campaign: Campaign, *effects: Effect) -> list[Left]:
-    rig = Rig(campaign.nominal, effects).whose_scans_are(campaign.touches)
+    rig = Rig(campaign.nominal, effects).whose_scans_are(campaign.touches, seed=1)
     found = left_over(Beside.of(Scene.of(campaign), rig, seed=1))
     return [one for one in found if one.is_significant and one.is_material(DEFAULT)]
 
@@ -31,6 +32,14 @@ def test_ticks_are_stamped_as_they_are_though_plays_count_in_believed_ones() -> 
     assert np.nanmax(np.abs(stamps - campaign.touches.latch_us)) > 0.0
     assert mattering(as_stamped, coarse) == []
     assert mattering(as_stamped) != []
+
+
+@pytest.mark.parametrize("tick_us", [25.3, 299.57, 383.6, 640.1, 999.0])
+def test_plays_begin_their_scans_where_coarse_ticks_tell(tick_us: float) -> None:
+    """A µs beside that, some stamps fall to the next tick, and positions into another bin."""
+    coarse = Effect("timer_quantisation", {"tick_us": tick_us})
+
+    assert mattering(played(BENCH, coarse), coarse) == []
 
 
 def test_lines_of_a_counter_are_written_to_some_digits_where_surfaces_are_known() -> None:

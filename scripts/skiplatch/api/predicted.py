@@ -101,7 +101,7 @@ def predicted(
     """
     given = at_given_edges(rig, conditions)
     if recorded is not None:
-        rig = rig.whose_scans_are(recorded)
+        rig = rig.whose_scans_are(recorded, seed=seed)
     outcomes = rig.play(given, seed=seed, replicates=replicates, jobs=jobs, in_phase=True)
     return Prediction.of(conditions, outcomes)
 

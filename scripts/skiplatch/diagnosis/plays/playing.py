@@ -14,7 +14,7 @@ from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
-from skiplatch.diagnosis.plays.scans import Begins, Player, Scans, keep_grid
+from skiplatch.diagnosis.plays.scans import WRITTEN_US, Begins, Player, Scans, keep_grid
 from skiplatch.diagnosis.scene.grid import mean_turn
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
@@ -25,8 +25,6 @@ from skiplatch.units import UM_PER_MM
 
 ENCODER, TICK = "encoder_quantisation", "timer_quantisation"
 SCAN_LOCK, SCAN_PERIOD, SLOTS = "scan_phase_lock", "scan_period", "link_slotting"
-WRITTEN_US = 1e-3
-"""To which stamps are written."""
 SHORTEST_MM = 1e-3
 """Way to the surface that is left to a touch whose surface is nearer than it was made from."""
 
@@ -118,9 +116,11 @@ class Rig:
         coarse = (e.parameters["tick_us"] for e in self.effects if e.id == TICK)
         return max([self.nominal.skip.tick_us, *coarse])
 
-    def whose_scans_are(self, recorded: Touches) -> Self:
-        """Give it with the scans that touches of its own tell."""
-        return replace(self, scans=Scans.of(self.counted(recorded), self.scan_us, self.tick_us))
+    def whose_scans_are(self, recorded: Touches, *, seed: int) -> Self:
+        """Give it with the scans that touches of its own tell; the seed is that of trial plays."""
+        trial = partial(self._played, seed=seed, jobs=1)
+        scans = Scans.of(self.counted(recorded), self.scan_us, self.tick_us, trial)
+        return replace(self, scans=scans)
 
     @property
     def has_coarse_tick(self) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches
-from skiplatch.diagnosis.scene.grid import mean_turn
+from skiplatch.diagnosis.scene.grid import folded, mean_turn
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.units import US_PER_S
 
@@ -24,7 +24,13 @@ RESOLVED = 6
 STAMPS = 256
 """By which the scans of plays are set, at least."""
 SETTINGS = 2
-"""How often: how a clock rounds depends on when it is read."""
+"""Of the mean, how often: how a clock rounds depends on when it is read."""
+NEARBY = np.linspace(-1.0, 1.0, 33)
+"""Phases that are tried at a time, in ticks at first."""
+NARROWER = 4.0
+"""Times which they lie closer the next time: a few stamps may come out alike by accident."""
+WRITTEN_US = 1e-3
+"""To which stamps are written."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,17 +62,26 @@ class Scans:
         recorded: The touches that tell them.
         stamp_us: Of one of them.
         period_us: From one to the next.
+        phase_us: When scans begin whose stamps are those recorded: a clock may read late.
         open_us: By which they may be moved before a stamp shows it, for stamps are rounded.
     """
 
     recorded: Touches
     stamp_us: float
     period_us: float
+    phase_us: float
     open_us: float
 
     @classmethod
-    def of(cls, recorded: Touches, period_us: float, tick_us: float) -> Self | None:
-        """Find them by the stamps of touches; None where these keep no grid."""
+    def of(cls, recorded: Touches, period_us: float, tick_us: float, play: Player) -> Self | None:
+        """Find them by the stamps of touches, and by plays of these; None where they keep no grid.
+
+        Args:
+            recorded: The touches.
+            period_us: From one scan to the next.
+            tick_us: To which stamps are rounded.
+            play: Plays touches on the rig that recorded them.
+        """
         recorded = recorded.select(recorded.on_plc & np.isfinite(recorded.latch_us))
         stamps = recorded.latch_us
         turn = complex(mean_turn(stamps, period_us))
@@ -78,11 +93,12 @@ class Scans:
         if open_us <= 0.0:  # scans are late by more than a tick, some of them
             rests_us = np.unique(np.round(turns * period_us % tick_us, RESOLVED)) % tick_us
             open_us = float(np.diff(np.append(rests_us, rests_us[0] + tick_us)).max())
-        return cls(recorded, stamp_us, period_us, open_us)
+        scans = cls(recorded, stamp_us, period_us, stamp_us, open_us)
+        return replace(scans, phase_us=scans._alike(play, scans._by_mean(play), tick_us))
 
     def in_phase(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
         """Play touches so that each waits as long for a scan as it would have."""
-        begins = Begins(self._phase_us(play), self.open_us)
+        begins = Begins(self.phase_us, self.open_us)
         return play(touches, replicates, begins)
 
     def at_recorded(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
@@ -90,30 +106,47 @@ class Scans:
 
         What has no stamp falls anywhere before some scan.
         """
-        begins = Begins(self._phase_us(play), self.open_us, self.period_us)
+        begins = Begins(self.phase_us, self.open_us, self.period_us)
         later_us = self._later_us(play, touches, begins)
         outcomes = play(_begun_later(touches, later_us), replicates, begins)
         return replace(outcomes, start_delay_us=outcomes.start_delay_us + later_us)
 
     def anywhere(self, play: Player, touches: Touches, replicates: int) -> Outcomes:
         """Play touches so that each falls anywhere in the scans, which keep their grid."""
-        begins = Begins(self._phase_us(play), self.open_us, self.period_us)
+        begins = Begins(self.phase_us, self.open_us, self.period_us)
         return play(touches, replicates, begins)
 
-    def _phase_us(self, play: Player) -> float:
-        """Find when scans begin whose stamps are those recorded: a clock may read late.
-
-        Touch by touch, and scan by scan: where in a tick some of them begin is no mean of all.
-        """
-        replicates = 1 + STAMPS // len(self.recorded)
-        phase_us = self._within(self.stamp_us)
+    def _by_mean(self, play: Player) -> float:
+        """Find the phase by the mean of what stamps of plays are late."""
+        phase_us = self._within(self.phase_us)
         for _ in range(SETTINGS):
-            begins = Begins(phase_us, self.open_us, self.period_us)
-            moves = _begun_later(self.recorded, self._later_us(play, self.recorded, begins))
-            off_us = play(moves, replicates, begins).latch_us - self.recorded.latch_us
-            turn = complex(mean_turn(off_us.ravel(), self.period_us))
+            turn = complex(mean_turn(self._off_us(play, phase_us, self.open_us), self.period_us))
             phase_us = self._within(phase_us - _within_turn(turn, self.period_us))
         return phase_us
+
+    def _alike(self, play: Player, phase_us: float, tick_us: float) -> float:
+        """Give the phase near one at which the most stamps come out as recorded.
+
+        Of coarse ticks each stamp says no more than before or after, which no mean of them tells.
+        """
+
+        def misfit_us(phase_us: float) -> float:
+            return float(np.nanmean(np.abs(self._off_us(play, self._within(phase_us), 0.0))))
+
+        reach_us = tick_us if misfit_us(phase_us) < tick_us else 0.0
+        while reach_us > self.open_us / 2.0:
+            phases_us = phase_us + reach_us * NEARBY
+            misfits_us = np.array([misfit_us(each) for each in phases_us.tolist()])
+            phase_us = float(phases_us[np.isclose(misfits_us, misfits_us.min())].mean())
+            reach_us /= NARROWER
+        return self._within(phase_us - self.open_us / 2.0)
+
+    def _off_us(self, play: Player, phase_us: float, spread_us: float) -> FloatArray:
+        """Give how late stamps of plays are whose scans begin at a phase, touch by touch."""
+        begins = Begins(phase_us, spread_us, self.period_us)
+        moves = _begun_later(self.recorded, self._later_us(play, self.recorded, begins))
+        plays = play(moves, 1 + STAMPS // len(self.recorded), begins)
+        return folded(plays.latch_us - self.recorded.latch_us, self.period_us).ravel()
 
     def _within(self, phase_us: float) -> float:
         """Bring a phase into a period, but to no 0, which leaves scans anywhere."""

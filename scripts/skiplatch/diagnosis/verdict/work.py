@@ -73,7 +73,7 @@ class Work:
             return self._rigs[fit.key]
         if () not in self._rigs:
             nominal = fit_beliefs(self.naming, NOTHING, self.beliefs).nominal
-            self._rigs[()] = _rig_of(self.naming, nominal, None), None
+            self._rigs[()] = self._rig_of(self.naming, nominal, None), None
         return self._rigs[()]
 
     def _settle(self, fits: Sequence[Fit]) -> None:
@@ -81,7 +81,7 @@ class Work:
         new = [fit for fit in fits if fit.key not in self._rigs]
         settled = self._settled_on([(fit, self.naming) for fit in new])
         for fit, (nominal, there) in zip(new, settled, strict=True):
-            self._rigs[fit.key] = _rig_of(self.naming, nominal, there), there
+            self._rigs[fit.key] = self._rig_of(self.naming, nominal, there), there
 
     def folds(self, fit: Fit) -> tuple[Folds, Sequence[Fit]]:
         """Give rigs that a hypothesis says it is, each by all touches but those that it plays.
@@ -92,8 +92,14 @@ class Work:
         fold = folds(len(self.scene), self.seed)
         others = [self.scene.select(fold != i) for i in range(FOLDS)]
         fitted = self._settled_on([(fit, part) for part in others])
-        rigs = [_rig_of(part, *one) for part, one in zip(others, fitted, strict=True)]
+        rigs = [self._rig_of(part, *one) for part, one in zip(others, fitted, strict=True)]
         return Folds(rigs, fold), [one for _, one in fitted]
+
+    def _rig_of(self, scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
+        believed = scene.with_nominal(nominal)
+        datum = FittedDatum.of(believed, fit.change(believed) if fit else NOTHING)
+        rig = Rig(nominal, as_effects(fit) if fit else (), datum)
+        return rig.whose_scans_are(scene.touches, seed=self.seed)
 
     def _settled_on(self, tasks: Sequence[tuple[Fit, Scene]]) -> list[tuple[Nominal, Fit]]:
         """Fit beliefs and parameters of hypotheses, each to a scene."""
@@ -182,13 +188,6 @@ def _settled_beside(
     moved = scene.with_nominal(nominal)
     fit = settled(moved, fit)
     return fit_beliefs(scene, fit.change(moved), beliefs, nominal).nominal, fit
-
-
-def _rig_of(scene: Scene, nominal: Nominal, fit: Fit | None) -> Rig:
-    believed = scene.with_nominal(nominal)
-    datum = FittedDatum.of(believed, fit.change(believed) if fit else NOTHING)
-    rig = Rig(nominal, as_effects(fit) if fit else (), datum)
-    return rig.whose_scans_are(scene.touches)
 
 
 def mattering(looks: Sequence[Left], materiality: Materiality) -> list[Left]:
