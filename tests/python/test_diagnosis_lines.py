@@ -1,5 +1,6 @@
 """Values on coarse lines are held against plays by the line, and no closer."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,7 +9,12 @@ import pytest
 from played_campaigns import BENCH, MACHINE, played
 from skiplatch.campaign import Campaign, Status
 from skiplatch.campaign.datum import Datum, DatumFreedom
+from skiplatch.diagnosis.candidates.candidate import Candidate
+from skiplatch.diagnosis.candidates.grid_starts import ticks
+from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.fit.material import DEFAULT
+from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.left import Left
 from skiplatch.diagnosis.plays.leftover import Beside, left_over
 from skiplatch.diagnosis.plays.playing import Rig
@@ -40,6 +46,28 @@ def test_plays_begin_their_scans_where_coarse_ticks_tell(tick_us: float) -> None
     coarse = Effect("timer_quantisation", {"tick_us": tick_us})
 
     assert mattering(played(BENCH, coarse), coarse) == []
+
+
+def test_stamps_on_no_believed_tick_tell_lines_that_are_not_far_apart() -> None:
+    """What is written closer than the believed clock counts was never counted by it."""
+    tick_us, believed_us = 48.269_2, 10.0
+    campaign = played(BENCH, Effect("timer_quantisation", {"tick_us": tick_us}))
+    stamps = np.rint(campaign.touches.latch_us / tick_us) * tick_us
+    skip = replace(campaign.nominal.skip, tick_us=believed_us)
+    touches = replace(campaign.touches, latch_us=np.round(stamps, 3))
+    scene = Scene(replace(campaign.nominal, skip=skip), touches)
+    coarse = CANDIDATES["timer_quantisation"]
+
+    pitch, origin, nearest = max(ticks(scene, Change()), key=lambda p: score(scene, coarse, p))
+
+    assert scene.stamp_step_us < 0.01 < Scene.of(campaign).stamp_step_us
+    assert pitch == pytest.approx(tick_us, abs=1e-6)
+    assert (origin, nearest) == (pytest.approx(0.0, abs=0.01), 0.0)
+
+
+def score(scene: Scene, candidate: Candidate, parameters: Sequence[float]) -> float:
+    change = candidate.change(scene, np.array(parameters))
+    return float(sum(nats.sum() for nats in likelihood(scene, change).streams.values()))
 
 
 def test_lines_of_a_counter_are_written_to_some_digits_where_surfaces_are_known() -> None:

@@ -1,6 +1,7 @@
 """Where the search begins for what lies on a grid: ticks, slots, updates, steps of a position."""
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from scipy import optimize
@@ -47,15 +48,17 @@ def ticks(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
     seen = [[width, mean + 0.5 * width, 0.0]]
     widest = parameter_of("timer_quantisation", "tick_us").high
     # Stamps are rounded down; those of both paths, if one clock makes them.
-    stamps = scene.touches.latch_us + 0.5 * tick
+    step = scene.stamp_step_us
+    stamps = scene.touches.latch_us + 0.5 * step
     on_skip, stamps = stamps[scene.streams["latch_skip"].rows], stamps[~np.isnan(stamps)]
-    told = _lines_told(stamps, tick, widest) or _lines_told(on_skip, tick, widest)
+    told = _lines_told(stamps, step, widest) or _lines_told(on_skip, step, widest)
     # Few stamps tell no steps, but show how wide they are.
-    for pitch, turn in (*told, *_grids_as_wide(stamps, width, tick)):
-        for nearest in (0.0, 1.0):
-            whole = np.rint((mean + 0.5 * (1.0 - nearest) * pitch) / pitch - turn)
+    means = mean, later_us(scene, given, is_datum_fitted=True)[0]
+    for pitch, turn in (*told, *_grids_as_wide(stamps, width, step)):
+        for nearest, later in product((0.0, 1.0), means):
+            whole = np.rint((later + 0.5 * (1.0 - nearest) * pitch) / pitch - turn)
             seen.append([pitch, (turn + whole) * pitch, nearest])
-    return [*seen, *usual]
+    return [*np.unique(seen, axis=0).tolist(), *usual]
 
 
 def resolutions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:

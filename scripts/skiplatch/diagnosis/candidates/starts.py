@@ -56,12 +56,12 @@ def later(*usual: Sequence[float]) -> Starts:
     return starts
 
 
-def later_us(scene: Scene, given: Change) -> tuple[float, float]:
+def later_us(scene: Scene, given: Change, *, is_datum_fitted: bool = False) -> tuple[float, float]:
     """Give by how much the sharper touches of the skip path are later than thought: mean, scatter.
 
     NaN of too few.
     """
-    late_us, spread_us = _late_us(scene, given)
+    late_us, spread_us = _late_us(scene, given, is_datum_fitted=is_datum_fitted)
     if len(late_us) < FEWEST_STAMPS:
         return np.nan, np.nan
     sharp = spread_us <= np.median(spread_us)

@@ -4,8 +4,8 @@
 
 #include "diagnosis/likelihood/physics.h"
 
-/* Believed ticks between the lines of a foreign clock from which on stamps show them: closer ones
- * beat with these. */
+/* Steps that stamps are rounded to between the lines of a foreign clock from which on stamps show
+ * them: closer ones beat with these. */
 enum { SIM_LINES_APART = 8 };
 
 #pragma GCC visibility push(default)

@@ -87,6 +87,7 @@ typedef struct {
     double          least_pretravel_um;
     double          resolution; /* scatter that is not resolved, in any unit, > 0 */
     double          tick_us;
+    double          stamp_step_us; /* what stamps are rounded to: such ticks, or less */
     double          jitter_us; /* of the interrupt */
     double          scan_us;
     double          resolution_um;

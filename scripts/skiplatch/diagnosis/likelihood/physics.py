@@ -73,6 +73,7 @@ def _touches(scene: Scene) -> LaidOut:
     at.n, at.resolution = len(scene), SMALLEST
     at.least_pretravel_um = scene.least_pretravel_um
     at.tick_us, at.jitter_us = nominal.skip.tick_us, nominal.skip.jitter_us
+    at.stamp_step_us = scene.stamp_step_us
     at.scan_us, at.resolution_um = nominal.plc.scan_us, nominal.axis.resolution_um
     at.behind_us = nominal.input.filter_us + nominal.skip.latency_us
     at.is_machine, at.is_polled = scene.is_machine, bool(scene.plc.any())

@@ -14,8 +14,8 @@ from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
-from skiplatch.diagnosis.plays.scans import WRITTEN_US, Begins, Player, Scans, keep_grid
-from skiplatch.diagnosis.scene.grid import mean_turn
+from skiplatch.diagnosis.plays.scans import Begins, Player, Scans
+from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play, spliced

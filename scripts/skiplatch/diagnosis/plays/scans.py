@@ -12,12 +12,10 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Touches
-from skiplatch.diagnosis.scene.grid import folded, mean_turn
+from skiplatch.diagnosis.scene.grid import folded, keep_grid, mean_turn
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.units import US_PER_S
 
-KEPT = 0.5
-"""Mean of the stamps as turns of the scan, from which on they keep to its grid."""
 FEWEST_STAMPS = 16
 RESOLVED = 6
 """Decimals of a µs to which ticks and scans are told."""
@@ -29,8 +27,6 @@ NEARBY = np.linspace(-1.0, 1.0, 33)
 """Phases that are tried at a time, in ticks at first."""
 NARROWER = 4.0
 """Times which they lie closer the next time: a few stamps may come out alike by accident."""
-WRITTEN_US = 1e-3
-"""To which stamps are written."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,11 +36,6 @@ class Begins:
     scan_phase_us: float = 0.0
     scan_spread_us: float = 0.0
     start_spread_us: float = 0.0
-
-
-def keep_grid(turn: complex) -> bool:
-    """Tell by the mean of stamps as turns of the scan whether they lie on its grid."""
-    return bool(abs(turn) >= KEPT)
 
 
 class Player(Protocol):

@@ -30,6 +30,10 @@ SMALLEST = 1e-9
 FINER = np.linspace(-1.0, 1.0, 9)
 ROUNDS = 6
 """Differences of differences that are taken before the steps of a grid are left."""
+ON_GRID = 0.5
+"""Mean of stamps as turns of a period, from which on they keep to its grid."""
+WRITTEN_US = 1e-3
+"""To which stamps are written."""
 ROUNDED = 3.0
 """Standard deviations of rounding up to which two values are the same."""
 ALIKE = 1.5
@@ -68,6 +72,11 @@ def mean_turn(stamps: FloatArray, period: float) -> NDArray[np.complex128]:
     known = ~np.isnan(stamps)
     turns = np.exp(2j * np.pi * np.where(known, stamps, 0.0) / period) * known
     return np.asarray(turns.sum(axis=-1) / np.maximum(known.sum(axis=-1), 1))
+
+
+def keep_grid(turn: complex) -> bool:
+    """Tell by the mean of stamps as turns of a period whether they lie on its grid."""
+    return bool(abs(turn) >= ON_GRID)
 
 
 def grid_period(stamps: FloatArray, guess: float, first: int = FIRST) -> float:

@@ -19,6 +19,7 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import SHIFTED
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
 from skiplatch.diagnosis.scene.nominal_chain import NominalChain
 from skiplatch.diagnosis.scene.nominal_streams import nominal_streams
 
@@ -149,6 +150,13 @@ class Scene(NominalChain):
         if stream.name not in SHIFTED:
             return np.zeros(len(self))
         return self.datum_senses / self.speed if stream.unit == "µs" else self.datum_senses
+
+    @cached_property
+    def stamp_step_us(self) -> float:
+        """What stamps are rounded to: believed ticks, or what they are written to if on none."""
+        tick_us, known = self.nominal.skip.tick_us, np.isfinite(self.touches.latch_us)
+        turn = complex(mean_turn(self.touches.latch_us[known], tick_us))
+        return tick_us if keep_grid(turn) or not known.any() else WRITTEN_US
 
     @cached_property
     def streams(self) -> dict[str, Stream]:
