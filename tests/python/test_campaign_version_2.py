@@ -1,5 +1,6 @@
 """Version 2 of the format: what may be left out, what may stand there beside version 1."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from skiplatch.campaign import (
     read_touches,
     write_campaign,
 )
+from skiplatch.errors import CampaignWarning
 
 BARE = 'format = "skiplatch-campaign/2"\n'
 
@@ -378,3 +380,48 @@ def test_decimal_points_alone_tell_no_thousands(tmp_path: Path) -> None:
     read = touches(tmp_path, "touch;deviation_um\n0;1.200\n1;2.5\n")
 
     assert read.deviation_um.tolist() == [1.2, 2.5]
+
+
+NO_PATH = "touch,time_s,feed_mm_min,approach_mm,latch_us\n"
+SCAN, INTERRUPT = "[plc]\nscan_us = 4000\n", "[skip]\nlatency_us = 5\njitter_us = 1\n"
+
+
+def without_path(folder: Path, toml: str, stamps_us: Sequence[float], **columns: str) -> Campaign:
+    head = NO_PATH.strip() + "".join(f",{name}" for name in columns) + "\n"
+    rest = "".join(f",{value}" for value in columns.values()) + "\n"
+    rows = [f"{i},{us / 1e6 - 0.6:.6f},300,3,{us:.3f}" for i, us in enumerate(stamps_us)]
+    return campaign(folder, toml, head + "".join(row + rest for row in rows))
+
+
+SCANS_US = [1_000_000.0 + 4_000.0 * k**2 for k in range(24)]
+ANYTIME_US = [us + 1_234.5 * k**2 % 4_000.0 for k, us in enumerate(SCANS_US)]
+
+
+@pytest.mark.parametrize(
+    ("toml", "stamps_us", "why"),
+    [
+        (SCAN, ANYTIME_US, "nominal.toml has a scan and no interrupt"),
+        (SCAN + INTERRUPT, SCANS_US, "stamps lie on the grid of the scans"),
+    ],
+)
+def test_touches_without_a_path_are_those_of_a_plc_where_something_tells(
+    tmp_path: Path, toml: str, stamps_us: list[float], why: str
+) -> None:
+    with pytest.warns(CampaignWarning) as told:
+        read = without_path(tmp_path, toml, stamps_us)
+
+    assert read.touches.on_plc.all()
+    assert [str(one.message) for one in told] == [
+        f"{tmp_path / 'touches.csv'}: path: not recorded; taken as plc, for {why}"
+    ]
+
+
+@pytest.mark.parametrize("toml", ["", INTERRUPT, SCAN + INTERRUPT])
+def test_touches_without_a_path_are_those_of_a_skip_input_where_nothing_tells(
+    tmp_path: Path, toml: str
+) -> None:
+    assert without_path(tmp_path, toml, ANYTIME_US).touches.on_skip.all()
+
+
+def test_a_path_that_is_said_stays(tmp_path: Path) -> None:
+    assert without_path(tmp_path, SCAN, SCANS_US, path="skip").touches.on_skip.all()

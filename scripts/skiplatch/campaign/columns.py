@@ -74,7 +74,7 @@ COLUMNS: Mapping[str, Column] = {
     ),
     "path": ChoiceColumn(
         codes={"skip": InputPath.SKIP, "plc": InputPath.PLC},
-        meaning="which input path latched; skip where it is not recorded",
+        meaning="which input path latched; skip where nothing tells",
         example="skip",
         lost="the two paths apart",
     ),

@@ -57,7 +57,7 @@ def read_campaign(path: str | os.PathLike[str]) -> Campaign:
         error.further = (*error.further, *_faults_of_touches(folder))
         raise
     required = REQUIRED_IN_VERSION_1 if nominal.version == 1 else REQUIRED
-    touches = read_touches(folder / TOUCHES_FILE, required)
+    touches = read_touches(folder / TOUCHES_FILE, required, nominal)
     if nominal.kind is Kind.MACHINE and not np.isnan(touches.edge_us).all():
         message = "recorded on a machine, though only a bench knows the true edge time"
         warning = CampaignWarning(folder / TOUCHES_FILE, None, "edge_us", message)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.campaign.column_kinds import CellError, Column, Values
+from skiplatch.campaign.column_kinds import NOT_RECORDED, CellError, Column, Values
 from skiplatch.campaign.columns import (
     COLUMNS,
     CONDITIONS,
@@ -19,12 +19,15 @@ from skiplatch.campaign.columns import (
     REQUIRED_IN_VERSION_1,
     THERMOMETER,
     TIME,
+    InputPath,
     is_thermometer,
     place_of,
 )
 from skiplatch.campaign.csv_text import DELIMITERS, Row, read_rows
+from skiplatch.campaign.nominal import Nominal
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.campaign.touches import Touches
+from skiplatch.campaign.unsaid_path import unsaid_path
 from skiplatch.errors import CampaignWarning, InputError, hint, quoted
 
 MAX_ROWS = 10_000_000
@@ -35,7 +38,9 @@ LineArray = NDArray[np.int64]
 
 
 def read_touches(
-    path: str | os.PathLike[str], required: Collection[str] = REQUIRED_IN_VERSION_1
+    path: str | os.PathLike[str],
+    required: Collection[str] = REQUIRED_IN_VERSION_1,
+    nominal: Nominal | None = None,
 ) -> Touches:
     """Read recorded touches.
 
@@ -45,11 +50,12 @@ def read_touches(
     Args:
         path: The file.
         required: Columns that have to be there, and no cell of them empty.
+        nominal: What is believed of the rig, which tells the path where the touches do not.
 
     Raises:
         InputError: The file cannot be read, or is no table of touches.
     """
-    return _read(Path(path), tuple(COLUMNS), required)
+    return _read(Path(path), tuple(COLUMNS), required, nominal)
 
 
 def read_conditions(
@@ -67,7 +73,12 @@ def read_conditions(
     return _read(Path(path), CONDITIONS, required)
 
 
-def _read(path: Path, wanted: Collection[str], required: Collection[str]) -> Touches:
+def _read(
+    path: Path,
+    wanted: Collection[str],
+    required: Collection[str],
+    nominal: Nominal | None = None,
+) -> Touches:
     rows = read_rows(path)
     header_line, header = next(rows, (1, []))
     header = [name.strip().lower() for name in header]
@@ -83,10 +94,30 @@ def _read(path: Path, wanted: Collection[str], required: Collection[str]) -> Tou
     thermometers = {name: columns.pop(name) for name in positions if is_thermometer(name)}
     warmth = {place_of(name): values for name, values in thermometers.items()}
     session = columns.pop("session", None)
-    touches = Touches.from_columns(**columns, session=session, thermometers=warmth)
+    touches = Touches.from_columns(
+        **columns,
+        session=session,
+        thermometers=warmth,
+        unsaid_path=_unsaid_path(path, nominal, columns),
+    )
     _check_serials(path, lines, touches)
     _check_missed(path, lines, touches)
     return touches
+
+
+def _unsaid_path(path: Path, nominal: Nominal | None, columns: Mapping[str, Values]) -> InputPath:
+    """Give the path of touches that say none; warns of one that is no matter of course."""
+    paths = columns.get("path", COLUMNS["path"].absent(len(columns["touch"])))
+    unsaid = paths == NOT_RECORDED
+    if nominal is None or not unsaid.any():
+        return InputPath.SKIP
+    stamps = columns.get("latch_us", COLUMNS["latch_us"].absent(len(unsaid)))
+    found, why = unsaid_path(nominal, np.asarray(stamps[unsaid], dtype=float))
+    if why:
+        how_often = "not recorded" if unsaid.all() else f"not recorded in {unsaid.sum()} touches"
+        message = f"{how_often}; taken as {found.name.lower()}, for {why}"
+        warnings.warn(CampaignWarning(path, None, "path", message), stacklevel=5)
+    return found
 
 
 def _positions(
