@@ -97,21 +97,23 @@ double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
     double *last_s = &call->state[1];
     double *lagged_c = &call->state[2];
     double  now_s = call->touch->time_s;
-    double  lag_s = call->parameters[1];
+    double  lag_s = call->parameters[2];
 
     if (lag_s <= 0.0) {
         *lagged_c = call->touch->temp_c;
     } else if (*has_history < 1.0) {
         *lagged_c =
-            CALIBRATION_C + (1.0 - call->parameters[2]) * (call->touch->temp_c - CALIBRATION_C);
+            CALIBRATION_C + (1.0 - call->parameters[3]) * (call->touch->temp_c - CALIBRATION_C);
     } else {
         *lagged_c += (call->touch->temp_c - *lagged_c) * -expm1(-(now_s - *last_s) / lag_s);
     }
     *has_history = 1.0;
     *last_s = now_s;
-    double error_um = call->parameters[0] * (*lagged_c - CALIBRATION_C);
-    double sense = call->parameters[5] > 0.5 ? 1.0 : call->touch->sign;
-    return position_um + sense * error_um * over_x(call, &call->parameters[3]);
+    double where_um = coordinate_mm(call, position_um) * UM_PER_MM;
+    double um_k = call->parameters[0] + call->parameters[1] * PPM * where_um;
+    double error_um = um_k * (*lagged_c - CALIBRATION_C);
+    double sense = call->parameters[6] > 0.5 ? 1.0 : call->touch->sign;
+    return position_um + sense * error_um * over_x(call, &call->parameters[4]);
 }
 
 /* The centre lies at c instead of 0: a table turned by θ carries a workpiece that was set

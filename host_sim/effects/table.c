@@ -142,6 +142,7 @@ static const sim_effect_t EFFECTS[] = {
      SIM_READING, effect_encoder_quantisation},
     {{"thermal_drift", "position", "both", "the error follows the temperature, with a lag",
       {{"drift_um_k", "µm/K", "for each kelvin above 20 °C", -100.0, 100.0},
+       {"expansion_ppm_k", "ppm/K", "the same of the axis position, as of a scale that grows", -1000.0, 1000.0},
        {"lag_s", "s", "time constant behind the thermometer", 0.0, 100000.0},
        {"starts_at_calibration", "1", "0: soaked at first; 1: still at 20 °C", 0.0, 1.0},
        {"y_excess_ratio", "1", "what Y has more than X, as a share", -1000.0, 1000.0},

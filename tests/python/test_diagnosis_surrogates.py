@@ -66,6 +66,7 @@ def whole(effect_id: str, **known: float) -> Effect:
         (MACHINE, whole("transmission_error", amplitude_um=2.0, period_mm=0.9, at_surface=1.0)),
         (BENCH, whole("thermal_drift", drift_um_k=2.0, lag_s=400.0)),
         (BENCH, whole("thermal_drift", drift_um_k=2.0, lag_s=400.0, along_approach=1.0)),
+        (BENCH, whole("thermal_drift", expansion_ppm_k=12.0, lag_s=400.0)),
         (BENCH, whole("servo_hold", period_us=400.0, dead_us=50.0)),
         (BENCH, whole("servo_hold", period_us=400.0, dead_us=50.0, phase_deg=200.0)),
         (BENCH, whole("following_error", lag_us=40.0)),

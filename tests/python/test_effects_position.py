@@ -221,6 +221,15 @@ def test_thermal_drift_follows_the_temperature_with_its_lag(lag_s: float) -> Non
     assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
 
 
+def test_a_scale_that_grows_is_off_by_how_far_the_axis_is_from_its_zero() -> None:
+    played = trace(SKIP, "thermal_drift", expansion_ppm_k=11.5)
+    touches = played.touches
+
+    expected_um = touches.sign * 11.5e-3 * coordinate_mm(played) * (touches.temp_c - 20.0)
+    assert np.ptp(expected_um) > 100.0 * POSITION_TOLERANCE_UM
+    assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
+
+
 def test_a_probe_that_grows_is_late_in_either_sense() -> None:
     played = trace(SKIP, "thermal_drift", drift_um_k=2.0, along_approach=1.0)
     touches = played.touches

@@ -127,6 +127,16 @@ def _scale_per_axis(d: Draw) -> Form:
     return Form(f"scale in ppm: {words}", axis_errs(error))
 
 
+def _growing_scale(d: Draw) -> Form:
+    """A scale that lies fixed somewhere, and grows from there."""
+    touches = d.setup.touches
+    fixed_mm = d.between(-1.0, 1.0) * float(np.abs(touches.position_mm).max())
+    course = (touches.position_mm - fixed_mm) * (touches.temp_c - 20.0)
+    per_k = d.sense() * d.amount_um / max(float(np.sqrt(np.mean(course**2))), 1.0)
+    words = f"{1000 * per_k:+.3g} ppm/K, fixed at {fixed_mm:.0f} mm"
+    return Form(words, axis_errs(lambda _: per_k * course))
+
+
 def _per_kelvin(d: Draw) -> float:
     course = d.setup.touches.temp_c - 20.0
     return d.sense() * d.amount_um / max(float(np.sqrt(np.mean(course**2))), 0.2)
@@ -261,6 +271,7 @@ THERMAL_DRIFT: dict[str, Maker] = {
     "first-order lag": _lagging_drift,
     "two lags and an offset": _two_lags,
     "creeping": _creeping_drift,
+    "growing scale": _growing_scale,
     "per axis": _drift_per_axis,
 }
 ROTARY_PIVOT: dict[str, Maker] = {

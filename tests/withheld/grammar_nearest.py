@@ -87,7 +87,8 @@ def _by_coordinate(setup: Setup) -> dict[str, FloatArray]:
     for lag_s in LAGS_S:
         course = lagging(time_s, warmth, lag_s) if lag_s else warmth
         cold = np.exp(-time_s / lag_s) if lag_s else np.zeros_like(time_s)
-        parts = [axes * course[:, None], axes * cold[:, None]]
+        grown = axes * place[:, None]
+        parts = [column * c[:, None] for column in (axes, grown) for c in (course, cold)]
         found[f"thermal_drift with a lag of {lag_s:g} s"] = np.hstack(parts)
     return found
 

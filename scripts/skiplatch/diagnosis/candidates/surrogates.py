@@ -203,13 +203,14 @@ def scaled(scene: Scene, p: Parameters) -> Change:
 
 
 def warmed(scene: Scene, p: Parameters) -> Change:
-    """The position follows the temperature, behind it by a lag."""
-    lag_s = abs(p[1])
+    """The position follows the temperature, behind it by a lag: all along, or as a scale grows."""
+    lag_s = abs(p[2])
     if lag_s > MOST_LAG * float(np.ptp((scene.whole or scene).touches.time_s)):
         return NOTHING  # what hardly moves all the while follows nothing
-    warmth_k = _lagged(scene, lag_s, as_share(p[2]))
-    sense = 1.0 if p[5] > HALF_WAY else scene.sign
-    return Change(position_um=sense * p[0] * warmth_k * scene.over_x(p[3], p[4]))
+    warmth_k = _lagged(scene, lag_s, as_share(p[3]))
+    um_k = p[0] + p[1] / UM_PER_MM * np.nan_to_num(scene.latched_mm)
+    sense = 1.0 if p[6] > HALF_WAY else scene.sign
+    return Change(position_um=sense * um_k * warmth_k * scene.over_x(p[4], p[5]))
 
 
 def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:

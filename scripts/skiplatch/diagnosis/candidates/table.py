@@ -264,21 +264,28 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "thermal_drift",
-            ("drift_um_k", "lag_s", "starts_at_calibration", *RATIOS, "along_approach"),
+            (
+                "drift_um_k",
+                "expansion_ppm_k",
+                "lag_s",
+                "starts_at_calibration",
+                *RATIOS,
+                "along_approach",
+            ),
             surrogates.warmed,
             each_axis(
                 surrogates.warmed,
                 [
-                    [1.0, lag_s, cold, 0.0, 0.0, along]
-                    for along in (0.0, 1.0)
+                    [drift, growth, lag_s, cold, 0.0, 0.0, along]
+                    for drift, growth, along in ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
                     for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
                 ],
                 (2.0,),
-                linear=1,
-                y_excess_ratio=3,
+                linear=2,
+                y_excess_ratio=4,
             ),
             applies=varies("temp_c"),
-            refinements=({2: 0.5}, *axes_of_their_own(3)),
+            refinements=({0: 1.0}, {1: 10.0}, {3: 0.5}, *axes_of_their_own(4)),
         ),
         Candidate(
             "rotary_pivot",
