@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from scipy import signal
 
+from skiplatch.diagnosis.candidates.waves import _tops
 from skiplatch.diagnosis.plays.left import CHANCE
 from skiplatch.diagnosis.plays.setting import Place
 from skiplatch.diagnosis.plays.waves import FEWEST_FOR_FAST, best_wave, waves_along
@@ -94,3 +96,11 @@ def test_so_few_touches_are_enough_whatever_the_law_of_their_noise(kind: str) ->
         errors.append((best_wave(places, values, 0.02, is_fast=True) or (0.0, 0.0, np.inf))[2])
 
     assert max(errors) < CHANCE
+
+
+def test_tops_are_those_that_scipy_finds_flat_ones_too() -> None:
+    rng = np.random.default_rng(1)
+    for n in range(60):
+        for values in (rng.random(n), rng.integers(0, 4, n).astype(float)):
+            padded = np.pad(values, 1)
+            np.testing.assert_array_equal(_tops(padded), signal.find_peaks(padded)[0])

@@ -5,9 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property, partial
 
 import numpy as np
-from scipy import signal
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import LINEAR_AXES, Axis
 from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.starts import robust_fit, scale_of
@@ -158,9 +157,19 @@ class _Seen:
 
 def _peaks(frequencies: FloatArray, explained: FloatArray) -> list[float]:
     """Give the frequencies in 1/mm that explain more than those beside them, the most first."""
-    peaks, _ = signal.find_peaks(np.pad(explained, 1))
-    tried = sorted(peaks - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
+    tried = sorted(_tops(np.pad(explained, 1)) - 1, key=lambda i: -explained[i])[:MOST_PEAKS]
     return [float(frequencies[i]) for i in tried]
+
+
+def _tops(values: FloatArray) -> IndexArray:
+    """Number the values above those on both sides, of equal ones that in their middle.
+
+    As scipy.signal.find_peaks does, which takes much longer to load.
+    """
+    begins = np.flatnonzero(np.diff(values, prepend=np.nan))
+    ends, level = np.append(begins[1:], len(values)) - 1, values[begins]
+    is_top = (level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])
+    return np.asarray((begins[1:-1][is_top] + ends[1:-1][is_top]) // 2)
 
 
 def _polar(parts: FloatArray) -> tuple[list[float], list[float]]:
