@@ -176,6 +176,21 @@ def test_the_exponential_agrees_with_scipy() -> None:
     np.testing.assert_allclose(found, contaminated(x + 0.3, expected), atol=1e-7)
 
 
+@pytest.mark.parametrize("mean", [0.01, 0.3, 4.0, 500.0])
+@pytest.mark.parametrize("law", [(1.0, 0.0, 0.0), (0.2, 0.0, 5.0), (1.0, 5.0, 3.0)])
+def test_an_exponential_that_takes_away_is_the_same_from_the_other_side(
+    law: tuple[float, float, float], mean: float
+) -> None:
+    x = np.concatenate([np.linspace(-3.0, 12.0, 31), mean * np.array([0.1, 1.0, 5.0])])
+    more, less = Extra(0.6, offset=2.0, mean=mean), Extra(0.6, offset=-2.0, mean=-mean)
+    far = 0.6 + sum(law[1:]) - x
+
+    found, same = log_density(far, law, less), log_density(x, law, more)
+
+    wide = [CONTAMINATION * stats.cauchy.pdf(at, scale=REACH) for at in (far, x)]
+    np.testing.assert_allclose(np.exp(found) - wide[0], np.exp(same) - wide[1], atol=1e-9)
+
+
 @pytest.mark.parametrize("mean", [0.3, 4.0, 500.0])
 @pytest.mark.parametrize(
     "law",

@@ -27,7 +27,7 @@ def test_reports_that_follow_no_latch_are_said_to_be_left_out(is_reported: bool)
 
     said = notes(Scene.of(replace(campaign, touches=touches)), Verdict.NO_GAP, (), [])
 
-    assert any("reports come was not looked at" in line for line in said) == is_reported
+    assert any("late they come was not looked at" in line for line in said) == is_reported
 
 
 def test_an_unknown_gap_says_what_tells_of_it_though_it_shows_everywhere() -> None:

@@ -238,6 +238,7 @@ class Nominal:
         datum: How the place of the surface is unknown; by the kind where nothing is said of it.
         believed_effects: What the chain is believed to do beside its sections.
         version: Of the format. In version 1 no pretravel is below 0.
+        arrival_us: What stamps are moved back by that are arrivals of reports; see `with_arrivals`.
     """
 
     kind: Kind
@@ -253,6 +254,7 @@ class Nominal:
     datum: Datum = _OF_THE_KIND
     believed_effects: tuple[BelievedEffect, ...] = ()
     version: int = 1
+    arrival_us: float | None = None
 
     def __post_init__(self) -> None:
         if self.datum is _OF_THE_KIND:
@@ -271,9 +273,7 @@ class Nominal:
             or self.believed_effects
             or self.datum != Datum.of_kind(self.kind)
             or self.probe.pretravel_um < 0.0
-            or any(
-                key.since > 1 and self.number(*path) != key.default for path, key in KEYS.items()
-            )
+            or any(k.since > 1 and self.number(*at) != k.default for at, k in KEYS.items())
         )
 
 

@@ -19,7 +19,6 @@ from skiplatch.campaign.columns import (
     REQUIRED_IN_VERSION_1,
     THERMOMETER,
     TIME,
-    InputPath,
     is_thermometer,
     place_of,
 )
@@ -94,30 +93,26 @@ def _read(
     thermometers = {name: columns.pop(name) for name in positions if is_thermometer(name)}
     warmth = {place_of(name): values for name, values in thermometers.items()}
     session = columns.pop("session", None)
-    touches = Touches.from_columns(
-        **columns,
-        session=session,
-        thermometers=warmth,
-        unsaid_path=_unsaid_path(path, nominal, columns),
-    )
+    columns["path"] = _paths(path, nominal, columns)
+    touches = Touches.from_columns(**columns, session=session, thermometers=warmth)
     _check_serials(path, lines, touches)
     _check_missed(path, lines, touches)
     return touches
 
 
-def _unsaid_path(path: Path, nominal: Nominal | None, columns: Mapping[str, Values]) -> InputPath:
-    """Give the path of touches that say none; warns of one that is no matter of course."""
-    paths = columns.get("path", COLUMNS["path"].absent(len(columns["touch"])))
+def _paths(path: Path, nominal: Nominal | None, columns: Mapping[str, Values]) -> Values:
+    """Give the path of each touch, for those too that say none; warns of one that is told."""
+    count = len(columns["touch"])
+    paths, stamps = (columns.get(n, COLUMNS[n].absent(count)) for n in ("path", "latch_us"))
     unsaid = paths == NOT_RECORDED
     if nominal is None or not unsaid.any():
-        return InputPath.SKIP
-    stamps = columns.get("latch_us", COLUMNS["latch_us"].absent(len(unsaid)))
+        return paths
     found, why = unsaid_path(nominal, np.asarray(stamps[unsaid], dtype=float))
     if why:
         how_often = "not recorded" if unsaid.all() else f"not recorded in {unsaid.sum()} touches"
         message = f"{how_often}; taken as {found.name.lower()}, for {why}"
         warnings.warn(CampaignWarning(path, None, "path", message), stacklevel=5)
-    return found
+    return np.where(unsaid, np.int8(found), paths)
 
 
 def _positions(

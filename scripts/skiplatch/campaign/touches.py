@@ -91,16 +91,16 @@ class Touches:
         session: Any = None,  # noqa: ANN401
         session_names: Any = None,  # noqa: ANN401
         thermometers: Any = None,  # noqa: ANN401
-        unsaid_path: InputPath = InputPath.SKIP,
         **columns: Values,
     ) -> Self:
         """Build from the columns that were recorded, each of shape (n,); the rest are empty.
+
+        A path that was not recorded counts as skip.
 
         Args:
             session: Texts, or numbers of `session_names`.
             session_names: tuple[str, ...]; without it all sessions that are numbers are 0.
             thermometers: Mapping[str, FloatArray].
-            unsaid_path: What a path that was not recorded counts as.
             **columns: By name.
         """
         rows = len(columns["touch"])
@@ -111,7 +111,7 @@ class Touches:
         }
         all_columns: dict[str, Any] = {**given, **absent}
         path = all_columns["path"]
-        all_columns["path"] = np.where(path == NOT_RECORDED, np.int8(unsaid_path), path)
+        all_columns["path"] = np.where(path == NOT_RECORDED, np.int8(InputPath.SKIP), path)
         if session is None:
             session = np.zeros(rows, dtype=np.int64)
         if np.asarray(session).dtype.kind in "OU":

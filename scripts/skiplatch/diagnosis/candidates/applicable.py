@@ -29,6 +29,11 @@ def on_machine(scene: Scene) -> bool:
     return scene.is_machine
 
 
+def has_clock(scene: Scene) -> bool:
+    """Tell whether stamps are those of the latch's clock, if there are any."""
+    return scene.nominal.arrival_us is None
+
+
 def varies(column: str) -> Callable[[Scene], bool]:
     """Tell whether a condition was recorded and varied: else nothing can be seen to go with it."""
 

@@ -27,7 +27,6 @@ class Candidate:
 
     Attributes:
         id: As in the table of effects.
-        names: Of the parameters, as in the table of effects.
         change: What parameters, shape (p,), make of the physics.
         starts: Parameters to start a search from, given what is known to differ already. What is
             0 in a start stays 0.
@@ -35,7 +34,6 @@ class Candidate:
     """
 
     id: str
-    names: tuple[str, ...]
     change: Callable[[Scene, Parameters], Change]
     starts: Starts
     applies: Callable[[Scene], bool] = lambda _: True
@@ -47,6 +45,11 @@ class Candidate:
     """Parameters that do to the touches what a datum does that may be anywhere."""
     span: Span = ALWAYS
     """The touches at which it acts."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Those of the parameters, as in the table of effects."""
+        return tuple(parameter.name for parameter in effects()[self.id].parameters)
 
     def acting(self, scene: Scene, parameters: Parameters) -> Change:
         """Give what parameters, shape (p,), make of the physics of the touches at which it acts."""

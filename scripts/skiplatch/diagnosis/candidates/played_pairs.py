@@ -7,6 +7,7 @@ import numpy as np
 
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import InputPath, Nominal
+from skiplatch.diagnosis.scene.arrivals import as_stamped
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
@@ -123,7 +124,7 @@ def _play(
     touches = scene.touches
     if all_skip:
         touches = replace(touches, path=np.full_like(touches.path, InputPath.SKIP))
-    return play(
+    outcomes = play(
         _finer(scene.nominal, later_us),
         Controller.for_campaign(scene.nominal, touches),
         touches,
@@ -131,6 +132,7 @@ def _play(
         replicates=replicates,
         switched_on=[effect] if effect else [],
     )
+    return as_stamped(scene.nominal, outcomes)
 
 
 def _finer(nominal: Nominal, later_us: float) -> Nominal:

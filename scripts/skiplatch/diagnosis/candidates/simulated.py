@@ -56,7 +56,6 @@ def _simulated_at(effect_id: str, span: Span) -> Candidate:
 def simulated(effect_id: str) -> Candidate:
     """Make a candidate of a row of the table alone."""
     row = effects()[effect_id]
-    names = tuple(parameter.name for parameter in row.parameters)
     starts = _starts(row.parameters)
 
     def change(scene: Scene, values: Parameters) -> Change:
@@ -69,7 +68,6 @@ def simulated(effect_id: str) -> Candidate:
 
     return Simulated(
         id=effect_id,
-        names=names,
         change=change,
         starts=lambda _scene, _given: starts,
         applies=applies,

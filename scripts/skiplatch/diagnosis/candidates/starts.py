@@ -126,6 +126,18 @@ def _late_us(
     return np.empty(0), np.empty(0)
 
 
+def _late_arrivals(scene: Scene) -> list[list[float]]:
+    """Propose how late arrivals are that stand for stamps: by that positions fall behind them."""
+    stream = scene.streams.get("position")
+    if stream is None or scene.nominal.arrival_us is None:
+        return []
+    behind_um, speed = (stream.law.mean - stream.residuals)[stream.rows], scene.speed[stream.rows]
+    late_us = float(np.median(behind_um / speed))
+    if len(np.unique(speed)) >= FEWEST_FEEDS:
+        late_us = float(np.polyfit(speed, behind_um, 1)[0])
+    return [[late_us, 0.0, 0.0, 0.0]]
+
+
 def feeds(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     """Propose feeds off by a share, a constant or both, and limits; also those the stamps show."""
     shares = [[sign * size, 0.0, 0.0] for size in (1.0, 5.0, 20.0) for sign in (1.0, -1.0)]
@@ -209,7 +221,7 @@ def reports(scene: Scene, _given: Change) -> Sequence[Sequence[float]]:
     usual += [[0.0, us, 0.5, 0.0] for us in (20.0, 200.0)]
     stream = scene.streams.get("report")
     if stream is None:
-        return [*usual, [50.0, 100.0, 0.0, 0.0]]
+        return [*usual, [50.0, 100.0, 0.0, 0.0], *_late_arrivals(scene)]
     soonest = float(stream.known.min())
     later = (stream.residuals - stream.law.mean)[stream.rows]
     queue = max(float(np.mean(later)) - soonest, 1.0)

@@ -257,26 +257,6 @@ def warmth_k_s(scene: Scene, now_us: FloatArray) -> FloatArray:
     return scene.warmth_before_k_s + scene.warmth * (now_us * 1e-6 - scene.touches.time_s)
 
 
-def coarse_ticks(scene: Scene, p: Parameters) -> Change:
-    """The stamps have coarser ticks."""
-    # Of two clocks that share no grid, both round down, one after the other.
-    again = 0.5 * scene.nominal.skip.tick_us if p[1] else 0.0
-    later = p[1] + 0.5 * abs(p[0]) * as_share(p[2]) - again
-    with_it_um = np.where(scene.plc, 0.0, scene.speed * later)  # the position of the stamp
-    return Change(coarse_us=abs(p[0]), stamp_us=later, position_um=with_it_um, tick_line_us=p[1])
-
-
-def coarse_positions(scene: Scene, p: Parameters) -> Change:
-    """The positions have coarser steps, of the distance or of the axis coordinate."""
-    step_um = abs(p[0])
-    if p[1] <= HALF_WAY:
-        return Change(coarse_um=step_um)
-    if not p[2]:
-        return NOTHING  # steps that nobody sees are scatter, and any scatter would do
-    line_um = scene.sign * (p[2] * step_um - scene.touches.position_mm * UM_PER_MM)
-    return Change(coarse_um=step_um, line_um=line_um)
-
-
 def later_reports(scene: Scene, p: Parameters) -> Change:
     """The reports take a longer way, the longer the faster the axis steps, and some queue."""
     stepping_us = abs(p[3]) * scene.touches.feed_mm_min / MM_PER_M

@@ -10,14 +10,21 @@ from dataclasses import replace
 
 from skiplatch.diagnosis.candidates import (
     grid_starts,
+    grid_surrogates,
     linear_starts,
     scan_starts,
     scan_surrogates,
     starts,
     surrogates,
 )
-from skiplatch.diagnosis.candidates.applicable import on_machine, shows_lobes, shows_waves, varies
-from skiplatch.diagnosis.candidates.axes import RATIOS, axes_of_their_own, each_axis, like_datum
+from skiplatch.diagnosis.candidates.applicable import (
+    has_clock,
+    on_machine,
+    shows_lobes,
+    shows_waves,
+    varies,
+)
+from skiplatch.diagnosis.candidates.axes import axes_of_their_own, each_axis, like_datum
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.waves import transmissions
 from skiplatch.diagnosis.density.change import Change
@@ -43,21 +50,18 @@ CANDIDATES: Mapping[str, Candidate] = {
     for row in (
         Candidate(
             "feed_error",
-            ("feed_percent", "offset_mm_min", "limit_mm_min"),
             surrogates.feed_error,
             starts.feeds,
             refinements=({1: 1.0}, {1: -1.0}),
         ),
         Candidate(
             "unfinished_acceleration",
-            ("accel_ratio", "by_feed"),
             surrogates.unfinished,
             starts.accelerations,
             refinements=({1: 0.5}, {1: -0.5}),
         ),
         Candidate(
             "pretravel_lobing",
-            ("amplitude_um", "azimuth_deg", "second_um", "third_um", "elevation_power"),
             surrogates.lobing,
             linear_starts.lobes(surrogates.lobing),
             shows_lobes,
@@ -65,7 +69,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "trigger_delay",
-            ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
             _DELAYS,
             on_machine,
@@ -74,14 +77,12 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "link_slotting",
-            ("slot_us", "phase_deg"),
             surrogates.slotted,
             grid_starts.slots,
             on_machine,
         ),
         Candidate(
             "link_retry",
-            ("probability", "period_us", "scatter_us", "retry_excess"),
             surrogates.retry,
             starts.now_and_then(
                 [
@@ -96,7 +97,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "input_filter",
-            ("delay_us", "jitter_us", "tail_us"),
             surrogates.delay,
             _DELAYS,
             refinements=({1: 5.0}, {1: 100.0}, {2: 5.0}, {2: 100.0}),
@@ -104,7 +104,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "contact_bounce",
-            ("probability", "mean_us", "least_us", "span_us"),
             surrogates.bounce,
             starts.now_and_then(
                 [[0.2, us, 0.0, 0.0] for us in (30.0, 300.0, 3000.0)], as_late=[[1.4, 0.0, 0.0]]
@@ -113,13 +112,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "lost_trigger",
-            ("probability",),
             lambda _, p: Change(lost=surrogates.as_share(p[0])),
             starts.fixed([0.02]),
         ),
         Candidate(
             "isr_latency",
-            ("latency_us", "jitter_us", "tail_us"),
             surrogates.interrupt,
             starts.later([10.0, 0.0, 0.0], [100.0, 0.0, 0.0], [-2.0, 0.0, 0.0], [5.0, 5.0, 0.0]),
             refinements=({1: 1.0}, {1: 20.0}, {2: 1.0}, {2: 20.0}),
@@ -127,7 +124,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "isr_blocking",
-            ("probability", "length_us", "tail_us"),
             surrogates.blocking,
             starts.now_and_then(
                 [[0.2, us, 0.0] for us in (20.0, 200.0, 2000.0)], as_late=[[2.0, 0.0]]
@@ -136,16 +132,15 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "timer_quantisation",
-            ("tick_us", "origin_us", "nearest"),
-            surrogates.coarse_ticks,
+            grid_surrogates.coarse_ticks,
             grid_starts.ticks,
             refinements=({2: 0.5},),
         ),
         Candidate(
             "timer_drift",
-            ("drift_ppm", "ageing_ppm_h", "warmth_ppm_k"),
             surrogates.drift,
             starts.drifts,
+            applies=has_clock,
             refinements=(
                 *({1: size} for size in (1.0, -1.0, 20.0, -20.0)),
                 *({2: size} for size in (0.3, -0.3, 5.0, -5.0)),
@@ -153,33 +148,28 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scan_period",
-            ("period_us",),
             lambda _, p: Change(period_us=p[0]),
             scan_starts.scan_periods,
         ),
         Candidate(
             "scan_jitter",
-            ("jitter_us", "tail_us", "on_time_share"),
             scan_surrogates.jitter,
             scan_starts.jitters,
             refinements=({2: 0.3},),
         ),
         Candidate(
             "scan_overrun",
-            ("probability", "overrun_us", "span_us", "left_out"),
             scan_surrogates.overrun,
             scan_starts.overruns,
             refinements=({1: lambda p: float(p[2] / 4.0)},),
         ),
         Candidate(
             "input_image_delay",
-            ("scans",),
             scan_surrogates.image_delay,
             starts.fixed([0.3], [1.0], [1.5], [2.0], [3.0], [4.0]),
         ),
         Candidate(
             "scan_phase_lock",
-            ("phase", "spread", "unlocked", "second_after", "second_share"),
             scan_surrogates.locked,
             scan_starts.locks,
             # About two points, each half as widely, the edges spread as about the one between.
@@ -194,14 +184,12 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "servo_hold",
-            ("period_us", "dead_us", "phase_deg"),
             surrogates.held,
             grid_starts.holds,
             refinements=({1: 10.0}, {1: 200.0}),
         ),
         Candidate(
             "following_error",
-            ("lag_us", *RATIOS, "scatter_us"),
             surrogates.lagging,
             each_axis(
                 surrogates.lagging, [[1.0, 0, 0, 0]], (10.0, 500.0), linear=1, y_excess_ratio=1
@@ -210,7 +198,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "backlash",
-            ("backlash_um", "positive_um", *RATIOS),
             surrogates.lost_motion,
             each_axis(
                 surrogates.lost_motion,
@@ -225,19 +212,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "transmission_error",
-            (
-                "amplitude_um",
-                "period_mm",
-                "phase_deg",
-                "amplitude2_um",
-                "phase2_deg",
-                "amplitude3_um",
-                "phase3_deg",
-                *RATIOS,
-                "y_ahead_deg",
-                "z_ahead_deg",
-                "at_surface",
-            ),
             surrogates.transmission,
             transmissions,
             shows_waves,
@@ -248,7 +222,6 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "scale_error",
-            ("scale_ppm", *RATIOS),
             surrogates.scaled,
             each_axis(
                 surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
@@ -258,20 +231,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "encoder_quantisation",
-            ("resolution_um", "is_coordinate", "origin"),
-            surrogates.coarse_positions,
+            grid_surrogates.coarse_positions,
             grid_starts.resolutions,
         ),
         Candidate(
             "thermal_drift",
-            (
-                "drift_um_k",
-                "expansion_ppm_k",
-                "lag_s",
-                "starts_at_calibration",
-                *RATIOS,
-                "along_approach",
-            ),
             surrogates.warmed,
             each_axis(
                 surrogates.warmed,
@@ -289,14 +253,12 @@ CANDIDATES: Mapping[str, Candidate] = {
         ),
         Candidate(
             "rotary_pivot",
-            ("x_um", "y_um", "set_on_believed_centre", "mirrored"),
             surrogates.pivot,
             linear_starts.centres(surrogates.pivot),
             applies=varies("rotary_deg"),
         ),
         Candidate(
             "report_delay",
-            ("delay_us", "queue_us", "unqueued_share", "stepping_us_min_m"),
             surrogates.later_reports,
             starts.reports,
             refinements=({3: 10.0},),

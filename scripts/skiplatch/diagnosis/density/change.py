@@ -195,12 +195,13 @@ def _sum(a: Extra, b: Extra) -> Extra:
 
     An extra has one box and one exponential: the smaller of two counts by its mean and variance.
     """
-    box, tail = np.minimum(a.width, b.width), np.minimum(a.mean, b.mean)
+    box, is_longer = np.minimum(a.width, b.width), np.abs(a.mean) > np.abs(b.mean)
+    tail = np.where(is_longer, b.mean, a.mean)
     return Extra(
         a.share * b.share,
         offset=np.asarray(a.offset) + b.offset + box / 2.0 + tail,
         width=np.maximum(a.width, b.width),
-        mean=np.maximum(a.mean, b.mean),
+        mean=np.where(is_longer, a.mean, b.mean),
         sigma=np.sqrt(np.square(a.sigma) + np.square(b.sigma) + box**2 / 12.0 + tail**2),
         boxless=np.maximum(a.boxless, b.boxless),
     )

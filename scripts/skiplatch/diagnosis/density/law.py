@@ -27,7 +27,7 @@ class Extra:
     offset: FloatArray | float = 0.0
     width: FloatArray | float = 0.0
     mean: FloatArray | float = 0.0
-    """Of the exponential."""
+    """Of the exponential, which takes away if it is below 0."""
     sigma: FloatArray | float = 0.0
     """Of a Gaussian."""
     boxless: FloatArray | float = 0.0

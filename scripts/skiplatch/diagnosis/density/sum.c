@@ -1,6 +1,7 @@
 #include "diagnosis/density/sum.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "diagnosis/density/normal.h"
 
@@ -101,14 +102,15 @@ void sum_fold_box(sum_t *sum, double *box)
 
 void sum_fold_thin(sum_t *sum)
 {
-    double thin = sum->mean > 0.0 ? THIN : THIN_BOX; /* over the scatter */
-    if (sum->narrow < greater(thin * sum->sigma, SHORTEST * sum->mean)) {
+    double mean = fabs(sum->mean);
+    double thin = mean > 0.0 ? THIN : THIN_BOX; /* over the scatter */
+    if (sum->narrow < greater(thin * sum->sigma, SHORTEST * mean)) {
         sum_fold_box(sum, &sum->narrow);
     }
-    if (sum->wide < greater(thin * sum->sigma, SHORTEST * sum->mean)) {
+    if (sum->wide < greater(thin * sum->sigma, SHORTEST * mean)) {
         sum_fold_box(sum, &sum->wide);
     }
-    if (sum->mean < THIN * sum->sigma) {
+    if (mean < THIN * sum->sigma) {
         fold(sum, &sum->mean, sum->mean, square(sum->mean));
     }
 }
@@ -135,19 +137,25 @@ static double without_exponential(const sum_t *sum, double x)
     return normal_density(x / sum->sigma) / sum->sigma;
 }
 
+/* All but the exponential is the same from either side. */
 static double with_exponential(const sum_t *sum, double x)
 {
+    double mean = fabs(sum->mean);
+    if (sum->mean < 0.0) {
+        x = sum->narrow + sum->wide - x;
+    }
     if (sum->narrow > 0.0) {
-        return trapezoid_exponential(x, sum->sigma, sum->narrow, sum->wide, sum->mean);
+        return trapezoid_exponential(x, sum->sigma, sum->narrow, sum->wide, mean);
     }
     if (sum->wide > 0.0) {
-        return box_exponential(x, sum->sigma, sum->wide, sum->mean);
+        return box_exponential(x, sum->sigma, sum->wide, mean);
     }
-    return exponential_gauss(x, sum->sigma, sum->mean);
+    return exponential_gauss(x, sum->sigma, mean);
 }
 
 double sum_density(const sum_t *sum, double x)
 {
     x -= sum->middle;
-    return sum->mean > 0.0 ? greater(0.0, with_exponential(sum, x)) : without_exponential(sum, x);
+    bool is_plain = !(fabs(sum->mean) > 0.0);
+    return is_plain ? without_exponential(sum, x) : greater(0.0, with_exponential(sum, x));
 }

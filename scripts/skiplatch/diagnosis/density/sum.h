@@ -5,7 +5,8 @@
 #ifndef DIAGNOSIS_SUM_H
 #define DIAGNOSIS_SUM_H
 
-/* A Gaussian about `middle`, two boxes from 0 and an exponential; 0 is what is not there. */
+/* A Gaussian about `middle`, two boxes from 0 and an exponential, which takes away if its mean is
+ * below 0; 0 is what is not there. */
 typedef struct {
     double middle;
     double sigma;

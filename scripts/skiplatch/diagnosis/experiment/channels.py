@@ -16,8 +16,9 @@ MISSED = "missed"
 
 def recordable(nominal: Nominal) -> tuple[str, ...]:
     """Outcome columns that a rig of this kind can record, the most direct ones first."""
-    always = ("latch_us", "deviation_um", "report_us")
-    return ("edge_us", *always) if nominal.kind == Kind.BENCH else always
+    edges = ("edge_us",) if nominal.kind == Kind.BENCH else ()
+    reports = ("report_us",) if nominal.arrival_us is None else ()
+    return (*edges, "latch_us", "deviation_um", *reports)
 
 
 def recorded(nominal: Nominal, touches: Touches) -> frozenset[str]:

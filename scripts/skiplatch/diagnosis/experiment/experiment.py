@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ from skiplatch.diagnosis.experiment.rehearsal import REHEARSALS, Rehearsal
 from skiplatch.diagnosis.experiment.rivals import Model, rivals
 from skiplatch.diagnosis.experiment.surfaces import are_varied, asked_for
 from skiplatch.diagnosis.experiment.trial import Trial
+from skiplatch.diagnosis.scene.arrivals import as_stamped, with_arrivals
 from skiplatch.simulator.effects import effects
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
@@ -145,7 +147,7 @@ def settle(
     as_recorded: bool = False,
 ) -> Experiment:
     """Find the experiment that tells two or more models apart best; see `experiment_for`."""
-    rng = np.random.default_rng(seed)
+    campaign, rng = with_arrivals(campaign), np.random.default_rng(seed)
     count, reach_mm = max(DRAWN, touches), _reach_mm(campaign)
     drawn = spread_out(campaign.touches, count, rng, reach_mm).brief()
     stage = _Stage(campaign, models, Rehearsal.of(campaign, models), seed, jobs)
@@ -232,19 +234,17 @@ class _Stage:
 
     def play(self, conditions: Conditions, replicates: int, *, first: int) -> list[Outcomes]:
         nominal, touches = self.campaign.nominal, conditions.touches
-        return [
-            play(
-                nominal,
-                Controller.for_campaign(nominal, touches),
-                touches,
-                seed=self.seed,
-                replicates=replicates,
-                first_replicate=first,
-                jobs=self.jobs,
-                switched_on=model,
-            )
-            for model in self.models
-        ]
+        alone = partial(
+            play,
+            nominal,
+            Controller.for_campaign(nominal, touches),
+            touches,
+            seed=self.seed,
+            replicates=replicates,
+            first_replicate=first,
+            jobs=self.jobs,
+        )
+        return [as_stamped(nominal, alone(switched_on=model)) for model in self.models]
 
     def samples(
         self, conditions: Conditions, played: Sequence[Outcomes], columns: frozenset[str]

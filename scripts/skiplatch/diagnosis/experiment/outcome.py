@@ -56,7 +56,7 @@ def outcome(
         for model in models
     ]
     columns = recorded(new.nominal, new.touches)
-    groups = before.groups(new.touches, played, columns)
+    groups = before.groups(new.touches, played, columns, new.nominal)
     best = int(np.argmax(added))
     standings = [
         Standing(model, added[best] - nats, bool(group != groups[best]))

@@ -12,6 +12,7 @@ from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.directions import with_directions
 from skiplatch.diagnosis.likelihood.laws import law_of
+from skiplatch.diagnosis.scene.arrivals import with_arrivals
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import effects
 
@@ -34,6 +35,7 @@ BELIEVED = BelievedEffects()
 
 def scene_of(campaign: Campaign) -> Scene:
     """Take a campaign's touches in order of time, with the effects believed in."""
+    campaign = with_arrivals(campaign)
     known = with_directions(campaign)
     return replace(
         Scene.of(known, BELIEVED),

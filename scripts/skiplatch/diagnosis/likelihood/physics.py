@@ -1,6 +1,7 @@
 """Touches, and what differs from the rig that is believed in, laid out for C: see ``physics.h``."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import cache, reduce
 from operator import attrgetter
 from typing import Any
@@ -16,6 +17,7 @@ from skiplatch.diagnosis.density.law import SMALLEST, Extra
 from skiplatch.diagnosis.density.residuals import fill
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.scan_wait import other_waits, scan_period_us
+from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import CData, connection, layout
 
@@ -72,7 +74,7 @@ def _touches(scene: Scene) -> LaidOut:
     at.is_plc = laid_out.array(scene.plc.astype(np.uint8), "uint8_t")
     at.n, at.resolution = len(scene), SMALLEST
     at.least_pretravel_um = scene.least_pretravel_um
-    at.tick_us, at.jitter_us = nominal.skip.tick_us, nominal.skip.jitter_us
+    at.tick_us, at.jitter_us = stamp_width_us(nominal), nominal.skip.jitter_us
     at.stamp_step_us = scene.stamp_step_us
     at.scan_us, at.resolution_um = nominal.plc.scan_us, nominal.axis.resolution_um
     at.behind_us = nominal.input.filter_us + nominal.skip.latency_us
@@ -153,6 +155,8 @@ def _fields() -> tuple[_Fields, _Fields]:
 
 def change_for(scene: Scene, change: Change, streams: Collection[str]) -> LaidOut:
     """Lay out a change that is the same throughout, with the extras of some streams."""
+    if scene.nominal.arrival_us is not None:
+        change = replace(change, stamp_us=change.stamp_us + change.report_us)
     laid_out = LaidOut("sim_change_t")
     at, (by_touch, plain) = laid_out.at[0], _fields()
     for name, number in zip(by_touch.names, by_touch.of(change), strict=True):
@@ -195,21 +199,37 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
     """Give what some touches get on top in a stream; of a deviation in µs."""
     if name == "motion":
         return ()
+    late = change.report_extra if scene.nominal.arrival_us is not None else ()
     if name == "lattice":
-        return change.lattice_extra
+        return both(change.lattice_extra, late)
     if name == "report":
         return change.report_extra
-    beyond = () if name in BY_STAMPS else _position_extras(change)
+    if name in BY_STAMPS:
+        return both(_latch_extras(scene, name, change), late)
+    beyond = _position_extras(change)
     if name == "position":
-        return beyond
-    if name.endswith("_plc"):
-        latch = _joint(change.pin_extra, change.scan_extra, other_waits(scene, change))
-    else:
-        latch = _joint(change.pin_extra, change.skip_extra)
-    if not beyond:
-        return latch
+        return both(beyond, tuple(_beyond(extra, scene.speed) for extra in late))
     us_per_um = 1.0 / (scene.speed * change.speed_ratio)
-    return _joint(latch, tuple(_scaled(extra, us_per_um) for extra in beyond))
+    scaled = tuple(_scaled(extra, us_per_um) for extra in beyond)
+    return both(_latch_extras(scene, name, change), scaled)
+
+
+def _latch_extras(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
+    if name.endswith("_plc"):
+        return _joint(change.pin_extra, change.scan_extra, other_waits(scene, change))
+    return _joint(change.pin_extra, change.skip_extra)
+
+
+def _beyond(late: Extra, speed: FloatArray) -> Extra:
+    """Give what a late stamp takes from a position that is counted from it."""
+    earliest = np.asarray(late.offset) + late.width
+    return Extra(
+        late.share,
+        offset=-speed * earliest,
+        width=speed * late.width,
+        mean=-speed * late.mean,
+        sigma=speed * late.sigma,
+    )
 
 
 def _position_extras(change: Change) -> tuple[Extra, ...]:

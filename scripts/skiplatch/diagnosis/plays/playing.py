@@ -15,6 +15,7 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
 from skiplatch.diagnosis.plays.scans import Begins, Player, Scans
+from skiplatch.diagnosis.scene.arrivals import as_stamped, stamp_width_us
 from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
@@ -113,6 +114,8 @@ class Rig:
     @property
     def tick_us(self) -> float:
         """What its clock rounds stamps to, believed or found."""
+        if self.nominal.arrival_us is not None:
+            return stamp_width_us(self.nominal)
         coarse = (e.parameters["tick_us"] for e in self.effects if e.id == TICK)
         return max([self.nominal.skip.tick_us, *coarse])
 
@@ -125,7 +128,7 @@ class Rig:
     @property
     def has_coarse_tick(self) -> bool:
         """Its clock ticks more coarsely than believed."""
-        return self.tick_us > self.nominal.skip.tick_us > 0.0
+        return self.tick_us > stamp_width_us(self.nominal) > 0.0
 
     def counted(self, touches: Touches) -> Touches:
         """Give touches with their stamps as plays make them: these count in believed ticks."""
@@ -185,7 +188,7 @@ class Rig:
             scan_spread_us=begins.scan_spread_us,
             start_spread_us=begins.start_spread_us,
         )
-        return play(
+        outcomes = play(
             self.nominal,
             controller,
             met,
@@ -195,6 +198,7 @@ class Rig:
             datum_um=surface_um + coordinate_um,
             switched_on=self.effects,
         )
+        return as_stamped(self.nominal, outcomes)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -47,10 +47,7 @@ def notes(
         found += _missed(Ways.of(scene.touches), failures, closest)
     for path in InputPath:
         found += _of_path(scene, path)
-    if not scene.has_stamps.any():
-        found.append("No latch_us: what shifts time and what shifts length look alike.")
-        if not np.isnan(scene.touches.report_us).all():
-            found.append("report_us without latch_us: how late reports come was not looked at.")
+    found += _of_stamps(scene)
     if scene.touches.turns.any():
         found.append(
             "Of axes A, B and C degrees stand for millimetres: 1 µm is 0.001° or 3.6″, "
@@ -95,6 +92,19 @@ def _is_along_axes(scene: Scene) -> bool:
     """Tell whether a probe touched along axes alone, as far as azimuths were recorded."""
     azimuths_deg = scene.touches.alpha_deg[~np.isnan(scene.touches.alpha_deg)]
     return scene.is_machine and not np.any(np.rint(azimuths_deg) % QUARTER_DEG)
+
+
+def _of_stamps(scene: Scene) -> list[str]:
+    """Say what stood in for stamps, or what cannot be told without."""
+    if scene.nominal.arrival_us is not None:
+        return ["No latch_us: arrivals of reports stand in, less the longest that they may take."]
+    if scene.has_stamps.any():
+        return []
+    found = ["No latch_us: what shifts time and what shifts length look alike."]
+    if not np.isnan(scene.touches.report_us).all():
+        lacking = "report_us without latch_us, and no belief of how long reports take"
+        found.append(f"{lacking}: how late they come was not looked at.")
+    return found
 
 
 def _of_path(scene: Scene, path: InputPath) -> list[str]:

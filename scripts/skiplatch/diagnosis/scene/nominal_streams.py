@@ -7,6 +7,7 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
+from skiplatch.diagnosis.scene.arrivals import earliest_stamp_us, stamp_width_us
 from skiplatch.diagnosis.scene.nominal_chain import NominalChain
 
 
@@ -36,15 +37,15 @@ def _latch(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
     """Latch stamp after begin, less what the nominal chain needs at least."""
     expected = chain.pretravel_um / chain.speed + chain.wait_us
     residuals = chain.touches.latch_us - chain.begin_us - expected
-    tick = chain.nominal.skip.tick_us
-    law = (-tick, chain.mechanics_us, chain.scatter_us, tick)
+    earliest, width = earliest_stamp_us(chain.nominal), stamp_width_us(chain.nominal)
+    law = (earliest, chain.mechanics_us, chain.scatter_us, width)
     stages = ("motion", "probe", "link", "input", "latch" if path == "skip" else "scan")
     return _stream(chain, f"latch_{path}", "µs", stages, residuals, law, rows)
 
 
 def _lattice(chain: NominalChain) -> Stream:
     """PLC stamps off the grid of scans."""
-    tick = chain.nominal.skip.tick_us
+    tick = stamp_width_us(chain.nominal)
     law = (-tick / 2.0, tick / 4.0, tick, 0.0)
     rows = chain.plc & chain.has_stamps
     return _stream(chain, "lattice", "µs", ("scan",), chain.off_grid_us, law, rows)
@@ -54,9 +55,10 @@ def _position(chain: NominalChain) -> Stream:
     """Latched position less the way since the begin, by the latch's own stamp."""
     way = chain.speed * (chain.touches.latch_us - chain.begin_us)
     residuals = chain.touches.deviation_um - way
-    resolution, tick = chain.nominal.axis.resolution_um, chain.nominal.skip.tick_us
+    resolution, width = chain.nominal.axis.resolution_um, stamp_width_us(chain.nominal)
+    latest_us = earliest_stamp_us(chain.nominal) + width
     sigma = 0.0 if chain.is_machine else chain.speed * chain.nominal.bench.reference_jitter_us
-    law = (-resolution / 2.0, sigma, chain.speed * tick, resolution)
+    law = (-resolution / 2.0 - chain.speed * latest_us, sigma, chain.speed * width, resolution)
     everywhere = np.full(len(chain), fill_value=True)
     return _stream(chain, "position", "µm", ("position",), residuals, law, everywhere)
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.comparison.observables import Recorded
+from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -65,4 +66,4 @@ def before_wait(
 def step(scene: Scene, name: str) -> float:
     """Give what an observable is rounded to, in its unit."""
     chain = scene.nominal
-    return chain.axis.resolution_um if UNITS[name] == "µm" else chain.skip.tick_us
+    return chain.axis.resolution_um if UNITS[name] == "µm" else stamp_width_us(chain)

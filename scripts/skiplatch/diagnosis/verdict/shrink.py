@@ -23,6 +23,7 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.plays.playing import Folds, Rig, has_like_grid
+from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
@@ -153,7 +154,7 @@ def _least(scene: Scene, observable: Observable) -> float:
     """Give the noise floor of what is known but for its rounding."""
     is_length = observable.unit == "µm"
     return ROUNDING * (
-        scene.nominal.axis.resolution_um if is_length else scene.nominal.skip.tick_us
+        scene.nominal.axis.resolution_um if is_length else stamp_width_us(scene.nominal)
     )
 
 
