@@ -5,7 +5,10 @@
 
 #define STEP_MAX 127u /* half the counter's range lies ahead, half behind */
 
-/* Xorshift: no secret unless it is stirred, but no two tokens in a row are alike by chance. */
+/*
+ * Xorshift: no secret unless it is stirred, but no two tokens in a row are alike by chance, even if
+ * the first of them has expired.
+ */
 static uint16_t next_token(inject_guard_t *guard)
 {
     uint16_t token;
@@ -14,7 +17,8 @@ static uint16_t next_token(inject_guard_t *guard)
         guard->random ^= guard->random >> 17;
         guard->random ^= guard->random << 5;
         token = (uint16_t)(guard->random >> 16);
-    } while (token == 0u || token == guard->token);
+    } while (token == 0u || token == guard->last_token);
+    guard->last_token = token;
     return token;
 }
 

@@ -51,6 +51,7 @@ typedef struct {
     uint16_t      edges;                     /* driven so far, modulo 2^16: the port counts them */
     uint16_t      dropped_frames; /* reports that the bus did not take: the port counts them */
     uint16_t      token;          /* 0: none */
+    uint16_t      last_token;     /* the last that was given, expired or not */
     uint32_t      random;         /* where tokens come from; never 0 */
     uint64_t      armed_ms;       /* when the token was given */
     uint64_t      wrong_ms;       /* when the last wrong token or seal came */

@@ -57,6 +57,7 @@ static inject_guard_t any_guard(void)
 {
     inject_guard_t guard;
     ASSUME(guard.random != 0u && guard.lines >= 1u && guard.lines <= INJECT_LINES);
+    ASSUME(guard.token == 0u || guard.token == guard.last_token);
     ASSUME(guard.wrong_tokens <= INJECT_WRONG_TOKENS_MAX);
     ASSUME(IMPLIES(guard.wrong_tokens == INJECT_WRONG_TOKENS_MAX, guard.token == 0u));
     ASSUME(guard.shot.line < guard.lines && guard.shot.level <= 1u);
@@ -71,6 +72,7 @@ static inject_guard_t any_guard(void)
 static void prove_possible(const inject_guard_t *guard)
 {
     PROVE(guard->random != 0u && guard->wrong_tokens <= INJECT_WRONG_TOKENS_MAX);
+    PROVE(guard->token == 0u || guard->token == guard->last_token);
     PROVE(IMPLIES(guard->wrong_tokens == INJECT_WRONG_TOKENS_MAX, guard->token == 0u));
     PROVE(guard->shot.line < guard->lines && guard->shot.level <= 1u);
     PROVE(IMPLIES(guard->has_pulse, guard->shot.width_us >= 1u));

@@ -72,6 +72,20 @@ void test_two_pulses_have_to_be_apart(void)
     TEST_ASSERT_EQUAL(INJECT_OBEYED, trigger());
 }
 
+void test_a_token_that_expired_is_not_drawn_again(void)
+{
+    uint32_t drawn_from = guard.random;
+    arm(10u);
+    uint16_t expired = guard.token;
+    now_ms += 10u;
+    TEST_ASSERT_EQUAL(INJECT_IDLE, inject_guard_state(&guard, now_ms));
+    guard.random = drawn_from;
+
+    arm(10u);
+
+    TEST_ASSERT_NOT_EQUAL(expired, guard.token);
+}
+
 void test_a_session_ends_without_a_command(void)
 {
     arm(10u);
