@@ -39,7 +39,9 @@ CALLS: Mapping[str, tuple[str, ...]] = {
     "fluidnc*": ("grbl", "LOG", "--feed", "100"),
     "klip*": ("klipper", "LOG"),
     "marlin*": ("marlin", "LOG", "--feed", "120"),
-    "linuxcnc*.txt": ("linuxcnc", "LOG"),
+    "linuxcnc_bore*.txt": ("linuxcnc", "LOG"),
+    "linuxcnc*.txt": ("linuxcnc", "LOG", "--units", "mm"),
+    "linuxcnc*.ini": ("linuxcnc", str(LOGS / "linuxcnc_probe.txt"), "--ini", "LOG"),
     "linuxcnc*.ngc": ("linuxcnc", str(LOGS / "linuxcnc_probe.txt"), "--program", "LOG"),
     "iso230*": ("iso230", "LOG", "--axis", "X"),
     "table*": (

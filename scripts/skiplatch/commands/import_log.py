@@ -13,6 +13,7 @@ from skiplatch.commands.inputs import Source
 from skiplatch.commands.numbers import FEED_MM_MIN, NumberType
 from skiplatch.commands.options import Decorator, json_option
 from skiplatch.commands.outputs import OutputFolder
+from skiplatch.commands.units import inch_option, ini_option, is_inch, units_option
 from skiplatch.importing.model import Imported
 
 if TYPE_CHECKING:
@@ -58,7 +59,9 @@ def command() -> None:
 )
 @axis_option
 @feed_option
-@click.option("--inch", is_flag=True, help="The program's unit was the inch.")
+@units_option
+@inch_option
+@ini_option
 @path_option
 @nominal_option
 @out_option
@@ -69,15 +72,17 @@ def linuxcnc(
     programs: tuple[Path, ...],
     axis: str | None,
     feed: float | None,
+    units: str | None,
     inch: bool,
+    ini: Path | None,
     **written: Any,  # noqa: ANN401
 ) -> None:
     """Read the LOG that (PROBEOPEN …) made, or several of one rig in their order."""
     from skiplatch.importing.linuxcnc import read_linuxcnc_logs  # noqa: PLC0415
 
-    probed = axis.upper() if axis else None
-    found = read_linuxcnc_logs(logs, programs, probed, feed, inch=inch)
-    finish(found, (*logs, *programs), **written)
+    probed, unit = axis.upper() if axis else None, is_inch(units, inch=inch)
+    found = read_linuxcnc_logs(logs, programs, probed, feed, inch=unit, ini=ini)
+    finish(found, (*logs, *programs, *([ini] if ini else [])), **written)
 
 
 @command.command(epilog="Example: skiplatch import grbl serial.log --out build/router")

@@ -13,6 +13,8 @@ from skiplatch.campaign import Campaign, InputPath, read_campaign
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import html_option, json_option, write_document, write_json
 from skiplatch.commands.outputs import OutputFile
+from skiplatch.commands.units import is_inch, units_option
+from skiplatch.errors import InputError
 from skiplatch.importing.detect import read_any
 from skiplatch.importing.writing import write_imported
 from skiplatch.latch.text import TITLES
@@ -37,10 +39,15 @@ Example:
     type=OutputFile(makes_folders=True),
     help="Draw the touches one after the other into this SVG file.",
 )
+@units_option
 @html_option
 @json_option
 def command(
-    source: Path, picture: Path | None, html_path: Path | None, json_path: Path | None
+    source: Path,
+    picture: Path | None,
+    units: str | None,
+    html_path: Path | None,
+    json_path: Path | None,
 ) -> None:
     """Say how well touches of one surface repeat, from a campaign or straight from a log.
 
@@ -50,7 +57,7 @@ def command(
     from edge to latch. Where touches were latched by a skip input and by a PLC task, each has
     figures of its own.
     """
-    campaign, head, assumed = _read(source)
+    campaign, head, assumed = _read(source, inch=is_inch(units))
     shown = _shown(campaign)
     click.echo(head)
     for one in shown:
@@ -105,14 +112,17 @@ def _text(shown: OfPath) -> str:
     return f"{text}\n\noutliers: touches {listed}; the first touch is {min(found.touches)}"
 
 
-def _read(source: Path) -> tuple[Campaign, str, list[str]]:
+def _read(source: Path, *, inch: bool | None) -> tuple[Campaign, str, list[str]]:
     """Give the campaign, what it was read from, and what was assumed of a log."""
     assumed: list[str] = []
     if source.is_dir():
+        if inch is not None:
+            message = "a campaign is in mm, whatever its log was in: leave out --units"
+            raise InputError(source, None, None, message)
         campaign = read_campaign(source)
         kind = f"{campaign.nominal.kind} campaign"
     else:
-        name, imported = read_any(source)
+        name, imported = read_any(source, inch=inch)
         with tempfile.TemporaryDirectory(prefix="skiplatch-") as folder:
             write_imported(Path(folder) / "made", imported, (source,))
             campaign = replace(read_campaign(Path(folder) / "made"), path=source)

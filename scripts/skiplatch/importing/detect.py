@@ -15,11 +15,12 @@ from skiplatch.importing.log_lines import read_text
 from skiplatch.importing.marlin import read_marlin
 from skiplatch.importing.model import Imported
 
+LINUXCNC = "linuxcnc"
 KINDS: Mapping[str, Callable[[Path], Imported]] = {
     "grbl": lambda path: read_grbl(path, None),
     "klipper": lambda path: read_klipper(path, None),
     "marlin": lambda path: read_marlin(path, None),
-    "linuxcnc": lambda path: read_linuxcnc(path, None, None, None, inch=False),
+    LINUXCNC: lambda path: read_linuxcnc(path, None, None, None, inch=None),
 }
 WITHOUT_TOUCHES: Mapping[str, re.Pattern[str]] = {
     "klipper": re.compile(
@@ -34,12 +35,18 @@ WITHOUT_TOUCHES: Mapping[str, re.Pattern[str]] = {
 HOLDOFF_S = 1e-3
 
 
-def read_any(path: Path) -> tuple[str, Imported]:
+def read_any(path: Path, *, inch: bool | None = None) -> tuple[str, Imported]:
     """Read a log of whatever kind and give the name of that.
+
+    Args:
+        path: The log.
+        inch: Whether one of LinuxCNC begins in inches, where that is told.
 
     Raises:
         InputError: It cannot be read, or is of no kind that can be told.
     """
+    if inch is not None:
+        return LINUXCNC, read_linuxcnc(path, None, None, None, inch=inch)
     if path.suffix.lower() in (".vcd", ".sr"):
         return "a logic analyser", _capture(path)
     if path.suffix.lower() in (".asc", ".blf"):

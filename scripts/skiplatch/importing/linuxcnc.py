@@ -14,16 +14,15 @@ from skiplatch.errors import InputError
 from skiplatch.importing.dropped_lines import only, say_dropped, told_apart
 from skiplatch.importing.gcode import without_comments
 from skiplatch.importing.gcode_program import Row, Run, logs_parts, offsets_of, run
+from skiplatch.importing.linuxcnc_ini import Ini, read_ini
 from skiplatch.importing.linuxcnc_rows import ProbeRows, read_rows
+from skiplatch.importing.linuxcnc_units import probed_axis, unit_begun
 from skiplatch.importing.model import Imported, Touch, refuse_all_missed
 from skiplatch.importing.nc_text import read_program
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
 from skiplatch.tables import counted
 from skiplatch.units import MM_PER_INCH
 
-LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
-ROUND_MM = 0.005  # what is programmed stands on multiples of this, what is touched does not
-NEGLIGIBLE = 1e-4
 FROM_ABOVE = "Z was touched from above"
 
 _PROBES = re.compile(r"G38\.[2-5]", re.IGNORECASE)
@@ -35,7 +34,8 @@ def read_linuxcnc_logs(
     axis: str | None,
     feed: float | None,
     *,
-    inch: bool,
+    inch: bool | None,
+    ini: Path | None = None,
 ) -> Imported:
     """Read logs of one rig in their order, each with its program where programs are given.
 
@@ -46,14 +46,21 @@ def read_linuxcnc_logs(
         expected = f"expected a program for each of {len(logs)} logs, got {len(programs)}"
         raise InputError(logs[0], None, None, expected)
     pairs = zip_longest(logs, programs)
-    first, *others = (read_linuxcnc(log, of, axis, feed, inch=inch) for log, of in pairs)
+    rig = read_ini(ini) if ini else None
+    first, *others = (read_linuxcnc(log, of, axis, feed, inch=inch, ini=rig) for log, of in pairs)
     for other in others:
         first.add(other)
     return first
 
 
 def read_linuxcnc(
-    path: Path, program: Path | None, axis: str | None, feed: float | None, *, inch: bool
+    path: Path,
+    program: Path | None,
+    axis: str | None,
+    feed: float | None,
+    *,
+    inch: bool | None,
+    ini: Ini | None = None,
 ) -> Imported:
     """Read a probe log.
 
@@ -62,31 +69,35 @@ def read_linuxcnc(
         program: The program, whose G38.x moves give feeds, axes and senses.
         axis: The axis that probed, if the program is not at hand.
         feed: The feed in mm/min, likewise.
-        inch: Whether the program's unit was the inch.
+        inch: Whether the program began in inches, where that is told.
+        ini: Of the machine, likewise.
 
     Raises:
-        InputError: A file cannot be read, or holds no touch.
+        InputError: A file cannot be read, or holds no touch, or nothing tells the unit.
     """
     read = read_rows(path)
     rows, lines = read.rows, read.lines
     text = read_program(program) if program else ""
-    done = run(text, rows, inch=inch, name=path.name)
+    begun = unit_begun(path, read, text, axis or probed_axis(rows), inch=inch, ini=ini)
+    done = run(text, rows, inch=begun.is_inch, name=path.name)
     if program and not done.moves:
         raise InputError(program, None, None, _without_moves(text, done))
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)
     read.say(found)
     moves = _of_whole_lines(done.moves, read, found)
-    is_inch = _are_in_inches(program, moves) if program else inch
+    is_inch = _are_in_inches(program, moves) if program else begun.is_inch
     unit = MM_PER_INCH if is_inch else 1.0
     told = None
     if not (read.broken or read.stumps):  # a line that cannot be read is missing for another reason
         name = path.name
-        told = told_apart(rows, moves, unit, lambda log: run(text, log, inch=inch, name=name).moves)
+        told = told_apart(
+            rows, moves, unit, lambda log: run(text, log, inch=begun.is_inch, name=name).moves
+        )
     if told:
         rows, lines = [rows[i] for i in told.lines], [lines[i] for i in told.lines]
         found.assumed.append(told.said)
     matched = list(told.moves) if told else _matched(path, rows, moves, found)
-    fallback = axis or _probed_axis(rows)
+    fallback = axis or probed_axis(rows)
     guessed = sum(not (move and move.axis) for move in matched)
     if guessed and not axis:
         untold = (
@@ -103,7 +114,8 @@ def read_linuxcnc(
     refuse_all_missed(path, found.touches)
     found.leave_out_releases()
     found.share_feeds()
-    _say(found, moves, feed, inch=is_inch)
+    _say(found, moves, feed, ini)
+    begun.say(found, inch=is_inch)
     return found
 
 
@@ -224,17 +236,6 @@ def _touch(
     )
 
 
-def _probed_axis(rows: Sequence[Row]) -> str:
-    """Give the axis whose coordinates look touched rather than programmed."""
-
-    def touched(number: int) -> int:
-        values = [row[number] for row in rows if number < len(row)]
-        multiples = (value / ROUND_MM for value in values)
-        return sum(abs(m - round(m)) > NEGLIGIBLE for m in multiples)
-
-    return max(LIKELIEST, key=lambda axis: touched(AXES.index(axis)))
-
-
 def _say_offsets(found: Imported, text: str) -> None:
     if offsets := offsets_of(text):
         found.assumed.append(
@@ -243,7 +244,7 @@ def _say_offsets(found: Imported, text: str) -> None:
         )
 
 
-def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inch: bool) -> None:
+def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, ini: Ini | None) -> None:
     found.known.append("where each touch was latched, in the order of the touches; no times")
     missed = sum(touch.coordinate is None for touch in found.touches)
     if missed:
@@ -254,8 +255,7 @@ def _say(found: Imported, moves: Sequence[ProbeMove], feed: float | None, *, inc
             found.assumed.append(FROM_ABOVE)
     if feed is None and any(touch.feed is None for touch in found.touches):
         found.assume("the feed is not known", "--program", "--feed", by="give")
-    if inch:
-        found.known.append("the program's unit was the inch")
-    elif not moves:
-        found.assume("the program's unit was the millimetre", "--inch")
-    found.assumed.append("a servo period of 1 ms (SERVO_PERIOD in the .ini); plc.scan_us says so")
+    if ini and ini.servo_us is not None:
+        found.figure("plc", "scan_us", ini.servo_us, "SERVO_PERIOD of the .ini, [EMCMOT]")
+    else:
+        found.assume("a servo period of 1 ms (SERVO_PERIOD in the .ini)", "--ini")

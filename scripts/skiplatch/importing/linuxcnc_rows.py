@@ -44,6 +44,7 @@ class ProbeRows:
         columns: How many numbers a row has.
         broken: Lines without that many numbers.
         stumps: Lines with a number that is not written as those of most others are.
+        others: What stands in the lines without that many numbers.
         is_cut: The last line alone is one of these, and the file ends within it.
     """
 
@@ -52,6 +53,7 @@ class ProbeRows:
     columns: int
     broken: list[int]
     stumps: list[int]
+    others: list[str]
     is_cut: bool = False
 
     def say(self, found: Imported) -> None:
@@ -94,6 +96,7 @@ def read_rows(path: Path) -> ProbeRows:
         columns=columns,
         broken=broken,
         stumps=stumps,
+        others=[" ".join(one.words) for one in written if one.line not in lines],
         is_cut=broken + stumps == [written[-1].line] and not text.endswith(("\r", "\n")),
     )
 
