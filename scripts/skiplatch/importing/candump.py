@@ -9,7 +9,7 @@ from itertools import islice
 from pathlib import Path
 from typing import TextIO
 
-from skiplatch.importing.encodings import marked_encoding
+from skiplatch.importing.encodings import marked_encoding, without_colours
 
 LOOKED_AT = 50  # lines, after which the form of a log is known
 MOST_CHARACTERS = 4096  # of a line
@@ -50,4 +50,4 @@ def _opened(path: Path) -> TextIO:
 
 
 def _lines(file: TextIO) -> Iterator[str]:
-    return iter(lambda: file.readline(MOST_CHARACTERS), "")
+    return map(without_colours, iter(lambda: file.readline(MOST_CHARACTERS), ""))

@@ -1,6 +1,7 @@
 """Encodings of text logs that their first bytes tell: a terminal's "save as" likes UTF-16."""
 
 import codecs
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -22,6 +23,7 @@ _COMPRESSED = (b"\x1f\x8b", _ZIP, b"BZh", b"\xfd7zXZ", b"\x28\xb5\x2f\xfd", b"7z
 _OLD_WORKBOOK = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"  # of .xls
 _WORKBOOKS = (".xlsx", ".xlsm", ".xlsb", ".ods")
 _IN_WORKBOOKS = (b"[Content_Types].xml", b"opendocument.spreadsheet")  # of .xlsx and .ods
+_COLOURS = re.compile(r"\x1b\[[0-9;]*[mK]")
 _LOOKED_AT = 400  # bytes
 _MOST_ZERO = 0.4  # of the bytes at odd or at even places of text that has two bytes a character
 
@@ -35,6 +37,11 @@ def marked_encoding(path: Path) -> str | None:
 def encoding_of(data: bytes) -> str | None:
     """Give the encoding that a byte order mark tells; None where there is none."""
     return next((name for mark, name in _MARKS.items() if data.startswith(mark)), None)
+
+
+def without_colours(text: str) -> str:
+    """Take off what tells a terminal the colour of what follows; files have it as well."""
+    return _COLOURS.sub("", text) if "\x1b" in text else text
 
 
 def refuse_no_text(path: Path, data: bytes) -> None:

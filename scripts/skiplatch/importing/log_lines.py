@@ -13,7 +13,7 @@ from pathlib import Path
 
 from skiplatch.errors import CampaignWarning, InputError
 from skiplatch.files import failures_named, refuse_special_or_large
-from skiplatch.importing.encodings import encoding_of, refuse_no_text
+from skiplatch.importing.encodings import encoding_of, refuse_no_text, without_colours
 from skiplatch.importing.log_order import is_newest_first
 
 MAX_BYTES = 500 * 2**20
@@ -70,7 +70,7 @@ def read_text(path: Path, wanted: str = "a log") -> str:
     Raises:
         InputError: It cannot be read or is no text of lines.
     """
-    text = _decoded(path, wanted)
+    text = without_colours(_decoded(path, wanted))
     lines = text.splitlines()
     long = [number for number, line in enumerate(lines) if len(line) > MAX_LINE_CHARACTERS]
     if not long:

@@ -13,7 +13,7 @@ from skiplatch.campaign.columns import TIME, is_thermometer, place_of
 from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, quoted
-from skiplatch.importing.dates import iso_of
+from skiplatch.importing.dates import are_times_of_day, as_dates, iso_of
 from skiplatch.importing.faces import are_faces, put_deviations
 from skiplatch.importing.mapped import COORDINATE, Mapped, in_table, named_in, refuse_twice, unit_of
 from skiplatch.importing.model import Imported, Touch
@@ -48,6 +48,8 @@ AXIS_ASSUMED = f"{USUAL_AXIS} probed, as no column says which axis did"
 _SENSES = {"+": "1", "-": "-1", "\u2212": "-1"}
 _MOVED = re.compile(rf"[XYZABC]?\s*([{re.escape(''.join(_SENSES))}])\s*[XYZABC]?", re.IGNORECASE)
 """A sense, as a cell tells it with or without the axis: ``+``, ``Y+``, ``-Z``."""
+_AXIS_WITH_SENSE = re.compile(r"^([XYZABC])\s*[+\-\u2212]$", re.IGNORECASE)
+"""An axis whose cell tells the sense as well; ``--map sign=`` takes that."""
 _F_WORD = re.compile(r"\s*F\s*(?=[\d.])", re.IGNORECASE)
 _ZEROS = {"K": -273.15, "F": -32.0 * 5.0 / 9.0, "°F": -32.0 * 5.0 / 9.0}
 
@@ -154,7 +156,9 @@ def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped, found: Impo
     if m.column == "feed_mm_min":
         cells = [_F_WORD.sub("", cell, count=1) for cell in cells]
     if m.column == TIME_NAME:
-        cells = [iso_of(cell.strip()) for cell in cells]
+        cells = _dated([cell.strip() for cell in cells], found)
+    if m.column == "axis":
+        cells = _without_senses(cells, m, found)
     about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
     if about is None or isinstance(about, NumberColumn):
         about = ANY_NUMBER
@@ -167,6 +171,24 @@ def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped, found: Impo
     factor = UNITS.get(unit_of(m.column), {}).get(m.unit, 1.0)
     scaled: FloatArray = values * factor + _ZEROS.get(m.unit, 0.0)
     return scaled
+
+
+def _without_senses(cells: list[str], m: Mapped, found: Imported) -> list[str]:
+    """Take the senses off ``X+`` and ``Z-``."""
+    bare = [_AXIS_WITH_SENSE.sub(r"\1", cell.strip()) for cell in cells]
+    if bare != [cell.strip() for cell in cells]:
+        found.known.append(f"axes from {quoted(m.head)}, whose senses --map sign={m.head} takes")
+    return bare
+
+
+def _dated(stamps: list[str], found: Imported) -> list[str]:
+    """Write dates and times as ISO 8601 does."""
+    if not are_times_of_day(stamps):
+        return [iso_of(stamp) for stamp in stamps]
+    found.assumed.append(
+        "times of day without a date: from one touch to the next less than half a day"
+    )
+    return list(as_dates(stamps))
 
 
 def _from_coordinates(
