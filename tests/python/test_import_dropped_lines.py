@@ -44,6 +44,6 @@ def test_touches_without_a_line_are_said_to_be_missing(
 ) -> None:
     (tmp_path / "p.txt").write_text("".join(row(0.0, 0.0, z) for z in places))
 
-    run = Run(tmp_path, "linuxcnc", str(tmp_path / "p.txt"), "--units", "mm")
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "p.txt"))
 
     assert (MISSING in run.text) is is_said

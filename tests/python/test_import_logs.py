@@ -21,9 +21,6 @@ from skiplatch.repeatability import repeatability
 LOGS = Path(__file__).parent / "data" / "logs"
 
 
-IN_MM = ("--units", "mm")
-
-
 class Run:
     """An import: what it wrote and said."""
 
@@ -278,7 +275,7 @@ def test_a_program_without_an_end_is_run_as_far_as_its_log_can_reach() -> None:
 
 
 def test_linuxcnc_log_alone_finds_its_axis(tmp_path: Path) -> None:
-    run = Run(tmp_path, "linuxcnc", log("linuxcnc_probe.txt"), "--feed", "50", *IN_MM)
+    run = Run(tmp_path, "linuxcnc", log("linuxcnc_probe.txt"), "--feed", "50")
 
     assert {Axis(a) for a in run.campaign.touches.axis} == {Axis.Z}
     assert any(line.startswith("axis Z, whose") for line in run.said["assumed"])
@@ -677,7 +674,7 @@ def test_surface_touched_once_tells_nothing_of_the_scatter(tmp_path: Path) -> No
     heights = (-3.21249, -3.21351, -3.2195, -3.21376, -3.21028, -3.2)
     rows = [f"{10.0 * i:.6f} 0.000000 {z:.6f}\n" for i, z in enumerate(heights)]
     (tmp_path / "grid.txt").write_text("".join(rows))
-    run = Run(tmp_path, "linuxcnc", str(tmp_path / "grid.txt"), "--feed", "60", *IN_MM)
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "grid.txt"), "--feed", "60")
 
     assert run.campaign.touches.position_mm.tolist() == list(heights)
     assert np.isnan(run.campaign.touches.deviation_um).all()
@@ -688,7 +685,7 @@ def test_surface_touched_once_tells_nothing_of_the_scatter(tmp_path: Path) -> No
 def test_deviation_is_from_the_place_as_written(tmp_path: Path) -> None:
     rows = ["0.000000 0.000000 -0.071362\n"] * 5
     (tmp_path / "same.txt").write_text("".join(rows))
-    run = Run(tmp_path, "linuxcnc", str(tmp_path / "same.txt"), "--feed", "60", *IN_MM)
+    run = Run(tmp_path, "linuxcnc", str(tmp_path / "same.txt"), "--feed", "60")
 
     assert set(run.campaign.touches.position_mm) == {-0.071362}
     assert set(run.campaign.touches.deviation_um) == {0.0}

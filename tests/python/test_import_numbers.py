@@ -81,11 +81,10 @@ def test_what_python_alone_takes_for_a_number_is_no_touch(
     tmp_path: Path, kind: str, text: str
 ) -> None:
     with_number(tmp_path / "a.log", kind, "987654.500000")
-    inch = False if kind == "linuxcnc" else None
-    whole = coordinates(read_any(tmp_path / "a.log", inch=inch)[1])
+    whole = coordinates(read_any(tmp_path / "a.log")[1])
     with_number(tmp_path / "a.log", kind, text)
 
-    left = coordinates(read_any(tmp_path / "a.log", inch=inch)[1])
+    left = coordinates(read_any(tmp_path / "a.log")[1])
 
     assert not {1.0, 1.2, 10.0, 12.0}.intersection(left)
     assert len(left) == len(whole) - 1

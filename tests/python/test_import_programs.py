@@ -24,9 +24,6 @@ o<touch> call [0] [20]
 """
 
 
-IN_MM = ("--units", "mm")
-
-
 def row(x: float, y: float = 0.0, z: float = 0.0) -> str:
     return f"{x:.6f} {y:.6f} {z:.6f}" + " 0.0" * 6 + "\n"
 
@@ -35,13 +32,7 @@ def read(folder: Path, program: str, log: str, *words: str) -> Run:
     (folder / "p.ngc").write_text(program)
     (folder / "p.txt").write_text(log)
     return Run(
-        folder,
-        "linuxcnc",
-        str(folder / "p.txt"),
-        "--program",
-        str(folder / "p.ngc"),
-        *IN_MM,
-        *words,
+        folder, "linuxcnc", str(folder / "p.txt"), "--program", str(folder / "p.ngc"), *words
     )
 
 
@@ -163,7 +154,7 @@ def test_absolute_moves_of_grbl_with_a_word_that_stays_are_along_the_other_axis(
 
 
 def test_program_without_g20_is_in_inches_where_that_is_given(tmp_path: Path) -> None:
-    run = read(tmp_path, "G90\nG0 X0\nG38.2 X2 F4\n", row(1.5), "--units", "inch")
+    run = read(tmp_path, "G90\nG0 X0\nG38.2 X2 F4\n", row(1.5), "--inch")
 
     assert told(run) == [("X", 1, 101.6)]
     assert run.campaign.touches.approach_mm[0] == pytest.approx(38.1)
@@ -206,7 +197,7 @@ def test_several_logs_are_one_campaign(tmp_path: Path) -> None:
         words.append(str(tmp_path / f"{name}.txt"))
         programs += ["--program", str(tmp_path / f"{name}.ngc")]
 
-    run = Run(tmp_path, "linuxcnc", *words, *programs, *IN_MM)
+    run = Run(tmp_path, "linuxcnc", *words, *programs)
 
     assert told(run) == [("Z", -1, 60)] * 2 + [("Z", -1, 90)] * 2
     assert run.said["known"].count("4 touches of 2 surfaces") == 1

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from test_import_logs import IN_MM, Run
+from test_import_logs import Run
 
 ZEROS = " 0.000000" * 6
 OVERWRITTEN = f"""-0.000000 -0.000000 -0.012167{ZEROS}
@@ -57,7 +57,7 @@ def read(folder: Path, kind: str, text: str, *words: str) -> Run:
 
 
 def test_stump_of_a_row_of_linuxcnc_is_no_touch(tmp_path: Path) -> None:
-    run = read(tmp_path, "linuxcnc", OVERWRITTEN, *IN_MM)
+    run = read(tmp_path, "linuxcnc", OVERWRITTEN)
 
     assert run.coordinates() == [-0.012167, 0.02075, 0.021583, -0.027167]
     lost, stump = run.said["could_not_be_read"]
@@ -67,21 +67,21 @@ def test_stump_of_a_row_of_linuxcnc_is_no_touch(tmp_path: Path) -> None:
 
 
 def test_number_typed_into_three_columns_is_no_touch(tmp_path: Path) -> None:
-    run = read(tmp_path, "linuxcnc", THREE_COLUMNS, *IN_MM)
+    run = read(tmp_path, "linuxcnc", THREE_COLUMNS)
 
     assert run.coordinates() == [1.015218, 0.940998]
     assert "LinuxCNC writes them: line 2" in run.text
 
 
 def test_stump_with_three_numbers_is_no_row_among_those_of_nine(tmp_path: Path) -> None:
-    run = read(tmp_path, "linuxcnc", f"{OVERWRITTEN}0.000000 0.000000 0.000000\n", *IN_MM)
+    run = read(tmp_path, "linuxcnc", f"{OVERWRITTEN}0.000000 0.000000 0.000000\n")
 
     assert len(run.campaign.touches) == 4
     assert "2 lines that do not hold 9 numbers: line 5, 7" in run.said["could_not_be_read"]
 
 
 def test_table_in_digits_of_its_own_is_read_whole(tmp_path: Path) -> None:
-    run = read(tmp_path, "linuxcnc", "0 0 -2.501\n0 0 -2.511\n0 0 -2.5\n", *IN_MM)
+    run = read(tmp_path, "linuxcnc", "0 0 -2.501\n0 0 -2.511\n0 0 -2.5\n")
 
     assert len(run.campaign.touches) == 3
     assert run.said["could_not_be_read"] == []
@@ -89,7 +89,7 @@ def test_table_in_digits_of_its_own_is_read_whole(tmp_path: Path) -> None:
 
 def test_of_many_lines_a_few_are_named(tmp_path: Path) -> None:
     rows = OVERWRITTEN.splitlines(keepends=True)
-    run = read(tmp_path, "linuxcnc", rows[0] * 9 + rows[2] * 7, *IN_MM)
+    run = read(tmp_path, "linuxcnc", rows[0] * 9 + rows[2] * 7)
 
     assert "LinuxCNC writes them: line 10, 11, 12, 13, 14 and 2 more" in run.text
 

@@ -14,6 +14,7 @@ SCATTER = (0.0, 1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 1.5)
 """Of touches of one surface, about in σ."""
 INI = "[EMCMOT]\nSERVO_PERIOD = 500000\n[TRAJ]\nLINEAR_UNITS = {}\n"
 NOT_TOLD = "expected --units mm or --units inch: no G20 or G21 tells the unit, and the touches "
+IN_MM = "coordinates in mm: no G20, G21 or .ini tells another unit; else give --units"
 
 
 def rows(values: Iterable[float], x: float = 1.25) -> str:
@@ -48,18 +49,11 @@ IN_INCHES = touched(0.00005)
 
 
 @pytest.mark.parametrize("log", [touched(0.0005), rows([-3.2, -3.21, -3.2])])
-@pytest.mark.parametrize("command", ["import", "repeat"])
-def test_unit_that_nothing_tells_is_asked_for(
-    tmp_path: Path, refused: Program, command: str, log: str
-) -> None:
-    (tmp_path / "p.txt").write_text(log)
-    words = ("import", "linuxcnc") if command == "import" else ("repeat",)
-    out = ("-o", tmp_path / "c") if command == "import" else ()
+def test_unit_that_nothing_tells_is_assumed_to_be_mm_and_said(tmp_path: Path, log: str) -> None:
+    run = read(tmp_path, log)
 
-    said = refused(*words, tmp_path / "p.txt", *out)
-
-    assert f"p.txt: {NOT_TOLD}could be in either" in said
-    assert not (tmp_path / "c").exists()
+    assert said_of(run) == [IN_MM]
+    assert range_um(run) == pytest.approx(2.0 if log == touched(0.0005) else 10.0, rel=0.01)
 
 
 @pytest.mark.parametrize(
@@ -85,10 +79,8 @@ def test_word_in_the_log_tells_the_unit(tmp_path: Path, said: str, factor: float
     assert "a line of the log says" in said_of(run)[0]
 
 
-def test_two_units_in_the_log_tell_none(tmp_path: Path, refused: Program) -> None:
-    (tmp_path / "p.txt").write_text(f"G20\n{touched(0.0005)}G21\n")
-
-    assert NOT_TOLD in refused("import", "linuxcnc", tmp_path / "p.txt", "-o", tmp_path / "c")
+def test_two_units_in_the_log_tell_none(tmp_path: Path) -> None:
+    assert said_of(read(tmp_path, f"G20\n{touched(0.0005)}G21\n")) == [IN_MM]
 
 
 @pytest.mark.parametrize(
@@ -157,12 +149,10 @@ def test_feed_of_no_probe_speaks_for_the_other_unit(
     assert set(run.campaign.touches.feed_mm_min) == {feed * factor}
 
 
-def test_program_without_a_unit_is_asked_for_it(tmp_path: Path, refused: Program) -> None:
-    (tmp_path / "p.txt").write_text(touched(0.0005))
-    (tmp_path / "p.ngc").write_text("G0 Z1\nG38.2 Z-1 F20\n" * len(SCATTER))
-    words = ("--program", tmp_path / "p.ngc", "-o", tmp_path / "c")
+def test_program_without_a_unit_is_assumed_to_be_in_mm(tmp_path: Path) -> None:
+    program = "G0 Z1\nG38.2 Z-1 F20\n" * len(SCATTER)
 
-    assert NOT_TOLD in refused("import", "linuxcnc", tmp_path / "p.txt", *words)
+    assert said_of(read(tmp_path, touched(0.0005), program=program)) == [IN_MM]
 
 
 @pytest.mark.parametrize(

@@ -292,8 +292,6 @@ MARKED = {
     "linuxcnc_probe.txt": "linuxcnc",
     "iso230_x.csv": "iso230",
 }
-TOLD = {"iso230": ("--axis", "X"), "linuxcnc": ("--units", "mm")}
-"""What such a log does not say."""
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-8-sig"])
@@ -305,7 +303,7 @@ def test_log_with_a_byte_order_mark_is_read_as_without(
     marked = tmp_path / "marked" / name
     marked.parent.mkdir()
     marked.write_bytes(plain.read_text(encoding="utf-8").encode(encoding))
-    axis = TOLD.get(MARKED[name], ())
+    axis = ("--axis", "X") if MARKED[name] == "iso230" else ()
     folders = [tmp_path / "a", tmp_path / "b"]
     for folder in folders:
         folder.mkdir()

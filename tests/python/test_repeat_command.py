@@ -31,7 +31,6 @@ from skiplatch.repeatability_words import sentence
 from skiplatch.statistics import Interval
 
 LOGS = Path(__file__).parent / "data" / "logs"
-IN_MM = ("--units", "mm")
 SIGMA_UM = 2.0
 
 
@@ -151,22 +150,22 @@ def test_outliers_are_named_and_left_out(machine_sample: Path) -> None:
 
 
 def test_what_was_assumed_of_a_log_is_said() -> None:
-    result = CliRunner().invoke(group, ["repeat", str(LOGS / "linuxcnc_probe.txt"), *IN_MM])
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / "linuxcnc_probe.txt")])
 
     assert "Assumed\n" in result.output
-    assert "  axis Z, whose coordinates look touched; else give --axis" in result.output
+    assert "  coordinates in mm: no G20, G21 or .ini tells another unit; else" in result.output
 
 
 @pytest.mark.parametrize("path", sorted(LOGS.glob("*.[ltv][oxc][gtd]")), ids=lambda path: path.name)
 def test_importers_name_their_options_apart_from_their_sentences(path: Path) -> None:
-    imported = read_any(path, inch=False if path.name.startswith("linuxcnc") else None)[1]
+    imported = read_any(path)[1]
 
     named = re.findall(r"(?<!init )--[a-z-]+", "\n".join(imported.assumed))
     assert set(named) == set(imported.options)
 
 
 def test_options_that_are_named_are_said_to_be_those_of_import() -> None:
-    result = CliRunner().invoke(group, ["repeat", str(LOGS / "linuxcnc_probe.txt"), *IN_MM])
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / "linuxcnc_probe.txt")])
 
     (said,) = (line for line in result.output.splitlines() if OPTIONS_OF_IMPORT in line)
     assert said == f"  --axis, --program, --feed, --ini: {OPTIONS_OF_IMPORT}"
@@ -340,8 +339,7 @@ def test_log_goes_straight_to_json_and_picture(tmp_path: Path) -> None:
     ],
 )
 def test_kind_of_a_log_is_told_by_what_stands_in_it(name: str, kind: str) -> None:
-    words = IN_MM if kind == "linuxcnc" else ()
-    result = CliRunner().invoke(group, ["repeat", str(LOGS / name), *words])
+    result = CliRunner().invoke(group, ["repeat", str(LOGS / name)])
 
     assert result.exit_code == 0, result.output
     assert f"log of {kind}" in result.output

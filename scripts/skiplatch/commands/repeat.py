@@ -23,6 +23,7 @@ from skiplatch.repeatability_words import OfPath, an_hour, rows_of, sentence
 from skiplatch.tables import counted, prose, table
 
 SHOWN = 12
+OWN_OPTIONS = {"--units"}
 OPTIONS_OF_IMPORT = "of skiplatch import, whose folder repeat reads as well"
 _TOLD = {"first": "first_touch", "order": "drift", "axis": "axis_drift", "speed": "slope"}
 EPILOG = """\b
@@ -127,8 +128,8 @@ def _read(source: Path, *, inch: bool | None) -> tuple[Campaign, str, list[str]]
             write_imported(Path(folder) / "made", imported, (source,))
             campaign = replace(read_campaign(Path(folder) / "made"), path=source)
         kind, assumed = f"log of {name}", imported.assumed
-        if imported.options:
-            assumed = [*assumed, f"{', '.join(imported.options)}: {OPTIONS_OF_IMPORT}"]
+        if others := [option for option in imported.options if option not in OWN_OPTIONS]:
+            assumed = [*assumed, f"{', '.join(others)}: {OPTIONS_OF_IMPORT}"]
     return campaign, f"{source}: {kind}, {counted(len(campaign.touches), 'touch')}", assumed
 
 

@@ -73,7 +73,7 @@ def read_linuxcnc(
         ini: Of the machine, likewise.
 
     Raises:
-        InputError: A file cannot be read, or holds no touch, or nothing tells the unit.
+        InputError: A file cannot be read, or holds no touch, or could be in no unit.
     """
     read = read_rows(path)
     rows, lines = read.rows, read.lines

@@ -1,8 +1,8 @@
 """In which unit a log of LinuxCNC begins, by what tells it.
 
 LinuxCNC logs in the unit of the program, which begins in that of the machine. Where no G20 and no
-G21 is at hand, a reading that no machine and no probe makes speaks for the other unit. What is
-left is asked for.
+G21 is at hand, a reading that no machine and no probe makes speaks for the other unit. Where that
+tells nothing, either, mm is assumed, and said to be.
 """
 
 import re
@@ -72,7 +72,7 @@ def unit_begun(
         ini: Of the machine, if that is at hand.
 
     Raises:
-        InputError: Nothing tells it.
+        InputError: What tells it contradicts itself.
     """
     if inch is not None:
         return Reason(inch)
@@ -112,7 +112,7 @@ def unit_told(lines: Sequence[str]) -> Reason | None:
 
 
 def unit_shown(path: Path, rows: Sequence[Row], moves: Sequence[ProbeMove]) -> Reason:
-    """Give the unit without which the log would be of no machine.
+    """Give the unit without which the log would be of no machine; mm where either could be.
 
     Args:
         path: The log.
@@ -120,14 +120,16 @@ def unit_shown(path: Path, rows: Sequence[Row], moves: Sequence[ProbeMove]) -> R
         moves: The program's, as if it were in mm.
 
     Raises:
-        InputError: Both could be, or none.
+        InputError: Neither could be.
     """
     reasons = [*_by_reach(rows), *_by_feeds(moves), *_by_scatter(rows)]
+    if not reasons:
+        return Reason(is_inch=False, words="no G20, G21 or .ini tells another unit")
     if len({reason.is_inch for reason in reasons}) == 1:
         return reasons[0]
     message = (
         f"expected {UNITS_OPTION} {MM} or {UNITS_OPTION} {INCH}: no G20 or G21 tells the unit, and "
-        f"the touches could be in {'neither' if reasons else 'either'}"
+        "the touches could be in neither"
     )
     raise InputError(path, None, None, message)
 
