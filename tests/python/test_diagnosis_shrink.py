@@ -8,13 +8,14 @@ import pytest
 from scipy import stats
 from scoringrules import crps_ensemble  # type: ignore[import-untyped]
 
-from played_campaigns import BENCH, LATE_BENCH, MACHINE, played, played_again
+from played_campaigns import BENCH, LATE_BENCH, MACHINE, played, played_again, stamped_machine
 from skiplatch.arrays import BoolArray
-from skiplatch.campaign import Campaign, InputPath, read_campaign
+from skiplatch.campaign import Campaign, Datum, DatumFreedom, InputPath, read_campaign
 from skiplatch.comparison import compare
 from skiplatch.comparison.cells import cells_of, feed_groups
 from skiplatch.comparison.observables import OBSERVABLES
-from skiplatch.diagnosis.plays.playing import Rig
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.replay import as_recorded
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, TouchScores, floor_of
 from skiplatch.diagnosis.verdict.shrink import Gap, PlayedRigs, _floor, _gap, _share_gone
@@ -48,6 +49,22 @@ def test_a_gap_on_one_path_shows_at_its_size() -> None:
     assert gap.after == pytest.approx(gap.noise_floor, abs=0.05)
     assert gap.shrink.low > 0.95
     assert gap.is_clear
+
+
+def test_a_lock_shows_though_surfaces_lie_apart() -> None:
+    """Edges that wait alike do so from each surface on, wherever that is."""
+    lock = Effect("scan_phase_lock", {"phase": 0.1, "spread": 0.01})
+    campaign = stamped_machine()
+    nominal = replace(campaign.nominal, datum=Datum(DatumFreedom.AXIS))
+    datum = FittedDatum({"X": -600.0, "Y": 900.0, "Z": 0.0})
+    believed, real = Rig(nominal, (), datum), Rig(nominal, (lock,), datum)
+    outcomes = real.play(campaign.touches, seed=3, replicates=1)
+    scene = Scene(nominal, as_recorded(campaign.touches, outcomes, 0))
+
+    gap = PlayedRigs.of(scene, believed, real, seed=1, jobs=1).gaps(held_out(campaign))
+
+    assert gap["deviation_um"].is_clear
+    assert gap["deviation_um"].shrink.low > 0.8
 
 
 def test_late_scans_show_beside_the_grid_that_they_should_keep() -> None:

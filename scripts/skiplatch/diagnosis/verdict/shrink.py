@@ -81,6 +81,7 @@ class PlayedRigs:
     """A campaign played without effects and with them, and on the true rig where it is known."""
 
     scene: Scene
+    before: Rig
     after: Rig | Folds
     plays: Sequence[Outcomes]
     seed: int
@@ -107,17 +108,57 @@ class PlayedRigs:
             truth: The rig that a simulated campaign really is of.
         """
         rigs = [before, after] if truth is None else [before, after, truth]
-        return cls(scene, after, [_play(scene, rig, seed, jobs) for rig in rigs], seed)
+        return cls(scene, before, after, [_play(scene, rig, seed, jobs) for rig in rigs], seed)
 
     def gaps(self, scored: BoolArray) -> Mapping[str, Gap]:
         """Measure every observable that was recorded, on some touches, shape (n,); by name."""
         found = {}
         for observable in _observables(self.scene, self.after):
-            cells = list(_cells(self.scene, scored, observable, self.plays, self.after.spans))
+            cells = list(self._cells(scored, observable))
             if cells:
                 least = _least(self.scene, observable)
                 found[observable.name] = _gap(cells, observable, least, self.seed)
         return found
+
+    def _cells(self, scored: BoolArray, observable: Observable) -> Iterator[Cell]:
+        """Score cell by cell what was played: nominal, with the effects found, with the true."""
+        scene = self.scene
+        recorded = observable.values(scene.touches, scene.contact)
+        played = [observable.values(outcomes, scene.contact) for outcomes in self.plays]
+        known = scored & ~np.isnan(recorded)
+        for values in played:
+            known = known & ~np.isnan(values).all(axis=0)
+        expected, scale = self._expected(observable)
+        for path, rows in _cells_within(scene, known, self.after.spans):
+            # On the grid of the scans no phase is left.
+            is_pooled = path == InputPath.PLC and observable in OBSERVABLES
+            # Where there are stamps, positions beside them tell of places, without the wait.
+            has_places = observable.unit == "µm" and "position" not in scene.streams
+            middle, unit = (expected[rows], scale[rows]) if is_pooled else (0.0, np.ones(len(rows)))
+            ensembles = [
+                Ensemble.of(
+                    (values[:, rows] - middle) / unit,
+                    unit,
+                    is_pooled=is_pooled,
+                    has_places=has_places,
+                )
+                for values in played
+            ]
+            yield Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
+
+    def _expected(self, observable: Observable) -> tuple[FloatArray, FloatArray]:
+        """Give what is expected of each touch before its wait for a scan, and what a µs adds.
+
+        Touches of surfaces that lie apart are pooled, each from where its surface is found to be.
+        """
+        is_from_contact = observable.name == "latch_after_contact_us"
+        expected, scale = before_wait(self.scene, observable.unit, is_from_contact=is_from_contact)
+        surface_um, coordinate_um = self.before.datum.sizes_um(
+            self.scene.nominal, self.scene.touches
+        )
+        if observable.unit == "µm":
+            return expected + surface_um + coordinate_um, scale
+        return expected + surface_um / self.scene.speed * is_from_contact, scale
 
 
 def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
@@ -156,36 +197,6 @@ def _least(scene: Scene, observable: Observable) -> float:
     return ROUNDING * (
         scene.nominal.axis.resolution_um if is_length else stamp_width_us(scene.nominal)
     )
-
-
-def _cells(
-    scene: Scene,
-    scored: BoolArray,
-    observable: Observable,
-    plays: Sequence[Outcomes],
-    spans: Iterable[Span],
-) -> Iterator[Cell]:
-    """Score cell by cell what was played: nominal, with the effects found, with the true ones."""
-    recorded = observable.values(scene.touches, scene.contact)
-    played = [observable.values(outcomes, scene.contact) for outcomes in plays]
-    known = scored & ~np.isnan(recorded)
-    for values in played:
-        known = known & ~np.isnan(values).all(axis=0)
-    is_from_contact = observable.name == "latch_after_contact_us"
-    expected, scale = before_wait(scene, observable.unit, is_from_contact=is_from_contact)
-    for path, rows in _cells_within(scene, known, spans):
-        # On the grid of the scans no phase is left.
-        is_pooled = path == InputPath.PLC and observable in OBSERVABLES
-        # Where there are stamps, positions beside them tell of places, without the wait.
-        has_places = observable.unit == "µm" and "position" not in scene.streams
-        middle, unit = (expected[rows], scale[rows]) if is_pooled else (0.0, np.ones(len(rows)))
-        ensembles = [
-            Ensemble.of(
-                (values[:, rows] - middle) / unit, unit, is_pooled=is_pooled, has_places=has_places
-            )
-            for values in played
-        ]
-        yield Cell.of(path, (recorded[rows] - middle) / unit, ensembles)
 
 
 def _cells_within(
