@@ -10,21 +10,17 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import LINEAR_AXES, Touches
 from skiplatch.diagnosis.candidates.candidate import Refinement
-from skiplatch.diagnosis.candidates.first_axis import OF_AN_AXIS
+from skiplatch.diagnosis.candidates.first_axis import MOST_OVER, OF_AN_AXIS, RATIOS
 from skiplatch.diagnosis.candidates.positions import positions
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
-RATIOS = ("y_excess_ratio", "z_excess_ratio")
-"""Parameters that tell what Y and Z have more than X."""
 FEWEST_ON_AXIS = 16
 """Touches, of an axis or of all, that show an error."""
 A_NEWS = 4.0
 """Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
-MOST_OVER = 1000.0
-"""Times another axis' error may be that of X: about as many as in the table of effects."""
 
 
 def idle(touches: Touches, effect: Effect) -> frozenset[str]:

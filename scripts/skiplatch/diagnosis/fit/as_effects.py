@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from skiplatch.diagnosis.candidates.first_axis import within_ratio
 from skiplatch.diagnosis.candidates.simulated import Simulated, admitted_values
 from skiplatch.diagnosis.candidates.surrogates import HALF_WAY, SWITCHES, highest, turn_of
 from skiplatch.diagnosis.fit.fit import Fit
@@ -19,7 +20,7 @@ def as_effects(fit: Fit) -> list[Effect]:
         admitted = (
             admitted_values(effects()[candidate.id], values)
             if isinstance(candidate, Simulated)
-            else _admitted(candidate.id, parameters)
+            else _admitted(candidate.id, within_ratio(candidate.id, parameters))
         )
         found.append(Effect(candidate.id, admitted, candidate.span))
     return found
