@@ -11,7 +11,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.density.datum import BY_COORDINATES, WITHOUT_STAMPS
+from skiplatch.diagnosis.density.datum import ARRIVAL, BY_COORDINATES, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -47,7 +47,7 @@ def positions(scene: Scene, given: Change) -> Positions:
     data: list[FloatArray] = []
     for family in (BY_COORDINATES, WITHOUT_STAMPS):
         datum = np.full(len(scene), -1)
-        for stream in (scene.streams[name] for name in family if name in scene.streams):
+        for stream in (scene.streams[n] for n in family if n in scene.streams and n != ARRIVAL):
             law, there = law_under(scene, stream, given), stream.rows
             off_um[there] = (stream.residuals - law.mean)[there]
             spread_um[there] = law.spread[there]

@@ -128,8 +128,8 @@ def _late_us(
 
 def _late_arrivals(scene: Scene) -> list[list[float]]:
     """Propose how late arrivals are that stand for stamps: by that positions fall behind them."""
-    stream = scene.streams.get("position")
-    if stream is None or scene.nominal.arrival_us is None:
+    stream = scene.streams.get("arrival")
+    if stream is None:
         return []
     behind_um, speed = (stream.law.mean - stream.residuals)[stream.rows], scene.speed[stream.rows]
     late_us = float(np.median(behind_um / speed))

@@ -6,7 +6,8 @@ shows in two ways, each of which is free: stamps tell when the surface is met, c
 """
 
 BY_STAMPS = ("latch_skip", "latch_plc")
-BY_COORDINATES = ("position",)
+ARRIVAL = "arrival"
+BY_COORDINATES = ("position", ARRIVAL)
 WITHOUT_STAMPS = ("deviation_skip", "deviation_plc")
 FAMILIES = (BY_STAMPS, BY_COORDINATES, WITHOUT_STAMPS)
 """Observables that one length shifts together."""

@@ -15,7 +15,6 @@ from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.fit.beliefs import LOBES_U
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import MISSED, affected
-from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.scene import Scene, rounding_step
 
 RELATIVE = 0.25
@@ -143,7 +142,7 @@ def _latest(extra: Extra) -> FloatArray:
 def _is_resolved(scene: Scene, stream: Stream, shift: FloatArray, scatter: FloatArray) -> bool:
     """Tell whether rounding lets see what it is off by: shift and scatter of shape (rows,)."""
     step = rounding_step(scene, stream)
-    tick = stamp_width_us(scene.nominal)
+    tick = scene.nominal.skip.tick_us
     ticks = scene.speed[stream.rows] * tick if stream.unit != MICROSECONDS else tick
     return _rms(scatter) > ROUNDING * step or bool(np.any(shift > RESOLVED * step + ticks))
 
@@ -166,6 +165,6 @@ def is_off_grid(scene: Scene, change: Change, law: Law, least_us: float = 0.0) -
     late = float((law.mean - law.offset - (law.box_a + law.box_b) / 2.0)[one])
     stamps = np.broadcast_to(np.asarray(change.stamp_us, dtype=float), (len(scene),))[scene.plc]
     drifted = _rms(np.nan_to_num(stamps))
-    least_seen_us = max(stamp_width_us(scene.nominal), least_us)
+    least_seen_us = max(scene.nominal.skip.tick_us, least_us)
     moved = max(abs(change.period_us), _unbound_us(scene, change))
     return moved > least_us or max(scatter, late, drifted) > least_seen_us

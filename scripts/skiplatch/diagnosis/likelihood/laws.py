@@ -14,7 +14,7 @@ from skiplatch.simulator.library import connection, layout
 TINY = 1e-9
 LATTICE = "lattice"
 """Stream of the stamps of scans, off the grid that they keep together."""
-AFTER_LATCH = {"position", "report"}
+AFTER_LATCH = {"position", "arrival", "report"}
 """Streams that are counted from the stamp of the latch."""
 
 

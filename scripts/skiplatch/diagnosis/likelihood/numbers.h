@@ -37,6 +37,11 @@ static inline bool is_deviation(uint32_t stream)
     return stream == SIM_DEVIATION_SKIP || stream == SIM_DEVIATION_PLC;
 }
 
+static inline bool is_beyond_stamp(uint32_t stream)
+{
+    return stream == SIM_POSITION || stream == SIM_ARRIVAL;
+}
+
 static inline bool is_length(uint32_t stream)
 {
     return stream == SIM_POSITION || is_deviation(stream);

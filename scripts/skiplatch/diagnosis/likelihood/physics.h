@@ -16,6 +16,7 @@ enum sim_stream {
     SIM_LATCH_PLC,
     SIM_LATTICE,
     SIM_POSITION,
+    SIM_ARRIVAL, /* the position beside the arrival of a report, which stands for a stamp */
     SIM_DEVIATION_SKIP,
     SIM_DEVIATION_PLC,
     SIM_REPORT,

@@ -17,7 +17,6 @@ from skiplatch.diagnosis.density.law import SMALLEST, Extra
 from skiplatch.diagnosis.density.residuals import fill
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.likelihood.scan_wait import other_waits, scan_period_us
-from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.library import CData, connection, layout
 
@@ -74,7 +73,7 @@ def _touches(scene: Scene) -> LaidOut:
     at.is_plc = laid_out.array(scene.plc.astype(np.uint8), "uint8_t")
     at.n, at.resolution = len(scene), SMALLEST
     at.least_pretravel_um = scene.least_pretravel_um
-    at.tick_us, at.jitter_us = stamp_width_us(nominal), nominal.skip.jitter_us
+    at.tick_us, at.jitter_us = nominal.skip.tick_us, nominal.skip.jitter_us
     at.stamp_step_us = scene.stamp_step_us
     at.scan_us, at.resolution_um = nominal.plc.scan_us, nominal.axis.resolution_um
     at.behind_us = nominal.input.filter_us + nominal.skip.latency_us
@@ -199,16 +198,18 @@ def extras_of(scene: Scene, name: str, change: Change) -> tuple[Extra, ...]:
     """Give what some touches get on top in a stream; of a deviation in µs."""
     if name == "motion":
         return ()
-    late = change.report_extra if scene.nominal.arrival_us is not None else ()
     if name == "lattice":
-        return both(change.lattice_extra, late)
+        return change.lattice_extra
     if name == "report":
         return change.report_extra
     if name in BY_STAMPS:
-        return both(_latch_extras(scene, name, change), late)
+        return _latch_extras(scene, name, change)
     beyond = _position_extras(change)
     if name == "position":
-        return both(beyond, tuple(_beyond(extra, scene.speed) for extra in late))
+        return beyond
+    if name == "arrival":
+        late = (_beyond(extra, scene.speed) for extra in change.report_extra)
+        return both(beyond, tuple(late))
     us_per_um = 1.0 / (scene.speed * change.speed_ratio)
     scaled = tuple(_scaled(extra, us_per_um) for extra in beyond)
     return both(_latch_extras(scene, name, change), scaled)

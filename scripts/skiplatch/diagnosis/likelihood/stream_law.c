@@ -112,7 +112,7 @@ static shift_t shift_of(const sim_touches_t *of, const sim_member_t *member,
 /* By how much a µs of the stamp shifts touch k of a member. */
 static double per_us_of(const sim_touches_t *of, const sim_member_t *member, uint64_t k)
 {
-    return member->stream == SIM_POSITION ? of->speed[member->rows[k]] : 1.0;
+    return is_beyond_stamp(member->stream) ? of->speed[member->rows[k]] : 1.0;
 }
 
 /* Widen the laws of a stream that is counted from the stamp, by what the latch leaves open. */

@@ -38,7 +38,7 @@ static uint32_t family_of(const sim_touches_t *of, uint32_t stream)
     if (of->datum_count == 0u || is_of_time) {
         return SIM_FAMILY_COUNT;
     }
-    if (stream == SIM_POSITION) {
+    if (is_beyond_stamp(stream)) {
         return SIM_BY_COORDINATES;
     }
     return is_deviation(stream) ? SIM_WITHOUT_STAMPS : SIM_BY_STAMPS;

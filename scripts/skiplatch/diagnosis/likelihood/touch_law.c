@@ -164,7 +164,7 @@ sim_law_t touch_law(const sim_touches_t *of, uint32_t stream, const sim_law_t *c
         law.offset += number_at(change->contact_us, i);
         return law;
     }
-    if (stream == SIM_POSITION) {
+    if (is_beyond_stamp(stream)) {
         return position_law(&touch, law);
     }
     if (stream == SIM_REPORT) {

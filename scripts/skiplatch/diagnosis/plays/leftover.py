@@ -137,7 +137,7 @@ STREAMS = {
     "latch": ("latch_skip", "latch_plc"),
     "grid": ("lattice",),
     "position": ("position", "deviation_skip", "deviation_plc"),
-    "report": ("report",),
+    "report": ("report", "arrival"),
     MISSED: (MISSED,),
 }
 """Of the likelihood, by the observable that shows the same."""

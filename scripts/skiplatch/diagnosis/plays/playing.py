@@ -15,7 +15,7 @@ from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
 from skiplatch.diagnosis.likelihood.likelihood import fitted_datum_um
 from skiplatch.diagnosis.plays.scans import Begins, Player, Scans
-from skiplatch.diagnosis.scene.arrivals import as_stamped, stamp_width_us
+from skiplatch.diagnosis.scene.arrivals import as_stamped
 from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
@@ -54,9 +54,13 @@ class FittedDatum:
             values = found.get(family)
             return {} if values is None else dict(zip(names, values.tolist(), strict=True))
 
+        coordinate_um = by_name(BY_COORDINATES)
         if BY_STAMPS in found:
-            return cls(by_name(BY_STAMPS), by_name(BY_COORDINATES))
-        return cls({}, by_name(WITHOUT_STAMPS))
+            return cls(by_name(BY_STAMPS), coordinate_um)
+        both_um = by_name(WITHOUT_STAMPS)
+        if not coordinate_um:
+            return cls({}, both_um)
+        return cls({name: um - coordinate_um[name] for name, um in both_um.items()}, coordinate_um)
 
     def beyond(self, surface: "FittedDatum") -> "FittedDatum":
         """Give it with a surface whose place it was fitted beside, without any of its own."""
@@ -114,13 +118,13 @@ class Rig:
     @property
     def tick_us(self) -> float:
         """What its clock rounds stamps to, believed or found."""
-        if self.nominal.arrival_us is not None:
-            return stamp_width_us(self.nominal)
         coarse = (e.parameters["tick_us"] for e in self.effects if e.id == TICK)
         return max([self.nominal.skip.tick_us, *coarse])
 
     def whose_scans_are(self, recorded: Touches, *, seed: int) -> Self:
         """Give it with the scans that touches of its own tell; the seed is that of trial plays."""
+        if self.nominal.arrival_us is not None:
+            return self
         trial = partial(self._played, seed=seed, jobs=1)
         scans = Scans.of(self.counted(recorded), self.scan_us, self.tick_us, trial)
         return replace(self, scans=scans)
@@ -128,7 +132,7 @@ class Rig:
     @property
     def has_coarse_tick(self) -> bool:
         """Its clock ticks more coarsely than believed."""
-        return self.tick_us > stamp_width_us(self.nominal) > 0.0
+        return self.tick_us > self.nominal.skip.tick_us > 0.0
 
     def counted(self, touches: Touches) -> Touches:
         """Give touches with their stamps as plays make them: these count in believed ticks."""

@@ -30,6 +30,7 @@ OBSERVABLES = {
     "latch_skip": "latch",
     "latch_plc": "latch",
     "lattice": "grid",
+    "arrival": "report",
     "deviation_skip": "position",
     "deviation_plc": "position",
 }

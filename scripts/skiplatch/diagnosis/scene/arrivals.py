@@ -36,15 +36,3 @@ def as_stamped(nominal: Nominal, outcomes: Outcomes) -> Outcomes:
     if nominal.arrival_us is None:
         return outcomes
     return replace(outcomes, latch_us=outcomes.report_us - nominal.arrival_us)
-
-
-def earliest_stamp_us(nominal: Nominal) -> float:
-    """By how much a stamp is late at least; less than 0."""
-    if nominal.arrival_us is None:
-        return -nominal.skip.tick_us
-    return nominal.report.latency_us - nominal.arrival_us
-
-
-def stamp_width_us(nominal: Nominal) -> float:
-    """By how much one may be later than another of the same latch."""
-    return nominal.skip.tick_us if nominal.arrival_us is None else nominal.report.jitter_us

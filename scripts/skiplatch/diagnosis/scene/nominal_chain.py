@@ -180,7 +180,12 @@ class NominalChain:
     @cached_property
     def has_stamps(self) -> BoolArray:
         """The latch was stamped; shape (n,)."""
-        return ~np.isnan(self.touches.latch_us)
+        return ~np.isnan(self.touches.latch_us) & (self.nominal.arrival_us is None)
+
+    @cached_property
+    def has_arrivals(self) -> BoolArray:
+        """An arrival stands for the stamp; shape (n,)."""
+        return ~np.isnan(self.touches.latch_us) & (self.nominal.arrival_us is not None)
 
     @cached_property
     def begin_us(self) -> FloatArray:

@@ -7,7 +7,6 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.scene.arrivals import earliest_stamp_us, stamp_width_us
 from skiplatch.diagnosis.scene.nominal_chain import NominalChain
 
 
@@ -19,6 +18,7 @@ def nominal_streams(chain: NominalChain) -> Iterator[Stream]:
         _latch(chain, "plc", chain.plc),
         _lattice(chain),
         _position(chain),
+        _arrival(chain),
         _deviation(chain, "skip", ~chain.plc),
         _deviation(chain, "plc", chain.plc),
         _report(chain),
@@ -37,15 +37,15 @@ def _latch(chain: NominalChain, path: str, rows: BoolArray) -> Stream:
     """Latch stamp after begin, less what the nominal chain needs at least."""
     expected = chain.pretravel_um / chain.speed + chain.wait_us
     residuals = chain.touches.latch_us - chain.begin_us - expected
-    earliest, width = earliest_stamp_us(chain.nominal), stamp_width_us(chain.nominal)
-    law = (earliest, chain.mechanics_us, chain.scatter_us, width)
+    tick = chain.nominal.skip.tick_us
+    law = (-tick, chain.mechanics_us, chain.scatter_us, tick)
     stages = ("motion", "probe", "link", "input", "latch" if path == "skip" else "scan")
-    return _stream(chain, f"latch_{path}", "µs", stages, residuals, law, rows)
+    return _stream(chain, f"latch_{path}", "µs", stages, residuals, law, rows & chain.has_stamps)
 
 
 def _lattice(chain: NominalChain) -> Stream:
     """PLC stamps off the grid of scans."""
-    tick = stamp_width_us(chain.nominal)
+    tick = chain.nominal.skip.tick_us
     law = (-tick / 2.0, tick / 4.0, tick, 0.0)
     rows = chain.plc & chain.has_stamps
     return _stream(chain, "lattice", "µs", ("scan",), chain.off_grid_us, law, rows)
@@ -53,14 +53,30 @@ def _lattice(chain: NominalChain) -> Stream:
 
 def _position(chain: NominalChain) -> Stream:
     """Latched position less the way since the begin, by the latch's own stamp."""
+    tick = chain.nominal.skip.tick_us
+    return _beyond_stamp(chain, ("position", "position"), chain.has_stamps, 0.0, tick)
+
+
+def _arrival(chain: NominalChain) -> Stream:
+    """The same by an arrival: how late it is for the latch that the position tells."""
+    report = chain.nominal.report
+    latest_us = report.latency_us + report.jitter_us - (chain.nominal.arrival_us or 0.0)
+    named = "arrival", "report"
+    return _beyond_stamp(chain, named, chain.has_arrivals, latest_us, report.jitter_us)
+
+
+def _beyond_stamp(
+    chain: NominalChain, named: tuple[str, str], rows: BoolArray, latest_us: float, width_us: float
+) -> Stream:
+    """Give a stream by its name and stage, of stamps that are so late at most, and so wide."""
     way = chain.speed * (chain.touches.latch_us - chain.begin_us)
     residuals = chain.touches.deviation_um - way
-    resolution, width = chain.nominal.axis.resolution_um, stamp_width_us(chain.nominal)
-    latest_us = earliest_stamp_us(chain.nominal) + width
+    resolution = chain.nominal.axis.resolution_um
     sigma = 0.0 if chain.is_machine else chain.speed * chain.nominal.bench.reference_jitter_us
-    law = (-resolution / 2.0 - chain.speed * latest_us, sigma, chain.speed * width, resolution)
-    everywhere = np.full(len(chain), fill_value=True)
-    return _stream(chain, "position", "µm", ("position",), residuals, law, everywhere)
+    least = -resolution / 2.0 - chain.speed * latest_us
+    law = (least, sigma, chain.speed * width_us, resolution)
+    name, stage = named
+    return _stream(chain, name, "µm", (stage,), residuals, law, rows)
 
 
 def _deviation(chain: NominalChain, path: str, rows: BoolArray) -> Stream:

@@ -6,7 +6,6 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.comparison.observables import Recorded
-from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -25,7 +24,8 @@ def observed(
     """Take outcomes apart, as far as was recorded; each of shape (…, n), NaN where it was not.
 
     The edge after the expected contact, the latch after its begin, the stamp of a scan off the grid
-    of the others, the position beyond the way since the begin, and the report after the latch.
+    of the others, the position beyond the way since the begin, and the report after the latch, or
+    after the one that the position tells where nobody stamped.
 
     Args:
         scene: The touches.
@@ -37,14 +37,14 @@ def observed(
     begin = np.where(np.isnan(edges), contact_us, recorded.edge_us)
     later = recorded.latch_us - begin
     beyond = recorded.deviation_um - scene.speed * later
+    on_grid = np.where(scene.plc & scene.has_stamps, recorded.latch_us, np.nan)
+    arrived = later - recorded.deviation_um / scene.speed
     return {
         "edge": recorded.edge_us - contact_us,
-        "latch": later,
-        "grid": off_grid(
-            np.where(scene.plc, recorded.latch_us, np.nan), scan_us or scene.nominal.plc.scan_us
-        ),
+        "latch": np.where(scene.has_stamps, later, np.nan),
+        "grid": off_grid(on_grid, scan_us or scene.nominal.plc.scan_us),
         "position": np.where(scene.has_stamps, beyond, recorded.deviation_um),
-        "report": recorded.report_us - recorded.latch_us,
+        "report": np.where(scene.has_arrivals, arrived, recorded.report_us - recorded.latch_us),
     }
 
 
@@ -66,4 +66,4 @@ def before_wait(
 def step(scene: Scene, name: str) -> float:
     """Give what an observable is rounded to, in its unit."""
     chain = scene.nominal
-    return chain.axis.resolution_um if UNITS[name] == "µm" else stamp_width_us(chain)
+    return chain.axis.resolution_um if UNITS[name] == "µm" else chain.skip.tick_us

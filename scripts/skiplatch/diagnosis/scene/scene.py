@@ -19,7 +19,6 @@ from skiplatch.diagnosis.density.change import NOTHING, Change
 from skiplatch.diagnosis.density.datum import SHIFTED
 from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
-from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.grid import WRITTEN_US, keep_grid, mean_turn
 from skiplatch.diagnosis.scene.nominal_chain import NominalChain
 from skiplatch.diagnosis.scene.nominal_streams import nominal_streams
@@ -155,7 +154,7 @@ class Scene(NominalChain):
     @cached_property
     def stamp_step_us(self) -> float:
         """What stamps are rounded to: believed ticks, or what they are written to if on none."""
-        tick_us, known = stamp_width_us(self.nominal), np.isfinite(self.touches.latch_us)
+        tick_us, known = self.nominal.skip.tick_us, np.isfinite(self.touches.latch_us)
         turn = complex(mean_turn(self.touches.latch_us[known], tick_us))
         return tick_us if keep_grid(turn) or not known.any() else WRITTEN_US
 
@@ -191,5 +190,5 @@ def _unpacked(packed: bytes) -> Scene:
 def rounding_step(scene: Scene, stream: Stream) -> float:
     """What the residuals of a stream are rounded to, in its unit."""
     if stream.unit == "µs":
-        return stamp_width_us(scene.nominal)
+        return scene.nominal.skip.tick_us
     return scene.nominal.axis.resolution_um

@@ -11,7 +11,7 @@ simulations are left out, so that a gap that sits on one path, or at some feeds,
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -23,7 +23,6 @@ from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
 from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
 from skiplatch.diagnosis.plays.playing import Folds, Rig, has_like_grid
-from skiplatch.diagnosis.scene.arrivals import stamp_width_us
 from skiplatch.diagnosis.scene.grid import off_grid
 from skiplatch.diagnosis.scene.observed import before_wait, observed
 from skiplatch.diagnosis.scene.scene import Scene
@@ -173,6 +172,9 @@ def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
     beside the other stamps that it shows. Nor does a position that is off show in that wait: it
     does beside the way until its own stamp.
     """
+    if scene.has_arrivals.any():
+        yield from _of_arrivals(scene)
+        return
     yield from OBSERVABLES
 
     def beyond(recorded: Recorded, _: Contact) -> FloatArray:
@@ -191,11 +193,24 @@ def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
         yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
 
 
+def _of_arrivals(scene: Scene) -> Iterator[Observable]:
+    """Give those of positions, and how late arrivals are for the latch that these tell."""
+
+    def arrived(recorded: Recorded, _: Contact) -> FloatArray:
+        return observed(scene, recorded)["report"]
+
+    for one in OBSERVABLES:
+        if one.name == "report_after_latch_us":
+            yield replace(one, values=arrived)
+        elif not one.name.startswith("latch"):
+            yield one
+
+
 def _least(scene: Scene, observable: Observable) -> float:
     """Give the noise floor of what is known but for its rounding."""
     is_length = observable.unit == "µm"
     return ROUNDING * (
-        scene.nominal.axis.resolution_um if is_length else stamp_width_us(scene.nominal)
+        scene.nominal.axis.resolution_um if is_length else scene.nominal.skip.tick_us
     )
 
 
