@@ -92,6 +92,15 @@ def test_without_a_belief_of_how_long_reports_take_arrivals_tell_no_latch() -> N
     assert not scene.has_stamps.any()
 
 
+def test_without_positions_arrivals_tell_no_latch() -> None:
+    campaign = unstamped(played(BENCH))
+    none = np.full(len(campaign.touches), np.nan)
+    edges = replace(campaign, touches=replace(campaign.touches, deviation_um=none))
+
+    assert set(scene_of(edges).streams) == {"motion"}
+    assert scene_of(edges).nominal == campaign.nominal
+
+
 def test_stamps_of_the_latch_stay() -> None:
     campaign = played(BENCH)
 
@@ -110,7 +119,7 @@ def test_a_late_report_is_named_though_nobody_stamped() -> None:
     assert found.verdict is Verdict.EXPLAINED
     assert [one.effect.id for one in found.effects] == ["report_delay"]
     assert found.effects[0].effect.parameters["delay_us"] == pytest.approx(400.0, abs=5.0)
-    assert any("arrivals of reports stand in" in note for note in found.notes)
+    assert any("arrivals of reports are held" in note for note in found.notes)
 
 
 def test_no_gap_is_seen_where_there_is_none() -> None:

@@ -164,7 +164,7 @@ COLUMNS: Mapping[str, Column] = {
         trimmed=False,
         meaning="the firmware's own time stamp of the latch, device clock",
         example="16563204.000",
-        lost="when it was latched, and how late report_us comes",
+        lost="when it was latched, and what its clock does",
     ),
     "report_us": NumberColumn(
         is_outcome=True,

@@ -97,12 +97,12 @@ def _is_along_axes(scene: Scene) -> bool:
 def _of_stamps(scene: Scene) -> list[str]:
     """Say what stood in for stamps, or what cannot be told without."""
     if scene.nominal.arrival_us is not None:
-        return ["No latch_us: arrivals of reports stand in, less the longest that they may take."]
+        return ["No latch_us: arrivals of reports are held against the latch that positions tell."]
     if scene.has_stamps.any():
         return []
     found = ["No latch_us: what shifts time and what shifts length look alike."]
     if not np.isnan(scene.touches.report_us).all():
-        lacking = "report_us without latch_us, and no belief of how long reports take"
+        lacking = "report_us without latch_us, and no position or no belief of how long they take"
         found.append(f"{lacking}: how late they come was not looked at.")
     return found
 

@@ -1,9 +1,9 @@
-"""Arrivals of reports as stamps, where the latch has none of its own.
+"""Arrivals of reports, where the latch has no stamps of its own.
 
-A stamp is what its clock read at the latch, rounded down to a tick. Moved back by the longest that
-a report is believed to take, its arrival is the same: a time of no more than the latch, by the
-jitter of the report at most. What is wrong with the clock does not show in it, and what is wrong
-with the report shows as a late stamp.
+The position tells when it was latched: by then the axis had gone so far at its feed. How much later
+than that the report came is how long it took. So an arrival counts as a stamp, moved back by the
+longest that a report is believed to take, beside which only the position is looked at: what chain
+and latch have done is in that position, and more sharply. Nothing shows of the latch's clock.
 """
 
 from dataclasses import replace
@@ -17,10 +17,11 @@ WAY = {("report", "latency_us"), ("report", "jitter_us")}
 
 
 def with_arrivals(campaign: Campaign) -> Campaign:
-    """Take arrivals as stamps, if nobody stamped, and it is known how long reports take."""
+    """Take arrivals as stamps, if nobody stamped, and it is believed how long reports take."""
     nominal, touches = campaign.nominal, campaign.touches
     is_stamped = not np.isnan(touches.latch_us).all()
-    if is_stamped or np.isnan(touches.report_us).all() or WAY & nominal.unknown:
+    is_told = not np.isnan(touches.report_us + touches.deviation_um).all()
+    if is_stamped or not is_told or WAY & nominal.unknown:
         return campaign
     longest_us = nominal.report.latency_us + nominal.report.jitter_us
     stamps, none = touches.report_us - longest_us, np.full(len(touches), np.nan)
