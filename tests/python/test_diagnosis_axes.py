@@ -8,7 +8,12 @@ import pytest
 from diagnosed import Search
 from played_campaigns import MACHINE, played_again
 from skiplatch.campaign import Axis, Campaign, read_campaign
-from skiplatch.diagnosis.candidates.first_axis import first_axis, first_of_its_own
+from skiplatch.diagnosis.candidates.first_axis import (
+    MOST_OVER,
+    first_axis,
+    first_of_its_own,
+    within_ratio,
+)
 from skiplatch.diagnosis.candidates.table import CANDIDATES
 from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.scene.scene import Scene
@@ -43,6 +48,21 @@ def test_the_first_axis_has_nothing_more_than_x(
     assert first_of_its_own(scene.touches) == own
     wave = CANDIDATES["transmission_error"]
     assert {wave.names[number] for number in wave.taken_up(scene)} == own
+
+
+@pytest.mark.parametrize("over", [-1730.4, 2400.0])
+def test_an_axis_that_errs_alone_is_at_no_limit(over: float) -> None:
+    """What X has is next to nothing: how many times as much another has, is told by no touch."""
+    found = {"scale_ppm": -0.405, "y_excess_ratio": 12.0, "z_excess_ratio": over}
+
+    admitted = within_ratio("scale_error", found)
+
+    for name in ("y_excess_ratio", "z_excess_ratio"):
+        assert admitted["scale_ppm"] * (1.0 + admitted[name]) == pytest.approx(
+            found["scale_ppm"] * (1.0 + found[name])
+        )
+    assert abs(admitted["z_excess_ratio"]) < 0.6 * MOST_OVER
+    assert within_ratio("scale_error", admitted) == admitted
 
 
 def test_a_scale_of_y_alone_is_known_as_closely_as_one_of_x() -> None:

@@ -24,12 +24,12 @@ def unsaid_path(nominal: Nominal, latch_us: FloatArray) -> tuple[InputPath, str]
     has_scan = ("plc", "scan_us") not in nominal.unknown
     if has_scan and nominal.unknown >= OF_AN_INTERRUPT:
         return InputPath.PLC, "nominal.toml has a scan and no interrupt"
-    if has_scan and keep_grid(latch_us[~np.isnan(latch_us)], nominal.plc.scan_us):
+    if has_scan and lie_on_grid(latch_us[~np.isnan(latch_us)], nominal.plc.scan_us):
         return InputPath.PLC, "stamps lie on the grid of the scans"
     return InputPath.SKIP, ""
 
 
-def keep_grid(stamps: FloatArray, period: float) -> bool:
+def lie_on_grid(stamps: FloatArray, period: float) -> bool:
     """Tell whether stamps, shape (n,), lie on a grid by no accident."""
     turn = np.abs(np.exp(2j * np.pi * stamps / period).sum())
     return bool(len(stamps) and turn**2 / len(stamps) > -np.log(CHANCE))
