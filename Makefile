@@ -32,6 +32,9 @@ SUBJECTS := boards variants setup sources compile tests suites
 MK       := $(SUBJECTS:%=mk/%.mk)
 include $(MK) $(filter-out $(MK),$(wildcard mk/*.mk))
 
+# Each process of Python would compile all sources anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: FORCE
 
 # ---- what is called by hand; more of it in mk/ ---------------------------------------------------
