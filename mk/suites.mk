@@ -62,9 +62,9 @@ $(RESULTS)/long/pytest.xml:   MARKED = long
 # Processes fill the processors: threads under their linear algebra would only wait for one another.
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # A file's tests share what is dear to make, and the last files are short ones. Of long ones those share
-# that are marked as a group.
+# that are marked as a group, which begin: tests/python/conftest.py.
 $(RESULTS)/python/pytest.xml: PYTEST_DIST = loadfile --no-loadscope-reorder
-$(RESULTS)/long/pytest.xml:   PYTEST_DIST = loadgroup --no-loadscope-reorder
+$(RESULTS)/long/pytest.xml:   PYTEST_DIST = loadgroup
 $(RESULTS)/python/pytest.xml $(RESULTS)/long/pytest.xml: \
                               library program $(OUT)/inject-codec $(RUN_HERE:%=programs-%) FORCE
 	@$(ONE_THREAD) $(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \

@@ -3,22 +3,50 @@
 import shutil
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
+from xdist.scheduler import LoadScopeScheduling
 
 from browser import Browser, browser, chromium
 from refusals import Program
 from skiplatch import cli
 
-SAMPLES = Path(__file__).parents[2] / "scripts" / "samples"
+ROOT = Path(__file__).parents[2]
+SAMPLES = ROOT / "scripts" / "samples"
 
 # Every run tries the same cases, so that a red build can be repeated; `--hypothesis-profile
 # explore` looks for new ones.
 settings.register_profile("steady", derandomize=True, deadline=None)
 settings.register_profile("explore", deadline=None, max_examples=2000)
 settings.load_profile("steady")
+
+
+@cache
+def is_group(file: str) -> bool:
+    """Whether the tests of a file share what is dear to make."""
+    return "pytest.mark.xdist_group(" in (ROOT / file).read_text(encoding="utf-8")
+
+
+def scope_of(nodeid: str) -> str:
+    """Give what a test is handed out with: its file, if that is marked as a group, else itself."""
+    file = nodeid.partition("::")[0]
+    return file if is_group(file) else nodeid
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Hand out groups whole and first, all other tests one by one.
+
+    xdist 3.8 has it from the names of tests, to which it adds their group; pytest 9.2 makes the
+    names anew, so that no group is kept together.
+    """
+    if config.getoption("dist") != "loadgroup":
+        return None
+    scheduling = LoadScopeScheduling(config, log)
+    scheduling._split_scope = scope_of
+    return scheduling
 
 
 @pytest.fixture
