@@ -61,6 +61,10 @@ test: setup setup-test ## set up and run every test but the long ones
 long: setup setup-test ## run the tests that take long: whole diagnoses of two effects, and of the rig
 	$(call run_suites,$@)
 
+.PHONY: nightly
+nightly: setup setup-test ## run what repeats other tests, with more seeds, draws and sizes
+	$(call run_suites,$@)
+
 .PHONY: lint
 lint: setup-lint ## set up and run every static check
 	@$(INNER_MAKE) generated
@@ -75,7 +79,7 @@ format: setup-build ## lay out C and Python files as lint wants them
 .PHONY: totals
 totals:
 	@python3 scripts/count_tests.py $(RESULTS) $(TEST_SUITES) long lint sanitize proofs \
-	    $(notdir $(wildcard $(RESULTS)/bench-vm))
+	    $(notdir $(wildcard $(RESULTS)/nightly $(RESULTS)/bench-vm))
 
 .PHONY: clean
 clean: ## remove what was built

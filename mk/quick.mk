@@ -12,7 +12,7 @@ run-quick: library program $(OUT)/inject-codec $(TESTS.unit:%.c=$(OUT)/%)
 	    'timeout 60 TEST >TEST.log 2>&1 || { cat TEST.log; echo "TEST: failed"; exit 255; }'
 	@files=$$($(VENV_PYTHON) scripts/quick_tests.py $(RESULTS)/python/pytest.xml $(QUICK_S) tests/python); \
 	    [ -z "$$files" ] || $(ONE_THREAD) $(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) \
-	        --numprocesses=$(shell nproc) --quiet -m 'not long' $$files || exit; \
+	        --numprocesses=$(shell nproc) --quiet -m '$(QUICK_MARKED)' $$files || exit; \
 	    awk -v python="$$(echo $$files | wc -w)" '/ Tests .* Failures / { tests += $$1 } \
 	        END { printf "quick: %d tests of C in %d files and %d test files of Python passed\n", \
 	            tests, ARGC - 1, python }' $(TESTS.unit:%.c=$(OUT)/%.log)

@@ -33,9 +33,10 @@ RESULTS.host-ports      := $(HOST_PORTS:%=$(RESULTS)/host-ports/%.check)
 RESULTS.fuzz-regression := $(FUZZ:tests/fuzz/%.c=$(RESULTS)/fuzz-regression/%.check)
 RESULTS.python          := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/python/pytest.xml)
 RESULTS.long            := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/long/pytest.xml)
+RESULTS.nightly         := $(if $(wildcard tests/python/test_*.py),$(RESULTS)/nightly/pytest.xml)
 
-.PHONY: $(addprefix run-,$(C_SUITES) host-ports python long)
-$(addprefix run-,$(C_SUITES) host-ports python long): run-%: $$(RESULTS.$$*)
+.PHONY: $(addprefix run-,$(C_SUITES) host-ports python long nightly)
+$(addprefix run-,$(C_SUITES) host-ports python long nightly): run-%: $$(RESULTS.$$*)
 	@:
 
 check = @scripts/run_check.sh $@ $(basename $(@F))
@@ -57,15 +58,21 @@ $(RESULTS.host-ports): $(RESULTS)/host-ports/%.check: $(OUT)/ports/% FORCE
 
 PYTHON_TESTS   := tests/python $(sort $(dir $(wildcard hal/ports/*/tests/test_*.py)))
 PYTEST_OPTIONS := -c scripts/pyproject.toml --rootdir=. -o cache_dir=build/pytest_cache
-$(RESULTS)/python/pytest.xml: MARKED = not long
-$(RESULTS)/long/pytest.xml:   MARKED = long
+PYTEST_XML     := $(RESULTS.python) $(RESULTS.long) $(RESULTS.nightly)
+QUICK_MARKED   := not long and not nightly
+$(RESULTS)/python/pytest.xml:  MARKED = $(QUICK_MARKED)
+$(RESULTS)/long/pytest.xml:    MARKED = long and not nightly
+$(RESULTS)/nightly/pytest.xml: MARKED = nightly
 # Processes fill the processors: threads under their linear algebra would only wait for one another.
 ONE_THREAD := OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
 # A file's tests share what is dear to make, and the last files are short ones. Of long ones those share
 # that are marked as a group, which begin: tests/python/conftest.py.
 $(RESULTS)/python/pytest.xml: PYTEST_DIST = loadfile --no-loadscope-reorder
-$(RESULTS)/long/pytest.xml:   PYTEST_DIST = loadgroup
-$(RESULTS)/python/pytest.xml $(RESULTS)/long/pytest.xml: \
-                              library program $(OUT)/inject-codec $(RUN_HERE:%=programs-%) FORCE
+$(RESULTS)/long/pytest.xml $(RESULTS)/nightly/pytest.xml: PYTEST_DIST = loadgroup
+# Files without the mark need not be read.
+marked_tests = $(shell grep -l 'mark\.$1' $(PYTHON_TESTS:%=%/test_*.py))
+$(RESULTS)/long/pytest.xml:    MARKED_TESTS = $(call marked_tests,long)
+$(RESULTS)/nightly/pytest.xml: MARKED_TESTS = $(call marked_tests,nightly)
+$(PYTEST_XML):                library program $(OUT)/inject-codec $(RUN_HERE:%=programs-%) FORCE
 	@$(ONE_THREAD) $(VENV_PYTHON) -m pytest $(PYTEST_OPTIONS) --numprocesses=$(shell nproc) --dist=$(PYTEST_DIST) \
-	    -m '$(MARKED)' --quiet --junitxml=$@ $(PYTHON_TESTS) || true
+	    -m '$(MARKED)' --quiet --junitxml=$@ $(or $(MARKED_TESTS),$(PYTHON_TESTS)) || true
