@@ -65,8 +65,8 @@ def in_c(frames: list[bytes]) -> str:
     ("before", "flags"),
     [
         (0, 0),
-        pytest.param(0, FIRST_LAP_FLAG, marks=pytest.mark.long),
-        pytest.param(FIRST_LAP_FLAG, 0, marks=pytest.mark.long),
+        pytest.param(0, FIRST_LAP_FLAG, marks=pytest.mark.nightly),
+        pytest.param(FIRST_LAP_FLAG, 0, marks=pytest.mark.nightly),
         pytest.param(FIRST_LAP_FLAG, FIRST_LAP_FLAG, marks=pytest.mark.long),
     ],
 )

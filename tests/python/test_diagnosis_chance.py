@@ -104,10 +104,16 @@ def test_each_condition_is_asked_for_what_happens_to_some() -> None:
     assert max(one.z for one in found if one.conditions == ("feed",)) > 6.0
 
 
-@pytest.mark.long
-def test_bounces_are_told_no_more_often_than_stated() -> None:
-    """None of fifty: a rate of 3 % shows as surely as by more than one of a hundred."""
-    campaigns = (every_third(played(MACHINE, BOUNCE, seed=seed)) for seed in range(100, 150))
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(100, 110), marks=pytest.mark.long),
+        pytest.param(range(100, 150), marks=pytest.mark.nightly),
+    ],
+)
+def test_bounces_are_told_no_more_often_than_stated(seeds: range) -> None:
+    """None of ten; of fifty: a rate of 3 % shows as surely as by more than one of a hundred."""
+    campaigns = (every_third(played(MACHINE, BOUNCE, seed=seed)) for seed in seeds)
 
     assert not any(told(campaign, BOUNCE) for campaign in campaigns)
 

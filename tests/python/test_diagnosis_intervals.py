@@ -36,12 +36,18 @@ def width(interval: tuple[float, float]) -> float:
     return interval[1] - interval[0]
 
 
-@pytest.mark.long
-def test_intervals_cover_as_often_as_they_say() -> None:
+@pytest.mark.parametrize(
+    "seeds",
+    [
+        pytest.param(range(100, 110), marks=pytest.mark.long),
+        pytest.param(range(100, 120), marks=pytest.mark.nightly),
+    ],
+)
+def test_intervals_cover_as_often_as_they_say(seeds: range) -> None:
     covered, errors, halves = [], [], []
     for truth in (DELAY, LAG, LOBES):
-        for seed in range(20):
-            scene = Scene.of(played(MACHINE, truth, seed=100 + seed))
+        for seed in seeds:
+            scene = Scene.of(played(MACHINE, truth, seed=seed))
             (found,) = estimated(scene, off(truth, 1.01))
             for name, value in truth.parameters.items():
                 low, high = found.intervals[name]

@@ -90,7 +90,7 @@ def test_late_touches_propose_how_late_they_are_wherever_the_surface_lies() -> N
     assert proposed[1] == pytest.approx(5826.0, rel=0.03)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_searches_reach_the_truth_wherever_in_its_ranges_it_lies() -> None:
     """Of effects drawn over all their ranges, oddest forms included, 19 of 208 stay behind.
 

@@ -73,7 +73,7 @@ def whole(effect_id: str, **known: float) -> Effect:
     ],
     ids=lambda given: given.name if isinstance(given, Path) else given.id,
 )
-@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.long)])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.nightly)])
 def test_nothing_near_the_truth_is_likelier(folder: Path, truth: Effect, seed: int) -> None:
     scene = Scene.of(played(folder, truth, seed=seed))
     there = standing(scene, truth)

@@ -94,7 +94,7 @@ def test_an_effect_of_any_size_is_written_and_read_back(
     assert_written_as_played(nominal, data.draw(conditions()), data.draw(sizes_of(row)))
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 @each_rig
 @each_effect
 @settings(max_examples=30)

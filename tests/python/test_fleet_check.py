@@ -79,8 +79,13 @@ def test_eight_changed_rigs_of_two_hundred_are_found_and_no_other() -> None:
     assert scored.false_alarms == [0]
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("wild", "least_share"), [(0.0, 0.97), (0.003, 0.93)])
+@pytest.mark.parametrize(
+    ("wild", "least_share"),
+    [
+        pytest.param(0.0, 0.97, marks=pytest.mark.nightly),
+        pytest.param(0.003, 0.93, marks=pytest.mark.long),
+    ],
+)
 def test_changes_are_found_in_many_fleets(
     wild: float, least_share: float, record_property: Callable[[str, object], None]
 ) -> None:

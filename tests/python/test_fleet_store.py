@@ -426,7 +426,7 @@ def test_a_lost_bit_of_a_folder_is_told_or_costs_nothing(filled: Path, tmp_path:
     assert told > 150
 
 
-@pytest.mark.parametrize("flips", [8, pytest.param(200, marks=pytest.mark.long)])
+@pytest.mark.parametrize("flips", [8, pytest.param(200, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("pattern", ["campaigns.parquet", "touches/*/*/*"])
 def test_a_lost_bit_of_a_table_is_told_or_changes_no_answer(
     filled: Path, pattern: str, flips: int

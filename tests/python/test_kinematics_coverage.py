@@ -74,7 +74,7 @@ def distance(planted: Planted, angles_deg: Array, found: Fit, touches: int) -> f
     ("path", "touches"),
     [
         (InputPath.SKIP, 4),
-        pytest.param(InputPath.SKIP, 8, marks=pytest.mark.long),
+        pytest.param(InputPath.SKIP, 8, marks=pytest.mark.nightly),
         pytest.param(InputPath.PLC, 4, marks=pytest.mark.long),
     ],
 )

@@ -58,9 +58,14 @@ def too_often(found: dict[str, float], draws: int) -> dict[str, float]:
     return {name: rate for name, rate in found.items() if rate > most[name]}
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("step", [1e-3, 2.0])
-@pytest.mark.parametrize("n", [5, 10, 20])
+@pytest.mark.parametrize(
+    ("n", "step"),
+    [
+        pytest.param(n, step, marks=pytest.mark.long if n == 10 else pytest.mark.nightly)
+        for n in (5, 10, 20)
+        for step in (1e-3, 2.0)
+    ],
+)
 def test_noise_shows_nothing_more_often_than_stated(
     machine_sample: Path, n: int, step: float
 ) -> None:
