@@ -2,12 +2,14 @@
 
 import csv
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
+from played_campaigns import few_of
 from skiplatch import cli
 from skiplatch.diagnosis import Verdict
 from skiplatch.diagnosis.verdict.reliability import reliability
@@ -52,12 +54,21 @@ def diagnosed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
     return CliRunner().invoke(cli.group, ["diagnose", str(BENCH), *options]), path
 
 
+def few_in(folder: Path, sample: Path) -> Path:
+    """Copy some touches of a campaign into a folder."""
+    copy = folder / sample.name
+    shutil.copytree(sample, copy)
+    few_of(copy)
+    return copy
+
+
 @pytest.fixture(scope="module")
 def without_a_gap(tmp_path_factory: pytest.TempPathFactory) -> tuple[Result, Path]:
     """What comes of two campaigns without a gap, which nobody watches; and their JSON file."""
-    path = tmp_path_factory.mktemp("without_a_gap") / "several.json"
-    words = ["diagnose", str(QUIET_BENCH), str(SAMPLES / "machine_no_gap"), "--fail-on-gap"]
-    return CliRunner().invoke(cli.group, [*words, "--json", str(path)]), path
+    folder = tmp_path_factory.mktemp("without_a_gap")
+    quiet = [few_in(folder, sample) for sample in (QUIET_BENCH, SAMPLES / "machine_no_gap")]
+    words = ["diagnose", *map(str, quiet), "--fail-on-gap", "--json", str(folder / "several.json")]
+    return CliRunner().invoke(cli.group, words), folder / "several.json"
 
 
 def test_several_campaigns_are_a_list_in_their_order(without_a_gap: tuple[Result, Path]) -> None:
@@ -68,7 +79,7 @@ def test_several_campaigns_are_a_list_in_their_order(without_a_gap: tuple[Result
     assert (bench["verdict"], machine["verdict"]) == ("no_gap", "no_gap")
     assert bench["seed"] == machine["seed"] == 1
     assert bench["gap"].keys() > machine["gap"].keys()
-    first, second = f"{QUIET_BENCH}: bench campaign", "machine_no_gap: machine campaign"
+    first, second = "bench_no_gap: bench campaign", "machine_no_gap: machine campaign"
     assert said.index(first) < said.index(second)
 
 
@@ -142,7 +153,8 @@ def test_diagnosis_and_prediction_go_together(
 
 def test_what_is_below_a_stated_size_is_no_gap(tmp_path: Path) -> None:
     diagnosis = tmp_path / "diagnosis.json"
-    output = run("diagnose", str(BENCH), "--material-us", "60", "--json", str(diagnosis))
+    few = few_in(tmp_path, BENCH)
+    output = run("diagnose", str(few), "--material-us", "60", "--json", str(diagnosis))
 
     said = "A gap counts from 60 µs on in times, and from 0.2 of the rig's own spread on in lengths"
     assert said in output

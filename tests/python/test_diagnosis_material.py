@@ -14,8 +14,6 @@ from skiplatch.diagnosis.fit.material import Materiality, is_material
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
-JOBS = 2
-
 
 def bench() -> Scene:
     return Scene.of(read_campaign(BENCH))
@@ -105,7 +103,7 @@ def test_a_stated_size_takes_away_the_least_gain() -> None:
 def test_a_delay_below_the_threshold_is_no_gap() -> None:
     above = Materiality(fraction=1e4)
 
-    diagnosis = diagnose(read_campaign(LATE_BENCH), seed=1, jobs=JOBS, materiality=above)
+    diagnosis = diagnose(thinned(read_campaign(LATE_BENCH), 8), seed=1, materiality=above)
 
     assert diagnosis.verdict == Verdict.NO_GAP
     assert not diagnosis.effects
@@ -115,8 +113,8 @@ def test_a_delay_below_the_threshold_is_no_gap() -> None:
 @pytest.mark.long
 def test_an_error_of_length_is_no_gap_below_the_threshold() -> None:
     campaign = thinned(played(BENCH, Effect("backlash", {"backlash_um": 3.5})))
-    by_default = diagnose(campaign, seed=1, jobs=JOBS)
-    below = diagnose(campaign, seed=1, jobs=JOBS, materiality=Materiality(um=10.0))
+    by_default = diagnose(campaign, seed=1)
+    below = diagnose(campaign, seed=1, materiality=Materiality(um=10.0))
 
     assert [named.effect.id for named in by_default.effects] == ["backlash"]
     assert below.verdict == Verdict.NO_GAP

@@ -16,6 +16,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from conftest import SAMPLES
+from played_campaigns import few_of
 from refusals import Program
 from skiplatch import executors
 from skiplatch.campaign import Campaign
@@ -311,6 +312,7 @@ def quiet_inbox(folder: Path, days: Sequence[str]) -> Path:
     """Make campaigns of the same touches and beliefs, in other bytes."""
     for day in days:
         shutil.copytree(QUIET, folder / day)
+        few_of(folder / day)
         nominal = folder / day / "nominal.toml"
         text = nominal.read_text().replace("skiplatch-campaign/1", "skiplatch-campaign/2")
         nominal.write_text(f'{text}[notes]\nrecorded_at = "2026-03-02T08:00:00"\n# {day}\n')

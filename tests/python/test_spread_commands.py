@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from played_campaigns import few_of
 from skiplatch import cli
 from skiplatch.campaign import NOMINAL_FILE
 from skiplatch.commands import diagnose_many
@@ -63,19 +64,6 @@ def test_a_cluster_gives_the_same_bytes(tmp_path: Path, folders: list[Path]) -> 
     assert here.read_bytes() == there.read_bytes()
 
 
-@pytest.mark.long
-def test_campaigns_on_a_cluster_are_diagnosed_as_alone(tmp_path: Path, folders: list[Path]) -> None:
-    pytest.importorskip("distributed")
-    alone, spread, two = (tmp_path / name for name in ("alone.json", "spread.json", "two.json"))
-
-    assert run("diagnose", folders[0], "--json", alone).exit_code == 0
-    assert run("diagnose", *folders, "--json", two, "--jobs", "2").exit_code == 0
-    assert run("diagnose", *folders, "--json", spread, "--cluster", "local:2").exit_code == 0
-
-    assert spread.read_bytes() == two.read_bytes()
-    assert json.loads(spread.read_text()) == [json.loads(alone.read_text())] * 2
-
-
 @contextmanager
 def killing(kept: Path) -> Iterator[list[int]]:
     """Kill a worker of a cluster that this process runs after each answer; gives those that were.
@@ -110,14 +98,16 @@ def killing(kept: Path) -> Iterator[list[int]]:
 
 
 @pytest.mark.long
-def test_workers_that_are_killed_change_no_byte(tmp_path: Path) -> None:
+def test_campaigns_are_diagnosed_as_alone_also_where_workers_are_killed(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     folders = [tmp_path / f"campaign_{number}" for number in range(MANY)]
     for number, folder in enumerate(folders):
         shutil.copytree(QUIET, folder)
+        few_of(folder)
         with (folder / NOMINAL_FILE).open("a") as file:
             file.write(f"# {number}\n")
-    here, there = tmp_path / "here.json", tmp_path / "there.json"
+    alone, here, there = (tmp_path / f"{name}.json" for name in ("alone", "here", "there"))
+    assert run("diagnose", folders[0], "--json", alone).exit_code == 0
     assert run("diagnose", *folders, "--json", here, "--jobs", "2").exit_code == 0
 
     with killing(there.with_name("there.json.part")) as killed:
@@ -126,6 +116,7 @@ def test_workers_that_are_killed_change_no_byte(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert killed
     assert there.read_bytes() == here.read_bytes()
+    assert json.loads(here.read_text()) == [json.loads(alone.read_text())] * MANY
 
 
 def test_a_campaign_that_takes_too_long_is_named(tmp_path: Path, folders: list[Path]) -> None:
