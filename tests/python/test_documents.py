@@ -30,7 +30,6 @@ LONG = (
     "adopt",
     "bench believe",
     "compare scripts/samples/bench_isr_latency --pictures",
-    "demo",
     "design",
     "diagnose",
     "kinematics run",
@@ -41,6 +40,8 @@ LONG = (
     "settle",
 )
 """Beginnings of what takes more than a few seconds: run by `make long`."""
+NIGHTLY = ("demo",)
+"""Beginnings of what other tests run in parts, as test_demo_command.py does: by `make nightly`."""
 MAKE = "make "
 RIGS = ".venv/bin/python -m hal.ports."
 EXPERIMENT = "tests/python/test_pretravel_experiment.py"
@@ -58,6 +59,7 @@ ELSEWHERE = {
     "diagnose build/closed/after": EXPERIMENT,
     "diagnose build/cpu_load": "tests/python/test_bench_samples.py",
     "diagnose mill": "tests/python/test_ten_minutes.py",
+    "diagnose scripts/samples/bench_isr_latency scripts": "tests/python/test_diagnose_command.py",
     "eval ": "tests/python/test_outputs.py",
     "fleet watch": "tests/python/test_fleet_watch.py",
     "bench monitor": "tests/python/test_bench_command.py",
@@ -119,7 +121,7 @@ def is_run(line: str) -> bool:
 
 
 def is_long(block: Example) -> bool:
-    return any(is_run(line) and begins(named(line), LONG) for line in block.lines)
+    return any(is_run(line) and begins(named(line), [*LONG, *NIGHTLY]) for line in block.lines)
 
 
 def documented() -> list[tuple[str, list[str]]]:
@@ -144,6 +146,12 @@ def runnable_pages() -> list[Any]:
     return cases
 
 
+def marks_of(commands: Sequence[str]) -> list[pytest.MarkDecorator]:
+    """Give the suite that commands are run in, if it is not `make test`."""
+    marks = [(pytest.mark.nightly, NIGHTLY), (pytest.mark.long, LONG)]
+    return [mark for mark, some in marks if any(begins(one, some) for one in commands)][:1]
+
+
 def runnable_help() -> list[Any]:
     """Give the examples of each --help that run here and on no page."""
     on_pages = [words for _, words in documented()]
@@ -155,7 +163,7 @@ def runnable_help() -> list[Any]:
         pytest.param(
             commands,
             id=where,
-            marks=[pytest.mark.long] * any(begins(" ".join(words), LONG) for words in commands),
+            marks=marks_of([" ".join(words) for words in commands]),
         )
         for where, commands in examples.items()
         if not all(words in on_pages for words in commands)
