@@ -35,29 +35,36 @@ def simulated(*switched_on: Effect) -> Campaign:
     return replace(MACHINE, touches=replace(touches, **outcomes))
 
 
-@pytest.mark.long
+SOME = {
+    "feed_error": {"limit_mm_min": 1900.0},
+    "rotary_pivot": {"x_um": 5.0, "y_um": -3.0, "set_on_believed_centre": 1.0, "mirrored": 1.0},
+    "servo_hold": {"period_us": 400.0, "phase_deg": 100.0},
+}
+OTHERS = {
+    "backlash": {"backlash_um": 2.5, "positive_um": 2.5, "y_excess_ratio": 0.5},
+    "encoder_quantisation": {"resolution_um": 7.3, "is_coordinate": 1.0},
+    "thermal_drift": {"drift_um_k": 2.5, "along_approach": 1.0},
+    "isr_latency": {"latency_us": 20.0, "tail_us": 15.0},
+    "timer_drift": {"drift_ppm": -20.0, "warmth_ppm_k": -2.0},
+    "transmission_error": {
+        "amplitude_um": 4.0,
+        "period_mm": 10.0,
+        "y_excess_ratio": 0.5,
+        "y_ahead_deg": 120.0,
+    },
+}
+"""Effects that other tests name in a plainer form."""
+
+
 @pytest.mark.parametrize(
     ("effect_id", "parameters"),
     [
-        ("backlash", {"backlash_um": 2.5, "positive_um": 2.5, "y_excess_ratio": 0.5}),
-        (
-            "rotary_pivot",
-            {"x_um": 5.0, "y_um": -3.0, "set_on_believed_centre": 1.0, "mirrored": 1.0},
-        ),
-        ("encoder_quantisation", {"resolution_um": 7.3, "is_coordinate": 1.0}),
-        ("thermal_drift", {"drift_um_k": 2.5, "along_approach": 1.0}),
-        ("servo_hold", {"period_us": 400.0, "phase_deg": 100.0}),
-        ("isr_latency", {"latency_us": 20.0, "tail_us": 15.0}),
-        ("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0}),
-        ("feed_error", {"limit_mm_min": 1900.0}),
-        (
-            "transmission_error",
-            {"amplitude_um": 4.0, "period_mm": 10.0, "y_excess_ratio": 0.5, "y_ahead_deg": 120.0},
-        ),
+        *(pytest.param(*each, marks=pytest.mark.long) for each in SOME.items()),
+        *(pytest.param(*each, marks=pytest.mark.nightly) for each in OTHERS.items()),
     ],
 )
 def test_another_form_has_the_same_name(effect_id: str, parameters: Mapping[str, float]) -> None:
-    diagnosis = diagnose(simulated(Effect(effect_id, parameters)), seed=1, jobs=2)
+    diagnosis = diagnose(simulated(Effect(effect_id, parameters)), seed=1)
 
     assert [named.effect.id for named in diagnosis.effects] == [effect_id]
 
@@ -97,7 +104,7 @@ def test_axes_that_hardly_differ_are_told_apart_without_slack() -> None:
     assert found.parameters[0][:3] == pytest.approx([40.0, 0.0, -0.01], abs=1e-3)
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_a_delay_with_a_tail_is_seen_beside_a_clock_that_follows_the_temperature() -> None:
     clock = Effect("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0})
     delay = Effect("trigger_delay", {"delay_us": 10.0, "tail_us": 60.0})
@@ -158,12 +165,12 @@ def test_slack_is_a_share_of_a_shift_and_no_scatter_of_its_own() -> None:
     assert found.slack == 0.0
 
 
-@pytest.mark.long
+@pytest.mark.nightly
 def test_an_error_with_the_approach_gets_no_name() -> None:
     plain = simulated()
     off = plain.touches.deviation_um + 1.5 * plain.touches.approach_mm
     touches = replace(plain.touches, deviation_um=np.round(off, 1))
-    diagnosis = diagnose(replace(plain, touches=touches), seed=1, jobs=2)
+    diagnosis = diagnose(replace(plain, touches=touches), seed=1)
 
     assert diagnosis.verdict == Verdict.UNKNOWN
     assert not diagnosis.effects
@@ -176,7 +183,7 @@ def test_an_effect_of_a_form_far_off_explains_in_part() -> None:
     share = 1.0 + 0.4 * np.random.default_rng(3).standard_normal(len(touches))
     off = touches.deviation_um + 0.05 * touches.position_mm * touches.sign * share
     odd = replace(plain, touches=replace(touches, deviation_um=np.round(off, 1)))
-    diagnosis = diagnose(odd, seed=1, jobs=2)
+    diagnosis = diagnose(odd, seed=1)
 
     assert diagnosis.verdict == Verdict.PARTLY_EXPLAINED
     assert [named.effect.id for named in diagnosis.effects] == ["scale_error"]

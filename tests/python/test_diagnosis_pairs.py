@@ -14,8 +14,6 @@ from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.verdict.verdict import Verdict
 from skiplatch.simulator.effects import Effect
 
-pytestmark = pytest.mark.long
-
 BOARD = Path(__file__).parent / "data" / "board_both_paths"
 """A Cortex-M3 with `other_interrupt`, recorded in its emulator: every third touch of 1,600."""
 CLOCK_AND_SCANS = Path(__file__).parent / "data" / "bench_drift_and_jitter"
@@ -26,6 +24,7 @@ def judged(campaign: Campaign) -> Judge:
     return Search(campaign).judge
 
 
+@pytest.mark.nightly
 def test_a_second_effect_is_named_though_it_gains_a_twentieth_of_the_first() -> None:
     campaign = played(
         MACHINE,
@@ -39,6 +38,7 @@ def test_a_second_effect_is_named_though_it_gains_a_twentieth_of_the_first() -> 
     assert length == {"backlash"}
 
 
+@pytest.mark.long
 def test_lobes_that_are_an_error_by_azimuth_do_not_cost_the_second() -> None:
     campaign = played(
         MACHINE,
@@ -52,6 +52,7 @@ def test_lobes_that_are_an_error_by_azimuth_do_not_cost_the_second() -> None:
     assert {"link_slotting", "trigger_delay", "input_filter"} <= slots
 
 
+@pytest.mark.long
 def test_effects_that_do_just_the_same_are_fitted_alike() -> None:
     delay = Effect("trigger_delay", {"delay_us": 300.0, "tail_us": 90.0})
     judge = judged(thinned(played(MACHINE, delay)))
@@ -61,6 +62,7 @@ def test_effects_that_do_just_the_same_are_fitted_alike() -> None:
     assert first.fit.parameters == second.fit.parameters
 
 
+@pytest.mark.long
 def test_an_effect_of_an_odd_form_gets_no_second_one() -> None:
     campaign = thinned(played(MACHINE, Effect("backlash", {"backlash_um": 6.0})))
     touches = campaign.touches
@@ -81,6 +83,7 @@ def bent(campaign: Campaign) -> Campaign:
     return replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + more_um))
 
 
+@pytest.mark.nightly
 def test_a_faint_second_effect_of_another_kind_is_named_beside_an_odd_form() -> None:
     scale = Effect("scale_error", {"scale_ppm": -60.0})
     lag = Effect("following_error", {"lag_us": 40.0})
@@ -96,6 +99,7 @@ def test_a_faint_second_effect_of_another_kind_is_named_beside_an_odd_form() -> 
     assert any("following_error" in group for group in beside)
 
 
+@pytest.mark.long
 def test_a_pair_searched_the_other_way_round_is_the_same_pair() -> None:
     backlash, scale = (
         Effect("backlash", {"backlash_um": 4.0}),
@@ -113,6 +117,7 @@ def test_a_pair_searched_the_other_way_round_is_the_same_pair() -> None:
     assert turned.score > second.score
 
 
+@pytest.mark.long
 def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
     campaign = played(
         BENCH,
@@ -128,6 +133,7 @@ def test_two_effects_are_found_behind_the_noise_that_they_look_like() -> None:
     assert not search.left(finding.model)
 
 
+@pytest.mark.long
 def test_an_acceleration_a_thousandth_too_slow_is_found() -> None:
     # Stamps and positions together show a few ppm of the travel: the peak is as narrow.
     slow = Effect("unfinished_acceleration", {"accel_ratio": 0.999})
@@ -135,6 +141,7 @@ def test_an_acceleration_a_thousandth_too_slow_is_found() -> None:
     assert judged(thinned(played_again(stamped_machine(), slow))).singles()[0].ids == (slow.id,)
 
 
+@pytest.mark.long
 def test_an_acceleration_that_only_short_and_fast_approaches_miss_is_found() -> None:
     campaign = read_campaign(MACHINE)
     touches, accel_mm_s2 = campaign.touches, campaign.nominal.axis.accel_mm_s2
@@ -146,6 +153,7 @@ def test_an_acceleration_that_only_short_and_fast_approaches_miss_is_found() -> 
     assert judged(thinned(played_again(campaign, slow))).singles()[0].ids == (slow.id,)
 
 
+@pytest.mark.nightly
 def test_what_slack_hides_on_an_emulated_board_goes_to_two_effects_that_need_none() -> None:
     # Another interrupt holds up edge and scans: a clock of any form would take all of it for slack.
     # Some scans are late by up to its length: a jitter beside scans on time.
@@ -155,6 +163,7 @@ def test_what_slack_hides_on_an_emulated_board_goes_to_two_effects_that_need_non
     assert any("isr_blocking" in group for group in named)
 
 
+@pytest.mark.long
 def test_slack_of_the_first_effect_does_not_hide_the_second_one() -> None:
     # A hundredth of the clock's shift is as much as the scans scatter.
     assert groups(found(thinned(read_campaign(CLOCK_AND_SCANS)))) == [
@@ -163,6 +172,7 @@ def test_slack_of_the_first_effect_does_not_hide_the_second_one() -> None:
     ]
 
 
+@pytest.mark.long
 def test_a_faint_second_effect_is_named_beside_one_whose_form_leaves_nothing() -> None:
     # Against hundreds of nats of the clock's, what some bounces gain is next to nothing. Of fewer,
     # one in twenty, the ranks show too little to be noticed.
@@ -178,6 +188,7 @@ def test_a_faint_second_effect_is_named_beside_one_whose_form_leaves_nothing() -
     assert "contact_bounce" in late
 
 
+@pytest.mark.nightly
 def test_what_scatters_is_searched_for_a_second_effect_before_others_take_its_place() -> None:
     campaign = played_again(
         stamped_machine(),
@@ -197,6 +208,7 @@ THREE = (
 )
 
 
+@pytest.mark.long
 def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
     """Noise of some positions is no effect, and all that is left."""
     campaign = thinned(played(BENCH, *THREE))
@@ -204,7 +216,7 @@ def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
     noise_um = np.where(rng.random(len(touches)) < 0.4, rng.normal(0.0, 0.3, len(touches)), 0.0)
     odd = replace(touches, deviation_um=touches.deviation_um + noise_um)
 
-    diagnosis = diagnose(replace(campaign, touches=odd), seed=1, jobs=2)
+    diagnosis = diagnose(replace(campaign, touches=odd), seed=1)
 
     assert diagnosis.verdict == Verdict.PARTLY_EXPLAINED
     truth = {effect.id for effect in THREE}
@@ -214,6 +226,7 @@ def test_a_third_effect_is_named_beside_what_no_effect_explains() -> None:
     assert {one.observable for one in diagnosis.left} == {"position"}
 
 
+@pytest.mark.long
 def test_what_two_effects_leave_of_their_own_streams_gets_no_third_one() -> None:
     campaign = thinned(played(BENCH, Effect("backlash", {"backlash_um": 6.0}), THREE[0]))
     touches = campaign.touches

@@ -181,10 +181,12 @@ def test_a_wave_without_a_length_is_told_by_no_place() -> None:
     assert are_waves_told(scene, standing(scene, flat)) == [False]
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("stamped", [False, True])
+@pytest.mark.parametrize(
+    "stamped",
+    [pytest.param(False, marks=pytest.mark.long), pytest.param(True, marks=pytest.mark.nightly)],
+)
 def test_a_wave_is_named(*, stamped: bool) -> None:
-    found = diagnose(thinned(played_again(polled(stamped=stamped), WAVE)), seed=1, jobs=2)
+    found = diagnose(thinned(played_again(polled(stamped=stamped), WAVE)), seed=1)
 
     assert [effect.effect.id for effect in found.effects] == [WAVE.id]
     assert found.effects[0].effect.parameters["amplitude_um"] == pytest.approx(6.0, rel=0.1)

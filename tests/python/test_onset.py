@@ -220,8 +220,10 @@ def test_no_effect_begins_among_too_few_touches() -> None:
     assert gained_by_an_end(scene, [of("trigger_delay", [100.0, 0.0, 0.0])]) == 0.0
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("begins", [True, False])
+@pytest.mark.parametrize(
+    "begins",
+    [pytest.param(True, marks=pytest.mark.long), pytest.param(False, marks=pytest.mark.nightly)],
+)
 def test_an_effect_that_begins_or_ends_is_named_with_the_touch(begins: bool) -> None:
     touch = middle_touch(read_campaign(BENCH))
     span = Span(since=touch) if begins else Span(until=touch)

@@ -9,11 +9,20 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from machine_logs import LOGS, MachineLog
+from machine_logs import (
+    LOGS,
+    MachineLog,
+    fluidnc_warming,
+    klipper_speeds,
+    linuxcnc_inches,
+    marlin_heating,
+)
 from skiplatch.campaign import read_campaign
 from skiplatch.cli import group
 
 every_log = pytest.mark.parametrize("make", LOGS, ids=lambda make: make.__name__)
+LIKE_ANOTHER = (fluidnc_warming, klipper_speeds, linuxcnc_inches, marlin_heating)
+"""Logs of a controller of which another log is diagnosed by `make long`."""
 
 
 def run(*words: object) -> str:
@@ -40,9 +49,15 @@ def test_log_is_imported_whole_and_repeat_tells_its_drift(
     assert drift == np.sign(log.drift_um)
 
 
-@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::skiplatch.errors.CampaignWarning")  # of what no log tells
-@every_log
+@pytest.mark.parametrize(
+    "make",
+    [
+        pytest.param(make, marks=pytest.mark.nightly if make in LIKE_ANOTHER else pytest.mark.long)
+        for make in LOGS
+    ],
+    ids=lambda make: make.__name__,
+)
 def test_diagnosis_is_right_or_says_that_it_does_not_know(
     make: Callable[[], MachineLog], tmp_path: Path
 ) -> None:
