@@ -230,7 +230,7 @@ def test_where_an_axis_rests_only_effects_on_positions_can_act() -> None:
     assert all(acts(effect_id, touched) for effect_id in effects())
 
 
-@pytest.mark.parametrize("mean_um", [0.0, 3.0])
+@pytest.mark.parametrize("mean_um", [0.0, pytest.param(3.0, marks=pytest.mark.long)])
 def test_backlash_of_a_table_is_its_own_reversal_whatever_the_wave(mean_um: float) -> None:
     """A zero that a straight line misses by half a wave was told as a backlash."""
     rng, place = np.random.default_rng(7), np.tile(np.linspace(5.0, 440.0, 40), 10)

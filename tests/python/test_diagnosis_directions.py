@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from played_campaigns import MACHINE, played, played_again
 from skiplatch.campaign import Axis, Campaign, read_campaign
@@ -58,6 +59,7 @@ def test_lobes_in_unknown_directions_are_scatter_and_a_datum_of_each_sense() -> 
     assert largest_um > np.hypot(probe_um, 4.0 / np.sqrt(2.0))
 
 
+@pytest.mark.long
 def test_a_sound_probe_with_lobes_shows_no_gap_without_directions() -> None:
     """It had a gap of the size of its lobes, which were all played in one direction."""
     campaign = without_directions(played_again(with_lobes(read_campaign(MACHINE), 6.0)))

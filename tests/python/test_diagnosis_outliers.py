@@ -116,6 +116,7 @@ def test_what_a_feed_shows_of_accidents_is_no_cause_of_them() -> None:
     assert gone_with(scene, numbers.tolist(), seed=1) == ""
 
 
+@pytest.mark.long
 def test_touches_far_off_for_a_cause_are_a_gap_and_none_of_them_is_listed() -> None:
     campaign = thinned(played(MACHINE))
 

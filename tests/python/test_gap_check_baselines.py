@@ -110,6 +110,7 @@ def test_features_of_what_was_not_recorded_are_empty() -> None:
     assert not np.isinf(whole).any()
 
 
+@pytest.mark.long
 def test_a_cluster_guesses_what_processes_do(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -119,6 +119,7 @@ def test_campaigns_are_diagnosed_as_alone_also_where_workers_are_killed(tmp_path
     assert json.loads(here.read_text()) == [json.loads(alone.read_text())] * MANY
 
 
+@pytest.mark.long
 def test_a_campaign_that_takes_too_long_is_named(tmp_path: Path, folders: list[Path]) -> None:
     out = tmp_path / "out.json"
 
