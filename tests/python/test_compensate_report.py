@@ -10,7 +10,7 @@ from click.testing import CliRunner
 from browser import Browser
 from seat_probe import OMP40, radii, write_radii, write_speeds
 from skiplatch import cli
-from test_diagnosis_report import NARROW_PX, SCHEMES, WIDE_PX, Elements, prose
+from test_diagnosis_report import SCHEMES, SCREENS, Elements, prose
 
 V0, TAU = 50.0, 12.68
 CASES = ("predicted", "measured", "single")
@@ -125,8 +125,7 @@ def test_same_input_is_the_same_page(pages: dict[str, Path], tmp_path: Path) -> 
     assert path.read_text() == pages["single"].read_text()
 
 
-@pytest.mark.parametrize("scheme", list(SCHEMES))
-@pytest.mark.parametrize("width_px", [WIDE_PX, NARROW_PX])
+@pytest.mark.parametrize(("width_px", "scheme"), SCREENS)
 @pytest.mark.parametrize("case", CASES)
 def test_browser_shows_the_page_without_a_complaint(
     window: Browser, pages: dict[str, Path], case: str, width_px: int, scheme: str

@@ -44,6 +44,13 @@ MOST_BYTES = 2_000_000
 VOID = {"meta", "link", "br", "wbr", "hr", "img", "input"}
 SCHEMES = {"light": "rgb(255, 255, 254)", "dark": "rgb(13, 17, 23)"}
 WIDE_PX, NARROW_PX = 1200, 360
+SCREENS = [
+    (WIDE_PX, "light"),
+    (NARROW_PX, "dark"),
+    pytest.param(WIDE_PX, "dark", marks=pytest.mark.nightly),
+    pytest.param(NARROW_PX, "light", marks=pytest.mark.nightly),
+]
+"""Colours are the same at any width."""
 
 
 def effect(effect_id: str, **given: float) -> Effect:
@@ -404,8 +411,7 @@ def test_page_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
         )
 
 
-@pytest.mark.parametrize("scheme", list(SCHEMES))
-@pytest.mark.parametrize("width_px", [WIDE_PX, NARROW_PX])
+@pytest.mark.parametrize(("width_px", "scheme"), SCREENS)
 @pytest.mark.parametrize("case", list(CASES))
 def test_browser_shows_the_page_without_a_complaint(
     window: Browser, pages: dict[str, str], tmp_path: Path, case: str, width_px: int, scheme: str

@@ -20,8 +20,13 @@ from skiplatch.transmission.pulses import write_binary
 from test_diagnosis_report import prose
 from test_transmission_command import OPTIONS, planted
 
-WIDTHS_PX = (400, 1280)
-SCHEMES = ("light", "dark")
+SCREENS = [
+    ("light", 400),
+    ("dark", 1280),
+    pytest.param("light", 1280, marks=pytest.mark.nightly),
+    pytest.param("dark", 400, marks=pytest.mark.nightly),
+]
+"""Colours are the same at any width."""
 LOG = Path(__file__).parent / "data" / "logs" / "klipper_octoprint.log"
 
 
@@ -70,8 +75,7 @@ def page(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return make(tmp_path_factory.mktemp("page"))
 
 
-@pytest.mark.parametrize("width_px", WIDTHS_PX)
-@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize(("scheme", "width_px"), SCREENS)
 def test_nothing_is_cut_off_hidden_or_too_pale(
     window: Browser, page: Path, scheme: str, width_px: int
 ) -> None:
