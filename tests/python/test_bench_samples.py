@@ -56,7 +56,7 @@ def found_in(name: str, one_of: int = 3) -> tuple[Diagnosis, Mapping[str, Mappin
     return diagnosis, {effect.id: effect.parameters for effect in diagnosis.ranking[0].effects}
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_debounce_is_best_explained_by_a_filter() -> None:
     diagnosis, found = found_in("debounce", one_of=6)
 
@@ -77,7 +77,7 @@ def test_busy_process_is_best_explained_by_late_scans_and_leaves_late_reports() 
     assert diagnosis.verdict is not Verdict.EXPLAINED
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_flood_is_best_explained_by_late_reports() -> None:
     diagnosis, found = found_in("bus_load", one_of=6)
 

@@ -104,7 +104,7 @@ def test_axes_that_hardly_differ_are_told_apart_without_slack() -> None:
     assert found.parameters[0][:3] == pytest.approx([40.0, 0.0, -0.01], abs=1e-3)
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_a_delay_with_a_tail_is_seen_beside_a_clock_that_follows_the_temperature() -> None:
     clock = Effect("timer_drift", {"drift_ppm": -20.0, "warmth_ppm_k": -2.0})
     delay = Effect("trigger_delay", {"delay_us": 10.0, "tail_us": 60.0})
@@ -165,7 +165,7 @@ def test_slack_is_a_share_of_a_shift_and_no_scatter_of_its_own() -> None:
     assert found.slack == 0.0
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_an_error_with_the_approach_gets_no_name() -> None:
     plain = simulated()
     off = plain.touches.deviation_um + 1.5 * plain.touches.approach_mm

@@ -83,7 +83,7 @@ def bent(campaign: Campaign) -> Campaign:
     return replace(campaign, touches=replace(touches, deviation_um=touches.deviation_um + more_um))
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_a_faint_second_effect_of_another_kind_is_named_beside_an_odd_form() -> None:
     scale = Effect("scale_error", {"scale_ppm": -60.0})
     lag = Effect("following_error", {"lag_us": 40.0})
@@ -153,7 +153,7 @@ def test_an_acceleration_that_only_short_and_fast_approaches_miss_is_found() -> 
     assert judged(thinned(played_again(campaign, slow))).singles()[0].ids == (slow.id,)
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_what_slack_hides_on_an_emulated_board_goes_to_two_effects_that_need_none() -> None:
     # Another interrupt holds up edge and scans: a clock of any form would take all of it for slack.
     # Some scans are late by up to its length: a jitter beside scans on time.
@@ -188,7 +188,7 @@ def test_a_faint_second_effect_is_named_beside_one_whose_form_leaves_nothing() -
     assert "contact_bounce" in late
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_what_scatters_is_searched_for_a_second_effect_before_others_take_its_place() -> None:
     campaign = played_again(
         stamped_machine(),

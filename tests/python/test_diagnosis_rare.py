@@ -80,7 +80,7 @@ def test_what_comes_to_few_touches_is_named() -> None:
     assert MASKED.id in (named.effect.id, *named.alternatives)
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_gross_errors_that_are_as_rare_are_no_effect() -> None:
     rng = np.random.default_rng(0)
     campaign = played(BENCH, seed=0)
@@ -92,7 +92,7 @@ def test_gross_errors_that_are_as_rare_are_no_effect() -> None:
     assert diagnosis.effects == []
 
 
-@pytest.mark.nightly
+@pytest.mark.long
 def test_what_no_look_notices_is_named_by_its_own_likelihood() -> None:
     """One touch in twenty late by less than a scan takes: middle, scatter and ends stay."""
     late = Effect("contact_bounce", {"probability": 0.05, "mean_us": 1.0, "least_us": 300.0})
