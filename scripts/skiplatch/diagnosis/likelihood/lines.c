@@ -107,8 +107,8 @@ static void weigh_by_ticks(const sim_touches_t *of, const sim_member_t *member, 
         .is_down = is_foreign,     /* half a tick either way is in where its ticks are */
         .gridless = log(OFF_GRID), /* a clock has one grid: these were not rounded to it */
     };
-    double              closest_us = (double)SIM_LINES_APART * of->stamp_step_us;
-    bool                is_seen = !is_foreign || change->coarse_us >= closest_us;
+    double closest_us = (double)SIM_LINES_APART * of->stamp_step_us;
+    bool   is_seen = !is_foreign || change->coarse_us >= closest_us;
     if (is_seen && ticks.coarse > ticks.fine) {
         weigh_by_lines(&ticks, member, bonus);
     }
