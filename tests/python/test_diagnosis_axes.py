@@ -65,6 +65,19 @@ def test_an_axis_that_errs_alone_is_at_no_limit(over: float) -> None:
     assert within_ratio("scale_error", admitted) == admitted
 
 
+@pytest.mark.parametrize("varies", [True, False])
+def test_growth_of_a_scale_is_told_by_other_places_alone(varies: bool) -> None:
+    """At one place only what a touch goes past it differs, which is what is to be explained."""
+    campaign = read_campaign(MACHINE)
+    place_mm = campaign.touches.position_mm if varies else np.zeros(len(campaign.touches))
+    scene = Scene.of(replace(campaign, touches=replace(campaign.touches, position_mm=place_mm)))
+    warmth = CANDIDATES["thermal_drift"]
+
+    taken = {warmth.names[number] for number in warmth.taken_up(scene)}
+
+    assert ("expansion_ppm_k" in taken) is not varies
+
+
 def test_a_scale_of_y_alone_is_known_as_closely_as_one_of_x() -> None:
     def width_ppm(axis: Axis) -> float:
         scene = Scene.of(played_again(along(axis), LONG))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from skiplatch.campaign import Nominal
+from skiplatch.diagnosis.candidates.applicable import varies
 from skiplatch.diagnosis.candidates.first_axis import first_of_its_own
 from skiplatch.diagnosis.candidates.starts import Starts
 from skiplatch.diagnosis.candidates.surrogates import Parameters
@@ -19,6 +20,9 @@ Refinement = Mapping[int, float | Callable[[Parameters], float]]
 
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
+
+TOLD_BY = {"expansion_ppm_k": "position_mm"}
+"""Columns that have to vary for a parameter to be told from another one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +68,8 @@ class Candidate:
         is_free = scene.datum_groups is not None and scene.datum_u_um is None
         is_anywhere = is_free and self.span == ALWAYS
         taken = first_of_its_own(scene.touches) & set(self.names)
+        untold = {name for name, column in TOLD_BY.items() if not varies(column)(scene)}
+        taken |= untold & set(self.names)
         if is_anywhere:
             taken |= self.like_datum(scene)
         return frozenset(map(self.names.index, taken))
