@@ -68,8 +68,7 @@ class Candidate:
         is_free = scene.datum_groups is not None and scene.datum_u_um is None
         is_anywhere = is_free and self.span == ALWAYS
         taken = first_of_its_own(scene.touches) & set(self.names)
-        untold = {name for name, column in TOLD_BY.items() if not varies(column)(scene)}
-        taken |= untold & set(self.names)
+        taken |= {n for n in TOLD_BY.keys() & set(self.names) if not varies(TOLD_BY[n])(scene)}
         if is_anywhere:
             taken |= self.like_datum(scene)
         return frozenset(map(self.names.index, taken))

@@ -10,9 +10,9 @@ from skiplatch.units import UM_PER_MM
 
 def coarse_ticks(scene: Scene, p: Parameters) -> Change:
     """The stamps have coarser ticks."""
-    # Of two clocks that share no grid, both round down, one after the other.
     if scene.nominal.arrival_us is not None:
         return _positions_of_ticks(scene, p)
+    # Of two clocks that share no grid, both round down, one after the other.
     again = 0.5 * scene.nominal.skip.tick_us if p[1] else 0.0
     later = p[1] + 0.5 * abs(p[0]) * as_share(p[2]) - again
     with_it_um = np.where(scene.plc, 0.0, scene.speed * later)  # the position of the stamp

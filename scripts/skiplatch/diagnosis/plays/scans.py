@@ -109,7 +109,7 @@ class Scans:
 
     def _by_mean(self, play: Player) -> float:
         """Find the phase by the mean of what stamps of plays are late."""
-        phase_us = self._within(self.phase_us)
+        phase_us = self._within(self.stamp_us)
         for _ in range(SETTINGS):
             turn = complex(mean_turn(self._off_us(play, phase_us, self.open_us), self.period_us))
             phase_us = self._within(phase_us - _within_turn(turn, self.period_us))

@@ -32,6 +32,8 @@ OF_TOUCHES = frozenset(
 """Cached properties of a scene that no number of nominal.toml changes."""
 OF_MOTION = frozenset({"contact", "speed"})
 """Those that depend on the axis alone, beside the touches."""
+OF_TICKS = frozenset({"stamp_step_us"})
+"""Those that depend on the believed tick alone, beside the touches."""
 OF_SCANS = frozenset({"off_grid_us"})
 """Those that depend on the period of the scans alone."""
 OF_DATUM = frozenset({"datum_names", "datum_groups", "datum_count", "datum_senses"})
@@ -100,6 +102,8 @@ class Scene(NominalChain):
             kept |= OF_MOTION
         if nominal.plc.scan_us == self.nominal.plc.scan_us:
             kept |= OF_SCANS
+        if nominal.skip.tick_us == self.nominal.skip.tick_us:
+            kept |= OF_TICKS
         if nominal.datum == self.nominal.datum:
             kept |= OF_DATUM
         # Derived once from what stays the same; beliefs are tried out by the hundred.

@@ -11,7 +11,7 @@ simulations are left out, so that a gap that sits on one path, or at some feeds,
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -21,14 +21,13 @@ from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import InputPath
 from skiplatch.comparison.cells import cells_of
 from skiplatch.comparison.gap import RESOLVABLE
-from skiplatch.comparison.observables import OBSERVABLES, Observable, Recorded
-from skiplatch.diagnosis.plays.playing import Folds, Rig, has_like_grid
-from skiplatch.diagnosis.scene.grid import off_grid
-from skiplatch.diagnosis.scene.observed import before_wait, observed
+from skiplatch.comparison.observables import OBSERVABLES, Observable
+from skiplatch.diagnosis.plays.playing import Folds, Rig
+from skiplatch.diagnosis.scene.observed import before_wait
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
+from skiplatch.diagnosis.verdict.gap_observables import observables
 from skiplatch.diagnosis.verdict.luck import is_no_luck, may_be_luck, tightness
-from skiplatch.motion import Contact
 from skiplatch.simulator.playing import Outcomes
 from skiplatch.span import Span
 from skiplatch.statistics import CONFIDENCE, Interval
@@ -38,7 +37,6 @@ FEWEST_REPLICATES = 16
 MOST_REPLICATES = 100
 FEWEST_TOUCHES = 3  # in a cell
 RESAMPLES = 999
-NS = 3  # decimals of a µs
 ROUNDING = 1.0 / 6.0
 """Noise floor of what is known but for its rounding, in steps of it."""
 ALPHA = 0.01
@@ -112,7 +110,7 @@ class PlayedRigs:
     def gaps(self, scored: BoolArray) -> Mapping[str, Gap]:
         """Measure every observable that was recorded, on some touches, shape (n,); by name."""
         found = {}
-        for observable in _observables(self.scene, self.after):
+        for observable in observables(self.scene, self.after):
             cells = list(self._cells(scored, observable))
             if cells:
                 least = _least(self.scene, observable)
@@ -163,47 +161,6 @@ class PlayedRigs:
 def _play(scene: Scene, rig: Rig | Folds, seed: int, jobs: int) -> Outcomes:
     replicates = int(np.clip(PLAYED_TOUCHES // len(scene), FEWEST_REPLICATES, MOST_REPLICATES))
     return rig.play(scene.touches, seed=seed, replicates=replicates, jobs=jobs)
-
-
-def _observables(scene: Scene, after: Rig | Folds) -> Iterator[Observable]:
-    """Give those of every comparison, and two that stamps tell far more sharply.
-
-    A scan that is late moves the stamp of its touch by little of the wait for a scan: it is only
-    beside the other stamps that it shows. Nor does a position that is off show in that wait: it
-    does beside the way until its own stamp.
-    """
-    if scene.has_arrivals.any():
-        yield from _of_arrivals(scene)
-        return
-    yield from OBSERVABLES
-
-    def beyond(recorded: Recorded, _: Contact) -> FloatArray:
-        return np.where(scene.has_stamps, observed(scene, recorded)["position"], np.nan)
-
-    if "position" in scene.streams:
-        yield Observable(
-            "deviation_beyond_stamp_um", "deviation − way until its stamp", "µm", beyond
-        )
-
-    def late(recorded: Recorded, _: Contact) -> FloatArray:
-        stamps = np.where(scene.plc, recorded.latch_us, np.nan)
-        return np.asarray(np.round(off_grid(stamps, after.scan_us), NS))
-
-    if "lattice" in scene.streams and has_like_grid(after, scene.touches):
-        yield Observable("latch_off_scan_grid_us", "latch − grid of scans", "µs", late)
-
-
-def _of_arrivals(scene: Scene) -> Iterator[Observable]:
-    """Give those of positions, and how late arrivals are for the latch that these tell."""
-
-    def arrived(recorded: Recorded, _: Contact) -> FloatArray:
-        return observed(scene, recorded)["report"]
-
-    for one in OBSERVABLES:
-        if one.name == "report_after_latch_us":
-            yield replace(one, values=arrived)
-        elif not one.name.startswith("latch"):
-            yield one
 
 
 def _least(scene: Scene, observable: Observable) -> float:
