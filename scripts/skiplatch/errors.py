@@ -98,7 +98,7 @@ def one_line(text: str) -> str:
 
 def quoted(text: str) -> str:
     """Quote a piece of the input for a message, shortened when it is long."""
-    return f'"{shortened(text)}"'
+    return f'"{one_line(shortened(text))}"'
 
 
 def shortened(text: str, most: int = SHOWN_CHARACTERS) -> str:
