@@ -7,9 +7,12 @@ import pytest
 from scipy import stats
 
 from played_campaigns import MACHINE, played_again
+from skiplatch.arrays import FloatArray
 from skiplatch.campaign import Campaign, read_campaign
+from skiplatch.diagnosis.fit import belief_spread
 from skiplatch.diagnosis.fit.belief_spread import beside_beliefs
-from skiplatch.diagnosis.fit.beliefs import Belief, Key, believing, uncertain
+from skiplatch.diagnosis.fit.beliefs import SCAN_PERIOD, Belief, Key, believing, uncertain
+from skiplatch.diagnosis.fit.fit import Fit
 from skiplatch.diagnosis.fit.intervals import Estimate, estimates
 from skiplatch.diagnosis.fit.surface import CONFIDENCE
 from skiplatch.diagnosis.scene.scene import Scene
@@ -71,6 +74,33 @@ def test_what_touches_know_of_a_belief_is_no_longer_open() -> None:
     alone, wider = both_ways(campaign, TRIGGER, period)
 
     assert wider.intervals["delay_us"] == pytest.approx(alone.intervals["delay_us"], abs=2.0)
+
+
+def test_a_belief_that_is_known_closely_moves_no_further_than_that_costs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A likelihood that is flat at its peak, and the same anywhere far off, is no normal law."""
+    known, slope_us = 5e-5, 1e3  # standard uncertainties of the belief; µs of delay for each
+
+    def beside(
+        _scene: Scene, _found: Fit, _belief: Belief, place: float
+    ) -> tuple[FloatArray, float]:
+        nats = 0.1 * place / known - min((place / known) ** 4, 1400.0)
+        return np.array([150.0 + slope_us * place, 0.0, 0.0]), nats
+
+    campaign = played_again(read_campaign(MACHINE), TRIGGER)
+    value = campaign.nominal.plc.scan_us
+    alone, _ = both_ways(campaign, TRIGGER)
+    monkeypatch.setattr(belief_spread, "_beside", beside)
+    _, wider = both_ways(campaign, TRIGGER, Belief(SCAN_PERIOD, value, 5.0, is_noise=False))
+
+    closest, (low, high) = (one.intervals["delay_us"] for one in (alone, wider))
+    assert alone.cloud is not None
+    assert wider.cloud is not None
+    more_us = (wider.cloud.points - alone.cloud.points)[:, 0].std() / slope_us
+    assert known / 2.0 < more_us < 2.0 * known
+    assert low - closest[0] == pytest.approx(0.0, abs=slope_us * 4.0 * known)
+    assert high - closest[1] == pytest.approx(0.0, abs=slope_us * 4.0 * known)
 
 
 @pytest.mark.long

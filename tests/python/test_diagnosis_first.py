@@ -7,7 +7,7 @@ import pytest
 from played_campaigns import BENCH, played_again, stamped_machine, thinned
 from skiplatch.campaign import read_campaign
 from skiplatch.diagnosis.candidates.simulated import catalogue
-from skiplatch.diagnosis.fit.beliefs import believing
+from skiplatch.diagnosis.fit.beliefs import SCAN_PERIOD, believing
 from skiplatch.diagnosis.fit.believed import scene_of
 from skiplatch.diagnosis.search.first import beside_its_beliefs, first_effects
 from skiplatch.diagnosis.search.judge import Judge
@@ -56,6 +56,27 @@ def test_an_effect_that_moves_a_belief_leaves_it_where_another_observable_has_it
     assert best.fit.candidates[-1].change is catalogue()[late.id].change
     assert best.fit.parameters[0][0] == pytest.approx(170.0, rel=0.1)
     assert judge.scene.nominal.axis.accel_mm_s2 == pytest.approx(right, rel=1e-3)
+
+
+def test_a_clock_that_is_off_is_told_beside_a_period_that_is_uncertain() -> None:
+    """Beside the period that fits without it, a clock that is off breaks the grid of the stamps."""
+    machine = stamped_machine()
+    right_us = machine.nominal.plc.scan_us
+    coarse = {("axis", "resolution_um"): 0.5, ("skip", "tick_us"): 0.5}
+    rough = believing(machine.nominal, {("probe", "repeatability_um"): 0.5, **coarse})
+    machine = thinned(replace(machine, nominal=rough))
+    recorded = played_again(machine, Effect("timer_drift", {"drift_ppm": 0.4}))
+    believed = believing(recorded.nominal, {SCAN_PERIOD: right_us + 0.06})
+    believed = replace(believed, uncertainty={SCAN_PERIOD: 0.07})
+    scene = scene_of(replace(recorded, nominal=believed))
+    judge = Judge(scene, split(len(scene), 1))
+
+    best, *_ = first_effects(judge, lambda _: frozenset())
+
+    assert best.ids == ("timer_drift",)
+    assert best.fit.parameters[0] == pytest.approx([0.4, 0.0, 0.0], abs=0.001)
+    assert best.fit.slack == 0.0
+    assert judge.scene.nominal.plc.scan_us == pytest.approx(right_us, rel=5e-9)
 
 
 def test_beliefs_that_all_observables_tell_alike_are_told_once() -> None:

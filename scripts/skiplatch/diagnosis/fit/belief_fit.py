@@ -11,7 +11,7 @@ from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.scan_starts import scan_periods
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.beliefs import SCAN_PERIOD, Belief, value_of
+from skiplatch.diagnosis.fit.beliefs import SCAN_PERIOD, Belief, uncertain, value_of
 from skiplatch.diagnosis.likelihood.likelihood import Likelihood, likelihood
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -75,6 +75,14 @@ def fit_beliefs(
             break
     nats = moves.at(places).total - 0.5 * float(places @ places)
     return Fitted(moves.nominal_at(places), [*zip(beliefs, places.tolist(), strict=True)], nats)
+
+
+def beside_grid(scene: Scene, change: Change) -> float:
+    """Give the nats beside the period that the stamps of the scans tell under a change."""
+    belief = next(b for b in uncertain(scene.nominal) if b.key == SCAN_PERIOD)
+    moves = _Moves(scene, change, [belief], None, None)
+    places = [0.0, *(p for p in _guesses(scene, change, belief, None) if abs(p) < FARTHEST)]
+    return max(moves.at(np.array([place])).total - 0.5 * place**2 for place in places)
 
 
 class _Moves:

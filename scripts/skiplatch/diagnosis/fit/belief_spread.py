@@ -20,8 +20,10 @@ NORMAL = float(stats.norm.ppf((1.0 + CONFIDENCE) / 2.0))
 SEED = 1
 A_FALL = 2.0
 """Nats, of both ways together, up to which a likelihood falls as a normal law does."""
-ROUNDS = 4
-"""In which a step is found that costs no more."""
+SEEN = 0.2
+"""Nats from which on it is seen to fall."""
+ROUNDS = 8
+"""In which a step is found that costs so much, and no more."""
 
 
 def beside_beliefs(
@@ -90,15 +92,18 @@ def _moved(scene: Scene, found: Fit, belief: Belief) -> tuple[FloatArray, FloatA
         below, down = _beside(scene, found, belief, place - step)
         return (above - below) / 2.0, (up - down) / 2.0, 2.0 * here - up - down
 
-    step = 1.0
+    step, cheap, dear = 1.0, 0.0, np.inf
     moved, rise, fall = across(step)
     for _ in range(ROUNDS):
-        if fall <= A_FALL:
+        cheap, dear = (cheap, step) if fall > A_FALL else (step, dear)
+        if cheap and (fall > SEEN or np.isinf(dear)):
             break
-        step /= float(np.sqrt(fall))
+        step = float(np.sqrt(cheap * dear)) if cheap else step / float(np.sqrt(fall))
         moved, rise, fall = across(step)
     fall = max(fall, step**2)  # no less sharp than by the belief's own law
-    return moved * rise / fall, moved / np.sqrt(fall)
+    farthest = dear / step
+    mean, deviation = np.clip(rise / fall, -farthest, farthest), min(1.0 / np.sqrt(fall), farthest)
+    return moved * mean, moved * deviation
 
 
 def _beside(scene: Scene, found: Fit, belief: Belief, place: float) -> tuple[FloatArray, float]:

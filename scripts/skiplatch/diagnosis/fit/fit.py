@@ -224,17 +224,27 @@ def fit(
     widenings: Sequence[float] | None = None,
 ) -> Fit:
     """Fit parameters from several starts, coarse to fine, on top of what is given."""
+    forms = list(fits_by_form(scene, candidates, starts, given, widenings))
+    # What a parameter more gains by chance is no reason to prefer a form that has it.
+    return min(forms, key=lambda form: form[1] + WORTH_A_REFINEMENT * form[0].size)[0]
+
+
+def fits_by_form(
+    scene: Scene,
+    candidates: Sequence[Candidate],
+    starts: Iterable[Sequence[float]],
+    given: Change = NOTHING,
+    widenings: Sequence[float] | None = None,
+) -> Iterator[tuple[Fit, float]]:
+    """Fit them to each form of the starts, by what is 0 in them, and give minus the nats of it."""
     begun = [np.asarray(start, dtype=float) for start in starts]
     target = Target(scene, candidates, begun, given)
     forms: dict[tuple[int, ...], list[FloatArray]] = {}
     for start in begun:
         forms.setdefault(tuple(np.flatnonzero(start)), []).append(start)
-    stages = widenings or target.widenings
-    found = [fit_form(target, points, stages) for points in forms.values()]
-    # What a parameter more gains by chance is no reason to prefer a form that has it.
-    return target.fit(
-        min(found, key=lambda p: target(p, 0.0) + WORTH_A_REFINEMENT * np.count_nonzero(p))
-    )
+    for points in forms.values():
+        found = fit_form(target, points, widenings or target.widenings)
+        yield target.fit(found), target(found, 0.0)
 
 
 def _sharper(target: Target, point: FloatArray, widenings: Sequence[float]) -> FloatArray:

@@ -30,7 +30,7 @@ def _beside_likeliest(judge: Judge, ranked: list[Scored]) -> list[Scored]:
     Where one observable tells a belief otherwise than all do, an effect in the others may have
     moved it: what leaves that observable alone is then found beside its own beliefs only.
     """
-    beliefs = judge.told_otherwise()
+    beliefs = [*judge.told_otherwise(), *judge.told_along_grid()]
     if not beliefs:
         return ranked
     held = judge.scene.nominal

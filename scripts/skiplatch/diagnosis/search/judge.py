@@ -8,6 +8,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.applicable import acts
 from skiplatch.diagnosis.candidates.candidate import Candidate
 from skiplatch.diagnosis.candidates.simulated import catalogue
@@ -18,6 +19,7 @@ from skiplatch.diagnosis.fit.material import DEFAULT, Materiality
 from skiplatch.diagnosis.fit.onset import gained_by_an_end, outlives_datum, parts_of, proposed
 from skiplatch.diagnosis.likelihood.likelihood import affected
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.along_grid import fits_along_grid
 from skiplatch.diagnosis.search.believer import Believer
 from skiplatch.diagnosis.search.parts import Split
 from skiplatch.diagnosis.search.scored import (
@@ -98,6 +100,11 @@ class Judge(Believer):
         """Every candidate, or those of some effects, alone; by falling score."""
         tried = [c for c in self._candidates() if ids is None or c.id in ids]
         return self._with_twins(map(self.score, self._contest(tried, NOTHING)))
+
+    def told_along_grid(self) -> list[Nominal]:
+        """Give the chains with beliefs that fit beside effects that shift the grid of the scans."""
+        fits = fits_along_grid(self._naming, self._candidates())
+        return [self.beliefs_beside(one).nominal for one in fits]
 
     def may_begin(self, singles: Sequence[Scored]) -> bool:
         """Tell whether any effect, just as it is, does better if it begins or ends at a touch."""
