@@ -7,7 +7,7 @@ import pytest
 
 from played_campaigns import BENCH, played, played_again, stamped_machine
 from skiplatch.arrays import FloatArray
-from skiplatch.campaign import Campaign, read_nominal
+from skiplatch.campaign import Campaign, read_campaign, read_nominal
 from skiplatch.diagnosis.fit.material import DEFAULT
 from skiplatch.diagnosis.plays.edges import at_given_edges
 from skiplatch.diagnosis.plays.leftover import Beside, left_over
@@ -17,6 +17,7 @@ from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from skiplatch.simulator.playing import Outcomes, play
 from skiplatch.simulator.rig import Controller
+from skiplatch.span import Span
 from skiplatch.units import S_PER_MIN, UM_PER_MM, US_PER_S
 
 REPLICATES = 4
@@ -161,10 +162,43 @@ def test_it_stays_open_by_how_much_scans_may_move_before_a_stamp_shows_it(
     campaign = played(BENCH, *effects)
     assert (campaign.nominal.plc.scan_us, campaign.nominal.skip.tick_us) == (2000.0, 0.25)
 
-    scans = rig_of(campaign, *effects).scans
+    ((period_us, scans),) = rig_of(campaign, *effects).scans.items()
 
-    assert scans is not None
+    assert period_us == campaign.nominal.plc.scan_us
     assert scans.open_us == pytest.approx(open_us)
+
+
+@pytest.mark.parametrize("in_phase", [False, True])
+def test_scans_that_change_their_period_begin_as_recorded_before_and_after(in_phase: bool) -> None:
+    """At the longer period the scans go on from one of the shorter: one of five, here the first."""
+    bench = read_campaign(BENCH)
+    last = int(np.median(bench.touches.touch))
+    slower = Effect("scan_period", {"period_us": 8000.0}, Span(until=last))
+    campaign = played_again(bench, slower)
+    touches, plc = campaign.touches, campaign.touches.on_plc
+
+    plays = rig_of(campaign, slower).play(touches, seed=5, replicates=40, in_phase=in_phase)
+
+    off_us = (plays.latch_us - touches.latch_us)[:, plc]
+    period_us = np.where(touches.touch <= last, 10_000.0, 2000.0)[plc]
+    off_grid_us = off_us - np.rint(off_us / period_us) * period_us
+    assert np.abs(off_grid_us).max() <= 2.0 * campaign.nominal.skip.tick_us
+    waits_us = (plays.latch_us - plays.true_edge_us)[:, plc]
+    longest_us = [waits_us[:, period_us == each].max() for each in (10_000.0, 2000.0)]
+    assert longest_us == pytest.approx([10_000.0, 2000.0], rel=0.1)
+
+
+def test_scans_that_nothing_tells_go_on_from_the_same_one_at_another_period() -> None:
+    bench = read_campaign(BENCH)
+    last = int(np.median(bench.touches.touch))
+    slower = Effect("scan_period", {"period_us": 8000.0}, Span(until=last))
+
+    plays = Rig(bench.nominal, [slower]).play(bench.touches, seed=5, replicates=REPLICATES)
+
+    off_us = off_grid(plays.latch_us[:, bench.touches.on_plc], 2000.0)
+    assert np.ptp(off_us, axis=1).max() <= 2.0 * bench.nominal.skip.tick_us
+    first_us = plays.latch_us[:, bench.touches.on_plc][:, 0] % 2000.0
+    assert np.ptp(first_us) > 50.0
 
 
 def test_noise_of_the_reference_instrument_moves_no_contact() -> None:

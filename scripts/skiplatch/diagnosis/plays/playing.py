@@ -1,6 +1,6 @@
 """Plays of conditions on the rig that is believed in, its datum where it was fitted."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Self
@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from skiplatch.arrays import FloatArray
+from skiplatch.arrays import BoolArray, FloatArray
 from skiplatch.campaign import Nominal, Touches
 from skiplatch.campaign.datum_names import datum_names, datum_senses
 from skiplatch.diagnosis.density.change import Change
@@ -95,8 +95,8 @@ class Rig:
     nominal: Nominal
     effects: Sequence[Effect] = ()
     datum: FittedDatum = field(default_factory=FittedDatum)
-    scans: Scans | None = None
-    """Where stamps tell when they began."""
+    scans: Mapping[float, Scans] = field(default_factory=dict)
+    """Those of which stamps tell when they began, by their period in µs."""
 
     @property
     def spans(self) -> list[Span]:
@@ -125,9 +125,27 @@ class Rig:
         """Give it with the scans that touches of its own tell; the seed is that of trial plays."""
         if self.nominal.arrival_us is not None:
             return self
-        trial = partial(self._played, seed=seed, jobs=1)
-        scans = Scans.of(self.counted(recorded), self.scan_us, self.tick_us, trial)
-        return replace(self, scans=scans)
+        scans = {}
+        for rig, rows in self._steady(recorded):
+            trial = partial(rig.played, seed=seed, jobs=1)
+            there = rig.counted(recorded.select(rows))
+            scans[rig.scan_us] = Scans.of(there, rig.scan_us, rig.tick_us, trial)
+        return replace(self, scans={us: told for us, told in scans.items() if told is not None})
+
+    def _steady(self, touches: Touches) -> Iterator[tuple[Self, BoolArray]]:
+        """Give it from one change of the scan period to the next, and the n touches made then."""
+        changing = [e for e in self.effects if e.id == SCAN_PERIOD and e.span != ALWAYS]
+        if not changing:
+            yield self, np.full(len(touches), fill_value=True)
+            return
+        others = [effect for effect in self.effects if effect not in changing]
+        held = np.array([effect.span.holds(touches.touch) for effect in changing])
+        sets, which = np.unique(held, axis=1, return_inverse=True)
+        for number, there in enumerate(sets.T):
+            acting = [
+                replace(e, span=ALWAYS) for e, acts in zip(changing, there, strict=True) if acts
+            ]
+            yield replace(self, effects=[*others, *acting]), which.ravel() == number
 
     @property
     def has_coarse_tick(self) -> bool:
@@ -165,10 +183,20 @@ class Rig:
             in_phase: Where it is known when scans began, let each touch wait for one as long as it
                 would have; else it falls anywhere before the scan that its stamp tells.
         """
-        alone = partial(self._played, seed=seed, jobs=jobs)
-        if self.scans is None or not self.keeps_scan_grid or not touches.on_plc.any():
-            return alone(touches, replicates, Begins())
-        return self._bound(self.scans, in_phase=in_phase)(alone, touches, replicates)
+        steady = list(self._steady(touches))
+        # A controller that goes on at another period goes on from the same scan.
+        longest_us = max(rig.scan_us for rig, _ in steady)
+        begins = Begins(longest_us, longest_us) if len(steady) > 1 else Begins()
+        plays = []
+        for rig, rows in steady:
+            alone = partial(rig.played, seed=seed, jobs=jobs)
+            is_bound = self.keeps_scan_grid and touches.on_plc[rows].any()
+            scans = self.scans.get(rig.scan_us) if is_bound else None
+            bound = partial(alone, begins=begins)
+            if scans is not None:
+                bound = partial(self._bound(scans, in_phase=in_phase), alone)
+            plays.append(bound(touches, replicates))
+        return spliced(plays, np.argmax([rows for _, rows in steady], axis=0))
 
     def _bound(self, scans: Scans, *, in_phase: bool) -> Callable[[Player, Touches, int], Outcomes]:
         """Give how touches are bound to scans.
@@ -181,9 +209,10 @@ class Rig:
         is_slotted = any(effect.id == SLOTS for effect in self.effects)
         return scans.anywhere if is_slotted else scans.at_recorded
 
-    def _played(
+    def played(
         self, touches: Touches, replicates: int, begins: Begins, *, seed: int, jobs: int
     ) -> Outcomes:
+        """Play touches so often on a controller that begins as told; see `play`."""
         surface_um, coordinate_um = self.datum.sizes_um(self.nominal, touches)
         met = met_at(touches, surface_um)
         controller = replace(

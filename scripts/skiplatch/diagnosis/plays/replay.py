@@ -35,7 +35,7 @@ def replayed(
         campaigns: How often.
     """
     # Moves that wait for the recorded scans have what chance made of these in them already.
-    free = replace(rig, scans=None)
+    free = replace(rig, scans={})
     outcomes = free.play(scene.touches, seed=seed, replicates=campaigns)
     columns = (as_recorded(scene.touches, outcomes, k) for k in range(campaigns))
     # Beliefs that the rig has moved are no gap in what it plays.
