@@ -7,7 +7,7 @@ import pytest
 
 from diagnosed import Search
 from played_campaigns import MACHINE, played_again
-from skiplatch.campaign import Axis, Campaign, read_campaign
+from skiplatch.campaign import Axis, Campaign, Datum, DatumFreedom, read_campaign
 from skiplatch.diagnosis.candidates.first_axis import (
     MOST_OVER,
     first_axis,
@@ -15,7 +15,11 @@ from skiplatch.diagnosis.candidates.first_axis import (
     within_ratio,
 )
 from skiplatch.diagnosis.candidates.table import CANDIDATES
+from skiplatch.diagnosis.density.change import NOTHING
+from skiplatch.diagnosis.fit.fit import starts_of
 from skiplatch.diagnosis.fit.intervals import estimates
+from skiplatch.diagnosis.plays.playing import FittedDatum, Rig
+from skiplatch.diagnosis.plays.replay import as_recorded
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 from standing_fits import standing, whole
@@ -91,3 +95,19 @@ def test_a_scale_of_y_alone_is_known_as_closely_as_one_of_x() -> None:
 
 def test_a_scale_of_y_alone_is_the_likeliest_effect() -> None:
     assert Search(played_again(along(Axis.Y), LONG)).judge.singles()[0].ids == (LONG.id,)
+
+
+def test_an_axis_of_few_touches_is_told_beside_surfaces_that_lie_far_apart() -> None:
+    """What surfaces are off is no scatter: beside it, few touches tell which axis errs."""
+    whole_campaign = along(Axis.X, Axis.Y, Axis.Z)
+    few = whole_campaign.touches.select(np.arange(0, len(whole_campaign.touches), 10))
+    nominal = replace(whole_campaign.nominal, datum=Datum(DatumFreedom.AXIS))
+    x_alone = Effect(LONG.id, {**LONG.parameters, "y_excess_ratio": -1.0, "z_excess_ratio": -1.0})
+    rig = Rig(nominal, [x_alone], FittedDatum({}, {"X": 300.0, "Y": -900.0, "Z": 2000.0}))
+    outcomes = rig.play(few, seed=1, replicates=1)
+    scene = Scene(nominal, as_recorded(few, outcomes, 0))
+    assert max(np.bincount(scene.touches.axis)) < 16
+
+    starts = np.array(starts_of(scene, CANDIDATES[LONG.id], NOTHING))
+
+    assert np.any(np.all(np.abs(starts - [80.0, -1.0, -1.0]) < [8.0, 0.1, 0.1], axis=1))

@@ -12,13 +12,13 @@ from skiplatch.campaign import LINEAR_AXES, Touches
 from skiplatch.diagnosis.candidates.candidate import Refinement
 from skiplatch.diagnosis.candidates.first_axis import MOST_OVER, OF_AN_AXIS, RATIOS
 from skiplatch.diagnosis.candidates.positions import positions
-from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
+from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_beside
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.simulator.effects import Effect
 
-FEWEST_ON_AXIS = 16
-"""Touches, of an axis or of all, that show an error."""
+FEWEST_ON_AXIS = 5
+"""Touches, of an axis or of all, that show an error: a size, a datum, and three that agree."""
 A_NEWS = 4.0
 """Nats that each further axis has to gain for it to be proposed, by the scatter that there is."""
 
@@ -111,12 +111,13 @@ def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[f
     data = list((told.data / told.spread_um[:, None]).T)
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     seen = [k for k, on_axis in enumerate(on_axes) if np.any(units[on_axis])]
-    scale = scale_of(scores)
+    parts = [units * on_axes[k] for k in seen]
+    scale = scale_beside([*parts, *data], scores)
     common, cost = robust_fit([units, *data], scores, scale)
     same = [float(common[0]), 0.0, 0.0]
     if len(seen) < 2 or min(on_axes[k].sum() for k in seen) < FEWEST_ON_AXIS:
         return [same]
-    parted, lower = robust_fit([*(units * on_axes[k] for k in seen), *data], scores, scale)
+    parted, lower = robust_fit([*parts, *data], scores, scale)
     if cost - lower < A_NEWS * (len(seen) - 1):
         return [same]
     sizes = np.full(len(LINEAR_AXES), common[0])

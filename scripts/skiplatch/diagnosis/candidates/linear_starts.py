@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from skiplatch.arrays import FloatArray
-from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_of
+from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_beside
 from skiplatch.diagnosis.candidates.surrogates import Parameters
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.density.datum import BY_COORDINATES, BY_STAMPS, WITHOUT_STAMPS
@@ -103,8 +103,8 @@ def sizes(
     values, columns = whole[:, -1], whole[:, :-1]
     if not columns[:, : len(units)].any(axis=0).all():
         return None
-    shown = columns[:, columns.any(axis=0)]
-    return robust_fit(list(shown.T), values, scale_of(values))[0][: len(units)]
+    shown = list(columns[:, columns.any(axis=0)].T)
+    return robust_fit(shown, values, scale_beside(shown, values))[0][: len(units)]
 
 
 def _columns(scene: Scene, stream: Stream, given: Change, changes: Sequence[Change]) -> FloatArray:

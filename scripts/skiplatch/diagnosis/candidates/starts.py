@@ -192,9 +192,12 @@ def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
     return robust_fit(columns, scores)[0][:-1]
 
 
-def scale_of(scores: FloatArray) -> float:
-    """Give the scatter of scores, shape (n,), whatever some of them do: for `robust_fit`."""
-    return max(1.0, float(stats.median_abs_deviation(scores, scale="normal")))
+def scale_beside(columns: Sequence[FloatArray], scores: FloatArray) -> float:
+    """Give the scatter of scores, shape (n,), beside multiples of columns, whatever some do."""
+    design = np.column_stack(columns)
+    least, *_ = np.linalg.lstsq(design, scores, rcond=None)
+    left = scores - design @ least
+    return max(1.0, float(stats.median_abs_deviation(left, scale="normal")))
 
 
 def robust_fit(

@@ -9,7 +9,7 @@ import numpy as np
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import LINEAR_AXES, Axis
 from skiplatch.diagnosis.candidates.positions import positions
-from skiplatch.diagnosis.candidates.starts import robust_fit, scale_of
+from skiplatch.diagnosis.candidates.starts import robust_fit, scale_beside
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.periodogram import explained_by_sines
 from skiplatch.diagnosis.scene.scene import Scene
@@ -68,7 +68,7 @@ def _beside_datum(error: FloatArray, data: FloatArray, spread: FloatArray) -> Fl
     """Take from errors, shape (n,), what columns of data, shape (n, d), and a constant explain."""
     columns = np.column_stack([data, np.ones(len(error))]) / spread[:, None]
     scores = error / spread
-    sizes, _ = robust_fit(list(columns.T), scores, scale_of(scores))
+    sizes, _ = robust_fit(list(columns.T), scores, scale_beside(list(columns.T), scores))
     return np.asarray(error - data @ sizes[:-1])
 
 
