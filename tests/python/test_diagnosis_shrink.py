@@ -51,6 +51,21 @@ def test_a_gap_on_one_path_shows_at_its_size() -> None:
     assert gap.is_clear
 
 
+def test_feeds_of_few_touches_show_a_gap_together() -> None:
+    """A campaign of a few dozen touches has one or two that are held out at each feed."""
+    late = read_campaign(LATE_BENCH)
+    skip = late.touches.path == InputPath.SKIP
+    feeds = np.unique(late.touches.feed_mm_min)
+    rows = [np.flatnonzero(skip & (late.touches.feed_mm_min == feed))[:7] for feed in feeds]
+    few = replace(late, touches=late.touches.select(np.sort(np.concatenate(rows))))
+    assert not list(cells_of(few.touches, held_out(few), 3))
+
+    gap = shrunk(few, LATE)["latch_after_edge_us"]
+
+    assert gap.before == pytest.approx(41.7, abs=1.0)
+    assert gap.is_clear
+
+
 def test_a_lock_shows_though_surfaces_lie_apart() -> None:
     """Edges that wait alike do so from each surface on, wherever that is."""
     lock = Effect("scan_phase_lock", {"phase": 0.1, "spread": 0.01})

@@ -174,14 +174,23 @@ def _least(scene: Scene, observable: Observable) -> float:
 def _cells_within(
     scene: Scene, known: BoolArray, spans: Iterable[Span]
 ) -> Iterator[tuple[InputPath, IndexArray]]:
-    """Give the cells, the touches apart at which an effect that begins or ends is not there."""
+    """Give the cells, the touches apart at which an effect that begins or ends is not there.
+
+    Feeds at which there are too few are one cell: each touch is held against its own feed anyhow.
+    """
     parts = [known]
     for span in spans:
         acts = span.holds(scene.touches.touch)
         parts = [half for part in parts for half in (part & acts, part & ~acts)]
     for part in parts:
-        for path, _, rows in cells_of(scene.touches, part, FEWEST_TOUCHES):
-            yield path, rows
+        few: dict[InputPath, list[IndexArray]] = {}
+        for path, _, rows in cells_of(scene.touches, part, 1):
+            if len(rows) >= FEWEST_TOUCHES:
+                yield path, rows
+            else:
+                few.setdefault(path, []).append(rows)
+        together = ((path, np.sort(np.concatenate(rows))) for path, rows in few.items())
+        yield from ((path, rows) for path, rows in together if len(rows) >= FEWEST_TOUCHES)
 
 
 def _clear(cells: Sequence[Cell], least: float) -> list[Cell]:
