@@ -86,6 +86,24 @@ def test_nothing_is_taken_out(judged: tuple[Judge, Finding], evidence: Evidence)
     assert without_guilty(*judged, evidence, nowhere) is None
 
 
+def test_where_all_scatter_what_does_not_is_looked_for() -> None:
+    """Masked interrupts take a delay for their own, and each that scatters would hide it again."""
+    scene = Scene.of(played(BENCH, Effect("isr_latency", {"latency_us": 400.0}), seed=3))
+    judge = Judge(scene, split(len(scene), 1))
+    scattering = [one for one in judge.singles() if judge.scatters(one, 0)]
+    assert {"isr_blocking", "contact_bounce"} <= {one.ids[0] for one in scattering}
+    told = Evidence(chance=[replace(OF_LATCH, path="skip")])
+
+    found = without_guilty(judge, Finding(scattering[0], ranking=tuple(scattering)), told, nowhere)
+
+    assert found is not None
+    assert found.model is not None
+    assert found.model.ids == ("isr_latency",)
+    assert found.model.fit.parameters[0][0] == pytest.approx(400.0, rel=0.01)
+    tried = {one.ids[-1] for one in found.ranking}
+    assert "contact_bounce" in tried  # in its place they may stand
+
+
 def test_it_is_known_where_each_gap_shows(judged: tuple[Judge, Finding]) -> None:
     scene = judged[0].scene
     plays = PlayedRigs.of(

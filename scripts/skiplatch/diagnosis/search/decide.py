@@ -91,10 +91,10 @@ def _searched(judge: Judge, noticed: Noticed) -> Finding:
             return _single(judge, best, ranked)
     judge.believe_beside(pairs[0].fit)
     model, tried = judge.score(pairs[0].fit), [judge.score(one.fit) for one in pairs]
-    return _grown(judge, model, tried, noticed)
+    return grown(judge, model, tried, noticed)
 
 
-def _grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Noticed) -> Finding:
+def grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Noticed) -> Finding:
     """Extend a model for as long as the touches ask for it; the rivals are what was tried last."""
     while len(model.ids) < MOST_EFFECTS and _asks_for_more(judge, model, noticed):
         better = reformed(judge, model)
@@ -106,10 +106,10 @@ def _grown(judge: Judge, model: Scored, tried: Sequence[Scored], noticed: Notice
             break
         judge.believe_beside(further[0].fit)
         model, tried = judge.score(further[0].fit), [judge.score(one.fit) for one in further]
-    return several(judge, model, tried) if len(model.ids) > 1 else _one_of(judge, model)
+    return several(judge, model, tried) if len(model.ids) > 1 else one_of(judge, model)
 
 
-def _one_of(judge: Judge, model: Scored) -> Finding:
+def one_of(judge: Judge, model: Scored) -> Finding:
     """Give a finding of one effect, beside all that may stand in its place."""
     return _single(judge, model, [model, *_others(model, judge.in_place(model, 0))])
 
@@ -283,17 +283,3 @@ def _others(model: Scored, tried: Iterable[Scored]) -> list[Scored]:
     for other in sorted(tried, key=lambda other: -other.score):
         best.setdefault(frozenset(other.ids), other)
     return [other for ids, other in best.items() if ids != frozenset(model.ids)]
-
-
-def reduced(judge: Judge, model: Scored) -> Finding:
-    """Give a finding with a model that has fewer effects than were found."""
-    return several(judge, model, ()) if len(model.ids) > 1 else _one_of(judge, model)
-
-
-def beyond(judge: Judge, model: Scored, left_out: Collection[str], noticed: Noticed) -> Finding:
-    """Search on from a model, without effects that stood for what is there, if that is seen."""
-    if not noticed(model):
-        return reduced(judge, model)
-    judge.leave_out(left_out)
-    judge.believe_beside(model.fit)
-    return _grown(judge, judge.score(model.fit), (), noticed)

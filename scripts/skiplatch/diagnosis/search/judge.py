@@ -96,6 +96,11 @@ class Judge(Believer):
         self._left_out.update(ids)
         self._look_at(self._believed)
 
+    def take_back(self, ids: Collection[str]) -> None:
+        """Try them again."""
+        self._left_out.difference_update(ids)
+        self._look_at(self._believed)
+
     def singles(self, ids: Collection[str] | None = None) -> list[Scored]:
         """Every candidate, or those of some effects, alone; by falling score."""
         tried = [c for c in self._candidates() if ids is None or c.id in ids]

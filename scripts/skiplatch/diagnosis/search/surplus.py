@@ -14,8 +14,9 @@ from skiplatch.diagnosis.fit.forms import anew
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
 from skiplatch.diagnosis.plays.replay import begun_anywhere, replayed
 from skiplatch.diagnosis.scene.scene import Scene
+from skiplatch.diagnosis.search.anew import reduced
 from skiplatch.diagnosis.search.confirm import AsRig
-from skiplatch.diagnosis.search.decide import Finding, reduced
+from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import ENOUGH_FIT, PLAIN, Scored, worth
 from skiplatch.side_by_side import side_by_side

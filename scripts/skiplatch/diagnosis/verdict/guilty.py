@@ -4,10 +4,11 @@ What one effect leaves speaks against that one, and not against the others: thes
 themselves.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from skiplatch.diagnosis.plays.leftover import STREAMS, streams_of
-from skiplatch.diagnosis.search.decide import Finding, beyond, reduced
+from skiplatch.diagnosis.search.anew import beyond, found_without, reduced
+from skiplatch.diagnosis.search.decide import Finding
 from skiplatch.diagnosis.search.judge import Judge
 from skiplatch.diagnosis.search.scored import Noticed, Scored
 from skiplatch.diagnosis.verdict.evidence import Evidence
@@ -32,7 +33,8 @@ def without_guilty(
 
     They are those that gain too little; or that are at a limit; or that may be almost anything; or
     that undo each other; or that scatter where their chance can be told, or where the record does
-    so far less; or that change anything at all where much of what there was is left.
+    so far less; or that change anything at all where much of what there was is left. Where all of
+    them scatter so, whatever else scatters there would stand for the same, and hides what does not.
 
     Args:
         judge: Fits what is left of the finding anew.
@@ -52,7 +54,24 @@ def without_guilty(
             for i in reversed(guilty):
                 model = judge.again_without(model, i)
             return beyond(judge, model, ids, noticed) if noticed else reduced(judge, model)
+    scattered = _scattered(evidence)
+    if noticed and all(judge.scatters(model, i) & scattered for i in range(len(model.ids))):
+        hiding = {*model.ids, *_scattering(judge, finding.ranking, scattered)}
+        return found_without(judge, hiding, noticed)
     return None
+
+
+def _scattering(judge: Judge, tried: Iterable[Scored], streams: frozenset[str]) -> Iterator[str]:
+    """Name the effects, of those that were tried last, that leave more to chance in streams."""
+    for one in tried:
+        if judge.scatters(one, len(one.ids) - 1) & streams:
+            yield one.ids[-1]
+
+
+def _scattered(evidence: Evidence) -> frozenset[str]:
+    """Name the streams in which an effect stands for something that does not scatter."""
+    told = map(streams_of, told_of_chance(evidence))
+    return frozenset().union(*told, *(SHOWN_IN[name] for name in too_wide(evidence)))
 
 
 def _accused(judge: Judge, model: Scored, evidence: Evidence) -> Iterator[list[int]]:
