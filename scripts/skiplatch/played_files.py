@@ -23,6 +23,7 @@ from skiplatch.campaign import (
     read_nominal,
 )
 from skiplatch.campaign.columns import REQUIRED
+from skiplatch.campaign.missing import warn_missing
 from skiplatch.campaign.nominal_toml import NominalError
 from skiplatch.campaign.reading import read_touches
 from skiplatch.errors import InputError
@@ -32,7 +33,6 @@ from skiplatch.stand_ins import (
     refuse_unplayable,
     refuse_unplayable_touches,
     stood_in,
-    warn_missing,
 )
 
 Read = Callable[[Path], Touches]

@@ -23,6 +23,7 @@ from skiplatch.campaign import (
     Touches,
     fingerprint,
 )
+from skiplatch.campaign.missing import warn_missing
 from skiplatch.campaign.nominal import InputNominal, ProbeNominal, SkipNominal
 from skiplatch.campaign.touches import last_known
 from skiplatch.errors import CampaignWarning, InputError, quoted
@@ -277,10 +278,3 @@ def _or_else(values: FloatArray, others: FloatArray) -> FloatArray:
 
 def _empty(values: FloatArray, rows: BoolArray) -> FloatArray:
     return np.where(rows, np.nan, values)
-
-
-def warn_missing(path: Path, name: str, missing: BoolArray, what: str) -> None:
-    """Warn that a column was not recorded, and of what comes of that."""
-    if missing.any():
-        how_often = "not recorded" if missing.all() else f"not recorded in {missing.sum()} touches"
-        warnings.warn(CampaignWarning(path, None, name, f"{how_often}; {what}"), stacklevel=4)

@@ -16,3 +16,6 @@ DEG_PER_TURN = 360.0
 ARCSEC_PER_DEG = 3600.0
 ARCSEC_PER_MILLIDEGREE = 3.6
 """As many as count as a µm: a degree of a rotary axis counts as a millimetre."""
+
+MM, INCH = "mm", "inch"
+"""As options and messages name them."""

@@ -8,7 +8,7 @@ from click.testing import CliRunner
 
 from refusals import Program
 from skiplatch.cli import group
-from test_import_logs import Run
+from test_import_logs import LOGS, Run
 
 SCATTER = (0.0, 1.0, -1.0, 2.0, -2.0, 0.5, -0.5, 1.5)
 """Of touches of one surface, about in σ."""
@@ -222,3 +222,15 @@ def test_repeat_takes_the_unit_of_a_log_and_of_no_campaign(
     assert "coordinates in" not in result.output
     assert "widest range, µm            50.8" in result.output
     assert "leave out --units" in refused("repeat", machine_sample, "--units", "inch")
+
+
+@pytest.mark.parametrize(
+    ("log", "said"),
+    [
+        ("klipper_octoprint.log", "touches of klipper, which tell their unit themselves: leave"),
+        ("saleae.csv", "edges of a capture, which tell their unit themselves: leave out --units"),
+        ("grbl_serial.log", "touches of grbl: skiplatch import grbl has --inch for them, not"),
+    ],
+)
+def test_unit_makes_no_log_one_of_linuxcnc(log: str, said: str, refused: Program) -> None:
+    assert said in refused("repeat", LOGS / log, "--units", "mm")

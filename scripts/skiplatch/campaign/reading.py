@@ -23,6 +23,7 @@ from skiplatch.campaign.columns import (
     place_of,
 )
 from skiplatch.campaign.csv_text import DELIMITERS, Row, read_rows
+from skiplatch.campaign.missing import warn_missing
 from skiplatch.campaign.nominal import Nominal
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.campaign.touches import Touches
@@ -109,9 +110,7 @@ def _paths(path: Path, nominal: Nominal | None, columns: Mapping[str, Values]) -
         return paths
     found, why = unsaid_path(nominal, np.asarray(stamps[unsaid], dtype=float))
     if why:
-        how_often = "not recorded" if unsaid.all() else f"not recorded in {unsaid.sum()} touches"
-        message = f"{how_often}; taken as {found.name.lower()}, for {why}"
-        warnings.warn(CampaignWarning(path, None, "path", message), stacklevel=5)
+        warn_missing(path, "path", unsaid, f"taken as {found.name.lower()}, for {why}")
     return np.where(unsaid, np.int8(found), paths)
 
 

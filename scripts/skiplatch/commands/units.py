@@ -4,8 +4,7 @@ import click
 
 from skiplatch.commands.inputs import Source
 from skiplatch.commands.options import Decorator
-
-MM, INCH = "mm", "inch"
+from skiplatch.units import INCH, MM
 
 units_option: Decorator = click.option(
     "--units",

@@ -8,7 +8,7 @@ from skiplatch.errors import InputError
 from skiplatch.files import failures_named
 from skiplatch.importing.dialects import advice
 from skiplatch.importing.grbl import read_grbl
-from skiplatch.importing.kinds import HOLDS, is_scope, kind_of
+from skiplatch.importing.kinds import HOLDS, TABLE, is_scope, kind_of
 from skiplatch.importing.klipper import read_klipper
 from skiplatch.importing.linuxcnc import read_linuxcnc
 from skiplatch.importing.log_lines import read_text
@@ -43,9 +43,11 @@ def read_any(path: Path, *, inch: bool | None = None) -> tuple[str, Imported]:
         inch: Whether one of LinuxCNC begins in inches, where that is told.
 
     Raises:
-        InputError: It cannot be read, or is of no kind that can be told.
+        InputError: It cannot be read, is of no kind that can be told, or of one that has no other
+            unit.
     """
     if inch is not None:
+        _refuse_unit_of_others(path)
         return LINUXCNC, read_linuxcnc(path, None, None, None, inch=inch)
     if path.suffix.lower() in (".vcd", ".sr"):
         return "a logic analyser", _capture(path)
@@ -69,6 +71,17 @@ def read_any(path: Path, *, inch: bool | None = None) -> tuple[str, Imported]:
     others = f"skiplatch import {kind} reads it" if kind in HOLDS else "see skiplatch import"
     message = f"expected a campaign or a log of {kinds}; for others {others}"
     raise InputError(path, None, None, message)
+
+
+def _refuse_unit_of_others(path: Path) -> None:
+    """Refuse a unit for a file that is clearly none of LinuxCNC."""
+    with failures_named(path, "read"):
+        kind = kind_of(path)
+    if kind not in ("", LINUXCNC, TABLE):
+        message = f"{HOLDS[kind]}, which tell their unit themselves: leave out --units"
+        if kind == "grbl":
+            message = "touches of grbl: skiplatch import grbl has --inch for them, not --units"
+        raise InputError(path, None, None, message)
 
 
 def _capture(path: Path) -> Imported:

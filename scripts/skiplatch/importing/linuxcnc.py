@@ -78,8 +78,10 @@ def read_linuxcnc(
     read = read_rows(path)
     rows, lines = read.rows, read.lines
     text = read_program(program) if program else ""
-    begun = unit_begun(path, read, text, axis or probed_axis(rows), inch=inch, ini=ini)
-    done = run(text, rows, inch=begun.is_inch, name=path.name)
+    runs = {begins: run(text, rows, inch=begins, name=path.name) for begins in (False, True)}
+    told_by = runs if program else {}
+    begun = unit_begun(path, read, told_by, axis or probed_axis(rows), inch=inch, ini=ini)
+    done = runs[begun.is_inch]
     if program and not done.moves:
         raise InputError(program, None, None, _without_moves(text, done))
     found = Imported(preset="linuxcnc-1ms", path_is_plc=True)

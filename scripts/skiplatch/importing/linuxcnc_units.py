@@ -8,20 +8,19 @@ tells nothing, either, mm is assumed, and said to be.
 import re
 import statistics
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 from skiplatch.errors import InputError
-from skiplatch.importing.gcode_program import Row, run
+from skiplatch.importing.gcode_program import Row, Run
 from skiplatch.importing.linuxcnc_ini import Ini
 from skiplatch.importing.linuxcnc_rows import ProbeRows
 from skiplatch.importing.model import Imported
 from skiplatch.importing.probe_move import AXES, LINEAR, ProbeMove
-from skiplatch.units import MM_PER_INCH
+from skiplatch.units import INCH, MM, MM_PER_INCH
 
-MM, INCH = "mm", "inch"
 UNITS_OPTION = "--units"
 LIKELIEST = "ZYXABC"  # axes, where the coordinates of several look touched
 
@@ -59,14 +58,20 @@ class Reason:
 
 
 def unit_begun(
-    path: Path, read: ProbeRows, text: str, axis: str, *, inch: bool | None, ini: Ini | None
+    path: Path,
+    read: ProbeRows,
+    runs: Mapping[bool, Run],
+    axis: str,
+    *,
+    inch: bool | None,
+    ini: Ini | None,
 ) -> Reason:
     """Give the unit that a program began in, where it matters.
 
     Args:
         path: The log.
         read: Its rows.
-        text: The program; empty if it is not at hand.
+        runs: What the program does, by whether it begins in inches; none if it is not at hand.
         axis: What probed.
         inch: Whether it was the inch, if that is told.
         ini: Of the machine, if that is at hand.
@@ -76,8 +81,8 @@ def unit_begun(
     """
     if inch is not None:
         return Reason(inch)
-    in_mm, in_inches = (run(text, read.rows, inch=i, name=path.name).moves for i in (False, True))
-    if (text or in_mm) and [m.is_inch for m in in_mm] == [m.is_inch for m in in_inches]:
+    in_mm = runs[False].moves if runs else ()
+    if runs and [m.is_inch for m in in_mm] == [m.is_inch for m in runs[True].moves]:
         return Reason(is_inch=False)
     if said := unit_told(read.others):
         return said
