@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from bench_rig import c_frames
@@ -20,9 +21,11 @@ WINDOW_BITS = 13
 FEED_MM_MIN = 300.0
 
 
-def bus_log(folder: Path, edges_ns: list[int], latches_ns: list[int]) -> str:
+def bus_log(
+    folder: Path, edges_ns: list[int], latches_ns: list[int], window_bits: int = WINDOW_BITS
+) -> str:
     """Write what candump -L does of edges that came within 2^13 ns, and of latches."""
-    edges = [f"edge {time} {i} {WINDOW_BITS} 1 {2 * i}" for i, time in enumerate(edges_ns)]
+    edges = [f"edge {time} {i} {window_bits} 1 {2 * i % 256}" for i, time in enumerate(edges_ns)]
     latches = [f"latch {time // 100} 0 {i} 0 8" for i, time in enumerate(latches_ns)]
     frames = [(EDGE_ID, frame) for line in edges for frame in c_frames(line)]
     frames += [(LATCH_ID, frame) for line in latches for frame in c_frames(line)]
@@ -110,3 +113,31 @@ def test_edge_without_a_record_is_missed_where_none_was_lost(tmp_path: Path) -> 
     run = Run(tmp_path, "can", bus_log(tmp_path, edges_ns, latches_ns))
 
     assert run.campaign.touches.missed.tolist() == [i == 2 for i in range(5)]
+
+
+@pytest.mark.parametrize("scatter_us", [0.5, 5.0])
+def test_latch_whose_stamp_scatters_to_before_its_edge_is_of_that_edge(
+    tmp_path: Path, scatter_us: float
+) -> None:
+    """As stamps of 0.5 µs make of a latch with hardly a delay, of windows of 64 ns."""
+    draw = np.random.default_rng(1)
+    edges_ns = [5_000_000_000 + i * 500_000_000 for i in range(200)]
+    waits_ns = (1e3 * scatter_us * draw.standard_normal(200)).astype(int)
+    latches_ns = [edge + int(wait) for edge, wait in zip(edges_ns, waits_ns, strict=True)]
+
+    run = Run(tmp_path, "can", bus_log(tmp_path, edges_ns, latches_ns, window_bits=6))
+
+    touches = run.campaign.touches
+    assert not touches.missed.any()
+    assert touches.latch_us - touches.edge_us == pytest.approx(waits_ns / 1e3, abs=0.1001)
+
+
+def test_stray_latch_before_an_edge_is_not_taken_for_its_own(tmp_path: Path) -> None:
+    edges_ns = [5_000_000_000 + i * 500_000_000 for i in range(3)]
+    stray_ns = edges_ns[1] - 3_000_000
+    latches_ns = sorted([stray_ns, *(time + 40_000 for time in edges_ns)])
+
+    run = Run(tmp_path, "can", bus_log(tmp_path, edges_ns, latches_ns))
+
+    touches = run.campaign.touches
+    assert touches.latch_us - touches.edge_us == pytest.approx(np.full(3, 40.0))

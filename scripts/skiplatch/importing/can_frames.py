@@ -11,7 +11,7 @@ from pathlib import Path
 import can
 import numpy as np
 
-from skiplatch.arrays import BoolArray, FloatArray
+from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.bench.latches import TICK_NS, TICKS, Latch, LatchReports
 from skiplatch.bench.protocol import EDGE_ID, LATCH_ID, Edge, EdgeReports
 from skiplatch.campaign import NOT_RECORDED, InputPath, Kind, Status, Touches
@@ -28,6 +28,9 @@ MDF = ".mf4"
 MOST_BYTES = 2 * 2**30
 MOST_MISSED = 0.5  # of the edges; with more of them the two clocks are hardly the same
 LATEST_NS = 1_000_000_000  # from an edge to its latch
+EARLY = 0.01
+"""Of the time since the edge before: stamps that scatter may tell a latch so long before its edge,
+which may also have come any time within its window."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,11 +152,8 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
     windows_ns = np.array([edge.window_ns for edge in traffic.edges], dtype=float)
     latch_ns = np.array(traffic.latch_ns, dtype=float)
     order = np.argsort(latch_ns, kind="stable")
-    # A scan that stamps its time and then reads the line latches a little before the edge.
-    begins = edge_ns - windows_ns.max()
-    index = np.searchsorted(latch_ns[order], begins)
+    index, missed = _own_latches(edge_ns, windows_ns, latch_ns[order])
     latched = np.append(latch_ns[order], np.inf)[index]
-    missed = (latched >= np.append(begins[1:], np.inf)) | (latched - edge_ns > LATEST_NS)
     row = order[np.minimum(index, len(order) - 1)]
     zero = float(edge_ns[0])
     lost = missed & np.append(np.array(traffic.after_lost)[order], False)[index]
@@ -171,6 +171,25 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
         latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
         status=np.where(lost, NOT_RECORDED, np.where(missed, Status.MISSED, Status.OK)),
     )
+
+
+def _own_latches(
+    edge_ns: FloatArray, windows_ns: FloatArray, latch_ns: FloatArray
+) -> tuple[IndexArray, BoolArray]:
+    """Give the place of each edge's own latch among all, and which edges have none.
+
+    That is the first one after the edge. It may stand a little before it: a scan stamps its time
+    and then reads the line, and stamps scatter. Of such a one and the next the nearer one counts.
+    """
+    since = np.diff(edge_ns, prepend=np.nan)
+    since[0] = np.nanmin(since) if len(since) > 1 else 0.0
+    begins = edge_ns - np.maximum(windows_ns.max(), EARLY * since)
+    ends = np.append(begins[1:], np.inf)
+    index = np.searchsorted(latch_ns, begins)
+    first, second = (np.append(latch_ns, [np.inf, np.inf])[index + i] for i in (0, 1))
+    is_second = (second < ends) & (np.abs(second - edge_ns) < edge_ns - first)
+    own = np.where(is_second, second, first)
+    return index + is_second, (own >= ends) | (own - edge_ns > LATEST_NS)
 
 
 def _say_clocks(found: Imported, missed: BoolArray, latches: int) -> None:
