@@ -138,8 +138,8 @@ def marlin(log: Path, feed: float | None, **written: Any) -> None:  # noqa: ANN4
     multiple=True,
     required=True,
     metavar='COLUMN="HEAD [UNIT]"',
-    help="A column of a campaign (skiplatch columns), or coordinate_mm, and the head of the "
-    "table's column that stands for it, with its unit where that differs.",
+    help="A column of a campaign (skiplatch columns), or coordinate_mm, or date beside time, and "
+    "the head of the table's column that stands for it, with its unit where that differs.",
 )
 @click.option(
     "--kind",

@@ -28,6 +28,7 @@ MDF = ".mf4"
 MOST_BYTES = 2 * 2**30
 MOST_MISSED = 0.5  # of the edges; with more of them the two clocks are hardly the same
 LATEST_NS = 1_000_000_000  # from an edge to its latch
+FEWEST_EARLY = 5  # latches before their edges, from which on they tell how stamps scatter
 EARLY = 0.01
 """Of the time since the edge before: stamps that scatter may tell a latch so long before its edge,
 which may also have come any time within its window."""
@@ -163,10 +164,12 @@ def _of_edges(traffic: _Traffic, found: Imported) -> Touches:
             f"edges whose latch record the log lost, as the numbers of the records tell: "
             f"{int(lost.sum())}; what came of them is not known"
         )
-    _say_windows(found, windows_ns / NS_PER_US)
+    path = np.array([_path(traffic.latches[i]) for i in row])
+    waits_us = (latched - edge_ns)[~missed & (path == InputPath.SKIP)] / NS_PER_US
+    _say_windows(found, windows_ns / NS_PER_US, _scatter(waits_us))
     return Touches.from_columns(
         touch=np.arange(len(edge_ns)),
-        path=np.array([_path(traffic.latches[i]) for i in row]),
+        path=path,
         edge_us=(edge_ns - zero) / NS_PER_US,
         latch_us=np.where(missed, np.nan, (latched - zero) / NS_PER_US),
         status=np.where(lost, NOT_RECORDED, np.where(missed, Status.MISSED, Status.OK)),
@@ -204,18 +207,33 @@ def _say_clocks(found: Imported, missed: BoolArray, latches: int) -> None:
     found.known.append("edges and latches, both by CLOCK_MONOTONIC of the rig")
 
 
-def _say_windows(found: Imported, windows_us: FloatArray) -> None:
+def _scatter(waits_us: FloatArray) -> float:
+    """Give how stamps scatter at least by waits of a skip input for edges; 0 where none shows.
+
+    No interrupt comes before its edge. What stands before it is the half of a scatter about 0, or
+    less than that where there is a delay.
+    """
+    before = waits_us[waits_us < 0.0]
+    return float(np.sqrt(np.mean(before**2))) if len(before) >= FEWEST_EARLY else 0.0
+
+
+def _say_windows(found: Imported, windows_us: FloatArray, scatter_us: float) -> None:
     middle_us = float(np.median(windows_us))
     found.assumed.append(
         "the beginning of its window stands for an edge, as for bench run: it came up to "
         f"{middle_us:.4g} µs later"
     )
-    found.figure(
-        "bench",
-        "reference_jitter_us",
+    noise_us, source = (
         middle_us / np.sqrt(12.0),
         "width of the window that edge reports give, over √12",
     )
+    if scatter_us > noise_us:
+        noise_us, source = scatter_us, "by latches before their edges, which scattered stamps make"
+        found.assumed.append(
+            f"stamps scatter by {scatter_us:.3g} µs, more than their windows say: latches of the "
+            "skip input stand before their edges"
+        )
+    found.figure("bench", "reference_jitter_us", noise_us, source)
 
 
 def _of_latches(traffic: _Traffic) -> Touches:

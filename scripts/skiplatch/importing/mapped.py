@@ -16,6 +16,9 @@ _NUMBER = re.compile(r"[-+]?[\d.,]+(?:[eE][-+]?\d+)?", re.ASCII)
 COORDINATE = "coordinate_mm"
 """Not of a campaign: where the axis was latched, from which deviations are made."""
 
+DATE = "date"
+"""Likewise: the day of a time of day in `time`."""
+
 
 @dataclass(frozen=True, slots=True)
 class Mapped:
@@ -44,7 +47,7 @@ def parse_mapping(text: str) -> Mapped:
     if not match:
         raise ValueError(f'expected COLUMN=HEAD or COLUMN="HEAD [unit]", got {quoted(text)}')
     column, head = match["column"], match["head"].strip()
-    known = (*COLUMNS, COORDINATE, TIME_NAME)
+    known = (*COLUMNS, COORDINATE, TIME_NAME, DATE)
     if column not in known and not is_thermometer(column):
         raise ValueError(f"{quoted(column)} is no column of a campaign{hint(column, known)}")
     name, unit = split_unit(head, unit_of(column))
@@ -63,7 +66,7 @@ def _unknown(column: str, head: str, wrong: str) -> str:
 
 
 def refuse_twice(path: Path, mapped: Sequence[Mapped]) -> None:
-    """Refuse two columns of the table for one of a campaign; there, a date is a time too."""
+    """Refuse two columns of the table for one of a campaign, and dates without times of day."""
     head_of: dict[str, str] = {}
     for m in mapped:
         column = "time_s" if m.column == TIME_NAME else m.column
@@ -71,6 +74,9 @@ def refuse_twice(path: Path, mapped: Sequence[Mapped]) -> None:
             message = f"expected one head, got {quoted(head_of[column])} and {quoted(m.head)}"
             raise InputError(path, None, column, message)
         head_of[column] = m.head
+    if DATE in head_of and TIME_NAME not in (m.column for m in mapped):
+        message = f"expected --map {TIME_NAME}= beside it, the column of the times of day"
+        raise InputError(path, None, DATE, message)
 
 
 def unit_of(column: str) -> str:

@@ -9,13 +9,21 @@ import numpy as np
 from skiplatch.arrays import FloatArray
 from skiplatch.campaign import COLUMNS, Axis, Kind, Status, Touches
 from skiplatch.campaign.column_kinds import CellError, LabelColumn, NumberColumn, Values
-from skiplatch.campaign.columns import TIME, is_thermometer, place_of
+from skiplatch.campaign.columns import is_thermometer, place_of
 from skiplatch.campaign.csv_text import Row
 from skiplatch.campaign.time_stamps import TIME_NAME, seconds
 from skiplatch.errors import InputError, quoted
-from skiplatch.importing.dates import are_times_of_day, as_dates, iso_of
+from skiplatch.importing.date_columns import column_of, stamps, with_dates
 from skiplatch.importing.faces import are_faces, put_deviations
-from skiplatch.importing.mapped import COORDINATE, Mapped, in_table, named_in, refuse_twice, unit_of
+from skiplatch.importing.mapped import (
+    COORDINATE,
+    DATE,
+    Mapped,
+    in_table,
+    named_in,
+    refuse_twice,
+    unit_of,
+)
 from skiplatch.importing.model import Imported, Touch
 from skiplatch.importing.rings import axes_round, centred
 from skiplatch.importing.spreadsheets import (
@@ -93,14 +101,20 @@ def read_table(
     body = touched(body, heads, mapped, found)
     refuse_surplus(path, heads, body)
     say_empty(heads, body, mapped, found)
-    columns = {m.column: _cells(path, heads, body, m, found) for m in mapped}
+    mapped = with_dates(heads, body, mapped)
+    columns = {
+        m.column: _cells(path, heads, body, m, found)
+        for m in mapped
+        if m.column not in (TIME_NAME, DATE)
+    }
     _leave_out_ends(found, columns)
     probed = axis or USUAL_AXIS
     found.lines = [line for line, _ in body]
     if not body:
         raise InputError(path, header_line, None, "expected touches after the header, got none")
-    if TIME_NAME in columns:
-        columns["time_s"] = seconds(path, np.array(found.lines), columns.pop(TIME_NAME))
+    if TIME_NAME in (m.column for m in mapped):
+        times = np.array(stamps(path, heads, body, mapped, found))
+        columns["time_s"] = seconds(path, np.array(found.lines), times)
     for m in mapped:
         if m.column in _LENGTHS_UM:
             position, units = heads.index(m.head), UNITS[unit_of(m.column)]
@@ -146,20 +160,17 @@ def _leave_out_ends(found: Imported, columns: Mapping[str, FloatArray]) -> None:
 
 
 def _cells(path: Path, heads: list[str], body: list[Row], m: Mapped, found: Imported) -> Values:
-    position = heads.index(m.head)
-    cells = [row[position] if position < len(row) else "" for _, row in body]
+    cells = column_of(heads, body, m.head)
     if m.column == "sign":
-        moved = map(_MOVED.fullmatch, (cell.strip() for cell in cells))
+        moved = map(_MOVED.fullmatch, cells)
         cells = [_SENSES[m[1]] if m else cell for m, cell in zip(moved, cells, strict=True)]
     if m.column == "status":
         cells = as_status(cells, found)
     if m.column == "feed_mm_min":
         cells = [_F_WORD.sub("", cell, count=1) for cell in cells]
-    if m.column == TIME_NAME:
-        cells = _dated([cell.strip() for cell in cells], found)
     if m.column == "axis":
         cells = _without_senses(cells, m, found)
-    about = TIME if m.column == TIME_NAME else COLUMNS.get(m.column)
+    about = COLUMNS.get(m.column)
     if about is None or isinstance(about, NumberColumn):
         about = ANY_NUMBER
     try:
@@ -179,16 +190,6 @@ def _without_senses(cells: list[str], m: Mapped, found: Imported) -> list[str]:
     if bare != [cell.strip() for cell in cells]:
         found.known.append(f"axes from {quoted(m.head)}, whose senses --map sign={m.head} takes")
     return bare
-
-
-def _dated(stamps: list[str], found: Imported) -> list[str]:
-    """Write dates and times as ISO 8601 does."""
-    if not are_times_of_day(stamps):
-        return [iso_of(stamp) for stamp in stamps]
-    found.assumed.append(
-        "times of day without a date: from one touch to the next less than half a day"
-    )
-    return list(as_dates(stamps))
 
 
 def _from_coordinates(
