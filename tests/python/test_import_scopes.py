@@ -112,7 +112,8 @@ def test_repeat_takes_voltages_without_being_told_what_they_are(
 def test_a_table_of_positions_is_no_capture(tmp_path: Path, refused: Program) -> None:
     (tmp_path / "t.csv").write_text("X,Y,Z\n0.125,1.5,-2.5\n0.25,1.5,-2.75\n")
 
-    assert "for others see skiplatch import" in refused("repeat", str(tmp_path / "t.csv"))
+    said = refused("repeat", str(tmp_path / "t.csv"))
+    assert "for others skiplatch import csv or iso230 reads it" in said
 
 
 def gaussian(at: int, noise: np.random.Generator) -> float:

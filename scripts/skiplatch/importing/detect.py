@@ -68,7 +68,8 @@ def read_any(path: Path, *, inch: bool | None = None) -> tuple[str, Imported]:
         if sign.search(text):
             return name, KINDS[name](path)
     kinds = ", ".join(KINDS)
-    others = f"skiplatch import {kind} reads it" if kind in HOLDS else "see skiplatch import"
+    readers = {"": "see skiplatch import", TABLE: "skiplatch import csv or iso230 reads it"}
+    others = readers.get(kind, f"skiplatch import {kind} reads it")
     message = f"expected a campaign or a log of {kinds}; for others {others}"
     raise InputError(path, None, None, message)
 
