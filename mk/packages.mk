@@ -7,6 +7,14 @@ $(PACKAGE_TOOLS): build/stamps/system-%: scripts/setup/system.sh
 	@scripts/setup/system.sh $* || echo 'SKIPPED: no packages of the group $* to be had here'
 	@mkdir -p $(@D) && touch $@
 
+# Without it, what is built by PlatformIO is skipped.
+PLATFORMIO := build/platformio/venv
+setup-test: $(PLATFORMIO).key
+$(PLATFORMIO).key: scripts/requirements-platformio.lock | $(VENV)
+	@mkdir -p $(@D) && python3 -m venv --clear $(PLATFORMIO)
+	@$(PLATFORMIO)/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes \
+	    --requirement $< && touch $@ || { rm -rf $(PLATFORMIO); echo 'SKIPPED: no PlatformIO to be had here'; }
+
 .PHONY: packages
 packages: setup setup-test ## build every package of the firmware and use it, into build/packages
 	@$(INNER_MAKE) $(OUT)/inject-codec

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from packages_rig import packed_into, run, tool
+from packages_rig import CORES, packed_into, run, stamps_of, tool, uno_run
 
 EXAMPLES = ("SkipInput", "PlcTask")
-CORES = Path("/usr/share/arduino/hardware/arduino/avr/cores")
 TOUCHED = "touched at tick 1000, count 4711, bounces 1\n"
 ALL_WARNINGS = ("-Wall", "-Wextra", "-Werror")
 # The old compiler for the AVR does not give C++ this name of C99, which the Arduino core wants.
@@ -25,13 +24,7 @@ def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def uno(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build what touches the probe of a simulated Uno and shows what it prints."""
-    if not Path("/usr/include/simavr/sim_avr.h").exists():
-        pytest.skip("no libsimavr here: scripts/setup/system.sh emulators")
-    program = tmp_path_factory.mktemp("uno") / "uno_run"
-    run("gcc", "-O2", "-isystem", "/usr/include/simavr", "tests/packages/uno_run.c",
-        "-lsimavr", "-lelf", "-o", program)  # fmt: skip
-    return program
+    return uno_run(tmp_path_factory.mktemp("uno"))
 
 
 def test_it_packs_the_same_from_anywhere(packed: Path, tmp_path: Path) -> None:
@@ -96,10 +89,6 @@ def build_for_uno(packed: Path, example: str, build: Path) -> Path:
         "-build-path", build,
         packed / f"skiplatch/examples/{example}/{example}.ino")  # fmt: skip
     return build / f"{example}.ino.elf"
-
-
-def stamps_of(uno: Path, program: Path) -> list[int]:
-    return [int(stamp) for stamp in re.findall(r"^(\d+)$", run(uno, program), re.M)]
 
 
 def test_skip_input_on_an_uno_stamps_the_first_edges(
