@@ -18,7 +18,7 @@
 #   RIG_TOOLS    programs that rig or tests want: build/rigs/BOARD/tests/NAME of tests/NAME.c and NAME_*.c
 #   BUILDS       the builds to record: nominal, and names joined by -
 #   DISTURBANCE.$(board).NAME   flags of what a name in a build stands for
-#   LEFT_OUT     files of the folder that no build holds; = and $(in_build) where it depends on it
+#   LEFT_OUT     files of its folders (SHARED, too) that no build holds; = and $(in_build) where it depends on it
 #   TOUCHES, RIG_OPTIONS        how many on each path, and options of the rig; also ….BUILD
 #   NEEDS        a program that the board wants besides; setup.sh in its folder sees to it
 #   MEASURE      a command more to run in `make board`

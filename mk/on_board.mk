@@ -22,7 +22,7 @@ $(OUT)/firmware-%.elf: $(PORT_SOURCES) $(call headers_of,$(notdir $(PORT_FOLDERS
 	$(SAY) 'link $@'
 	$(Q)$(CC) $(filter-out -fstack-usage,$(FLAGS)) $(CFLAGS.hal) \
 	    $(foreach name,$(in_build),$(DISTURBANCE.$(TARGET).$(name))) $(LDFLAGS) \
-	    $(filter-out $(PORT_FOLDER)/main_%.c $(LEFT_OUT.$(TARGET):%=$(PORT_FOLDER)/%), \
+	    $(filter-out $(PORT_FOLDER)/main_%.c $(foreach folder,$(PORT_FOLDERS),$(LEFT_OUT.$(TARGET):%=$(folder)/%)), \
 	        $(filter %.c %.o,$^)) -lm -o $@
 
 .PHONY: linked-board board-programs

@@ -21,6 +21,7 @@
 #define NVIC_IPR(irq)  REGISTER(0xE000E400u + 4u * ((irq) / 4u))
 #define NVIC_BIT(irq)  (1u << ((irq) % 32u))
 #define SCB_ICSR       REGISTER(0xE000ED04u)
+#define SCB_VTOR       REGISTER(0xE000ED08u)
 #define SCB_SHPR3      REGISTER(0xE000ED20u) /* SysTick's priority is in its upper byte */
 #define ICSR_PENDSTSET (1u << 26)
 

@@ -13,6 +13,11 @@
 #define BOARD_CORE_MHZ     125u
 #define BOARD_TICKS_PER_US 1u /* of the device clock */
 
+/* The core that the edge interrupts; 1 in the build that has wiring_two_cores.c. */
+#ifndef BOARD_EDGE_CORE
+#define BOARD_EDGE_CORE 0u
+#endif
+
 /* PWM slices. */
 #define SLICE_AXIS 0u
 #define SLICE_FREE 1u

@@ -18,10 +18,17 @@ DISTURBANCE.$(board).prescaler        := -DDISTURBANCE_PRESCALER_SHIFT=4u
 DISTURBANCE.$(board).software_filter  := -DDISTURBANCE_FILTER_SAMPLES=20u \
                                          -DDISTURBANCE_FILTER_PERIOD_US=10u
 
-BUILDS.$(board)          := nominal other_interrupt critical_section scan_body prescaler software_filter
+# The skip input on core 1. A software filter would be core 0's.
+DISTURBANCE.$(board).two_cores := -DBOARD_EDGE_CORE=1u
+LEFT_OUT.$(board)               = $(if $(filter two_cores,$(in_build)),wiring.c)
+
+BUILDS.$(board)          := nominal other_interrupt critical_section scan_body prescaler software_filter \
+                            two_cores two_cores-other_interrupt two_cores-critical_section
 TOUCHES.$(board).nominal := 10000
 RIG.$(board)             := hal.ports.$(board).tests.rig
 RIG_OPTIONS.$(board).prescaler        := --tick-shift 4
 RIG_OPTIONS.$(board).other_interrupt  := --paths s
 RIG_OPTIONS.$(board).critical_section := --paths s
+RIG_OPTIONS.$(board).two_cores-other_interrupt  := --paths s
+RIG_OPTIONS.$(board).two_cores-critical_section := --paths s
 MEASURE.$(board)         = $(VENV_PYTHON) -m hal.ports.$(TARGET).tests.grblhal_rig $(OUT)/beside_grblhal.elf

@@ -1,6 +1,7 @@
 /* The trigger line: GP2 with its edge interrupt. */
 #include "hal_edge.h"
 
+#include "board.h"
 #include "disturbance.h"
 #include "drivers.h"
 #include "hal_clock.h"
@@ -19,7 +20,7 @@ static volatile bool edge_active_low;
 /* An edge that has got as far as the pin's register or the interrupt controller is dropped. */
 static void stop_watching(void)
 {
-    CLEAR_OF(IO_PROC0_INTE0) = RISES | FALLS;
+    CLEAR_OF(IO_INTE0(BOARD_EDGE_CORE)) = RISES | FALLS;
     edge_armed = false;
     IO_INTR0 = RISES | FALLS;
     NVIC_ICPR(IRQ_IO_BANK0) = NVIC_BIT(IRQ_IO_BANK0);
@@ -51,7 +52,7 @@ int hal_edge_arm(const hal_edge_config_t *config)
     edge_active_low = config->active_low;
     edge_armed = true;
     if (DISTURBANCE_FILTER_SAMPLES == 0u) {
-        SET_OF(IO_PROC0_INTE0) = config->active_low ? FALLS : RISES;
+        SET_OF(IO_INTE0(BOARD_EDGE_CORE)) = config->active_low ? FALLS : RISES;
     }
     return HAL_OK;
 }
@@ -73,7 +74,7 @@ void edge_interrupt(void)
 {
     uint32_t captured_ticks = hal_clock_now_ticks();
 
-    if ((IO_PROC0_INTS0 & (RISES | FALLS)) != 0u) {
+    if ((IO_INTS0(BOARD_EDGE_CORE) & (RISES | FALLS)) != 0u) {
         IO_INTR0 = RISES | FALLS;
         hal_edge_on_latch(CHANNEL, captured_ticks);
     }

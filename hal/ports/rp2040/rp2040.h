@@ -61,12 +61,19 @@
 #define SIO_GPIO_CLEAR REGISTER(0xD0000018u)
 #define SIO_OE_SET     REGISTER(0xD0000024u)
 
-/* Events of the pins 0 … 7, four bits each. */
+/* Events of the pins 0 … 7, four bits each; which of them interrupt whom, each core for itself. */
 #define IO_INTR0         REGISTER(0x400140F0u)
-#define IO_PROC0_INTE0   0x40014100u
-#define IO_PROC0_INTS0   REGISTER(0x40014120u)
+#define IO_INTE0(core)   (0x40014100u + 0x30u * (core))
+#define IO_INTS0(core)   REGISTER(0x40014120u + 0x30u * (core))
 #define EVENT_FALLS(pin) (1u << (4u * (pin) + 2u))
 #define EVENT_RISES(pin) (1u << (4u * (pin) + 3u))
+
+/* ---- from core to core ---- */
+#define SIO_FIFO_ST   REGISTER(0xD0000050u)
+#define SIO_FIFO_WR   REGISTER(0xD0000054u)
+#define SIO_FIFO_RD   REGISTER(0xD0000058u)
+#define FIFO_HAS_WORD (1u << 0)
+#define FIFO_HAS_ROOM (1u << 1)
 
 /* ---- the timer of 1 µs ---- */
 #define TIMER_ALARM0   REGISTER(0x40054010u)

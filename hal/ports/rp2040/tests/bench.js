@@ -28,8 +28,8 @@ const REQUESTS = {
   },
   /* When the axis has made its last step. */
   step: () => machine.stepNs,
-  /* How often an interrupt was entered. */
-  entered: ({ interrupt }) => machine.entered.get(interrupt),
+  /* How often a core has entered an interrupt. */
+  entered: ({ interrupt, core }) => machine.cores[core].entered.get(interrupt),
 };
 
 function answer(line) {

@@ -128,6 +128,6 @@ class Emulator(EmulatedBoard):
         """Give when the axis has made its last step."""
         return self.ask("step")
 
-    def entered(self, interrupt: int) -> int:
-        """Give how often an interrupt was entered, by its number."""
-        return self.ask("entered", interrupt=interrupt)
+    def entered(self, interrupt: int, core: int = 0) -> int:
+        """Give how often a core has entered an interrupt, by its number."""
+        return self.ask("entered", interrupt=interrupt, core=core)

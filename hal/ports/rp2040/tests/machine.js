@@ -1,6 +1,7 @@
 /*
  * An RP2040 in rp2040js, as a program of this board finds it: its ELF file in flash, a wire from GP3
- * to the trigger pin GP2, and a clock of virtual time in ns.
+ * to the trigger pin GP2, a second core once the program starts it, and a clock of virtual time in ns.
+ * The cores take turns by the instruction, the one that is due first: none waits for the other's bus.
  *
  * Whatever the program uses that the emulator does not have is an error.
  */
@@ -11,6 +12,9 @@ const path = require('node:path');
 
 const EMULATOR = path.resolve(__dirname, '../../../../build/rp2040js/node_modules/rp2040js');
 const { GPIOPinState, RP2040 } = require(EMULATOR);
+const { CortexM0Core } = require(`${EMULATOR}/dist/cjs/cortex-m0-core.js`);
+const { RPPPB } = require(`${EMULATOR}/dist/cjs/peripherals/ppb.js`);
+const { SecondCore } = require('./second_core.js');
 
 const CYCLE_NS = 8; // 125 MHz
 const FLASH = 0x10000000;
@@ -51,12 +55,13 @@ class Machine {
     this.clock = this.chip.clock;
     this.sent = []; // bytes, by UART 0
     this.stepNs = 0; // of the axis, the last one
-    this.entered = new Map(); // how often, by the number of the interrupt
+    this.cores = []; // that run: how often each has entered which interrupt, and when it is due
     this.ended = false;
     this.chip.uart[0].onByte = (byte) => this.sent.push(byte);
     this.chip.gpio[DRIVER_PIN].addListener((state) => this.setLine(state === GPIOPinState.High));
     this.watchSteps();
-    this.watchInterrupts();
+    this.add(this.chip.core);
+    new SecondCore(this.chip, { CortexM0Core, RPPPB }).onStart = (core) => this.add(core);
     this.load(fs.readFileSync(program));
   }
 
@@ -80,14 +85,16 @@ class Machine {
     };
   }
 
-  watchInterrupts() {
-    const { core } = this.chip;
+  /* A core runs from now on. */
+  add(core) {
+    const added = { core, entered: new Map(), dueNs: this.clock.nanos };
     const enter = core.exceptionEntry.bind(core);
     core.exceptionEntry = (exception) => {
       const interrupt = exception - FIRST_INTERRUPT;
-      this.entered.set(interrupt, (this.entered.get(interrupt) ?? 0) + 1);
+      added.entered.set(interrupt, (added.entered.get(interrupt) ?? 0) + 1);
       enter(exception);
     };
+    this.cores.push(added);
   }
 
   /* What the boot stage does: it starts the program by its vectors. */
@@ -103,10 +110,16 @@ class Machine {
 
   /* Until an instant, or until so many bytes have been sent, or the program has ended. */
   run(untilNs, bytes = Infinity) {
-    const { core } = this.chip;
     while (!this.ended && this.clock.nanos < untilNs && this.sent.length < bytes) {
-      this.clock.tick(core.executeInstruction() * CYCLE_NS);
+      const first = this.firstDue();
+      first.dueNs += first.core.executeInstruction() * CYCLE_NS;
+      this.clock.tick(this.firstDue().dueNs - this.clock.nanos);
     }
+  }
+
+  firstDue() {
+    const [core0, core1] = this.cores;
+    return core1?.dueNs < core0.dueNs ? core1 : core0;
   }
 }
 

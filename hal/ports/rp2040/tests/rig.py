@@ -7,7 +7,7 @@ an instant of that count, whatever instruction is on.
 
 What the emulator leaves out: entering an interrupt takes nothing (15 cycles, 0.12 µs, on the chip),
 nor does the pin's synchroniser (two cycles); SysTick with reload value n has a period of n cycles,
-not n + 1, so that scans come 8 ns early here; the second core.
+not n + 1, so that scans come 8 ns early here. The second core is this rig's: `second_core.js`.
 """
 
 import sys
