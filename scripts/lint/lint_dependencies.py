@@ -40,7 +40,7 @@ ROOMS: dict[str, set[str]] = {
         "hal/include/",
     },
     r"hal/include/": {"own"},
-    r"hal/ports/\w+/(?:main\w*|wiring)\.c": {"own", "firmware/", "hal/include/", *FAMILIES},
+    r"hal/ports/\w+/(?:main\w*|wiring\w*)\.c": {"own", "firmware/", "hal/include/", *FAMILIES},
     # An injector is a program beside the port: it drives the line that the port watches.
     r"hal/ports/\w+/injector\w*\.[ch]": {"own", "firmware/inject/"},
     # A port's tests stand in its folder and may see all of it.
