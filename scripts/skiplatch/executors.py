@@ -39,6 +39,11 @@ TRIMMING = "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_"
 
 A campaign of 400 touches then has 250,000 faults of pages in place of 28,000.
 """
+PROFILING = "distributed.worker.profile.enabled"
+"""Setting of Dask by which a worker looks at its task 100 times a second: 7 % of its time.
+
+The deeper the calls of a task, the longer it is held up; only a dashboard would show what was seen.
+"""
 LOCAL = re.compile(r"local:([1-9][0-9]{0,3})")
 MISSING = "not installed; pip install 'skiplatch[cluster]' brings it"
 
@@ -155,7 +160,8 @@ def _distributed() -> Any:  # noqa: ANN401 - an optional extra
     try:
         import dask  # noqa: PLC0415 - an optional extra
 
-        dask.config.set({"logging": dict.fromkeys(LOGGERS, "critical"), TRIMMING: None})
+        quiet = {"logging": dict.fromkeys(LOGGERS, "critical")}
+        dask.config.set({**quiet, TRIMMING: None, PROFILING: False})
         import distributed  # noqa: PLC0415 - reads its configuration then
     except ImportError as error:
         raise InputError("distributed", None, None, MISSING) from error

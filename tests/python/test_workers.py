@@ -299,6 +299,20 @@ def test_workers_here_keep_the_memory_that_they_need_again(monkeypatch: pytest.M
     assert found is None
 
 
+def is_profiled() -> bool:
+    """Tell whether the worker that this task runs on looks at its tasks by the clock."""
+    from distributed import get_worker  # noqa: PLC0415 - an optional extra
+
+    return "profile" in get_worker().periodic_callbacks
+
+
+def test_workers_here_do_not_profile_their_tasks() -> None:
+    pytest.importorskip("distributed")
+
+    with opened(Workers(cluster="local:1")) as executor:
+        assert not executor.submit(is_profiled).result()
+
+
 def started(*words: str) -> "subprocess.Popen[bytes]":
     """Start a part of a cluster, whose workers know this module."""
     here = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
