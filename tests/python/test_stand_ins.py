@@ -6,10 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from played_campaigns import played_again
 from refusals import refusal
 from skiplatch.campaign import Axis, BelievedEffect, Campaign, Nominal, Touches, read_campaign
 from skiplatch.campaign.plausibility import oddities
 from skiplatch.comparison import as_json, as_text, compare
+from skiplatch.diagnosis.density.change import NOTHING
+from skiplatch.diagnosis.fit.belief_fit import fit_beliefs
+from skiplatch.diagnosis.fit.beliefs import believing, uncertain
 from skiplatch.diagnosis.scene.covariates import recorded_only, sequence
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.errors import CampaignWarning
@@ -131,6 +135,21 @@ def test_bench_without_motion_shows_the_same_gap(bench_sample: Path) -> None:
 
     late = next(gap for gap in gaps if gap.observable.name == "latch_after_edge_us")
     assert 41 < late.mean_difference.value < 43
+
+
+def test_moves_that_are_timed_by_their_edges_tell_no_noise_of_these(bench_sample: Path) -> None:
+    """Edges would lie just where they are expected, whatever the instrument that read them."""
+    campaign = read_campaign(bench_sample)
+    rough = believing(campaign.nominal, {("bench", "reference_jitter_us"): 5.0})
+    campaign = played_again(replace(campaign, nominal=rough))
+    assert "motion" in Scene.of(playable(campaign)).streams
+
+    made, _ = said_of(without(campaign, "time_s", "feed_mm_min", "approach_mm"))
+    scene = Scene.of(made)
+
+    assert "motion" not in scene.streams
+    fitted = fit_beliefs(scene, NOTHING, uncertain(made.nominal))
+    assert fitted.nominal.bench.reference_jitter_us == pytest.approx(5.0, rel=0.15)
 
 
 def test_machine_without_times_keeps_its_deviations_alone(machine_sample: Path) -> None:

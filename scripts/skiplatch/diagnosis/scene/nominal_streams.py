@@ -9,6 +9,9 @@ from skiplatch.diagnosis.density.law import Law
 from skiplatch.diagnosis.density.stream import Stream
 from skiplatch.diagnosis.scene.nominal_chain import NominalChain
 
+ROUNDED_US = 1e-3
+"""By which a time in s is off that was made from an edge in µs."""
+
 
 def nominal_streams(chain: NominalChain) -> Iterator[Stream]:
     """Give the streams in which something was recorded, under the law of the nominal chain."""
@@ -27,9 +30,12 @@ def nominal_streams(chain: NominalChain) -> Iterator[Stream]:
 
 
 def _motion(chain: NominalChain) -> Stream:
+    """Edge after the contact that is expected; moves that were timed by their edges tell none."""
     residuals = chain.touches.edge_us - chain.contact.time_us
     law = (0.0, chain.nominal.bench.reference_jitter_us, 0.0, 0.0)
-    here = np.full(len(chain), not chain.is_machine)
+    known = residuals[~np.isnan(residuals)]
+    is_told = not chain.is_machine and bool(np.any(np.abs(known) > ROUNDED_US))
+    here = np.full(len(chain), is_told)
     return _stream(chain, "motion", "µs", ("motion",), residuals, law, here)
 
 
