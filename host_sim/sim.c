@@ -144,13 +144,16 @@ static sim_ns_t closing_time(sim_t *sim)
 }
 
 /* Pretravel of a new approach; effects may take it below 0 no more than the probe does. */
+/* From where the surface is believed to be. */
 static double draw_pretravel_um(sim_t *sim)
 {
     double pretravel_um = sim_probe_pretravel_um(sim->chain, sim->touch, &sim->rest, &sim->random);
     if (!sim->chain->is_machine) {
         return 0.0;
     }
-    return sim_probe_admitted_um(sim->chain, sim_change(sim, SIM_PRETRAVEL, pretravel_um));
+    double admitted_um =
+        sim_probe_admitted_um(sim->chain, sim_change(sim, SIM_PRETRAVEL, pretravel_um));
+    return admitted_um + sim_change(sim, SIM_SURFACE, 0.0);
 }
 
 void sim_move(sim_t *sim, double target_um, double feed_mm_min)

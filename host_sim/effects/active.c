@@ -27,6 +27,7 @@ void sim_effects_boot(sim_effects_t *effects, const sim_setting_t *settings, uin
         active->parameters = settings[i].parameters;
         active->lane = lane_of(settings, i);
         effects->quantities |= 1u << active->effect->quantity;
+        effects->quantities |= active->effect->surface != NULL ? 1u << SIM_SURFACE : 0u;
         sim_random_begin(&active->random, seed, replicate, UINT64_MAX, active->lane);
         active->rig = sim_random_uniform(&active->random, 1.0);
     }
@@ -74,18 +75,28 @@ double sim_effects_most_us(const sim_effects_t *effects, sim_quantity_t quantity
     return SIM_RANDOM_FARTHEST * most_us;
 }
 
+/* What an effect makes of a quantity; NULL: nothing. */
+static sim_effect_change_t *change_of(const sim_effect_t *effect, sim_quantity_t quantity)
+{
+    if (quantity == SIM_SURFACE) {
+        return effect->surface;
+    }
+    return effect->quantity == quantity ? effect->change : NULL;
+}
+
 double sim_effects_change(sim_effects_t *effects, const sim_effect_call_t *scene,
                           sim_quantity_t quantity, double value)
 {
     for (uint32_t i = 0; i < effects->count; ++i) {
-        sim_active_t *active = &effects->active[i];
-        if (active->effect->quantity == quantity) {
+        sim_active_t        *active = &effects->active[i];
+        sim_effect_change_t *change = change_of(active->effect, quantity);
+        if (change != NULL) {
             sim_effect_call_t call = *scene;
             call.parameters = active->parameters;
             call.state = active->state;
             call.random = &active->random;
             call.rig = active->rig;
-            value = active->effect->change(&call, value);
+            value = change(&call, value);
         }
     }
     return value;

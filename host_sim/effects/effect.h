@@ -1,7 +1,8 @@
 /*
  * What an effect is. An effect changes one quantity of the chain: it is handed the value that the
- * chain has so far and returns the value it makes of it. Add one: write the function in the file of
- * its stage (or in a file of its own), declare it below, and give it a row in table.c.
+ * chain has so far and returns the value it makes of it. One that moves the surface does so
+ * instead. Add one: write the function in the file of its stage (or in a file of its own), declare
+ * it below, and give it a row in table.c.
  */
 #ifndef EFFECTS_EFFECT_H
 #define EFFECTS_EFFECT_H
@@ -16,6 +17,7 @@
 typedef enum {
     SIM_FEED,          /* mm/min, at the start of each motion */
     SIM_ACCEL,         /* mm/s², at the start of each touch */
+    SIM_SURFACE,       /* µm by which the surface lies farther, at the start of each approach */
     SIM_PRETRAVEL,     /* µm, at the start of each approach; machine only, as the next two */
     SIM_PROBE_DELAY,   /* µs, at the start of each touch */
     SIM_LINK,          /* µs, master clock: when a trigger sent at the value arrives */
@@ -61,6 +63,7 @@ typedef struct {
     sim_description_t    about;
     sim_quantity_t       quantity;
     sim_effect_change_t *change;
+    sim_effect_change_t *surface; /* of SIM_SURFACE, where an effect changes that instead */
 } sim_effect_t;
 
 /* Probe, input and latch: a delay that is longer than believed. */
@@ -94,7 +97,9 @@ sim_effect_change_t effect_transmission_error;
 sim_effect_change_t effect_scale_error;
 sim_effect_change_t effect_encoder_quantisation;
 sim_effect_change_t effect_thermal_drift;
+sim_effect_change_t effect_thermal_growth;
 sim_effect_change_t effect_rotary_pivot;
+sim_effect_change_t effect_rotary_surface;
 /* Report. */
 sim_effect_change_t effect_report_delay;
 

@@ -8,8 +8,10 @@ import pytest
 from scipy import stats
 
 from played_campaigns import BENCH, MACHINE, played, played_again, stamped_machine
-from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.fit.fit import Fit
+from skiplatch.diagnosis.candidates.simulated import catalogue
+from skiplatch.diagnosis.candidates.surrogates import HALF_WAY
+from skiplatch.diagnosis.density.change import NOTHING, Change
+from skiplatch.diagnosis.fit.fit import Fit, fit, starts_of
 from skiplatch.diagnosis.fit.intervals import estimates
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.likelihood.likelihood import likelihood
@@ -87,6 +89,32 @@ def test_nothing_near_the_truth_is_likelier(folder: Path, truth: Effect, seed: i
     gained = total(there) - likelihood(scene, Change(), there.reached).total
     assert gained > SEEN
     assert total(standing(scene, found.effect)) - total(there) < chance + ROUGH * gained
+
+
+@pytest.mark.parametrize(
+    "truth",
+    [
+        whole("thermal_drift", drift_um_k=2.0, lag_s=400.0, along_approach=1.0, moves_surface=1.0),
+        whole("rotary_pivot", x_um=6.0, y_um=-9.0, moves_surface=1.0),
+    ],
+    ids=lambda truth: truth.id,
+)
+def test_a_surface_that_moves_is_found_where_it_shows_when_it_is_met(truth: Effect) -> None:
+    machine = stamped_machine()
+    turned = np.resize([0.0, 90.0, 180.0, 270.0], len(machine.touches))
+    touches = replace(machine.touches, rotary_deg=turned)
+    scene = Scene.of(played_again(replace(machine, touches=touches), truth))
+    candidate = catalogue()[truth.id]
+
+    found = fit(scene, [candidate], starts_of(scene, candidate, NOTHING))
+
+    sizes = dict(zip(candidate.names, found.parameters[0].tolist(), strict=True))
+    assert sizes["moves_surface"] > HALF_WAY
+    for name in ("drift_um_k", "x_um", "y_um"):
+        if value := truth.parameters.get(name):
+            assert sizes[name] == pytest.approx(value, rel=0.1)
+    left = likelihood(scene, standing(scene, truth).change(scene)).total
+    assert likelihood(scene, found.change(scene)).total > left - 2.0
 
 
 @pytest.mark.parametrize("percent", [-30.0, 40.0])

@@ -239,6 +239,31 @@ def test_a_probe_that_grows_is_late_in_either_sense() -> None:
     assert_close(played.deviation_shift_um, expected_um, POSITION_TOLERANCE_UM)
 
 
+@both_paths
+@pytest.mark.parametrize(
+    ("effect_id", "parameters"),
+    [
+        ("thermal_drift", {"drift_um_k": 2.0, "along_approach": 1.0}),
+        ("thermal_drift", {"drift_um_k": -2.0, "lag_s": 300.0}),
+        ("rotary_pivot", {"x_um": 20.0, "y_um": -15.0}),
+    ],
+)
+def test_a_surface_that_moves_is_met_so_much_later(
+    path: InputPath, effect_id: str, parameters: dict[str, float]
+) -> None:
+    """What it moves by is what the same effect is read off by where the surface stays."""
+    read_off = trace(path, effect_id, **parameters)
+
+    moved = trace(path, effect_id, **parameters, moves_surface=1.0)
+
+    way_um = read_off.deviation_shift_um
+    assert np.ptp(way_um) > 10.0
+    assert not read_off.edge_shift_us.any()
+    assert_close(moved.edge_shift_us * moved.speed_um_us, way_um, POSITION_TOLERANCE_UM)
+    if path == InputPath.SKIP:
+        assert_close(moved.deviation_shift_um, way_um, POSITION_TOLERANCE_UM)
+
+
 def test_thermal_drift_remembers_in_the_order_of_time_not_of_the_rows() -> None:
     touches = mixed_touches(200, seed=4)
     drift = Effect("thermal_drift", {"drift_um_k": 3.0, "lag_s": 600.0})

@@ -64,14 +64,43 @@ def centres(change: Effect) -> Starts:
 
     def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         seen = []
-        for setting in SETTINGS:
+        moves = (0.0, 1.0) if _shows_surfaces(scene) else (0.0,)
+        settings = [(*setting, moved) for moved in moves for setting in SETTINGS]
+        for setting in settings:
             units = [[1.0, 0.0, *setting], [0.0, 1.0, *setting]]
             if (found := sizes(scene, given, change, units)) is not None:
                 seen.append([*found.tolist(), *setting])
-        usual = [[x, y, *s] for x, y in ((5.0, 0.5), (0.5, -5.0)) for s in SETTINGS]
+        usual = [[x, y, *s] for x, y in ((5.0, 0.5), (0.5, -5.0)) for s in settings]
         return seen or usual
 
     return starts
+
+
+def with_surfaces(
+    change: Effect, others: Starts, shapes: Sequence[Sequence[float]], linear: int
+) -> Starts:
+    """Propose also that surfaces move, where it shows when they are met.
+
+    Args:
+        change: What parameters make of the physics.
+        others: What is proposed anyway.
+        shapes: Parameters of surfaces that move by one unit.
+        linear: So many of these, the first ones, multiply it.
+    """
+
+    def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
+        seen: list[list[float]] = []
+        for shape in shapes if _shows_surfaces(scene) else ():
+            if (found := sizes(scene, given, change, [shape])) is not None:
+                size = float(found[0])
+                seen.append([*(size * value for value in shape[:linear]), *shape[linear:]])
+        return [*seen, *others(scene, given)]
+
+    return starts
+
+
+def _shows_surfaces(scene: Scene) -> bool:
+    return scene.is_machine and bool((scene.has_stamps | scene.has_arrivals).any())
 
 
 def sizes(

@@ -21,7 +21,9 @@ MOST_AGAIN = 0.95
 MOST = 0.6
 NOW_AND_THEN = ("contact_bounce", "isr_blocking", "scan_overrun")
 """Effects on some touches or scans, at most that share of them."""
-SWITCHES = ("along_approach", "at_surface", "is_coordinate", "left_out", "mirrored")
+SWITCHES = (
+    *("along_approach", "at_surface", "is_coordinate", "left_out", "mirrored", "moves_surface"),
+)
 """Parameters of which nothing but the one or the other end has a meaning."""
 PLACES = ("phase", "second_after", "origin")
 """Parameters that are a place within a period, as a share of it."""
@@ -210,7 +212,13 @@ def warmed(scene: Scene, p: Parameters) -> Change:
     warmth_k = _lagged(scene, lag_s, as_share(p[3]))
     um_k = p[0] + p[1] / UM_PER_MM * np.nan_to_num(scene.latched_mm)
     sense = 1.0 if p[6] > HALF_WAY else scene.sign
-    return Change(position_um=sense * um_k * warmth_k * scene.over_x(p[4], p[5]))
+    return _farther(scene, sense * um_k * warmth_k * scene.over_x(p[4], p[5]), p[7])
+
+
+def _farther(scene: Scene, um: FloatArray, moves_surface: float) -> Change:
+    """What is read is off along the approach, or the surface lies farther and is met later."""
+    later_us = um / scene.speed if moves_surface > HALF_WAY else 0.0
+    return Change(position_um=um, contact_us=later_us)
 
 
 def _lagged(scene: Scene, lag_s: float, cold: float = 0.0) -> FloatArray:
@@ -272,4 +280,4 @@ def pivot(scene: Scene, p: Parameters) -> Change:
     shift_x = kept * p[0] - (np.cos(turn) * p[0] - np.sin(turn) * p[1])
     shift_y = kept * p[1] - (np.sin(turn) * p[0] + np.cos(turn) * p[1])
     along = np.cos(scene.alpha) * shift_x + np.sin(scene.alpha) * shift_y
-    return Change(position_um=along * scene.cos_beta)
+    return _farther(scene, along * scene.cos_beta, p[4])

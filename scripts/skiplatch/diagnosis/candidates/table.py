@@ -45,6 +45,13 @@ copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another
 
 _DELAYS = starts.later(*([sign * us, 0.0, 0.0] for us in (10.0, 300.0) for sign in (1.0, -1.0)))
 
+_WARMTH = [
+    [drift, growth, lag_s, cold, 0.0, 0.0, along, 0.0]
+    for drift, growth, along in ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+    for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
+]
+"""Of a drift, or one that grows along the axis, that follows a thermometer."""
+
 CANDIDATES: Mapping[str, Candidate] = {
     row.id: row
     for row in (
@@ -237,16 +244,11 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "thermal_drift",
             surrogates.warmed,
-            each_axis(
+            linear_starts.with_surfaces(
                 surrogates.warmed,
-                [
-                    [drift, growth, lag_s, cold, 0.0, 0.0, along]
-                    for drift, growth, along in ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
-                    for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
-                ],
-                (2.0,),
+                each_axis(surrogates.warmed, _WARMTH, (2.0,), linear=2, y_excess_ratio=4),
+                [[*shape[:-1], 1.0] for shape in _WARMTH],
                 linear=2,
-                y_excess_ratio=4,
             ),
             applies=varies("temp_c"),
             refinements=({0: 1.0}, {1: 10.0}, {3: 0.5}, *axes_of_their_own(4)),
