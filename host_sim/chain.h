@@ -88,7 +88,7 @@ enum { SIM_COUNTS_MAX = 0x3FFFFFFF };
 
 enum { SIM_STATUS_OK = 0, SIM_STATUS_MISSED = 1 };
 
-enum { SIM_PARAMETERS = 12 }; /* the most that an effect has */
+enum { SIM_PARAMETERS = 13 }; /* the most that an effect has */
 
 /* One effect that is switched on: a row of effects/table.c, and its parameters in that order. */
 typedef struct {

@@ -17,6 +17,17 @@ static uint32_t lane_of(const sim_setting_t *settings, uint32_t i)
     return is_repeated ? LANES - i : 1u + (uint32_t)settings[i].effect;
 }
 
+static sim_quantity_t quantity_of(const sim_effect_t *effect, const double *parameters)
+{
+    for (uint32_t k = 0; effect->about.parameters[k].name != NULL; ++k) {
+        bool is_switch = strcmp(effect->about.parameters[k].name, SIM_MOVES_SURFACE) == 0;
+        if (is_switch && parameters[k] > 0.5) {
+            return SIM_SURFACE;
+        }
+    }
+    return effect->quantity;
+}
+
 void sim_effects_boot(sim_effects_t *effects, const sim_setting_t *settings, uint32_t count,
                       uint64_t seed, uint64_t replicate)
 {
@@ -26,8 +37,8 @@ void sim_effects_boot(sim_effects_t *effects, const sim_setting_t *settings, uin
         active->effect = sim_effect_at((uint32_t)settings[i].effect);
         active->parameters = settings[i].parameters;
         active->lane = lane_of(settings, i);
-        effects->quantities |= 1u << active->effect->quantity;
-        effects->quantities |= active->effect->surface != NULL ? 1u << SIM_SURFACE : 0u;
+        active->quantity = quantity_of(active->effect, active->parameters);
+        effects->quantities |= 1u << active->quantity;
         sim_random_begin(&active->random, seed, replicate, UINT64_MAX, active->lane);
         active->rig = sim_random_uniform(&active->random, 1.0);
     }
@@ -49,7 +60,7 @@ void sim_effects_begin_touch(sim_effects_t *effects, uint64_t touch)
 void sim_effects_begin_scan(sim_effects_t *effects, uint64_t scan)
 {
     for (uint32_t i = 0; i < effects->count; ++i) {
-        if (effects->active[i].effect->quantity == SIM_SCAN_START) {
+        if (effects->active[i].quantity == SIM_SCAN_START) {
             begin(effects, &effects->active[i], scan);
         }
     }
@@ -70,33 +81,23 @@ double sim_effects_most_us(const sim_effects_t *effects, sim_quantity_t quantity
     double most_us = 0.0;
     for (uint32_t i = 0; i < effects->count; ++i) {
         const sim_active_t *active = &effects->active[i];
-        most_us += active->effect->quantity == quantity ? sum_us(active) : 0.0;
+        most_us += active->quantity == quantity ? sum_us(active) : 0.0;
     }
     return SIM_RANDOM_FARTHEST * most_us;
-}
-
-/* What an effect makes of a quantity; NULL: nothing. */
-static sim_effect_change_t *change_of(const sim_effect_t *effect, sim_quantity_t quantity)
-{
-    if (quantity == SIM_SURFACE) {
-        return effect->surface;
-    }
-    return effect->quantity == quantity ? effect->change : NULL;
 }
 
 double sim_effects_change(sim_effects_t *effects, const sim_effect_call_t *scene,
                           sim_quantity_t quantity, double value)
 {
     for (uint32_t i = 0; i < effects->count; ++i) {
-        sim_active_t        *active = &effects->active[i];
-        sim_effect_change_t *change = change_of(active->effect, quantity);
-        if (change != NULL) {
+        sim_active_t *active = &effects->active[i];
+        if (active->quantity == quantity) {
             sim_effect_call_t call = *scene;
             call.parameters = active->parameters;
             call.state = active->state;
             call.random = &active->random;
             call.rig = active->rig;
-            value = change(&call, value);
+            value = active->effect->change(&call, value);
         }
     }
     return value;

@@ -11,6 +11,7 @@ enum { SIM_EFFECTS_MAX = 8 };
 
 typedef struct {
     const sim_effect_t *effect;
+    sim_quantity_t      quantity; /* that it changes here */
     const double       *parameters;
     double              state[SIM_STATES];
     double              rig;

@@ -1,8 +1,9 @@
 /*
  * What an effect is. An effect changes one quantity of the chain: it is handed the value that the
- * chain has so far and returns the value it makes of it. One that moves the surface does so
- * instead. Add one: write the function in the file of its stage (or in a file of its own), declare
- * it below, and give it a row in table.c.
+ * chain has so far and returns the value it makes of it. One with the parameter SIM_MOVES_SURFACE,
+ * if that is on, moves the surface in place of its quantity: it is met later, and farther on. Add
+ * one: write the function in the file of its stage (or in a file of its own), declare it below, and
+ * give it a row in table.c.
  */
 #ifndef EFFECTS_EFFECT_H
 #define EFFECTS_EFFECT_H
@@ -36,6 +37,8 @@ typedef enum {
     SIM_REPORT         /* µs of travel of a report */
 } sim_quantity_t;
 
+#define SIM_MOVES_SURFACE "moves_surface"
+
 enum { SIM_STATES = 4 };
 
 /* What an effect can look at. */
@@ -63,7 +66,6 @@ typedef struct {
     sim_description_t    about;
     sim_quantity_t       quantity;
     sim_effect_change_t *change;
-    sim_effect_change_t *surface; /* of SIM_SURFACE, where an effect changes that instead */
 } sim_effect_t;
 
 /* Probe, input and latch: a delay that is longer than believed. */
@@ -97,9 +99,7 @@ sim_effect_change_t effect_transmission_error;
 sim_effect_change_t effect_scale_error;
 sim_effect_change_t effect_encoder_quantisation;
 sim_effect_change_t effect_thermal_drift;
-sim_effect_change_t effect_thermal_growth;
 sim_effect_change_t effect_rotary_pivot;
-sim_effect_change_t effect_rotary_surface;
 /* Report. */
 sim_effect_change_t effect_report_delay;
 

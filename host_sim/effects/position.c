@@ -90,8 +90,8 @@ double effect_encoder_quantisation(const sim_effect_call_t *call, double positio
     return position_um + rint(where_um / step_um) * step_um - where_um;
 }
 
-/* Beyond the calibration. State: whether there is a history, its time in s, and what is lagged. */
-static double lagged_k(const sim_effect_call_t *call)
+/* State: whether there is a history, its time in s, and the lagged temperature. */
+double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
 {
     double *has_history = &call->state[0];
     double *last_s = &call->state[1];
@@ -109,32 +109,16 @@ static double lagged_k(const sim_effect_call_t *call)
     }
     *has_history = 1.0;
     *last_s = now_s;
-    return *lagged_c - CALIBRATION_C;
-}
-
-static double grown_um(const sim_effect_call_t *call, double position_um)
-{
     double where_um = coordinate_mm(call, position_um) * UM_PER_MM;
     double um_k = call->parameters[0] + call->parameters[1] * PPM * where_um;
+    double error_um = um_k * (*lagged_c - CALIBRATION_C);
     double sense = call->parameters[6] > 0.5 ? 1.0 : call->touch->sign;
-    return sense * um_k * lagged_k(call) * over_x(call, &call->parameters[4]);
-}
-
-double effect_thermal_drift(const sim_effect_call_t *call, double position_um)
-{
-    bool is_surface = call->parameters[7] > 0.5;
-    return is_surface ? position_um : position_um + grown_um(call, position_um);
-}
-
-double effect_thermal_growth(const sim_effect_call_t *call, double farther_um)
-{
-    bool is_surface = call->parameters[7] > 0.5;
-    return is_surface ? farther_um + grown_um(call, farther_um) : farther_um;
+    return position_um + sense * error_um * over_x(call, &call->parameters[4]);
 }
 
 /* The centre lies at c instead of 0: a table turned by θ carries a workpiece that was set
  * at 0° to c − R(θ)·c, and one on the believed centre to −R(θ)·c. */
-static double carried_um(const sim_effect_call_t *call)
+double effect_rotary_pivot(const sim_effect_call_t *call, double position_um)
 {
     double sense = call->parameters[3] > 0.5 ? -1.0 : 1.0;
     double turn = sense * call->touch->rotary_deg * RAD_PER_DEG;
@@ -145,15 +129,5 @@ static double carried_um(const sim_effect_call_t *call)
     double shift_x_um = kept * x_um - (cos(turn) * x_um - sin(turn) * y_um);
     double shift_y_um = kept * y_um - (sin(turn) * x_um + cos(turn) * y_um);
     double along_um = cos(direction) * shift_x_um + sin(direction) * shift_y_um;
-    return along_um * cos(call->touch->beta_deg * RAD_PER_DEG);
-}
-
-double effect_rotary_pivot(const sim_effect_call_t *call, double position_um)
-{
-    return call->parameters[4] > 0.5 ? position_um : position_um + carried_um(call);
-}
-
-double effect_rotary_surface(const sim_effect_call_t *call, double farther_um)
-{
-    return call->parameters[4] > 0.5 ? farther_um + carried_um(call) : farther_um;
+    return position_um + along_um * cos(call->touch->beta_deg * RAD_PER_DEG);
 }

@@ -51,7 +51,7 @@ def test_the_first_axis_has_nothing_more_than_x(
     assert first_axis(scene.touches) == first
     assert first_of_its_own(scene.touches) == own
     wave = CANDIDATES["transmission_error"]
-    assert {wave.names[number] for number in wave.taken_up(scene)} == own
+    assert {wave.names[number] for number in wave.taken_up(scene)} == own | {"moves_surface"}
 
 
 @pytest.mark.parametrize("over", [-1730.4, 2400.0])
@@ -110,4 +110,4 @@ def test_an_axis_of_few_touches_is_told_beside_surfaces_that_lie_far_apart() -> 
 
     starts = np.array(starts_of(scene, CANDIDATES[LONG.id], NOTHING))
 
-    assert np.any(np.all(np.abs(starts - [80.0, -1.0, -1.0]) < [8.0, 0.1, 0.1], axis=1))
+    assert np.any(np.all(np.abs(starts - [80.0, -1.0, -1.0, 0.0]) < [8.0, 0.1, 0.1, 0.1], axis=1))

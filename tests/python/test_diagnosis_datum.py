@@ -153,10 +153,13 @@ def with_senses(campaign: Campaign, axis: Axis, sense: float) -> Campaign:
 @pytest.mark.parametrize(
     ("freedom", "like_datum"),
     [
-        (DatumFreedom.NONE, set()),
-        (DatumFreedom.CAMPAIGN, {"positive_um"}),
-        (DatumFreedom.AXIS, {"positive_um", "z_excess_ratio"}),
-        (DatumFreedom.AXIS_SENSE, {"positive_um", "y_excess_ratio", "z_excess_ratio"}),
+        (DatumFreedom.NONE, {"moves_surface"}),
+        (DatumFreedom.CAMPAIGN, {"positive_um", "moves_surface"}),
+        (DatumFreedom.AXIS, {"positive_um", "z_excess_ratio", "moves_surface"}),
+        (
+            DatumFreedom.AXIS_SENSE,
+            {"positive_um", "y_excess_ratio", "z_excess_ratio", "moves_surface"},
+        ),
     ],
 )
 def test_play_of_an_axis_that_is_met_in_one_sense_is_like_where_its_surface_lies(
@@ -164,7 +167,7 @@ def test_play_of_an_axis_that_is_met_in_one_sense_is_like_where_its_surface_lies
 ) -> None:
     scene = Scene.of(free(with_senses(quiet(), Axis.Z, -1.0), freedom))
     play = CANDIDATES["backlash"]
-    found = fit(scene, [play], [[2.0, 0.0, 0.0, 0.0]])
+    found = fit(scene, [play], [[2.0, 0.0, 0.0, 0.0, 0.0]])
 
     assert {play.names[number] for number in play.taken_up(scene)} == like_datum
     (told,) = named(scene, Finding(Scored(found, 50.0, 50.0), ((),), (0.9,)), ())

@@ -138,7 +138,7 @@ def test_slack_is_known_as_closely_as_parameters(share: float) -> None:
     deviation_um = (plain.touches.deviation_um + more_um).round(3)
     scene = Scene.of(replace(plain, touches=replace(plain.touches, deviation_um=deviation_um)))
 
-    found = polish(scene, fit(scene, [candidate("scale_error")], [[400.0, 0.0, 0.0]]))
+    found = polish(scene, fit(scene, [candidate("scale_error")], [[400.0, 0.0, 0.0, 0.0]]))
 
     assert found.slack == pytest.approx(share, rel=0.15)
 

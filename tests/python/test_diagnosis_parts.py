@@ -308,7 +308,7 @@ def test_a_position_that_shows_less_than_a_period_is_not_periodic() -> None:
     span_mm = float(np.ptp(scene.touches.position_mm))
 
     def largest_um(period_mm: float) -> float:
-        parameters = np.array([3.0, period_mm, 20.0, *[0.0] * 9])
+        parameters = np.array([3.0, period_mm, 20.0, *[0.0] * 10])
         change = CANDIDATES["transmission_error"].change(scene, parameters)
         return float(np.max(np.abs(change.position_um)))
 
@@ -322,7 +322,7 @@ def test_what_hardly_moves_all_the_while_does_not_follow_the_temperature() -> No
     takes_s = float(np.ptp(scene.touches.time_s))
 
     def largest_um(lag_s: float) -> float:
-        parameters = np.array([50.0, 0.0, lag_s, 0.0, 0.0, 0.0, 0.0])
+        parameters = np.array([50.0, 0.0, lag_s, *[0.0] * 5])
         change = CANDIDATES["thermal_drift"].change(scene, parameters)
         return float(np.max(np.abs(change.position_um)))
 

@@ -32,9 +32,9 @@ CASES = {
     "input_image_delay": [1.0],
     "scan_jitter": [100.0, 50.0, 0.0],
     "following_error": [200.0, 0.0, 0.0, 20.0],
-    "backlash": [3.0, 0.0, 0.0, 0.0],
-    "scale_error": [50.0, 0.0, 0.0],
-    "thermal_drift": [2.0, 0.0, 500.0, 0.0, 0.0, 0.0, 0.0],
+    "backlash": [3.0, 0.0, 0.0, 0.0, 0.0],
+    "scale_error": [50.0, 0.0, 0.0, 0.0],
+    "thermal_drift": [2.0, 0.0, 500.0, *[0.0] * 5],
     "report_delay": [50.0, 20.0, 0.0, 10.0],
 }
 MACHINE_ONLY = {"pretravel_lobing", "trigger_delay"}
@@ -71,7 +71,7 @@ def test_a_play_says_of_an_effect_what_its_surrogate_says(effect_id: str, folder
     ("effect_id", "values", "tolerance"),
     [
         pytest.param("trigger_delay", [300.0, 0.0, 0.0], 0.03, marks=LONG),  # a shift
-        ("backlash", [3.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
+        ("backlash", [3.0, 0.0, 0.0, 0.0, 0.0], 0.1),  # that depends on the sense
         pytest.param("contact_bounce", [0.2, 300.0, 0.0, 0.0], 0.5, marks=LONG),  # now and then
         pytest.param("link_slotting", [300.0, 0.0], 0.15, marks=LONG),  # scatter alone
         ("lost_trigger", [0.05], 0.3),
@@ -114,7 +114,7 @@ def test_what_is_as_fine_as_can_be_played_is_played_no_finer() -> None:
         skip=replace(nominal.skip, tick_us=1e-3),
     )
 
-    values = np.array([3.0, 0.0, 0.0, 0.0])
+    values = np.array([3.0, 0.0, 0.0, 0.0, 0.0])
     change = simulated("backlash").change(scene.with_nominal(finest), values)
 
     expected = CANDIDATES["backlash"].change(scene, values)
@@ -131,7 +131,7 @@ def test_plays_that_hardly_differ_are_a_small_shift_without_a_warning() -> None:
 
 def test_what_came_before_is_played_though_only_some_touches_are_looked_at() -> None:
     scene = Scene.of(played(BENCH))
-    values = np.array([2.0, 0.0, 500.0, 0.0, 0.0, 0.0, 0.0])  # a drift with a lag
+    values = np.array([2.0, 0.0, 500.0, *[0.0] * 5])  # a drift with a lag
     whole = simulated("thermal_drift").change(scene, values)
 
     late = scene.select(np.arange(len(scene)) >= 300).select(np.arange(100) % 2 == 0)

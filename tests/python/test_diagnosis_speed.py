@@ -64,5 +64,5 @@ def test_a_scene_that_travels_again_is_the_one_that_arrived() -> None:
 
     assert again is first
     assert first.whole is copy(whole)
-    change = CANDIDATES["backlash"].change(part, np.array([3.0, 0.0, 0.0, 0.0]))
+    change = CANDIDATES["backlash"].change(part, np.array([3.0, 0.0, 0.0, 0.0, 0.0]))
     assert likelihood(first, change).total == likelihood(part, change).total

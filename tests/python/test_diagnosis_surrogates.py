@@ -96,6 +96,9 @@ def test_nothing_near_the_truth_is_likelier(folder: Path, truth: Effect, seed: i
     [
         whole("thermal_drift", drift_um_k=2.0, lag_s=400.0, along_approach=1.0, moves_surface=1.0),
         whole("rotary_pivot", x_um=6.0, y_um=-9.0, moves_surface=1.0),
+        whole("backlash", backlash_um=6.0, moves_surface=1.0),
+        whole("scale_error", scale_ppm=60.0, moves_surface=1.0),
+        whole("transmission_error", amplitude_um=5.0, period_mm=40.0, moves_surface=1.0),
     ],
     ids=lambda truth: truth.id,
 )
@@ -110,7 +113,7 @@ def test_a_surface_that_moves_is_found_where_it_shows_when_it_is_met(truth: Effe
 
     sizes = dict(zip(candidate.names, found.parameters[0].tolist(), strict=True))
     assert sizes["moves_surface"] > HALF_WAY
-    for name in ("drift_um_k", "x_um", "y_um"):
+    for name in ("drift_um_k", "x_um", "y_um", "backlash_um", "scale_ppm", "amplitude_um"):
         if value := truth.parameters.get(name):
             assert sizes[name] == pytest.approx(value, rel=0.1)
     left = likelihood(scene, standing(scene, truth).change(scene)).total

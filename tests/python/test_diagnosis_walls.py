@@ -53,7 +53,9 @@ def test_a_delay_between_two_walls_is_no_scale_error() -> None:
     assert gains["scale_error"] < 0.2 * gains["trigger_delay"]
 
 
-@pytest.mark.parametrize("parameters", [(1e6, 0.0, 0.0), (-1e6, 0.0, 0.0), (1.0, 1e6, 1e6)])
+@pytest.mark.parametrize(
+    "parameters", [(1e6, 0.0, 0.0, 0.0), (-1e6, 0.0, 0.0, 0.0), (1.0, 1e6, 1e6, 0.0)]
+)
 def test_no_scale_moves_a_place_by_more_than_the_largest(parameters: tuple[float, ...]) -> None:
     campaign = played(MACHINE)
     scene = Scene.of(campaign)

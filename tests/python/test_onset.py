@@ -168,7 +168,7 @@ def test_a_surface_that_was_moved_is_no_effect_that_begins() -> None:
     moved = Scene.of(replace(campaign, nominal=nominal, touches=shifted))
     # Play in both senses alike is what comes nearest to a surface that was moved.
     play = replace(CANDIDATES["backlash"], span=Span(since=since))
-    found = fit(moved, [play], [[30.0, 30.0, 0.0, 0.0]])
+    found = fit(moved, [play], [[30.0, 30.0, 0.0, 0.0, 0.0]])
 
     assert nats(moved, found.change(moved)) - nats(moved, Change()) > 100.0
     assert outlives_datum(moved, found) < 15.0
@@ -181,10 +181,10 @@ def test_a_play_that_ends_may_be_shared_by_both_senses() -> None:
     span = Span(until=middle_touch(campaign))
     shared = Effect("backlash", {"backlash_um": 2.0, "positive_um": 2.0}, span)
     scene = Scene.of(played_again(campaign, shared))
-    assert CANDIDATES["backlash"].taken_up(scene) == {1, 3}  # nothing touches along Z
+    assert CANDIDATES["backlash"].taken_up(scene) == {1, 3, 4}  # nothing touches along Z
 
     # As a part of the campaign shows it, beside a datum of its own: all of it in one sense.
-    first, *_ = proposed(scene, [of("backlash", [4.0, 0.0, 0.0, 0.0])])
+    first, *_ = proposed(scene, [of("backlash", [4.0, 0.0, 0.0, 0.0, 0.0])])
     (effect,) = as_effects(polished(scene, passing(scene, first)))
 
     assert effect.span.until == pytest.approx(span.until, abs=4)
@@ -254,6 +254,8 @@ class Ranking:
 
     def told_otherwise(self) -> list[Nominal]:
         return []
+
+    told_along_grid = told_otherwise
 
     def may_begin(self, _: list[Scored]) -> bool:
         return False

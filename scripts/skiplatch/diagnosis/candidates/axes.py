@@ -11,7 +11,7 @@ from skiplatch.arrays import FloatArray
 from skiplatch.campaign import LINEAR_AXES, Touches
 from skiplatch.diagnosis.candidates.candidate import Refinement
 from skiplatch.diagnosis.candidates.first_axis import MOST_OVER, OF_AN_AXIS, RATIOS
-from skiplatch.diagnosis.candidates.positions import positions
+from skiplatch.diagnosis.candidates.positions import Positions, positions, surfaces_show
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_beside
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.scene import Scene
@@ -56,6 +56,7 @@ def each_axis(
     sizes: Sequence[float],
     linear: int,
     y_excess_ratio: int,
+    moves_surface: int | None = None,
 ) -> Starts:
     """Propose an error of the position by what the touches show of it, and by each axis' touches.
 
@@ -65,6 +66,7 @@ def each_axis(
         sizes: That are proposed anyway, of either sign.
         linear: So many parameters, the first ones, multiply the error.
         y_excess_ratio: Number of the parameter y_excess_ratio, which z_excess_ratio follows.
+        moves_surface: That of the one by which the surface moves instead, if there is one.
     """
 
     def sized(shape: Sequence[float], size: float) -> list[float]:
@@ -76,12 +78,16 @@ def each_axis(
 
     def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         seen: list[list[float]] = []
-        for shape in shapes:
-            unit_um = change(scene, np.array(shape)).position_um
-            for first, *over in _seen_sizes(scene, given, np.broadcast_to(unit_um, (len(scene),))):
-                own = sized(shape, first)
-                own[y_excess_ratio : y_excess_ratio + 2] = over
-                seen.append(own)
+        for moves in {False, moves_surface is not None and surfaces_show(scene)}:
+            told = positions(scene, given, of_surfaces=moves)
+            for shape in shapes:
+                unit_um = change(scene, np.array(shape)).position_um
+                for first, *over in _seen_sizes(scene, told, np.broadcast_to(unit_um, len(scene))):
+                    own = sized(shape, first)
+                    if moves_surface is not None:
+                        own[moves_surface] = float(moves)
+                    own[y_excess_ratio : y_excess_ratio + 2] = over
+                    seen.append(own)
         return [*seen, *usual]
 
     return starts
@@ -97,13 +103,12 @@ def axes_of_their_own(y_excess_ratio: int) -> tuple[Refinement, ...]:
     return ({y: 0.1}, {y: -0.5}, {z: -0.9}, {y: 0.1, z: -0.9})
 
 
-def _seen_sizes(scene: Scene, given: Change, unit_um: FloatArray) -> list[list[float]]:
+def _seen_sizes(scene: Scene, told: Positions, unit_um: FloatArray) -> list[list[float]]:
     """Fit multiples of an error, shape (n,): that of the first axis, and what Y and Z have more.
 
     One that all axes have in common; another of each axis, if they are not much the same. None of
     too few touches.
     """
-    told = positions(scene, given)
     rows = told.rows
     scores, units = told.off_um / told.spread_um, unit_um[rows] / told.spread_um
     if np.count_nonzero(units) < FEWEST_ON_AXIS:

@@ -8,6 +8,7 @@ import numpy as np
 from skiplatch.campaign import Nominal
 from skiplatch.diagnosis.candidates.applicable import varies
 from skiplatch.diagnosis.candidates.first_axis import first_of_its_own
+from skiplatch.diagnosis.candidates.positions import surfaces_show
 from skiplatch.diagnosis.candidates.starts import Starts
 from skiplatch.diagnosis.candidates.surrogates import Parameters
 from skiplatch.diagnosis.density.change import Change
@@ -21,6 +22,8 @@ Refinement = Mapping[int, float | Callable[[Parameters], float]]
 LEEWAY = 0.05
 """Of the scatter of a delay, by which a fit may miss its least."""
 
+MOVES_SURFACE = "moves_surface"
+"""The parameter by which an error of the position is one of the surface."""
 TOLD_BY = {"expansion_ppm_k": "position_mm"}
 """Columns that have to vary for a parameter to be told from another one."""
 
@@ -69,6 +72,7 @@ class Candidate:
         is_anywhere = is_free and self.span == ALWAYS
         taken = first_of_its_own(scene.touches) & set(self.names)
         taken |= {n for n in TOLD_BY.keys() & set(self.names) if not varies(TOLD_BY[n])(scene)}
+        taken |= set() if surfaces_show(scene) else {MOVES_SURFACE} & set(self.names)
         if is_anywhere:
             taken |= self.like_datum(scene)
         return frozenset(map(self.names.index, taken))

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from skiplatch.arrays import FloatArray
+from skiplatch.diagnosis.candidates.positions import surfaces_show
 from skiplatch.diagnosis.candidates.starts import Starts, robust_fit, scale_beside
 from skiplatch.diagnosis.candidates.surrogates import Parameters
 from skiplatch.diagnosis.density.change import Change
@@ -64,7 +65,7 @@ def centres(change: Effect) -> Starts:
 
     def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
         seen = []
-        moves = (0.0, 1.0) if _shows_surfaces(scene) else (0.0,)
+        moves = (0.0, 1.0) if surfaces_show(scene) else (0.0,)
         settings = [(*setting, moved) for moved in moves for setting in SETTINGS]
         for setting in settings:
             units = [[1.0, 0.0, *setting], [0.0, 1.0, *setting]]
@@ -74,33 +75,6 @@ def centres(change: Effect) -> Starts:
         return seen or usual
 
     return starts
-
-
-def with_surfaces(
-    change: Effect, others: Starts, shapes: Sequence[Sequence[float]], linear: int
-) -> Starts:
-    """Propose also that surfaces move, where it shows when they are met.
-
-    Args:
-        change: What parameters make of the physics.
-        others: What is proposed anyway.
-        shapes: Parameters of surfaces that move by one unit.
-        linear: So many of these, the first ones, multiply it.
-    """
-
-    def starts(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-        seen: list[list[float]] = []
-        for shape in shapes if _shows_surfaces(scene) else ():
-            if (found := sizes(scene, given, change, [shape])) is not None:
-                size = float(found[0])
-                seen.append([*(size * value for value in shape[:linear]), *shape[linear:]])
-        return [*seen, *others(scene, given)]
-
-    return starts
-
-
-def _shows_surfaces(scene: Scene) -> bool:
-    return scene.is_machine and bool((scene.has_stamps | scene.has_arrivals).any())
 
 
 def sizes(

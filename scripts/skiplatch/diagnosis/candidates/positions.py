@@ -2,6 +2,7 @@
 
 A position without a stamp has the wait for a scan in it on the PLC path. That is a box as wide as
 what the axis goes in a scan, and narrow where it is slow: by its law each touch tells what it can.
+Of a surface that moves, and is met later, the stamps tell where it is in place of the positions.
 """
 
 from dataclasses import dataclass, replace
@@ -11,7 +12,12 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.diagnosis.density.change import Change
-from skiplatch.diagnosis.density.datum import ARRIVAL, BY_COORDINATES, WITHOUT_STAMPS
+from skiplatch.diagnosis.density.datum import (
+    ARRIVAL,
+    BY_COORDINATES,
+    BY_STAMPS,
+    WITHOUT_STAMPS,
+)
 from skiplatch.diagnosis.likelihood.laws import law_under
 from skiplatch.diagnosis.scene.scene import Scene
 
@@ -41,16 +47,25 @@ class Positions:
         )
 
 
-def positions(scene: Scene, given: Change) -> Positions:
-    """Take the touches of which a position was recorded, in order, on top of what is given."""
+def surfaces_show(scene: Scene) -> bool:
+    """Tell whether it shows when surfaces are met, beside where."""
+    return scene.is_machine and bool((scene.has_stamps | scene.has_arrivals).any())
+
+
+def positions(scene: Scene, given: Change, *, of_surfaces: bool = False) -> Positions:
+    """Take the touches of which a position was recorded, in order, on top of what is given.
+
+    Or, of surfaces, what stamps tell of these.
+    """
     off_um, spread_um = np.full(len(scene), np.nan), np.full(len(scene), np.nan)
     data: list[FloatArray] = []
-    for family in (BY_COORDINATES, WITHOUT_STAMPS):
+    for family in (BY_STAMPS if of_surfaces else BY_COORDINATES, WITHOUT_STAMPS):
         datum = np.full(len(scene), -1)
         for stream in (scene.streams[n] for n in family if n in scene.streams and n != ARRIVAL):
             law, there = law_under(scene, stream, given), stream.rows
-            off_um[there] = (stream.residuals - law.mean)[there]
-            spread_um[there] = law.spread[there]
+            um = scene.speed[there] if stream.unit == "µs" else 1.0
+            off_um[there] = um * (stream.residuals - law.mean)[there]
+            spread_um[there] = um * law.spread[there]
             datum[there] = scene.datum_of(stream)
         data += [
             np.where(datum == k, scene.datum_senses, 0.0) for k in np.unique(datum[datum >= 0])

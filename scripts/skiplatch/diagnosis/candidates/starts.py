@@ -194,9 +194,8 @@ def _slopes(stream: Stream, parts: Sequence[FloatArray]) -> FloatArray:
 
 def scale_beside(columns: Sequence[FloatArray], scores: FloatArray) -> float:
     """Give the scatter of scores, shape (n,), beside multiples of columns, whatever some do."""
-    design = np.column_stack(columns)
-    least, *_ = np.linalg.lstsq(design, scores, rcond=None)
-    left = scores - design @ least
+    found, _ = robust_fit(columns, scores)
+    left = scores - np.column_stack(columns) @ found
     return max(1.0, float(stats.median_abs_deviation(left, scale="normal")))
 
 

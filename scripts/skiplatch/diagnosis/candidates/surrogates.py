@@ -156,13 +156,18 @@ def transmission(scene: Scene, p: Parameters) -> Change:
         return np.asarray(size * found)
 
     error = error_um(position)
-    if p[11] <= HALF_WAY:
+    if not _is_at_surface(p):
         error = error_um(position - error / UM_PER_MM)
-    return Change(position_um=scene.sign * error)
+    return _farther(scene, scene.sign * error, p[12])
+
+
+def _is_at_surface(p: Parameters) -> bool:
+    """Tell whether a wave counts where the surface should be: so it does where it moves that."""
+    return bool(max(p[11], p[12]) > HALF_WAY)
 
 
 def _where_mm(scene: Scene, p: Parameters) -> FloatArray:
-    return scene.touches.position_mm if p[11] > HALF_WAY else scene.latched_mm
+    return scene.touches.position_mm if _is_at_surface(p) else scene.latched_mm
 
 
 def held(scene: Scene, p: Parameters) -> Change:
@@ -190,7 +195,7 @@ def lagging(scene: Scene, p: Parameters) -> Change:
 def lost_motion(scene: Scene, p: Parameters) -> Change:
     """The position errs by the sense of motion."""
     by_sense = np.where(scene.sign < 0.0, -p[0], p[1])
-    return Change(position_um=by_sense * scene.over_x(p[2], p[3]))
+    return _farther(scene, by_sense * scene.over_x(p[2], p[3]), p[4])
 
 
 def scaled(scene: Scene, p: Parameters) -> Change:
@@ -201,7 +206,7 @@ def scaled(scene: Scene, p: Parameters) -> Change:
     most_ppm = parameter_of("scale_error", "scale_ppm").high
     scale_ppm = np.clip(p[0] * scene.over_x(p[1], p[2]), -most_ppm, most_ppm)
     error_um = scale_ppm / UM_PER_MM * np.nan_to_num(scene.latched_mm)
-    return Change(position_um=scene.sign * error_um)
+    return _farther(scene, scene.sign * error_um, p[3])
 
 
 def warmed(scene: Scene, p: Parameters) -> Change:

@@ -45,13 +45,6 @@ copyreg.pickle(Candidate, _as_id_and_span)  # functions do not travel to another
 
 _DELAYS = starts.later(*([sign * us, 0.0, 0.0] for us in (10.0, 300.0) for sign in (1.0, -1.0)))
 
-_WARMTH = [
-    [drift, growth, lag_s, cold, 0.0, 0.0, along, 0.0]
-    for drift, growth, along in ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
-    for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
-]
-"""Of a drift, or one that grows along the axis, that follows a thermometer."""
-
 CANDIDATES: Mapping[str, Candidate] = {
     row.id: row
     for row in (
@@ -208,10 +201,11 @@ CANDIDATES: Mapping[str, Candidate] = {
             surrogates.lost_motion,
             each_axis(
                 surrogates.lost_motion,
-                [[*senses, 0.0, 0.0] for senses in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))],
+                [[*senses, 0.0, 0.0, 0.0] for senses in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))],
                 (2.0,),
                 linear=2,
                 y_excess_ratio=2,
+                moves_surface=4,
             ),
             applies=varies("sign"),
             refinements=({0: 0.1}, {1: 0.1}, *axes_of_their_own(2)),
@@ -231,7 +225,12 @@ CANDIDATES: Mapping[str, Candidate] = {
             "scale_error",
             surrogates.scaled,
             each_axis(
-                surrogates.scaled, [[1.0, 0.0, 0.0]], (10.0, 100.0), linear=1, y_excess_ratio=1
+                surrogates.scaled,
+                [[1.0, 0.0, 0.0, 0.0]],
+                (10.0, 100.0),
+                linear=1,
+                y_excess_ratio=1,
+                moves_surface=3,
             ),
             refinements=axes_of_their_own(1),
             applies=varies("position_mm"),
@@ -244,11 +243,17 @@ CANDIDATES: Mapping[str, Candidate] = {
         Candidate(
             "thermal_drift",
             surrogates.warmed,
-            linear_starts.with_surfaces(
+            each_axis(
                 surrogates.warmed,
-                each_axis(surrogates.warmed, _WARMTH, (2.0,), linear=2, y_excess_ratio=4),
-                [[*shape[:-1], 1.0] for shape in _WARMTH],
+                [
+                    [drift, growth, lag_s, cold, 0.0, 0.0, along, 0.0]
+                    for drift, growth, along in ((1.0, 0.0, 0.0), (1.0, 0.0, 1.0), (0.0, 1.0, 0.0))
+                    for lag_s, cold in ((0.0, 0.0), (300.0, 0.0), (3000.0, 0.0), (500.0, 1.0))
+                ],
+                (2.0,),
                 linear=2,
+                y_excess_ratio=4,
+                moves_surface=7,
             ),
             applies=varies("temp_c"),
             refinements=({0: 1.0}, {1: 10.0}, {3: 0.5}, *axes_of_their_own(4)),

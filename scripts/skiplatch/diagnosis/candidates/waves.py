@@ -8,7 +8,7 @@ import numpy as np
 
 from skiplatch.arrays import BoolArray, FloatArray, IndexArray
 from skiplatch.campaign import LINEAR_AXES, Axis
-from skiplatch.diagnosis.candidates.positions import positions
+from skiplatch.diagnosis.candidates.positions import Positions, positions, surfaces_show
 from skiplatch.diagnosis.candidates.starts import robust_fit, scale_beside
 from skiplatch.diagnosis.density.change import Change
 from skiplatch.diagnosis.scene.periodogram import explained_by_sines
@@ -33,35 +33,47 @@ WINSOR = 0.02
 TURN_DEG = 360.0
 WORTH_A_SWITCH = 4.0
 """Squares, weighted, that the surface's coordinate has to leave less than that of the latch."""
-UNKNOWN = [1.0, 10.0, 1.0, *[0.0] * 9]
+UNKNOWN = [1.0, 10.0, 1.0, *[0.0] * 10]
 
 Parameters = list[float]
-"""Of a transmission error, all but the last, which tells where the error is counted."""
+"""Of a transmission error, all but the last two, which tell where it counts."""
 Sine = Callable[[float], tuple[float, Parameters]]
 """Fits at a frequency in 1/mm; gives what is left, squared, weighted and summed, and the fit."""
 
 
 def transmissions(scene: Scene, given: Change) -> Sequence[Sequence[float]]:
-    """Propose the periods that explain most: at each, the best sine by least squares."""
-    seen = positions(scene, given).where(~np.isnan(scene.latched_mm))
+    """Propose the periods that explain most: at each, the best sine by least squares.
+
+    Of what is read where it was latched, or where the surface should be; or of where surfaces are.
+    """
+    read = positions(scene, given)
+    found = [_sines(scene, read, place) for place in (scene.latched_mm, scene.touches.position_mm)]
+    seen: list[Parameters] = []
+    if all(found):
+        latched, at_surface = (min(left for left, _ in starts) for starts in found)
+        is_at_surface = at_surface < latched - WORTH_A_SWITCH
+        seen += [[*start, float(is_at_surface), 0.0] for _, start in found[is_at_surface]]
+    if surfaces_show(scene):
+        met = positions(scene, given, of_surfaces=True)
+        seen += [[*start, 0.0, 1.0] for _, start in _sines(scene, met, scene.touches.position_mm)]
+    return seen or [UNKNOWN]
+
+
+def _sines(scene: Scene, seen: Positions, place: FloatArray) -> list[tuple[float, Parameters]]:
+    """Give the best sines of what touches are off along places, shape (n,), and what they leave."""
+    seen = seen.where(~np.isnan(scene.latched_mm))
     rows = seen.rows
     if not len(rows):
-        return [UNKNOWN]
+        return []
     on_axes = [scene.touches.axis[rows] == axis for axis in LINEAR_AXES]
     # A touch that goes too far is to either side of its position, by its sense.
     data = scene.sign[rows, None] * seen.data
     error_um = _beside_datum(scene.sign[rows] * seen.off_um, data, seen.spread_um)
     limited = np.clip(error_um, *np.quantile(error_um, [WINSOR, 1.0 - WINSOR]))
-    places = scene.latched_mm[rows], scene.touches.position_mm[rows]
     # Between places that lie evenly, a faster wave looks like a slower one.
     fastest = min(FASTEST_PER_MM, 1.0 / (scene.whole or scene).shortest_wave_mm)
     weights = 1.0 / seen.spread_um**2
-    found = [_Seen(place, limited, weights, data, on_axes, fastest).starts() for place in places]
-    if not all(found):
-        return [UNKNOWN]
-    latched, at_surface = (min(left for left, _ in starts) for starts in found)
-    is_at_surface = at_surface < latched - WORTH_A_SWITCH
-    return [[*start, float(is_at_surface)] for _, start in found[is_at_surface]]
+    return _Seen(place[rows], limited, weights, data, on_axes, fastest).starts()
 
 
 def _beside_datum(error: FloatArray, data: FloatArray, spread: FloatArray) -> FloatArray:
