@@ -1,5 +1,6 @@
 """The touches at which an effect acts: all of them, or those since one, or until one."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -33,6 +34,15 @@ class Span:
     def ends(self) -> int:
         """Number of its ends within the campaign."""
         return (self.since is not None) + (self.until is not None)
+
+
+def parted(spans: Iterable[Span], touch: NDArray[np.integer], rows: BoolArray) -> list[BoolArray]:
+    """Take rows, a mask of shape (n,), apart by the spans that hold their touches' numbers."""
+    parts = [rows]
+    for span in spans:
+        acts = span.holds(touch)
+        parts = [half for part in parts for half in (part & acts, part & ~acts)]
+    return parts
 
 
 ALWAYS = Span()

@@ -298,6 +298,24 @@ def test_a_few_that_are_lost_matter() -> None:
     assert {one.observable for one in found} == {MISSED}
 
 
+def test_which_are_lost_is_asked_only_while_they_are() -> None:
+    """That none is before tells them by their number, which a rig that begins to lose them says."""
+    bench = read_campaign(BENCH)
+    since = int(np.median(bench.touches.touch))
+    loses = Effect("lost_trigger", {"probability": 0.3}, Span(since=since))
+    scene = Scene.of(played_again(bench, loses))
+
+    always = Rig(scene.nominal, [replace(loses, span=Span())])
+    begins = Rig(scene.nominal, [loses])
+    missed = [
+        [one for one in left_over(Beside.of(scene, rig, seed=1)) if one.observable == MISSED]
+        for rig in (always, begins)
+    ]
+
+    assert max(one.z for one in missed[0]) > 4.5
+    assert max(one.z for one in missed[1]) < 4.0
+
+
 def test_one_that_is_missed_is_an_accident() -> None:
     campaign = played(BENCH)
     unseen = np.arange(len(campaign.touches)) == 7

@@ -27,6 +27,7 @@ from skiplatch.diagnosis.scene.pitches import is_on_grid, kept_pitch
 from skiplatch.diagnosis.scene.scene import Scene
 from skiplatch.side_by_side import side_by_side
 from skiplatch.simulator.playing import Outcomes
+from skiplatch.span import Span, parted
 from skiplatch.statistics import errors_of, errors_of_excess
 from skiplatch.units import UM_PER_MM
 
@@ -59,7 +60,8 @@ def left_over(
     memo.update(zip(new, side_by_side(executor, Look.all, new.values()), strict=True))
     found = [left for key in looks for left in memo[key]]
     for path, here in beside.paths.items():
-        found += _missing(beside.setting, path, here, beside.outcomes)
+        for rows in parted(beside.spans, beside.setting.scene.touches.touch, here):
+            found += _missing(beside.setting, path, rows, beside.outcomes)
         found += _steps(beside.setting, path, here, beside.resolution_um)
     return sorted(found, key=lambda left: -left.z)
 
@@ -74,6 +76,7 @@ class Beside:
         recorded: Shape (n,), by observable.
         played: Shape (r, n), by observable.
         resolution_um: What the rig played rounds positions to.
+        spans: At which some effect of it acts: a look at what was missed knows no plays.
     """
 
     setting: Setting
@@ -81,6 +84,7 @@ class Beside:
     recorded: Mapping[str, FloatArray]
     played: Mapping[str, FloatArray]
     resolution_um: float
+    spans: Sequence[Span] = ()
 
     @classmethod
     def of(cls, scene: Scene, rig: Rig, *, seed: int, jobs: int = 1) -> Self:
@@ -103,7 +107,7 @@ class Beside:
         recorded = {k: np.where(scene.false, np.nan, values) for k, values in recorded.items()}
         if not has_like_grid(rig, sequence.touches):
             recorded = {**recorded, "grid": np.full(len(scene), np.nan)}
-        return cls(Setting(scene, seed), outcomes, recorded, played, rig.resolution_um)
+        return cls(Setting(scene, seed), outcomes, recorded, played, rig.resolution_um, rig.spans)
 
     @property
     def paths(self) -> Mapping[str, BoolArray]:

@@ -29,7 +29,7 @@ from skiplatch.diagnosis.verdict.cell_scores import Cell, CellScores, Ensemble
 from skiplatch.diagnosis.verdict.gap_observables import observables
 from skiplatch.diagnosis.verdict.luck import is_no_luck, may_be_luck, tightness
 from skiplatch.simulator.playing import Outcomes
-from skiplatch.span import Span
+from skiplatch.span import Span, parted
 from skiplatch.statistics import CONFIDENCE, Interval
 
 PLAYED_TOUCHES = 40_000
@@ -178,11 +178,7 @@ def _cells_within(
 
     Feeds at which there are too few are one cell: each touch is held against its own feed anyhow.
     """
-    parts = [known]
-    for span in spans:
-        acts = span.holds(scene.touches.touch)
-        parts = [half for part in parts for half in (part & acts, part & ~acts)]
-    for part in parts:
+    for part in parted(spans, scene.touches.touch, known):
         few: dict[InputPath, list[IndexArray]] = {}
         for path, _, rows in cells_of(scene.touches, part, 1):
             if len(rows) >= FEWEST_TOUCHES:
