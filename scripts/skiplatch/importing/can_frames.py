@@ -21,6 +21,7 @@ from skiplatch.importing.apart import read_apart
 from skiplatch.importing.candump import is_logged, is_shown, shown_frames
 from skiplatch.importing.encodings import in_utf8
 from skiplatch.importing.model import Imported
+from skiplatch.importing.packed import unpacked
 from skiplatch.units import NS_PER_US
 
 MDF = ".mf4"
@@ -106,7 +107,11 @@ def _frames(path: Path) -> Iterator[tuple[int, bytes]]:
         if is_shown(path):
             yield from shown_frames(path)
             return
-        with in_utf8(path) as plain, _reader(plain) as reader:
+        with (
+            unpacked(path, MOST_BYTES) as whole,
+            in_utf8(whole) as plain,
+            _reader(plain) as reader,
+        ):
             for message in _up_to_a_break(path, reader):
                 yield message.arbitration_id, bytes(message.data)
 

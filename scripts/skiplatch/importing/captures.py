@@ -16,9 +16,11 @@ from skiplatch.files import foreign_reader
 from skiplatch.importing.analyser import RATE, Capture, hertz, only_changes, refuse_times
 from skiplatch.importing.capture_csv import read_levels, read_sheet
 from skiplatch.importing.encodings import in_utf8
+from skiplatch.importing.packed import read_member
 from skiplatch.importing.scope_csv import holds_voltages, read_voltages, with_times
 
 MOST_BYTES = 2 * 2**30
+MOST_METADATA = 2**20
 MOST_TICKS = 2**63
 _RATE = re.compile(RATE, re.IGNORECASE)
 _ACQUIRED = re.compile(f"Acquisition with .* at {RATE}", re.IGNORECASE)
@@ -118,7 +120,8 @@ def _sigrok_session(path: Path) -> tuple[dict[str, str], bytes]:
     """Give what the session says of its device, and the samples."""
     with foreign_reader(path, MOST_BYTES, "session of sigrok"), zipfile.ZipFile(path) as archive:
         meta = configparser.ConfigParser(interpolation=None)
-        meta.read_string(archive.read("metadata").decode())
+        metadata = read_member(path, archive, "metadata", MOST_METADATA)
+        meta.read_string(metadata.decode())
         device = dict(meta["device 1"])
         parts = sorted(_parts(archive, device["capturefile"]))
         if sum(archive.getinfo(name).file_size for _, name in parts) > MOST_BYTES:
