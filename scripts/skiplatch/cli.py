@@ -4,6 +4,7 @@ import errno
 import os
 import signal
 import sys
+import traceback
 import warnings
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor
@@ -24,6 +25,8 @@ FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF}
 """Of a file that takes no more, or a closed stdout: only that is not named where it is written."""
 NO_READER = 128 + signal.SIGPIPE
 """Exit status of a tool whose output nobody reads any longer, as a shell gives it."""
+OWN_FAULT = "a fault of skiplatch itself"
+WHERE = "PYTHONDEVMODE=1 shows where"
 
 # Name of each command and what it does; its module is imported only when it is called.
 COMMANDS = {
@@ -56,6 +59,20 @@ MODULES = {"import": "import_log"}  # a keyword is no name of a module
 
 
 @contextmanager
+def _interrupted_in_order() -> Iterator[None]:
+    """Say that the user or the system ended it; click would exit with 1 after a SIGINT."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        click.echo("interrupted", err=True)
+        sys.exit(INTERRUPTED)
+    except SystemExit as ended:
+        if ended.code == TERMINATED:
+            click.echo("interrupted", err=True)
+        raise
+
+
+@contextmanager
 def _ended_by_closed_pipe() -> Iterator[None]:
     """Exit as other tools do; click would exit with 1, which says that there is a gap."""
     try:
@@ -85,7 +102,7 @@ class _LazyGroup(click.Group):
     """A group whose commands live in ``skiplatch.commands``, one module each."""
 
     def make_context(self, *args: Any, **kwargs: Any) -> click.Context:  # noqa: ANN401
-        with _ended_by_closed_pipe(), _refused_in_one_line():  # --help writes here
+        with _interrupted_in_order(), _ended_by_closed_pipe(), _refused_in_one_line():
             return super().make_context(*args, **kwargs)
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
@@ -99,17 +116,14 @@ class _LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def invoke(self, ctx: click.Context) -> object:
-        try:
-            with _refused_in_one_line(), _ended_by_closed_pipe(), taken_back_on_failure():
-                result = super().invoke(ctx)
-                sys.stdout.flush()
-        except KeyboardInterrupt:
-            click.echo("interrupted", err=True)
-            ctx.exit(INTERRUPTED)
-        except SystemExit as ended:
-            if ended.code == TERMINATED:
-                click.echo("interrupted", err=True)
-            raise
+        with (
+            _interrupted_in_order(),
+            _refused_in_one_line(),
+            _ended_by_closed_pipe(),
+            taken_back_on_failure(),
+        ):
+            result = super().invoke(ctx)
+            sys.stdout.flush()
         return result
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
@@ -173,6 +187,12 @@ def main() -> None:
         if isinstance(error, OSError) and error.errno in FULL and error.filename is None:
             _refuse(f"stdout: cannot write: {error.strerror}")
         _refuse(one_line(f"{type(error).__name__}: {error}"))
+    except KeyboardInterrupt:  # outside of the commands
+        sys.exit(INTERRUPTED)
+    except Exception as error:  # noqa: BLE001
+        if sys.flags.dev_mode:
+            traceback.print_exc()
+        _refuse(one_line(f"{OWN_FAULT}: {type(error).__name__}: {error}; {WHERE}"))
 
 
 class _Nowhere(TextIOWrapper):
