@@ -2,7 +2,10 @@
 #
 # They come from the mirror this machine already uses, with a source list, package lists and a cache
 # of their own in a scratch folder, so that nothing else can ever come from that release. The network
-# belongs to apt-get alone: it checks the signed index, the index the package.
+# belongs to apt-get alone: it checks the signed index, the index the package. What is named in
+# aside.lock has to be what was there when it was locked, whatever the index says of it.
+#
+# Whoever sources this has said where the folder `scripts` is.
 #
 # shellcheck shell=sh
 
@@ -37,10 +40,25 @@ begin_aside() {
     apt-get -qq $aside_options update
 }
 
-# fetch_aside PACKAGE…: download them into SCRATCH/deb.
+# fetch_aside PACKAGE…: download them into SCRATCH/deb; 1 where one is not to be had, or is forged.
 fetch_aside() {
     # shellcheck disable=SC2086
-    (cd "$aside/deb" && apt-get -qq $aside_options download "$@")
+    (cd "$aside/deb" && apt-get -qq $aside_options download "$@") && check_aside
+}
+
+# check_aside: hold what was downloaded to aside.lock; what has moved on since then is told.
+check_aside() {
+    for package in "$aside"/deb/*.deb; do
+        name=$(basename "$package")
+        # shellcheck disable=SC2154
+        hash=$(awk -v name="$name" '$2 == name { print $1 }' "$scripts/setup/aside.lock")
+        if [ -z "$hash" ]; then
+            echo "$name is not in aside.lock, and taken as the signed index has it" >&2
+        elif ! echo "$hash  $package" | sha256sum --check --status; then
+            echo "$name is not the one of aside.lock" >&2
+            return 1
+        fi
+    done
 }
 
 # depends_aside PACKAGE: what it depends on, a line each.

@@ -7,7 +7,6 @@ set -eu
 
 suite=trixie
 version=2.5.3+git40-g379a9a8-2
-sha256=166e45090937251892363d10860b5e7aa5353d5553fde2cbaba514760ba3785e
 
 scripts=$(cd "$(dirname "$0")/.." && pwd)
 # shellcheck source=scripts/setup/apt_aside.sh
@@ -46,5 +45,4 @@ fi
 fetch_aside "cmock=$version"
 
 package=$(find "$scratch/deb" -name 'cmock_*.deb')
-echo "$sha256  $package" | sha256sum --check --quiet
 as_root dpkg --install "$package" >/dev/null

@@ -9,8 +9,9 @@
 set -eu
 
 project=$(cd "$(dirname "$0")/../../.." && pwd)
+scripts=$project/scripts
 # shellcheck source=scripts/setup/apt_aside.sh
-. "$project/scripts/setup/apt_aside.sh"
+. "$scripts/setup/apt_aside.sh"
 target=$project/build/qemu
 program=$target/qemu-system-arm
 
